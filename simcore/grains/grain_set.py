@@ -1,0 +1,85 @@
+# ruff: noqa: E741  L, I, S are the field's names of the axes
+"""A set of grains in one netCDF file: ragged meshes and one row of measures per grain."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from .mesh import Grain
+
+_MEASURES = {
+    "L": ("m", "longest axis of the mass-equivalent ellipsoid"),
+    "I": ("m", "intermediate axis of the mass-equivalent ellipsoid"),
+    "S": ("m", "shortest axis of the mass-equivalent ellipsoid"),
+    "volume": ("m3", "volume of the convex hull"),
+    "sieve_size": ("m", "sieve size D = sqrt((S² + I²) / 2)"),
+    "flatness": ("1", "flatness S/I"),
+    "elongation": ("1", "elongation I/L"),
+    "sphericity": ("1", "surface of the sphere of equal volume over the surface (Wadell)"),
+}
+
+
+def grain_dataset(grains, **attributes):
+    """The grains as an xarray Dataset: dims grain, vertex, face, xyz (3), corner (3).
+
+    Vertices of grain i are vertices[vertex_start[i] : vertex_start[i] + vertex_count[i]] [m]; its faces
+    likewise, with indices that count from its own first vertex. attributes: added to the Dataset's.
+    """
+    names = [grain.name for grain in grains]
+    if not grains or len(set(names)) < len(names):
+        raise ValueError(f"a grain set needs at least one grain and unique names, got {names}")
+    data = {
+        "vertices": (("vertex", "xyz"), np.concatenate([g.vertices for g in grains]), {"units": "m"}),
+        "faces": (("face", "corner"), np.concatenate([g.faces for g in grains]).astype(np.int32)),
+        "second_moments": (
+            ("grain", "xyz"),
+            np.stack([g.second_moments for g in grains]),
+            {"units": "m2", "long_name": "mean of x², y², z² over the volume"},
+        ),
+    }
+    for kind, arrays in (("vertex", [g.vertices for g in grains]), ("face", [g.faces for g in grains])):
+        counts = np.array([len(a) for a in arrays])
+        data[f"{kind}_count"] = ("grain", counts)
+        data[f"{kind}_start"] = ("grain", np.cumsum(counts) - counts)
+    for measure, (units, long_name) in _MEASURES.items():
+        values = np.array([getattr(g, measure) for g in grains])
+        data[measure] = ("grain", values, {"units": units, "long_name": long_name})
+    frame = "centre of mass at the origin, principal axes S, I, L along x, y, z"
+    return xr.Dataset(data, {"grain": names, "xyz": list("xyz")}, {"frame": frame, **attributes})
+
+
+def write_grains(path, grains, **attributes):
+    """Write the grains as grain_dataset has them, under a temporary name until the file is whole."""
+    path = Path(path)
+    part = path.with_name(path.name + ".part")
+    grain_dataset(grains, **attributes).to_netcdf(part, engine="netcdf4")
+    os.replace(part, path)
+
+
+def read_grains(path):
+    """The list of Grain written by write_grains. ValueError if the file is missing or is no grain set."""
+    path = Path(path)
+    if not path.is_file():
+        raise ValueError(f"grain set {path} does not exist: write it with write_grains, or correct the path")
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as file:
+            data = file.load()
+        columns = [data[name].values for name in ("L", "I", "S", "volume", "second_moments")]
+        meshes = [_ragged(data, "vertex", "vertices"), _ragged(data, "face", "faces")]
+    except (OSError, KeyError) as error:
+        raise ValueError(f"{path} is not a grain set written by write_grains: {error}") from None
+    return [
+        Grain(
+            str(name), vertices, faces.astype(np.int64), float(volume), moments, float(L), float(I), float(S)
+        )
+        for name, vertices, faces, L, I, S, volume, moments in zip(
+            data.grain.values, *meshes, *columns, strict=True
+        )
+    ]
+
+
+def _ragged(data, kind, variable):
+    counts = data[f"{kind}_count"].values
+    return np.split(data[variable].values, np.cumsum(counts)[:-1])

@@ -1,0 +1,94 @@
+"""Geometry of closed triangle meshes: hull, exact moments, flat facets."""
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+
+def convex_hull(points):
+    """Convex hull of points (n, 3): its vertices (v, 3) and outward triangles (2v - 4, 3).
+
+    Points inside the hull are dropped. ValueError if fewer than four points, not finite, or all in one plane.
+    """
+    points = np.asarray(points, float)
+    if points.ndim != 2 or points.shape[1] != 3 or len(points) < 4:
+        raise ValueError(f"a hull needs at least 4 points with 3 coordinates, got an array {points.shape}")
+    if not np.isfinite(points).all():
+        raise ValueError("points with NaN or infinite coordinates")
+    # Qhull's tolerances are absolute: give it points of size one about the origin
+    origin, size = points.mean(0), np.ptp(points, axis=0).max()
+    try:
+        hull = ConvexHull((points - origin) / (size or 1.0))
+    except QhullError:
+        raise ValueError("all points lie in one plane, the hull has no volume") from None
+    corners = points[hull.simplices]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inward = np.einsum("ij,ij->i", normals, hull.equations[:, :3]) < 0
+    faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
+    used, faces = np.unique(faces, return_inverse=True)
+    return points[used], faces.reshape(-1, 3)
+
+
+def volume_moments(vertices, faces):
+    """Exact volume [m³], centre of mass (3,) [m], and mean <x_i x_j> about it (3, 3) [m²] of a closed mesh.
+
+    vertices (n, 3) [m], faces (m, 3) outward. Sum over the tetrahedra between a point inside and each face.
+    """
+    origin = vertices.mean(0)  # a point near the mesh: no cancellation when it lies far from zero
+    corners = (vertices - origin)[faces]
+    six_volumes = np.linalg.det(corners)
+    volume = six_volumes.sum() / 6
+    sums = corners.sum(axis=1)
+    centre = six_volumes @ sums / (24 * volume)
+    products = np.einsum("t,tki,tkj->ij", six_volumes, corners, corners)
+    products += np.einsum("t,ti,tj->ij", six_volumes, sums, sums)
+    return volume, origin + centre, products / (120 * volume) - np.outer(centre, centre)
+
+
+def third_moments(vertices, faces):
+    """Mean <x_i³> about the origin over the volume of a closed mesh (3,) [m³]; its sign tells the tail."""
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    six_volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
+    # complete homogeneous polynomial of degree three: the integral of x³ over a tetrahedron from the origin
+    cubic = a**3 + b**3 + c**3 + a**2 * (b + c) + b**2 * (a + c) + c**2 * (a + b) + a * b * c
+    return six_volumes @ cubic / 20 / six_volumes.sum()
+
+
+def face_areas(vertices, faces):
+    """Area (m,) [m²] and unit outward normal (m, 3) of each triangle; zero normal where the area is zero."""
+    corners = vertices[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    doubled = np.linalg.norm(normals, axis=1)
+    return doubled / 2, normals / np.where(doubled > 0, doubled, 1.0)[:, None]
+
+
+def facet_areas(vertices, faces, angle=5.0):
+    """Areas [m²] of the flat facets of a closed mesh, largest first.
+
+    A facet is grown from the largest triangle not yet in one: all free triangles connected to it over edges
+    through triangles whose normals lie within `angle` [degrees] of the seed's.
+    """
+    areas, normals = face_areas(vertices, faces)
+    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    order = np.lexsort(edges.T)  # the two triangles of an edge come to lie side by side
+    neighbours = [[] for _ in faces]
+    for first, second in (order.reshape(-1, 2) // 3).tolist():
+        neighbours[first].append(second)
+        neighbours[second].append(first)
+    free = np.ones(len(faces), bool)
+    facets = []
+    for seed in np.argsort(-areas, kind="stable"):
+        if not free[seed]:
+            continue
+        alike = free & (normals @ normals[seed] >= np.cos(np.radians(angle)))
+        alike[seed] = False
+        front, members = [seed], []
+        while front:
+            face = front.pop()
+            members.append(face)
+            for other in neighbours[face]:
+                if alike[other]:
+                    alike[other] = False
+                    front.append(other)
+        free[members] = False
+        facets.append(areas[members].sum())
+    return np.sort(facets)[::-1]

@@ -1,0 +1,156 @@
+# ruff: noqa: E741  L, I, S are the field's names of the axes
+"""Size, form and shape of every grain of a packing, from random numbers that belong to the grain's id."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from .form import axes_from_form
+
+# The study redraws normal FL and EL until they lie in this interval.
+FORM_RANGE = (0.1, 1.0)
+_NUMBERS_PER_GRAIN = 8
+_SIZE_CLASS, _SIZE_IN_CLASS, _SHAPE, _FLATNESS, _ELONGATION = range(5)
+
+
+@dataclass(frozen=True)
+class ShapeChoice:
+    """Which shapes the grains of a packing get.
+
+    kind: "mesh", "ellipsoid" or "sphere".
+    choice: "one" (the grain named `grain`), "random" (each grain of the set equally likely), "form" (given
+    flatness and elongation, ellipsoids only), or "form_distribution" (flatness and elongation independent
+    normals, here means, with the two standard deviations, redrawn into FORM_RANGE). Spheres ignore it.
+    """
+
+    kind: str = "mesh"
+    choice: str = "random"
+    grain: str | None = None
+    flatness: float | None = None
+    elongation: float | None = None
+    flatness_std: float | None = None
+    elongation_std: float | None = None
+
+    def __post_init__(self):
+        if self.kind not in ("mesh", "ellipsoid", "sphere"):
+            raise ValueError(f"shapes: kind {self.kind!r} is unknown: use mesh, ellipsoid or sphere")
+        if self.choice not in ("one", "random", "form", "form_distribution"):
+            raise ValueError(
+                f"shapes: choice {self.choice!r} is unknown: use one, random, form or form_distribution"
+            )
+        if self.kind == "sphere":
+            return
+        if self.choice == "one" and not self.grain:
+            raise ValueError("shapes: choice `one` needs `grain`, the name of the grain")
+        if self.choice == "form" and self.kind == "mesh":
+            raise ValueError(
+                "shapes: choice `form` is for ellipsoids: use kind ellipsoid or form_distribution"
+            )
+        if self.choice in ("form", "form_distribution"):
+            low, high = FORM_RANGE
+            for key in ("flatness", "elongation"):
+                value, std = getattr(self, key), getattr(self, f"{key}_std")
+                if value is None or not low <= value <= high:
+                    raise ValueError(f"shapes: {key} {value} must be given and lie in [{low}, {high}]")
+                if self.choice == "form_distribution" and (std is None or not std >= 0):
+                    raise ValueError(f"shapes: {key}_std {std} must be given and not negative")
+
+
+@dataclass(frozen=True, eq=False)
+class GrainSample:
+    """Grains of a packing, in the order of their ids; all arrays of length n, scale (n, 3).
+
+    shape: index of the base shape (the grain in the set; 0 for ellipsoids and spheres); scale: factors along
+    the base's x, y, z (dimensionless for meshes, semi-axes [m] of unit spheres); L, I, S, D [m]; volume [m³].
+    """
+
+    shape: np.ndarray
+    scale: np.ndarray
+    L: np.ndarray
+    I: np.ndarray
+    S: np.ndarray
+    D: np.ndarray
+    volume: np.ndarray
+
+
+def grain_uniforms(grain_ids, seed, stream=0):
+    """Eight uniform random numbers in (0, 1) for each grain id, (n, 8).
+
+    They depend on (seed, stream, id) alone: the counter-based Philox generator is started at the grain's
+    place, so any subset of ids, in any order, gets the same numbers. Give other purposes another stream.
+    """
+    grain_ids = np.asarray(grain_ids, np.int64)
+    if grain_ids.size == 0:
+        return np.empty((0, _NUMBERS_PER_GRAIN))
+    first, last = int(grain_ids.min()), int(grain_ids.max())
+    generator = np.random.Philox(key=[seed, stream])
+    generator.advance(first * _NUMBERS_PER_GRAIN // 4)  # one step of the counter makes four numbers
+    words = generator.random_raw((last - first + 1) * _NUMBERS_PER_GRAIN).reshape(-1, _NUMBERS_PER_GRAIN)
+    return ((words[grain_ids - first] >> np.uint64(11)) + 0.5) * 2.0**-53
+
+
+def sample_sizes(curve, grain_ids, seed):
+    """Sieve sizes D (n,) [m] by number: class with probability M_i / d_i³, inside it uniform in log2 D."""
+    uniforms = grain_uniforms(grain_ids, seed)
+    edges = np.cumsum(curve.number_fractions())
+    index = np.searchsorted(edges / edges[-1], uniforms[:, _SIZE_CLASS], side="left")
+    logs = np.log2(curve.bounds)
+    return 2.0 ** (logs[index] + uniforms[:, _SIZE_IN_CLASS] * np.diff(logs)[index])
+
+
+def sample_grains(grain_ids, seed, curve, shapes, grains):
+    """Draw the grains with these ids: a GrainSample.
+
+    curve: SieveCurve; shapes: ShapeChoice; grains: list of Grain, may be empty where the form is given.
+    Random numbers belong to the id (see grain_uniforms). ValueError if the chosen grain is not in the set.
+    """
+    uniforms = grain_uniforms(grain_ids, seed)
+    D = sample_sizes(curve, grain_ids, seed)
+    flatness, elongation, index = _forms(shapes, grains, uniforms)
+    L, I, S = axes_from_form(D, flatness, elongation)
+    axes = np.stack([S, I, L], axis=1)
+    if shapes.kind != "mesh":
+        return GrainSample(np.zeros(len(D), int), axes / 2, L, I, S, D, np.pi / 6 * L * I * S)
+    base_axes = np.array([(g.S, g.I, g.L) for g in grains])[index]
+    scale = axes / base_axes
+    if shapes.choice != "form_distribution":  # the same form: one factor, free of round-off between the axes
+        scale = np.repeat((D / np.array([g.sieve_size for g in grains])[index])[:, None], 3, axis=1)
+    volume = np.array([g.volume for g in grains])[index] * scale.prod(axis=1)
+    return GrainSample(index, scale, L, I, S, D, volume)
+
+
+def _forms(shapes, grains, uniforms):
+    """Flatness, elongation and index in the grain set of each grain, each (n,)."""
+    n = len(uniforms)
+    index = np.zeros(n, int)
+    if shapes.kind == "sphere":
+        return np.ones(n), np.ones(n), index
+    if (shapes.kind == "mesh" or shapes.choice in ("one", "random")) and not grains:
+        raise ValueError(f"shapes: {shapes.kind} with choice {shapes.choice} needs a grain set, it is empty")
+    if shapes.choice == "one":
+        names = [grain.name for grain in grains]
+        if shapes.grain not in names:
+            raise ValueError(f"shapes: no grain {shapes.grain!r} in the set, there are {', '.join(names)}")
+        index[:] = names.index(shapes.grain)
+    elif shapes.kind == "mesh" or shapes.choice == "random":
+        index = (uniforms[:, _SHAPE] * len(grains)).astype(int)
+    if shapes.choice == "form":
+        return np.full(n, shapes.flatness), np.full(n, shapes.elongation), index
+    if shapes.choice == "form_distribution":
+        return (
+            _truncated_normal(uniforms[:, _FLATNESS], shapes.flatness, shapes.flatness_std),
+            _truncated_normal(uniforms[:, _ELONGATION], shapes.elongation, shapes.elongation_std),
+            index,
+        )
+    flatness = np.array([grain.flatness for grain in grains])
+    elongation = np.array([grain.elongation for grain in grains])
+    return flatness[index], elongation[index], index
+
+
+def _truncated_normal(uniforms, mean, std):
+    """Normals redrawn until in FORM_RANGE, by inversion: the same law from one number per grain."""
+    if std == 0:
+        return np.full(len(uniforms), float(mean))
+    low, high = ndtr((np.array(FORM_RANGE) - mean) / std)
+    return np.clip(mean + std * ndtri(low + uniforms * (high - low)), *FORM_RANGE)

@@ -1,0 +1,145 @@
+"""Hull, exact moments, alignment and decimation of grains."""
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from simcore.grains.mesh import coarsen, decimate, make_grain
+from simcore.grains.polyhedron import convex_hull, facet_areas, third_moments, volume_moments
+
+RNG = np.random.default_rng(7)
+
+
+def pebble(n=400, seed=3):
+    """Points of a lopsided convex body without any symmetry."""
+    points = np.random.default_rng(seed).normal(size=(n, 3))
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    return points * (1 + 0.2 * points[:, :1] + 0.1 * points[:, 1:2]) * [0.003, 0.005, 0.008]
+
+
+def test_box_has_its_closed_form():
+    points = trimesh.creation.box((0.03, 0.01, 0.02)).vertices
+    inside = RNG.uniform(-0.004, 0.004, (50, 3))
+    turned = Rotation.random(rng=2).apply(np.vstack([points, inside])) + [5.0, -3.0, 1.0]
+    grain = make_grain("box", turned)
+    # round-off: coordinates of size 6 carry 1e-15 m, a part 1e-13 of the edge
+    assert (grain.L, grain.I, grain.S) == pytest.approx(
+        np.array([0.03, 0.02, 0.01]) * np.sqrt(5 / 3), rel=1e-12
+    )
+    assert grain.volume == pytest.approx(6e-6, rel=1e-12)
+    assert grain.vertices.shape == (8, 3) and grain.faces.shape == (12, 3)
+    np.testing.assert_allclose(np.abs(grain.vertices), np.tile([0.005, 0.01, 0.015], (8, 1)), rtol=1e-11)
+    assert grain.sphericity == pytest.approx(np.pi ** (1 / 3) * 36e-6 ** (2 / 3) / 22e-4, rel=1e-12)
+    assert grain.facet_share == pytest.approx(1.0)
+
+
+def test_ellipsoid_mesh_converges_to_its_closed_form_at_second_order():
+    errors = []
+    for level in (3, 4):
+        sphere = trimesh.creation.icosphere(level)
+        grain = make_grain("e", sphere.vertices * [0.006, 0.01, 0.004])
+        axes = np.array([grain.L, grain.I, grain.S])
+        errors.append(1 - axes / [0.02, 0.012, 0.008])
+        # affine to a mesh inside the unit sphere: relative to that one's axes the form is exact
+        own = make_grain("s", sphere.vertices)
+        np.testing.assert_allclose(axes / [0.02, 0.012, 0.008], own.L / 2, rtol=1e-9)
+    assert np.all(errors[1] > 0) and np.all(np.abs(errors[0] / errors[1] - 4) < 0.1)
+    assert np.all(errors[1] < 2e-3)
+
+
+def test_grain_is_centred_aligned_and_outward():
+    grain = make_grain("g", pebble())
+    volume, centre, products = volume_moments(grain.vertices, grain.faces)
+    assert volume == pytest.approx(grain.volume, rel=1e-12) and volume > 0
+    np.testing.assert_allclose(centre, 0, atol=1e-12 * grain.L)
+    np.testing.assert_allclose(products, np.diag(grain.second_moments), atol=1e-12 * grain.L**2)
+    assert np.all(np.diff(grain.second_moments) > 0)
+    assert np.all(third_moments(grain.vertices, grain.faces)[1:] > 0)
+    corners = grain.vertices[grain.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert np.all(np.einsum("ij,ij->i", normals, corners.mean(1)) > 0)
+    assert len(grain.faces) == 2 * len(grain.vertices) - 4
+
+
+def test_moments_agree_with_trimesh():
+    vertices, faces = convex_hull(pebble())
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    volume, centre, products = volume_moments(vertices, faces)
+    assert volume == pytest.approx(mesh.volume, rel=1e-12)
+    np.testing.assert_allclose(centre, mesh.center_mass, rtol=1e-9)
+    inertia = np.trace(products) * np.eye(3) - products
+    np.testing.assert_allclose(volume * inertia, mesh.moment_inertia, atol=1e-9 * mesh.moment_inertia.max())
+
+
+def test_third_moment_of_a_tetrahedron():
+    # unit corner tetrahedron: mean of x is 1/4, of x³ is 6 * 3! / 6! = 1/20
+    vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    np.testing.assert_allclose(third_moments(vertices, faces), 1 / 20, rtol=1e-14)
+
+
+def test_result_does_not_depend_on_pose():
+    points = pebble()
+    grain = make_grain("g", points)
+    for seed in range(5):
+        turned = make_grain("g", Rotation.random(rng=seed).apply(points) + 0.1)
+        # the same corners, in whatever order the hull lists them; round-off of 0.1 m coordinates
+        order = np.lexsort(grain.vertices.T)
+        other = np.lexsort(turned.vertices.T)
+        np.testing.assert_allclose(turned.vertices[other], grain.vertices[order], atol=1e-11 * grain.L)
+
+
+def test_scaling_agrees_with_a_new_hull():
+    grain = make_grain("g", pebble())
+    scale = [0.9, 1.1, 1.3]
+    scaled, anew = grain.scaled(scale), make_grain("g", grain.vertices * scale)
+    for field in ("L", "I", "S", "volume", "sphericity", "sieve_size"):
+        assert getattr(scaled, field) == pytest.approx(getattr(anew, field), rel=1e-12)
+    with pytest.raises(ValueError, match="S <= I <= L"):
+        grain.scaled([10, 1, 1])
+
+
+@pytest.mark.parametrize("faces", [300, 100, 50, 12])
+def test_decimation_obeys_the_target_and_keeps_the_volume(faces):
+    grain = make_grain("g", pebble(900))
+    coarse = decimate(grain, faces)
+    assert faces * 0.8 <= len(coarse.faces) <= faces
+    assert coarse.volume == pytest.approx(grain.volume, rel=1e-12)
+    # quadrics place vertices outside the surface too: less is lost than by an inscribed mesh, 10.9 / faces
+    assert -10.9 / faces < coarsen(grain, faces).volume / grain.volume - 1 < 0
+    _, centre, products = volume_moments(coarse.vertices, coarse.faces)
+    np.testing.assert_allclose(centre, 0, atol=1e-12 * grain.L)
+    np.testing.assert_allclose(products, np.diag(coarse.second_moments), atol=1e-12 * grain.L**2)
+    if faces == 300:  # what shared conventions promise of hulls at 300 faces
+        assert coarse.flatness == pytest.approx(grain.flatness, rel=3e-3)
+        assert coarse.elongation == pytest.approx(grain.elongation, rel=3e-3)
+
+
+def test_decimation_leaves_a_coarse_grain_alone_and_refuses_the_impossible():
+    grain = make_grain("g", pebble(50))
+    assert decimate(grain, len(grain.faces)).vertices == pytest.approx(grain.vertices)
+    with pytest.raises(ValueError, match="at least 4"):
+        decimate(grain, 3)
+
+
+def test_facets_of_a_cut_cube():
+    corners = trimesh.creation.box((1, 1, 1)).vertices
+    cut = corners[~np.all(corners > 0, axis=1)]
+    cut = np.vstack([cut, 0.5 - np.diag([0.3] * 3)])
+    areas = facet_areas(*convex_hull(cut))
+    np.testing.assert_allclose(areas, [1] * 3 + [1 - 0.045] * 3 + [0.09 * np.sqrt(3) / 2], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "points, reason",
+    [
+        (np.empty((0, 3)), "at least 4 points"),
+        (np.zeros((10, 3)), "one plane"),
+        (RNG.normal(size=(20, 3)) * [1, 1, 0], "one plane"),
+        (np.full((20, 3), np.nan), "NaN"),
+    ],
+)
+def test_impossible_points_are_refused_with_the_grains_name(points, reason):
+    with pytest.raises(ValueError, match=f"G07.*{reason}"):
+        make_grain("G07", points)

@@ -1,0 +1,124 @@
+"""Random sizes, forms and shapes: they belong to the grain's id and follow the stated laws."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from simcore.grains.mesh import make_grain
+from simcore.grains.sampling import FORM_RANGE, ShapeChoice, grain_uniforms, sample_grains, sample_sizes
+from simcore.grains.sieve import SieveCurve
+
+CURVE = SieveCurve([4e-3, 8e-3, 11.2e-3, 16e-3], [0.2, 0.5, 0.3])
+IDS = np.arange(20000)
+MIXTURE = {"flatness": 0.4, "flatness_std": 0.2, "elongation": 0.8, "elongation_std": 0.1}
+
+
+@pytest.fixture(scope="module")
+def grains():
+    rng = np.random.default_rng(11)
+    return [make_grain(f"g{i}", rng.normal(size=(60, 3)) * [1e-3, 2e-3, (2 + i) * 1e-3]) for i in range(4)]
+
+
+def test_numbers_belong_to_the_id():
+    numbers = grain_uniforms(IDS, seed=4)
+    some = [17, 3, 19999, 3]
+    np.testing.assert_array_equal(grain_uniforms(some, seed=4), numbers[some])
+    assert not np.any(numbers == grain_uniforms(IDS, seed=5))
+    assert not np.any(numbers == grain_uniforms(IDS, seed=4, stream=1))
+    assert np.all((numbers > 0) & (numbers < 1))
+    assert grain_uniforms([], seed=4).shape == (0, 8)
+
+
+def test_numbers_are_uniform_and_uncorrelated():
+    numbers = grain_uniforms(IDS, seed=4)
+    # eight columns at once: Bonferroni-corrected 1e-3
+    assert min(stats.kstest(column, "uniform").pvalue for column in numbers.T) > 1e-3 / 8
+    correlation = np.corrcoef(np.hstack([numbers[:-1], numbers[1:]]).T) - np.eye(16)
+    assert np.abs(correlation).max() < 5 / np.sqrt(len(IDS))
+
+
+def test_sizes_follow_number_fractions_and_are_log_uniform_inside_a_class():
+    D = sample_sizes(CURVE, IDS, seed=1)
+    counts = np.histogram(D, CURVE.bounds)[0]
+    assert counts.sum() == len(IDS)
+    assert stats.chisquare(counts, CURVE.number_fractions() * len(IDS)).pvalue > 1e-3
+    inside = np.log2(D[D < 8e-3] / 4e-3)
+    assert stats.kstest(inside, "uniform").pvalue > 1e-3
+
+
+def test_empty_classes_stay_empty():
+    D = sample_sizes(SieveCurve([1e-3, 2e-3, 4e-3, 8e-3, 16e-3], [0, 0.5, 0, 0.5]), IDS, seed=2)
+    assert not np.any((D < 2e-3) | ((D > 4e-3) & (D < 8e-3)))
+
+
+@pytest.mark.parametrize(
+    "shapes",
+    [
+        ShapeChoice(),
+        ShapeChoice("mesh", "one", grain="g2"),
+        ShapeChoice("ellipsoid", "one", grain="g2"),
+        ShapeChoice("ellipsoid", "random"),
+        ShapeChoice("ellipsoid", "form", flatness=0.5, elongation=0.7),
+        ShapeChoice("mesh", "form_distribution", **MIXTURE),
+        ShapeChoice("ellipsoid", "form_distribution", **MIXTURE),
+        ShapeChoice("sphere"),
+    ],
+    ids=lambda s: f"{s.kind}-{s.choice}",
+)
+def test_scaled_base_has_the_stated_axes_volume_and_size(shapes, grains):
+    sample = sample_grains(np.arange(200), 3, CURVE, shapes, grains)
+    np.testing.assert_allclose(np.sqrt((sample.S**2 + sample.I**2) / 2), sample.D, rtol=1e-13)
+    np.testing.assert_array_equal(sample.D, sample_sizes(CURVE, np.arange(200), 3))
+    for i in (0, 57, 199):
+        if shapes.kind == "mesh":
+            body = grains[sample.shape[i]].scaled(sample.scale[i])
+            axes, volume = (body.S, body.I, body.L), body.volume
+        else:
+            assert sample.shape[i] == 0
+            axes, volume = 2 * sample.scale[i], 4 / 3 * np.pi * sample.scale[i].prod()
+        assert axes == pytest.approx((sample.S[i], sample.I[i], sample.L[i]), rel=1e-12)
+        assert volume == pytest.approx(sample.volume[i], rel=1e-12)
+    subset = sample_grains([9, 4], 3, CURVE, shapes, grains)
+    np.testing.assert_array_equal(subset.scale, sample.scale[[9, 4]])
+    np.testing.assert_array_equal(subset.shape, sample.shape[[9, 4]])
+
+
+def test_one_shape_is_scaled_uniformly_and_random_ones_equally_often(grains):
+    one = sample_grains(IDS, 3, CURVE, ShapeChoice("mesh", "one", grain="g2"), grains)
+    assert np.all(one.shape == 2) and np.all(one.scale == one.scale[:, :1])
+    random = sample_grains(IDS, 3, CURVE, ShapeChoice(), grains)
+    assert stats.chisquare(np.bincount(random.shape, minlength=4)).pvalue > 1e-3
+    assert abs(stats.pearsonr(random.shape, random.D).statistic) < 4 / np.sqrt(len(IDS))
+
+
+def test_form_distribution_is_the_redrawn_normal(grains):
+    sample = sample_grains(IDS, 3, CURVE, ShapeChoice("ellipsoid", "form_distribution", **MIXTURE), grains)
+    for values, mean, std in [(sample.S / sample.I, 0.4, 0.2), (sample.I / sample.L, 0.8, 0.1)]:
+        limits = (np.array(FORM_RANGE) - mean) / std
+        assert values.min() >= FORM_RANGE[0] - 1e-12 and values.max() <= FORM_RANGE[1] + 1e-12
+        assert stats.kstest(values, stats.truncnorm(*limits, loc=mean, scale=std).cdf).pvalue > 1e-3
+    correlation = stats.pearsonr(sample.S / sample.I, sample.I / sample.L).statistic
+    assert abs(correlation) < 4 / np.sqrt(len(IDS))
+
+
+@pytest.mark.parametrize(
+    "arguments, reason",
+    [
+        ({"kind": "cube"}, "kind 'cube'"),
+        ({"choice": "best"}, "choice 'best'"),
+        ({"choice": "one"}, "needs `grain`"),
+        ({"choice": "form", "flatness": 0.5, "elongation": 0.5}, "for ellipsoids"),
+        ({"kind": "ellipsoid", "choice": "form", "flatness": 1.5, "elongation": 0.5}, "flatness 1.5"),
+        ({"choice": "form_distribution", "flatness": 0.5, "elongation": 0.5}, "flatness_std"),
+    ],
+)
+def test_impossible_choices_are_refused(arguments, reason):
+    with pytest.raises(ValueError, match=reason):
+        ShapeChoice(**arguments)
+
+
+def test_unknown_grain_and_empty_set_are_refused(grains):
+    with pytest.raises(ValueError, match="no grain 'G99'.*g0, g1, g2, g3"):
+        sample_grains([0], 1, CURVE, ShapeChoice("mesh", "one", grain="G99"), grains)
+    with pytest.raises(ValueError, match="it is empty"):
+        sample_grains([0], 1, CURVE, ShapeChoice(), [])
