@@ -1,0 +1,37 @@
+# ruff: noqa: E741  L, I, S are the field's names of the axes
+"""Features of a packing whose grains differ in form: statistics over its grains."""
+
+import numpy as np
+import pandas as pd
+
+from simcore.grains.form import features as form_features
+
+
+def mixture_features(L, I, S):
+    """The 104 features of one packing, Series; L >= I >= S: full axes of all its grains (n,), any length unit."""
+    single = form_features(L, I, S)
+    with np.errstate(invalid="ignore"):
+        return combine_statistics(single.mean(skipna=False), single.std(ddof=0, skipna=False))
+
+
+def combine_statistics(mean, std):
+    """The 104 features of one packing, Series: mean and standard deviation of the 26, and the inverses of these.
+
+    mean, std: Series over the 26 features, number-based over the grains. Names as in the study's tables: mu_EQ,
+    sigma_EQ, and mu_EQ_inv = 1/mu_EQ. Of an inverse feature: mu_1/EQ, the mean of 1/EQ, and mu_1/EQ_inv, one over it.
+    A feature that is not finite for one grain has no finite statistics; usable_features leaves it out.
+    """
+
+    def rename(name):
+        return f"1/{name.removesuffix('_inv')}" if name.endswith("_inv") else name
+
+    statistics = pd.concat([mean.rename(rename).add_prefix("mu_"), std.rename(rename).add_prefix("sigma_")])
+    with np.errstate(divide="ignore"):
+        return pd.concat([statistics, (1.0 / statistics).add_suffix("_inv")])
+
+
+def equancy_statistics(mu_FL, sigma_FL, mu_EL, sigma_EL):
+    """Mean and standard deviation of EQ = FL EL from those of FL and EL, if these are independent (the study)."""
+    mu_EQ = mu_EL * mu_FL
+    variance = (mu_EL**2 + sigma_EL**2) * (mu_FL**2 + sigma_FL**2) - mu_EQ**2
+    return mu_EQ, np.sqrt(variance)

@@ -1,0 +1,206 @@
+"""The study's tables from our packings, each beside the study's own values.
+
+Every function takes DataFrames and returns DataFrames; where a file lies is the workflow's business. The tables of the
+study come as read from its CSVs (`pd.read_csv`); without one, the columns `study_*` are left out.
+"""
+
+import logging
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from simcore.grains.form import features as form_features
+from simcore.regression import correlate, cross_validate, fit, screen, usable_features
+
+log = logging.getLogger(__name__)
+
+SINGLE_FORM = ("EQ_inv", "EL_inv")
+MIXTURE = ("mu_EQ_inv", "sigma_EQ_inv", "mu_EL_inv", "sigma_EL_inv")
+# Table 10's feature sets
+MIXTURE_SETS = (
+    ("mu_EQ_inv",),
+    ("mu_EQ_inv", "sigma_EQ_inv"),
+    ("mu_EQ_inv", "sigma_EQ_inv", "mu_EL_inv"),
+    MIXTURE,
+    ("mu_EQ_inv", "mu_EL_inv"),
+    ("mu_EQ_inv", "sigma_EQ_inv", "sigma_EL_inv"),
+)
+
+
+def single_form_models(packings, study_correlations=None, study_errors=None, study_models=None, seed=0):
+    """Tables and models of the single-form study, per case.
+
+    packings: one row a packing, columns case, L, I, S [any length] and n. Returns (tables, models): tables is a dict of
+    DataFrames `correlations` (all usable features; r_first: their r to EQ_inv; kept: passed the screening),
+    `second_features` (cross-validated error of {EQ_inv, X}), `models` (coefficients of n on EQ_inv, and on EQ_inv and
+    EL_inv); models maps (name, case) to PorosityModel.
+    study_*: correlations.csv, table9_second_factor_mae.csv, models.csv.
+    """
+    correlations, errors, models = [], [], {}
+    for case, rows in packings.groupby("case", sort=False):
+        n = rows["n"].to_numpy()
+        features = usable_features(form_features(*(rows[axis].to_numpy() for axis in "LIS")))
+        _require(features, SINGLE_FORM, case)
+        kept = screen(features)
+        correlations.append(
+            pd.DataFrame({"r": correlate(features, n), "r_first": correlate(features, features["EQ_inv"])})
+            .rename_axis("feature")
+            .reset_index()
+            .assign(case=case, samples=len(n), kept=lambda table, kept=kept: table["feature"].isin(kept))
+        )
+        for name in kept:
+            result = cross_validate(features[list(dict.fromkeys(["EQ_inv", name]))], n, seed=seed)
+            errors.append({"case": case, "feature": name, **result, "samples": len(n)})
+        for name, columns in (("single_form_EQ", SINGLE_FORM[:1]), ("single_form", SINGLE_FORM)):
+            models[name, case] = fit(features[list(columns)], n, name, case)
+    tables = {
+        "correlations": pd.concat(correlations, ignore_index=True),
+        "second_features": pd.DataFrame(errors),
+        "models": pd.concat([model.to_rows() for model in models.values()], ignore_index=True),
+    }
+    if study_correlations is not None:
+        study = study_correlations.query("study == 'single_form'")
+        tables["correlations"] = _beside(tables["correlations"], study, ["case", "feature"], {"r": "study_r"})
+    if study_errors is not None:
+        study = study_errors.melt(id_vars="case", var_name="feature", value_name="study_error")
+        study["study_error"] *= 1e-3
+        columns = {"study_error": "study_error"}
+        tables["second_features"] = _beside(tables["second_features"], study, ["case", "feature"], columns)
+    if study_models is not None:
+        tables["models"] = _beside_models(tables["models"], study_models)
+    return tables, models
+
+
+def mixture_models(packings, study_correlations=None, study_sets=None, study_models=None, seed=0):
+    """Tables and models of the form-mixture study, per case; returns (tables, models) as single_form_models.
+
+    packings: one row a packing, columns case, n and the 104 of mixture_features. Tables: `correlations` of all usable
+    features, `feature_sets` (Table 10's sets, cross-validated errors and R² of the fit to all packings), `models`.
+    A set with a feature that cannot be used, or with more coefficients than packings, is left out with a message.
+    study_*: correlations.csv, table10_form_mixture_features.csv, models.csv.
+    """
+    correlations, sets, models = [], [], {}
+    for case, rows in packings.groupby("case", sort=False):
+        n = rows["n"].to_numpy()
+        features = usable_features(rows.drop(columns=["case", "n"]).select_dtypes("number"))
+        correlations.append(
+            correlate(features, n).rename_axis("feature").reset_index().assign(case=case, samples=len(n))
+        )
+        for columns in MIXTURE_SETS:
+            if not set(columns) <= set(features) or len(n) <= len(columns) + 2:
+                log.warning("case %s: feature set %s left out, %d packings do not carry it", case, columns, len(n))
+                continue
+            chosen = features[list(columns)]
+            flags = {name: int(name in columns) for name in MIXTURE}
+            model = fit(chosen, n, "form_mixture", case)
+            result = cross_validate(chosen, n, seed=seed)
+            sets.append({"case": case, **flags, **result, "r_squared": model.r_squared, "samples": len(n)})
+            if columns == MIXTURE:
+                models["form_mixture", case] = model
+    tables = {
+        "correlations": pd.concat(correlations, ignore_index=True),
+        "feature_sets": pd.DataFrame(sets, columns=None if sets else ["case", *MIXTURE]),
+        "models": pd.concat([m.to_rows() for m in models.values()], ignore_index=True) if models else pd.DataFrame(),
+    }
+    if study_correlations is not None:
+        study = study_correlations.query("study == 'form_mixture'")
+        study = study.assign(feature=study["feature"].str.replace(" inverse", "_inv"))
+        tables["correlations"] = _beside(tables["correlations"], study, ["case", "feature"], {"r": "study_r"})
+    if study_sets is not None:
+        study = _long_sets(study_sets)
+        columns = {"mae_1e-3": "study_error", "R2": "study_r_squared"}
+        tables["feature_sets"] = _beside(tables["feature_sets"], study, ["case", *MIXTURE], columns)
+    if study_models is not None and models:
+        tables["models"] = _beside_models(tables["models"], study_models)
+    return tables, models
+
+
+def application_table(models, packings, study=None):
+    """Prediction for packings no model has seen (Table 11), one row each.
+
+    models: dict from (name, case) to PorosityModel; packings: columns case, kind ("continuous" or "discrete"), n and
+    the models' features. study: table11_application.csv.
+    """
+    by_case = {case: model for (name, case), model in models.items() if name == "form_mixture"}
+    rows = packings[packings["case"].isin(by_case)]
+    predicted = [float(by_case[case].predict(rows.loc[[index]])[0]) for index, case in rows["case"].items()]
+    table = rows[["case", "kind", "n"]].rename(columns={"n": "simulated"}).assign(predicted=predicted)
+    table["abs_error"] = (table["predicted"] - table["simulated"]).abs()
+    if study is not None:
+        parts = [
+            pd.DataFrame(
+                {
+                    "case": study["case"],
+                    "kind": kind,
+                    "study_predicted": study["predicted"],
+                    "study_simulated": study[f"{kind}_simulated"],
+                    "study_abs_error": 1e-3 * study[f"{kind}_abs_error_1e-3"],
+                }
+            )
+            for kind in ("continuous", "discrete")
+        ]
+        table = table.merge(pd.concat(parts), how="left", on=["case", "kind"])
+    return table
+
+
+def shape_kind_table(packings, study=None):
+    """How far meshes and their equivalent ellipsoids differ in porosity, one row a case.
+
+    packings: columns case, n_mesh, n_ellipsoid, one row a form. study: columns case, rms_difference.
+    """
+    difference = packings["n_mesh"] - packings["n_ellipsoid"]
+    groups = difference.groupby(packings["case"], sort=False)
+    table = pd.DataFrame(
+        {
+            "rms_difference": groups.apply(lambda d: np.sqrt(np.mean(d**2))),
+            "mean_difference": groups.mean(),
+            "forms": groups.size(),
+        }
+    ).reset_index()
+    return table if study is None else _beside(table, study, ["case"], {"rms_difference": "study_rms_difference"})
+
+
+def table_dataset(table, title):
+    """A table as a Dataset over `row`, for netCDF; all its numbers are dimensionless."""
+    dataset = xr.Dataset(attrs={"Conventions": "CF-1.11", "title": title})
+    for name in table.columns:
+        values = table[name]
+        text = not pd.api.types.is_numeric_dtype(values)
+        attrs = {"long_name": name.replace("_", " ")} | ({} if text else {"units": "1"})
+        # CF knows no boolean, and netCDF allows no slash in a name.
+        data = values.astype(str) if text else values.astype("i1") if values.dtype == bool else values
+        dataset[name.replace("/", "_per_")] = ("row", data.to_numpy(object if text else None), attrs)
+    return dataset
+
+
+def _require(features, names, case):
+    """ValueError if a feature of the chosen model cannot be used."""
+    missing = [name for name in names if name not in features]
+    if missing:
+        raise ValueError(
+            f"case {case}: {', '.join(missing)} is the same for all {len(features)} packings or not finite, so no model "
+            "can be fitted; choose forms that differ in flatness and elongation"
+        )
+
+
+def _beside(ours, study, keys, columns):
+    """Our table with columns of the study's, renamed by `columns`, where the keys agree."""
+    return ours.merge(study[[*keys, *columns]].rename(columns=columns), how="left", on=keys)
+
+
+def _beside_models(ours, study):
+    """Our coefficients beside the study's, which come one row a model."""
+    study = study.melt(id_vars=["model", "case"], value_name="coefficient", var_name="term").dropna()
+    return _beside(ours, study, ["model", "case", "term"], {"coefficient": "study_coefficient"})
+
+
+def _long_sets(study):
+    """Table 10 with one row a case and feature set, errors in porosity."""
+    parts = []
+    for case in ("U1", "U7"):
+        columns = {f"{case}_mae_1e-3": "mae_1e-3", f"{case}_R2": "R2"}
+        parts.append(study[[*MIXTURE, *columns]].rename(columns=columns).assign(case=case))
+    table = pd.concat(parts, ignore_index=True)
+    table["mae_1e-3"] *= 1e-3
+    return table
