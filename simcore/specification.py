@@ -2,7 +2,7 @@
 
 The schema (config/<name>.schema.yaml, JSON Schema with two keywords of our own) is the only place that says
 which keys there are, with unit, bounds, default and meaning. `x-unit` marks a quantity: text with a unit
-outside, a float in SI inside. Bounds hold in SI. `x-error` replaces the message of a rule that would read badly.
+outside, a float in SI inside. Bounds hold in SI. `x-error` replaces the message of a rule that reads badly.
 """
 
 import difflib

@@ -1,0 +1,18 @@
+# Scree: from grains to a model of porosity. This file is the table of contents.
+#   config/      the science: what is packed (config.yaml; overlays smoke.yaml, paper.yaml)
+#   profiles/    the machine: how it is run
+#   workflow/    the rules, and a script for each
+configfile: "config/config.yaml"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/grains.smk"
+include: "workflow/rules/packings.smk"
+include: "workflow/rules/models.smk"
+include: "workflow/rules/report.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        "results/report.html",

@@ -1,0 +1,72 @@
+"""One static HTML page of tables and pictures that needs no other file."""
+
+import base64
+from html import escape
+from pathlib import Path
+
+import pandas as pd
+
+_STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 70rem; margin: 2rem auto; padding: 0 1rem; color: #1c2526; }
+h1, h2 { line-height: 1.2; } h2 { margin-top: 2.5rem; border-top: 1px solid #cdd4d5; padding-top: 1rem; }
+.scroll { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.85rem; margin: 0.5rem 0; }
+th, td { padding: 0.2rem 0.7rem; text-align: right; border-bottom: 1px solid #e3e8e8; white-space: nowrap; }
+th { background: #f1f4f4; } td.text, th.text { text-align: left; }
+figure { margin: 1rem 0; } img { max-width: 100%; } figcaption, .note { color: #53605f; font-size: 0.9rem; }
+.banner { background: #ffe9b8; padding: 0.6rem 1rem; font-weight: bold; }
+nav a { margin-right: 1rem; }
+"""
+
+
+def page(title, lead, sections, banner=""):
+    """The whole page as text.
+
+    lead: a paragraph under the title; sections: list of (heading, list of HTML fragments from `paragraph`, `table`
+    and `picture`); banner: a warning on top of the page, none if empty.
+    """
+    links = " ".join(f'<a href="#{_anchor(heading)}">{escape(heading)}</a>' for heading, _ in sections)
+    parts = [
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>',
+        f"<style>{_STYLE}</style></head><body>",
+        f'<p class="banner">{escape(banner)}</p>' if banner else "",
+        f"<h1>{escape(title)}</h1>\n<p>{escape(lead)}</p>\n<nav>{links}</nav>",
+    ]
+    for heading, fragments in sections:
+        parts += [f'<h2 id="{_anchor(heading)}">{escape(heading)}</h2>', *fragments]
+    return "\n".join(filter(None, parts)) + "\n</body></html>\n"
+
+
+def paragraph(text):
+    """A paragraph of plain text."""
+    return f'<p class="note">{escape(text)}</p>'
+
+
+def table(path, caption):
+    """The CSV file at `path` as a table; numbers to four significant digits, nothing where there is no value."""
+    rows = pd.read_csv(path)
+    kinds = ["" if pd.api.types.is_numeric_dtype(rows[name]) else ' class="text"' for name in rows]
+    head = "".join(f"<th{kind}>{escape(str(name))}</th>" for name, kind in zip(rows, kinds, strict=True))
+    body = "\n".join(
+        "<tr>" + "".join(f"<td{kind}>{_cell(value)}</td>" for value, kind in zip(row, kinds, strict=True)) + "</tr>"
+        for row in rows.itertuples(index=False)
+    )
+    text = f"{caption} File: {path}"
+    return f'{paragraph(text)}\n<div class="scroll"><table><tr>{head}</tr>\n{body}</table></div>'
+
+
+def picture(path, caption):
+    """The PNG file at `path`, put into the page itself."""
+    data = base64.b64encode(Path(path).read_bytes()).decode()
+    return f'<figure><img alt="{escape(caption)}" src="data:image/png;base64,{data}">' + (
+        f"<figcaption>{escape(caption)} File: {escape(str(path))}</figcaption></figure>"
+    )
+
+
+def _cell(value):
+    if pd.isna(value):
+        return ""
+    return f"{value:.4g}" if isinstance(value, float) else escape(str(value))
+
+
+def _anchor(heading):
+    return "".join(letter if letter.isalnum() else "-" for letter in heading.lower())

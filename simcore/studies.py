@@ -1,0 +1,212 @@
+"""Studies: tables of packings. A study is the cartesian product of what it varies over what it fixes."""
+
+import copy
+import itertools
+import re
+
+import numpy as np
+import pandas as pd
+
+from simcore.grains.sieve import SieveCurve, read_cases
+from simcore.sources import check_source
+from simcore.specification import SCHEMA_FOLDER, resolve
+
+# Columns of what a study varies, with their units; others have the last part of their key as their name.
+_COLUMNS = {
+    "sizes.case": "case",
+    "domain.width": "width_m",
+    "domain.height": "height_m",
+    "amount.mass": "mass_kg",
+    "shaking.duration": "shaking_s",
+    "shapes.flatness.mean": "mean_FL",
+    "shapes.flatness.std": "std_FL",
+    "shapes.elongation.mean": "mean_EL",
+    "shapes.elongation.std": "std_EL",
+    "numerics.contact_time": "contact_time_s",
+}
+MINIMUM_OF_TOP_CLASS = 5
+
+
+def expand(config):
+    """All packings of all studies of a resolved campaign, as a DataFrame with one row a packing.
+
+    Columns: study; packing, its name within the study; grain_set, "original" or "faces_100"; form, the rank of
+    its grain in the spread of forms, or 0; specification, resolved, with that grain set as its source; row, a
+    dict of its name and of what the study varies, by column. ValueError names the study and the key at fault.
+    """
+    check_source(config["grains"])
+    tables = [expand_study(name, study, config) for name, study in config["studies"].items() if study]
+    if not tables:
+        raise ValueError("studies: none is left; a campaign needs at least one")
+    return pd.concat(tables, ignore_index=True)
+
+
+def expand_study(name, study, config):
+    """The rows of one study of `config`; see `expand`."""
+    where = f"studies.{name}"
+    axes = [_axis(key, values, f"{where}.varies") for key, values in study["varies"].items() if values]
+    axes += [_forms(study["forms"], config["grains"], where)] if study["forms"] else []
+    rows = []
+    for combination in itertools.product(*axes):
+        settings = {key: value for part in combination for key, value in part["settings"].items()}
+        columns = [key for part in combination if not part.get("is_form") for key in part["settings"]]
+        raw = merge(config["packing"], study["fixes"], {"grains": config["grains"]})
+        for key, value in settings.items():
+            _put(raw, key, value, where)
+        packing = "-".join(part["label"] for part in combination if part["label"]) or name
+        spec = resolve({**raw, "name": packing}, where=where)
+        check_top_class(spec, f"{where}, packing {packing}")
+        grain_set = "original" if spec["faces"] == "original" else f"faces_{spec['faces']}"
+        rows.append(
+            {
+                "study": name,
+                "packing": packing,
+                "grain_set": grain_set,
+                "form": next((part["form"] for part in combination if "form" in part), 0),
+                "specification": _with_grain_set(spec, f"results/grains/{grain_set}.nc"),
+                "row": {"packing": packing, "varied": {_column(key): _get(spec, key) for key in columns}},
+            }
+        )
+    table = pd.DataFrame(rows)
+    twice = table.packing[table.packing.duplicated()]
+    if len(twice):
+        raise ValueError(f"{where}.varies: the packing {twice.iloc[0]} stands there twice")
+    return table
+
+
+def merge(*groups):
+    """One dict of all given nested dicts, later ones laid over earlier ones; none is changed."""
+    merged = {}
+    for group in groups:
+        for key, value in group.items():
+            both = isinstance(value, dict) and isinstance(merged.get(key), dict)
+            merged[key] = merge(merged[key], value) if both else copy.deepcopy(value)
+    return merged
+
+
+def size_curve(sizes, cases=SCHEMA_FOLDER / "cases.tsv"):
+    """The SieveCurve of the resolved group `sizes` of a specification; ValueError if its case is unknown."""
+    if sizes["case"] is None:
+        return SieveCurve(np.array(sizes["bounds"]), np.array(sizes["mass_fractions"]))
+    known = read_cases(cases)
+    if sizes["case"] not in known:
+        raise ValueError(f"sizes.case: '{sizes['case']}' is unknown; the cases are {', '.join(known)}")
+    return known[sizes["case"]].curve
+
+
+def check_top_class(spec, where=""):
+    """Refuse a specification of fewer than five grains of its top class, unless it allows that by name."""
+    try:
+        curve = size_curve(spec["sizes"])
+        density, mass = spec["material"]["density"], spec["amount"]["mass"]
+        if mass is None:
+            volumes = np.pi / 6 * curve.class_diameters**3
+            mass = spec["amount"]["grains"] * density * float(curve.number_fractions() @ volumes)
+        if not spec["sizes"]["allow_few_top_grains"]:
+            curve.check_top_class(mass, density, MINIMUM_OF_TOP_CLASS)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}" if where else str(error)) from None
+
+
+def spread_order(flatness, elongation):
+    """Indices of all grains in the order that spreads them over the Zingg diagram, whatever number is taken.
+
+    The first is the nearest to the mean, each next one that which lies farthest from all before it.
+
+    flatness, elongation: (n,). Returns (n,) int; ties go to the lower index.
+    """
+    points = np.column_stack([flatness, elongation])
+    order = [int(np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1)))]
+    distance = np.full(len(points), np.inf)
+    while len(order) < len(points):
+        distance = np.minimum(distance, np.linalg.norm(points - points[order[-1]], axis=1))
+        distance[order[-1]] = -1.0
+        order.append(int(np.argmax(distance)))
+    return np.array(order)
+
+
+def choose_form(spec, form, names):
+    """The specification with the grain of rank `form` (from 1) of the spread; `names` (n,) in that order."""
+    if form == 0:
+        return spec
+    if form > len(names):
+        raise ValueError(f"packing {spec['name']}: the form {form} was asked for, the set has {len(names)} grains")
+    return merge(spec, {"shapes": {"grain": names[form - 1]}})
+
+
+def _axis(key, values, where):
+    """One axis of the product, a list of {settings, label}; a value sets `key`, or is a group of settings."""
+    if not isinstance(values, list):
+        raise ValueError(f"{where}.{key}: {values!r} is wrong; a list of what it varies over is needed")
+    name = "" if key == "sizes.case" else "_".join(key.split(".")[1:] or [key])
+    parts = []
+    for value in values:
+        if isinstance(value, dict):
+            settings = dict(_flatten(value))
+            words = settings.values()
+        else:
+            settings, words = {key: value}, [name, value]
+        parts.append({"settings": settings, "label": "_".join(filter(None, map(_slug, words)))})
+    return parts
+
+
+def _flatten(group, above=""):
+    for key, value in group.items():
+        if isinstance(value, dict):
+            yield from _flatten(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", value
+
+
+def _forms(forms, grains, where):
+    """The axis of single forms: ranks in the spread over the Zingg diagram, or named grains."""
+    if isinstance(forms, list):
+        return [
+            {
+                "settings": {"shapes.choice": "one", "shapes.grain": name},
+                "label": _slug(name),
+                "is_form": True,
+            }
+            for name in forms
+        ]
+    number = forms["spread"]
+    if grains["source"] == "synthetic" and number > grains["number"]:
+        raise ValueError(f"{where}.forms.spread: {number} forms of a set of {grains['number']} grains")
+    # The name follows when the grains are read (choose_form); until then the text stands for it.
+    return [
+        {
+            "settings": {"shapes.choice": "one", "shapes.grain": f"form {rank} of the spread"},
+            "label": f"form{rank:02d}",
+            "form": rank,
+            "is_form": True,
+        }
+        for rank in range(1, number + 1)
+    ]
+
+
+def _slug(value):
+    return re.sub(r"[^A-Za-z0-9_.+-]", "", str(value))
+
+
+def _with_grain_set(spec, path):
+    # The set is decimated already, and its grains are in metres.
+    return {**spec, "grains": {**spec["grains"], "source": path, "unit": None}, "faces": "original"}
+
+
+def _column(key):
+    return _COLUMNS.get(key, key.split(".")[-1])
+
+
+def _put(raw, path, value, where):
+    *parents, last = path.split(".")
+    for key in parents:
+        raw = raw.setdefault(key, {})
+        if not isinstance(raw, dict):
+            raise ValueError(f"{where}.varies: '{path}' goes through '{key}', which holds no keys")
+    raw[last] = value
+
+
+def _get(spec, path):
+    for key in path.split("."):
+        spec = spec.get(key) if isinstance(spec, dict) else None
+    return spec

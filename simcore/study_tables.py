@@ -1,0 +1,97 @@
+"""The table of a study: one row a packing, then means over the seeds."""
+
+import json
+
+import numpy as np
+import pandas as pd
+
+FORM = {
+    "FL": "mu_FL",
+    "EL": "mu_EL",
+    "EQ": "mu_EQ",
+    "sigma_FL": "sigma_FL",
+    "sigma_EL": "sigma_EL",
+    "sigma_EQ": "sigma_EQ",
+}
+
+
+def tabulate(study, rows, evaluations):
+    """DataFrame with one row a packing.
+
+    study: its name; rows: dicts {packing, varied} as simcore.studies has them; evaluations: their datasets, as
+    from simcore.evaluation. Columns: study, packing, case, what else the study varies, grain (of single forms), kind, seed,
+    grains, L, I, S [m] (means), mean and standard deviation of FL, EL, EQ, n and n_std_error (spheres, as in the
+    study), the same from exact slices, coordination_number, spearman_D (trend of size over height), cpu_s.
+    """
+    table = []
+    for row, data in zip(rows, evaluations, strict=True):
+        scene = json.loads(data.attrs["scene"])
+        shapes = scene["shapes"]
+        single = shapes["choice"] == "one" and shapes["kind"] != "sphere"
+        form = data.form.to_series()
+        trend = float(data.spearman_r.sel(quantity="D")) if "spearman_r" in data else np.nan
+        table.append(
+            {
+                "study": study,
+                "packing": row["packing"],
+                "case": scene["sizes"]["case"] or "own",
+                **row["varied"],
+                **({"grain": shapes["grain"]} if single else {}),
+                "kind": shapes["kind"],
+                "seed": data.attrs["seed"],
+                "grains": data.attrs["n_grains"],
+                **data.axes.to_series(),
+                **{name: form[feature] for name, feature in FORM.items()},
+                "n": float(data.n),
+                "n_std_error": float(data.n_std_error),
+                "n_exact": float(data.n_exact),
+                "n_std_error_exact": float(data.n_std_error_exact),
+                "coordination_number": float(data.coordination_number),
+                "spearman_D": trend,
+                "cpu_s": float(data.attrs["cpu_seconds"]),
+            }
+        )
+    return pd.DataFrame(table)
+
+
+def summarise(packings, varied):
+    """Means over the seeds: DataFrame with one row for each setting of what else is varied.
+
+    packings: as from `tabulate`; varied: the columns that the study varies. n_std: standard deviation over the runs
+    (nan for one); n_std_error: of the mean, from the sampling errors of the runs.
+    """
+    settings = dict.fromkeys(["study", "case", *varied, "grain"])
+    groups = packings.groupby([key for key in settings if key in packings and key != "seed"], sort=False)
+    table = groups["n"].agg(runs="size", n="mean", n_std="std")
+    table["n_std_error"] = np.sqrt(groups["n_std_error"].agg(lambda errors: np.sum(errors**2))) / table["runs"]
+    table = table.join(groups[[*FORM, "grains", "n_exact", "coordination_number"]].mean())
+    return table.reset_index()
+
+
+def tabulate_features(packings, evaluations):
+    """DataFrame with one row a packing: packing, case, kind, n, and the 104 features of simcore.mixture_features.
+
+    kind is "discrete" where forms were drawn from the grain set, else "continuous".
+    """
+    rows = [data.form.to_series() for data in evaluations]
+    choices = [json.loads(data.attrs["scene"])["shapes"]["choice"] for data in evaluations]
+    table = packings[["packing", "case"]].assign(
+        kind=["discrete" if choice == "random" else "continuous" for choice in choices], n=packings.n
+    )
+    return pd.concat([table.reset_index(drop=True), pd.DataFrame(rows).reset_index(drop=True)], axis=1)
+
+
+def pair_shape_kinds(meshes, ellipsoids):
+    """One row for each case and grain that both studies have: case, grain, EQ, n_mesh, n_ellipsoid (means)."""
+    keys = ["case", "grain"]
+    sides = [table.groupby(keys, sort=False)[["EQ", "n"]].mean() for table in (meshes, ellipsoids)]
+    paired = sides[0].join(sides[1].n, how="inner", lsuffix="_mesh", rsuffix="_ellipsoid")
+    return paired.reset_index()
+
+
+def mark(table, test_only):
+    """The table, and if `test_only` a first column that says so in every row."""
+    marked = table.copy()
+    if test_only:
+        marked.insert(0, "note", "test only")
+    return marked

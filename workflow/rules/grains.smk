@@ -1,0 +1,41 @@
+# What a grain is: read or made, decimated, put in order, reported.
+
+
+rule grain_set:
+    input:
+        source_files(campaign["grains"]),
+    output:
+        grains="results/grains/original.nc",
+    log:
+        "results/logs/grain_set.log",
+    params:
+        grains=campaign["grains"],
+        code=digest("workflow/scripts/grain_set.py"),
+    script:
+        "../scripts/grain_set.py"
+
+
+rule decimated_grain_set:
+    input:
+        grains="results/grains/original.nc",
+    output:
+        grains="results/grains/faces_{faces}.nc",
+    log:
+        "results/logs/decimated_grain_set/{faces}.log",
+    params:
+        code=digest("workflow/scripts/decimated_grain_set.py"),
+    script:
+        "../scripts/decimated_grain_set.py"
+
+
+rule form_order:
+    input:
+        grains="results/grains/original.nc",
+    output:
+        forms="results/grains/forms.csv",
+    log:
+        "results/logs/form_order.log",
+    params:
+        code=digest("workflow/scripts/form_order.py"),
+    script:
+        "../scripts/form_order.py"

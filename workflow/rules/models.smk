@@ -1,0 +1,74 @@
+# From the tables of the studies to models of porosity. A model exists where the campaign has its study.
+study_sizes = packings.groupby("study").size()
+# Four features, an intercept and something left to judge them by.
+smallest_mixture_study = 7
+
+models = []
+
+if "single_form" in studies:
+    models += ["single_form", "single_form_correlations", "single_form_second_features"]
+
+    rule single_form_models:
+        input:
+            packings="results/tables/single_form_packings.csv",
+        output:
+            models="results/models/single_form.csv",
+            correlations="results/models/single_form_correlations.csv",
+            second_features="results/models/single_form_second_features.csv",
+            dataset="results/models/single_form.nc",
+        log:
+            "results/logs/single_form_models.log",
+        params:
+            seed=campaign["models"]["seed"],
+            test_only=campaign["test_only"],
+            code=digest("workflow/scripts/single_form_models.py"),
+        script:
+            "../scripts/single_form_models.py"
+
+
+if study_sizes.get("form_mixtures", 0) >= smallest_mixture_study:
+    models += ["form_mixture", "form_mixture_correlations", "form_mixture_feature_sets"]
+    models += ["application"] if "application" in studies else []
+
+    rule form_mixture_models:
+        input:
+            packings="results/tables/form_mixtures_features.csv",
+            application=branch(
+                "application" in studies,
+                then="results/tables/application_features.csv",
+            ),
+        output:
+            models="results/models/form_mixture.csv",
+            correlations="results/models/form_mixture_correlations.csv",
+            feature_sets="results/models/form_mixture_feature_sets.csv",
+            dataset="results/models/form_mixture.nc",
+            application=branch(
+                "application" in studies, then="results/models/application.csv"
+            ),
+        log:
+            "results/logs/form_mixture_models.log",
+        params:
+            seed=campaign["models"]["seed"],
+            test_only=campaign["test_only"],
+            code=digest("workflow/scripts/form_mixture_models.py"),
+        script:
+            "../scripts/form_mixture_models.py"
+
+
+if {"single_form", "equivalent_ellipsoids"} <= set(studies):
+    models += ["shape_kinds"]
+
+    rule shape_kinds:
+        input:
+            meshes="results/tables/single_form_packings.csv",
+            ellipsoids="results/tables/equivalent_ellipsoids_packings.csv",
+        output:
+            table="results/models/shape_kinds.csv",
+            pairs="results/models/shape_kind_pairs.csv",
+        log:
+            "results/logs/shape_kinds.log",
+        params:
+            test_only=campaign["test_only"],
+            code=digest("workflow/scripts/shape_kinds.py"),
+        script:
+            "../scripts/shape_kinds.py"

@@ -1,0 +1,105 @@
+# One packing per row of a study, its evaluation, and the table of the study.
+
+
+localrules:
+    packing_specification,
+
+
+rule packing_specification:
+    input:
+        forms=branch(
+            lookup(
+                query="study == '{study}' & packing == '{packing}' & form > 0",
+                within=packings,
+                cols="form",
+            ),
+            then="results/grains/forms.csv",
+        ),
+    output:
+        specification="results/packings/{study}/{packing}.yaml",
+    log:
+        "results/logs/packing_specification/{study}/{packing}.log",
+    params:
+        form=lookup(
+            query="study == '{study}' & packing == '{packing}'",
+            within=packings,
+            cols="form",
+        ),
+        specification=lookup(
+            query="study == '{study}' & packing == '{packing}'",
+            within=packings,
+            cols="specification",
+        ),
+        code=digest("workflow/scripts/packing_specification.py"),
+    script:
+        "../scripts/packing_specification.py"
+
+
+rule packing:
+    input:
+        specification="results/packings/{study}/{packing}.yaml",
+        grains=collect(
+            "results/grains/{grain_set}.nc",
+            grain_set=lookup(
+                query="study == '{study}' & packing == '{packing}'",
+                within=packings,
+                cols="grain_set",
+            ),
+        ),
+    output:
+        packing="results/packings/{study}/{packing}.nc",
+    log:
+        "results/logs/packing/{study}/{packing}.log",
+    benchmark:
+        "results/benchmarks/packing/{study}/{packing}.tsv"
+    threads: 1
+    params:
+        code=digest("simcore/specification.py"),
+    shell:
+        "python -m simcore pack {input.specification} {output.packing} --threads {threads} > {log} 2>&1"
+
+
+rule porosity:
+    input:
+        packing="results/packings/{study}/{packing}.nc",
+    output:
+        evaluation="results/porosity/{study}/{packing}.nc",
+    log:
+        "results/logs/porosity/{study}/{packing}.log",
+    params:
+        settings=campaign["porosity"],
+        code=digest("workflow/scripts/porosity.py"),
+    script:
+        "../scripts/porosity.py"
+
+
+rule study_table:
+    input:
+        evaluations=collect(
+            "results/porosity/{{study}}/{packing}.nc",
+            packing=lookup(
+                query="study == '{study}'", within=packings, cols="packing"
+            ),
+        ),
+    output:
+        packings="results/tables/{study}_packings.csv",
+        features="results/tables/{study}_features.csv",
+        table="results/tables/{study}.csv",
+    log:
+        "results/logs/study_table/{study}.log",
+    params:
+        rows=lookup(query="study == '{study}'", within=packings, cols="row"),
+        test_only=campaign["test_only"],
+        code=digest("workflow/scripts/study_table.py"),
+    script:
+        "../scripts/study_table.py"
+
+
+# Each study is a target of its own: `snakemake single_form`.
+for study in studies:
+
+    rule:
+        name:
+            study
+        input:
+            f"results/tables/{study}.csv",

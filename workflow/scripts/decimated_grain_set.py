@@ -1,0 +1,8 @@
+"""The grains of the set with at most so many faces each."""
+
+from simcore.grains.grain_set import read_grains, write_grains
+from simcore.grains.mesh import decimate
+
+faces = int(snakemake.wildcards.faces)
+grains = [decimate(grain, faces) for grain in read_grains(snakemake.input.grains)]
+write_grains(snakemake.output.grains, grains, faces=faces)

@@ -1,0 +1,17 @@
+"""The complete specification of one packing, with the name of its grain."""
+
+import csv
+from pathlib import Path
+
+import yaml
+
+from simcore.specification import express
+from simcore.studies import choose_form
+
+(specification,), (form,) = snakemake.params.specification, snakemake.params.form
+names = []
+if form:
+    with open(snakemake.input.forms, newline="", encoding="utf-8") as file:
+        names = [line["grain"] for line in csv.DictReader(file)]
+text = yaml.safe_dump(express(choose_form(specification, form, names)), sort_keys=False, allow_unicode=True)
+Path(snakemake.output.specification).write_text(text, encoding="utf-8")

@@ -1,0 +1,13 @@
+"""How far packings of grains and of their mass-equivalent ellipsoids differ in porosity."""
+
+import pandas as pd
+
+from simcore.model_tables import shape_kind_table
+from simcore.reference import read_study_table
+from simcore.study_tables import mark, pair_shape_kinds
+
+meshes, ellipsoids = (pd.read_csv(path) for path in (snakemake.input.meshes, snakemake.input.ellipsoids))
+pairs = pair_shape_kinds(meshes, ellipsoids)
+table = shape_kind_table(pairs, read_study_table("mesh_ellipsoid_difference"))
+mark(pairs, snakemake.params.test_only).to_csv(snakemake.output.pairs, index=False)
+mark(table, snakemake.params.test_only).to_csv(snakemake.output.table, index=False)
