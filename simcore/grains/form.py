@@ -3,6 +3,7 @@
 
 import numpy as np
 import pandas as pd
+from scipy.special import elliprg
 
 # Table 1 of Rettinger, Rüde, Vollmer, Frings 2022, in its order. L >= I >= S > 0 in any length unit.
 FORM_FACTORS = {
@@ -42,6 +43,16 @@ def axes_from_form(sieve_size, flatness, elongation):
     """Full axes (L, I, S) [m] of the ellipsoid with this sieve size [m], FL = S/I and EL = I/L."""
     I = np.sqrt(2 / (1 + np.asarray(flatness) ** 2)) * sieve_size
     return I / elongation, I, flatness * I
+
+
+def ellipsoid_sphericity(L, I, S):
+    """Wadell sphericity of the ellipsoid with full axes L, I, S: of all grains of that form about the roundest.
+
+    Its surface is 4 pi R_G(b²c², a²c², a²b²) with Carlson's symmetric integral (Carlson 1995).
+    """
+    a, b, c = (np.asarray(axis, float) / 2 for axis in (L, I, S))
+    surface = 4 * np.pi * elliprg((b * c) ** 2, (a * c) ** 2, (a * b) ** 2)
+    return np.pi ** (1 / 3) * (8 * np.pi * a * b * c) ** (2 / 3) / surface
 
 
 def form_factors(L, I, S):

@@ -71,12 +71,8 @@ def read_grains(path):
     except (OSError, KeyError) as error:
         raise ValueError(f"{path} is not a grain set written by write_grains: {error}") from None
     return [
-        Grain(
-            str(name), vertices, faces.astype(np.int64), float(volume), moments, float(L), float(I), float(S)
-        )
-        for name, vertices, faces, L, I, S, volume, moments in zip(
-            data.grain.values, *meshes, *columns, strict=True
-        )
+        Grain(str(name), vertices, faces.astype(np.int64), float(volume), moments, float(L), float(I), float(S))
+        for name, vertices, faces, L, I, S, volume, moments in zip(data.grain.values, *meshes, *columns, strict=True)
     ]
 
 

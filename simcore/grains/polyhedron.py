@@ -25,7 +25,10 @@ def convex_hull(points):
     inward = np.einsum("ij,ij->i", normals, hull.equations[:, :3]) < 0
     faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
     used, faces = np.unique(faces, return_inverse=True)
-    return points[used], faces.reshape(-1, 3)
+    faces = faces.reshape(-1, 3)
+    # one order for one hull, whatever Qhull's: decimation depends on the order of the faces
+    faces = np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
+    return points[used], faces[np.lexsort(faces.T[::-1])]
 
 
 def volume_moments(vertices, faces):

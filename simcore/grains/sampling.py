@@ -36,17 +36,13 @@ class ShapeChoice:
         if self.kind not in ("mesh", "ellipsoid", "sphere"):
             raise ValueError(f"shapes: kind {self.kind!r} is unknown: use mesh, ellipsoid or sphere")
         if self.choice not in ("one", "random", "form", "form_distribution"):
-            raise ValueError(
-                f"shapes: choice {self.choice!r} is unknown: use one, random, form or form_distribution"
-            )
+            raise ValueError(f"shapes: choice {self.choice!r} is unknown: use one, random, form or form_distribution")
         if self.kind == "sphere":
             return
         if self.choice == "one" and not self.grain:
             raise ValueError("shapes: choice `one` needs `grain`, the name of the grain")
         if self.choice == "form" and self.kind == "mesh":
-            raise ValueError(
-                "shapes: choice `form` is for ellipsoids: use kind ellipsoid or form_distribution"
-            )
+            raise ValueError("shapes: choice `form` is for ellipsoids: use kind ellipsoid or form_distribution")
         if self.choice in ("form", "form_distribution"):
             low, high = FORM_RANGE
             for key in ("flatness", "elongation"):

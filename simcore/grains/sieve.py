@@ -23,15 +23,8 @@ class SieveCurve:
         for field in ("bounds", "mass_fractions"):
             object.__setattr__(self, field, np.array(getattr(self, field), float))
         bounds, fractions = self.bounds, self.mass_fractions
-        if (
-            bounds.ndim != 1
-            or fractions.ndim != 1
-            or len(bounds) != len(fractions) + 1
-            or len(fractions) == 0
-        ):
-            self._refuse(
-                f"{bounds.size} bounds, {fractions.size} mass fractions: give one bound more than fractions"
-            )
+        if bounds.ndim != 1 or fractions.ndim != 1 or len(bounds) != len(fractions) + 1 or len(fractions) == 0:
+            self._refuse(f"{bounds.size} bounds, {fractions.size} mass fractions: give one bound more than fractions")
         if not (np.all(np.isfinite(bounds)) and bounds[0] > 0 and np.all(np.diff(bounds) > 0)):
             self._refuse(f"bounds {bounds} m are not positive and increasing: order them from fine to coarse")
         if not (np.all(np.isfinite(fractions)) and np.all(fractions >= 0)):
@@ -95,13 +88,9 @@ def read_cases(path):
     classes = {c: [float(b) * 1e-3 for b in m.groups()] for c in columns if (m := _CLASS.fullmatch(c or ""))}
     limits = list(classes.values())
     if not classes or not {"case", "generation_spacing [mm]"} <= set(columns):
-        raise ValueError(
-            f"{path}: needs the tab-separated columns case, generation_spacing [mm], and `2.8-4 mm` ..."
-        )
+        raise ValueError(f"{path}: needs the tab-separated columns case, generation_spacing [mm], and `2.8-4 mm` ...")
     if any(a[1] != b[0] for a, b in zip(limits, limits[1:], strict=False)):
-        raise ValueError(
-            f"{path}: each size class must begin where the one before it ends, got {list(classes)}"
-        )
+        raise ValueError(f"{path}: each size class must begin where the one before it ends, got {list(classes)}")
     bounds = [limits[0][0]] + [upper for _, upper in limits]
     try:
         return {

@@ -24,9 +24,7 @@ def test_box_has_its_closed_form():
     turned = Rotation.random(rng=2).apply(np.vstack([points, inside])) + [5.0, -3.0, 1.0]
     grain = make_grain("box", turned)
     # round-off: coordinates of size 6 carry 1e-15 m, a part 1e-13 of the edge
-    assert (grain.L, grain.I, grain.S) == pytest.approx(
-        np.array([0.03, 0.02, 0.01]) * np.sqrt(5 / 3), rel=1e-12
-    )
+    assert (grain.L, grain.I, grain.S) == pytest.approx(np.array([0.03, 0.02, 0.01]) * np.sqrt(5 / 3), rel=1e-12)
     assert grain.volume == pytest.approx(6e-6, rel=1e-12)
     assert grain.vertices.shape == (8, 3) and grain.faces.shape == (12, 3)
     np.testing.assert_allclose(np.abs(grain.vertices), np.tile([0.005, 0.01, 0.015], (8, 1)), rtol=1e-11)

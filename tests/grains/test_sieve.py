@@ -53,9 +53,7 @@ def test_cases_are_table_3():
     assert list(cases) == ["U1", "U3", "U5", "U7", "B30", "B50", "B70"]
     assert cases["U1"].curve.largest == pytest.approx(8e-3)
     assert cases["B30"].generation_spacing == pytest.approx(0.020)
-    np.testing.assert_allclose(
-        cases["U7"].curve.bounds, np.array([2.8, 4, 5.6, 8, 11.2, 16, 22.4, 31.5]) * 1e-3
-    )
+    np.testing.assert_allclose(cases["U7"].curve.bounds, np.array([2.8, 4, 5.6, 8, 11.2, 16, 22.4, 31.5]) * 1e-3)
     np.testing.assert_allclose(cases["B70"].curve.mass_fractions, [0.18, 0.29, 0.18, 0.06, 0.08, 0.13, 0.08])
 
 

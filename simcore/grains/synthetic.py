@@ -1,0 +1,144 @@
+"""Rhine-like pebbles made from a seed: the source of grains for who has no scans.
+
+Form: flatness and elongation have the study's statistics exactly. Shape: a block of random flat sides whose
+edges are worn, which is what tells a pebble from an ellipsoid of the same form. How flat, how worn: such that
+sphericity and the share of surface in large facets lie within those of CT-scanned gravel (scan_ranges.csv).
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.spatial.transform import Rotation
+from scipy.stats import shapiro
+
+from .directions import spiral_directions
+from .form import axes_from_form, ellipsoid_sphericity
+from .mesh import decimate, make_grain
+
+# Rettinger et al. 2022, Table 2 and text. ASSUME: the standard deviations are those of a sample (n - 1, ddof 1).
+FLATNESS_MEAN, FLATNESS_STD = 0.647, 0.175
+ELONGATION_MEAN, ELONGATION_STD = 0.682, 0.139
+# ASSUME: the stated correlations with size are with the logarithm of the sieve size.
+CORRELATION = np.array([[1.0, -0.11, 0.23], [-0.11, 1.0, -0.089], [0.23, -0.089, 1.0]])  # log size, FL, EL
+SIZE_BOUNDS = np.array([2.8, 4.0, 5.6, 8.0, 11.2, 16.0, 22.4, 31.5]) * 1e-3  # seven sieve classes [m]
+FACE_RANGE = (220, 2620)
+# Face count at which shapes are compared: the share in facets depends on it, and the Rhine meshes have <= 300.
+COMPARED_FACES = 300
+
+# Below this sphericity of its ellipsoid a form is so flat that no worn block of it lies among the scans.
+_ROUNDEST_MIN = 0.75
+# Of decimated hulls: vertices moved by round-off change the collapse, sphericity by 0.001, the share by 0.04.
+_MARGIN = np.array([0, 0, 0, 0.002, 0.04])
+
+
+def scan_ranges():
+    """Smallest and largest value of each measure over the scanned grains, DataFrame of scan_ranges.csv."""
+    return pd.read_csv(Path(__file__).with_name("scan_ranges.csv"), comment="#", index_col="measure")
+
+
+def synthetic_grains(seed=1, n=63):
+    """n pebbles (list of Grain), named G01... by increasing sieve size, the same for the same seed and n.
+
+    The sample of FL and EL has the study's means, standard deviations (n - 1) and correlation to round-off,
+    lies in (0.25, 1] and passes the Shapiro-Wilk test at 0.05; log D correlates with both as in the study; the
+    sizes are spread evenly over the seven sieve classes, the face counts log-uniformly over FACE_RANGE.
+    ValueError if n < 21, or so large that no such sample is found (about 150).
+    """
+    if n < 21:
+        raise ValueError(f"{n} synthetic grains: at least 21 are needed, three in each sieve class")
+    rng = np.random.default_rng([seed, n])
+    D, flatness, elongation = _draw_forms(rng, n)
+    faces = 2 * np.round(np.geomspace(*FACE_RANGE, n)[rng.permutation(n)] / 2).astype(int)
+    width = max(2, len(str(n)))
+    ranges = scan_ranges()
+    return [
+        _draw_pebble(np.random.default_rng([seed, n, i]), f"G{i + 1:0{width}}", *row, ranges)
+        for i, row in enumerate(zip(faces, D, flatness, elongation, strict=True))
+    ]
+
+
+def _draw_forms(rng, n):
+    """D [m], increasing, FL and EL (n,) with exactly the study's sample statistics."""
+    classes = np.sort(np.arange(n) % 7)
+    logs = np.log2(SIZE_BOUNDS)
+    colour = np.linalg.cholesky(CORRELATION)
+    for _ in range(50_000):
+        log_size = np.sort(logs[classes] + rng.random(n) * np.diff(logs)[classes])
+        # independent forms, wider than wanted because the tails are cut; then made exact
+        pairs = rng.normal([0.63, ELONGATION_MEAN], [1.3 * FLATNESS_STD, 1.3 * ELONGATION_STD], (20 * n, 2))
+        pairs = pairs[np.all((pairs > 0.28) & (pairs < 0.99), axis=1)]
+        pairs = pairs[_roundest(*pairs.T) > _ROUNDEST_MIN][:n]
+        columns = np.column_stack([log_size, pairs])
+        white, upper = np.linalg.qr(columns - columns.mean(0))
+        scores = white * np.sign(np.diag(upper)) * np.sqrt(n - 1) @ colour.T
+        flatness = FLATNESS_MEAN + FLATNESS_STD * scores[:, 1]
+        elongation = ELONGATION_MEAN + ELONGATION_STD * scores[:, 2]
+        forms = np.array([flatness, elongation])
+        if not np.all((forms > 0.25) & (forms <= 1)) or _roundest(*forms).min() < _ROUNDEST_MIN:
+            continue
+        if min(shapiro(flatness).pvalue, shapiro(elongation).pvalue) > 0.05:
+            return 2.0**log_size, flatness, elongation
+    raise ValueError(
+        f"no {n} synthetic forms with the study's statistics found: the tails of more than about 100 "
+        "normal forms leave (0.25, 1]; ask for 100 or fewer, or give another seed"
+    )
+
+
+def _roundest(flatness, elongation):
+    return ellipsoid_sphericity(*axes_from_form(1.0, flatness, elongation))
+
+
+def _draw_pebble(rng, name, faces, D, flatness, elongation, ranges):
+    """A pebble of this size and form, redrawn until it lies within the ranges of the scans."""
+    L, I, S = axes_from_form(D, flatness, elongation)  # noqa: E741
+    while True:
+        block = make_grain(name, _worn_block(rng, faces // 2 + 2))
+        if len(block.faces) != faces:  # a vertex fell into the plane of others
+            continue
+        grain = block.scaled(np.array([S, I, L]) / [block.S, block.I, block.L])
+        measured = shape_measures(grain)
+        low, high = ranges.loc[measured.index, ["min", "max"]].T.to_numpy()
+        if (measured - _MARGIN >= low).all() and (measured + _MARGIN <= high).all():
+            return grain
+
+
+def _worn_block(rng, n_points):
+    """Points (n, 3) on a strictly convex body: a block between random planes, its edges worn round.
+
+    Planes n_i.x = h_i bound the block; its surface r = 1 / max_i (n_i.u / h_i) becomes, with the maximum
+    replaced by the p-norm, convex and smooth: flat where one plane rules, round where two meet, and the
+    rounder the smaller p. The planes' number, distances and p vary from pebble to pebble.
+    """
+    # ASSUME: ranges by which the shares in facets come to lie in the middle of those of the scans.
+    n_planes = int(rng.integers(14, 27))
+    normals = _scattered(rng, n_planes, 0.3)
+    distances = rng.uniform(1 - 0.3, 1 + 0.3, n_planes)
+    exponent = rng.uniform(10, 17)
+    directions = _scattered(rng, n_points, 0.2)
+    gauge = np.sum(np.maximum(directions @ normals.T / distances, 0) ** exponent, axis=1) ** (1 / exponent)
+    return directions / gauge[:, None]
+
+
+def _scattered(rng, n, jitter):
+    """n random directions (n, 3) that keep apart: a turned spiral, moved by jitter times their distance."""
+    spiral = Rotation.random(rng=rng).apply(spiral_directions(n))
+    moved = spiral + jitter * np.sqrt(4 * np.pi / n) * rng.normal(size=(n, 3))
+    return moved / np.linalg.norm(moved, axis=1)[:, None]
+
+
+def shape_measures(grain):
+    """Sphericity and share of surface in the ten largest facets, of the hull and at COMPARED_FACES, Series.
+
+    relative_sphericity is that of the hull over its ellipsoid's: free of the form.
+    """
+    coarse = decimate(grain, COMPARED_FACES)
+    return pd.Series(
+        {
+            "sphericity": grain.sphericity,
+            "facet_share": grain.facet_share,
+            "relative_sphericity": grain.sphericity / ellipsoid_sphericity(grain.L, grain.I, grain.S),
+            "sphericity_300": coarse.sphericity,
+            "facet_share_300": coarse.facet_share,
+        }
+    )

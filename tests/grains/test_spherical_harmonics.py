@@ -1,0 +1,80 @@
+"""Spherical-harmonic radii against closed forms, in both file formats."""
+
+import numpy as np
+import pytest
+
+from simcore.grains.directions import spiral_directions
+from simcore.grains.mesh import make_grain
+from simcore.grains.spherical_harmonics import radius, read_coefficients, surface_points
+
+# r = 10 + 2 z + 1.5 x - 0.8 y + 0.7 (x² - y²) on the unit sphere, written in orthonormal Y_nm by hand:
+# Y_00 = 1/sqrt(4 pi), Y_10 = sqrt(3/4pi) z, Y_11 = -sqrt(3/8pi) (x + iy), Y_22 = sqrt(15/32pi) (x + iy)²
+HALF = [
+    (0, 0, 10 * np.sqrt(4 * np.pi), 0.0),
+    (1, 1, -1.5 / 2 / np.sqrt(3 / (8 * np.pi)), -0.8 / 2 / np.sqrt(3 / (8 * np.pi))),
+    (1, 0, 2 / np.sqrt(3 / (4 * np.pi)), 0.0),
+    (2, 2, 0.7 / 2 / np.sqrt(15 / (32 * np.pi)), 0.0),
+]
+FULL = HALF + [(n, -m, (-1) ** m * re, -((-1) ** m) * im) for n, m, re, im in HALF if m > 0]
+
+
+def expected(u):
+    x, y, z = u.T
+    return 10 + 2 * z + 1.5 * x - 0.8 * y + 0.7 * (x**2 - y**2)
+
+
+def write(path, rows, comments=""):
+    path.write_text(comments + "".join(f"{n:4d}{m:4d} {re:20.10f} {im:20.10f}\n" for n, m, re, im in rows))
+    return path
+
+
+@pytest.mark.parametrize("rows, comments", [(HALF, "# one\n# two\n# three\n"), (FULL, "")])
+def test_radius_is_the_closed_form_in_both_formats(tmp_path, rows, comments):
+    u = spiral_directions(500)
+    coefficients = read_coefficients(write(tmp_path / "a.dat", rows, comments))
+    # ten decimals in the file
+    np.testing.assert_allclose(radius(coefficients, u), expected(u), atol=1e-9)
+
+
+def test_only_the_mean_radius_gives_a_sphere(tmp_path):
+    points = surface_points(read_coefficients(write(tmp_path / "a.dat", HALF[:1])))
+    grain = make_grain("sphere", points)
+    # 4000 points of an inscribed hull with 7996 faces: 10.9 / faces of the volume are lost, a third of it in length
+    assert 1 - grain.volume / (4 / 3 * np.pi * 1000) == pytest.approx(10.9 / 7996, rel=0.15)
+    assert grain.L == pytest.approx(20, rel=10.9 / 7996 / 2)
+
+
+def test_points_are_dense_enough_for_high_degrees(tmp_path):
+    rng = np.random.default_rng(3)
+    rows = [(0, 0, 30.0, 0.0)] + [(25, m, *rng.normal(0, 0.05, 2)) for m in range(1, 26)]
+    coefficients = read_coefficients(write(tmp_path / "a.dat", rows))
+    points = surface_points(coefficients)
+    finer = spiral_directions(8 * len(points))
+    volume = make_grain("f", radius(coefficients, finer)[:, None] * finer).volume
+    assert 0 < 1 - make_grain("g", points).volume / volume < 0.003
+
+
+@pytest.mark.parametrize(
+    "text, reason",
+    [
+        ("", "four numbers"),
+        ("0 0 1\n", "four numbers"),
+        ("0 0 one 0\n", "not rows"),
+        ("0 0 nan 0\n", "NaN"),
+        ("1 2 1 0\n", r"\|m\| <= n"),
+        ("0 0 1 0\n0 0 1 0\n", "twice"),
+    ],
+)
+def test_broken_files_are_refused(tmp_path, text, reason):
+    (tmp_path / "a.dat").write_text(text)
+    with pytest.raises(ValueError, match=rf"a\.dat.*{reason}"):
+        read_coefficients(tmp_path / "a.dat")
+
+
+def test_impossible_surfaces_are_refused():
+    u = spiral_directions(500)
+    n, m = np.array([0, 1, 1]), np.array([0, 1, -1])
+    with pytest.raises(ValueError, match="not positive"):
+        radius((n[:2], m[:2], np.array([1.0, 5.0])), u)
+    with pytest.raises(ValueError, match="real"):
+        radius((n, m, np.array([10.0, 1.0, 1.0])), u)
