@@ -35,10 +35,11 @@ def single_form_models(packings, study_correlations=None, study_errors=None, stu
     DataFrames `correlations` (all usable features; r_first: their r to EQ_inv; kept: passed the screening),
     `second_features` (cross-validated error of {EQ_inv, X}), `models` (coefficients of n on EQ_inv, and on EQ_inv and
     EL_inv); models maps (name, case) to PorosityModel.
+    A case with too few packings is left out with a message; ValueError if none is left.
     study_*: correlations.csv, table9_second_factor_mae.csv, models.csv.
     """
     correlations, errors, models = [], [], {}
-    for case, rows in packings.groupby("case", sort=False):
+    for case, rows in _cases(packings, len(SINGLE_FORM) + 3):
         n = rows["n"].to_numpy()
         features = usable_features(form_features(*(rows[axis].to_numpy() for axis in "LIS")))
         _require(features, SINGLE_FORM, case)
@@ -174,13 +175,25 @@ def table_dataset(table, title):
     return dataset
 
 
+def _cases(packings, least):
+    """List of (case, its packings), without cases of fewer than `least` packings. ValueError if none is left."""
+    groups = list(packings.groupby("case", sort=False))
+    for case, rows in groups:
+        if len(rows) < least:
+            log.warning("case %s left out: %d packings, a model and its error need %d", case, len(rows), least)
+    kept = [(case, rows) for case, rows in groups if len(rows) >= least]
+    if not kept:
+        raise ValueError(f"no case has the {least} packings that a model and its error need; simulate more forms")
+    return kept
+
+
 def _require(features, names, case):
     """ValueError if a feature of the chosen model cannot be used."""
     missing = [name for name in names if name not in features]
     if missing:
         raise ValueError(
-            f"case {case}: {', '.join(missing)} is the same for all {len(features)} packings or not finite, so no model "
-            "can be fitted; choose forms that differ in flatness and elongation"
+            f"case {case}: {', '.join(missing)} is the same for all {len(features)} packings or not finite, so no "
+            "model can be fitted; choose forms that differ in flatness and elongation"
         )
 
 

@@ -22,8 +22,8 @@ def porosity_profile(packing, slice_height=1e-3, method="spheres"):
     """n(z) in horizontal slices from the floor to above the bed, Dataset over `z`, the slices' middles [m].
 
     packing: Dataset as in packing_io; slice_height [m]; method: "spheres" slices volume-equivalent spheres in exact
-    segments (the study), "exact" the polyhedra and ellipsoids themselves. The sphere that stands for a flat grain on the
-    floor reaches below it; what lies there is in no slice and given as solid_volume_below_floor.
+    segments (the study), "exact" the polyhedra and ellipsoids themselves. The sphere that stands for a flat grain on
+    the floor reaches below it; what lies there is in no slice and given as solid_volume_below_floor.
     """
     if not slice_height > 0.0:
         raise ValueError(f"porosity_profile: slice_height is {slice_height} m, it must be positive")
@@ -35,7 +35,7 @@ def porosity_profile(packing, slice_height=1e-3, method="spheres"):
     solid = slab_volumes(packing, edges, method)
     below = slab_volumes(packing, [min(low.min(), 0.0) - slice_height, 0.0], method)[0]
     slice_volume = domain_area(packing) * slice_height
-    profile = xr.Dataset(
+    return xr.Dataset(
         {
             "porosity": ("z", 1.0 - solid / slice_volume, {"units": "1", "long_name": "porosity of the slice"}),
             "solid_volume": ("z", solid, {"units": "m3", "long_name": "volume of grains in the slice"}),
@@ -50,11 +50,10 @@ def porosity_profile(packing, slice_height=1e-3, method="spheres"):
         attrs=describe(packing, "Porosity profile of a grain packing")
         | {"slice_height": slice_height, "method": method},
     )
-    return profile
 
 
 def bed_top(profile):
-    """Height of the bed's surface z+ [m]: scan from the top for the first slice at most half solid above one at least so.
+    """Height of the bed's surface z+ [m]: from the top, the first slice at most half solid above one at least so.
 
     ASSUME: z+ is the plane between the two, without interpolation, so that the half-empty slice is left out; the
     study's program is known to take a slice, not a point between slices.
@@ -63,8 +62,8 @@ def bed_top(profile):
     surface = (solid[1:] <= 1.0 - CUT_OFF) & (solid[:-1] >= 1.0 - CUT_OFF)
     if not surface.any():
         raise ValueError(
-            f"bed_top: no slice of the packing is {CUT_OFF:g} solid (most: {solid.max():.3f}), so the bed has no surface; "
-            "use more grains or a narrower domain, or check that the packing has settled"
+            f"bed_top: no slice of the packing is {CUT_OFF:g} solid (most: {solid.max():.3f}), so the bed has no "
+            "surface; use more grains or a narrower domain, or check that the packing has settled"
         )
     return float(profile["z_bounds"].values[np.flatnonzero(surface)[-1], 1])
 

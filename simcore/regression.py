@@ -20,10 +20,10 @@ CORRELATED = 0.8  # a second feature with |r| above this to the first is dropped
 
 
 def usable_features(features):
-    """Those columns of a feature table (n, m) that can enter a model; what is left out goes to the log with the reason.
+    """Those columns of a feature table (n, m) that can enter a model; the log says what is left out and why.
 
-    The rule: a feature that is not finite for one row is left out for all, so that all features are compared on the same
-    rows; so is a feature that is the same for all rows, to which no correlation exists.
+    The rule: a feature that is not finite for one row is left out for all, so that all features are compared on the
+    same rows; so is a feature that is the same for all rows, to which no correlation exists.
     """
     values = features.to_numpy(float)
     finite = np.isfinite(values).all(axis=0)
@@ -49,18 +49,18 @@ def screen(features, first="EQ_inv", limit=CORRELATED):
 def cross_validate(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0):
     """Errors of a linear regression on samples it has not seen, dict; features (n, m), porosity (n,).
 
-    Shuffled k-fold cross-validation, repeated with new shuffles drawn from `seed` so that the result does not hang on one
-    division. With fewer samples than folds there are as many folds as samples, and one repeat, since all are alike.
-    mean_absolute_error and median_absolute_error are over all predictions of all repeats: the study's text says median,
-    its Table 9 says mean, so both are given.
+    Shuffled k-fold cross-validation, repeated with new shuffles drawn from `seed` so that the result does not hang on
+    one division. With fewer samples than folds there are as many folds as samples, and one repeat, since all are alike.
+    mean_absolute_error and median_absolute_error are over all predictions of all repeats: the study's text says
+    median, its Table 9 says mean, so both are given.
     """
     X, y = features.to_numpy(float), np.asarray(porosity, float)
     folds_used = min(folds, len(y))
     repeats_used = repeats if folds_used < len(y) else 1
     if len(y) - int(np.ceil(len(y) / max(folds_used, 1))) < X.shape[1] + 1:
         raise ValueError(
-            f"cross_validate: {len(y)} samples are too few for {X.shape[1]} features and an intercept with one fold left "
-            "out; simulate more packings or use fewer features"
+            f"cross_validate: {len(y)} samples are too few for {X.shape[1]} features and an intercept with one fold "
+            "left out; simulate more packings or use fewer features"
         )
     splits = RepeatedKFold(n_splits=folds_used, n_repeats=repeats_used, random_state=seed)
     errors = []
@@ -145,8 +145,8 @@ def fit(features, porosity, name="porosity", case=""):
     X, y = features.to_numpy(float), np.asarray(porosity, float)
     if len(y) <= X.shape[1] + 1:
         raise ValueError(
-            f"fit of model {name}, case {case or '-'}: {len(y)} samples are too few for {X.shape[1] + 1} coefficients and "
-            "their errors; simulate more packings"
+            f"fit of model {name}, case {case or '-'}: {len(y)} samples are too few for {X.shape[1] + 1} coefficients "
+            "and their errors; simulate more packings"
         )
     if not (np.isfinite(X).all() and np.isfinite(y).all()):
         raise ValueError(f"fit of model {name}, case {case or '-'}: a value is not finite; see usable_features")

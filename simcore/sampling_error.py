@@ -65,7 +65,7 @@ def sampling_error(packing, z_lower, z_upper, method="spheres"):
 
 
 def _all_modes(shape, width, height, k_max):
-    """List of (wave number [1/m], horizontal mode, vertical order) up to k_max, and the longest horizontal ones in any case.
+    """List of (wave number [1/m], horizontal mode, vertical order) up to k_max, and always the longest horizontal ones.
 
     The horizontal mode (0, 0) is the constant one.
     """

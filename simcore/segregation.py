@@ -37,8 +37,8 @@ def height_trends(packing, interval=None, n_layers=5):
     inside = (z >= low) & (z <= high)
     if inside.sum() < 4:
         raise ValueError(
-            f"height_trends: {inside.sum()} grains have their centre between {low:.4g} m and {high:.4g} m, too few for a "
-            "trend; widen the interval or use more grains"
+            f"height_trends: {inside.sum()} grains have their centre between {low:.4g} m and {high:.4g} m, too few for "
+            "a trend; widen the interval or use more grains"
         )
     z = z[inside]
     edges = np.linspace(low, high, n_layers + 1)

@@ -104,7 +104,7 @@ def _add_balls(out, rows, grains, heights, half_heights, volumes, edges):
 
 
 @kernel
-def _world_vertices(points, g, orientation, scale, start, count, vertices):
+def world_vertices(points, g, orientation, scale, start, count, vertices):
     """Fill points[:count] with the grain's vertices, rotated and scaled, relative to its centre [m]."""
     w, x, y, z = orientation[g]
     for i in range(count):
@@ -142,7 +142,7 @@ def _add_polyhedra(
     for g in grains:
         s = shape[g]
         count = v_count[s]
-        _world_vertices(points, g, orientation, scale, v_start[s], count, vertices)
+        world_vertices(points, g, orientation, scale, v_start[s], count, vertices)
         low, high = points[:count, 2].min(), points[:count, 2].max()
         first = max(np.searchsorted(edges, position[g, 2] + low) - 1, 0)
         last = min(np.searchsorted(edges, position[g, 2] + high), len(edges) - 1)
@@ -167,6 +167,6 @@ def _polyhedral_extent(
     points = np.empty((np.max(v_count), 3))
     for g in grains:
         count = v_count[shape[g]]
-        _world_vertices(points, g, orientation, scale, v_start[shape[g]], count, vertices)
+        world_vertices(points, g, orientation, scale, v_start[shape[g]], count, vertices)
         low[g] = position[g, 2] + points[:count, 2].min()
         high[g] = position[g, 2] + points[:count, 2].max()

@@ -75,6 +75,16 @@ def test_single_form_tables_stand_beside_the_studys(single_form_packings):
     assert rows.loc[("single_form", "U1", "EL_inv"), "study_coefficient"] == 0.014
 
 
+def test_a_case_with_few_packings_is_left_out_with_a_message(single_form_packings, caplog):
+    few = pd.concat([single_form_packings.query("case == 'U1'"), single_form_packings.query("case == 'B50'").head(4)])
+    with caplog.at_level(logging.WARNING):
+        _, models = single_form_models(few)
+    assert {case for _, case in models} == {"U1"}
+    assert "case B50 left out: 4 packings" in caplog.text
+    with pytest.raises(ValueError, match="no case has the 5 packings"):
+        single_form_models(few.query("case == 'B50'"))
+
+
 def test_forms_that_do_not_differ_are_refused(single_form_packings):
     same = single_form_packings.assign(L=2.0, I=1.0, S=0.5)
     with pytest.raises(ValueError, match="EQ_inv, EL_inv is the same"):

@@ -50,7 +50,7 @@ def test_exact_data_give_exact_coefficients_and_predictions():
 
 
 def test_cross_validated_errors_are_those_of_the_noise():
-    """Gauss: E|e| = sqrt(2/pi) s, median |e| = 0.6745 s, with s² = noise² (1 + p/n_train) for random designs (about)."""
+    """Gauss: E|e| = sqrt(2/pi) s and median |e| = 0.6745 s; s is the noise but for 3/3600 of its variance."""
     rng = np.random.default_rng(2)
     n, noise = 4000, 0.005
     features = pd.DataFrame({"a": rng.normal(size=n), "b": rng.normal(size=n)})

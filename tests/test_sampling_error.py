@@ -46,7 +46,7 @@ def random_sequential_bed(packings, seed, width, height, fraction):
 
 @pytest.mark.parametrize(("domain", "width", "height"), [("periodic", 6, 5), ("cylinder", 8, 6), ("periodic", 4, 12)])
 def test_error_of_independent_grains_is_shot_noise(packings, domain, width, height):
-    """Var = density <v²> / volume, exactly, if a grain is small against the blocks; the mean over 60 beds has 2-3 % error."""
+    """Var = density <v²> / volume if a grain is small against the blocks; the mean over 60 beds has 2-3 % error."""
     radii, number = np.array([0.15, 0.3]), 400
     errors = [
         sampling_error(poisson_bed(packings, seed, domain, width, height, number, radii), 0.0, height)["n_std_error"]
@@ -59,7 +59,7 @@ def test_error_of_independent_grains_is_shot_noise(packings, domain, width, heig
 
 
 def test_error_agrees_with_the_scatter_over_hard_sphere_beds(packings):
-    """40 beds: the scatter has a relative error of 1/sqrt(78) = 11 %, the mean error far less; 3 of these are allowed."""
+    """40 beds: the scatter has a relative error of 1/sqrt(78) = 11 %, the mean error far less; 3 of it are allowed."""
     width, height = 5.0, 5.0
     fractions, errors = [], []
     for seed in range(40):
