@@ -1,0 +1,19 @@
+"""Scree: porosity of gravel from the form of its grains.
+
+Data flow one way: grain -> scene -> packing -> porosity -> model.
+
+    grains/          what a grain is: scans, hulls, mass-equivalent ellipsoid, form factors, sieve curves
+    dem/             what moves: shapes, contacts, force laws, time steps, the packing process
+    specification    what a user writes, checked against config/*.schema.yaml, in SI units
+    scenes           a specification and its grains become a scene of the core
+    packing_io       a packing and its netCDF file
+    porosity         n(z), bulk porosity and its sampling error
+    slicing          exact solid volume of grains between horizontal planes
+    segregation      size, form and orientation over height
+    regression       form features, cross-validation, fitted porosity models
+    figures/         every picture, as functions that return a Figure
+
+`python -m simcore pack SPEC.yaml OUT.nc` runs one packing, `python -m simcore porosity OUT.nc` evaluates it.
+"""
+
+__version__ = "0.1.0"

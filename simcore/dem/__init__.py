@@ -1,0 +1,1 @@
+"""The discrete element core: it knows no file and no config."""

@@ -1,0 +1,131 @@
+"""Bodies and contacts: structures of arrays that hold all state that can influence a later bit.
+
+Bodies stand in order of their id, which is their index. Centres are not wrapped into a periodic box: a pair is
+met through an integer image, so that its relative position never depends on who looks at it.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.dem.shapes import Base
+
+NO_SPRING = 0.0
+
+
+class Bodies(NamedTuple):
+    """n bodies. What is derived from other fields is marked; it is kept so that a step computes it once."""
+
+    shape: np.ndarray  # (n,) int64, index of the base
+    scale: np.ndarray  # (n, 3)
+    position: np.ndarray  # (n, 3) [m], not wrapped
+    orientation: np.ndarray  # (n, 4) unit quaternion (w, x, y, z), body to world
+    velocity: np.ndarray  # (n, 3) [m/s]
+    angular_momentum: np.ndarray  # (n, 3) [kg m²/s], world axes
+    mass: np.ndarray  # (n,) [kg]
+    inertia: np.ndarray  # (n, 3) [kg m²], principal
+    radius: np.ndarray  # (n,) [m], of the bounding sphere about the centre
+    travel: np.ndarray  # (n,) [m], path no point of the body can have exceeded since the start
+    listed_position: np.ndarray  # (n, 3) [m], where the body was when neighbours were last listed
+    wall_spring: np.ndarray  # (n, 2, 3) [m], tangential springs to the floor and to the cylinder
+    wall_vertex: np.ndarray  # (n,) int64, vertex last found lowest, where a climb to the floor starts
+    rotation: np.ndarray  # (n, 3, 3), derived: matrix of the orientation
+    angular_velocity: np.ndarray  # (n, 3) [1/s], derived, world axes
+    form_matrix: np.ndarray  # (n, 6) [m²], derived: R diag(s²) Rᵀ as xx, yy, zz, xy, xz, yz
+    wall_force: np.ndarray  # (n, 2, 3) [N], output: force on the body from floor and cylinder
+    wall_point: np.ndarray  # (n, 2, 3) [m], output: where it acts
+    wall_overlap: np.ndarray  # (n, 2) [m], output; positive where they touch
+    net_force: np.ndarray  # (n, 3) [N], output: of contacts and gravity, without shaking
+
+
+class Contacts(NamedTuple):
+    """Near pairs in the order of their key (a, b, image), a < b or a = b with a positive image.
+
+    Memory: what the last step found. Output: what the current step gives to the bodies.
+    """
+
+    body_a: np.ndarray  # (m,) int64
+    body_b: np.ndarray  # (m,) int64
+    image: np.ndarray  # (m, 2) int64: the partner is body b shifted by image × width
+    touching: np.ndarray  # (m,) uint8
+    spring: np.ndarray  # (m, 3) [m], memory: tangential spring
+    direction: np.ndarray  # (m, 3), memory: last normal or separating direction; zero where nothing is known
+    facet: np.ndarray  # (m, 6) int64, memory: vertices a0 a1 a2 b0 b1 b2 of the Minkowski facet; -1 unknown
+    safe_until: np.ndarray  # (m,) [m], memory: the pair stays apart while travel_a + travel_b is below
+    overlap: np.ndarray  # (m,) [m], output
+    point: np.ndarray  # (m, 3) [m], output: contact point relative to the centre of a
+    force: np.ndarray  # (m, 3) [N], output: on b; a gets the opposite
+    torque_a: np.ndarray  # (m, 3) [N m], output
+    torque_b: np.ndarray  # (m, 3) [N m], output
+    incident_start: np.ndarray  # (n + 1,) int64: contacts of body i, in order of (partner, image)
+    incident: np.ndarray  # (2 m,) int64: 2 × contact, + 1 where the body is b
+
+
+def make_bodies(bases: list[Base], shape, scale, position, orientation, velocity, angular_velocity, density) -> Bodies:
+    """Bodies of the given density [kg/m³] at rest in their memory: no spring, nothing travelled.
+
+    shape (n,), scale (n, 3), position (n, 3), orientation (n, 4), velocity (n, 3), angular_velocity (n, 3), SI.
+    """
+    shape = np.asarray(shape, np.int64)
+    scale = np.array(scale, np.float64)
+    n = len(shape)
+    base_volume = np.array([base.volume for base in bases])
+    base_moments = np.array([base.second_moments for base in bases]).reshape(-1, 3)
+    mass = density * base_volume[shape] * scale.prod(axis=1)
+    moments = mass[:, None] * base_moments[shape] * scale**2
+    first_vertex = np.concatenate(([0], np.cumsum([len(base.vertices) for base in bases])))
+    orientation = np.array(orientation, np.float64)
+    orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
+    bodies = Bodies(
+        shape=shape,
+        scale=scale,
+        position=np.array(position, np.float64),
+        orientation=orientation,
+        velocity=np.array(velocity, np.float64),
+        angular_momentum=np.zeros((n, 3)),
+        mass=mass,
+        inertia=moments.sum(axis=1, keepdims=True) - moments,
+        radius=_bounding_radius(bases, shape, scale),
+        travel=np.zeros(n),
+        listed_position=np.array(position, np.float64),
+        wall_spring=np.zeros((n, 2, 3)),
+        wall_vertex=first_vertex[shape].astype(np.int64),
+        rotation=rotation_matrix(orientation),
+        angular_velocity=np.array(angular_velocity, np.float64),
+        form_matrix=np.zeros((n, 6)),
+        wall_force=np.zeros((n, 2, 3)),
+        wall_point=np.zeros((n, 2, 3)),
+        wall_overlap=np.zeros((n, 2)),
+        net_force=np.zeros((n, 3)),
+    )
+    spin = np.einsum("nji,nj->ni", bodies.rotation, bodies.angular_velocity)
+    bodies.angular_momentum[:] = np.einsum("nij,nj->ni", bodies.rotation, bodies.inertia * spin)
+    full = np.einsum("nij,nj,nkj->nik", bodies.rotation, scale**2, bodies.rotation)
+    bodies.form_matrix[:] = full[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    return bodies
+
+
+def join_bodies(first: Bodies, second: Bodies) -> Bodies:
+    """Bodies of both, those of the second after those of the first."""
+    return Bodies(*(np.concatenate(fields) for fields in zip(first, second, strict=True)))
+
+
+def rotation_matrix(orientation) -> np.ndarray:
+    """Matrices (n, 3, 3), body to world, of unit quaternions (n, 4)."""
+    w, x, y, z = np.asarray(orientation).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.ascontiguousarray(np.moveaxis(np.array(rows), -1, 0))
+
+
+def _bounding_radius(bases: list[Base], shape: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    radius = scale.max(axis=1)
+    for index, base in enumerate(bases):
+        rows = np.flatnonzero(shape == index)
+        if len(base.vertices):
+            for row in rows:
+                radius[row] = np.sqrt(((base.vertices * scale[row]) ** 2).sum(axis=1).max())
+    return radius

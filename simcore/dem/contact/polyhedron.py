@@ -1,0 +1,160 @@
+"""Convex polyhedron against convex polyhedron, from what the last step found.
+
+In one step a grain moves about 1e-4 of its size. An overlapping pair keeps the three support pairs of its facet of
+the Minkowski difference: the plane is rebuilt, the edge graphs are climbed from its vertices, and where no support
+point lies beyond and the origin's projection stays inside, the facet is still a local minimum of the overlap.
+Otherwise the pair is searched from nothing. A separated pair keeps its direction and is not looked at before the
+bodies can have moved by the gap.
+"""
+
+import numpy as np
+
+from simcore.compilation import leaf
+from simcore.dem.contact.minkowski import penetration, separation, support
+from simcore.dem.shapes import vertex_offset
+
+CHECK_TOLERANCE = 1e-11  # of the pair's size; wider than the search's, so that what it found passes
+INSIDE_TOLERANCE = 1e-9  # barycentric
+GAP_SLACK = 0.1  # a step only needs a certain gap; the last tenth of its length is not worth iterations
+
+INVALID, APART, OVERLAPPING = 0, 1, 2
+
+
+@leaf
+def facet_contact(shapes, bodies, i, j, rx, ry, rz, size, a0, a1, a2, b0, b1, b2):
+    """Judge a remembered facet: (verdict, overlap, normal (3), contact point relative to a (3), a, b).
+
+    a, b: the support vertices along its normal. APART: overlap is minus a certain gap.
+    """
+    a0x, a0y, a0z = vertex_offset(shapes, bodies, i, a0)
+    a1x, a1y, a1z = vertex_offset(shapes, bodies, i, a1)
+    a2x, a2y, a2z = vertex_offset(shapes, bodies, i, a2)
+    b0x, b0y, b0z = vertex_offset(shapes, bodies, j, b0)
+    b1x, b1y, b1z = vertex_offset(shapes, bodies, j, b1)
+    b2x, b2y, b2z = vertex_offset(shapes, bodies, j, b2)
+    # The vertices of the facet
+    px, py, pz = a0x - b0x - rx, a0y - b0y - ry, a0z - b0z - rz
+    qx, qy, qz = a1x - b1x - rx, a1y - b1y - ry, a1z - b1z - rz
+    sx, sy, sz = a2x - b2x - rx, a2y - b2y - ry, a2z - b2z - rz
+    ex, ey, ez = qx - px, qy - py, qz - pz
+    fx, fy, fz = sx - px, sy - py, sz - pz
+    nx, ny, nz = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
+    area = np.sqrt(nx * nx + ny * ny + nz * nz)
+    if not area > 1e-13 * size * size:
+        return INVALID, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, a0, b0
+    nx, ny, nz = nx / area, ny / area, nz / area
+    depth = (nx * (px + qx + sx) + ny * (py + qy + sy) + nz * (pz + qz + sz)) / 3.0
+    a, b, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, a0, b0, nx, ny, nz)
+    reach = x * nx + y * ny + z * nz
+    if reach < 0.0:
+        return APART, reach, nx, ny, nz, 0.0, 0.0, 0.0, a, b
+    if reach - depth > CHECK_TOLERANCE * size:
+        return INVALID, 0.0, nx, ny, nz, 0.0, 0.0, 0.0, a, b
+    # Barycentric weights of the origin's projection: areas seen along the normal
+    ux = (qy * sz - qz * sy) * nx + (qz * sx - qx * sz) * ny + (qx * sy - qy * sx) * nz
+    vx = (sy * pz - sz * py) * nx + (sz * px - sx * pz) * ny + (sx * py - sy * px) * nz
+    w0, w1 = ux / area, vx / area
+    w2 = 1.0 - w0 - w1
+    if min(w0, w1, w2) < -INSIDE_TOLERANCE:
+        return INVALID, reach, nx, ny, nz, 0.0, 0.0, 0.0, a, b
+    half = 0.5 * reach
+    return (
+        OVERLAPPING,
+        reach,
+        nx,
+        ny,
+        nz,
+        w0 * a0x + w1 * a1x + w2 * a2x - half * nx,
+        w0 * a0y + w1 * a1y + w2 * a2y - half * ny,
+        w0 * a0z + w1 * a1z + w2 * a2z - half * nz,
+        a,
+        b,
+    )
+
+
+@leaf
+def _remember_gap(contacts, p, nx, ny, nz, a, b, limit):
+    contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2] = nx, ny, nz
+    contacts.facet[p, 0] = a
+    contacts.facet[p, 1] = -1
+    contacts.facet[p, 3] = b
+    contacts.safe_until[p] = limit
+
+
+@leaf
+def touch(shapes, bodies, contacts, p, i, j, rx, ry, rz):
+    """(overlap [m], normal a to b (3), contact point relative to a (3)) of near pair p; updates its memory.
+
+    The pair is apart where the overlap is not positive.
+    """
+    size = bodies.radius[i] + bodies.radius[j]
+    facet = contacts.facet
+    if facet[p, 1] >= 0:
+        verdict, overlap, nx, ny, nz, x, y, z, a, b = facet_contact(
+            shapes, bodies, i, j, rx, ry, rz, size,
+            facet[p, 0], facet[p, 1], facet[p, 2], facet[p, 3], facet[p, 4], facet[p, 5],
+        )  # fmt: skip
+        if verdict == OVERLAPPING:
+            return overlap, nx, ny, nz, x, y, z
+        if verdict == APART:
+            _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] - 0.999 * overlap)
+            return overlap, nx, ny, nz, 0.0, 0.0, 0.0
+        if verdict == INVALID and nx == 0.0 and ny == 0.0 and nz == 0.0:
+            nx, ny, nz = _toward(rx, ry, rz)
+    elif facet[p, 0] >= 0:
+        a, b = facet[p, 0], facet[p, 3]
+        nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
+        a, b, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz)
+        overlap = x * nx + y * ny + z * nz
+        # A direction that still separates well spares the search for the best one.
+        if -overlap > 0.02 * size:
+            _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] - 0.999 * overlap)
+            return overlap, nx, ny, nz, 0.0, 0.0, 0.0
+    else:
+        a, b = shapes.vertex_start[bodies.shape[i]], shapes.vertex_start[bodies.shape[j]]
+        nx, ny, nz = _toward(rx, ry, rz)
+
+    gap, nx, ny, nz, a, b = separation(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, GAP_SLACK)
+    if gap > 0.0:
+        _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] + 0.999 * gap)
+        return -gap, nx, ny, nz, 0.0, 0.0, 0.0
+    overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2 = penetration(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz)
+    if overlap <= 0.0:
+        _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] - 0.999 * overlap)
+        return overlap, nx, ny, nz, 0.0, 0.0, 0.0
+    contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2] = nx, ny, nz
+    if a0 >= 0:
+        facet[p, 0], facet[p, 1], facet[p, 2] = a0, a1, a2
+        facet[p, 3], facet[p, 4], facet[p, 5] = b0, b1, b2
+        x, y, z = facet_point(shapes, bodies, i, j, rx, ry, rz, overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2)
+    else:
+        a, b, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz)
+        facet[p, 0], facet[p, 1], facet[p, 3] = a, -1, b
+        x, y, z = vertex_offset(shapes, bodies, i, a)
+        x, y, z = x - 0.5 * overlap * nx, y - 0.5 * overlap * ny, z - 0.5 * overlap * nz
+    return overlap, nx, ny, nz, x, y, z
+
+
+@leaf
+def facet_point(shapes, bodies, i, j, rx, ry, rz, overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2):
+    """Contact point relative to a on a facet that the search has found: the origin's projection, kept inside it."""
+    verdict, _, _, _, _, x, y, z, _, _ = facet_contact(
+        shapes, bodies, i, j, rx, ry, rz, bodies.radius[i] + bodies.radius[j], a0, a1, a2, b0, b1, b2
+    )
+    if verdict == OVERLAPPING:
+        return x, y, z
+    # Rounding put the projection outside a thin facet: its middle is as good as any of its points.
+    x, y, z = vertex_offset(shapes, bodies, i, a0)
+    for vertex in (a1, a2):
+        vx, vy, vz = vertex_offset(shapes, bodies, i, vertex)
+        x, y, z = x + vx, y + vy, z + vz
+    return x / 3.0 - 0.5 * overlap * nx, y / 3.0 - 0.5 * overlap * ny, z / 3.0 - 0.5 * overlap * nz
+
+
+@leaf
+def _toward(rx, ry, rz):
+    """Unit vector along r, or x where the centres coincide."""
+    length = np.sqrt(rx * rx + ry * ry + rz * rz)
+    if length > 0.0:
+        return rx / length, ry / length, rz / length
+    return 1.0, 0.0, 0.0

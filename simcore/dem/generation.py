@@ -1,0 +1,108 @@
+"""Where and how fast grains are born: batches on a hexagonal close-packed lattice."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.compilation import kernel
+from simcore.dem.scene import Domain, Generation
+
+
+class Birth(NamedTuple):
+    """State of n newborn grains; SI units."""
+
+    position: np.ndarray  # (n, 3)
+    orientation: np.ndarray  # (n, 4)
+    velocity: np.ndarray  # (n, 3)
+    angular_velocity: np.ndarray  # (n, 3)
+
+
+def lattice_sites(domain: Domain, spacing: float, low: float, high: float) -> np.ndarray:
+    """Sites (n, 3) of a hexagonal close-packed lattice with z in [low, high], from below; rows along x.
+
+    In a periodic box the lattice is stretched horizontally until it fits the period. In a cylinder sites farther
+    than width/2 − spacing/2 from the axis are left out.
+    """
+    layers = np.arange(low, high, spacing * np.sqrt(6.0) / 3.0)
+    if domain.periodic:
+        nx = max(int(domain.width / spacing), 1)
+        ny = 2 * int(domain.width / (spacing * np.sqrt(3.0)))
+        dx, dy = domain.width / nx, domain.width / max(ny, 1)
+        origin = np.array([0.5 * dx, 0.5 * dy])
+        ny = max(ny, 1)
+    else:
+        nx = int(np.ceil(domain.width / spacing)) + 1
+        ny = int(np.ceil(domain.width / (spacing * np.sqrt(0.75)))) + 1
+        dx, dy = spacing, spacing * np.sqrt(0.75)
+        origin = -0.5 * np.array([(nx - 1) * dx, (ny - 1) * dy])
+    layer, row, column = np.meshgrid(np.arange(len(layers)), np.arange(ny), np.arange(nx), indexing="ij")
+    x = origin[0] + dx * (column + 0.5 * ((row + layer) % 2))
+    y = origin[1] + dy * (row + (layer % 2) / 3.0)
+    sites = np.stack([x, y, layers[layer]], axis=-1).reshape(-1, 3)
+    if not domain.periodic:
+        sites = sites[np.hypot(sites[:, 0], sites[:, 1]) <= 0.5 * (domain.width - spacing)]
+    return sites
+
+
+def occupy_sites(sites, reach, half_height, domain: Domain) -> np.ndarray:
+    """Indices of the sites that grains take one after the other, (n,), n <= len(reach).
+
+    reach (k,): horizontal distance from its centre within which a grain stays; half_height (k,): vertical; [m].
+    # ASSUME: a site where a grain would touch one placed before it stays empty, and the grain takes the next that
+    # is free. (The study's lattice lets large grains overlap at birth.)
+    """
+    width = domain.width if domain.periodic else 0.0
+    limit = np.inf if domain.periodic else 0.5 * domain.width
+    return _occupy(sites, np.asarray(reach), np.asarray(half_height), width, limit)
+
+
+@kernel
+def _occupy(sites, reach, half_height, width, limit):
+    taken = np.empty(len(sites), np.int64)
+    n = 0
+    tallest = half_height.max()
+    for site in range(len(sites)):
+        if n == len(reach):
+            break
+        x, y, z = sites[site, 0], sites[site, 1], sites[site, 2]
+        free = np.sqrt(x * x + y * y) + reach[n] < limit
+        if width > 0.0 and 2.0 * reach[n] > width:
+            # A grain wider than the box would meet its own image: it may, the sites around must be free.
+            free = True
+        k = n - 1
+        while free and k >= 0:
+            other = taken[k]
+            if z - sites[other, 2] > tallest + half_height[n]:
+                break
+            dx, dy = x - sites[other, 0], y - sites[other, 1]
+            if width > 0.0:
+                dx -= width * np.round(dx / width)
+                dy -= width * np.round(dy / width)
+            apart = reach[n] + reach[k]
+            if dx * dx + dy * dy < apart * apart and z - sites[other, 2] < half_height[n] + half_height[k]:
+                free = False
+            k -= 1
+        if free:
+            taken[n] = site
+            n += 1
+    return taken[:n].copy()
+
+
+def give_birth(generation: Generation, position, sieve_size, uniforms) -> Birth:
+    """Orientations and velocities of grains at `position` (n, 3).
+
+    sieve_size (n,) [m]. uniforms (n, 8): random numbers of the grains in (0, 1): five for the velocities, three
+    for a random orientation (Shoemake 1992).
+    """
+    signed = 2.0 * uniforms - 1.0
+    velocity = np.column_stack([generation.velocity_horizontal * signed[:, :2], np.full(len(position), 0.0)])
+    velocity[:, 2] = generation.velocity_z
+    angular = generation.velocity_angular * signed[:, 2:5] / np.asarray(sieve_size)[:, None]
+    if generation.orientation == "random":
+        u, v, w = uniforms[:, 5:8].T
+        a, b = np.sqrt(1.0 - u), np.sqrt(u)
+        v, w = 2.0 * np.pi * v, 2.0 * np.pi * w
+        orientation = np.column_stack([b * np.cos(w), a * np.sin(v), a * np.cos(v), b * np.sin(w)])
+    else:
+        orientation = np.tile([1.0, 0.0, 0.0, 0.0], (len(position), 1))
+    return Birth(position, orientation, velocity, angular)

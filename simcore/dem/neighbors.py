@@ -1,0 +1,208 @@
+"""Near pairs: linked cells on as many levels as the sizes need, a list with a skin, and the memory of pairs.
+
+A body lives on the level whose cells are just wider than its bounding sphere with skin; a pair is found from its
+finer body. Horizontally periodic boxes wrap cells, and each wrap counts the image, so that a pair close through
+several images, or a grain close to its own, is listed once for each.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.compilation import kernel
+from simcore.dem.bodies import Bodies, Contacts
+
+
+class Box(NamedTuple):
+    """Horizontal extent [m]: periodic with width, or open (width 0)."""
+
+    width: float
+
+
+def list_contacts(bodies: Bodies, box: Box, skin: float, old: Contacts | None) -> Contacts:
+    """Contacts for all pairs whose bounding spheres are closer than the skin [m]; old pairs keep their memory.
+
+    Marks where the bodies are: the list holds while no body has moved by half the skin.
+    """
+    pairs = find_pairs(bodies.position, bodies.radius, box, skin)
+    contacts = _empty_contacts(pairs, len(bodies.mass))
+    if old is not None:
+        _carry_memory(old, contacts)
+    bodies.listed_position[:] = bodies.position
+    return contacts
+
+
+def find_pairs(position, radius, box: Box, skin: float) -> np.ndarray:
+    """Pairs (m, 4) of a, b and image, sorted: a < b, or a = b with a positive image.
+
+    The partner is b shifted by image × width. position (n, 3) [m], not wrapped; radius (n,) [m].
+    """
+    if len(radius) == 0:
+        return np.zeros((0, 4), np.int64)
+    wrapped, shift = _wrap(position, box)
+    reach = radius + 0.5 * skin
+    level = np.floor(np.log2(reach / reach.min()) + 1e-12).astype(np.int64)
+    cell_width = 2.0 * reach.min() * 2.0 ** (1 + np.arange(level.max() + 1))
+    grids = [
+        _sort_into_cells(wrapped, np.flatnonzero(level == k), cell_width[k], box) if np.any(level == k) else None
+        for k in range(len(cell_width))
+    ]
+    found = []
+    for fine, grid in enumerate(grids):
+        if grid is None:
+            continue
+        for coarse in range(fine, len(grids)):
+            if grids[coarse] is not None:
+                # The pair's range is at most the mean of the two cell widths.
+                span = 0.5 * (cell_width[fine] + cell_width[coarse])
+                found.append(
+                    _search(
+                        grid.members,
+                        grids[coarse],
+                        wrapped,
+                        shift,
+                        radius,
+                        skin,
+                        span,
+                        box.width,
+                        fine == coarse,
+                    )
+                )
+    pairs = np.concatenate(found)
+    return pairs[np.lexsort((pairs[:, 3], pairs[:, 2], pairs[:, 1], pairs[:, 0]))]
+
+
+class _Grid(NamedTuple):
+    members: np.ndarray  # (k,) bodies in order of their cell
+    cell_start: np.ndarray  # (nx * ny * nz + 1,)
+    counts: np.ndarray  # (3,) number of cells along each axis
+    origin: np.ndarray  # (3,)
+    widths: np.ndarray  # (3,)
+
+
+def _wrap(position, box: Box):
+    """Positions in [0, width) horizontally and how many widths (n, 2) they were away from there."""
+    wrapped = position.copy()
+    shift = np.zeros((len(position), 2), np.int64)
+    if box.width > 0.0:
+        shift[:] = np.floor(position[:, :2] / box.width)
+        wrapped[:, :2] = position[:, :2] - shift * box.width
+    return wrapped, shift
+
+
+def _sort_into_cells(wrapped, members, cell_width, box: Box) -> _Grid:
+    low = wrapped[members].min(axis=0)
+    extent = wrapped[members].max(axis=0) - low
+    if box.width > 0.0:
+        low[:2], extent[:2] = 0.0, box.width
+    counts = np.maximum(np.floor(extent / cell_width), 1).astype(np.int64)
+    # A few grains far above the bed must not make the grid larger than the bed is.
+    counts = np.minimum(counts, 4 + 2 * len(members))
+    widths = np.where(extent > 0.0, extent / counts, cell_width)
+    cell = np.clip(((wrapped[members] - low) / widths).astype(np.int64), 0, counts - 1)
+    flat = (cell[:, 0] * counts[1] + cell[:, 1]) * counts[2] + cell[:, 2]
+    order = np.argsort(flat, kind="stable")
+    start = np.searchsorted(flat[order], np.arange(counts.prod() + 1))
+    return _Grid(members[order], start, counts, low, widths)
+
+
+@kernel
+def _search(members, grid, wrapped, shift, radius, skin, span, width, same_level):
+    """Pairs of `members` with the bodies of `grid` closer than the skin; on one level each pair once."""
+    found = np.empty((16 * len(members) + 16, 4), np.int64)
+    n_found = 0
+    low = np.empty(3, np.int64)
+    high = np.empty(3, np.int64)
+    for i in members:
+        for axis in range(3):
+            periodic = width > 0.0 and axis < 2
+            place = wrapped[i, axis] - grid.origin[axis]
+            low[axis] = int(np.floor((place - span) / grid.widths[axis]))
+            high[axis] = int(np.floor((place + span) / grid.widths[axis]))
+            if not periodic:
+                low[axis] = min(max(low[axis], 0), grid.counts[axis] - 1)
+                high[axis] = min(max(high[axis], 0), grid.counts[axis] - 1)
+        for cx in range(low[0], high[0] + 1):
+            ix = cx // grid.counts[0]
+            for cy in range(low[1], high[1] + 1):
+                iy = cy // grid.counts[1]
+                column = ((cx - ix * grid.counts[0]) * grid.counts[1] + cy - iy * grid.counts[1]) * grid.counts[2]
+                for k in range(grid.cell_start[column + low[2]], grid.cell_start[column + high[2] + 1]):
+                    j = grid.members[k]
+                    if same_level and (j < i or (j == i and (ix < 0 or (ix == 0 and iy <= 0)))):
+                        continue
+                    dx = wrapped[j, 0] + ix * width - wrapped[i, 0]
+                    dy = wrapped[j, 1] + iy * width - wrapped[i, 1]
+                    dz = wrapped[j, 2] - wrapped[i, 2]
+                    range_ = radius[i] + radius[j] + skin
+                    if dx * dx + dy * dy + dz * dz >= range_ * range_:
+                        continue
+                    if n_found == len(found):
+                        longer = np.empty((2 * n_found, 4), np.int64)
+                        longer[:n_found] = found
+                        found = longer
+                    image_x, image_y = ix - shift[j, 0] + shift[i, 0], iy - shift[j, 1] + shift[i, 1]
+                    if i <= j:
+                        found[n_found, 0], found[n_found, 1] = i, j
+                        found[n_found, 2], found[n_found, 3] = image_x, image_y
+                    else:
+                        found[n_found, 0], found[n_found, 1] = j, i
+                        found[n_found, 2], found[n_found, 3] = -image_x, -image_y
+                    n_found += 1
+    return found[:n_found].copy()
+
+
+def _empty_contacts(pairs: np.ndarray, n_bodies: int) -> Contacts:
+    m = len(pairs)
+    body_a, body_b, image = pairs[:, 0].copy(), pairs[:, 1].copy(), pairs[:, 2:].copy()
+    # Contacts of a body in order of (partner, image). Sides of one self pair differ in the sign of the image.
+    owner = np.concatenate([body_a, body_b])
+    partner = np.concatenate([body_b, body_a])
+    seen_image = np.concatenate([image, -image])
+    code = np.concatenate([2 * np.arange(m), 2 * np.arange(m) + 1])
+    order = np.lexsort((seen_image[:, 1], seen_image[:, 0], partner, owner))
+    return Contacts(
+        body_a=body_a,
+        body_b=body_b,
+        image=image,
+        touching=np.zeros(m, np.uint8),
+        spring=np.zeros((m, 3)),
+        direction=np.zeros((m, 3)),
+        facet=np.full((m, 6), -1, np.int64),
+        safe_until=np.full(m, -np.inf),
+        overlap=np.zeros(m),
+        point=np.zeros((m, 3)),
+        force=np.zeros((m, 3)),
+        torque_a=np.zeros((m, 3)),
+        torque_b=np.zeros((m, 3)),
+        incident_start=np.concatenate(([0], np.cumsum(np.bincount(owner, minlength=n_bodies)))).astype(np.int64),
+        incident=code[order],
+    )
+
+
+@kernel
+def _carry_memory(old, new):
+    """Copy the memory of pairs that are in both lists; both are sorted by their key."""
+    k = 0
+    n_old = len(old.body_a)
+    for p in range(len(new.body_a)):
+        while k < n_old and _before(old, k, new, p):
+            k += 1
+        if k < n_old and not _before(new, p, old, k):
+            new.touching[p] = old.touching[k]
+            new.spring[p] = old.spring[k]
+            new.direction[p] = old.direction[k]
+            new.facet[p] = old.facet[k]
+            new.safe_until[p] = old.safe_until[k]
+
+
+@kernel
+def _before(first, k, second, p):
+    """Whether key k of the first list comes before key p of the second."""
+    if first.body_a[k] != second.body_a[p]:
+        return first.body_a[k] < second.body_a[p]
+    if first.body_b[k] != second.body_b[p]:
+        return first.body_b[k] < second.body_b[p]
+    if first.image[k, 0] != second.image[p, 0]:
+        return first.image[k, 0] < second.image[p, 0]
+    return first.image[k, 1] < second.image[p, 1]

@@ -1,0 +1,320 @@
+"""The packing process: generate, shake, damp, until the grains rest.
+
+Grains are born in batches until the amount is reached; shaking acts from the first step until its duration after
+the last birth; then all velocities are damped until the packing has converged. Phase, batch and stop are decided
+from the whole packing at fixed steps, never from wall-clock time.
+"""
+
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.dem.bodies import Bodies, Contacts, join_bodies, make_bodies
+from simcore.dem.generation import give_birth, lattice_sites, occupy_sites
+from simcore.dem.neighbors import Box, list_contacts
+from simcore.dem.observation import Observation, observe
+from simcore.dem.scene import Scene
+from simcore.dem.shapes import Base, collect_shapes
+from simcore.dem.stepping import Drive, Features, make_advance
+
+GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"
+SKIN = 0.15  # of the mean sieve size: flat optimum of run time between 0.1 and 0.25 (benchmarks/)
+REFILL_HEIGHT = 0.6  # of the domain: where the study's batches begin
+STUDY_FIRST_FILL = 0.1
+# Speed that no grain reaches by falling through the domain and shaking, with this margin: then a contact blew up.
+SPEED_MARGIN = 5.0
+
+
+class Draw(NamedTuple):
+    """Grains by id, as the grain room draws them; all (n,) but scale (n, 3) and uniforms (n, 8)."""
+
+    shape: np.ndarray
+    scale: np.ndarray
+    sieve_size: np.ndarray
+    uniforms: np.ndarray
+
+
+class Packed(NamedTuple):
+    """A converged packing."""
+
+    bodies: Bodies
+    contacts: Contacts
+    observation: Observation
+    steps: int
+    time: float  # [s], simulated
+    last_birth: float  # [s], simulated
+    checks: list  # (time [s], phase, Observation) at every convergence interval
+
+
+class PackingError(RuntimeError):
+    """A packing that failed: did not converge, blew up, or does not fit. The message names grain and cause."""
+
+
+def pack(scene: Scene, bases: list[Base], draw: Callable, report: Callable = lambda line: None) -> Packed:
+    """Run the packing of `scene`.
+
+    bases: shapes of the grains. draw(ids (n,)) -> Draw, the same for an id whenever it is asked. report(text):
+    called with a progress line every scene.numerics.progress_interval of wall-clock time and at each change of
+    phase. Raises PackingError.
+    """
+    return _Process(scene, bases, draw, report).run()
+
+
+class _Process:
+    def __init__(self, scene, bases, draw, report):
+        self.scene, self.bases, self.draw = scene, bases, draw
+        self.progress = _Progress(scene, report)
+        self.shapes = collect_shapes(bases)
+        domain = scene.domain
+        self.box = Box(domain.width if domain.periodic else 0.0)
+        self.advance_steps = make_advance(
+            Features(
+                kind=scene.kind,
+                friction=scene.material.friction > 0.0,
+                attractive=scene.material.end_of_contact == "attractive",
+                floor=True,
+                cylinder=not domain.periodic,
+            )
+        )
+        self.dt = scene.numerics.time_step
+        self.interval_steps = max(round(scene.convergence.interval / self.dt), 1)
+        self.shaking_steps = round(scene.shaking.duration / self.dt)
+        self.step = 0
+        self.bodies = None
+        self.contacts = None
+        self.checks = []
+
+    def run(self):
+        last_birth = self._generate()
+        self._shake(last_birth + self.shaking_steps)
+        observation = self._settle()
+        self._evaluate()
+        return Packed(
+            self.bodies, self.contacts, observation, self.step, self.step * self.dt, last_birth * self.dt, self.checks
+        )
+
+    # -- phases ---------------------------------------------------------------------------------------------
+
+    def _generate(self):
+        """Batches until the amount is reached; returns the step of the last birth."""
+        while not self._add_batch():
+            patience = self.step + round(2.0 * self._fall_time() / self.dt)
+            while not self._has_room():
+                if self.step >= patience:
+                    top = self._top() * 1e3
+                    raise PackingError(
+                        f"{self.scene.name}: after {len(self.bodies.mass)} grains the bed reaches {top:.0f} mm and "
+                        f"leaves no room for another batch below domain.height = "
+                        f"{self.scene.domain.height * 1e3:.0f} mm; make the domain higher or wider, or pour less"
+                    )
+                self._advance(self.interval_steps, GENERATING)
+        self.progress.phase(f"{len(self.bodies.mass)} grains born, {self.bodies.mass.sum():.4g} kg")
+        return self.step
+
+    def _shake(self, end):
+        while self.step < end:
+            self._advance(min(self.interval_steps, end - self.step), SHAKING, end)
+
+    def _settle(self):
+        """Damping until converged; PackingError after damping.max_time."""
+        scene = self.scene
+        goal = scene.convergence
+        end = self.step + round(scene.damping.max_time / self.dt)
+        before = observe(self.bodies, self.contacts).mean_height
+        while self.step < end:
+            seen = self._advance(self.interval_steps, DAMPING, end)
+            change = abs(seen.mean_height - before)
+            before = seen.mean_height
+            if (
+                change < goal.height_change
+                and seen.max_speed < goal.max_speed
+                and seen.unbalanced_force < goal.max_unbalanced_force
+            ):
+                self.progress.phase(
+                    f"converged after {self.step} steps: largest speed {seen.max_speed:.2g} m/s, unbalanced force "
+                    f"{seen.unbalanced_force:.2g}"
+                )
+                return seen
+        fastest = int(np.argmax((self.bodies.velocity**2).sum(axis=1)))
+        raise PackingError(
+            f"{scene.name}: not at rest after {scene.damping.max_time:g} s of damping, step {self.step}: mean height "
+            f"changed by {change:.2g} m in {goal.interval:g} s (allowed {goal.height_change:g}), grain {fastest} moves "
+            f"at {seen.max_speed:.2g} m/s (allowed {goal.max_speed:g}), unbalanced force {seen.unbalanced_force:.2g} "
+            f"(allowed {goal.max_unbalanced_force:g}). Shake or damp longer, or loosen `convergence`"
+        )
+
+    # -- births ---------------------------------------------------------------------------------------------
+
+    def _top(self):
+        """Height below which all grains lie [m]."""
+        return 0.0 if self.bodies is None else float((self.bodies.position[:, 2] + self.bodies.radius).max())
+
+    def _fall_time(self):
+        """Time to fall through the domain from birth [s]."""
+        g, v = self.scene.material.effective_gravity, -self.scene.generation.velocity_z
+        return (np.sqrt(v**2 + 2.0 * g * self.scene.domain.height) - v) / g
+
+    def _has_room(self):
+        generation, height = self.scene.generation, self.scene.domain.height
+        if generation.fill == "study":
+            margin = max(generation.spacing, 2.0 * float(self.bodies.radius.max()))
+            return float(self.bodies.position[:, 2].max()) < REFILL_HEIGHT * height - margin
+        return self._top() + generation.drop_height < REFILL_HEIGHT * height
+
+    def _add_batch(self):
+        """One batch of grains; True when the amount is reached."""
+        scene, generation = self.scene, self.scene.generation
+        born = 0 if self.bodies is None else len(self.bodies.mass)
+        if generation.fill == "study":
+            low = (STUDY_FIRST_FILL if born == 0 else REFILL_HEIGHT) * scene.domain.height
+        else:
+            low = self._top() + generation.drop_height
+        sites = lattice_sites(scene.domain, generation.spacing, low, scene.domain.height)
+        wanted = len(sites) if scene.amount_grains is None else min(len(sites), scene.amount_grains - born)
+        ids = np.arange(born, born + wanted)
+        drawn = self.draw(ids)
+        reach, half_height = extents(self.bases, drawn, generation.orientation == "random")
+        sites[:, 2] += half_height[: len(sites)].max(initial=0.0)
+        sites = sites[sites[:, 2] + half_height.max(initial=0.0) <= scene.domain.height]
+        taken = occupy_sites(sites, reach, half_height, scene.domain)
+        if len(taken) == 0:
+            raise PackingError(
+                f"{scene.name}: no grain finds room at birth between {low:.3g} m and domain.height "
+                f"{scene.domain.height:g} m in a {scene.domain.type} domain of width {scene.domain.width:g} m; grains "
+                f"reach {2 * reach.max(initial=0.0):.3g} m across; make the domain larger"
+            )
+        count = len(taken)
+        reached = False
+        if scene.amount_grains is not None:
+            reached = born + count >= scene.amount_grains
+        else:
+            before = 0.0 if self.bodies is None else self.bodies.mass.sum()
+            mass = before + np.cumsum(self._masses(drawn)[:count])
+            reached = bool(mass[-1] >= scene.amount_mass)
+            if reached and generation.fill == "bed":
+                # ASSUME: the study ends with a whole batch and overshoots; a batch just above the bed can be larger
+                # than the packing, so the grain that reaches the mass is the last.
+                count = int(np.searchsorted(mass, scene.amount_mass)) + 1
+        birth = give_birth(generation, sites[taken[:count]], drawn.sieve_size[:count], drawn.uniforms[:count])
+        new = make_bodies(self.bases, drawn.shape[:count], drawn.scale[:count], *birth, density=scene.material.density)
+        self.bodies = new if self.bodies is None else join_bodies(self.bodies, new)
+        mean_size = float(np.mean(drawn.sieve_size[:count]))
+        self.skin = (SKIN if scene.numerics.skin is None else scene.numerics.skin) * mean_size
+        self.contacts = list_contacts(self.bodies, self.box, self.skin, self.contacts)
+        return reached
+
+    def _masses(self, drawn):
+        volume = np.array([base.volume for base in self.bases])
+        return self.scene.material.density * volume[drawn.shape] * drawn.scale.prod(axis=1)
+
+    # -- steps ----------------------------------------------------------------------------------------------
+
+    def _drive(self, phase, dt):
+        scene = self.scene
+        damping = scene.damping.factor**dt if phase == DAMPING else 1.0
+        return Drive(
+            dt=dt,
+            gravity=scene.material.effective_gravity,
+            shaking=0.0 if phase == DAMPING else scene.shaking.acceleration,
+            shaking_rate=scene.shaking.rate,
+            damping=damping,
+            width=self.box.width,
+            wall_radius=0.5 * scene.domain.width,
+            list_margin=0.5 * self.skin,
+        )
+
+    def _advance(self, n_steps, phase, end=None):
+        """Step, list anew where needed, check that all is sane, and report."""
+        drive = self._drive(phase, self.dt)
+        law = self.scene.law
+        left = n_steps
+        while left > 0:
+            done, stale = self.advance_steps(self.bodies, self.shapes, self.contacts, law, drive, self.step, left)
+            self.step += done
+            left -= done
+            if stale:
+                self._check_finite()
+                self.contacts = list_contacts(self.bodies, self.box, self.skin, self.contacts)
+        seen = observe(self.bodies, self.contacts)
+        self._check_speed(seen)
+        self.checks.append((self.step * self.dt, phase, seen))
+        self.progress.line(phase, self.step, self.dt, len(self.bodies.mass), seen, end)
+        return seen
+
+    def _evaluate(self):
+        """Forces, overlaps and contact points of the final positions, without moving anything."""
+        drive = self._drive(DAMPING, 0.0)
+        self.advance_steps(self.bodies, self.shapes, self.contacts, self.scene.law, drive, self.step, 1)
+
+    def _check_finite(self):
+        bad = ~np.isfinite(self.bodies.position).all(axis=1) | ~np.isfinite(self.bodies.angular_momentum).all(axis=1)
+        if bad.any():
+            raise PackingError(
+                f"{self.scene.name}: the position of grain {int(np.argmax(bad))} is not finite at step {self.step}; "
+                f"most likely the time step is too long: raise numerics.steps_per_contact_time (now "
+                f"{self.scene.numerics.steps_per_contact_time:g})"
+            )
+
+    def _check_speed(self, seen):
+        self._check_finite()
+        scene = self.scene
+        fall = scene.generation.velocity_z**2 + 2.0 * scene.material.effective_gravity * scene.domain.height
+        limit = SPEED_MARGIN * (np.sqrt(fall) + scene.shaking.acceleration / scene.shaking.rate)
+        if seen.max_speed > limit:
+            fastest = int(np.argmax((self.bodies.velocity**2).sum(axis=1)))
+            raise PackingError(
+                f"{scene.name}: grain {fastest} moves at {seen.max_speed:.3g} m/s at step {self.step}, more than fall "
+                f"and shaking can give ({limit / SPEED_MARGIN:.3g} m/s); the time step is too long for its contacts "
+                f"(raise numerics.steps_per_contact_time, now {scene.numerics.steps_per_contact_time:g}) or grains "
+                f"overlapped at birth (raise generation.spacing)"
+            )
+
+
+def extents(bases: list[Base], drawn: Draw, any_orientation: bool):
+    """How far grains reach horizontally and vertically from their centre at birth, (n,) and (n,) [m]."""
+    if any_orientation:
+        radius = np.zeros(len(drawn.shape))
+    reach = np.zeros(len(drawn.shape))
+    half_height = np.zeros(len(drawn.shape))
+    for k, (shape, scale) in enumerate(zip(drawn.shape, drawn.scale, strict=True)):
+        if len(bases[shape].vertices):
+            corners = np.abs(bases[shape].vertices * scale)
+            reach[k], half_height[k] = np.hypot(corners[:, 0], corners[:, 1]).max(), corners[:, 2].max()
+            if any_orientation:
+                radius[k] = np.sqrt((corners**2).sum(axis=1).max())
+        else:
+            reach[k], half_height[k] = max(scale[0], scale[1]), scale[2]
+            if any_orientation:
+                radius[k] = scale.max()
+    return (radius, radius) if any_orientation else (reach, half_height)
+
+
+class _Progress:
+    """Progress lines, by wall-clock time; they influence nothing."""
+
+    def __init__(self, scene, report):
+        self.scene, self.report = scene, report
+        self.last_time = time.monotonic()
+        self.last_step = 0
+
+    def phase(self, text):
+        self.report(f"{self.scene.name}: {text}")
+
+    def line(self, phase, step, dt, n_bodies, seen, end):
+        now = time.monotonic()
+        elapsed = now - self.last_time
+        if elapsed < self.scene.numerics.progress_interval:
+            return
+        rate = (step - self.last_step) / elapsed
+        self.last_time, self.last_step = now, step
+        shaking_left = 0 if phase == DAMPING else self.scene.shaking.duration / dt
+        left = (end - step if end is not None else shaking_left) / rate
+        # While damping, the end is a limit that is seldom reached.
+        estimate = {GENERATING: f"> {left:.0f} s", SHAKING: f"about {left:.0f} s"}.get(phase, f"< {left:.0f} s")
+        self.report(
+            f"{self.scene.name}: {phase}, t = {step * dt:.3f} s, {n_bodies} grains, kinetic energy "
+            f"{seen.kinetic_energy:.2e} J, mean overlap {seen.mean_overlap:.1e} m, {rate:.0f} steps/s, "
+            f"{estimate} left in this phase"
+        )

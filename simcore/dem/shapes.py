@@ -1,0 +1,121 @@
+"""Shapes: a base and three scales.
+
+The base is the unit sphere or a convex hull whose principal axes are the coordinate axes. A body carries the
+scale (sx, sy, sz): spheres, ellipsoids, sieve scaling and the rescaling of form are then one thing. A diagonal
+scaling keeps the principal axes (mean second moments <x_i x_j> -> s_i s_j <x_i x_j>), so volume and inertia
+follow in closed form, and the edge graph of the hull stays valid.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.compilation import leaf
+
+SPHERE = 0  # the base is the unit sphere and all scales of a body are equal
+ELLIPSOID = 1  # the base is the unit sphere
+CONVEX = 2  # the base is a convex hull
+
+
+class Base(NamedTuple):
+    """One base shape. vertices (n, 3) and faces (m, 3), outward, of the hull; both empty for the unit sphere."""
+
+    name: str
+    vertices: np.ndarray
+    faces: np.ndarray
+    volume: float
+    second_moments: np.ndarray  # (3,) mean of x_i² over the volume
+
+
+class Shapes(NamedTuple):
+    """All base shapes of a scene; the vertices of all hulls stand in one array, with their edge graph (CSR)."""
+
+    vertex_start: np.ndarray  # (n_shapes + 1,) int64
+    vertices: np.ndarray  # (n_vertices, 3)
+    neighbor_start: np.ndarray  # (n_vertices + 1,) int64
+    neighbors: np.ndarray  # int64, indices into vertices
+
+
+def unit_sphere() -> Base:
+    empty = np.zeros((0, 3))
+    return Base("sphere", empty, empty.astype(np.int64), 4.0 / 3.0 * np.pi, np.full(3, 0.2))
+
+
+def collect_shapes(bases: list[Base]) -> Shapes:
+    """Shapes of the core from base shapes. ValueError where a hull's vertex has no edge."""
+    counts = [len(base.vertices) for base in bases]
+    vertex_start = np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
+    pairs = [_edges(base) + offset for base, offset in zip(bases, vertex_start[:-1], strict=True)]
+    edges = np.concatenate(pairs) if pairs else np.zeros((0, 2), np.int64)
+    n_vertices = int(vertex_start[-1])
+    degree = np.bincount(edges[:, 0], minlength=n_vertices)
+    if n_vertices and degree.min() == 0:
+        lonely = int(np.argmin(degree))
+        name = bases[int(np.searchsorted(vertex_start, lonely, side="right")) - 1].name
+        raise ValueError(f"shape {name}: a vertex belongs to no face; drop the points that are not on the hull")
+    return Shapes(
+        vertex_start,
+        np.concatenate([base.vertices for base in bases]).astype(np.float64).reshape(-1, 3),
+        np.concatenate(([0], np.cumsum(degree))).astype(np.int64),
+        edges[:, 1].copy(),
+    )
+
+
+def _edges(base: Base) -> np.ndarray:
+    """Directed edges (n, 2) of the hull, sorted, each once."""
+    faces = np.asarray(base.faces, np.int64)
+    directed = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    return np.unique(np.concatenate([directed, directed[:, ::-1]]), axis=0)
+
+
+@leaf
+def climb(shapes, vertex, dx, dy, dz):
+    """Vertex farthest along a direction of the base frame, climbing the hull's edges from `vertex`.
+
+    On a convex hull a vertex above all its neighbours is the farthest of all.
+    """
+    vertices, start, neighbors = shapes.vertices, shapes.neighbor_start, shapes.neighbors
+    best = vertices[vertex, 0] * dx + vertices[vertex, 1] * dy + vertices[vertex, 2] * dz
+    while True:
+        higher = vertex
+        for k in range(start[vertex], start[vertex + 1]):
+            other = neighbors[k]
+            value = vertices[other, 0] * dx + vertices[other, 1] * dy + vertices[other, 2] * dz
+            if value > best:
+                best = value
+                higher = other
+        if higher == vertex:
+            return vertex
+        vertex = higher
+
+
+@leaf
+def base_direction(bodies, i, nx, ny, nz):
+    """A world direction as the direction in which the base of body i has its support point: s ∘ (Rᵀ n)."""
+    r = bodies.rotation
+    return (
+        bodies.scale[i, 0] * (r[i, 0, 0] * nx + r[i, 1, 0] * ny + r[i, 2, 0] * nz),
+        bodies.scale[i, 1] * (r[i, 0, 1] * nx + r[i, 1, 1] * ny + r[i, 2, 1] * nz),
+        bodies.scale[i, 2] * (r[i, 0, 2] * nx + r[i, 1, 2] * ny + r[i, 2, 2] * nz),
+    )
+
+
+@leaf
+def vertex_offset(shapes, bodies, i, vertex):
+    """World vector from the centre of body i to a vertex: R (s ∘ v)."""
+    r = bodies.rotation
+    x = bodies.scale[i, 0] * shapes.vertices[vertex, 0]
+    y = bodies.scale[i, 1] * shapes.vertices[vertex, 1]
+    z = bodies.scale[i, 2] * shapes.vertices[vertex, 2]
+    return (
+        r[i, 0, 0] * x + r[i, 0, 1] * y + r[i, 0, 2] * z,
+        r[i, 1, 0] * x + r[i, 1, 1] * y + r[i, 1, 2] * z,
+        r[i, 2, 0] * x + r[i, 2, 1] * y + r[i, 2, 2] * z,
+    )
+
+
+@leaf
+def support_vertex(shapes, bodies, i, vertex, nx, ny, nz):
+    """Vertex of body i farthest along the world direction n, climbing from `vertex`."""
+    dx, dy, dz = base_direction(bodies, i, nx, ny, nz)
+    return climb(shapes, vertex, dx, dy, dz)
