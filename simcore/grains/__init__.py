@@ -5,6 +5,7 @@ polyhedron           hull, exact moments and flat facets of closed triangle mesh
 mesh                 Grain: hull in its principal frame; decimation
 readers              grains from meshes, point clouds, voxel masks, spherical-harmonic coefficients
 voxels, spherical_harmonics, directions   what the readers rest on
+scan_shapes          how round and flat-sided grains are; what was measured on scans
 synthetic            Rhine-like pebbles from a seed
 grain_set            many grains in one netCDF file
 sieve                sieve curves and the table of cases

@@ -5,16 +5,14 @@ edges are worn, which is what tells a pebble from an ellipsoid of the same form.
 sphericity and the share of surface in large facets lie within those of CT-scanned gravel (scan_ranges.csv).
 """
 
-from pathlib import Path
-
 import numpy as np
-import pandas as pd
 from scipy.spatial.transform import Rotation
 from scipy.stats import shapiro
 
 from .directions import spiral_directions
 from .form import axes_from_form, ellipsoid_sphericity
-from .mesh import decimate, make_grain
+from .mesh import make_grain
+from .scan_shapes import scan_ranges, shape_measures
 
 # Rettinger et al. 2022, Table 2 and text. ASSUME: the standard deviations are those of a sample (n - 1, ddof 1).
 FLATNESS_MEAN, FLATNESS_STD = 0.647, 0.175
@@ -23,18 +21,11 @@ ELONGATION_MEAN, ELONGATION_STD = 0.682, 0.139
 CORRELATION = np.array([[1.0, -0.11, 0.23], [-0.11, 1.0, -0.089], [0.23, -0.089, 1.0]])  # log size, FL, EL
 SIZE_BOUNDS = np.array([2.8, 4.0, 5.6, 8.0, 11.2, 16.0, 22.4, 31.5]) * 1e-3  # seven sieve classes [m]
 FACE_RANGE = (220, 2620)
-# Face count at which shapes are compared: the share in facets depends on it, and the Rhine meshes have <= 300.
-COMPARED_FACES = 300
 
 # Below this sphericity of its ellipsoid a form is so flat that no worn block of it lies among the scans.
 _ROUNDEST_MIN = 0.75
 # Of decimated hulls: vertices moved by round-off change the collapse, sphericity by 0.001, the share by 0.04.
 _MARGIN = np.array([0, 0, 0, 0.002, 0.04])
-
-
-def scan_ranges():
-    """Smallest and largest value of each measure over the scanned grains, DataFrame of scan_ranges.csv."""
-    return pd.read_csv(Path(__file__).with_name("scan_ranges.csv"), comment="#", index_col="measure")
 
 
 def synthetic_grains(seed=1, n=63):
@@ -125,20 +116,3 @@ def _scattered(rng, n, jitter):
     spiral = Rotation.random(rng=rng).apply(spiral_directions(n))
     moved = spiral + jitter * np.sqrt(4 * np.pi / n) * rng.normal(size=(n, 3))
     return moved / np.linalg.norm(moved, axis=1)[:, None]
-
-
-def shape_measures(grain):
-    """Sphericity and share of surface in the ten largest facets, of the hull and at COMPARED_FACES, Series.
-
-    relative_sphericity is that of the hull over its ellipsoid's: free of the form.
-    """
-    coarse = decimate(grain, COMPARED_FACES)
-    return pd.Series(
-        {
-            "sphericity": grain.sphericity,
-            "facet_share": grain.facet_share,
-            "relative_sphericity": grain.sphericity / ellipsoid_sphericity(grain.L, grain.I, grain.S),
-            "sphericity_300": coarse.sphericity,
-            "facet_share_300": coarse.facet_share,
-        }
-    )

@@ -7,7 +7,8 @@ import trimesh
 from scipy.stats import shapiro
 
 from simcore.grains.mesh import decimate, make_grain
-from simcore.grains.synthetic import SIZE_BOUNDS, scan_ranges, shape_measures, synthetic_grains
+from simcore.grains.scan_shapes import scan_ranges, shape_measures
+from simcore.grains.synthetic import SIZE_BOUNDS, synthetic_grains
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,49 @@
+"""How round and how flat-sided grains are, and what was measured on scanned gravel."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from .directions import spiral_directions
+from .form import ellipsoid_sphericity
+from .mesh import decimate, make_grain
+
+# Face count at which shapes are compared: the share in facets depends on it, and the Rhine meshes have <= 300.
+COMPARED_FACES = 300
+
+
+def scan_ranges():
+    """min, max, mean and std of each shape measure over 65 scanned grains, DataFrame of scan_ranges.csv."""
+    return pd.read_csv(Path(__file__).with_name("scan_ranges.csv"), comment="#", index_col="measure")
+
+
+def shape_measures(grain):
+    """Sphericity and share of surface in the ten largest facets, of the hull and at COMPARED_FACES, Series.
+
+    relative_sphericity is that of the hull over its ellipsoid's: free of the form.
+    """
+    coarse = decimate(grain, COMPARED_FACES)
+    return pd.Series(
+        {
+            "sphericity": grain.sphericity,
+            "facet_share": grain.facet_share,
+            "relative_sphericity": grain.sphericity / ellipsoid_sphericity(grain.L, grain.I, grain.S),
+            "sphericity_300": coarse.sphericity,
+            "facet_share_300": coarse.facet_share,
+        }
+    )
+
+
+def shape_table(grains):
+    """shape_measures of each grain, DataFrame (n, 5) indexed by name."""
+    return pd.DataFrame([shape_measures(grain) for grain in grains], index=[grain.name for grain in grains])
+
+
+def ellipsoid_counterparts(grains):
+    """For each grain the mesh of its mass-equivalent ellipsoid with as many faces, named the same."""
+    spheres = [make_grain(grain.name, spiral_directions(len(grain.vertices))) for grain in grains]
+    return [
+        sphere.scaled(np.array([grain.S, grain.I, grain.L]) / [sphere.S, sphere.I, sphere.L])
+        for grain, sphere in zip(grains, spheres, strict=True)
+    ]
