@@ -12,7 +12,9 @@ h1, h2 { line-height: 1.2; } h2 { margin-top: 2.5rem; border-top: 1px solid #cdd
 .scroll { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.85rem; margin: 0.5rem 0; }
 th, td { padding: 0.2rem 0.7rem; text-align: right; border-bottom: 1px solid #e3e8e8; white-space: nowrap; }
 th { background: #f1f4f4; } td.text, th.text { text-align: left; }
-figure { margin: 1rem 0; } img { max-width: 100%; } figcaption, .note { color: #53605f; font-size: 0.9rem; }
+figure { display: inline-block; margin: 1rem; vertical-align: top; }
+img { max-width: 32rem; width: 100%; }
+figcaption, .note { color: #53605f; font-size: 0.9rem; }
 .banner { background: #ffe9b8; padding: 0.6rem 1rem; font-weight: bold; }
 nav a { margin-right: 1rem; }
 """
@@ -41,7 +43,7 @@ def paragraph(text):
     return f'<p class="note">{escape(text)}</p>'
 
 
-def table(path, caption):
+def table(path):
     """The CSV file at `path` as a table; numbers to four significant digits, nothing where there is no value."""
     rows = pd.read_csv(path)
     kinds = ["" if pd.api.types.is_numeric_dtype(rows[name]) else ' class="text"' for name in rows]
@@ -50,16 +52,13 @@ def table(path, caption):
         "<tr>" + "".join(f"<td{kind}>{_cell(value)}</td>" for value, kind in zip(row, kinds, strict=True)) + "</tr>"
         for row in rows.itertuples(index=False)
     )
-    text = f"{caption} File: {path}"
-    return f'{paragraph(text)}\n<div class="scroll"><table><tr>{head}</tr>\n{body}</table></div>'
+    return f'{paragraph(str(path))}\n<div class="scroll"><table><tr>{head}</tr>\n{body}</table></div>'
 
 
-def picture(path, caption):
-    """The PNG file at `path`, put into the page itself."""
-    data = base64.b64encode(Path(path).read_bytes()).decode()
-    return f'<figure><img alt="{escape(caption)}" src="data:image/png;base64,{data}">' + (
-        f"<figcaption>{escape(caption)} File: {escape(str(path))}</figcaption></figure>"
-    )
+def picture(path):
+    """The PNG file at `path`, put into the page itself, with its path as caption."""
+    data, name = base64.b64encode(Path(path).read_bytes()).decode(), escape(str(path))
+    return f'<figure><img alt="{name}" src="data:image/png;base64,{data}"><figcaption>{name}</figcaption></figure>'
 
 
 def _cell(value):

@@ -85,7 +85,8 @@ def _convert(value, schema, path):
     """Check keys and types, parse quantities and fill defaults, below `path`; bounds come later, in SI."""
     types = _types(schema)
     if value is None:
-        if "null" in types or None in schema.get("enum", ()):
+        free = not ({"type", "enum", "x-unit"} & schema.keys())
+        if free or "null" in types or None in schema.get("enum", ()):
             return None
         raise ValueError(f"{_shown(path)} is empty; {_wanted(schema)}")
     if "x-unit" in schema:

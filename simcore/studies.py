@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pandas as pd
 
-from simcore.grains.sieve import SieveCurve, read_cases
+from simcore.sizes import check_top_class
 from simcore.sources import check_source
-from simcore.specification import SCHEMA_FOLDER, resolve
+from simcore.specification import resolve
 
 # Columns of what a study varies, with their units; others have the last part of their key as their name.
 _COLUMNS = {
@@ -24,7 +24,6 @@ _COLUMNS = {
     "shapes.elongation.std": "std_EL",
     "numerics.contact_time": "contact_time_s",
 }
-MINIMUM_OF_TOP_CLASS = 5
 
 
 def expand(config):
@@ -82,30 +81,6 @@ def merge(*groups):
             both = isinstance(value, dict) and isinstance(merged.get(key), dict)
             merged[key] = merge(merged[key], value) if both else copy.deepcopy(value)
     return merged
-
-
-def size_curve(sizes, cases=SCHEMA_FOLDER / "cases.tsv"):
-    """The SieveCurve of the resolved group `sizes` of a specification; ValueError if its case is unknown."""
-    if sizes["case"] is None:
-        return SieveCurve(np.array(sizes["bounds"]), np.array(sizes["mass_fractions"]))
-    known = read_cases(cases)
-    if sizes["case"] not in known:
-        raise ValueError(f"sizes.case: '{sizes['case']}' is unknown; the cases are {', '.join(known)}")
-    return known[sizes["case"]].curve
-
-
-def check_top_class(spec, where=""):
-    """Refuse a specification of fewer than five grains of its top class, unless it allows that by name."""
-    try:
-        curve = size_curve(spec["sizes"])
-        density, mass = spec["material"]["density"], spec["amount"]["mass"]
-        if mass is None:
-            volumes = np.pi / 6 * curve.class_diameters**3
-            mass = spec["amount"]["grains"] * density * float(curve.number_fractions() @ volumes)
-        if not spec["sizes"]["allow_few_top_grains"]:
-            curve.check_top_class(mass, density, MINIMUM_OF_TOP_CLASS)
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}" if where else str(error)) from None
 
 
 def spread_order(flatness, elongation):

@@ -19,9 +19,9 @@ def tabulate(study, rows, evaluations):
     """DataFrame with one row a packing.
 
     study: its name; rows: dicts {packing, varied} as simcore.studies has them; evaluations: their datasets, as
-    from simcore.evaluation. Columns: study, packing, case, what else the study varies, grain (of single forms), kind, seed,
-    grains, L, I, S [m] (means), mean and standard deviation of FL, EL, EQ, n and n_std_error (spheres, as in the
-    study), the same from exact slices, coordination_number, spearman_D (trend of size over height), cpu_s.
+    from simcore.evaluation. Columns: study, packing, case, what else the study varies, grain (of single forms),
+    kind, seed, grains, L, I, S [m] (means), mean and standard deviation of FL, EL, EQ, n and n_std_error (spheres,
+    as in the study), the same from exact slices, coordination_number, spearman_D (trend of size over height), cpu_s.
     """
     table = []
     for row, data in zip(rows, evaluations, strict=True):
@@ -87,6 +87,19 @@ def pair_shape_kinds(meshes, ellipsoids):
     sides = [table.groupby(keys, sort=False)[["EQ", "n"]].mean() for table in (meshes, ellipsoids)]
     paired = sides[0].join(sides[1].n, how="inner", lsuffix="_mesh", rsuffix="_ellipsoid")
     return paired.reset_index()
+
+
+def compare_predictions(models, name, table):
+    """One row a packing: case, simulated, predicted by the model `name` of its case; cases without one are left out.
+
+    models: dict from (name, case) to PorosityModel; table: columns case, n and the features of the models.
+    """
+    parts = [
+        pd.DataFrame({"case": case, "simulated": rows.n, "predicted": models[name, case].predict(rows)})
+        for case, rows in table.groupby("case", sort=False)
+        if (name, case) in models
+    ]
+    return pd.concat(parts) if parts else pd.DataFrame(columns=["case", "simulated", "predicted"])
 
 
 def mark(table, test_only):

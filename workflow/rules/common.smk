@@ -12,6 +12,7 @@ try:
 except ValueError as error:
     raise WorkflowError(f"config: {error}") from None
 
+packings["is_first"] = ~packings.study.duplicated()
 studies = list(packings.study.unique())
 titles = {name: campaign["studies"][name]["title"] or name for name in studies}
 

@@ -39,3 +39,28 @@ rule form_order:
         code=digest("workflow/scripts/form_order.py"),
     script:
         "../scripts/form_order.py"
+
+
+rule grain_report:
+    input:
+        grains="results/grains/original.nc",
+    output:
+        forms="results/grains/form_factors.csv",
+        statistics="results/grains/form_statistics.csv",
+        correlations="results/grains/factor_correlations.csv",
+        components="results/grains/principal_components.csv",
+        decimation="results/grains/decimation.csv",
+        decimation_summary="results/grains/decimation_summary.csv",
+        shapes="results/grains/shapes_against_scans.csv",
+        zingg="results/figures/grains/zingg.png",
+        histograms="results/figures/grains/histograms.png",
+        matrix="results/figures/grains/factor_correlations.png",
+        scans="results/figures/grains/shapes_against_scans.png",
+        changes="results/figures/grains/decimation.png",
+    log:
+        "results/logs/grain_report.log",
+    params:
+        test_only=campaign["test_only"],
+        code=digest("workflow/scripts/grain_report.py"),
+    script:
+        "../scripts/grain_report.py"

@@ -3,10 +3,11 @@ study_sizes = packings.groupby("study").size()
 # Four features, an intercept and something left to judge them by.
 smallest_mixture_study = 7
 
-models = []
+models, model_figures = [], []
 
 if "single_form" in studies:
-    models += ["single_form", "single_form_correlations", "single_form_second_features"]
+    models += ["single_form", "single_form_second_features", "single_form_correlations"]
+    model_figures += ["single_form_features", "single_form_prediction"]
 
     rule single_form_models:
         input:
@@ -16,6 +17,8 @@ if "single_form" in studies:
             correlations="results/models/single_form_correlations.csv",
             second_features="results/models/single_form_second_features.csv",
             dataset="results/models/single_form.nc",
+            features="results/figures/models/single_form_features.png",
+            prediction="results/figures/models/single_form_prediction.png",
         log:
             "results/logs/single_form_models.log",
         params:
@@ -27,7 +30,8 @@ if "single_form" in studies:
 
 
 if study_sizes.get("form_mixtures", 0) >= smallest_mixture_study:
-    models += ["form_mixture", "form_mixture_correlations", "form_mixture_feature_sets"]
+    models += ["form_mixture", "form_mixture_feature_sets", "form_mixture_correlations"]
+    model_figures += ["form_mixture_sets", "form_mixture_prediction"]
     models += ["application"] if "application" in studies else []
 
     rule form_mixture_models:
@@ -42,6 +46,8 @@ if study_sizes.get("form_mixtures", 0) >= smallest_mixture_study:
             correlations="results/models/form_mixture_correlations.csv",
             feature_sets="results/models/form_mixture_feature_sets.csv",
             dataset="results/models/form_mixture.nc",
+            sets="results/figures/models/form_mixture_sets.png",
+            prediction="results/figures/models/form_mixture_prediction.png",
             application=branch(
                 "application" in studies, then="results/models/application.csv"
             ),
@@ -57,6 +63,7 @@ if study_sizes.get("form_mixtures", 0) >= smallest_mixture_study:
 
 if {"single_form", "equivalent_ellipsoids"} <= set(studies):
     models += ["shape_kinds"]
+    model_figures += ["shape_kinds"]
 
     rule shape_kinds:
         input:
@@ -65,6 +72,7 @@ if {"single_form", "equivalent_ellipsoids"} <= set(studies):
         output:
             table="results/models/shape_kinds.csv",
             pairs="results/models/shape_kind_pairs.csv",
+            figure="results/figures/models/shape_kinds.png",
         log:
             "results/logs/shape_kinds.log",
         params:

@@ -54,7 +54,9 @@ rule packing:
         "results/benchmarks/packing/{study}/{packing}.tsv"
     threads: 1
     params:
-        code=digest("simcore/specification.py"),
+        code=digest(
+            "simcore/scenes.py", "simcore/dem/packing.py", "simcore/packing_io.py"
+        ),
     shell:
         "python -m simcore pack {input.specification} {output.packing} --threads {threads} > {log} 2>&1"
 

@@ -1,14 +1,17 @@
-"""Correlations, feature sets and fitted models of the form mixtures, and their prediction of unseen packings."""
+"""Correlations, feature sets and fitted models of the form mixtures, their prediction of unseen packings, figures."""
 
 import logging
 
 import pandas as pd
 
+from simcore.figures.models import form_sets_figure, prediction_figure
+from simcore.figures.saving import save_figure
 from simcore.model_tables import application_table, mixture_models, table_dataset
 from simcore.reference import read_study_table
-from simcore.study_tables import mark
+from simcore.study_tables import compare_predictions, mark
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
+test_only = snakemake.params.test_only
 packings = pd.read_csv(snakemake.input.packings)
 tables, models = mixture_models(
     packings.drop(columns=["packing", "kind", "note"], errors="ignore"),
@@ -21,6 +24,10 @@ if snakemake.input.application:
     unseen = pd.read_csv(snakemake.input.application)
     tables["application"] = application_table(models, unseen, read_study_table("table11_application"))
 for name, table in tables.items():
-    mark(table, snakemake.params.test_only).to_csv(snakemake.output[name], index=False)
+    mark(table, test_only).to_csv(snakemake.output[name], index=False)
 dataset = table_dataset(tables["models"], "Models of porosity, packings with a distribution of form")
-dataset.assign_attrs(test_only=int(snakemake.params.test_only)).to_netcdf(snakemake.output.dataset)
+dataset.assign_attrs(test_only=int(test_only)).to_netcdf(snakemake.output.dataset)
+
+predictions = compare_predictions(models, "form_mixture", packings)
+save_figure(form_sets_figure(packings), snakemake.output.sets, test_only)
+save_figure(prediction_figure(predictions, list(models.values())), snakemake.output.prediction, test_only)

@@ -2,20 +2,27 @@
 
 from pathlib import Path
 
-from simcore.page import page, paragraph, table
+from simcore.page import page, paragraph, picture, table
 
 TITLE = "Scree: porosity from the form of grains"
-LEAD = "Every number here was measured on discrete element packings of this campaign, unless its column says study."
-STUDY_NOTE = (
-    "n: bulk porosity by volume-equivalent spheres, n_exact: by slicing the grains themselves; n_std_error: sampling "
-    "error of the mean over the runs; study_n: the source study's value, for its own, larger domains; for single "
-    "forms and mixtures that of its fitted model."
+LEAD = (
+    "Porosities were measured on discrete element packings of this campaign; columns that begin with study_ are the "
+    "source study's (Rettinger, Rüde, Vollmer, Frings 2022)."
+)
+STUDIES = (
+    "n: bulk porosity by volume-equivalent spheres, as in the study; n_exact: by slicing the grains themselves. "
+    "n_std_error: sampling error of the mean. study_n holds for the study's own, larger domains; for single forms and "
+    "mixtures it is what the study's fitted model says for the forms of our packings."
 )
 TEST_ONLY = "Test only: these packings are far too small to mean anything."
 
 files, params = snakemake.input, snakemake.params
-sections = [("Models", [table(path, "") for path in files.models])] if files.models else []
-sections.append(("Studies", [paragraph(STUDY_NOTE)]))
-sections += [(params.titles[Path(path).stem], [table(path, "")]) for path in files.tables]
+sections = [
+    ("Models", [*map(picture, files.model_figures), *map(table, files.models)]),
+    ("Grains", [*map(picture, files.grain_figures), *map(table, files.grain_tables)]),
+    ("Studies", [paragraph(STUDIES)]),
+]
+for path, *pictures in zip(files.tables, files.study_figures, files.pictures, files.profiles, strict=True):
+    sections.append((params.titles[Path(path).stem], [table(path), *map(picture, pictures)]))
 text = page(TITLE, LEAD, sections, TEST_ONLY if params.test_only else "")
 Path(snakemake.output.report).write_text(text, encoding="utf-8")

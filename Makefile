@@ -1,0 +1,30 @@
+# `make` sets up an environment and runs the default campaign; `make test` sets it up and runs the tests.
+VENV ?= .venv
+PYTHON ?= python3
+CORES ?= all
+PYTEST_ARGS ?=
+
+bin := $(abspath $(VENV))/bin
+installed := $(VENV)/.installed
+
+.PHONY: all environment test
+
+# In an environment that is not activated, snakemake would find the system's python: hence PATH.
+all: environment
+	PATH="$(bin):$$PATH" snakemake --cores $(CORES)
+	@echo
+	@echo "Report:  results/report.html"
+	@echo "Tables:  results/models/*.csv (models), results/tables/*.csv (studies), results/grains/"
+	@echo "Figures: results/figures/"
+
+test: environment
+	PATH="$(bin):$$PATH" python -m pytest $(PYTEST_ARGS)
+
+environment: $(installed)
+
+$(installed): environment.txt pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+	  || { echo "Python 3.11 or newer is needed; name one with: make PYTHON=python3.12"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(bin)/python -m pip install --quiet --disable-pip-version-check -r environment.txt -e .
+	touch $@

@@ -1,0 +1,37 @@
+"""The sizes that a specification asks for: sieve curve, lattice spacing of its case, enough grains of the top class."""
+
+import numpy as np
+
+from simcore.grains.sieve import SieveCurve, read_cases
+from simcore.specification import SCHEMA_FOLDER
+
+MINIMUM_OF_TOP_CLASS = 5
+
+
+def size_curve(sizes, cases=SCHEMA_FOLDER / "cases.tsv"):
+    """The SieveCurve of the resolved group `sizes` of a specification; ValueError if its case is unknown."""
+    if sizes["case"] is None:
+        return SieveCurve(np.array(sizes["bounds"]), np.array(sizes["mass_fractions"]))
+    known = read_cases(cases)
+    if sizes["case"] not in known:
+        raise ValueError(f"sizes.case: '{sizes['case']}' is unknown; the cases are {', '.join(known)}")
+    return known[sizes["case"]].curve
+
+
+def case_spacing(sizes, cases=SCHEMA_FOLDER / "cases.tsv"):
+    """Generation spacing [m] of the case of the resolved group `sizes`; None for a sieve curve of one's own."""
+    return None if sizes["case"] is None else read_cases(cases)[sizes["case"]].generation_spacing
+
+
+def check_top_class(spec, where=""):
+    """Refuse a specification of fewer than five grains of its top class, unless it allows that by name."""
+    try:
+        curve = size_curve(spec["sizes"])
+        density, mass = spec["material"]["density"], spec["amount"]["mass"]
+        if mass is None:
+            volumes = np.pi / 6 * curve.class_diameters**3
+            mass = spec["amount"]["grains"] * density * float(curve.number_fractions() @ volumes)
+        if not spec["sizes"]["allow_few_top_grains"]:
+            curve.check_top_class(mass, density, MINIMUM_OF_TOP_CLASS)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}" if where else str(error)) from None
