@@ -4,7 +4,6 @@ import copy
 import itertools
 import re
 
-import numpy as np
 import pandas as pd
 
 from simcore.sizes import check_top_class
@@ -17,6 +16,7 @@ _COLUMNS = {
     "domain.width": "width_m",
     "domain.height": "height_m",
     "amount.mass": "mass_kg",
+    "amount.grains": "grains_asked",
     "shaking.duration": "shaking_s",
     "shapes.flatness.mean": "mean_FL",
     "shapes.flatness.std": "std_FL",
@@ -81,32 +81,6 @@ def merge(*groups):
             both = isinstance(value, dict) and isinstance(merged.get(key), dict)
             merged[key] = merge(merged[key], value) if both else copy.deepcopy(value)
     return merged
-
-
-def spread_order(flatness, elongation):
-    """Indices of all grains in the order that spreads them over the Zingg diagram, whatever number is taken.
-
-    The first is the nearest to the mean, each next one that which lies farthest from all before it.
-
-    flatness, elongation: (n,). Returns (n,) int; ties go to the lower index.
-    """
-    points = np.column_stack([flatness, elongation])
-    order = [int(np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1)))]
-    distance = np.full(len(points), np.inf)
-    while len(order) < len(points):
-        distance = np.minimum(distance, np.linalg.norm(points - points[order[-1]], axis=1))
-        distance[order[-1]] = -1.0
-        order.append(int(np.argmax(distance)))
-    return np.array(order)
-
-
-def choose_form(spec, form, names):
-    """The specification with the grain of rank `form` (from 1) of the spread; `names` (n,) in that order."""
-    if form == 0:
-        return spec
-    if form > len(names):
-        raise ValueError(f"packing {spec['name']}: the form {form} was asked for, the set has {len(names)} grains")
-    return merge(spec, {"shapes": {"grain": names[form - 1]}})
 
 
 def _axis(key, values, where):

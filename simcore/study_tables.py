@@ -84,8 +84,8 @@ def tabulate_features(packings, evaluations):
 def pair_shape_kinds(meshes, ellipsoids):
     """One row for each case and grain that both studies have: case, grain, EQ, n_mesh, n_ellipsoid (means)."""
     keys = ["case", "grain"]
-    sides = [table.groupby(keys, sort=False)[["EQ", "n"]].mean() for table in (meshes, ellipsoids)]
-    paired = sides[0].join(sides[1].n, how="inner", lsuffix="_mesh", rsuffix="_ellipsoid")
+    mesh, ellipsoid = (table.groupby(keys, sort=False)[["EQ", "n"]].mean() for table in (meshes, ellipsoids))
+    paired = mesh.rename(columns={"n": "n_mesh"}).join(ellipsoid["n"].rename("n_ellipsoid"), how="inner")
     return paired.reset_index()
 
 

@@ -30,7 +30,7 @@ if "single_form" in studies:
 
 
 if study_sizes.get("form_mixtures", 0) >= smallest_mixture_study:
-    models += ["form_mixture", "form_mixture_feature_sets", "form_mixture_correlations"]
+    models += ["form_mixture", "form_mixture_feature_sets"]
     model_figures += ["form_mixture_sets", "form_mixture_prediction"]
     models += ["application"] if "application" in studies else []
 

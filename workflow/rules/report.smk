@@ -1,24 +1,10 @@
 # Pictures, and one static page of all tables and figures.
 
 
-rule study_figure:
+# Of each study its porosities beside the source study's, and its first packing.
+rule study_figures:
     input:
         table="results/tables/{study}.csv",
-    output:
-        figure="results/figures/studies/{study}.png",
-    log:
-        "results/logs/study_figure/{study}.log",
-    params:
-        rows=lookup(query="study == '{study}'", within=packings, cols="row"),
-        test_only=campaign["test_only"],
-        code=digest("workflow/scripts/study_figure.py"),
-    script:
-        "../scripts/study_figure.py"
-
-
-# Of each study, its first packing.
-rule packing_figures:
-    input:
         packing=collect(
             "results/packings/{{study}}/{packing}.nc",
             packing=lookup(
@@ -32,15 +18,17 @@ rule packing_figures:
             ),
         ),
     output:
+        porosities="results/figures/studies/{study}.png",
         picture="results/figures/packings/{study}.png",
         profile="results/figures/profiles/{study}.png",
     log:
-        "results/logs/packing_figures/{study}.log",
+        "results/logs/study_figures/{study}.log",
     params:
+        rows=lookup(query="study == '{study}'", within=packings, cols="row"),
         test_only=campaign["test_only"],
-        code=digest("workflow/scripts/packing_figures.py"),
+        code=digest("workflow/scripts/study_figures.py"),
     script:
-        "../scripts/packing_figures.py"
+        "../scripts/study_figures.py"
 
 
 rule report:

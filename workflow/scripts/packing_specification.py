@@ -5,8 +5,8 @@ from pathlib import Path
 
 import yaml
 
+from simcore.forms import choose_form
 from simcore.specification import express
-from simcore.studies import choose_form
 
 (specification,), (form,) = snakemake.params.specification, snakemake.params.form
 names = []

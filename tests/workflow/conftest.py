@@ -1,0 +1,55 @@
+"""Fixtures that run Snakemake on this project in a folder of their own."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+class Workplace:
+    """A folder with the project's workflow and config, in which Snakemake runs and writes."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        for name in ("Snakefile", "workflow", "config", "profiles"):
+            (folder / name).symlink_to(ROOT / name)
+
+    def run(self, *arguments):
+        """Snakemake's exit status and what it said, (int, str)."""
+        environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+        command = [sys.executable, "-m", "snakemake", "--cores", "2", "--nocolor", *arguments]
+        done = subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, text=True)
+        return done.returncode, done.stdout + done.stderr
+
+    def plan(self, *arguments):
+        """The jobs of a dry run, as a list of (rule, study)."""
+        status, said = self.run("--dry-run", *arguments)
+        assert status == 0, said
+        jobs, rule = [], None
+        for line in said.splitlines():
+            if line.startswith(("rule ", "localrule ")):
+                rule = line.split()[1].rstrip(":")
+                jobs.append((rule, None))
+            elif line.strip().startswith("wildcards:") and "study=" in line:
+                jobs[-1] = (rule, line.split("study=")[1].split(",")[0].strip())
+        return jobs
+
+
+@pytest.fixture
+def workplace(tmp_path):
+    """An empty workplace."""
+    return Workplace(tmp_path)
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory):
+    """A workplace in which a small campaign of three studies has run, and the arguments it was run with."""
+    workplace = Workplace(tmp_path_factory.mktemp("campaign"))
+    arguments = ["--configfile", "config/smoke.yaml", str(Path(__file__).with_name("three_studies.yaml"))]
+    status, said = workplace.run(*arguments)
+    assert status == 0, said
+    return workplace, arguments

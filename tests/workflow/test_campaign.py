@@ -1,0 +1,52 @@
+"""A small campaign, run: its results, and what runs again after a change."""
+
+import pandas as pd
+import pytest
+import xarray as xr
+
+pytestmark = pytest.mark.workflow
+
+
+def test_the_models_come_from_the_packings(finished):
+    workplace, _ = finished
+    results = workplace.folder / "results"
+    packings = pd.read_csv(results / "tables" / "single_form_packings.csv")
+    assert len(packings) == 5
+    assert packings.n.between(0.2, 0.8).all()
+    model = pd.read_csv(results / "models" / "single_form.csv")
+    assert model.query("model == 'single_form'").term.tolist() == ["intercept", "EQ_inv", "EL_inv"]
+    with xr.open_dataset(results / "packings" / "single_form" / "U1-form01.nc") as packing:
+        assert packing.attrs["converged"] == 1
+
+
+def test_every_table_and_the_report_say_that_they_are_tests(finished):
+    workplace, _ = finished
+    results = workplace.folder / "results"
+    tables = [*(results / "tables").glob("*.csv"), *(results / "models").glob("*.csv")]
+    assert len(tables) > 9
+    for table in tables:
+        assert (pd.read_csv(table).note == "test only").all(), table
+    assert "Test only" in (results / "report.html").read_text()
+
+
+def test_a_second_run_has_nothing_to_do(finished):
+    workplace, arguments = finished
+    status, said = workplace.run(*arguments)
+    assert status == 0
+    assert "Nothing to be done" in said
+
+
+def test_a_changed_study_runs_again_and_no_other(finished):
+    workplace, arguments = finished
+    change = "studies={shaking_periodic: {varies: {shaking.duration: [0.3 s]}}}"
+    jobs = workplace.plan(*arguments, "--config", change)
+    assert {study for _, study in jobs if study} == {"shaking_periodic"}
+    assert [rule for rule, _ in jobs].count("packing") == 1
+    assert "single_form_models" not in {rule for rule, _ in jobs}
+
+
+def test_a_changed_evaluation_packs_nothing(finished):
+    workplace, arguments = finished
+    rules = [rule for rule, _ in workplace.plan(*arguments, "--config", "porosity={cut: 5 mm}")]
+    assert rules.count("porosity") == 7
+    assert "packing" not in rules

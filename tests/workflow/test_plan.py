@@ -1,0 +1,91 @@
+"""What Snakemake plans, and refuses, before the first job."""
+
+import pytest
+
+pytestmark = pytest.mark.workflow
+
+STUDIES = {
+    "mesh_resolution",
+    "shaking_cylinder",
+    "validation",
+    "domain_size",
+    "shaking_periodic",
+    "single_form",
+    "equivalent_ellipsoids",
+    "form_mixtures",
+    "application",
+}
+MODELS = {"single_form_models", "form_mixture_models", "shape_kinds"}
+
+
+def test_the_default_campaign_holds_all_studies_and_models(workplace):
+    jobs = workplace.plan()
+    assert {study for rule, study in jobs if rule == "packing"} == STUDIES
+    assert {rule for rule, _ in jobs} >= MODELS | {"grain_report", "report"}
+
+
+def test_the_smoke_campaign_has_one_packing_a_study_and_a_dozen_for_the_model(workplace):
+    jobs = workplace.plan("--configfile", "config/smoke.yaml")
+    packings = [study for rule, study in jobs if rule == "packing"]
+    assert {study: packings.count(study) for study in STUDIES} == {**dict.fromkeys(STUDIES, 1), "single_form": 12}
+
+
+def test_the_campaign_of_the_study_has_its_number_of_packings(workplace):
+    """Counts by hand from the study's tables; the shapes are 63 in three cases, the mixtures 52 sets in two."""
+    jobs = workplace.plan("--configfile", "config/paper.yaml")
+    packings = [study for rule, study in jobs if rule == "packing"]
+    assert {study: packings.count(study) for study in STUDIES} == {
+        "mesh_resolution": 2 * 5 * 3,
+        "shaking_cylinder": 2 * 4 * 3,
+        "validation": 7 * 3,
+        "domain_size": 2 * 3 * 3,
+        "shaking_periodic": 2 * 6,
+        "single_form": 3 * 63,
+        "equivalent_ellipsoids": 3 * 63,
+        "form_mixtures": 2 * 52,
+        "application": 2 * 2,
+    }
+
+
+def test_a_single_study_plans_only_what_it_needs(workplace):
+    jobs = workplace.plan("validation")
+    assert {study for _, study in jobs if study} == {"validation"}
+    rules = {rule for rule, _ in jobs}
+    assert not rules & (MODELS | {"report", "grain_report", "form_order"})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("grainz={source: synthetic}", "config: grainz: unknown key; did you mean 'grains'?"),
+        (
+            "studies={validation: {fixes: {domain: {width: 3 kg}}}}",
+            "config: studies.validation.domain.width: '3 kg' is a mass; a length is needed, such as '0.2 m'",
+        ),
+        ("grains={source: nowhere}", "config: grains.source: 'nowhere' does not exist"),
+    ],
+)
+def test_bad_config_is_one_clear_error(workplace, change, message):
+    status, said = workplace.run("--dry-run", "--config", change)
+    assert status != 0
+    assert message in said
+    assert "Traceback" not in said
+
+
+def test_ten_lines_of_config_with_own_grains_and_sieve_curve(workplace):
+    """The README's example, with a folder that exists."""
+    (workplace.folder / "scans").mkdir()
+    (workplace.folder / "scans" / "a.stl").touch()
+    (workplace.folder / "mine.yaml").write_text(
+        """
+grains: {source: scans, unit: mm}
+studies:
+  mine:
+    fixes:
+      sizes: {bounds: [4 mm, 8 mm, 16 mm], mass_fractions: [0.4, 0.6]}
+      domain: {width: 80 mm, height: 0.5 m}
+      amount: {mass: 0.5 kg}
+"""
+    )
+    jobs = workplace.plan("mine", "--configfile", "mine.yaml")
+    assert [job for job in jobs if job[0] == "packing"] == [("packing", "mine")]

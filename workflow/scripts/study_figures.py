@@ -1,0 +1,21 @@
+"""The porosities of a study beside the source study's; its first packing as it lies, and its porosity over height."""
+
+import pandas as pd
+import xarray as xr
+
+from simcore.figures.models import study_figure
+from simcore.figures.packings import packing_figure, profile_figure
+from simcore.figures.saving import save_figure
+from simcore.packing_io import read_packing
+
+files, test_only = snakemake.input, snakemake.params.test_only
+table = pd.read_csv(files.table)
+settings = dict.fromkeys(["case", *snakemake.params.rows[0]["varied"], "grain"])
+label = [name for name in settings if name in table and name != "seed"]
+save_figure(study_figure(table, label), snakemake.output.porosities, test_only)
+
+(packing,), (evaluation,) = files.packing, files.evaluation
+bulk = xr.load_dataset(evaluation)
+profiles = {"volume-equivalent spheres": bulk.profile, "the grains themselves": bulk.profile_exact}
+save_figure(packing_figure(read_packing(packing)), snakemake.output.picture, test_only)
+save_figure(profile_figure(profiles, bulk), snakemake.output.profile, test_only)
