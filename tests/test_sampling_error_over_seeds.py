@@ -1,0 +1,39 @@
+"""The stated sampling error against the scatter over real packings that differ in their seed alone."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from simcore.packing_io import read_packing
+from simcore.porosity import bulk_porosity
+
+SEEDS = 12
+SPECIFICATION = """
+name: scatter
+seed: {seed}
+domain: {{type: {domain}, height: 0.4 m}}
+shapes: {{kind: ellipsoid, choice: form, flatness: 0.7, elongation: 0.75}}
+sizes: {{case: U1}}
+amount: {{grains: 200}}
+shaking: {{duration: 0.3 s}}
+generation: {{fill: bed}}
+numerics: {{contact_time: 1 ms, steps_per_contact_time: 20}}
+convergence: {{max_speed: 1e-2 m/s, max_unbalanced_force: 10}}
+"""
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("domain", ["periodic, width: 45 mm", "cylinder, width: 50 mm"])
+def test_stated_error_agrees_with_the_scatter_over_seeds(domain, tmp_path):
+    """The scatter over 12 packings has a relative error of 1/sqrt(22) = 21 %; three of it are allowed."""
+    bulks = []
+    for seed in range(1, SEEDS + 1):
+        specification, packing = tmp_path / f"{seed}.yaml", tmp_path / f"{seed}.nc"
+        specification.write_text(SPECIFICATION.format(seed=seed, domain=domain))
+        subprocess.run([sys.executable, "-m", "simcore", "pack", specification, packing], check=True)
+        bulks.append(bulk_porosity(read_packing(packing)))
+    scatter = np.std([float(bulk["n"]) for bulk in bulks], ddof=1)
+    stated = np.sqrt(np.mean([float(bulk["n_std_error"]) ** 2 for bulk in bulks]))
+    assert stated == pytest.approx(scatter, rel=3 / np.sqrt(2 * (SEEDS - 1)))
