@@ -2,6 +2,8 @@
 
 import pytest
 
+from .conftest import ROOT
+
 pytestmark = pytest.mark.workflow
 
 STUDIES = {
@@ -72,20 +74,10 @@ def test_bad_config_is_one_clear_error(workplace, change, message):
     assert "Traceback" not in said
 
 
-def test_ten_lines_of_config_with_own_grains_and_sieve_curve(workplace):
-    """The README's example, with a folder that exists."""
-    (workplace.folder / "scans").mkdir()
-    (workplace.folder / "scans" / "a.stl").touch()
-    (workplace.folder / "mine.yaml").write_text(
-        """
-grains: {source: scans, unit: mm}
-studies:
-  mine:
-    fixes:
-      sizes: {bounds: [4 mm, 8 mm, 16 mm], mass_fractions: [0.4, 0.6]}
-      domain: {width: 80 mm, height: 0.5 m}
-      amount: {mass: 0.5 kg}
-"""
-    )
+def test_the_readme_shows_a_config_with_own_grains_and_sieve_curve(workplace):
+    example = (ROOT / "README.md").read_text().split("```yaml\n")[1].split("```")[0]
+    assert len(example.splitlines()) <= 10
+    (workplace.folder / "mine.yaml").write_text(example)
+    (workplace.folder / "my_scans").mkdir()
     jobs = workplace.plan("mine", "--configfile", "mine.yaml")
     assert [job for job in jobs if job[0] == "packing"] == [("packing", "mine")]
