@@ -51,6 +51,7 @@ class Contacts(NamedTuple):
     spring: np.ndarray  # (m, 3) [m], memory: tangential spring
     direction: np.ndarray  # (m, 3), memory: last normal or separating direction; zero where nothing is known
     facet: np.ndarray  # (m, 6) int64, memory: vertices a0 a1 a2 b0 b1 b2 of the Minkowski facet; -1 unknown
+    pending: np.ndarray  # (m,) uint8, within a step: the memory did not answer, the pair must be searched
     safe_until: np.ndarray  # (m,) [m], memory: the pair stays apart while travel_a + travel_b is below
     overlap: np.ndarray  # (m,) [m], output
     point: np.ndarray  # (m, 3) [m], output: contact point relative to the centre of a

@@ -1,19 +1,20 @@
 """What bodies do to each other and to the walls: from signed distance to force and torque.
 
-First a contact is found: one function for each kind of shape, so that a scene's step holds only its own. It leaves
-overlap, direction and point in the arrays. Then the force law presses, the same for all kinds.
+First a contact is checked from its memory: one function for each kind of shape, so that a scene's step holds only
+its own. What the memory cannot answer is left pending and searched. Both leave overlap, direction and point in the
+arrays. Then the force law presses, the same for all kinds.
 """
 
 import numpy as np
 
-from simcore.compilation import leaf
+from simcore.compilation import leaf, search
 from simcore.dem.contact import ellipsoid, polyhedron, sphere
 from simcore.dem.contact.wall import CYLINDER
 from simcore.dem.force_laws import tangential_force
 
 touch_spheres = sphere.touch
-touch_ellipsoids = ellipsoid.touch
-touch_polyhedra = polyhedron.touch
+recheck_ellipsoids, search_ellipsoid_contact = ellipsoid.recheck, ellipsoid.search_contact
+recheck_polyhedra, search_polyhedron_contact = polyhedron.recheck, polyhedron.search_contact
 
 
 @leaf
@@ -35,34 +36,63 @@ def _certainly_apart(bodies, contacts, p):
 
 
 @leaf
-def find_sphere_contact(bodies, contacts, p, width):
+def check_spheres(bodies, contacts, p, width):
     """Update contact p between spheres."""
     rx, ry, rz = partner_offset(bodies, contacts, p, width)
-    _note(contacts, p, touch_spheres(bodies, contacts.body_a[p], contacts.body_b[p], rx, ry, rz))
+    overlap, nx, ny, nz, x, y, z = touch_spheres(bodies, contacts.body_a[p], contacts.body_b[p], rx, ry, rz)
+    _note(contacts, p, overlap, nx, ny, nz, x, y, z)
 
 
 @leaf
-def find_ellipsoid_contact(bodies, contacts, p, width):
-    """Update contact p between ellipsoids."""
+def check_ellipsoids(bodies, contacts, p, width):
+    """Update contact p between ellipsoids from its memory, or leave it pending."""
     if not _certainly_apart(bodies, contacts, p):
         rx, ry, rz = partner_offset(bodies, contacts, p, width)
-        i, j = contacts.body_a[p], contacts.body_b[p]
-        _note(contacts, p, touch_ellipsoids(bodies, contacts, p, i, j, rx, ry, rz))
+        known, overlap, nx, ny, nz, x, y, z = recheck_ellipsoids(
+            bodies, contacts, p, contacts.body_a[p], contacts.body_b[p], rx, ry, rz
+        )
+        contacts.pending[p] = not known
+        _note(contacts, p, overlap, nx, ny, nz, x, y, z)
 
 
 @leaf
-def find_polyhedron_contact(shapes, bodies, contacts, p, width):
-    """Update contact p between convex polyhedra."""
+def check_polyhedra(shapes, bodies, contacts, p, width):
+    """Update contact p between convex polyhedra from its memory, or leave it pending."""
     if not _certainly_apart(bodies, contacts, p):
         rx, ry, rz = partner_offset(bodies, contacts, p, width)
-        i, j = contacts.body_a[p], contacts.body_b[p]
-        _note(contacts, p, touch_polyhedra(shapes, bodies, contacts, p, i, j, rx, ry, rz))
+        known, overlap, nx, ny, nz, x, y, z = recheck_polyhedra(
+            shapes, bodies, contacts, p, contacts.body_a[p], contacts.body_b[p], rx, ry, rz
+        )
+        contacts.pending[p] = not known
+        if known:
+            _note(contacts, p, overlap, nx, ny, nz, x, y, z)
+
+
+@search
+def search_ellipsoids(bodies, contacts, p, width):
+    """Update pending contact p between ellipsoids."""
+    rx, ry, rz = partner_offset(bodies, contacts, p, width)
+    overlap, nx, ny, nz, x, y, z = search_ellipsoid_contact(
+        bodies, contacts, p, contacts.body_a[p], contacts.body_b[p], rx, ry, rz
+    )
+    contacts.pending[p] = 0
+    _note(contacts, p, overlap, nx, ny, nz, x, y, z)
+
+
+@search
+def search_polyhedra(shapes, bodies, contacts, p, width):
+    """Update pending contact p between convex polyhedra."""
+    rx, ry, rz = partner_offset(bodies, contacts, p, width)
+    overlap, nx, ny, nz, x, y, z = search_polyhedron_contact(
+        shapes, bodies, contacts, p, contacts.body_a[p], contacts.body_b[p], rx, ry, rz
+    )
+    contacts.pending[p] = 0
+    _note(contacts, p, overlap, nx, ny, nz, x, y, z)
 
 
 @leaf
-def _note(contacts, p, found):
-    """Write what was found, (overlap, normal (3), point (3)); a contact that ended loses its spring."""
-    overlap, nx, ny, nz, px, py, pz = found
+def _note(contacts, p, overlap, nx, ny, nz, px, py, pz):
+    """Write what was found; a contact that ended loses its spring."""
     contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2] = nx, ny, nz
     if overlap <= 0.0:
         contacts.touching[p] = 0

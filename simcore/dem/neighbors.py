@@ -169,6 +169,7 @@ def _empty_contacts(pairs: np.ndarray, n_bodies: int) -> Contacts:
         spring=np.zeros((m, 3)),
         direction=np.zeros((m, 3)),
         facet=np.full((m, 6), -1, np.int64),
+        pending=np.zeros(m, np.uint8),
         safe_until=np.full(m, -np.inf),
         overlap=np.zeros(m),
         point=np.zeros((m, 3)),
@@ -182,7 +183,7 @@ def _empty_contacts(pairs: np.ndarray, n_bodies: int) -> Contacts:
 
 @kernel
 def _carry_memory(old, new):
-    """Copy the memory of pairs that are in both lists; both are sorted by their key."""
+    """Copy memory and output of pairs that are in both lists; both are sorted by their key."""
     k = 0
     n_old = len(old.body_a)
     for p in range(len(new.body_a)):
@@ -194,6 +195,11 @@ def _carry_memory(old, new):
             new.direction[p] = old.direction[k]
             new.facet[p] = old.facet[k]
             new.safe_until[p] = old.safe_until[k]
+            new.overlap[p] = old.overlap[k]
+            new.point[p] = old.point[k]
+            new.force[p] = old.force[k]
+            new.torque_a[p] = old.torque_a[k]
+            new.torque_b[p] = old.torque_b[k]
 
 
 @kernel

@@ -28,11 +28,13 @@ from simcore.dem.contact.wall import (
 from simcore.dem.force_laws import ContactLaw
 from simcore.dem.integrators import derive_form_matrix, move, spin_sphere, turn
 from simcore.dem.interaction import (
-    find_ellipsoid_contact,
-    find_polyhedron_contact,
-    find_sphere_contact,
+    check_ellipsoids,
+    check_polyhedra,
+    check_spheres,
     press_contact,
     press_wall,
+    search_ellipsoids,
+    search_polyhedra,
 )
 from simcore.dem.shapes import ELLIPSOID, SPHERE
 
@@ -79,11 +81,20 @@ def _make_advance(kind: int, friction: int, attractive: int, floor: int, cylinde
         for step in range(n_steps):
             for p in prange(len(contacts.body_a)):
                 if kind == SPHERE:
-                    find_sphere_contact(bodies, contacts, p, drive.width)
+                    check_spheres(bodies, contacts, p, drive.width)
                 elif kind == ELLIPSOID:
-                    find_ellipsoid_contact(bodies, contacts, p, drive.width)
+                    check_ellipsoids(bodies, contacts, p, drive.width)
                 else:
-                    find_polyhedron_contact(shapes, bodies, contacts, p, drive.width)
+                    check_polyhedra(shapes, bodies, contacts, p, drive.width)
+            # A loop of its own, so that the counting of references for these calls burdens no check.
+            if kind != SPHERE:
+                for p in prange(len(contacts.body_a)):
+                    if contacts.pending[p] != 0:
+                        if kind == ELLIPSOID:
+                            search_ellipsoids(bodies, contacts, p, drive.width)
+                        else:
+                            search_polyhedra(shapes, bodies, contacts, p, drive.width)
+            for p in prange(len(contacts.body_a)):
                 if contacts.touching[p] != 0:
                     press_contact(bodies, contacts, law, dt, drive.width, p, friction, attractive)
             push_x = drive.shaking * np.sin(drive.shaking_rate * (first_step + step) * dt)
@@ -107,7 +118,7 @@ def _make_advance(kind: int, friction: int, attractive: int, floor: int, cylinde
                         cylinder_convex(shapes, bodies, i, drive.wall_radius)
                     gx, gy, gz, tx, ty, tz = press_wall(bodies, law, dt, i, CYLINDER, friction, attractive)
                     fx, fy, fz, mx, my, mz = fx + gx, fy + gy, fz + gz, mx + tx, my + ty, mz + tz
-                bodies.net_force[i, 0], bodies.net_force[i, 1], bodies.net_force[i, 2] = fx, fy, fz
+                note_net_force(bodies, i, fx, fy, fz)
                 if dt > 0.0:
                     move(bodies, i, fx, fy, fz, mx, my, mz, push_x, dt, drive.damping)
                     if kind == SPHERE:
@@ -142,6 +153,12 @@ def gather(bodies, contacts, gravity, i):
             fx, fy, fz = fx - force[p, 0], fy - force[p, 1], fz - force[p, 2]
             mx, my, mz = mx + torque_a[p, 0], my + torque_a[p, 1], mz + torque_a[p, 2]
     return fx, fy, fz, mx, my, mz
+
+
+@leaf
+def note_net_force(bodies, i, fx, fy, fz):
+    """A leaf, since numba drops a parallel loop's own writes to a tuple's array that the kernel never reads."""
+    bodies.net_force[i, 0], bodies.net_force[i, 1], bodies.net_force[i, 2] = fx, fy, fz
 
 
 @leaf

@@ -8,7 +8,7 @@ overlap may have several, so a pair that comes without memory is searched from m
 
 import numpy as np
 
-from simcore.compilation import leaf
+from simcore.compilation import leaf, search
 
 TOLERANCE = 1e-11  # of the pair's size: tangential distance of the two surface points that is left
 ITERATIONS = 60
@@ -111,7 +111,7 @@ def climb_normal(m, i, j, rx, ry, rz, size, nx, ny, nz, enough):
     return value, nx, ny, nz, False
 
 
-@leaf
+@search
 def search_normal(m, i, j, rotation, rx, ry, rz, size, enough):
     """Global maximum of f, from nothing: (f, normal (3)). A gap f > enough ends the search early.
 
@@ -167,26 +167,37 @@ def search_normal(m, i, j, rotation, rx, ry, rz, size, enough):
 
 
 @leaf
-def touch(bodies, contacts, p, i, j, rx, ry, rz):
-    """(overlap [m], normal a to b (3), contact point relative to a (3)) of near pair p; updates its memory.
+def recheck(bodies, contacts, p, i, j, rx, ry, rz):
+    """Near pair p from its last normal: (known, overlap [m], normal a to b (3), contact point relative to a (3)).
 
-    The pair is apart where the overlap is not positive.
+    The pair is apart where the overlap is not positive. Known is False for a pair without a normal, and where the
+    iteration did not converge: then the pair has to be searched.
     """
-    size = bodies.radius[i] + bodies.radius[j]
-    m = bodies.form_matrix
     nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
+    if nx == 0.0 and ny == 0.0 and nz == 0.0:
+        return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    size = bodies.radius[i] + bodies.radius[j]
     enough = ENOUGH_GAP * size
-    known = nx != 0.0 or ny != 0.0 or nz != 0.0
-    if known:
-        value, nx, ny, nz, converged = climb_normal(m, i, j, rx, ry, rz, size, nx, ny, nz, enough)
-        known = converged or value > enough
-    if not known:
-        value, nx, ny, nz = search_normal(m, i, j, bodies.rotation, rx, ry, rz, size, enough)
-    contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2] = nx, ny, nz
+    value, nx, ny, nz, converged = climb_normal(bodies.form_matrix, i, j, rx, ry, rz, size, nx, ny, nz, enough)
+    overlap, nx, ny, nz, x, y, z = _conclude(bodies, contacts, p, i, j, value, nx, ny, nz)
+    return converged or value > enough, overlap, nx, ny, nz, x, y, z
+
+
+@search
+def search_contact(bodies, contacts, p, i, j, rx, ry, rz):
+    """Near pair p from many directions: (overlap [m], normal a to b (3), contact point relative to a (3))."""
+    size = bodies.radius[i] + bodies.radius[j]
+    value, nx, ny, nz = search_normal(bodies.form_matrix, i, j, bodies.rotation, rx, ry, rz, size, ENOUGH_GAP * size)
+    return _conclude(bodies, contacts, p, i, j, value, nx, ny, nz)
+
+
+@leaf
+def _conclude(bodies, contacts, p, i, j, value, nx, ny, nz):
+    """Overlap, normal and point from f at its maximum; a gap is remembered."""
     if value > 0.0:
         contacts.safe_until[p] = bodies.travel[i] + bodies.travel[j] + 0.999 * value
         return -value, nx, ny, nz, 0.0, 0.0, 0.0
-    x, y, z = _image(m, i, nx, ny, nz)
-    height = support_height(m, i, nx, ny, nz)
+    x, y, z = _image(bodies.form_matrix, i, nx, ny, nz)
+    height = np.sqrt(nx * x + ny * y + nz * z)
     half = 0.5 * value
     return -value, nx, ny, nz, x / height + half * nx, y / height + half * ny, z / height + half * nz

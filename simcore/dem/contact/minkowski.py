@@ -14,7 +14,7 @@ between touching and not touching that GJK cannot.
 
 import numpy as np
 
-from simcore.compilation import leaf
+from simcore.compilation import leaf, search
 from simcore.dem.shapes import support_vertex, vertex_offset
 
 GJK_ITERATIONS = 64
@@ -54,7 +54,7 @@ def _segment_weights(points, p, q):
     return 1.0 - t, t
 
 
-@leaf
+@search
 def _triangle_weights(points, p, q, s):
     """Barycentric weights of the point of triangle p, q, s next to the origin (regions of Ericson 2005, 5.1.5)."""
     ex, ey, ez = _difference(points, p, q)
@@ -85,7 +85,7 @@ def _triangle_weights(points, p, q, s):
     return area_p / total, area_q / total, area_s / total
 
 
-@leaf
+@search
 def _nearest_on_simplex(points, n, weights):
     """Fill the weights of the simplex point next to the origin; True where a tetrahedron contains the origin."""
     weights[:] = 0.0
@@ -122,7 +122,7 @@ def _nearest_on_simplex(points, n, weights):
     return inside
 
 
-@leaf
+@search
 def separation(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, slack):
     """Gap by GJK: (gap, direction (3), a, b) with a gap > 0 that is certain; gap <= 0 where none was found.
 
@@ -174,7 +174,7 @@ def separation(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, slack):
     return best_gap, best_x, best_y, best_z, best_a, best_b
 
 
-@leaf
+@search
 def _set_face(k, p, q, s, points, faces, normals, distances, size):
     """Face k of vertices p, q, s: unit outward normal and signed distance of its plane from the origin."""
     faces[k, 0], faces[k, 1], faces[k, 2] = p, q, s
@@ -198,7 +198,7 @@ def _set_face(k, p, q, s, points, faces, normals, distances, size):
     ) / 3.0
 
 
-@leaf
+@search
 def _farther(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz, px, py, pz):
     """Of the supports along n and −n the one farther from the plane through p: (height, a, b, m)."""
     a1, b1, x1, y1, z1 = support(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz)
@@ -210,7 +210,7 @@ def _farther(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz, px, py, pz):
     return down, a2, b2, x2, y2, z2
 
 
-@leaf
+@search
 def penetration(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz):
     """Signed facet distance by EPA: (overlap, normal (3), facet a0 a1 a2 b0 b1 b2).
 

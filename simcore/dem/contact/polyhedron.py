@@ -9,13 +9,14 @@ bodies can have moved by the gap.
 
 import numpy as np
 
-from simcore.compilation import leaf
+from simcore.compilation import leaf, search
 from simcore.dem.contact.minkowski import penetration, separation, support
 from simcore.dem.shapes import vertex_offset
 
 CHECK_TOLERANCE = 1e-11  # of the pair's size; wider than the search's, so that what it found passes
 INSIDE_TOLERANCE = 1e-9  # barycentric
 GAP_SLACK = 0.1  # a step only needs a certain gap; the last tenth of its length is not worth iterations
+ENOUGH_GAP = 0.02  # of the pair's size: a gap this wide needs no better direction
 
 INVALID, APART, OVERLAPPING = 0, 1, 2
 
@@ -82,10 +83,11 @@ def _remember_gap(contacts, p, nx, ny, nz, a, b, limit):
 
 
 @leaf
-def touch(shapes, bodies, contacts, p, i, j, rx, ry, rz):
-    """(overlap [m], normal a to b (3), contact point relative to a (3)) of near pair p; updates its memory.
+def recheck(shapes, bodies, contacts, p, i, j, rx, ry, rz):
+    """Near pair p from its memory: (known, overlap [m], normal a to b (3), contact point relative to a (3)).
 
-    The pair is apart where the overlap is not positive.
+    The pair is apart where the overlap is not positive. Where the memory does not hold, known is False and the pair
+    has to be searched, from the direction and the vertices that are left in its memory.
     """
     size = bodies.radius[i] + bodies.radius[j]
     facet = contacts.facet
@@ -95,34 +97,43 @@ def touch(shapes, bodies, contacts, p, i, j, rx, ry, rz):
             facet[p, 0], facet[p, 1], facet[p, 2], facet[p, 3], facet[p, 4], facet[p, 5],
         )  # fmt: skip
         if verdict == OVERLAPPING:
-            return overlap, nx, ny, nz, x, y, z
+            return True, overlap, nx, ny, nz, x, y, z
         if verdict == APART:
             _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] - 0.999 * overlap)
-            return overlap, nx, ny, nz, 0.0, 0.0, 0.0
-        if verdict == INVALID and nx == 0.0 and ny == 0.0 and nz == 0.0:
-            nx, ny, nz = _toward(rx, ry, rz)
-    elif facet[p, 0] >= 0:
-        a, b = facet[p, 0], facet[p, 3]
-        nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
-        a, b, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz)
-        overlap = x * nx + y * ny + z * nz
-        # A direction that still separates well spares the search for the best one.
-        if -overlap > 0.02 * size:
-            _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] - 0.999 * overlap)
-            return overlap, nx, ny, nz, 0.0, 0.0, 0.0
-    else:
-        a, b = shapes.vertex_start[bodies.shape[i]], shapes.vertex_start[bodies.shape[j]]
-        nx, ny, nz = _toward(rx, ry, rz)
+            return True, overlap, nx, ny, nz, 0.0, 0.0, 0.0
+        return False, 0.0, nx, ny, nz, 0.0, 0.0, 0.0
+    if facet[p, 0] < 0:
+        return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
+    a, b, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, facet[p, 0], facet[p, 3], nx, ny, nz)
+    overlap = x * nx + y * ny + z * nz
+    # A direction that still separates well spares the search for the best one.
+    if -overlap > ENOUGH_GAP * size:
+        _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] - 0.999 * overlap)
+        return True, overlap, nx, ny, nz, 0.0, 0.0, 0.0
+    return False, 0.0, nx, ny, nz, 0.0, 0.0, 0.0
 
+
+@search
+def search_contact(shapes, bodies, contacts, p, i, j, rx, ry, rz):
+    """Near pair p by GJK and EPA: (overlap [m], normal a to b (3), contact point relative to a (3))."""
+    size = bodies.radius[i] + bodies.radius[j]
+    facet = contacts.facet
+    a, b = facet[p, 0], facet[p, 3]
+    if a < 0:
+        a, b = shapes.vertex_start[bodies.shape[i]], shapes.vertex_start[bodies.shape[j]]
+    nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
+    if nx == 0.0 and ny == 0.0 and nz == 0.0:
+        nx, ny, nz = _toward(rx, ry, rz)
+    here = bodies.travel[i] + bodies.travel[j]
     gap, nx, ny, nz, a, b = separation(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, GAP_SLACK)
     if gap > 0.0:
-        _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] + 0.999 * gap)
+        _remember_gap(contacts, p, nx, ny, nz, a, b, here + 0.999 * gap)
         return -gap, nx, ny, nz, 0.0, 0.0, 0.0
     overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2 = penetration(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz)
     if overlap <= 0.0:
-        _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] - 0.999 * overlap)
+        _remember_gap(contacts, p, nx, ny, nz, a, b, here - 0.999 * overlap)
         return overlap, nx, ny, nz, 0.0, 0.0, 0.0
-    contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2] = nx, ny, nz
     if a0 >= 0:
         facet[p, 0], facet[p, 1], facet[p, 2] = a0, a1, a2
         facet[p, 3], facet[p, 4], facet[p, 5] = b0, b1, b2

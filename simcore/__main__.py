@@ -1,0 +1,111 @@
+"""Command line: `python -m simcore pack SPEC.yaml OUT.nc` and `python -m simcore porosity OUT.nc`."""
+
+import argparse
+import json
+import os
+import sys
+import time
+from pathlib import Path
+
+
+def main(arguments=None) -> int:
+    """Exit status: 0 done; 2 the input is wrong, with one line that says what; 1 the packing failed."""
+    options = _parser().parse_args(arguments)
+    # Numba reads its number of threads once, when it is imported.
+    if getattr(options, "threads", None):
+        os.environ.setdefault("NUMBA_NUM_THREADS", str(max(options.threads, 1)))
+    try:
+        return options.run(options)
+    except (ValueError, OSError) as error:
+        print(f"simcore {options.command}: {error}", file=sys.stderr)
+        return 2
+
+
+def _parser():
+    parser = argparse.ArgumentParser(prog="python -m simcore", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    pack = commands.add_parser("pack", help="run one packing")
+    pack.add_argument("specification", type=Path, help="YAML file, see config/packing.schema.yaml")
+    pack.add_argument("output", type=Path, help="netCDF file to write")
+    pack.add_argument("--threads", type=int, default=1, help="threads; the result does not depend on them")
+    pack.add_argument("--log", type=Path, help="file that gets the progress lines too")
+    pack.set_defaults(run=_pack)
+    porosity = commands.add_parser("porosity", help="bulk porosity of a packing with its sampling error, as JSON")
+    porosity.add_argument("packing", type=Path, help="netCDF file of `pack`")
+    porosity.add_argument("--exact", action="store_true", help="slice the grains themselves, not equal spheres")
+    porosity.add_argument("--cut", type=float, metavar="METRES", help="height left out at both ends of the bed")
+    porosity.set_defaults(run=_porosity)
+    return parser
+
+
+def _pack(options):
+    from simcore.compilation import set_threads
+    from simcore.dem.packing import PackingError, pack
+    from simcore.packing_io import packing_dataset, write_packing
+    from simcore.scenes import set_up
+    from simcore.sources import load_grains
+    from simcore.specification import read_specification
+
+    specification = read_specification(options.specification)
+    set_threads(options.threads)
+    setup = set_up(specification, load_grains)
+    _check_writable(options.output)
+    report = _reporter(options.log)
+    started, cpu_started = time.monotonic(), time.process_time()
+    try:
+        packed = pack(setup.scene, setup.bases, setup.draw, report)
+    except PackingError as error:
+        report(f"failed: {error}")
+        return 1
+    packing = packing_dataset(
+        setup.scene,
+        setup.bases,
+        packed,
+        setup.sample(range(len(packed.bodies.mass))),
+        specification,
+        largest_sieve_size=setup.curve.largest,
+        threads=options.threads,
+        cpu_seconds=time.process_time() - cpu_started,
+        wall_seconds=time.monotonic() - started,
+    )
+    write_packing(options.output, packing)
+    report(f"{setup.scene.name}: wrote {options.output} after {time.monotonic() - started:.0f} s")
+    return 0
+
+
+def _porosity(options):
+    from simcore.packing_io import read_packing
+    from simcore.porosity import bulk_porosity
+
+    method = "exact" if options.exact else "spheres"
+    bulk = bulk_porosity(read_packing(options.packing), method=method, cut=options.cut)
+    scalars = {name: float(value) for name, value in bulk.data_vars.items() if value.ndim == 0}
+    print(json.dumps({"method": method, **scalars}, indent=1))
+    return 0
+
+
+def _check_writable(output):
+    """OSError before any work is lost where the output cannot be written."""
+    output.parent.mkdir(parents=True, exist_ok=True)
+    probe = output.with_name(output.name + ".part")
+    probe.touch()
+    probe.unlink()
+
+
+def _reporter(log):
+    """Function that prints a line to stderr and, where given, to a log file."""
+    if log is not None:
+        log.parent.mkdir(parents=True, exist_ok=True)
+        log.write_text("")
+
+    def report(line):
+        print(line, file=sys.stderr, flush=True)
+        if log is not None:
+            with log.open("a") as file:
+                print(line, file=file)
+
+    return report
+
+
+if __name__ == "__main__":
+    sys.exit(main())
