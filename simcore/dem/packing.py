@@ -59,10 +59,12 @@ def pack(scene: Scene, bases: list[Base], draw: Callable, report: Callable = lam
     called with a progress line every scene.numerics.progress_interval of wall-clock time and at each change of
     phase. Raises PackingError.
     """
-    return _Process(scene, bases, draw, report).run()
+    return Process(scene, bases, draw, report).run()
 
 
-class _Process:
+class Process:
+    """A packing under way; `pack` runs it through, benchmarks and tests step it themselves."""
+
     def __init__(self, scene, bases, draw, report):
         self.scene, self.bases, self.draw = scene, bases, draw
         self.progress = _Progress(scene, report)
@@ -87,17 +89,17 @@ class _Process:
         self.checks = []
 
     def run(self):
-        last_birth = self._generate()
-        self._shake(last_birth + self.shaking_steps)
-        observation = self._settle()
-        self._evaluate()
+        last_birth = self.generate()
+        self.shake(last_birth + self.shaking_steps)
+        observation = self.settle()
+        self.evaluate()
         return Packed(
             self.bodies, self.contacts, observation, self.step, self.step * self.dt, last_birth * self.dt, self.checks
         )
 
     # -- phases ---------------------------------------------------------------------------------------------
 
-    def _generate(self):
+    def generate(self):
         """Batches until the amount is reached; returns the step of the last birth."""
         while not self._add_batch():
             patience = self.step + round(2.0 * self._fall_time() / self.dt)
@@ -109,22 +111,22 @@ class _Process:
                         f"leaves no room for another batch below domain.height = "
                         f"{self.scene.domain.height * 1e3:.0f} mm; make the domain higher or wider, or pour less"
                     )
-                self._advance(self.interval_steps, GENERATING)
+                self.advance(self.interval_steps, GENERATING)
         self.progress.phase(f"{len(self.bodies.mass)} grains born, {self.bodies.mass.sum():.4g} kg")
         return self.step
 
-    def _shake(self, end):
+    def shake(self, end):
         while self.step < end:
-            self._advance(min(self.interval_steps, end - self.step), SHAKING, end)
+            self.advance(min(self.interval_steps, end - self.step), SHAKING, end)
 
-    def _settle(self):
+    def settle(self):
         """Damping until converged; PackingError after damping.max_time."""
         scene = self.scene
         goal = scene.convergence
         end = self.step + round(scene.damping.max_time / self.dt)
         before = observe(self.bodies, self.contacts).mean_height
         while self.step < end:
-            seen = self._advance(self.interval_steps, DAMPING, end)
+            seen = self.advance(self.interval_steps, DAMPING, end)
             change = abs(seen.mean_height - before)
             before = seen.mean_height
             if (
@@ -225,7 +227,7 @@ class _Process:
             list_margin=0.5 * self.skin,
         )
 
-    def _advance(self, n_steps, phase, end=None):
+    def advance(self, n_steps, phase, end=None):
         """Step, list anew where needed, check that all is sane, and report."""
         drive = self._drive(phase, self.dt)
         law = self.scene.law
@@ -243,7 +245,7 @@ class _Process:
         self.progress.line(phase, self.step, self.dt, len(self.bodies.mass), seen, end)
         return seen
 
-    def _evaluate(self):
+    def evaluate(self):
         """Forces, overlaps and contact points of the final positions, without moving anything."""
         drive = self._drive(DAMPING, 0.0)
         self.advance_steps(self.bodies, self.shapes, self.contacts, self.scene.law, drive, self.step, 1)
