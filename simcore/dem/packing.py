@@ -20,8 +20,8 @@ from simcore.dem.shapes import Base, collect_shapes
 from simcore.dem.stepping import Drive, Features, make_advance
 
 GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"
-# Of the mean sieve size. From 0.1 to 0.4 a shaken bed costs the same within 3 % (300 pebbles of U1); falling grains gain
-# a fifth from 0.15 to 0.3, since they are listed anew less often.
+# Of the mean sieve size. From 0.15 to 0.4 a shaken bed costs the same within 4 % (300 pebbles of U1), and falling
+# grains, which are listed anew more often, gain a fifth from 0.15 to 0.3.
 SKIN = 0.3
 REFILL_HEIGHT = 0.6  # of the domain: where the study's batches begin
 STUDY_FIRST_FILL = 0.1

@@ -211,6 +211,41 @@ def _farther(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz, px, py, pz):
 
 
 @search
+def _facet_below(points, faces, normals, distances, alive, n_faces, nearest, tolerance):
+    """Of the faces in the plane of the nearest one, that which holds the origin's projection.
+
+    A facet of M is a triangle only by chance: that of two edges is a parallelogram, and EPA meets its triangles in
+    any order.
+    """
+    nx, ny, nz = normals[nearest, 0], normals[nearest, 1], normals[nearest, 2]
+    best, most = nearest, -np.inf
+    for k in range(n_faces):
+        if not alive[k] or distances[k] > distances[nearest] + tolerance:
+            continue
+        p, q, s = faces[k, 0], faces[k, 1], faces[k, 2]
+        # A face as near may also lie elsewhere (concentric bodies): then its corners are not in the plane.
+        lowest = min(_along(points, p, nx, ny, nz), _along(points, q, nx, ny, nz), _along(points, s, nx, ny, nz))
+        if lowest < distances[nearest] - 4.0 * tolerance:
+            continue
+        least = _least_weight(points, p, q, s, nx, ny, nz)
+        if least > most:
+            best, most = k, least
+    return best
+
+
+@leaf
+def _least_weight(points, p, q, s, nx, ny, nz):
+    """Least barycentric weight of the origin's projection along n on triangle p, q, s: negative outside."""
+    px, py, pz = points[p, 0], points[p, 1], points[p, 2]
+    qx, qy, qz = points[q, 0], points[q, 1], points[q, 2]
+    sx, sy, sz = points[s, 0], points[s, 1], points[s, 2]
+    u = (qy * sz - qz * sy) * nx + (qz * sx - qx * sz) * ny + (qx * sy - qy * sx) * nz
+    v = (sy * pz - sz * py) * nx + (sz * px - sx * pz) * ny + (sx * py - sy * px) * nz
+    w = (py * qz - pz * qy) * nx + (pz * qx - px * qz) * ny + (px * qy - py * qx) * nz
+    return min(u, v, w) / (u + v + w)
+
+
+@search
 def penetration(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz):
     """Signed facet distance by EPA: (overlap, normal (3), facet a0 a1 a2 b0 b1 b2).
 
@@ -294,6 +329,7 @@ def penetration(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz):
         if reach < best:
             best, best_x, best_y, best_z = reach, nx, ny, nz
         if reach - least <= tolerance:
+            nearest = _facet_below(points, faces, normals, distances, alive, n_faces, nearest, tolerance)
             p, q, s = faces[nearest, 0], faces[nearest, 1], faces[nearest, 2]
             return reach, nx, ny, nz, of_a[p], of_a[q], of_a[s], of_b[p], of_b[q], of_b[s]
 

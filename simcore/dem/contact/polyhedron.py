@@ -154,12 +154,25 @@ def facet_point(shapes, bodies, i, j, rx, ry, rz, overlap, nx, ny, nz, a0, a1, a
     )
     if verdict == OVERLAPPING:
         return x, y, z
-    # Rounding put the projection outside a thin facet: its middle is as good as any of its points.
-    x, y, z = vertex_offset(shapes, bodies, i, a0)
-    for vertex in (a1, a2):
-        vx, vy, vz = vertex_offset(shapes, bodies, i, vertex)
-        x, y, z = x + vx, y + vy, z + vz
-    return x / 3.0 - 0.5 * overlap * nx, y / 3.0 - 0.5 * overlap * ny, z / 3.0 - 0.5 * overlap * nz
+    # Rounding put the projection outside a thin facet: the corner that it lies next to is as good.
+    ax, ay, az = vertex_offset(shapes, bodies, i, a0)
+    bx, by, bz = vertex_offset(shapes, bodies, j, b0)
+    x, y, z = ax, ay, az
+    least = _beside(ax - bx - rx, ay - by - ry, az - bz - rz, nx, ny, nz)
+    for va, vb in ((a1, b1), (a2, b2)):
+        ax, ay, az = vertex_offset(shapes, bodies, i, va)
+        bx, by, bz = vertex_offset(shapes, bodies, j, vb)
+        distance2 = _beside(ax - bx - rx, ay - by - ry, az - bz - rz, nx, ny, nz)
+        if distance2 < least:
+            least, x, y, z = distance2, ax, ay, az
+    return x - 0.5 * overlap * nx, y - 0.5 * overlap * ny, z - 0.5 * overlap * nz
+
+
+@leaf
+def _beside(x, y, z, nx, ny, nz):
+    """Squared distance of a point from the line through the origin along the unit vector n."""
+    along = x * nx + y * ny + z * nz
+    return x * x + y * y + z * z - along * along
 
 
 @leaf
