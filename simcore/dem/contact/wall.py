@@ -125,12 +125,16 @@ def cylinder_ellipsoid(bodies, i, wall_radius):
             root = trial
             break
         root = trial
-    # Hard case: nothing along the longer axis, and the root is p1 itself: both ends of that axis are alike.
     y2 = c2 * p2 / (root - p2) if root > p2 else 0.0
-    if root - p1 > 1e-12 * p1 and c1 != 0.0:
+    y2 = min(max(y2, -np.sqrt(p2)), np.sqrt(p2))
+    if root - p1 > 1e-3 * p1:
         y1 = c1 * p1 / (root - p1)
     else:
+        # Little or nothing along the longer axis (the hard case): root − p1 is lost in rounding, but the point lies
+        # on the ellipse. With nothing at all both ends of the axis are alike.
         y1 = np.sqrt(max(p1 * (1.0 - y2 * y2 / p2), 0.0))
+        if c1 < 0.0:
+            y1 = -y1
     farthest = np.sqrt((c1 + y1) ** 2 + (c2 + y2) ** 2)
     if farthest == 0.0:
         bodies.wall_overlap[i, CYLINDER] = 0.0  # a point on the axis
