@@ -44,6 +44,9 @@ def main():
     if options.summary:
         summarise(options.summary)
         return
+    from simcore.packing_io import code_version
+
+    code_version()  # what is loaded now is what runs
     print("choice,seed,n,n_std_error,n_exact,coordination,cpu_s,code_version")
     for seed in range(1, options.seeds + 1):
         for choice, settings in CHOICES.items():

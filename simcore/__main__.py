@@ -41,11 +41,12 @@ def _parser():
 def _pack(options):
     from simcore.compilation import set_threads
     from simcore.dem.packing import PackingError, pack
-    from simcore.packing_io import packing_dataset, write_packing
+    from simcore.packing_io import code_version, packing_dataset, write_packing
     from simcore.scenes import set_up
     from simcore.sources import load_grains
     from simcore.specification import read_specification
 
+    code_version()
     specification = read_specification(options.specification)
     set_threads(options.threads)
     setup = set_up(specification, load_grains)

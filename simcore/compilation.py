@@ -4,6 +4,7 @@ numba's on-disk cache notices changes of a function's own file only. Kernels her
 so the cache folder carries a digest of all compiled modules: change one, and everything is compiled anew.
 """
 
+import functools
 import hashlib
 import os
 from pathlib import Path
@@ -13,8 +14,9 @@ import numba
 _SOURCES = Path(__file__).parent
 
 
+@functools.cache
 def source_digest() -> str:
-    """Hexadecimal digest (12 digits) of the sources that end in compiled code."""
+    """Hexadecimal digest (12 digits) of the sources that end in compiled code, as they were when it was loaded."""
     digest = hashlib.sha256(numba.__version__.encode())
     for path in [Path(__file__), *sorted((_SOURCES / "dem").rglob("*.py")), _SOURCES / "slicing.py"]:
         if path.exists():

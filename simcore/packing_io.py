@@ -1,5 +1,6 @@
 """A packing and its netCDF file (CF conventions): positions, shapes, contacts, and where it comes from."""
 
+import functools
 import json
 import os
 import subprocess
@@ -94,8 +95,12 @@ def read_packing(path) -> xr.Dataset:
     return packing
 
 
+@functools.cache
 def code_version() -> str:
-    """Version, digest of the compiled sources, and, in a git checkout, its commit (+ where it was changed)."""
+    """Version, digest of the compiled sources, and, in a git checkout, its commit (+ where it was changed).
+
+    Asked for the first time before a run starts, it tells what ran, even where files are changed meanwhile.
+    """
     version = f"{__version__}+{source_digest()}"
     root = Path(__file__).resolve().parents[1]
     if not (root / ".git").exists():
