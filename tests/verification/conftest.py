@@ -1,0 +1,75 @@
+"""Fixture `stage`: a few bodies, stepped by the compiled step itself."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from simcore.dem.bodies import make_bodies
+from simcore.dem.force_laws import contact_law
+from simcore.dem.integrators import derive_form_matrix, derive_rotation
+from simcore.dem.neighbors import Box, list_contacts
+from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE, collect_shapes, unit_sphere
+from simcore.dem.stepping import Drive, Features, make_advance
+
+
+class Stage:
+    """Bodies and what acts on them. law: ContactLaw. All variants have friction and a floor; a law without friction
+    coefficient and a floor far below are data, and compile nothing."""
+
+    def __init__(
+        self, kind, law, scale, position, velocity, spin=None, bases=None, shape=None, attractive=True, **drive
+    ):
+        position = np.atleast_2d(np.asarray(position, float))
+        n = len(position)
+        self.bases = [unit_sphere()] if bases is None else bases
+        self.shapes = collect_shapes(self.bases)
+        still = np.zeros((n, 3))
+        orientation = drive.pop("orientation", np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)))
+        self.bodies = make_bodies(
+            self.bases,
+            np.zeros(n, int) if shape is None else shape,
+            np.broadcast_to(scale, (n, 3)),
+            position,
+            np.broadcast_to(orientation, (n, 4)),
+            np.broadcast_to(velocity, (n, 3)),
+            still if spin is None else np.broadcast_to(spin, (n, 3)),
+            density=drive.pop("density", 1.0),
+        )
+        self.law = law
+        self.width = drive.pop("width", 0.0)
+        self.skin = drive.pop("skin", 0.2) * self.bodies.radius.max()
+        self.contacts = list_contacts(self.bodies, Box(self.width), self.skin, None)
+        self.drive = {
+            "gravity": 0.0, "shaking": 0.0, "shaking_rate": 0.0, "damping": 1.0, "wall_radius": np.inf,
+        } | drive  # fmt: skip
+        self._advance = make_advance(Features(kind, True, attractive, True, False))
+        self.step = 0
+
+    def advance(self, dt, n_steps):
+        """n_steps of dt; with dt = 0 forces of the current positions."""
+        drive = Drive(dt=dt, width=self.width, list_margin=0.5 * self.skin, **self.drive)
+        left = n_steps
+        while left > 0:
+            done, stale = self._advance(self.bodies, self.shapes, self.contacts, self.law, drive, self.step, left)
+            left -= done
+            self.step += done
+            if stale:
+                self.contacts = list_contacts(self.bodies, Box(self.width), self.skin, self.contacts)
+
+    def derive(self):
+        """After positions, orientations or momenta were set by hand."""
+        for i in range(len(self.bodies.mass)):
+            derive_rotation(self.bodies, i)
+            derive_form_matrix(self.bodies, i)
+
+    def energy(self):
+        """Kinetic energy [J]."""
+        b = self.bodies
+        spin = 0.5 * (b.angular_momentum * b.angular_velocity).sum()
+        return 0.5 * (b.mass[:, None] * b.velocity**2).sum() + spin
+
+
+@pytest.fixture(scope="session")
+def stage():
+    return SimpleNamespace(Stage=Stage, law=contact_law, SPHERE=SPHERE, ELLIPSOID=ELLIPSOID, CONVEX=CONVEX)
