@@ -65,10 +65,10 @@ def _occupy(sites, reach, half_height, width, limit):
         if n == len(reach):
             break
         x, y, z = sites[site, 0], sites[site, 1], sites[site, 2]
-        free = np.sqrt(x * x + y * y) + reach[n] < limit
-        if width > 0.0 and 2.0 * reach[n] > width:
-            # A grain wider than the box would meet its own image: it may, the sites around must be free.
-            free = True
+        if width > 0.0:
+            free = 2.0 * reach[n] < width  # else it would be born into its own image
+        else:
+            free = np.sqrt(x * x + y * y) + reach[n] < limit
         k = n - 1
         while free and k >= 0:
             other = taken[k]
