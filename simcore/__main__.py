@@ -87,10 +87,13 @@ def _porosity(options):
 
 def _check_writable(output):
     """OSError before any work is lost where the output cannot be written."""
-    output.parent.mkdir(parents=True, exist_ok=True)
     probe = output.with_name(output.name + ".part")
-    probe.touch()
-    probe.unlink()
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise OSError(f"{output} cannot be written ({error.strerror}): {error.filename}; give another path") from None
 
 
 def _reporter(log):

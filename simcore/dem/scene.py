@@ -119,7 +119,7 @@ class Scene:
             raise ValueError(
                 f"numerics.steps_per_contact_time: {self.numerics.steps_per_contact_time:g} is unstable for a grain "
                 f"pinched between two others; at restitution {self.material.restitution:g} at least {needed:.2f} "
-                f"steps are needed, and 20 or more for accuracy"
+                f"steps are needed, and 40, the study's, for beds whose grains have many contacts to come to rest"
             )
         if self.material.fluid_density >= self.material.density:
             raise ValueError(
