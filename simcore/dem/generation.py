@@ -51,6 +51,8 @@ def occupy_sites(sites, reach, half_height, domain: Domain) -> np.ndarray:
     # ASSUME: a site where a grain would touch one placed before it stays empty, and the grain takes the next that
     # is free. (The study's lattice lets large grains overlap at birth.)
     """
+    if len(sites) == 0 or len(reach) == 0:
+        return np.zeros(0, np.int64)
     width = domain.width if domain.periodic else 0.0
     limit = np.inf if domain.periodic else 0.5 * domain.width
     return _occupy(sites, np.asarray(reach), np.asarray(half_height), width, limit)
