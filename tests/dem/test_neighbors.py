@@ -1,0 +1,130 @@
+"""The neighbour list against all pairs in all images."""
+
+import numpy as np
+import pytest
+
+from simcore.dem.bodies import make_bodies
+from simcore.dem.neighbors import Box, find_pairs, list_contacts
+from simcore.dem.shapes import unit_sphere
+
+
+def all_pairs(position, radius, width, skin):
+    """Brute force: set of (a, b, image x, image y), a < b or a = b with a positive image."""
+    near = set()
+    n = len(radius)
+    if width > 0.0:
+        span = np.ptp(position[:, :2]) + 2.0 * radius.max() + skin
+        reach = int(np.ceil(span / width)) + 1
+        images = [(i, j) for i in range(-reach, reach + 1) for j in range(-reach, reach + 1)]
+    else:
+        images = [(0, 0)]
+    for image in images:
+        offset = position[None] - position[:, None] + np.array([*image, 0]) * width
+        close = (offset**2).sum(axis=-1) < (radius[:, None] + radius[None] + skin) ** 2
+        for a, b in zip(*np.nonzero(close), strict=True):
+            if a < b or (a == b and image > (0, 0)):
+                near.add((int(a), int(b), *image))
+    assert n
+    return near
+
+
+def found_pairs(position, radius, width, skin):
+    pairs = find_pairs(position, radius, Box(width), skin)
+    keys = [tuple(int(value) for value in row) for row in pairs]
+    assert len(set(keys)) == len(keys), "a pair is listed twice"
+    assert keys == sorted(keys), "not in the order of the key"
+    return set(keys)
+
+
+@pytest.mark.parametrize(
+    "width, largest, n",
+    [
+        (0.0, 0.02, 300),  # open
+        (0.0, 0.12, 300),  # open, sizes 1 : 12
+        (0.3, 0.02, 300),
+        (0.3, 0.12, 300),  # the largest are wider than the box: own images, several images
+        (0.05, 0.06, 40),  # far narrower than the largest
+        (1.0, 0.12, 300),
+    ],
+)
+@pytest.mark.parametrize("skin", [0.0, 0.01])
+def test_the_list_holds_every_near_pair_once(width, largest, n, skin):
+    rng = np.random.default_rng(1)
+    radius = np.exp(rng.uniform(np.log(0.01), np.log(largest), n))
+    radius[0], radius[1] = 0.01, largest
+    extent = width if width > 0.0 else 0.4
+    # Not wrapped: up to two widths away from the box
+    position = rng.uniform([-2 * extent, -2 * extent, 0.0], [3 * extent, 3 * extent, 0.5], (n, 3))
+    if width == 0.0:
+        position = rng.uniform(0.0, 0.4, (n, 3))
+    found = found_pairs(position, radius, width, skin)
+    assert found == all_pairs(position, radius, width, skin)
+    assert len(found) > n / 8
+
+
+def test_a_grain_meets_its_own_images_once_each():
+    found = found_pairs(np.array([[0.05, 0.02, 0.1]]), np.array([0.06]), 0.1, 0.0)
+    assert found == {(0, 0, 0, 1), (0, 0, 1, 0)}
+    wider = found_pairs(np.array([[0.05, 0.02, 0.1]]), np.array([0.08]), 0.1, 0.0)
+    assert wider == {(0, 0, 0, 1), (0, 0, 1, -1), (0, 0, 1, 0), (0, 0, 1, 1)}
+
+
+def test_places_on_the_border_of_box_and_cell():
+    position = np.array([[0.0, 0.0, 0.0], [0.2, 0.2, 0.0], [0.4, 0.0, 0.0], [-1e-18, 0.1, 0.0], [0.1, 0.3999999, 0.1]])
+    radius = np.full(5, 0.05)
+    assert found_pairs(position, radius, 0.4, 0.2) == all_pairs(position, radius, 0.4, 0.2)
+
+
+def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair():
+    rng = np.random.default_rng(2)
+    n = 60
+    position = rng.uniform(0.0, 0.3, (n, 3))
+    still = np.zeros((n, 3))
+    upright = np.tile([1.0, 0, 0, 0], (n, 1))
+    bodies = make_bodies([unit_sphere()], np.zeros(n, int), np.full((n, 3), 0.03), position, upright, still, still, 1.0)
+    old = list_contacts(bodies, Box(0.3), 0.01, None)
+    m = len(old.body_a)
+    old.touching[:] = rng.integers(0, 2, m)
+    old.safe_until[:] = rng.uniform(size=m)
+    old.facet[:] = rng.integers(0, 9, (m, 6))
+    for field in (old.spring, old.direction, old.point, old.force, old.torque_a, old.torque_b):
+        field[:] = rng.standard_normal((m, 3))
+    key = lambda c, p: (c.body_a[p], c.body_b[p], *c.image[p])  # noqa: E731
+    remembered = {key(old, p): p for p in range(m)}
+    bodies.position[:] += 0.02 * rng.standard_normal((n, 3))
+    new = list_contacts(bodies, Box(0.3), 0.02, old)
+    kept = 0
+    for p in range(len(new.body_a)):
+        q = remembered.get(key(new, p))
+        for name in ("touching", "spring", "direction", "facet", "safe_until", "overlap", "point", "force"):
+            value = getattr(new, name)[p]
+            if q is not None:
+                assert (value == getattr(old, name)[q]).all(), name
+            elif name in ("touching", "spring", "direction", "force"):
+                assert not np.any(value), f"a new pair has a {name}"
+        if q is None:
+            assert new.safe_until[p] == -np.inf and (new.facet[p] == -1).all()
+        kept += q is not None
+    assert 0 < kept < min(m, len(new.body_a))
+    assert (bodies.listed_position == bodies.position).all()
+
+
+def test_every_body_lists_its_contacts_in_order_of_partner_and_image():
+    rng = np.random.default_rng(3)
+    n = 30
+    position, still = rng.uniform(0.0, 0.1, (n, 3)), np.zeros((n, 3))
+    upright = np.tile([1.0, 0, 0, 0], (n, 1))
+    bodies = make_bodies([unit_sphere()], np.zeros(n, int), np.full((n, 3), 0.04), position, upright, still, still, 1.0)
+    contacts = list_contacts(bodies, Box(0.1), 0.0, None)
+    seen = 0
+    for i in range(n):
+        sides = contacts.incident[contacts.incident_start[i] : contacts.incident_start[i + 1]]
+        order = []
+        for code in sides:
+            p, is_b = code >> 1, code & 1
+            assert (contacts.body_b if is_b else contacts.body_a)[p] == i
+            partner = (contacts.body_a if is_b else contacts.body_b)[p]
+            order.append((partner, *(contacts.image[p] * (-1 if is_b else 1))))
+        assert order == sorted(order)
+        seen += len(sides)
+    assert seen == 2 * len(contacts.body_a)

@@ -1,0 +1,100 @@
+"""`python -m simcore`: exit status, one line for what is wrong, and no half-written file."""
+
+import json
+import re
+
+import pytest
+
+from simcore.__main__ import main
+
+GOOD = """
+name: tiny
+domain: {width: 25 mm, height: 0.2 m}
+shapes: {kind: sphere}
+sizes: {bounds: [5.6 mm, 8 mm], mass_fractions: [1]}
+amount: {grains: 40}
+shaking: {duration: 0.05 s}
+numerics: {contact_time: 1 ms, progress_interval: 0 s}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "good.yaml").write_text(GOOD)
+    return tmp_path
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_pack_then_porosity(folder, capsys):
+    output = folder / "deep" / "tiny.nc"
+    arguments = ["pack", str(folder / "good.yaml"), str(output), "--log", str(folder / "logs" / "tiny.log")]
+    assert main(arguments) == 0
+    assert names(output.parent) == ["tiny.nc"]
+    told = capsys.readouterr()
+    assert told.out == ""
+    log = (folder / "logs" / "tiny.log").read_text()
+    assert log == told.err
+    for part in (
+        "40 grains born",
+        "shaking",
+        "damping",
+        "kinetic energy",
+        "mean overlap",
+        "steps/s",
+        "converged after",
+    ):
+        assert part in log, part
+    assert main(["porosity", str(output), "--cut", "0.002"]) == 0
+    bulk = json.loads(capsys.readouterr().out)
+    assert 0.3 < bulk["n"] < 0.6
+    assert bulk["n_std_error"] >= 0.0 or bulk["n_std_error"] != bulk["n_std_error"]
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (("grains: 40", "grains: many"), r"bad.yaml: amount.grains"),
+        (("name: tiny", "nam: tiny"), r"bad.yaml: .*nam"),
+        (("25 mm", "25 kg"), r"bad.yaml: domain.width: '25 kg' is a mass; a length is needed"),
+        (("mass_fractions: [1]", "mass_fractions: [0.5]"), r"sum"),
+        (("contact_time: 1 ms", "contact_time: 1 ms, steps_per_contact_time: 5.5"), r"is unstable"),
+        (("{width", "{{width"), r"bad.yaml"),
+    ],
+)
+def test_a_wrong_specification_is_one_line_and_status_two(folder, capsys, change, message):
+    (folder / "bad.yaml").write_text(GOOD.replace(*change))
+    assert main(["pack", str(folder / "bad.yaml"), str(folder / "bad.nc")]) == 2
+    told = capsys.readouterr()
+    assert told.err.count("\n") == 1 and told.err.startswith("simcore pack: ")
+    assert re.search(message, told.err), told.err
+    assert names(folder) == ["bad.yaml", "good.yaml"]
+
+
+def test_a_missing_file_and_too_many_threads(folder, capsys):
+    assert main(["pack", str(folder / "none.yaml"), str(folder / "out.nc")]) == 2
+    assert "none.yaml: there is no such file" in capsys.readouterr().err
+    assert main(["pack", str(folder / "good.yaml"), str(folder / "out.nc"), "--threads", "1000"]) == 2
+    assert capsys.readouterr().err.startswith("simcore pack: threads: 1000 asked for, but numba can use")
+    assert main(["porosity", str(folder / "none.nc")]) == 2
+    assert "none.nc: there is no such file" in capsys.readouterr().err
+    (folder / "cut.nc").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
+    assert main(["porosity", str(folder / "cut.nc")]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1 and "truncated" in told
+
+
+def test_a_packing_that_fails_leaves_no_file_and_status_one(folder, capsys):
+    (folder / "bad.yaml").write_text(GOOD.replace("height: 0.2 m", "height: 30 mm"))
+    assert main(["pack", str(folder / "bad.yaml"), str(folder / "bad.nc")]) == 1
+    assert "failed: tiny: " in capsys.readouterr().err
+    assert names(folder) == ["bad.yaml", "good.yaml"]
+
+
+def test_an_output_that_cannot_be_written_is_told_before_the_work(folder, capsys):
+    (folder / "file").write_text("")
+    assert main(["pack", str(folder / "good.yaml"), str(folder / "file" / "out.nc")]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1 and "generating" not in told
