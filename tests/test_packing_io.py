@@ -52,10 +52,8 @@ def test_centres_are_in_the_box_and_contacts_still_meet(made):
     packed, dataset = made
     position = dataset["position"].values
     assert ((position[:, :2] >= 0.0) & (position[:, :2] < 0.025)).all()
-    np.testing.assert_allclose(
-        (position - packed.bodies.position)[:, :2] / 0.025, np.round((position - packed.bodies.position)[:, :2] / 0.025),
-        atol=1e-9,
-    )  # fmt: skip
+    moved = (position - packed.bodies.position)[:, :2] / 0.025
+    np.testing.assert_allclose(moved, np.round(moved), atol=1e-9)
     body, image = dataset["contact_body"].values, dataset["contact_image"].values
     grains = body[:, 1] >= 0
     assert grains.sum() > 40 and (body[~grains, 1] == -1).all() and (~grains).sum() > 0
