@@ -264,8 +264,9 @@ class Process:
     def _check_speed(self, seen):
         self._check_finite()
         scene = self.scene
-        fall = scene.generation.velocity_z**2 + 2.0 * scene.material.effective_gravity * scene.domain.height
-        limit = SPEED_MARGIN * (np.sqrt(fall) + scene.shaking.acceleration / scene.shaking.rate)
+        birth = scene.generation.velocity_z**2 + 2.0 * scene.generation.velocity_horizontal**2
+        fall = np.sqrt(birth + 2.0 * scene.material.effective_gravity * scene.domain.height)
+        limit = SPEED_MARGIN * (fall + scene.shaking.acceleration / scene.shaking.rate)
         if seen.max_speed > limit:
             fastest = int(np.argmax((self.bodies.velocity**2).sum(axis=1)))
             raise PackingError(
