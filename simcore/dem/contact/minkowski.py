@@ -126,8 +126,9 @@ def _nearest_on_simplex(points, n, weights):
 def separation(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, slack):
     """Gap by GJK: (gap, direction (3), a, b) with a gap > 0 that is certain; gap <= 0 where none was found.
 
-    The direction given starts the search. The gap is a lower bound of the distance and not less than
-    (1 − slack) times it; below some 1e-7 of the size, where rounding ends the search early, it may be shorter. a, b: vertices to climb from, on return the supports along the direction.
+    The direction given starts the search. The gap is a lower bound of the distance and not less than (1 − slack)
+    times it; below some 1e-7 of the size, where rounding ends the search early, it may be shorter.
+    a, b: vertices to climb from, on return the supports along the direction.
     """
     points = np.empty((4, 3))
     weights = np.empty(4)
