@@ -11,7 +11,9 @@ def mixture_features(L, I, S):
     """The 104 features of one packing, Series; L >= I >= S: full axes of all its grains (n,), any length unit."""
     single = form_features(L, I, S)
     with np.errstate(invalid="ignore"):
-        return combine_statistics(single.mean(skipna=False), single.std(ddof=0, skipna=False))
+        mean, std = single.mean(skipna=False), single.std(ddof=0, skipna=False)
+        # Grains of one form differ by rounding only, and the inverse of that would be a feature of 1e16.
+        return combine_statistics(mean, std.mask(std <= 1e-12 * mean.abs(), 0.0))
 
 
 def combine_statistics(mean, std):
