@@ -19,8 +19,7 @@ sizes: {{case: U1}}
 amount: {{grains: 200}}
 shaking: {{duration: 0.3 s}}
 generation: {{fill: bed}}
-numerics: {{contact_time: 1 ms, steps_per_contact_time: 20}}
-convergence: {{max_speed: 1e-2 m/s, max_unbalanced_force: 10}}
+numerics: {{contact_time: 1 ms}}
 """
 
 
