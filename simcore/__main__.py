@@ -11,8 +11,8 @@ from pathlib import Path
 def main(arguments=None) -> int:
     """Exit status: 0 done; 2 the input is wrong, with one line that says what; 1 the packing failed."""
     options = _parser().parse_args(arguments)
-    # Numba reads its number of threads once, when it is imported.
-    if getattr(options, "threads", None):
+    # Numba reads its number of threads when it is imported, and must not see another one later.
+    if getattr(options, "threads", None) and "numba" not in sys.modules:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(max(options.threads, 1)))
     try:
         return options.run(options)
