@@ -10,8 +10,6 @@ import numpy as np
 
 from simcore.dem.shapes import Base
 
-NO_SPRING = 0.0
-
 
 class Bodies(NamedTuple):
     """n bodies. What is derived from other fields is marked; it is kept so that a step computes it once."""

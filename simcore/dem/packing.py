@@ -141,7 +141,7 @@ class Process:
                     f"{seen.unbalanced_force:.2g}"
                 )
                 return seen
-        fastest = int(np.argmax((self.bodies.velocity**2).sum(axis=1)))
+        fastest = self._fastest()
         raise PackingError(
             f"{scene.name}: not at rest after {scene.damping.max_time:g} s of damping, step {self.step}: mean height "
             f"changed by {change:.2g} m in {goal.interval:g} s (allowed {goal.height_change:g}), grain {fastest} moves "
@@ -252,6 +252,10 @@ class Process:
         drive = self._drive(DAMPING, 0.0)
         self.advance_steps(self.bodies, self.shapes, self.contacts, self.scene.law, drive, self.step, 1)
 
+    def _fastest(self):
+        """Id of the grain whose centre moves fastest."""
+        return int(np.argmax((self.bodies.velocity**2).sum(axis=1)))
+
     def _check_finite(self):
         bad = ~np.isfinite(self.bodies.position).all(axis=1) | ~np.isfinite(self.bodies.angular_momentum).all(axis=1)
         if bad.any():
@@ -268,7 +272,7 @@ class Process:
         fall = np.sqrt(birth + 2.0 * scene.material.effective_gravity * scene.domain.height)
         limit = SPEED_MARGIN * (fall + scene.shaking.acceleration / scene.shaking.rate)
         if seen.max_speed > limit:
-            fastest = int(np.argmax((self.bodies.velocity**2).sum(axis=1)))
+            fastest = self._fastest()
             raise PackingError(
                 f"{scene.name}: grain {fastest} moves at {seen.max_speed:.3g} m/s at step {self.step}, more than fall "
                 f"and shaking can give ({limit / SPEED_MARGIN:.3g} m/s); the time step is too long for its contacts "
