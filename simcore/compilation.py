@@ -10,6 +10,9 @@ import os
 from pathlib import Path
 
 import numba
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
 
 _SOURCES = Path(__file__).parent
 
@@ -40,8 +43,21 @@ numba.config.CACHE_DIR = str(_cache_folder())
 leaf = numba.njit(error_model="numpy", cache=True, forceinline=True, _nrt=False)
 # Searches are rare, long and allocate: they stay calls, from a loop that does nothing else.
 search = numba.njit(error_model="numpy", cache=True)
+# Like a search, but without allocation, and so without the counting.
+routine = numba.njit(error_model="numpy", cache=True, _nrt=False)
 kernel = numba.njit(error_model="numpy", cache=True)
 parallel_kernel = numba.njit(error_model="numpy", cache=True, parallel=True)
+
+
+@intrinsic
+def cycles(typing_context):
+    """Cycle counter of the processor (int64): differences time parts of a step."""
+
+    def generate(context, builder, signature, arguments):
+        counter = builder.module.declare_intrinsic("llvm.readcyclecounter", (), ir.FunctionType(ir.IntType(64), ()))
+        return builder.call(counter, ())
+
+    return types.int64(), generate
 
 
 def set_threads(n_threads: int) -> None:

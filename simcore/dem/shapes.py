@@ -33,7 +33,7 @@ class Shapes(NamedTuple):
     vertex_start: np.ndarray  # (n_shapes + 1,) int64
     vertices: np.ndarray  # (n_vertices, 3)
     neighbor_start: np.ndarray  # (n_vertices + 1,) int64
-    neighbors: np.ndarray  # int64, indices into vertices
+    neighbors: np.ndarray  # int64, indices into vertices; counterclockwise about each vertex, seen from outside
 
 
 def unit_sphere() -> Base:
@@ -45,27 +45,40 @@ def collect_shapes(bases: list[Base]) -> Shapes:
     """Shapes of the core from base shapes. ValueError where a hull's vertex has no edge."""
     counts = [len(base.vertices) for base in bases]
     vertex_start = np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
-    pairs = [_edges(base) + offset for base, offset in zip(bases, vertex_start[:-1], strict=True)]
-    edges = np.concatenate(pairs) if pairs else np.zeros((0, 2), np.int64)
-    n_vertices = int(vertex_start[-1])
-    degree = np.bincount(edges[:, 0], minlength=n_vertices)
-    if n_vertices and degree.min() == 0:
-        lonely = int(np.argmin(degree))
-        name = bases[int(np.searchsorted(vertex_start, lonely, side="right")) - 1].name
-        raise ValueError(f"shape {name}: a vertex belongs to no face; drop the points that are not on the hull")
+    starts, rings = [np.zeros(1, np.int64)], []
+    for base, offset in zip(bases, vertex_start[:-1], strict=True):
+        start, ring = _rings(base)
+        starts.append(start[1:] + starts[-1][-1])
+        rings.append(ring + offset)
     return Shapes(
         vertex_start,
         np.concatenate([base.vertices for base in bases]).astype(np.float64).reshape(-1, 3),
-        np.concatenate(([0], np.cumsum(degree))).astype(np.int64),
-        edges[:, 1].copy(),
+        np.concatenate(starts),
+        np.concatenate(rings),
     )
 
 
-def _edges(base: Base) -> np.ndarray:
-    """Directed edges (n, 2) of the hull, sorted, each once."""
-    faces = np.asarray(base.faces, np.int64)
-    directed = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    return np.unique(np.concatenate([directed, directed[:, ::-1]]), axis=0)
+def _rings(base: Base):
+    """Neighbours of every vertex, counterclockwise seen from outside: (start (n + 1,), neighbours).
+
+    Consecutive neighbours u, w of a vertex v make the face v, u, w, so the faces need no array of their own.
+    """
+    n = len(base.vertices)
+    after = [{} for _ in range(n)]
+    for a, b, c in np.asarray(base.faces, np.int64):
+        after[a][b], after[b][c], after[c][a] = c, a, b
+    ring, start = [], np.zeros(n + 1, np.int64)
+    for v in range(n):
+        if not after[v]:
+            raise ValueError(f"shape {base.name}: vertex {v} belongs to no face; drop points that are not on the hull")
+        first = u = min(after[v])
+        for _ in range(len(after[v])):
+            ring.append(u)
+            u = after[v].get(u, -1)
+        if u != first:
+            raise ValueError(f"shape {base.name}: the faces about vertex {v} do not close; the hull must be closed")
+        start[v + 1] = len(ring)
+    return start, np.array(ring, np.int64)
 
 
 @leaf

@@ -9,6 +9,7 @@ overlap may have several, so a pair that comes without memory is searched from m
 import numpy as np
 
 from simcore.compilation import leaf, search
+from simcore.dem.contact.gap import STILL_GAP, remember_apart
 
 TOLERANCE = 1e-11  # of the pair's size: tangential distance of the two surface points that is left
 ITERATIONS = 60
@@ -177,9 +178,12 @@ def recheck(bodies, contacts, p, i, j, rx, ry, rz):
     if nx == 0.0 and ny == 0.0 and nz == 0.0:
         return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     size = bodies.radius[i] + bodies.radius[j]
-    enough = ENOUGH_GAP * size
+    # A direction that still shows much of the gap searched last needs no better one; a contact needs the best.
+    enough = np.inf if contacts.touching[p] != 0 else -STILL_GAP * contacts.overlap[p]
     value, nx, ny, nz, converged = climb_normal(bodies.form_matrix, i, j, rx, ry, rz, size, nx, ny, nz, enough)
-    overlap, nx, ny, nz, x, y, z = _conclude(bodies, contacts, p, i, j, value, nx, ny, nz)
+    overlap, nx, ny, nz, x, y, z = _conclude(bodies, contacts, p, i, j, rx, ry, rz, value, nx, ny, nz)
+    if contacts.touching[p] == 0 and overlap <= 0.0:
+        overlap = min(overlap, contacts.overlap[p])
     return converged or value > enough, overlap, nx, ny, nz, x, y, z
 
 
@@ -188,14 +192,14 @@ def search_contact(bodies, contacts, p, i, j, rx, ry, rz):
     """Near pair p from many directions: (overlap [m], normal a to b (3), contact point relative to a (3))."""
     size = bodies.radius[i] + bodies.radius[j]
     value, nx, ny, nz = search_normal(bodies.form_matrix, i, j, bodies.rotation, rx, ry, rz, size, ENOUGH_GAP * size)
-    return _conclude(bodies, contacts, p, i, j, value, nx, ny, nz)
+    return _conclude(bodies, contacts, p, i, j, rx, ry, rz, value, nx, ny, nz)
 
 
 @leaf
-def _conclude(bodies, contacts, p, i, j, value, nx, ny, nz):
+def _conclude(bodies, contacts, p, i, j, rx, ry, rz, value, nx, ny, nz):
     """Overlap, normal and point from f at its maximum; a gap is remembered."""
     if value > 0.0:
-        contacts.safe_until[p] = bodies.travel[i] + bodies.travel[j] + 0.999 * value
+        remember_apart(bodies, contacts, p, i, j, rx, ry, rz, value)
         return -value, nx, ny, nz, 0.0, 0.0, 0.0
     x, y, z = _image(bodies.form_matrix, i, nx, ny, nz)
     height = np.sqrt(nx * x + ny * y + nz * z)

@@ -4,19 +4,19 @@ In one step a grain moves about 1e-4 of its size. An overlapping pair keeps the 
 the Minkowski difference: the plane is rebuilt, the edge graphs are climbed from its vertices, and where no support
 point lies beyond and the origin's projection stays inside, the facet is still a local minimum of the overlap.
 Otherwise the pair is searched from nothing. A separated pair keeps its direction and is not looked at before the
-bodies can have moved by the gap.
+bodies can have closed the gap; then the same direction mostly still shows one.
 """
 
 import numpy as np
 
 from simcore.compilation import leaf, search
+from simcore.dem.contact.gap import STILL_GAP, remember_apart
 from simcore.dem.contact.minkowski import penetration, separation, support
 from simcore.dem.shapes import vertex_offset
 
 CHECK_TOLERANCE = 1e-11  # of the pair's size; wider than the search's, so that what it found passes
 INSIDE_TOLERANCE = 1e-9  # barycentric
 GAP_SLACK = 0.1  # a step only needs a certain gap; the last tenth of its length is not worth iterations
-ENOUGH_GAP = 0.02  # of the pair's size: a gap this wide needs no better direction
 
 INVALID, APART, OVERLAPPING = 0, 1, 2
 
@@ -74,12 +74,11 @@ def facet_contact(shapes, bodies, i, j, rx, ry, rz, size, a0, a1, a2, b0, b1, b2
 
 
 @leaf
-def _remember_gap(contacts, p, nx, ny, nz, a, b, limit):
-    contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2] = nx, ny, nz
+def _remember_gap(bodies, contacts, p, i, j, rx, ry, rz, gap, a, b):
     contacts.facet[p, 0] = a
     contacts.facet[p, 1] = -1
     contacts.facet[p, 3] = b
-    contacts.safe_until[p] = limit
+    remember_apart(bodies, contacts, p, i, j, rx, ry, rz, gap)
 
 
 @leaf
@@ -99,7 +98,8 @@ def recheck(shapes, bodies, contacts, p, i, j, rx, ry, rz):
         if verdict == OVERLAPPING:
             return True, overlap, nx, ny, nz, x, y, z
         if verdict == APART:
-            _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] - 0.999 * overlap)
+            # It just came apart: the gap at hand, however narrow, is the measure of the next ones.
+            _remember_gap(bodies, contacts, p, i, j, rx, ry, rz, -overlap, a, b)
             return True, overlap, nx, ny, nz, 0.0, 0.0, 0.0
         return False, 0.0, nx, ny, nz, 0.0, 0.0, 0.0
     if facet[p, 0] < 0:
@@ -107,10 +107,9 @@ def recheck(shapes, bodies, contacts, p, i, j, rx, ry, rz):
     nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
     a, b, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, facet[p, 0], facet[p, 3], nx, ny, nz)
     overlap = x * nx + y * ny + z * nz
-    # A direction that still separates well spares the search for the best one.
-    if -overlap > ENOUGH_GAP * size:
-        _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] - 0.999 * overlap)
-        return True, overlap, nx, ny, nz, 0.0, 0.0, 0.0
+    if overlap < STILL_GAP * contacts.overlap[p]:
+        _remember_gap(bodies, contacts, p, i, j, rx, ry, rz, -overlap, a, b)
+        return True, min(overlap, contacts.overlap[p]), nx, ny, nz, 0.0, 0.0, 0.0
     return False, 0.0, nx, ny, nz, 0.0, 0.0, 0.0
 
 
@@ -125,14 +124,13 @@ def search_contact(shapes, bodies, contacts, p, i, j, rx, ry, rz):
     nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
     if nx == 0.0 and ny == 0.0 and nz == 0.0:
         nx, ny, nz = _toward(rx, ry, rz)
-    here = bodies.travel[i] + bodies.travel[j]
     gap, nx, ny, nz, a, b = separation(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, GAP_SLACK)
     if gap > 0.0:
-        _remember_gap(contacts, p, nx, ny, nz, a, b, here + 0.999 * gap)
+        _remember_gap(bodies, contacts, p, i, j, rx, ry, rz, gap, a, b)
         return -gap, nx, ny, nz, 0.0, 0.0, 0.0
     overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2 = penetration(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz)
     if overlap <= 0.0:
-        _remember_gap(contacts, p, nx, ny, nz, a, b, here - 0.999 * overlap)
+        _remember_gap(bodies, contacts, p, i, j, rx, ry, rz, -overlap, a, b)
         return overlap, nx, ny, nz, 0.0, 0.0, 0.0
     if a0 >= 0:
         facet[p, 0], facet[p, 1], facet[p, 2] = a0, a1, a2
