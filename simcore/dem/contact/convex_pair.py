@@ -1,4 +1,4 @@
-"""Two convex hulls, one of which may be a single point, from nothing: distance to the last digits, normal and points."""
+"""Two convex hulls, of which one may be a single point, from nothing: distance to the last digits, normal, points."""
 
 import numpy as np
 from numba import types
