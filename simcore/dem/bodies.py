@@ -38,7 +38,8 @@ class Contacts(NamedTuple):
     """Near pairs in the order of their key (a, b, image), a < b or a = b with a positive image.
 
     Memory: what the last step found. Output: what the current step gives to the bodies. Fields marked with a
-    feature are empty in scenes without it.
+    feature are empty in scenes without it. The facet is that of the Minkowski difference along the normal where the
+    pair touches, the simplex next to the origin where it is apart.
     """
 
     body_a: np.ndarray  # (m,) int32
@@ -47,7 +48,7 @@ class Contacts(NamedTuple):
     touching: np.ndarray  # (m,) uint8
     pending: np.ndarray  # (m,) uint8, within a step: the memory did not answer, the pair must be searched
     direction: np.ndarray  # (m, 3), memory: last normal or separating direction; zero where nothing is known
-    facet: np.ndarray  # (m, 6) int32, memory: vertices a0 a1 a2 b0 b1 b2 of the Minkowski facet; -1 unknown; convex
+    facet: np.ndarray  # (m, 6) int32, memory: vertices a0 a1 a2 b0 b1 b2; -1 unknown; convex
     apart_at: np.ndarray  # (m, 3) [m], memory: relative position where a gap was last seen; not for spheres
     safe_until: np.ndarray  # (m,) [m], memory: apart while |moved since apart_at| + turned_a + turned_b is below
     spring: np.ndarray  # (m, 3) [m], memory: tangential spring; friction

@@ -158,12 +158,11 @@ def turn(bodies, i, dt, damping):
         orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3],
         lx, ly, lz, inertia[i, 0], inertia[i, 1], inertia[i, 2], dt,
     )  # fmt: skip
+    # Vector part of the turn from the old orientation: sin(angle / 2), and a point at R moves by 2 R sin(angle / 2).
+    ow, ox, oy, oz = orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3]
+    dx, dy, dz = (
+        ow * x - w * ox - (oy * z - oz * y), ow * y - w * oy - (oz * x - ox * z), ow * z - w * oz - (ox * y - oy * x)
+    )  # fmt: skip
+    bodies.turned[i] += 2.002 * bodies.radius[i] * np.sqrt(dx * dx + dy * dy + dz * dz)
     orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3] = w, x, y, z
     derive_rotation(bodies, i)
-    # The five rotations of a step add up to at most √3 |ω| dt with the largest ω on the way. |L| / I_min bounds ω
-    # always; within a step ω changes by no more than a few times ω² dt.
-    limit = np.sqrt(lx * lx + ly * ly + lz * lz) / min(inertia[i, 0], min(inertia[i, 1], inertia[i, 2]))
-    wx, wy, wz = bodies.angular_velocity[i, 0], bodies.angular_velocity[i, 1], bodies.angular_velocity[i, 2]
-    rate = inverse * np.sqrt(wx * wx + wy * wy + wz * wz)
-    rate = min(limit, rate * (1.0 + 4.0 * limit * dt))
-    bodies.turned[i] += 1.001 * dt * 1.7320508075688772 * rate * bodies.radius[i]

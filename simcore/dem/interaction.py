@@ -5,7 +5,7 @@ its own. What the memory cannot answer is left pending and searched. Both leave 
 arrays. Then the force law presses, the same for all kinds.
 """
 
-from simcore.compilation import leaf, search
+from simcore.compilation import leaf, routine
 from simcore.dem.contact import ellipsoid, polyhedron, sphere
 from simcore.dem.contact.gap import still_apart
 from simcore.dem.contact.wall import forget_springs
@@ -65,7 +65,7 @@ def check_polyhedra(shapes, bodies, contacts, p, width, periodic):
             _note(contacts, p, overlap, nx, ny, nz, x, y, z)
 
 
-@search
+@routine
 def search_ellipsoids(bodies, contacts, p, width, periodic):
     """Update pending contact p between ellipsoids."""
     rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
@@ -76,7 +76,7 @@ def search_ellipsoids(bodies, contacts, p, width, periodic):
     _note(contacts, p, overlap, nx, ny, nz, x, y, z)
 
 
-@search
+@routine
 def search_polyhedra(shapes, bodies, contacts, p, width, periodic):
     """Update pending contact p between convex polyhedra."""
     rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)

@@ -6,9 +6,11 @@ scaling keeps the principal axes (mean second moments <x_i x_j> -> s_i s_j <x_i 
 follow in closed form, and the edge graph of the hull stays valid.
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from simcore.compilation import leaf
 
@@ -132,3 +134,93 @@ def support_vertex(shapes, bodies, i, vertex, nx, ny, nz):
     """Vertex of body i farthest along the world direction n, climbing from `vertex`."""
     dx, dy, dz = base_direction(bodies, i, nx, ny, nz)
     return climb(shapes, vertex, dx, dy, dz)
+
+
+FLATTEST = 1e-7  # of a hull's extent: thinner, its faces' normals are no longer known to the digits that a query gives
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One convex shape of its own frame, as `contact.query` takes it. Made by `sphere`, `ellipsoid` and `convex`."""
+
+    kind: int  # SPHERE, ELLIPSOID or CONVEX
+    base: Base  # of a convex hull: about `center`
+    scale: tuple[float, float, float]  # semi-axes [m]; 1 for a convex hull
+    center: tuple[float, float, float]  # [m], of the base in the frame in which the shape was given
+    radius: float  # [m], of the bounding sphere about the centre
+
+
+def sphere(radius: float) -> Shape:
+    """Sphere about the origin. radius [m]; ValueError unless positive and finite."""
+    (radius,) = _lengths("sphere", radius=radius)
+    return Shape(SPHERE, unit_sphere(), (radius, radius, radius), (0.0, 0.0, 0.0), radius)
+
+
+def ellipsoid(a: float, b: float, c: float) -> Shape:
+    """Ellipsoid about the origin with semi-axes a, b, c [m] along x, y, z, in any order of size.
+
+    ValueError unless positive and finite.
+    """
+    scale = _lengths("ellipsoid", a=a, b=b, c=c)
+    return Shape(ELLIPSOID, unit_sphere(), scale, (0.0, 0.0, 0.0), max(scale))
+
+
+def convex(vertices) -> Shape:
+    """Convex hull of points (n, 3) [m], in the frame in which they are given: neither moved nor turned.
+
+    Duplicates and points inside are dropped. ValueError for fewer than four different points, numbers that are not
+    finite, and points in a plane (to 1e-7 of their extent).
+    """
+    points = np.array(vertices, np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ValueError(f"convex: vertices must be an array (n, 3), this one has the shape {points.shape}")
+    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(wrong):
+        raise ValueError(f"convex: vertex {wrong[0]} is not finite, {points[wrong[0]]}; drop or mend it")
+    points = np.unique(points, axis=0)
+    if len(points) < 4:
+        raise ValueError(f"convex: {len(points)} different points are no body; give at least 4, not all in a plane")
+    center = 0.5 * points.min(axis=0) + 0.5 * points.max(axis=0)
+    points = points - center
+    extent = np.abs(points).max()
+    thickness = np.linalg.svd(points / extent - (points / extent).mean(axis=0), compute_uv=False)
+    flat = ValueError(
+        "convex: the points lie in a plane or on a line, to 1e-7 of their extent; a contact needs a body with volume: "
+        "give points on both sides, or thicken the plate"
+    )
+    # The smallest singular value is at most √n times the half thickness, and the rest of n points may lie in the plane.
+    if not thickness[2] > FLATTEST:
+        raise flat
+    try:
+        hull = ConvexHull(points / extent)
+    except QhullError:
+        raise flat from None
+    kept = np.sort(hull.vertices)
+    place = np.full(len(points), -1)
+    place[kept] = np.arange(len(kept))
+    corners = (points / extent)[hull.simplices]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inward = (normals * hull.equations[:, :3]).sum(axis=1) < 0.0
+    faces = place[np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)]
+    points = points[kept]
+    volume, moments = _moments(points[faces] / extent)
+    radius = float(np.sqrt((points**2).sum(axis=1).max()))
+    base = Base("convex", points, faces.astype(np.int64), float(volume * extent**3), moments * extent**2)
+    return Shape(CONVEX, base, (1.0, 1.0, 1.0), tuple(center), radius)
+
+
+def _lengths(name: str, **lengths: float) -> tuple[float, ...]:
+    values = tuple(float(value) for value in lengths.values())
+    for key, value in zip(lengths, values, strict=True):
+        if not (np.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name}: {key} must be a positive length [m], not {value}")
+    return values
+
+
+def _moments(corners: np.ndarray) -> tuple[float, np.ndarray]:
+    """Volume, and mean of x_i² over it, of a closed outward mesh with triangles (n, 3, 3) about the origin."""
+    p, q, s = corners[:, 0], corners[:, 1], corners[:, 2]
+    six_volumes = (np.cross(p, q) * s).sum(axis=1)
+    volume = six_volumes.sum() / 6.0
+    squares = p * p + q * q + s * s + p * q + q * s + s * p  # ten times the mean over the tetrahedron with the origin
+    return volume, (six_volumes @ squares) / 60.0 / volume

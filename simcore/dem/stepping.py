@@ -90,7 +90,7 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                     check_ellipsoids(bodies, contacts, p, width, periodic)
                 else:
                     check_polyhedra(shapes, bodies, contacts, p, width, periodic)
-            # A loop of its own, so that the counting of references for these calls burdens no check.
+            # A loop of its own: what is rare and long stays out of the loop that is neither.
             if kind != SPHERE:
                 for p in prange(n_pairs):
                     if contacts.pending[p] != 0:
