@@ -28,6 +28,7 @@ class Bodies(NamedTuple):
     radius: np.ndarray  # (n,) [m], of the bounding sphere about the centre
     turned: np.ndarray  # (n,) [m], way no point can have exceeded by turning since the start; not for spheres
     listed_position: np.ndarray  # (n, 3) [m], where the body was when neighbours were last listed
+    listed_turned: np.ndarray  # (n,) [m], `turned` at that time; not for spheres
     rotation: np.ndarray  # (n, 3, 3), derived: matrix of the orientation; not for spheres
     angular_velocity: np.ndarray  # (n, 3) [1/s], derived, world axes
     form_matrix: np.ndarray  # (n, 6) [m²], derived: R diag(s²) Rᵀ as xx, yy, zz, xy, xz, yz; ellipsoids
@@ -110,6 +111,7 @@ def make_bodies(
         radius=_bounding_radius(bases, shape, scale),
         turned=np.zeros(n),
         listed_position=np.array(position, np.float64),
+        listed_turned=np.zeros(n),
         rotation=rotation_matrix(orientation),
         angular_velocity=np.array(angular_velocity, np.float64),
         form_matrix=np.zeros((n, 6)),
@@ -120,7 +122,7 @@ def make_bodies(
     full = np.einsum("nij,nj,nkj->nik", bodies.rotation, scale**2, bodies.rotation)
     bodies.form_matrix[:] = full[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     if kind == SPHERE:
-        return without(bodies, "orientation", "turned", "rotation", "form_matrix")
+        return without(bodies, "orientation", "turned", "listed_turned", "rotation", "form_matrix")
     if kind == CONVEX:
         return without(bodies, "form_matrix")
     return bodies

@@ -1,5 +1,6 @@
 """Near pairs: linked cells on as many levels as the sizes need, a list with a skin, and the memory of pairs.
 
+Of bodies that are not spheres only pairs that can meet before the list is made anew are in it.
 A body lives on the level whose cells are just wider than its bounding sphere with skin; a pair is found from its
 finer body. Horizontally periodic boxes wrap cells, and each wrap counts the image, so that a pair close through
 several images, or a grain close to its own, is listed once for each.
@@ -11,6 +12,8 @@ import numpy as np
 
 from simcore.compilation import kernel
 from simcore.dem.bodies import Bodies, Contacts, Walls
+from simcore.dem.contact.ellipsoid_climb import gap_along
+from simcore.dem.contact.minkowski import support
 from simcore.dem.contact.wall import CYLINDER, FLOOR
 from simcore.dem.features import Features
 from simcore.dem.shapes import CONVEX, SPHERE, Shapes
@@ -33,12 +36,17 @@ class Near(NamedTuple):
 def list_near(
     bodies: Bodies, shapes: Shapes, box: Box, skin: float, features: Features, old: Near | None = None
 ) -> Near:
-    """Pairs whose bounding spheres are closer than the skin [m], and bodies within half of it from a wall.
+    """Pairs that may be closer than the skin [m], and bodies whose bounding sphere is within half of it from a wall.
 
-    What was near before keeps its memory. Marks where the bodies are: the list holds while no body has moved by
-    half the skin.
+    What was near before keeps its memory. Marks where the bodies are: the list holds while no point of a body has
+    moved by half the skin. Pairs are those whose bounding spheres are close, less those that are seen to be apart by
+    more than the skin from what they remember, or along the line between their centres.
     """
     pairs = find_pairs(bodies.position, bodies.radius, box, skin)
+    if features.kind != SPHERE:
+        before = _empty_contacts(pairs[:0], 0, features) if old is None else old.contacts
+        pairs = pairs[_can_meet(pairs, bodies, shapes, before, box.width, skin, features.kind == CONVEX)]
+        bodies.listed_turned[:] = bodies.turned
     contacts = _empty_contacts(pairs, len(bodies.mass), features)
     walls = _empty_walls(bodies, shapes, box, 0.5 * skin, features)
     if old is not None:
@@ -232,6 +240,60 @@ def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, reach: float, feature
         torque=np.zeros((w, 3)),
         start=np.concatenate(([0], np.cumsum(near.sum(axis=1)))).astype(np.int64),
     )
+
+
+@kernel
+def _can_meet(pairs, bodies, shapes, old, width, skin, convex):
+    """Whether each pair (m, 4) can touch before the next list, as far as is seen at once: (m,) bool."""
+    can = np.ones(len(pairs), np.bool_)
+    k, n_old = 0, len(old.body_a)
+    for p in range(len(pairs)):
+        i, j = pairs[p, 0], pairs[p, 1]
+        while k < n_old and _key_before(old, k, pairs, p):
+            k += 1
+        rx = bodies.position[j, 0] - bodies.position[i, 0] + pairs[p, 2] * width
+        ry = bodies.position[j, 1] - bodies.position[i, 1] + pairs[p, 3] * width
+        rz = bodies.position[j, 2] - bodies.position[i, 2]
+        if k < n_old and _same_key(old, k, pairs, p):
+            if old.touching[k] != 0:
+                continue
+            dx, dy, dz = rx - old.apart_at[k, 0], ry - old.apart_at[k, 1], rz - old.apart_at[k, 2]
+            gap = old.safe_until[k] - bodies.turned[i] - bodies.turned[j]
+            can[p] = gap - np.sqrt(dx * dx + dy * dy + dz * dz) <= skin
+            continue
+        distance = np.sqrt(rx * rx + ry * ry + rz * rz)
+        if distance == 0.0:
+            continue
+        nx, ny, nz = rx / distance, ry / distance, rz / distance
+        if convex:
+            a, b = shapes.vertex_start[bodies.shape[i]], shapes.vertex_start[bodies.shape[j]]
+            _, _, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz)
+            gap = -(x * nx + y * ny + z * nz)
+        else:
+            gap = gap_along(bodies.form_matrix, i, j, rx, ry, rz, nx, ny, nz)
+        can[p] = gap <= skin
+    return can
+
+
+@kernel
+def _key_before(old, k, pairs, p):
+    """Whether key k of the old list comes before pair p."""
+    if old.body_a[k] != pairs[p, 0]:
+        return old.body_a[k] < pairs[p, 0]
+    if old.body_b[k] != pairs[p, 1]:
+        return old.body_b[k] < pairs[p, 1]
+    if len(old.image) == 0:
+        return False
+    if old.image[k, 0] != pairs[p, 2]:
+        return old.image[k, 0] < pairs[p, 2]
+    return old.image[k, 1] < pairs[p, 3]
+
+
+@kernel
+def _same_key(old, k, pairs, p):
+    if old.body_a[k] != pairs[p, 0] or old.body_b[k] != pairs[p, 1]:
+        return False
+    return len(old.image) == 0 or (old.image[k, 0] == pairs[p, 2] and old.image[k, 1] == pairs[p, 3])
 
 
 @kernel

@@ -56,7 +56,7 @@ class Drive(NamedTuple):
     damping: float  # factor on the velocities after each step; 1 without
     width: float  # [m], of the periodic box; 0 in a cylinder
     wall_radius: float  # [m], of the cylinder
-    list_margin: float  # [m], way from its listed position after which a body needs a new list
+    list_margin: float  # [m], way of a body's farthest point after which a new list is needed
 
 
 def make_advance(features: Features):
@@ -148,7 +148,7 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                         turn(bodies, i, dt, drive.damping)
                         if kind == ELLIPSOID:
                             derive_form_matrix(bodies, i)
-                    moved[i] = has_left(bodies, i, drive.list_margin)
+                    moved[i] = has_left(bodies, i, drive.list_margin, kind != SPHERE)
             if timed:
                 count_cycles(clock, middle - start, last - middle, cycles() - last)
             for i in range(n_bodies):
@@ -204,9 +204,11 @@ def note_net_force(bodies, i, fx, fy, fz):
 
 
 @leaf
-def has_left(bodies, i, margin):
-    """Whether body i is farther than `margin` [m] from where it was listed, or nowhere (not a number)."""
+def has_left(bodies, i, margin, turning):
+    """Whether a point of body i can be farther than `margin` [m] from where it was listed, or nowhere (not a number)."""
     dx = bodies.position[i, 0] - bodies.listed_position[i, 0]
     dy = bodies.position[i, 1] - bodies.listed_position[i, 1]
     dz = bodies.position[i, 2] - bodies.listed_position[i, 2]
-    return not (dx * dx + dy * dy + dz * dz <= margin * margin)
+    if turning:
+        margin -= bodies.turned[i] - bodies.listed_turned[i]
+    return not (margin > 0.0 and dx * dx + dy * dy + dz * dz <= margin * margin)

@@ -70,13 +70,13 @@ def place_pairs(bases, scale, orientation, offsets, size=1.0, common=0.0):
     shape = [index[id(base)] for base in bases]
     still = np.zeros((2 * n, 3))
     bodies = make_bodies(list(shapes.values()), shape, scale, still, orientation, still, still, density=1.0)
-    reach = 2.5 * (bodies.radius[0::2] + bodies.radius[1::2] + np.linalg.norm(offsets, axis=1)).max()
+    reach = 4.0 * (bodies.radius[0::2] + bodies.radius[1::2] + np.linalg.norm(offsets, axis=1)).max()
     side = int(np.ceil(n ** (1.0 / 3.0)))
     cell = np.stack(np.unravel_index(np.arange(n), (side, side, side)), axis=-1)
     bodies.position[0::2] = reach * cell + [0.0, 0.0, common]
     bodies.position[1::2] = bodies.position[0::2] + offsets
     distance = np.linalg.norm(bodies.position[1::2] - bodies.position[0::2], axis=1)
-    skin = max((distance - bodies.radius[0::2] - bodies.radius[1::2]).max() * 1.001, 0.0) + 1e-3 * size
+    skin = 1.001 * distance.max() + 1e-3 * size  # no gap is wider than the distance of the centres
     shapes = collect_shapes(list(shapes.values()))
     contacts = list_near(bodies, shapes, Box(0.0), skin, EVERYTHING).contacts
     assert (contacts.body_a == np.arange(0, 2 * n, 2)).all() and (contacts.body_b == contacts.body_a + 1).all()

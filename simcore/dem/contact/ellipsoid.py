@@ -65,7 +65,7 @@ def search_contact(bodies, contacts, p, i, j, rx, ry, rz):
 @leaf
 def _conclude(bodies, contacts, p, i, j, rx, ry, rz, value, nx, ny, nz):
     """Overlap, normal and point from f at its maximum; a gap is remembered."""
-    if value > 0.0:
+    if value >= 0.0:
         remember_apart(bodies, contacts, p, i, j, rx, ry, rz, value)
         return -value, nx, ny, nz, 0.0, 0.0, 0.0
     x, y, z = image(bodies.form_matrix, i, nx, ny, nz)

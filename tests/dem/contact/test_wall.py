@@ -51,7 +51,7 @@ def place(bases, kind, scale, position, orientation, shape=None):
     bodies = make_bodies(bases, shape, scale, position, orientation, still, still, density=1.0)
     shapes = collect_shapes(bases)
     features = Features(CONVEX, True, cylinder=True, periodic=False, patch=True)
-    walls = list_near(bodies, shapes, Box(0.0, WALL), np.inf, features).walls
+    walls = list_near(bodies, shapes, Box(0.0, WALL), 100.0, features).walls
     meet_walls(shapes, bodies, walls, WALL, kind)
     return bodies, Met(walls)
 
@@ -60,7 +60,7 @@ class Met:
     """What bodies found at each wall: overlap (n, 2), 0 where apart, and deepest point relative to the centre."""
 
     def __init__(self, walls):
-        assert len(walls.body) == 2 * (walls.body.max() + 1)  # with an endless skin every body is near both walls
+        assert len(walls.body) == 2 * (walls.body.max() + 1)  # with a wide skin every body is near both walls
         self.overlap = walls.overlap.reshape(-1, 2)
         self.point = (walls.point - 0.5 * walls.overlap[:, None] * walls.normal).reshape(-1, 2, 3)
 
