@@ -265,8 +265,8 @@ def _can_meet(pairs, bodies, shapes, old, width, skin, convex):
         if distance == 0.0:
             continue
         nx, ny, nz = rx / distance, ry / distance, rz / distance
-        if convex:
-            a, b = shapes.vertex_start[bodies.shape[i]], shapes.vertex_start[bodies.shape[j]]
+        a, b = shapes.vertex_start[bodies.shape[i]], shapes.vertex_start[bodies.shape[j]]
+        if convex and a < shapes.vertex_start[bodies.shape[i] + 1] and b < shapes.vertex_start[bodies.shape[j] + 1]:
             _, _, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz)
             gap = -(x * nx + y * ny + z * nz)
         else:

@@ -1,13 +1,15 @@
 """The patch in which two overlapping polyhedra press on each other: centroid and second moments of their overlap.
 
-Seen along the contact normal n the overlap is a depth over the tangent plane: the top of a (its faces that look along
-n) less the bottom of b. Depth is what an elastic bed under the patch would be pressed by, so its first moment is
+Seen along the contact normal n the overlap is a depth over the tangent plane: mostly the top of a less the bottom of b,
+where that is positive. Depth is what an elastic bed under the patch would be pressed by, so its first moment is
 where the resultant acts, and its second moment what resists rocking and twisting. Both vary continuously with the
 pose, also where a face comes to lie on a face or an edge.
 
-The depth is the sum over pairs of faces, one of a and one of b, of a linear function over the part of the plane that
-both cover: polygons of the plane, clipped, whose integrals are exact. Only faces that reach into the slab between
-the deepest point of b and that of a can take part.
+With f(x) = max(x, 0) the intervals [a₀, a₁] and [b₀, b₁] overlap by f(a₁ − b₀) − f(a₀ − b₀) − f(a₁ − b₁) + f(a₀ − b₁).
+So the depth is a sum over pairs of faces, one of a and one of b, counted positive where they look at each other and
+negative where one of them looks away, of f of a linear function over the part of the plane that both cover: polygons
+of the plane, clipped, whose integrals are exact. Only faces that reach into the slab between the deepest point of b
+and that of a can take part.
 """
 
 from typing import NamedTuple
@@ -60,7 +62,7 @@ def _dot(vertices, v, x, y, z):
 
 @leaf
 def gather_faces(shapes, bodies, i, start, frame, ox, oy, oz, low, high, side, room, t):
-    """Faces of body i that look along +n (side 0) or −n (side 1) and reach into low <= z <= high; returns how many.
+    """Faces of body i that reach above z = low (side 0) or below z = high (side 1); returns how many.
 
     frame: the unit vectors t1, t2, n as nine numbers. o: the body's centre in that frame. start: its extreme vertex.
     Vertices within the slab hang together, by convexity, so they are found by a walk along edges.
@@ -75,7 +77,6 @@ def gather_faces(shapes, bodies, i, start, frame, ox, oy, oz, low, high, side, r
     room.mark[t, start - first] = stamp
     room.stack[t, 0] = start
     n_stack, n_faces = 1, 0
-    sign = 1.0 if side == 0 else -1.0
     while n_stack > 0:
         n_stack -= 1
         v = room.stack[t, n_stack]
@@ -101,8 +102,7 @@ def gather_faces(shapes, bodies, i, start, frame, ox, oy, oz, low, high, side, r
                 n_stack += 1
             # The face v, last, u belongs to the least of its vertices in the slab.
             if not ((inside and u < v) or (last_inside and last < v)):
-                area = sign * ((lx - vx) * (uy - vy) - (ly - vy) * (ux - vx))
-                if area > 0.0:
+                if (lx - vx) * (uy - vy) != (ly - vy) * (ux - vx):  # not seen edge-on
                     face = room.faces
                     face[t, side, n_faces, 0, 0], face[t, side, n_faces, 0, 1], face[t, side, n_faces, 0, 2] = vx, vy, vz
                     face[t, side, n_faces, 1, 0], face[t, side, n_faces, 1, 1], face[t, side, n_faces, 1, 2] = lx, ly, lz
@@ -187,7 +187,6 @@ def _moments_of_faces(room, t, n_a, n_b, low, x0, y0):
             left, right = min(left, polygon[t, 0, k, 0]), max(right, polygon[t, 0, k, 0])
             below, above = min(below, polygon[t, 0, k, 1]), max(above, polygon[t, 0, k, 1])
         for q in range(n_b):
-            # Seen along n the faces of b run clockwise.
             ax, ay, az = faces[t, 1, q, 0, 0], faces[t, 1, q, 0, 1], faces[t, 1, q, 0, 2]
             bx, by, bz = faces[t, 1, q, 2, 0], faces[t, 1, q, 2, 1], faces[t, 1, q, 2, 2]
             cx, cy, cz = faces[t, 1, q, 1, 0], faces[t, 1, q, 1, 1], faces[t, 1, q, 1, 2]
@@ -195,6 +194,10 @@ def _moments_of_faces(room, t, n_a, n_b, low, x0, y0):
                 continue
             if min(ay, min(by, cy)) > above or max(ay, max(by, cy)) < below:
                 continue
+            # Faces of b that look at a run clockwise, seen along n, so counterclockwise as they are taken here.
+            sign = 1.0
+            if (bx - ax) * (cy - ay) < (by - ay) * (cx - ax):
+                sign, bx, by, bz, cx, cy, cz = -1.0, cx, cy, cz, bx, by, bz
             m = _edge_clip(polygon, t, 0, 1, n, ax, ay, bx, by)
             m = _edge_clip(polygon, t, 1, 2, m, bx, by, cx, cy)
             m = _edge_clip(polygon, t, 2, 1, m, cx, cy, ax, ay)
@@ -219,8 +222,8 @@ def _moments_of_faces(room, t, n_a, n_b, low, x0, y0):
                 s0, sx, sy, sxx, sxy, syy = triangle_moments(
                     x1 - x0, y1 - y0, d1, x2 - x0, y2 - y0, d2, x3 - x0, y3 - y0, d3
                 )
-                m0, mx, my = m0 + s0, mx + sx, my + sy
-                mxx, mxy, myy = mxx + sxx, mxy + sxy, myy + syy
+                m0, mx, my = m0 + sign * s0, mx + sign * sx, my + sign * sy
+                mxx, mxy, myy = mxx + sign * sxx, mxy + sign * sxy, myy + sign * syy
                 x2, y2, d2 = x3, y3, d3
     return m0, mx, my, mxx, mxy, myy
 
@@ -281,15 +284,11 @@ def cone_moments(shapes, bodies, i, apex, j, f0, f1, f2, rx, ry, rz, depth, fram
         x, y, within = _foot(vertices, ring[k], ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth)
         if not within or c0 * x + d0 * y + e0 < 0.0 or c1 * x + d1 * y + e1 < 0.0 or c2 * x + d2 * y + e2 < 0.0:
             return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        area = sign * (sx * y - sy * x)
-        m0 += area
-        mx += area * (sx + x)
-        my += area * (sy + y)
-        mxx += area * (sx * sx + x * x + sx * x)
-        mxy += area * (sx * sy + x * y + 0.5 * (sx * y + x * sy))
-        myy += area * (sy * sy + y * y + sy * y)
+        s0, s1, s2, s11, s12, s22 = cone_side(sx, sy, x, y)
+        s0 *= sign
+        m0, mx, my = m0 + s0, mx + s0 * s1, my + s0 * s2
+        mxx, mxy, myy = mxx + s0 * s11, mxy + s0 * s12, myy + s0 * s22
         sx, sy = x, y
-    # Depth d at the apex and none at the feet: 2 A d / 6, and so on (see triangle_moments)
     return (
         True, m0 * depth / 6.0, mx * depth / 24.0, my * depth / 24.0,
         mxx * depth / 60.0, mxy * depth / 60.0, myy * depth / 60.0,
@@ -306,6 +305,122 @@ def _foot(vertices, u, ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth):
 
 
 @leaf
+def _facing(shapes, v, u):
+    """The two vertices that make a face with the edge v, u; v twice where there is no such edge."""
+    start, ring = shapes.neighbor_start, shapes.neighbors
+    first, last = start[v], start[v + 1] - 1
+    for k in range(first, last + 1):
+        if ring[k] == u:
+            return ring[k - 1] if k > first else ring[last], ring[k + 1] if k < last else ring[first]
+    return v, v
+
+
+@leaf
+def _ridge(vertices, w, x0, y0, x1, y1, ox, oy, level, px, py, pz, qx, qy, qz, nx, ny, nz, depth):
+    """Face beside an edge from 0 to 1: (its third corner (2), signed distance of that from the edge's line times the
+    edge's length, where the face has left the slab, as a share of that distance). No share is negative."""
+    x, y = ox + _dot(vertices, w, px, py, pz), oy + _dot(vertices, w, qx, qy, qz)
+    fall = level - _dot(vertices, w, nx, ny, nz)
+    side = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
+    share = depth / fall if fall > depth else -1.0
+    return x, y, side, share
+
+
+@leaf
+def _inside(x, y, x0, y0, x1, y1, x2, y2):
+    """Whether a point lies in a triangle, whichever way that runs."""
+    a = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
+    b = (x2 - x1) * (y - y1) - (y2 - y1) * (x - x1)
+    c = (x0 - x2) * (y - y2) - (y0 - y2) * (x - x2)
+    return (a >= 0.0 and b >= 0.0 and c >= 0.0) or (a <= 0.0 and b <= 0.0 and c <= 0.0)
+
+
+@leaf
+def crossing_moments(shapes, bodies, i, a0, a1, j, b0, b1, rx, ry, rz, depth, frame):
+    """Moments about the crossing of two edges that alone reach into each other, and the crossing from a's centre.
+
+    The depth is that of a pyramid: all of it where the edges cross, and none where, along either edge, the other
+    body's two faces have gone by. Returns (whether that is so, crossing (2), moments as clipped_patch).
+    """
+    no = (False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    vertices = shapes.vertices
+    al, ar = _facing(shapes, a0, a1)
+    bl, br = _facing(shapes, b0, b1)
+    if al == a0 or bl == b0:
+        return no
+    px, py, pz = base_direction(bodies, i, frame[0], frame[1], frame[2])
+    qx, qy, qz = base_direction(bodies, i, frame[3], frame[4], frame[5])
+    nx, ny, nz = base_direction(bodies, i, frame[6], frame[7], frame[8])
+    x0, y0 = _dot(vertices, a0, px, py, pz), _dot(vertices, a0, qx, qy, qz)
+    x1, y1 = _dot(vertices, a1, px, py, pz), _dot(vertices, a1, qx, qy, qz)
+    level = _dot(vertices, a0, nx, ny, nz)
+    xl, yl, left_a, share_al = _ridge(
+        vertices, al, x0, y0, x1, y1, 0.0, 0.0, level, px, py, pz, qx, qy, qz, nx, ny, nz, depth
+    )
+    xr, yr, right_a, share_ar = _ridge(
+        vertices, ar, x0, y0, x1, y1, 0.0, 0.0, level, px, py, pz, qx, qy, qz, nx, ny, nz, depth
+    )
+    ox, oy = frame[0] * rx + frame[1] * ry + frame[2] * rz, frame[3] * rx + frame[4] * ry + frame[5] * rz
+    px, py, pz = base_direction(bodies, j, frame[0], frame[1], frame[2])
+    qx, qy, qz = base_direction(bodies, j, frame[3], frame[4], frame[5])
+    nx, ny, nz = base_direction(bodies, j, -frame[6], -frame[7], -frame[8])
+    u0, v0 = ox + _dot(vertices, b0, px, py, pz), oy + _dot(vertices, b0, qx, qy, qz)
+    u1, v1 = ox + _dot(vertices, b1, px, py, pz), oy + _dot(vertices, b1, qx, qy, qz)
+    level = _dot(vertices, b0, nx, ny, nz)
+    ul, vl, left_b, share_bl = _ridge(
+        vertices, bl, u0, v0, u1, v1, ox, oy, level, px, py, pz, qx, qy, qz, nx, ny, nz, depth
+    )
+    ur, vr, right_b, share_br = _ridge(
+        vertices, br, u0, v0, u1, v1, ox, oy, level, px, py, pz, qx, qy, qz, nx, ny, nz, depth
+    )
+    if min(min(share_al, share_ar), min(share_bl, share_br)) < 0.0 or left_a * right_a >= 0.0 or left_b * right_b >= 0.0:
+        return no
+    ex, ey, fx, fy = x1 - x0, y1 - y0, u1 - u0, v1 - v0
+    cross = ex * fy - ey * fx
+    if cross == 0.0:
+        return no
+    # The crossing: share s of the way along a, t along b
+    s = ((u0 - x0) * fy - (v0 - y0) * fx) / cross
+    t = ((u0 - x0) * ey - (v0 - y0) * ex) / cross
+    # Along b the signed distance from a's line grows by `cross` per length of b; and along a by −cross.
+    t1, t2 = share_al * left_a / cross, share_ar * right_a / cross
+    s1, s2 = -share_bl * left_b / cross, -share_br * right_b / cross
+    if min(t + t1, t + t2) < 0.0 or max(t + t1, t + t2) > 1.0 or min(s + s1, s + s2) < 0.0 or max(s + s1, s + s2) > 1.0:
+        return no
+    cx, cy = x0 + s * ex, y0 + s * ey
+    k1x, k1y, k2x, k2y = t1 * fx, t1 * fy, t2 * fx, t2 * fy  # ends on b, from the crossing: left of a, right of a
+    l1x, l1y, l2x, l2y = s1 * ex, s1 * ey, s2 * ex, s2 * ey  # ends on a: left of b, right of b
+    if not (
+        _inside(cx + k1x, cy + k1y, x0, y0, x1, y1, xl, yl)
+        and _inside(cx + k2x, cy + k2y, x0, y0, x1, y1, xr, yr)
+        and _inside(cx + l1x, cy + l1y, u0, v0, u1, v1, ul, vl)
+        and _inside(cx + l2x, cy + l2y, u0, v0, u1, v1, ur, vr)
+    ):
+        return no
+    m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for fx, fy in ((k1x, k1y), (k2x, k2y)):
+        for gx, gy in ((l1x, l1y), (l2x, l2y)):
+            s0, sx, sy, sxx, sxy, syy = cone_side(fx, fy, gx, gy)
+            s0 = abs(s0)
+            m0, mx, my = m0 + s0, mx + s0 * sx, my + s0 * sy
+            mxx, mxy, myy = mxx + s0 * sxx, mxy + s0 * sxy, myy + s0 * syy
+    return (
+        True, cx, cy, m0 * depth / 6.0, mx * depth / 24.0, my * depth / 24.0,
+        mxx * depth / 60.0, mxy * depth / 60.0, myy * depth / 60.0,
+    )  # fmt: skip
+
+
+@leaf
+def cone_side(sx, sy, x, y):
+    """Of a triangle with the origin, where the depth is d, and two corners without: (2 area, and with a sixth,
+    24th, 60th of d times that area the moments: x, y, x², xy, y²). See triangle_moments."""
+    return (
+        sx * y - sy * x, sx + x, sy + y, sx * sx + x * x + sx * x,
+        sx * sy + x * y + 0.5 * (sx * y + x * sy), sy * sy + y * y + sy * y,
+    )  # fmt: skip
+
+
+@leaf
 def find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, t):
     """Move the point of touching contact p to the centroid of its patch, and note the patch's second moments."""
     facet = contacts.facet
@@ -313,38 +428,46 @@ def find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, t):
     overlap = contacts.overlap[p]
     px, py, pz, qx, qy, qz = tangents(nx, ny, nz)
     frame = (px, py, pz, qx, qy, qz, nx, ny, nz)
-    a, b = facet[p, 0], facet[p, 3]
-    found, about_b = False, False
+    a0, a1, a2 = facet[p, 0], facet[p, 1], facet[p, 2]
+    b0, b1, b2 = facet[p, 3], facet[p, 4], facet[p, 5]
+    # Where the moments are about: vertex a0, vertex b0, or a crossing of edges
+    found, about_b, ox, oy = False, False, 0.0, 0.0
     m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if facet[p, 1] >= 0:
-        if facet[p, 1] == a and facet[p, 2] == a:
-            found, m0, mx, my, mxx, mxy, myy = cone_moments(
-                shapes, bodies, i, a, j, b, facet[p, 4], facet[p, 5], rx, ry, rz, overlap, frame, 1.0
-            )
-        elif facet[p, 4] == b and facet[p, 5] == b:
-            found, m0, mx, my, mxx, mxy, myy = cone_moments(
-                shapes, bodies, j, b, i, a, facet[p, 1], facet[p, 2], -rx, -ry, -rz, overlap, frame, -1.0
-            )
-            about_b = True
+    if a0 == a1 and a0 == a2:
+        found, m0, mx, my, mxx, mxy, myy = cone_moments(
+            shapes, bodies, i, a0, j, b0, b1, b2, rx, ry, rz, overlap, frame, 1.0
+        )
+    elif b0 == b1 and b0 == b2:
+        found, m0, mx, my, mxx, mxy, myy = cone_moments(
+            shapes, bodies, j, b0, i, a0, a1, a2, -rx, -ry, -rz, overlap, frame, -1.0
+        )
+        about_b = found
+    elif (a0 == a1 or a0 == a2 or a1 == a2) and (b0 == b1 or b0 == b2 or b1 == b2):
+        found, ox, oy, m0, mx, my, mxx, mxy, myy = crossing_moments(
+            shapes, bodies, i, a0, a2 if a1 == a0 else a1, j, b0, b2 if b1 == b0 else b1, rx, ry, rz, overlap, frame
+        )
+        if found:  # from the centre of a to vertex a0
+            dx, dy, dz = vertex_offset(shapes, bodies, i, a0)
+            ox, oy = ox - (px * dx + py * dy + pz * dz), oy - (qx * dx + qy * dy + qz * dz)
     if not found:
-        about_b = False
-        m0, mx, my, mxx, mxy, myy = clipped_patch(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz, room, t)
+        m0, mx, my, mxx, mxy, myy = clipped_patch(shapes, bodies, i, j, rx, ry, rz, a0, b0, nx, ny, nz, room, t)
     if not m0 > 0.0:
         for k in range(6):
             contacts.spread[p, k] = 0.0
         return
     cx, cy = mx / m0, my / m0
+    note_spread(contacts.spread, p, frame, mxx / m0 - cx * cx, mxy / m0 - cx * cy, myy / m0 - cy * cy)
     half = -0.5 * overlap
     if about_b:
-        x, y, z = vertex_offset(shapes, bodies, j, b)
+        x, y, z = vertex_offset(shapes, bodies, j, b0)
         x, y, z = x + rx, y + ry, z + rz
         half = -half
     else:
-        x, y, z = vertex_offset(shapes, bodies, i, a)
+        x, y, z = vertex_offset(shapes, bodies, i, a0)
+        cx, cy = cx + ox, cy + oy
     contacts.point[p, 0] = x + cx * px + cy * qx + half * nx
     contacts.point[p, 1] = y + cx * py + cy * qy + half * ny
     contacts.point[p, 2] = z + cx * pz + cy * qz + half * nz
-    note_spread(contacts.spread, p, frame, mxx / m0 - cx * cx, mxy / m0 - cx * cy, myy / m0 - cy * cy)
 
 
 @leaf
