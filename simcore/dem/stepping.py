@@ -85,7 +85,10 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                 start = cycles()
             for p in prange(n_pairs):
                 if kind == SPHERE:
+                    # Nothing is ever left pending: pressed at once, what was found is still at hand.
                     check_spheres(bodies, contacts, p, width, periodic)
+                    if contacts.touching[p] != 0:
+                        press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch)
                 elif kind == ELLIPSOID:
                     check_ellipsoids(bodies, contacts, p, width, periodic)
                 else:
@@ -106,9 +109,10 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                         find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, get_thread_id())
             if timed:
                 middle = cycles()
-            for p in prange(n_pairs):
-                if contacts.touching[p] != 0:
-                    press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch)
+            if kind != SPHERE:
+                for p in prange(n_pairs):
+                    if contacts.touching[p] != 0:
+                        press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch)
             if walled:
                 for w in prange(n_walls):
                     if floor and (not cylinder or walls.wall[w] == FLOOR):
