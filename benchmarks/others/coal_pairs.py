@@ -17,7 +17,7 @@ import numpy as np
 COLD_ROUNDS, WARM_ROUNDS = 20, 50
 NOT_COMPARABLE = [
     "coal keeps a guess, not the facet, and runs EPA from its start at each query",
-    "coal stops at its default tolerance of 1e-6, we at round-off",
+    "coal's default tolerance is 1e-6; where it ends says largest_difference_of_overlap",
     "coal's wheel is compiled for any x86-64, numba for this processor",
 ]
 
