@@ -3,8 +3,8 @@
     python -m benchmarks.pairs [--export FILE]
 
 Hulls of 152 random points on ellipsoids 1 : 0.75 : 0.5, pressed into each other by 1e-3 of their way. Each pair has two
-poses that differ by 1e-4 of its size, as a grain moves in some steps; queries alternate between them, so that a memory is
-never asked for exactly what it holds. Exported, the same pairs go to benchmarks/others/coal_pairs.py.
+poses that differ by 1e-4 of its size, as a grain moves in some steps; queries alternate between them, so that a memory
+is never asked for exactly what it holds. Exported, the same pairs go to benchmarks/others/coal_pairs.py.
 """
 
 import argparse
@@ -29,7 +29,7 @@ WARM_ROUNDS, COLD_ROUNDS, REPEATS = 2000, 20, 5
 
 
 def make_pairs(n_pairs=64, n_points=152, seed=1):
-    """Bases of both hulls, and poses as (rotation (n, 2, 2, 4) as w, x, y, z, position (n, 2, 2, 3)): pair, pose, side."""
+    """Bases of all hulls; rotation (n, 2, 2, 4) as w, x, y, z and position (n, 2, 2, 3) of pair, pose, side."""
     random = np.random.default_rng(seed)
     bases, rotation, position = [], np.zeros((n_pairs, 2, 2, 4)), np.zeros((n_pairs, 2, 2, 3))
     for pair in range(n_pairs):
@@ -90,8 +90,14 @@ def measure(bases, rotation, position):
     apart = np.array([0.0, 0.0, 10.0]) * np.arange(n)[:, None, None]  # no pair meets another
     poses = [
         make_bodies(
-            bases, shape, np.ones((2 * n, 3)), (position[:, pose] + apart).reshape(-1, 3),
-            rotation[:, pose].reshape(-1, 4), still, still, density=1.0,
+            bases,
+            shape,
+            np.ones((2 * n, 3)),
+            (position[:, pose] + apart).reshape(-1, 3),
+            rotation[:, pose].reshape(-1, 4),
+            still,
+            still,
+            density=1.0,
         )  # fmt: skip
         for pose in range(2)
     ]

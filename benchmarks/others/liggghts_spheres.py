@@ -1,8 +1,8 @@
 """The same spheres in LIGGGHTS: python liggghts_spheres.py BED.npz, with the program `liggghts` on the PATH.
 
-hooke/stiffness with tangential history, the bed's stiffness, damping, friction, time step, gravity and shaking, periodic
-in x and y, a primitive wall as floor. CPU time is that of a run of all steps less that of one without steps. The quickest
-of several skins is measured.
+hooke/stiffness with tangential history, the bed's stiffness, damping, friction, time step, gravity and shaking,
+periodic in x and y, a primitive wall as floor. CPU time is that of a run of all steps less that of one without steps.
+The quickest of several skins is measured.
 """
 
 import argparse
@@ -88,7 +88,9 @@ def run(program, bed, diameter, skin, steps):
         Path(folder, "in.bed").write_text(script(bed, diameter, skin, steps, folder), encoding="utf-8")
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         command = [program, "-in", "in.bed", "-log", "none"]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, env={**os.environ, "OMP_NUM_THREADS": "1"})
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, env={**os.environ, "OMP_NUM_THREADS": "1"}
+        )
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode or "ERROR" in done.stdout:
         raise RuntimeError(done.stdout[-2000:] + done.stderr[-2000:])

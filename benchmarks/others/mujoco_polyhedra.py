@@ -1,8 +1,8 @@
 """The same polyhedra in MuJoCo: python mujoco_polyhedra.py BED.npz, in an environment with `mujoco`.
 
-Convex meshes with our stiffness and damping per mass (negative solref), friction, time step, gravity and shaking. MuJoCo
-has no periodic box: around the bed stand the images of its grains, fixed where they are at the start, and few steps are
-measured. The quickest of its solvers counts.
+Convex meshes with our stiffness and damping per mass (negative solref), friction, time step, gravity and shaking.
+MuJoCo has no periodic box: around the bed stand the images of its grains, fixed where they are at the start, and few
+steps are measured. The quickest of its solvers counts.
 """
 
 import argparse
