@@ -43,11 +43,11 @@ def compile_steps(setup):
     return {"compile_s": compile_s, "compiled_anew": bool(sum(stats.cache_misses.values()))}
 
 
-def measure(setup, bed, duration):
-    """Figures (dict) of stepping the bed for `duration` [s] of shaking, list rebuilds included; and the Process."""
+def measure(setup, bed, duration, warm_up=REMEMBERING):
+    """Figures (dict) of `duration` [s] of shaking after `warm_up` [s], list rebuilds included; and the Process."""
     process = start(setup, bed)
     n = len(bed.shape)
-    process.advance(max(round(REMEMBERING / process.dt), FIRST_STEPS), SHAKING)
+    process.advance(max(round(warm_up / process.dt), FIRST_STEPS), SHAKING)
     stretch = max(round(duration / process.dt / STRETCHES), 1)
     checks, cpu = len(process.checks), []
     began = time.perf_counter()
