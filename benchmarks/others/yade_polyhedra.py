@@ -1,8 +1,8 @@
-"""The same polyhedra in YADE: yade -n -x -j1 yade_polyhedra.py BED.npz.
+"""The same polyhedra in YADE: yade -n -x -j1 -f0 yade_polyhedra.py BED.npz.
 
-Same grains, friction, time step, gravity and shaking. YADE's polyhedra press with the volume of their intersection (CGAL),
-so the stiffness is ours only for a contact area of 1 mm². Around the bed stand the images of its grains, fixed, as in
-mujoco_polyhedra.py. Few steps are measured, they are slow.
+Same grains, friction, time step, gravity and shaking. YADE's polyhedra press with the volume of their intersection
+(CGAL), so the stiffness is ours only for a contact area of 1 mm². Around the bed stand the images of its grains, fixed,
+as in mujoco_polyhedra.py. Units are mm, g, s: its tolerances are absolute. Few steps are measured, they are slow.
 """
 
 import json
@@ -28,7 +28,8 @@ from yade import (
 )
 from yade.wrapper import Omega
 
-FIRST_STEPS, STEPS, CPU_LIMIT = 5, 200, 60.0  # the last [s]
+FIRST_STEPS, STEPS, CPU_LIMIT = 2, 200, 60.0  # the last [s]
+MM = 1e3  # in a metre
 CONTACT_AREA = 1e-6  # [m²]
 NOT_COMPARABLE = [
     "contact law: force by volume of the intersection, without viscous damping (a global damping of 0.3 instead)",
@@ -63,34 +64,34 @@ def build(scene, bed):
     radius = np.array([np.linalg.norm(hull, axis=1).max() for hull in corners])
     stiffness = 0.5 * float(bed["density"]) * 1.5e-7 * float(bed["stiffness"])
     material = PolyhedraMat(
-        density=float(bed["density"]),
-        young=stiffness / CONTACT_AREA,
+        density=1e3 * float(bed["density"]) / MM**3,
+        young=1e3 * stiffness / (CONTACT_AREA * MM**2),
         poisson=0.22,
         frictionAngle=float(np.arctan(bed["friction"])),
         IsSplitable=False,
     )
 
     def add(hull, place):
-        body = polyhedra_utils.polyhedra(material, v=[tuple(vertex) for vertex in hull + place])
+        body = polyhedra_utils.polyhedra(material, v=[tuple(vertex) for vertex in MM * (hull + place)])
         scene.bodies.append(body)
         return body
 
     for hull, place, velocity, spin in zip(corners, bed["position"], bed["velocity"], bed["angular_velocity"]):  # noqa: B905
         body = add(hull, place)
-        body.state.vel, body.state.angVel = tuple(velocity), tuple(spin)
+        body.state.vel, body.state.angVel = tuple(MM * velocity), tuple(spin)
     for k, place in images(bed["position"], radius, float(bed["width"])):
         add(corners[k], place).dynamic = False
     scene.bodies.append(utils.wall(0.0, axis=2, material=material))
     push = float(bed["shaking"]) * 0.5  # few steps: of constant acceleration
     scene.engines = [
         ForceResetter(),
-        InsertionSortCollider([Bo1_Polyhedra_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * float(radius.mean())),
+        InsertionSortCollider([Bo1_Polyhedra_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * MM * float(radius.mean())),
         InteractionLoop(
             [Ig2_Wall_Polyhedra_PolyhedraGeom(), Ig2_Polyhedra_Polyhedra_PolyhedraGeom()],
             [Ip2_PolyhedraMat_PolyhedraMat_PolyhedraPhys()],
             [Law2_PolyhedraGeom_PolyhedraPhys_Volumetric()],
         ),
-        NewtonIntegrator(damping=0.3, gravity=(push, 0, -float(bed["gravity"])), exactAsphericalRot=True),
+        NewtonIntegrator(damping=0.3, gravity=(MM * push, 0, -MM * float(bed["gravity"])), exactAsphericalRot=True),
     ]
     scene.dt = float(bed["time_step"])
 
@@ -104,9 +105,9 @@ def main():
     cpu, steps, contacts = 0.0, 0, []
     while steps < STEPS and cpu < CPU_LIMIT:
         began = time.process_time()
-        scene.run(5, True)
+        scene.run(1, True)
         cpu += time.process_time() - began
-        steps += 5
+        steps += 1
         real = [i for i in scene.interactions if i.isReal and max(i.id1, i.id2) < len(scene.bodies) - 1]
         contacts.append(len(real) / n)
     result = {
