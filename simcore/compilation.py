@@ -10,6 +10,9 @@ import os
 from pathlib import Path
 
 import numba
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
 
 _SOURCES = Path(__file__).parent
 
@@ -38,10 +41,25 @@ numba.config.CACHE_DIR = str(_cache_folder())
 # and down, atomically, which cost 6.3 µs of a step's 6.6 µs per polyhedron. So a leaf may allocate nothing and may
 # call leaves only.
 leaf = numba.njit(error_model="numpy", cache=True, forceinline=True, _nrt=False)
+# A long leaf that stays a call: it counts no references either, and takes its arrays from the stack (contact/scratch.py).
+routine = numba.njit(error_model="numpy", cache=True, _nrt=False)
 # Searches are rare, long and allocate: they stay calls, from a loop that does nothing else.
 search = numba.njit(error_model="numpy", cache=True)
+# Like a search, but without allocation, and so without the counting.
+routine = numba.njit(error_model="numpy", cache=True, _nrt=False)
 kernel = numba.njit(error_model="numpy", cache=True)
 parallel_kernel = numba.njit(error_model="numpy", cache=True, parallel=True)
+
+
+@intrinsic
+def cycles(typing_context):
+    """Cycle counter of the processor (int64): differences time parts of a step."""
+
+    def generate(context, builder, signature, arguments):
+        counter = builder.module.declare_intrinsic("llvm.readcyclecounter", (), ir.FunctionType(ir.IntType(64), ()))
+        return builder.call(counter, ())
+
+    return types.int64(), generate
 
 
 def set_threads(n_threads: int) -> None:

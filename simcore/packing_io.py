@@ -11,6 +11,7 @@ import xarray as xr
 
 from simcore import __version__
 from simcore.compilation import source_digest
+from simcore.dem.contact.wall import CYLINDER, FLOOR
 from simcore.dem.packing import Packed
 from simcore.dem.scene import Scene
 from simcore.dem.shapes import Base
@@ -31,10 +32,12 @@ def packing_dataset(scene: Scene, bases: list[Base], packed: Packed, sample, spe
         shift[:] = np.floor(bodies.position[:, :2] / width)
     position = bodies.position.copy()
     position[:, :2] -= shift * width
+    # Spheres carry none
+    orientation = bodies.orientation if len(bodies.orientation) else np.tile([1.0, 0.0, 0.0, 0.0], (len(shift), 1))
     grain, xyz = "grain", ("grain", "xyz")
     data = {
         "position": (xyz, position, _m("centre of mass")),
-        "orientation": (("grain", "wxyz"), bodies.orientation, _one("unit quaternion, body to world")),
+        "orientation": (("grain", "wxyz"), orientation, _one("unit quaternion, body to world")),
         "scale": (xyz, bodies.scale, _one("factor on the base shape along its axes; semi-axes [m] of a unit sphere")),
         "shape": (grain, bodies.shape, _one("index of the base shape")),
         "velocity": (xyz, bodies.velocity, {"units": "m s-1", "long_name": "velocity of the centre"}),
@@ -144,31 +147,29 @@ def _shape_variables(bases):
 
 def _contact_variables(packed, shift, width):
     """Contacts between grains in the order of their key, then those with the walls in the order of grains."""
-    bodies, contacts = packed.bodies, packed.contacts
+    bodies, contacts, walls = packed.bodies, packed.near.contacts, packed.near.walls
     p = np.flatnonzero(contacts.touching)
     a, b = contacts.body_a[p], contacts.body_b[p]
     # Of unwrapped centres image i is that of wrapped ones shifted by what the wrapping took from each.
-    image = contacts.image[p] + shift[b] - shift[a]
+    image = shift[b] - shift[a]
+    if len(contacts.image):
+        image = image + contacts.image[p]
     point = bodies.position[a] + contacts.point[p]
     point[:, :2] -= shift[a] * width
     body, images = [np.column_stack([a, b])], [image]
     normals, points = [contacts.direction[p]], [point]
     overlaps, forces = [contacts.overlap[p]], [contacts.force[p]]
-    for wall, partner in ((0, FLOOR_PARTNER), (1, CYLINDER_PARTNER)):
-        i = np.flatnonzero(bodies.wall_overlap[:, wall] > 0.0)
-        deepest = bodies.position[i] + bodies.wall_point[i, wall]
-        normal = np.tile([0.0, 0.0, -1.0], (len(i), 1))
-        if partner == CYLINDER_PARTNER:
-            normal = np.column_stack([deepest[:, :2], np.zeros(len(i))])
-            normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-        point = deepest - 0.5 * bodies.wall_overlap[i, wall, None] * normal
+    for wall, partner in ((FLOOR, FLOOR_PARTNER), (CYLINDER, CYLINDER_PARTNER)):
+        w = np.flatnonzero((walls.touching > 0) & (walls.wall == wall))
+        i = walls.body[w]
+        point = bodies.position[i] + walls.point[w]
         point[:, :2] -= shift[i] * width
         body.append(np.column_stack([i, np.full(len(i), partner)]))
         images.append(np.zeros((len(i), 2), np.int64))
-        normals.append(normal)
+        normals.append(-walls.normal[w])
         points.append(point)
-        overlaps.append(bodies.wall_overlap[i, wall])
-        forces.append(-bodies.wall_force[i, wall])
+        overlaps.append(walls.overlap[w])
+        forces.append(-walls.force[w])
     vector = ("contact", "xyz")
     return {
         "contact_body": (("contact", "pair"), np.concatenate(body), _one("grains; second: -1 floor, -2 cylinder")),

@@ -8,62 +8,87 @@ from typing import NamedTuple
 
 import numpy as np
 
-from simcore.dem.shapes import Base
+from simcore.dem.shapes import CONVEX, SPHERE, Base
 
 
 class Bodies(NamedTuple):
-    """n bodies. What is derived from other fields is marked; it is kept so that a step computes it once."""
+    """n bodies. What is derived from other fields is marked; it is kept so that a step computes it once.
+
+    Fields marked with a kind are empty, (0, ...), in scenes of other kinds.
+    """
 
     shape: np.ndarray  # (n,) int64, index of the base
     scale: np.ndarray  # (n, 3)
     position: np.ndarray  # (n, 3) [m], not wrapped
-    orientation: np.ndarray  # (n, 4) unit quaternion (w, x, y, z), body to world
+    orientation: np.ndarray  # (n, 4) unit quaternion (w, x, y, z), body to world; not for spheres
     velocity: np.ndarray  # (n, 3) [m/s]
     angular_momentum: np.ndarray  # (n, 3) [kg m²/s], world axes
     mass: np.ndarray  # (n,) [kg]
     inertia: np.ndarray  # (n, 3) [kg m²], principal
     radius: np.ndarray  # (n,) [m], of the bounding sphere about the centre
-    travel: np.ndarray  # (n,) [m], path no point of the body can have exceeded since the start
+    turned: np.ndarray  # (n,) [m], way no point can have exceeded by turning since the start; not for spheres
     listed_position: np.ndarray  # (n, 3) [m], where the body was when neighbours were last listed
-    wall_spring: np.ndarray  # (n, 2, 3) [m], tangential springs to the floor and to the cylinder
-    wall_vertex: np.ndarray  # (n,) int64, vertex last found lowest, where a climb to the floor starts
-    rotation: np.ndarray  # (n, 3, 3), derived: matrix of the orientation
+    listed_turned: np.ndarray  # (n,) [m], `turned` at that time; not for spheres
+    rotation: np.ndarray  # (n, 3, 3), derived: matrix of the orientation; not for spheres
     angular_velocity: np.ndarray  # (n, 3) [1/s], derived, world axes
-    form_matrix: np.ndarray  # (n, 6) [m²], derived: R diag(s²) Rᵀ as xx, yy, zz, xy, xz, yz
-    wall_force: np.ndarray  # (n, 2, 3) [N], output: force on the body from floor and cylinder
-    wall_point: np.ndarray  # (n, 2, 3) [m], output: where it acts
-    wall_overlap: np.ndarray  # (n, 2) [m], output; positive where they touch
+    form_matrix: np.ndarray  # (n, 6) [m²], derived: R diag(s²) Rᵀ as xx, yy, zz, xy, xz, yz; ellipsoids
     net_force: np.ndarray  # (n, 3) [N], output: of contacts and gravity, without shaking
 
 
 class Contacts(NamedTuple):
     """Near pairs in the order of their key (a, b, image), a < b or a = b with a positive image.
 
-    Memory: what the last step found. Output: what the current step gives to the bodies.
+    Memory: what the last step found. Output: what the current step gives to the bodies. Fields marked with a
+    feature are empty in scenes without it. The facet is that of the Minkowski difference along the normal where the
+    pair touches, the simplex next to the origin where it is apart.
     """
 
-    body_a: np.ndarray  # (m,) int64
-    body_b: np.ndarray  # (m,) int64
-    image: np.ndarray  # (m, 2) int64: the partner is body b shifted by image × width
+    body_a: np.ndarray  # (m,) int32
+    body_b: np.ndarray  # (m,) int32
+    image: np.ndarray  # (m, 2) int32: the partner is body b shifted by image × width; periodic
     touching: np.ndarray  # (m,) uint8
-    spring: np.ndarray  # (m, 3) [m], memory: tangential spring
-    direction: np.ndarray  # (m, 3), memory: last normal or separating direction; zero where nothing is known
-    facet: np.ndarray  # (m, 6) int64, memory: vertices a0 a1 a2 b0 b1 b2 of the Minkowski facet; -1 unknown
     pending: np.ndarray  # (m,) uint8, within a step: the memory did not answer, the pair must be searched
-    safe_until: np.ndarray  # (m,) [m], memory: the pair stays apart while travel_a + travel_b is below
-    overlap: np.ndarray  # (m,) [m], output
+    direction: np.ndarray  # (m, 3), memory: last normal or separating direction; zero where nothing is known
+    facet: np.ndarray  # (m, 6) int32, memory: vertices a0 a1 a2 b0 b1 b2; -1 unknown; convex
+    apart_at: np.ndarray  # (m, 3) [m], memory: relative position where a gap was last seen; not for spheres
+    safe_until: np.ndarray  # (m,) [m], memory: apart while |moved since apart_at| + turned_a + turned_b is below
+    spring: np.ndarray  # (m, 3) [m], memory: tangential spring; friction
+    twist: np.ndarray  # (m,), memory: angle of the spring that holds a patch about its normal; patch with friction
+    overlap: np.ndarray  # (m,) [m], output; of a pair apart: memory, minus the gap that was searched last
     point: np.ndarray  # (m, 3) [m], output: contact point relative to the centre of a
+    spread: np.ndarray  # (m, 6) [m²], output: second moments of the patch, xx yy zz xy xz yz; patch
     force: np.ndarray  # (m, 3) [N], output: on b; a gets the opposite
     torque_a: np.ndarray  # (m, 3) [N m], output
     torque_b: np.ndarray  # (m, 3) [N m], output
     incident_start: np.ndarray  # (n + 1,) int64: contacts of body i, in order of (partner, image)
-    incident: np.ndarray  # (2 m,) int64: 2 × contact, + 1 where the body is b
+    incident: np.ndarray  # (2 m,) int32: 2 × contact, + 1 where the body is b
 
 
-def make_bodies(bases: list[Base], shape, scale, position, orientation, velocity, angular_velocity, density) -> Bodies:
-    """Bodies of the given density [kg/m³] at rest in their memory: no spring, nothing travelled.
+class Walls(NamedTuple):
+    """Bodies near a wall, in order of (body, wall): what Contacts is for pairs."""
+
+    body: np.ndarray  # (w,) int32
+    wall: np.ndarray  # (w,) int32: FLOOR or CYLINDER of simcore.dem.contact.wall
+    touching: np.ndarray  # (w,) uint8
+    vertex: np.ndarray  # (w,) int32, memory: vertex last found lowest, where a climb to the floor starts
+    spring: np.ndarray  # (w, 3) [m], memory; friction
+    twist: np.ndarray  # (w,), memory; patch with friction
+    overlap: np.ndarray  # (w,) [m], output
+    normal: np.ndarray  # (w, 3), output: from the wall into the body
+    point: np.ndarray  # (w, 3) [m], output: contact point relative to the centre of the body
+    spread: np.ndarray  # (w, 6) [m²], output; patch
+    force: np.ndarray  # (w, 3) [N], output: on the body
+    torque: np.ndarray  # (w, 3) [N m], output
+    start: np.ndarray  # (n + 1,) int64: walls of body i
+
+
+def make_bodies(
+    bases: list[Base], shape, scale, position, orientation, velocity, angular_velocity, density, kind=None
+) -> Bodies:
+    """Bodies of the given density [kg/m³] that have turned nowhere yet.
 
     shape (n,), scale (n, 3), position (n, 3), orientation (n, 4), velocity (n, 3), angular_velocity (n, 3), SI.
+    kind: of the scene; fields that it does not need stay empty. None: all fields.
     """
     shape = np.asarray(shape, np.int64)
     scale = np.array(scale, np.float64)
@@ -72,7 +97,6 @@ def make_bodies(bases: list[Base], shape, scale, position, orientation, velocity
     base_moments = np.array([base.second_moments for base in bases]).reshape(-1, 3)
     mass = density * base_volume[shape] * scale.prod(axis=1)
     moments = mass[:, None] * base_moments[shape] * scale**2
-    first_vertex = np.concatenate(([0], np.cumsum([len(base.vertices) for base in bases])))
     orientation = np.array(orientation, np.float64)
     orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
     bodies = Bodies(
@@ -85,23 +109,28 @@ def make_bodies(bases: list[Base], shape, scale, position, orientation, velocity
         mass=mass,
         inertia=moments.sum(axis=1, keepdims=True) - moments,
         radius=_bounding_radius(bases, shape, scale),
-        travel=np.zeros(n),
+        turned=np.zeros(n),
         listed_position=np.array(position, np.float64),
-        wall_spring=np.zeros((n, 2, 3)),
-        wall_vertex=first_vertex[shape].astype(np.int64),
+        listed_turned=np.zeros(n),
         rotation=rotation_matrix(orientation),
         angular_velocity=np.array(angular_velocity, np.float64),
         form_matrix=np.zeros((n, 6)),
-        wall_force=np.zeros((n, 2, 3)),
-        wall_point=np.zeros((n, 2, 3)),
-        wall_overlap=np.zeros((n, 2)),
         net_force=np.zeros((n, 3)),
     )
     spin = np.einsum("nji,nj->ni", bodies.rotation, bodies.angular_velocity)
     bodies.angular_momentum[:] = np.einsum("nij,nj->ni", bodies.rotation, bodies.inertia * spin)
     full = np.einsum("nij,nj,nkj->nik", bodies.rotation, scale**2, bodies.rotation)
     bodies.form_matrix[:] = full[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    if kind == SPHERE:
+        return without(bodies, "orientation", "turned", "listed_turned", "rotation", "form_matrix")
+    if kind == CONVEX:
+        return without(bodies, "form_matrix")
     return bodies
+
+
+def without(group, *names):
+    """A copy of a NamedTuple of arrays in which the named ones have no rows: the compiled types stay the same."""
+    return group._replace(**{name: getattr(group, name)[:0].copy() for name in names})
 
 
 def join_bodies(first: Bodies, second: Bodies) -> Bodies:

@@ -68,3 +68,46 @@ def tangential_force(law, mass, limit, dt, nx, ny, nz, ux, uy, uz, sx, sy, sz):
         sy = -(fy + damping * uy) / stiffness
         sz = -(fz + damping * uz) / stiffness
     return fx, fy, fz, sx, sy, sz
+
+
+@leaf
+def normal_force(law, mass, overlap, un, attractive):
+    """Normal force on b [N], positive where it pushes. un: velocity of b against a along the normal."""
+    push = mass * (law.stiffness * overlap - law.damping * un)
+    if not attractive:
+        push = max(push, 0.0)
+    return push
+
+
+@leaf
+def patch_torque(law, mass, push, dt, nx, ny, nz, wx, wy, wz, spread, twists, k, friction):
+    """Torque on b [N m] of a patch about its centroid, and its new twist; zero for a point.
+
+    The springs and dashpots of the contact law, thought spread over the patch by depth, also resist what turns about
+    the centroid: with second moments C of the patch, rocking at g = n × ω meets −d_n (C g) × n, and twisting a
+    torsional spring k_t tr C with its dashpot, held by friction up to µ |F_n| √(tr C).
+    # ASSUME: slip and twist do not weaken each other, and the gyration radius stands for the mean lever arm (for a
+    # disc 0.707 R against 0.667 R). w: angular velocity of b against a.
+    """
+    xx, yy, zz = spread[k, 0], spread[k, 1], spread[k, 2]
+    xy, xz, yz = spread[k, 3], spread[k, 4], spread[k, 5]
+    gx, gy, gz = ny * wz - nz * wy, nz * wx - nx * wz, nx * wy - ny * wx
+    hx = xx * gx + xy * gy + xz * gz
+    hy = xy * gx + yy * gy + yz * gz
+    hz = xz * gx + yz * gy + zz * gz
+    d = -law.damping * mass
+    mx, my, mz = d * (hy * nz - hz * ny), d * (hz * nx - hx * nz), d * (hx * ny - hy * nx)
+    if friction:
+        moment = xx + yy + zz
+        rate = nx * wx + ny * wy + nz * wz
+        stiffness = law.tangential * law.stiffness * mass * moment
+        damping = law.root_tangential * law.damping * mass * moment
+        twist = twists[k] + rate * dt
+        torque = -stiffness * twist - damping * rate
+        limit = law.friction * abs(push) * np.sqrt(moment)
+        if abs(torque) > limit:
+            torque = limit if torque > 0.0 else -limit
+            twist = -(torque + damping * rate) / stiffness if stiffness > 0.0 else 0.0
+        twists[k] = twist
+        mx, my, mz = mx + torque * nx, my + torque * ny, mz + torque * nz
+    return mx, my, mz

@@ -1,5 +1,6 @@
 """Near pairs: linked cells on as many levels as the sizes need, a list with a skin, and the memory of pairs.
 
+Of bodies that are not spheres only pairs that can meet before the list is made anew are in it.
 A body lives on the level whose cells are just wider than its bounding sphere with skin; a pair is found from its
 finer body. Horizontally periodic boxes wrap cells, and each wrap counts the image, so that a pair close through
 several images, or a grain close to its own, is listed once for each.
@@ -10,26 +11,49 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.compilation import kernel
-from simcore.dem.bodies import Bodies, Contacts
+from simcore.dem.bodies import Bodies, Contacts, Walls
+from simcore.dem.contact.ellipsoid_climb import gap_along
+from simcore.dem.contact.minkowski import support
+from simcore.dem.contact.wall import CYLINDER, FLOOR
+from simcore.dem.features import Features
+from simcore.dem.shapes import CONVEX, SPHERE, Shapes
 
 
 class Box(NamedTuple):
-    """Horizontal extent [m]: periodic with width, or open (width 0)."""
+    """Horizontal extent [m]: periodic with width, or open (width 0), then perhaps within a cylinder."""
 
     width: float
+    wall_radius: float = np.inf
 
 
-def list_contacts(bodies: Bodies, box: Box, skin: float, old: Contacts | None) -> Contacts:
-    """Contacts for all pairs whose bounding spheres are closer than the skin [m]; old pairs keep their memory.
+class Near(NamedTuple):
+    """What can touch until the list is made anew."""
 
-    Marks where the bodies are: the list holds while no body has moved by half the skin.
+    contacts: Contacts
+    walls: Walls
+
+
+def list_near(
+    bodies: Bodies, shapes: Shapes, box: Box, skin: float, features: Features, old: Near | None = None
+) -> Near:
+    """Pairs that may be closer than the skin [m], and bodies whose bounding sphere is within half of it from a wall.
+
+    What was near before keeps its memory. Marks where the bodies are: the list holds while no point of a body has
+    moved by half the skin. Pairs are those whose bounding spheres are close, less those that are seen to be apart by
+    more than the skin from what they remember, or along the line between their centres.
     """
     pairs = find_pairs(bodies.position, bodies.radius, box, skin)
-    contacts = _empty_contacts(pairs, len(bodies.mass))
+    if features.kind != SPHERE:
+        before = _empty_contacts(pairs[:0], 0, features) if old is None else old.contacts
+        pairs = pairs[_can_meet(pairs, bodies, shapes, before, box.width, skin, features.kind == CONVEX)]
+        bodies.listed_turned[:] = bodies.turned
+    contacts = _empty_contacts(pairs, len(bodies.mass), features)
+    walls = _empty_walls(bodies, shapes, box, 0.5 * skin, features)
     if old is not None:
-        _carry_memory(old, contacts)
+        _carry_memory(old.contacts, contacts)
+        _carry_wall_memory(old.walls, walls)
     bodies.listed_position[:] = bodies.position
-    return contacts
+    return Near(contacts, walls)
 
 
 def find_pairs(position, radius, box: Box, skin: float) -> np.ndarray:
@@ -152,33 +176,124 @@ def _search(members, grid, wrapped, shift, radius, skin, span, width, same_level
     return found[:n_found].copy()
 
 
-def _empty_contacts(pairs: np.ndarray, n_bodies: int) -> Contacts:
+def _empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Contacts:
     m = len(pairs)
-    body_a, body_b, image = pairs[:, 0].copy(), pairs[:, 1].copy(), pairs[:, 2:].copy()
+    body_a, body_b, image = pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:].astype(np.int32)
     # Contacts of a body in order of (partner, image). Sides of one self pair differ in the sign of the image.
     owner = np.concatenate([body_a, body_b])
     partner = np.concatenate([body_b, body_a])
     seen_image = np.concatenate([image, -image])
     code = np.concatenate([2 * np.arange(m), 2 * np.arange(m) + 1])
     order = np.lexsort((seen_image[:, 1], seen_image[:, 0], partner, owner))
+    apart = 0 if features.kind == SPHERE else m
+    springs = m if features.friction else 0
+    patches = m if features.patch else 0
     return Contacts(
         body_a=body_a,
         body_b=body_b,
-        image=image,
+        image=image if features.periodic else image[:0].copy(),
         touching=np.zeros(m, np.uint8),
-        spring=np.zeros((m, 3)),
+        pending=np.zeros(apart, np.uint8),
         direction=np.zeros((m, 3)),
-        facet=np.full((m, 6), -1, np.int64),
-        pending=np.zeros(m, np.uint8),
-        safe_until=np.full(m, -np.inf),
+        facet=np.full((m if features.kind == CONVEX else 0, 6), -1, np.int32),
+        apart_at=np.zeros((apart, 3)),
+        safe_until=np.full(apart, -np.inf),
+        spring=np.zeros((springs, 3)),
+        twist=np.zeros(min(springs, patches)),
         overlap=np.zeros(m),
         point=np.zeros((m, 3)),
+        spread=np.zeros((patches, 6)),
         force=np.zeros((m, 3)),
         torque_a=np.zeros((m, 3)),
         torque_b=np.zeros((m, 3)),
         incident_start=np.concatenate(([0], np.cumsum(np.bincount(owner, minlength=n_bodies)))).astype(np.int64),
-        incident=code[order],
+        incident=code[order].astype(np.int32),
     )
+
+
+def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, reach: float, features: Features) -> Walls:
+    """Rows for bodies that come closer than `reach` to a wall of the scene."""
+    n = len(bodies.mass)
+    near = np.zeros((n, 2), np.bool_)
+    if features.floor:
+        near[:, FLOOR] = bodies.position[:, 2] - bodies.radius < reach
+    if features.cylinder:
+        near[:, CYLINDER] = np.hypot(bodies.position[:, 0], bodies.position[:, 1]) + bodies.radius + reach > (
+            box.wall_radius
+        )
+    body, wall = np.nonzero(near)
+    w = len(body)
+    springs = w if features.friction else 0
+    patches = w if features.patch else 0
+    return Walls(
+        body=body.astype(np.int32),
+        wall=wall.astype(np.int32),
+        touching=np.zeros(w, np.uint8),
+        vertex=shapes.vertex_start[bodies.shape[body]].astype(np.int32),
+        spring=np.zeros((springs, 3)),
+        twist=np.zeros(min(springs, patches)),
+        overlap=np.zeros(w),
+        normal=np.zeros((w, 3)),
+        point=np.zeros((w, 3)),
+        spread=np.zeros((patches, 6)),
+        force=np.zeros((w, 3)),
+        torque=np.zeros((w, 3)),
+        start=np.concatenate(([0], np.cumsum(near.sum(axis=1)))).astype(np.int64),
+    )
+
+
+@kernel
+def _can_meet(pairs, bodies, shapes, old, width, skin, convex):
+    """Whether each pair (m, 4) can touch before the next list, as far as is seen at once: (m,) bool."""
+    can = np.ones(len(pairs), np.bool_)
+    k, n_old = 0, len(old.body_a)
+    for p in range(len(pairs)):
+        i, j = pairs[p, 0], pairs[p, 1]
+        while k < n_old and _key_before(old, k, pairs, p):
+            k += 1
+        rx = bodies.position[j, 0] - bodies.position[i, 0] + pairs[p, 2] * width
+        ry = bodies.position[j, 1] - bodies.position[i, 1] + pairs[p, 3] * width
+        rz = bodies.position[j, 2] - bodies.position[i, 2]
+        if k < n_old and _same_key(old, k, pairs, p):
+            if old.touching[k] != 0:
+                continue
+            dx, dy, dz = rx - old.apart_at[k, 0], ry - old.apart_at[k, 1], rz - old.apart_at[k, 2]
+            gap = old.safe_until[k] - bodies.turned[i] - bodies.turned[j]
+            can[p] = gap - np.sqrt(dx * dx + dy * dy + dz * dz) <= skin
+            continue
+        distance = np.sqrt(rx * rx + ry * ry + rz * rz)
+        if distance == 0.0:
+            continue
+        nx, ny, nz = rx / distance, ry / distance, rz / distance
+        if convex:
+            a, b = shapes.vertex_start[bodies.shape[i]], shapes.vertex_start[bodies.shape[j]]
+            _, _, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz)
+            gap = -(x * nx + y * ny + z * nz)
+        else:
+            gap = gap_along(bodies.form_matrix, i, j, rx, ry, rz, nx, ny, nz)
+        can[p] = gap <= skin
+    return can
+
+
+@kernel
+def _key_before(old, k, pairs, p):
+    """Whether key k of the old list comes before pair p."""
+    if old.body_a[k] != pairs[p, 0]:
+        return old.body_a[k] < pairs[p, 0]
+    if old.body_b[k] != pairs[p, 1]:
+        return old.body_b[k] < pairs[p, 1]
+    if len(old.image) == 0:
+        return False
+    if old.image[k, 0] != pairs[p, 2]:
+        return old.image[k, 0] < pairs[p, 2]
+    return old.image[k, 1] < pairs[p, 3]
+
+
+@kernel
+def _same_key(old, k, pairs, p):
+    if old.body_a[k] != pairs[p, 0] or old.body_b[k] != pairs[p, 1]:
+        return False
+    return len(old.image) == 0 or (old.image[k, 0] == pairs[p, 2] and old.image[k, 1] == pairs[p, 3])
 
 
 @kernel
@@ -191,15 +306,32 @@ def _carry_memory(old, new):
             k += 1
         if k < n_old and not _before(new, p, old, k):
             new.touching[p] = old.touching[k]
-            new.spring[p] = old.spring[k]
             new.direction[p] = old.direction[k]
-            new.facet[p] = old.facet[k]
-            new.safe_until[p] = old.safe_until[k]
+            if len(new.facet) > 0:
+                new.facet[p] = old.facet[k]
+            if len(new.apart_at) > 0:
+                new.apart_at[p] = old.apart_at[k]
+                new.safe_until[p] = old.safe_until[k]
+            if len(new.spring) > 0:
+                new.spring[p] = old.spring[k]
+            if len(new.twist) > 0:
+                new.twist[p] = old.twist[k]
             new.overlap[p] = old.overlap[k]
             new.point[p] = old.point[k]
+            if len(new.spread) > 0:
+                new.spread[p] = old.spread[k]
             new.force[p] = old.force[k]
             new.torque_a[p] = old.torque_a[k]
             new.torque_b[p] = old.torque_b[k]
+
+
+def _carry_wall_memory(old: Walls, new: Walls) -> None:
+    """Copy memory and output of the rows that are in both lists; (body, wall) is unique in each."""
+    _, to, kept = np.intersect1d(2 * new.body + new.wall, 2 * old.body + old.wall, return_indices=True)
+    for name in Walls._fields:
+        field = getattr(new, name)
+        if name not in ("body", "wall", "start") and len(field):
+            field[to] = getattr(old, name)[kept]
 
 
 @kernel
@@ -209,6 +341,8 @@ def _before(first, k, second, p):
         return first.body_a[k] < second.body_a[p]
     if first.body_b[k] != second.body_b[p]:
         return first.body_b[k] < second.body_b[p]
+    if len(first.image) == 0:
+        return False
     if first.image[k, 0] != second.image[p, 0]:
         return first.image[k, 0] < second.image[p, 0]
     return first.image[k, 1] < second.image[p, 1]

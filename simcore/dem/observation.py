@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from simcore.dem.bodies import Bodies, Contacts
+from simcore.dem.bodies import Bodies
+from simcore.dem.neighbors import Near
 
 
 class Observation(NamedTuple):
@@ -17,13 +18,13 @@ class Observation(NamedTuple):
     coordination: float  # grain-grain contacts per grain, each counted for both
 
 
-def observe(bodies: Bodies, contacts: Contacts) -> Observation:
+def observe(bodies: Bodies, near: Near) -> Observation:
     """Observation of the current state; forces and overlaps are those of the last evaluation."""
     n = len(bodies.mass)
-    touching = contacts.touching > 0
-    wall = bodies.wall_overlap > 0.0
+    contacts, walls = near
+    touching, wall = contacts.touching > 0, walls.touching > 0
     forces = np.concatenate(
-        [np.linalg.norm(contacts.force[touching], axis=1), np.linalg.norm(bodies.wall_force[wall], axis=1)]
+        [np.linalg.norm(contacts.force[touching], axis=1), np.linalg.norm(walls.force[wall], axis=1)]
     )
     overlaps = contacts.overlap[touching]
     net = np.linalg.norm(bodies.net_force, axis=1)
@@ -33,7 +34,7 @@ def observe(bodies: Bodies, contacts: Contacts) -> Observation:
         max_speed=float(np.sqrt((bodies.velocity**2).sum(axis=1).max())),
         mean_height=float((bodies.mass * bodies.position[:, 2]).sum() / bodies.mass.sum()),
         mean_overlap=float(overlaps.mean()) if len(overlaps) else 0.0,
-        max_overlap=float(max(overlaps.max(initial=0.0), bodies.wall_overlap.max(initial=0.0))),
+        max_overlap=float(max(overlaps.max(initial=0.0), walls.overlap[wall].max(initial=0.0))),
         unbalanced_force=float(net.mean() / forces.mean()) if len(forces) and forces.mean() > 0.0 else 0.0,
         coordination=2.0 * float(touching.sum()) / n,
     )

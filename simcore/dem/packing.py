@@ -10,14 +10,17 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from numba import get_num_threads
 
-from simcore.dem.bodies import Bodies, Contacts, join_bodies, make_bodies
+from simcore.dem.bodies import Bodies, join_bodies, make_bodies
+from simcore.dem.contact.patch import make_room
+from simcore.dem.features import Features
 from simcore.dem.generation import give_birth, lattice_sites, occupy_sites
-from simcore.dem.neighbors import Box, list_contacts
+from simcore.dem.neighbors import Box, Near, list_near
 from simcore.dem.observation import Observation, observe
 from simcore.dem.scene import Scene
 from simcore.dem.shapes import Base, collect_shapes
-from simcore.dem.stepping import Drive, Features, make_advance
+from simcore.dem.stepping import STAGES, Drive, make_advance
 
 GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"
 # Of the mean sieve size. From 0.15 to 0.4 a shaken bed costs the same within 4 % (300 pebbles of U1), and falling
@@ -42,12 +45,20 @@ class Packed(NamedTuple):
     """A converged packing."""
 
     bodies: Bodies
-    contacts: Contacts
+    near: Near
     observation: Observation
     steps: int
     time: float  # [s], simulated
     last_birth: float  # [s], simulated
     checks: list  # (time [s], phase, Observation) at every convergence interval
+
+    @property
+    def contacts(self):
+        return self.near.contacts
+
+    @property
+    def walls(self):
+        return self.near.walls
 
 
 class PackingError(RuntimeError):
@@ -67,28 +78,33 @@ def pack(scene: Scene, bases: list[Base], draw: Callable, report: Callable = lam
 class Process:
     """A packing under way; `pack` runs it through, benchmarks and tests step it themselves."""
 
-    def __init__(self, scene, bases, draw, report):
+    def __init__(self, scene, bases, draw, report, timed=False):
+        """timed: count in `seconds` what each part of the steps takes."""
         self.scene, self.bases, self.draw = scene, bases, draw
         self.progress = _Progress(scene, report)
         self.shapes = collect_shapes(bases)
         domain = scene.domain
-        self.box = Box(domain.width if domain.periodic else 0.0)
-        self.advance_steps = make_advance(
-            Features(
-                kind=scene.kind,
-                friction=scene.material.friction > 0.0,
-                attractive=scene.material.end_of_contact == "attractive",
-                floor=True,
-                cylinder=not domain.periodic,
-            )
-        )
+        self.box = Box(domain.width) if domain.periodic else Box(0.0, 0.5 * domain.width)
+        self.features = scene.features._replace(timed=timed)
+        self.advance_steps = make_advance(self.features)
+        self.room = make_room(self.shapes, get_num_threads())
+        self.clock = np.zeros(len(STAGES), np.int64)
+        self.seconds = dict.fromkeys(("neighbour search", *STAGES), 0.0)
         self.dt = scene.numerics.time_step
         self.interval_steps = max(round(scene.convergence.interval / self.dt), 1)
         self.shaking_steps = round(scene.shaking.duration / self.dt)
         self.step = 0
         self.bodies = None
-        self.contacts = None
+        self.near = None
         self.checks = []
+
+    @property
+    def contacts(self):
+        return self.near.contacts
+
+    @property
+    def walls(self):
+        return self.near.walls
 
     def run(self):
         last_birth = self.generate()
@@ -96,7 +112,7 @@ class Process:
         observation = self.settle()
         self.evaluate()
         return Packed(
-            self.bodies, self.contacts, observation, self.step, self.step * self.dt, last_birth * self.dt, self.checks
+            self.bodies, self.near, observation, self.step, self.step * self.dt, last_birth * self.dt, self.checks
         )
 
     # -- phases ---------------------------------------------------------------------------------------------
@@ -126,7 +142,7 @@ class Process:
         scene = self.scene
         goal = scene.convergence
         end = self.step + round(scene.damping.max_time / self.dt)
-        before = observe(self.bodies, self.contacts).mean_height
+        before = observe(self.bodies, self.near).mean_height
         while self.step < end:
             seen = self.advance(self.interval_steps, DAMPING, end)
             change = abs(seen.mean_height - before)
@@ -202,11 +218,11 @@ class Process:
                 # than the packing, so the grain that reaches the mass is the last.
                 count = int(np.searchsorted(mass, scene.amount_mass)) + 1
         birth = give_birth(generation, sites[taken[:count]], drawn.sieve_size[:count], drawn.uniforms[:count])
-        new = make_bodies(self.bases, drawn.shape[:count], drawn.scale[:count], *birth, density=scene.material.density)
+        new = make_bodies(self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, scene.kind)
         self.bodies = new if self.bodies is None else join_bodies(self.bodies, new)
         mean_size = float(np.mean(drawn.sieve_size[:count]))
         self.skin = (SKIN if scene.numerics.skin is None else scene.numerics.skin) * mean_size
-        self.contacts = list_contacts(self.bodies, self.box, self.skin, self.contacts)
+        self._list_near()
         return reached
 
     def _masses(self, drawn):
@@ -232,16 +248,15 @@ class Process:
     def advance(self, n_steps, phase, end=None):
         """Step, list anew where needed, check that all is sane, and report."""
         drive = self._drive(phase, self.dt)
-        law = self.scene.law
         left = n_steps
         while left > 0:
-            done, stale = self.advance_steps(self.bodies, self.shapes, self.contacts, law, drive, self.step, left)
+            done, stale = self._advance(drive, left)
             self.step += done
             left -= done
             if stale:
                 self._check_finite()
-                self.contacts = list_contacts(self.bodies, self.box, self.skin, self.contacts)
-        seen = observe(self.bodies, self.contacts)
+                self._list_near()
+        seen = observe(self.bodies, self.near)
         self._check_speed(seen)
         self.checks.append((self.step * self.dt, phase, seen))
         self.progress.line(phase, self.step, self.dt, len(self.bodies.mass), seen, end)
@@ -250,7 +265,24 @@ class Process:
     def evaluate(self):
         """Forces, overlaps and contact points of the final positions, without moving anything."""
         drive = self._drive(DAMPING, 0.0)
-        self.advance_steps(self.bodies, self.shapes, self.contacts, self.scene.law, drive, self.step, 1)
+        self._advance(drive, 1)
+
+    def _advance(self, drive, n_steps):
+        """(steps done, whether the list is stale)"""
+        before, started = self.clock.copy(), time.perf_counter()
+        result = self.advance_steps(
+            self.bodies, self.shapes, *self.near, self.room, self.scene.law, drive, self.clock, self.step, n_steps
+        )
+        if self.features.timed:
+            elapsed, cycles = time.perf_counter() - started, self.clock - before
+            for stage, share in zip(STAGES, cycles / cycles.sum(), strict=True):
+                self.seconds[stage] += elapsed * share
+        return result
+
+    def _list_near(self):
+        started = time.perf_counter()
+        self.near = list_near(self.bodies, self.shapes, self.box, self.skin, self.features, self.near)
+        self.seconds["neighbour search"] += time.perf_counter() - started
 
     def _fastest(self):
         """Id of the grain whose centre moves fastest."""

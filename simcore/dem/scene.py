@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from simcore.dem.features import Features
 from simcore.dem.force_laws import ContactLaw, contact_law
+from simcore.dem.shapes import CONVEX
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,7 @@ class Convergence:
 class Numerics:
     contact_time: float
     steps_per_contact_time: float
+    contact_region: str
     skin: float | None
     progress_interval: float
 
@@ -126,6 +129,20 @@ class Scene:
                 f"material.fluid_density: {self.material.fluid_density:g} kg/m3 is not below the grains' density of "
                 f"{self.material.density:g} kg/m3, they would not settle"
             )
+
+    @property
+    def features(self) -> Features:
+        """What the step of this scene is composed of."""
+        return Features(
+            kind=self.kind,
+            friction=self.material.friction > 0.0,
+            attractive=self.material.end_of_contact == "attractive",
+            floor=True,
+            cylinder=not self.domain.periodic,
+            periodic=self.domain.periodic,
+            shaken=self.shaking.amplitude > 0.0 and self.shaking.duration > 0.0,
+            patch=self.kind == CONVEX and self.numerics.contact_region == "patch",
+        )
 
     @property
     def law(self) -> ContactLaw:

@@ -6,9 +6,11 @@ scaling keeps the principal axes (mean second moments <x_i x_j> -> s_i s_j <x_i 
 follow in closed form, and the edge graph of the hull stays valid.
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from simcore.compilation import leaf
 
@@ -33,7 +35,7 @@ class Shapes(NamedTuple):
     vertex_start: np.ndarray  # (n_shapes + 1,) int64
     vertices: np.ndarray  # (n_vertices, 3)
     neighbor_start: np.ndarray  # (n_vertices + 1,) int64
-    neighbors: np.ndarray  # int64, indices into vertices
+    neighbors: np.ndarray  # int64, indices into vertices; counterclockwise about each vertex, seen from outside
 
 
 def unit_sphere() -> Base:
@@ -45,27 +47,40 @@ def collect_shapes(bases: list[Base]) -> Shapes:
     """Shapes of the core from base shapes. ValueError where a hull's vertex has no edge."""
     counts = [len(base.vertices) for base in bases]
     vertex_start = np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
-    pairs = [_edges(base) + offset for base, offset in zip(bases, vertex_start[:-1], strict=True)]
-    edges = np.concatenate(pairs) if pairs else np.zeros((0, 2), np.int64)
-    n_vertices = int(vertex_start[-1])
-    degree = np.bincount(edges[:, 0], minlength=n_vertices)
-    if n_vertices and degree.min() == 0:
-        lonely = int(np.argmin(degree))
-        name = bases[int(np.searchsorted(vertex_start, lonely, side="right")) - 1].name
-        raise ValueError(f"shape {name}: a vertex belongs to no face; drop the points that are not on the hull")
+    starts, rings = [np.zeros(1, np.int64)], []
+    for base, offset in zip(bases, vertex_start[:-1], strict=True):
+        start, ring = _rings(base)
+        starts.append(start[1:] + starts[-1][-1])
+        rings.append(ring + offset)
     return Shapes(
         vertex_start,
         np.concatenate([base.vertices for base in bases]).astype(np.float64).reshape(-1, 3),
-        np.concatenate(([0], np.cumsum(degree))).astype(np.int64),
-        edges[:, 1].copy(),
+        np.concatenate(starts),
+        np.concatenate(rings),
     )
 
 
-def _edges(base: Base) -> np.ndarray:
-    """Directed edges (n, 2) of the hull, sorted, each once."""
-    faces = np.asarray(base.faces, np.int64)
-    directed = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    return np.unique(np.concatenate([directed, directed[:, ::-1]]), axis=0)
+def _rings(base: Base):
+    """Neighbours of every vertex, counterclockwise seen from outside: (start (n + 1,), neighbours).
+
+    Consecutive neighbours u, w of a vertex v make the face v, u, w, so the faces need no array of their own.
+    """
+    n = len(base.vertices)
+    after = [{} for _ in range(n)]
+    for a, b, c in np.asarray(base.faces, np.int64):
+        after[a][b], after[b][c], after[c][a] = c, a, b
+    ring, start = [], np.zeros(n + 1, np.int64)
+    for v in range(n):
+        if not after[v]:
+            raise ValueError(f"shape {base.name}: vertex {v} belongs to no face; drop points that are not on the hull")
+        first = u = min(after[v])
+        for _ in range(len(after[v])):
+            ring.append(u)
+            u = after[v].get(u, -1)
+        if u != first:
+            raise ValueError(f"shape {base.name}: the faces about vertex {v} do not close; the hull must be closed")
+        start[v + 1] = len(ring)
+    return start, np.array(ring, np.int64)
 
 
 @leaf
@@ -119,3 +134,93 @@ def support_vertex(shapes, bodies, i, vertex, nx, ny, nz):
     """Vertex of body i farthest along the world direction n, climbing from `vertex`."""
     dx, dy, dz = base_direction(bodies, i, nx, ny, nz)
     return climb(shapes, vertex, dx, dy, dz)
+
+
+FLATTEST = 1e-7  # of a hull's extent: thinner, its faces' normals are no longer known to the digits that a query gives
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One convex shape of its own frame, as `contact.query` takes it. Made by `sphere`, `ellipsoid` and `convex`."""
+
+    kind: int  # SPHERE, ELLIPSOID or CONVEX
+    base: Base  # of a convex hull: about `center`
+    scale: tuple[float, float, float]  # semi-axes [m]; 1 for a convex hull
+    center: tuple[float, float, float]  # [m], of the base in the frame in which the shape was given
+    radius: float  # [m], of the bounding sphere about the centre
+
+
+def sphere(radius: float) -> Shape:
+    """Sphere about the origin. radius [m]; ValueError unless positive and finite."""
+    (radius,) = _lengths("sphere", radius=radius)
+    return Shape(SPHERE, unit_sphere(), (radius, radius, radius), (0.0, 0.0, 0.0), radius)
+
+
+def ellipsoid(a: float, b: float, c: float) -> Shape:
+    """Ellipsoid about the origin with semi-axes a, b, c [m] along x, y, z, in any order of size.
+
+    ValueError unless positive and finite.
+    """
+    scale = _lengths("ellipsoid", a=a, b=b, c=c)
+    return Shape(ELLIPSOID, unit_sphere(), scale, (0.0, 0.0, 0.0), max(scale))
+
+
+def convex(vertices) -> Shape:
+    """Convex hull of points (n, 3) [m], in the frame in which they are given: neither moved nor turned.
+
+    Duplicates and points inside are dropped. ValueError for fewer than four different points, numbers that are not
+    finite, and points in a plane (to 1e-7 of their extent).
+    """
+    points = np.array(vertices, np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ValueError(f"convex: vertices must be an array (n, 3), this one has the shape {points.shape}")
+    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(wrong):
+        raise ValueError(f"convex: vertex {wrong[0]} is not finite, {points[wrong[0]]}; drop or mend it")
+    points = np.unique(points, axis=0)
+    if len(points) < 4:
+        raise ValueError(f"convex: {len(points)} different points are no body; give at least 4, not all in a plane")
+    center = 0.5 * points.min(axis=0) + 0.5 * points.max(axis=0)
+    points = points - center
+    extent = np.abs(points).max()
+    thickness = np.linalg.svd(points / extent - (points / extent).mean(axis=0), compute_uv=False)
+    flat = ValueError(
+        "convex: the points lie in a plane or on a line, to 1e-7 of their extent; a contact needs a body with volume: "
+        "give points on both sides, or thicken the plate"
+    )
+    # The smallest singular value is at most √n times the half thickness, and the rest of n points may lie in the plane.
+    if not thickness[2] > FLATTEST:
+        raise flat
+    try:
+        hull = ConvexHull(points / extent)
+    except QhullError:
+        raise flat from None
+    kept = np.sort(hull.vertices)
+    place = np.full(len(points), -1)
+    place[kept] = np.arange(len(kept))
+    corners = (points / extent)[hull.simplices]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inward = (normals * hull.equations[:, :3]).sum(axis=1) < 0.0
+    faces = place[np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)]
+    points = points[kept]
+    volume, moments = _moments(points[faces] / extent)
+    radius = float(np.sqrt((points**2).sum(axis=1).max()))
+    base = Base("convex", points, faces.astype(np.int64), float(volume * extent**3), moments * extent**2)
+    return Shape(CONVEX, base, (1.0, 1.0, 1.0), tuple(center), radius)
+
+
+def _lengths(name: str, **lengths: float) -> tuple[float, ...]:
+    values = tuple(float(value) for value in lengths.values())
+    for key, value in zip(lengths, values, strict=True):
+        if not (np.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name}: {key} must be a positive length [m], not {value}")
+    return values
+
+
+def _moments(corners: np.ndarray) -> tuple[float, np.ndarray]:
+    """Volume, and mean of x_i² over it, of a closed outward mesh with triangles (n, 3, 3) about the origin."""
+    p, q, s = corners[:, 0], corners[:, 1], corners[:, 2]
+    six_volumes = (np.cross(p, q) * s).sum(axis=1)
+    volume = six_volumes.sum() / 6.0
+    squares = p * p + q * q + s * s + p * q + q * s + s * p  # ten times the mean over the tetrahedron with the origin
+    return volume, (six_volumes @ squares) / 60.0 / volume

@@ -3,50 +3,47 @@
 `make_advance(features)` returns a compiled function that steps until the neighbour list no longer holds. Features
 are captured as plain constants: numba prunes every branch not taken, and each variant is cached on disk.
 
-One step: every near pair is looked at once, in its canonical order, from unshifted coordinates; then every body
-adds its contacts in order of (partner, image), meets the walls and is integrated (semi-implicit Euler: velocity
-first). Both loops write only what belongs to their index, so the thread count cannot change a bit.
+One step: every near pair is looked at once, in its canonical order, from unshifted coordinates, and every body near
+a wall; then every body adds its contacts in order of (partner, image), then its walls, and is integrated
+(semi-implicit Euler: velocity first). All loops write only what belongs to their index, so the thread count cannot
+change a bit.
 """
 
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import prange
+from numba import get_thread_id, prange
 
-from simcore.compilation import leaf, parallel_kernel
+from simcore.compilation import cycles, leaf, parallel_kernel
+from simcore.dem.contact.patch import find_patch
 from simcore.dem.contact.wall import (
-    CYLINDER,
     FLOOR,
     cylinder_convex,
     cylinder_ellipsoid,
+    cylinder_patch,
     cylinder_sphere,
     floor_convex,
     floor_ellipsoid,
+    floor_patch,
     floor_sphere,
 )
+from simcore.dem.features import Features
 from simcore.dem.force_laws import ContactLaw
 from simcore.dem.integrators import derive_form_matrix, move, spin_sphere, turn
 from simcore.dem.interaction import (
     check_ellipsoids,
     check_polyhedra,
     check_spheres,
+    partner_offset,
     press_contact,
     press_wall,
     search_ellipsoids,
     search_polyhedra,
 )
-from simcore.dem.shapes import ELLIPSOID, SPHERE
+from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE
 
-
-class Features(NamedTuple):
-    """What a scene has. Every combination is compiled by itself."""
-
-    kind: int  # SPHERE, ELLIPSOID or CONVEX
-    friction: bool
-    attractive: bool  # normal force may pull at the end of a contact
-    floor: bool
-    cylinder: bool
+STAGES = ("contact", "force", "integration")
 
 
 class Drive(NamedTuple):
@@ -59,64 +56,88 @@ class Drive(NamedTuple):
     damping: float  # factor on the velocities after each step; 1 without
     width: float  # [m], of the periodic box; 0 in a cylinder
     wall_radius: float  # [m], of the cylinder
-    list_margin: float  # [m], way from its listed position after which a body needs a new list
+    list_margin: float  # [m], way of a body's farthest point after which a new list is needed
 
 
 def make_advance(features: Features):
-    """advance(bodies, shapes, contacts, law, drive, first_step, n_steps) -> (steps done, list is stale).
+    """advance(bodies, shapes, contacts, walls, room, law, drive, clock, first_step, n_steps) -> (steps done, stale).
 
     Steps until n_steps are done or a body has left its listed place by drive.list_margin (also where a position
     ceased to be finite); then the caller lists anew. With dt = 0 forces are evaluated and nothing moves.
+    clock: (3,) int64, cycles of each of STAGES, added to where features.timed.
     """
     return _make_advance(*(int(value) for value in features))
 
 
 @cache
-def _make_advance(kind: int, friction: int, attractive: int, floor: int, cylinder: int):
+def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken, patch, timed):
+    walled = floor or cylinder
+    patch = patch and kind == CONVEX
+
     @parallel_kernel
-    def advance(bodies, shapes, contacts, law: ContactLaw, drive: Drive, first_step, n_steps):
+    def advance(bodies, shapes, contacts, walls, room, law: ContactLaw, drive: Drive, clock, first_step, n_steps):
         n_bodies = len(bodies.mass)
-        dt = drive.dt
+        n_pairs, n_walls = len(contacts.body_a), len(walls.body)
+        dt, width = drive.dt, drive.width
         moved = np.zeros(n_bodies, np.bool_)
         for step in range(n_steps):
-            for p in prange(len(contacts.body_a)):
+            if timed:
+                start = cycles()
+            for p in prange(n_pairs):
                 if kind == SPHERE:
-                    check_spheres(bodies, contacts, p, drive.width)
+                    check_spheres(bodies, contacts, p, width, periodic)
                 elif kind == ELLIPSOID:
-                    check_ellipsoids(bodies, contacts, p, drive.width)
+                    check_ellipsoids(bodies, contacts, p, width, periodic)
                 else:
-                    check_polyhedra(shapes, bodies, contacts, p, drive.width)
-            # A loop of its own, so that the counting of references for these calls burdens no check.
+                    check_polyhedra(shapes, bodies, contacts, p, width, periodic)
+            # A loop of its own: what is rare and long stays out of the loop that is neither.
             if kind != SPHERE:
-                for p in prange(len(contacts.body_a)):
+                for p in prange(n_pairs):
                     if contacts.pending[p] != 0:
                         if kind == ELLIPSOID:
-                            search_ellipsoids(bodies, contacts, p, drive.width)
+                            search_ellipsoids(bodies, contacts, p, width, periodic)
                         else:
-                            search_polyhedra(shapes, bodies, contacts, p, drive.width)
-            for p in prange(len(contacts.body_a)):
+                            search_polyhedra(shapes, bodies, contacts, p, width, periodic)
+            if patch:
+                for p in prange(n_pairs):
+                    if contacts.touching[p] != 0:
+                        i, j = contacts.body_a[p], contacts.body_b[p]
+                        rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
+                        find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, get_thread_id())
+            if timed:
+                middle = cycles()
+            for p in prange(n_pairs):
                 if contacts.touching[p] != 0:
-                    press_contact(bodies, contacts, law, dt, drive.width, p, friction, attractive)
-            push_x = drive.shaking * np.sin(drive.shaking_rate * (first_step + step) * dt)
+                    press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch)
+            if walled:
+                for w in prange(n_walls):
+                    if floor and (not cylinder or walls.wall[w] == FLOOR):
+                        if kind == SPHERE:
+                            floor_sphere(bodies, walls, w)
+                        elif kind == ELLIPSOID:
+                            floor_ellipsoid(bodies, walls, w)
+                        elif floor_convex(shapes, bodies, walls, w) and patch:
+                            floor_patch(shapes, bodies, walls, w, room, get_thread_id())
+                    elif cylinder:
+                        if kind == SPHERE:
+                            cylinder_sphere(bodies, walls, w, drive.wall_radius)
+                        elif kind == ELLIPSOID:
+                            cylinder_ellipsoid(bodies, walls, w, drive.wall_radius)
+                        else:
+                            cylinder_convex(shapes, bodies, walls, w, drive.wall_radius)
+                            if patch and walls.touching[w] != 0:
+                                cylinder_patch(shapes, bodies, walls, w, drive.wall_radius)
+                    if walls.touching[w] != 0:
+                        press_wall(bodies, walls, law, dt, w, friction, attractive, patch)
+            if timed:
+                last = cycles()
+            push_x = 0.0
+            if shaken:
+                push_x = drive.shaking * np.sin(drive.shaking_rate * (first_step + step) * dt)
             for i in prange(n_bodies):
                 fx, fy, fz, mx, my, mz = gather(bodies, contacts, drive.gravity, i)
-                if floor:
-                    if kind == SPHERE:
-                        floor_sphere(bodies, i)
-                    elif kind == ELLIPSOID:
-                        floor_ellipsoid(bodies, i)
-                    else:
-                        floor_convex(shapes, bodies, i)
-                    gx, gy, gz, tx, ty, tz = press_wall(bodies, law, dt, i, FLOOR, friction, attractive)
-                    fx, fy, fz, mx, my, mz = fx + gx, fy + gy, fz + gz, mx + tx, my + ty, mz + tz
-                if cylinder:
-                    if kind == SPHERE:
-                        cylinder_sphere(bodies, i, drive.wall_radius)
-                    elif kind == ELLIPSOID:
-                        cylinder_ellipsoid(bodies, i, drive.wall_radius)
-                    else:
-                        cylinder_convex(shapes, bodies, i, drive.wall_radius)
-                    gx, gy, gz, tx, ty, tz = press_wall(bodies, law, dt, i, CYLINDER, friction, attractive)
+                if walled:
+                    gx, gy, gz, tx, ty, tz = gather_walls(walls, i)
                     fx, fy, fz, mx, my, mz = fx + gx, fy + gy, fz + gz, mx + tx, my + ty, mz + tz
                 note_net_force(bodies, i, fx, fy, fz)
                 if dt > 0.0:
@@ -127,13 +148,34 @@ def _make_advance(kind: int, friction: int, attractive: int, floor: int, cylinde
                         turn(bodies, i, dt, drive.damping)
                         if kind == ELLIPSOID:
                             derive_form_matrix(bodies, i)
-                    moved[i] = has_left(bodies, i, drive.list_margin)
+                    moved[i] = has_left(bodies, i, drive.list_margin, kind != SPHERE)
+            if timed:
+                count_cycles(clock, middle - start, last - middle, cycles() - last)
             for i in range(n_bodies):
                 if moved[i]:
                     return step + 1, True
         return n_steps, False
 
     return advance
+
+
+@leaf
+def count_cycles(clock, contact, force, integration):
+    clock[0] += contact
+    clock[1] += force
+    clock[2] += integration
+
+
+@leaf
+def gather_walls(walls, i):
+    """Force and torque (3 + 3) of the walls on body i."""
+    force, torque = walls.force, walls.torque
+    fx, fy, fz, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for w in range(walls.start[i], walls.start[i + 1]):
+        if walls.touching[w] != 0:
+            fx, fy, fz = fx + force[w, 0], fy + force[w, 1], fz + force[w, 2]
+            mx, my, mz = mx + torque[w, 0], my + torque[w, 1], mz + torque[w, 2]
+    return fx, fy, fz, mx, my, mz
 
 
 @leaf
@@ -162,9 +204,11 @@ def note_net_force(bodies, i, fx, fy, fz):
 
 
 @leaf
-def has_left(bodies, i, margin):
-    """Whether body i is farther than `margin` [m] from where it was listed, or nowhere (not a number)."""
+def has_left(bodies, i, margin, turning):
+    """Whether a point of body i can be farther than `margin` [m] from where it was listed, or nowhere (not a number)."""
     dx = bodies.position[i, 0] - bodies.listed_position[i, 0]
     dy = bodies.position[i, 1] - bodies.listed_position[i, 1]
     dz = bodies.position[i, 2] - bodies.listed_position[i, 2]
-    return not (dx * dx + dy * dy + dz * dz <= margin * margin)
+    if turning:
+        margin -= bodies.turned[i] - bodies.listed_turned[i]
+    return not (margin > 0.0 and dx * dx + dy * dy + dz * dz <= margin * margin)

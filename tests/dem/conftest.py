@@ -10,9 +10,12 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.bodies import make_bodies, rotation_matrix
+from simcore.dem.features import Features
 from simcore.dem.interaction import check_ellipsoids, check_polyhedra, search_ellipsoids, search_polyhedra
-from simcore.dem.neighbors import Box, list_contacts
-from simcore.dem.shapes import Base, collect_shapes, unit_sphere
+from simcore.dem.neighbors import Box, list_near
+from simcore.dem.shapes import CONVEX, Base, collect_shapes, unit_sphere
+
+EVERYTHING = Features(CONVEX, True, patch=True)  # all fields of contacts are there
 
 
 def make_hull(points, name="hull"):
@@ -67,16 +70,17 @@ def place_pairs(bases, scale, orientation, offsets, size=1.0, common=0.0):
     shape = [index[id(base)] for base in bases]
     still = np.zeros((2 * n, 3))
     bodies = make_bodies(list(shapes.values()), shape, scale, still, orientation, still, still, density=1.0)
-    reach = 2.5 * (bodies.radius[0::2] + bodies.radius[1::2] + np.linalg.norm(offsets, axis=1)).max()
+    reach = 4.0 * (bodies.radius[0::2] + bodies.radius[1::2] + np.linalg.norm(offsets, axis=1)).max()
     side = int(np.ceil(n ** (1.0 / 3.0)))
     cell = np.stack(np.unravel_index(np.arange(n), (side, side, side)), axis=-1)
     bodies.position[0::2] = reach * cell + [0.0, 0.0, common]
     bodies.position[1::2] = bodies.position[0::2] + offsets
     distance = np.linalg.norm(bodies.position[1::2] - bodies.position[0::2], axis=1)
-    skin = max((distance - bodies.radius[0::2] - bodies.radius[1::2]).max() * 1.001, 0.0) + 1e-3 * size
-    contacts = list_contacts(bodies, Box(0.0), skin, None)
+    skin = 1.001 * distance.max() + 1e-3 * size  # no gap is wider than the distance of the centres
+    shapes = collect_shapes(list(shapes.values()))
+    contacts = list_near(bodies, shapes, Box(0.0), skin, EVERYTHING).contacts
     assert (contacts.body_a == np.arange(0, 2 * n, 2)).all() and (contacts.body_b == contacts.body_a + 1).all()
-    return bodies, collect_shapes(list(shapes.values())), contacts
+    return bodies, shapes, contacts
 
 
 # Not cached: pytest imports this file under a name that another process need not know.
@@ -85,9 +89,9 @@ def look_at_polyhedra(shapes, bodies, contacts, width):
     """Check every contact, search what is pending; returns how many were searched."""
     searched = 0
     for p in range(len(contacts.body_a)):
-        check_polyhedra(shapes, bodies, contacts, p, width)
+        check_polyhedra(shapes, bodies, contacts, p, width, True)
         if contacts.pending[p] != 0:
-            search_polyhedra(shapes, bodies, contacts, p, width)
+            search_polyhedra(shapes, bodies, contacts, p, width, True)
             searched += 1
     return searched
 
@@ -96,11 +100,16 @@ def look_at_polyhedra(shapes, bodies, contacts, width):
 def look_at_ellipsoids(bodies, contacts, width):
     searched = 0
     for p in range(len(contacts.body_a)):
-        check_ellipsoids(bodies, contacts, p, width)
+        check_ellipsoids(bodies, contacts, p, width, True)
         if contacts.pending[p] != 0:
-            search_ellipsoids(bodies, contacts, p, width)
+            search_ellipsoids(bodies, contacts, p, width, True)
             searched += 1
     return searched
+
+
+def certain_gap(contacts, k):
+    """The gap that pair k, of bodies that never turned, was told to have."""
+    return contacts.safe_until[k] / 0.999
 
 
 def world_vertices(bases, bodies, i):
@@ -139,9 +148,11 @@ def core():
         make_pebble=make_pebble,
         orientations=random_orientations,
         place_pairs=place_pairs,
+        features=EVERYTHING,
         look_at_polyhedra=look_at_polyhedra,
         look_at_ellipsoids=look_at_ellipsoids,
         minkowski_difference=minkowski_difference,
         signed_distance=signed_distance,
+        gap=certain_gap,
         sphere=unit_sphere(),
     )

@@ -1,12 +1,15 @@
 """A shaken bed of hulls: what contacts remember gives what a search from nothing gives, at every look."""
 
+import numba
 import numpy as np
 
 from simcore.dem.bodies import make_bodies
+from simcore.dem.contact.patch import make_room
+from simcore.dem.features import Features
 from simcore.dem.force_laws import contact_law
-from simcore.dem.neighbors import Box, list_contacts
+from simcore.dem.neighbors import Box, list_near
 from simcore.dem.shapes import CONVEX, collect_shapes
-from simcore.dem.stepping import Drive, Features, make_advance
+from simcore.dem.stepping import Drive, make_advance
 
 WIDTH = 0.030
 
@@ -34,20 +37,22 @@ def test_the_memory_of_a_shaken_bed_is_right(core):
     skin = 1e-3
     drive = Drive(dt, 6.108, 18.95, 251.3, 1.0, WIDTH, np.inf, 0.5 * skin)
     still = drive._replace(dt=0.0)
-    advance = make_advance(Features(CONVEX, True, True, True, False))
-    contacts = list_contacts(bodies, Box(WIDTH), skin, None)
+    features = Features(CONVEX, True)
+    advance, clock, room = make_advance(features), np.zeros(3, np.int64), make_room(shapes, numba.get_num_threads())
+    near = list_near(bodies, shapes, Box(WIDTH), skin, features)
     step, touches, others, excess_others = 0, 0, 0, []
     while step < 20000:
         # Odd numbers of steps, so that the look falls anywhere between two lists
-        done, stale = advance(bodies, shapes, contacts, law, drive, step, 37)
+        done, stale = advance(bodies, shapes, *near, room, law, drive, clock, step, 37)
         step += done
         if stale:
-            contacts = list_contacts(bodies, Box(WIDTH), skin, contacts)
+            near = list_near(bodies, shapes, Box(WIDTH), skin, features, near)
         if step % 10 and step < 19000:
             continue
-        advance(bodies, shapes, contacts, law, still, step, 1)
+        advance(bodies, shapes, *near, room, law, still, clock, step, 1)
+        contacts = near.contacts
         listed = bodies.listed_position.copy()
-        fresh = list_contacts(bodies, Box(WIDTH), 0.0, None)
+        fresh = list_near(bodies, shapes, Box(WIDTH), 0.0, features).contacts
         bodies.listed_position[:] = listed
         core.look_at_polyhedra(shapes, bodies, fresh, WIDTH)
         remembered = {

@@ -6,7 +6,7 @@ from scipy.spatial.distance import pdist, squareform
 
 from simcore.dem.bodies import make_bodies
 from simcore.dem.generation import give_birth, lattice_sites, occupy_sites
-from simcore.dem.neighbors import Box, list_contacts
+from simcore.dem.neighbors import Box, list_near
 from simcore.dem.packing import Draw, extents
 from simcore.dem.scene import Domain, Generation
 from simcore.dem.shapes import collect_shapes, unit_sphere
@@ -73,12 +73,13 @@ def test_no_overlap_at_birth(core, domain, orientation, kind):
         bases, drawn.shape[:count], scale[:count], birth.position, birth.orientation, still, still, 1.0
     )
     width = domain.width if domain.periodic else 0.0
-    contacts = list_contacts(bodies, Box(width), 0.0, None)
+    shapes = collect_shapes(bases)
+    contacts = list_near(bodies, shapes, Box(width), 0.0, core.features).contacts
     assert len(contacts.body_a) > 0 or orientation == "random", "nothing was near: the test shows nothing"
     if kind == "ellipsoid":
         core.look_at_ellipsoids(bodies, contacts, width)
     else:
-        core.look_at_polyhedra(collect_shapes(bases), bodies, contacts, width)
+        core.look_at_polyhedra(shapes, bodies, contacts, width)
     assert contacts.touching.sum() == 0
     for i in range(count):
         points = birth.position[i] + corners(bases[drawn.shape[i]], scale[i], bodies.rotation[i])

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from simcore.dem.bodies import make_bodies
-from simcore.dem.neighbors import Box, find_pairs, list_contacts
-from simcore.dem.shapes import unit_sphere
+from simcore.dem.neighbors import Box, find_pairs, list_near
+from simcore.dem.shapes import collect_shapes, unit_sphere
+
+SHAPES = collect_shapes([unit_sphere()])
 
 
 def all_pairs(position, radius, width, skin):
@@ -75,28 +77,35 @@ def test_places_on_the_border_of_box_and_cell():
     assert found_pairs(position, radius, 0.4, 0.2) == all_pairs(position, radius, 0.4, 0.2)
 
 
-def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair():
+def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair(core):
     rng = np.random.default_rng(2)
     n = 60
     position = rng.uniform(0.0, 0.3, (n, 3))
     still = np.zeros((n, 3))
     upright = np.tile([1.0, 0, 0, 0], (n, 1))
     bodies = make_bodies([unit_sphere()], np.zeros(n, int), np.full((n, 3), 0.03), position, upright, still, still, 1.0)
-    old = list_contacts(bodies, Box(0.3), 0.01, None)
+    bodies.position[:, 2] += 0.03  # some near the floor, some not
+    first = list_near(bodies, SHAPES, Box(0.3), 0.01, core.features)
+    old = first.contacts
+    first.walls.spring[:] = 1.0 + first.walls.body[:, None]
     m = len(old.body_a)
     old.touching[:] = rng.integers(0, 2, m)
     old.safe_until[:] = rng.uniform(size=m)
     old.facet[:] = rng.integers(0, 9, (m, 6))
-    for field in (old.spring, old.direction, old.point, old.force, old.torque_a, old.torque_b):
+    for field in (old.spring, old.direction, old.apart_at, old.point, old.force, old.torque_a, old.torque_b):
         field[:] = rng.standard_normal((m, 3))
     key = lambda c, p: (c.body_a[p], c.body_b[p], *c.image[p])  # noqa: E731
     remembered = {key(old, p): p for p in range(m)}
     bodies.position[:] += 0.02 * rng.standard_normal((n, 3))
-    new = list_contacts(bodies, Box(0.3), 0.02, old)
+    second = list_near(bodies, SHAPES, Box(0.3), 0.02, core.features, first)
+    new = second.contacts
+    was_near = np.isin(second.walls.body, first.walls.body)
+    assert was_near.any() and not was_near.all()
+    assert (second.walls.spring == np.where(was_near, 1.0 + second.walls.body, 0.0)[:, None]).all()
     kept = 0
     for p in range(len(new.body_a)):
         q = remembered.get(key(new, p))
-        for name in ("touching", "spring", "direction", "facet", "safe_until", "overlap", "point", "force"):
+        for name in ("touching", "spring", "direction", "facet", "safe_until", "apart_at", "overlap", "point", "force"):
             value = getattr(new, name)[p]
             if q is not None:
                 assert (value == getattr(old, name)[q]).all(), name
@@ -109,13 +118,13 @@ def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair():
     assert (bodies.listed_position == bodies.position).all()
 
 
-def test_every_body_lists_its_contacts_in_order_of_partner_and_image():
+def test_every_body_lists_its_contacts_in_order_of_partner_and_image(core):
     rng = np.random.default_rng(3)
     n = 30
     position, still = rng.uniform(0.0, 0.1, (n, 3)), np.zeros((n, 3))
     upright = np.tile([1.0, 0, 0, 0], (n, 1))
     bodies = make_bodies([unit_sphere()], np.zeros(n, int), np.full((n, 3), 0.04), position, upright, still, still, 1.0)
-    contacts = list_contacts(bodies, Box(0.1), 0.0, None)
+    contacts = list_near(bodies, SHAPES, Box(0.1), 0.0, core.features).contacts
     seen = 0
     for i in range(n):
         sides = contacts.incident[contacts.incident_start[i] : contacts.incident_start[i + 1]]

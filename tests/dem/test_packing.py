@@ -54,7 +54,7 @@ def test_the_floor_carries_the_buoyant_weight():
     packed = run(convergence={"max_unbalanced_force": 1e-3, "max_speed": "0.1 mm/s"})
     bodies = packed.bodies
     weight = bodies.mass.sum() * 9.81 * (1.0 - 1000.0 / 2650.0)
-    floor = bodies.wall_force[:, 0, 2].sum()
+    floor = packed.walls.force[:, 2].sum()
     # Contacts between grains cancel, so floor = weight + what is left unbalanced, to rounding.
     assert floor == pytest.approx(weight + bodies.net_force[:, 2].sum(), rel=1e-12)
     # A grain carries some contacts of about its own share of the weight: 1e-3 of the forces is 1e-3 of the weight
@@ -68,7 +68,7 @@ def test_net_force_is_that_of_its_contacts(packed):
     rows = contacts.touching > 0
     np.add.at(force, contacts.body_b[rows], contacts.force[rows])
     np.subtract.at(force, contacts.body_a[rows], contacts.force[rows])
-    force += bodies.wall_force.sum(axis=1)
+    np.add.at(force, packed.walls.body, packed.walls.force)
     force[:, 2] -= bodies.mass * 9.81 * (1.0 - 1000.0 / 2650.0)
     np.testing.assert_allclose(bodies.net_force, force, atol=1e-12 * np.abs(contacts.force).max())
     # Repulsion at rest: along the normal from a to b; friction within the Coulomb limit
@@ -80,7 +80,7 @@ def test_net_force_is_that_of_its_contacts(packed):
 
 def test_a_seed_repeats_its_bits_and_another_does_not(packed):
     again, other = run(), run(seed=2)
-    for field in ("position", "velocity", "angular_momentum", "travel", "wall_force"):
+    for field in ("position", "velocity", "angular_momentum", "turned", "net_force"):
         assert (getattr(again.bodies, field) == getattr(packed.bodies, field)).all()
     assert (again.contacts.force == packed.contacts.force).all()
     assert not np.allclose(other.bodies.position, packed.bodies.position, atol=1e-3)
@@ -119,7 +119,7 @@ for kind in ({"kind": "sphere"}, {"kind": "ellipsoid", "choice": "form", "flatne
         seen.append(packed)
     one, two = seen
     assert one.observation.coordination > 1.0 and one.steps == two.steps, one.steps
-    for first, second in ((one.bodies, two.bodies), (one.contacts, two.contacts)):
+    for first, second in ((one.bodies, two.bodies), *zip(one.near, two.near, strict=True)):
         for name in first._fields:
             assert np.array_equal(getattr(first, name), getattr(second, name)), (kind, name)
     print(kind["kind"], one.steps, one.observation.coordination)

@@ -2,15 +2,18 @@
 
 from types import SimpleNamespace
 
+import numba
 import numpy as np
 import pytest
 
 from simcore.dem.bodies import make_bodies
+from simcore.dem.contact.patch import make_room
+from simcore.dem.features import Features
 from simcore.dem.force_laws import contact_law
 from simcore.dem.integrators import derive_form_matrix, derive_rotation
-from simcore.dem.neighbors import Box, list_contacts
+from simcore.dem.neighbors import Box, list_near
 from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE, collect_shapes, unit_sphere
-from simcore.dem.stepping import Drive, Features, make_advance
+from simcore.dem.stepping import STAGES, Drive, make_advance
 
 
 class Stage:
@@ -18,7 +21,8 @@ class Stage:
     coefficient and a floor far below are data, and compile nothing."""
 
     def __init__(
-        self, kind, law, scale, position, velocity, spin=None, bases=None, shape=None, attractive=True, **drive
+        self, kind, law, scale, position, velocity, spin=None, bases=None, shape=None, attractive=True, patch=False,
+        **drive,
     ):
         position = np.atleast_2d(np.asarray(position, float))
         n = len(position)
@@ -39,11 +43,15 @@ class Stage:
         self.law = law
         self.width = drive.pop("width", 0.0)
         self.skin = drive.pop("skin", 0.2) * self.bodies.radius.max()
-        self.contacts = list_contacts(self.bodies, Box(self.width), self.skin, None)
+        self.features = Features(kind, True, attractive, patch=patch and kind == CONVEX)
+        self.near = None
+        self._list()
         self.drive = {
             "gravity": 0.0, "shaking": 0.0, "shaking_rate": 0.0, "damping": 1.0, "wall_radius": np.inf,
         } | drive  # fmt: skip
-        self._advance = make_advance(Features(kind, True, attractive, True, False))
+        self._advance = make_advance(self.features)
+        self.room = make_room(self.shapes, numba.get_num_threads())
+        self.clock = np.zeros(len(STAGES), np.int64)
         self.step = 0
 
     def advance(self, dt, n_steps):
@@ -51,17 +59,42 @@ class Stage:
         drive = Drive(dt=dt, width=self.width, list_margin=0.5 * self.skin, **self.drive)
         left = n_steps
         while left > 0:
-            done, stale = self._advance(self.bodies, self.shapes, self.contacts, self.law, drive, self.step, left)
+            done, stale = self._advance(
+                self.bodies, self.shapes, *self.near, self.room, self.law, drive, self.clock, self.step, left
+            )
             left -= done
             self.step += done
             if stale:
-                self.contacts = list_contacts(self.bodies, Box(self.width), self.skin, self.contacts)
+                self._list()
+
+    def _list(self):
+        self.near = list_near(self.bodies, self.shapes, Box(self.width), self.skin, self.features, self.near)
+
+    @property
+    def contacts(self):
+        return self.near.contacts
+
+    @property
+    def walls(self):
+        return self.near.walls
 
     def derive(self):
         """After positions, orientations or momenta were set by hand."""
         for i in range(len(self.bodies.mass)):
             derive_rotation(self.bodies, i)
             derive_form_matrix(self.bodies, i)
+
+    def on_floor(self):
+        """Whether each body touches the floor, (n,)."""
+        on = np.zeros(len(self.bodies.mass), bool)
+        on[self.walls.body[self.walls.touching > 0]] = True
+        return on
+
+    def floor_force(self):
+        """Upward force of the floor on each body, (n,) [N]."""
+        force = np.zeros(len(self.bodies.mass))
+        force[self.walls.body] = self.walls.force[:, 2]
+        return force
 
     def energy(self):
         """Kinetic energy [J]."""

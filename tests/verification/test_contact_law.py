@@ -28,8 +28,8 @@ def impact(stage, attractive, restitution, dt, velocity, start=0.0, friction=0.0
         thrown.advance(dt, 1)
         overlap = np.maximum(radius - thrown.bodies.position[:, 2], 0.0)
         deepest = np.maximum(deepest, overlap)
-        force = thrown.bodies.wall_force[:, 0, 2]
-        steps += np.where(attractive, thrown.bodies.wall_overlap[:, 0] > 0.0, force > 0.0)
+        force = thrown.floor_force()
+        steps += np.where(attractive, thrown.on_floor(), force > 0.0)
     assert (thrown.bodies.velocity[:, 2] > 0.0).all()
     return thrown, deepest, steps * dt
 
@@ -181,8 +181,8 @@ def test_a_new_contact_starts_with_an_empty_spring(stage):
 
 def test_a_contact_that_ended_leaves_no_spring(stage):
     thrown, _, _ = impact(stage, True, 0.1, T_C / 40, [0.05, 0.0, -0.1], friction=0.5, radius=5e-3)
-    assert not thrown.bodies.wall_spring.any()
-    assert not thrown.bodies.wall_force.any()
+    assert not thrown.walls.spring.any()
+    assert not thrown.walls.force.any()
 
 
 def test_the_limit_of_stability(stage):

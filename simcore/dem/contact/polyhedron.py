@@ -3,20 +3,25 @@
 In one step a grain moves about 1e-4 of its size. An overlapping pair keeps the three support pairs of its facet of
 the Minkowski difference: the plane is rebuilt, the edge graphs are climbed from its vertices, and where no support
 point lies beyond and the origin's projection stays inside, the facet is still a local minimum of the overlap.
-Otherwise the pair is searched from nothing. A separated pair keeps its direction and is not looked at before the
-bodies can have moved by the gap.
+Otherwise the pair is searched from nothing. A separated pair keeps the simplex next to the origin, and is not looked
+at before the bodies can have closed the gap; then the same simplex mostly still shows one.
 """
 
 import numpy as np
 
-from simcore.compilation import leaf, search
-from simcore.dem.contact.minkowski import penetration, separation, support
+from numba import types
+
+from simcore.compilation import leaf, routine
+from simcore.dem.contact.gap import STILL_GAP, remember_apart
+from simcore.dem.contact.gjk import segment_weights, triangle_weights
+from simcore.dem.contact.minkowski import search_pair, support
+from simcore.dem.contact.scratch import scratch
 from simcore.dem.shapes import vertex_offset
 
+_take_points = scratch(types.float64, 4, 3)
 CHECK_TOLERANCE = 1e-11  # of the pair's size; wider than the search's, so that what it found passes
 INSIDE_TOLERANCE = 1e-9  # barycentric
 GAP_SLACK = 0.1  # a step only needs a certain gap; the last tenth of its length is not worth iterations
-ENOUGH_GAP = 0.02  # of the pair's size: a gap this wide needs no better direction
 
 INVALID, APART, OVERLAPPING = 0, 1, 2
 
@@ -74,15 +79,6 @@ def facet_contact(shapes, bodies, i, j, rx, ry, rz, size, a0, a1, a2, b0, b1, b2
 
 
 @leaf
-def _remember_gap(contacts, p, nx, ny, nz, a, b, limit):
-    contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2] = nx, ny, nz
-    contacts.facet[p, 0] = a
-    contacts.facet[p, 1] = -1
-    contacts.facet[p, 3] = b
-    contacts.safe_until[p] = limit
-
-
-@leaf
 def recheck(shapes, bodies, contacts, p, i, j, rx, ry, rz):
     """Near pair p from its memory: (known, overlap [m], normal a to b (3), contact point relative to a (3)).
 
@@ -91,30 +87,60 @@ def recheck(shapes, bodies, contacts, p, i, j, rx, ry, rz):
     """
     size = bodies.radius[i] + bodies.radius[j]
     facet = contacts.facet
-    if facet[p, 1] >= 0:
+    if contacts.touching[p] != 0:
+        if facet[p, 1] < 0:
+            return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         verdict, overlap, nx, ny, nz, x, y, z, a, b = facet_contact(
             shapes, bodies, i, j, rx, ry, rz, size,
             facet[p, 0], facet[p, 1], facet[p, 2], facet[p, 3], facet[p, 4], facet[p, 5],
         )  # fmt: skip
-        if verdict == OVERLAPPING:
-            return True, overlap, nx, ny, nz, x, y, z
-        if verdict == APART:
-            _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] - 0.999 * overlap)
-            return True, overlap, nx, ny, nz, 0.0, 0.0, 0.0
-        return False, 0.0, nx, ny, nz, 0.0, 0.0, 0.0
+        if verdict == APART:  # the facet stays, as the simplex next to the origin
+            remember_apart(bodies, contacts, p, i, j, rx, ry, rz, -overlap)
+        return verdict != INVALID, overlap, nx, ny, nz, x, y, z
     if facet[p, 0] < 0:
         return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
-    a, b, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, facet[p, 0], facet[p, 3], nx, ny, nz)
-    overlap = x * nx + y * ny + z * nz
-    # A direction that still separates well spares the search for the best one.
-    if -overlap > ENOUGH_GAP * size:
-        _remember_gap(contacts, p, nx, ny, nz, a, b, bodies.travel[i] + bodies.travel[j] - 0.999 * overlap)
-        return True, overlap, nx, ny, nz, 0.0, 0.0, 0.0
+    gap, distance, nx, ny, nz = _gap_of_simplex(shapes, bodies, contacts, p, i, j, rx, ry, rz)
+    if gap > STILL_GAP * distance:
+        remember_apart(bodies, contacts, p, i, j, rx, ry, rz, gap)
+        return True, -gap, nx, ny, nz, 0.0, 0.0, 0.0
     return False, 0.0, nx, ny, nz, 0.0, 0.0, 0.0
 
 
-@search
+@leaf
+def _gap_of_simplex(shapes, bodies, contacts, p, i, j, rx, ry, rz):
+    """Gap from the simplex of the Minkowski difference that lay next to the origin: (certain gap, distance, n (3)).
+
+    The distance is to the simplex, so an upper bound of the true one: together they tell how good the gap is.
+    """
+    points, facet = _take_points(), contacts.facet
+    n = 1
+    if facet[p, 1] >= 0:
+        n = 2
+    if facet[p, 2] >= 0:
+        n = 3
+    for k in range(n):
+        ax, ay, az = vertex_offset(shapes, bodies, i, facet[p, k])
+        bx, by, bz = vertex_offset(shapes, bodies, j, facet[p, 3 + k])
+        points[k, 0], points[k, 1], points[k, 2] = ax - bx - rx, ay - by - ry, az - bz - rz
+    u, v, w = 1.0, 0.0, 0.0
+    if n == 2:
+        u, v = segment_weights(points, 0, 1)
+    if n == 3:
+        u, v, w = triangle_weights(points, 0, 1, 2)
+    x, y, z = u * points[0, 0], u * points[0, 1], u * points[0, 2]
+    if n > 1:
+        x, y, z = x + v * points[1, 0], y + v * points[1, 1], z + v * points[1, 2]
+    if n > 2:
+        x, y, z = x + w * points[2, 0], y + w * points[2, 1], z + w * points[2, 2]
+    distance = np.sqrt(x * x + y * y + z * z)
+    if not distance > 0.0:
+        return 0.0, 0.0, contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
+    nx, ny, nz = -x / distance, -y / distance, -z / distance
+    _, _, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, facet[p, 0], facet[p, 3], nx, ny, nz)
+    return -(x * nx + y * ny + z * nz), distance, nx, ny, nz
+
+
+@routine
 def search_contact(shapes, bodies, contacts, p, i, j, rx, ry, rz):
     """Near pair p by GJK and EPA: (overlap [m], normal a to b (3), contact point relative to a (3))."""
     size = bodies.radius[i] + bodies.radius[j]
@@ -125,24 +151,16 @@ def search_contact(shapes, bodies, contacts, p, i, j, rx, ry, rz):
     nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
     if nx == 0.0 and ny == 0.0 and nz == 0.0:
         nx, ny, nz = _toward(rx, ry, rz)
-    here = bodies.travel[i] + bodies.travel[j]
-    gap, nx, ny, nz, a, b = separation(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, GAP_SLACK)
-    if gap > 0.0:
-        _remember_gap(contacts, p, nx, ny, nz, a, b, here + 0.999 * gap)
-        return -gap, nx, ny, nz, 0.0, 0.0, 0.0
-    overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2 = penetration(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz)
-    if overlap <= 0.0:
-        _remember_gap(contacts, p, nx, ny, nz, a, b, here - 0.999 * overlap)
-        return overlap, nx, ny, nz, 0.0, 0.0, 0.0
-    if a0 >= 0:
-        facet[p, 0], facet[p, 1], facet[p, 2] = a0, a1, a2
-        facet[p, 3], facet[p, 4], facet[p, 5] = b0, b1, b2
-        x, y, z = facet_point(shapes, bodies, i, j, rx, ry, rz, overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2)
-    else:
-        a, b, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz)
-        facet[p, 0], facet[p, 1], facet[p, 3] = a, -1, b
-        x, y, z = vertex_offset(shapes, bodies, i, a)
-        x, y, z = x - 0.5 * overlap * nx, y - 0.5 * overlap * ny, z - 0.5 * overlap * nz
+    distance, nx, ny, nz, a0, a1, a2, b0, b1, b2 = search_pair(
+        shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, GAP_SLACK
+    )
+    facet[p, 0], facet[p, 1], facet[p, 2] = a0, a1, a2
+    facet[p, 3], facet[p, 4], facet[p, 5] = b0, b1, b2
+    if distance > 0.0:
+        remember_apart(bodies, contacts, p, i, j, rx, ry, rz, distance)
+        return -distance, nx, ny, nz, 0.0, 0.0, 0.0
+    overlap = -distance
+    x, y, z = facet_point(shapes, bodies, i, j, rx, ry, rz, overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2)
     return overlap, nx, ny, nz, x, y, z
 
 

@@ -81,7 +81,7 @@ def test_known_pairs(core, name, size):
     extent = (bodies.radius.sum()) / size
     if distance >= 0.0 and contacts.touching[0] == 0:
         # A gap wider than 2 % of the size needs no more than a certain bound
-        gap = contacts.safe_until[0] / 0.999 / size
+        gap = core.gap(contacts, 0) / size
         assert gap <= distance + 1e-12 * extent
         assert gap >= min(distance - 1e-12 * extent, 0.02 * extent)
     else:
@@ -127,7 +127,7 @@ def test_no_direction_shows_less_overlap_and_the_normal_is_common(core, flattest
             missed += f.max() > -contacts.overlap[k] + 1e-12
         else:
             # A certain gap: never wider than the true one, which no direction shows less of than this one
-            n_k, gap = contacts.direction[k], contacts.safe_until[k] / 0.999
+            n_k, gap = contacts.direction[k], core.gap(contacts, k)
             f_k = n_k @ offsets[k] - sum(np.linalg.norm(n_k @ matrix) for matrix in matrices)
             assert 0.0 < gap <= f_k + 1e-14
     assert missed == 0
@@ -189,7 +189,6 @@ def test_the_last_normal_answers_as_a_search_does(core):
         deep = (contacts.touching > 0) & (contacts.overlap > 5e-3 * size)
         step = np.where(deep[:, None], 0.0, -1e-2 * unit) + 1e-3 * rng.standard_normal((n, 3))
         bodies.position[1::2] += step
-        bodies.travel[1::2] += 1.001 * np.linalg.norm(step, axis=1)
         searched += core.look_at_ellipsoids(bodies, contacts, 0.0)
         offsets = bodies.position[1::2] - bodies.position[0::2]
         _, fresh = look(core, semi[0], semi[1], turns[0], turns[1], offsets)

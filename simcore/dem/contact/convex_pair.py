@@ -1,0 +1,87 @@
+"""Two convex hulls, of which one may be a single point, from nothing: distance to the last digits, normal, points."""
+
+import numpy as np
+from numba import types
+
+from simcore.compilation import leaf, routine
+from simcore.dem.contact.frame import difference, frame_of, to_body, to_world, vertex_a, vertex_b
+from simcore.dem.contact.gjk import GAP_TOLERANCE, sharpen, triangle_weights, walk_to_origin
+from simcore.dem.contact.minkowski import facet_distance
+from simcore.dem.contact.scratch import scratch
+
+_take_points = scratch(types.float64, 4, 3)
+_take_vertices = scratch(types.int64, 4, 2)
+_take_weights = scratch(types.float64, 4)
+
+
+@leaf
+def _project(shapes, f, nx, ny, nz, points, vertices, weights):
+    """Weights, of the three corners of a facet with normal n, of the point next to the origin's projection."""
+    for k in range(3):
+        x, y, z = difference(shapes, f, vertices[k, 0], vertices[k, 1])
+        depth = x * nx + y * ny + z * nz
+        points[k, 0], points[k, 1], points[k, 2] = x - depth * nx, y - depth * ny, z - depth * nz
+    weights[0], weights[1], weights[2] = triangle_weights(points, 0, 1, 2)
+
+
+@leaf
+def _drop(points, vertices, weights, n):
+    """Drop simplex points of no weight: how many are left."""
+    kept = 0
+    for k in range(n):
+        if weights[k] > 0.0:
+            points[kept, 0], points[kept, 1], points[kept, 2] = points[k, 0], points[k, 1], points[k, 2]
+            vertices[kept, 0], vertices[kept, 1] = vertices[k, 0], vertices[k, 1]
+            weights[kept] = weights[k]
+            kept += 1
+    return kept
+
+
+@routine
+def query_hulls(shapes, bodies, i, j, rx, ry, rz, size):
+    """Signed distance of hulls i and j: (distance, normal a to b (3), point of a from its centre (3), of b (3)).
+
+    size: of the pair, which the tolerances refer to. r: offset from the centre of a to that of b. World axes.
+    """
+    points, vertices, weights = _take_points(), _take_vertices(), _take_weights()
+    f = frame_of(bodies, i, j, rx, ry, rz)
+    shape_a, shape_b = bodies.shape[i], bodies.shape[j]
+    a, b = shapes.vertex_start[shape_a], shapes.vertex_start[shape_b]
+    length = np.sqrt(rx * rx + ry * ry + rz * rz)
+    nx, ny, nz = 1.0, 0.0, 0.0
+    if length > 0.0:
+        nx, ny, nz = to_body(bodies.rotation, i, rx / length, ry / length, rz / length)
+    value, nx, ny, nz, a, b, distance, n = walk_to_origin(
+        shapes, f, size, a, b, nx, ny, nz, 0.0, points, vertices, weights
+    )
+    if value <= 0.0:
+        overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2 = facet_distance(
+            shapes, f, size, shape_a, shape_b, a, b, nx, ny, nz, points, vertices, weights, n
+        )
+        value = -overlap
+        vertices[0, 0], vertices[1, 0], vertices[2, 0] = a0, a1, a2
+        vertices[0, 1], vertices[1, 1], vertices[2, 1] = b0, b1, b2
+        _project(shapes, f, nx, ny, nz, points, vertices, weights)
+        n = _drop(points, vertices, weights, 3)
+        distance = 0.0
+        if value > 0.0:  # a gap too small for GJK: the nearest feature may be an edge or a corner of the facet
+            x, y, z = 0.0, 0.0, 0.0
+            for k in range(3):
+                points[k, 0], points[k, 1], points[k, 2] = difference(shapes, f, vertices[k, 0], vertices[k, 1])
+            weights[0], weights[1], weights[2] = triangle_weights(points, 0, 1, 2)
+            n = _drop(points, vertices, weights, 3)
+            for k in range(n):
+                x, y, z = x + weights[k] * points[k, 0], y + weights[k] * points[k, 1], z + weights[k] * points[k, 2]
+            distance = np.sqrt(x * x + y * y + z * z)
+    if value > 0.0 and distance - value > GAP_TOLERANCE * size:
+        value, nx, ny, nz, a, b = sharpen(shapes, f, points, n, value, nx, ny, nz, a, b)
+    ax, ay, az, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(n):
+        x, y, z = vertex_a(shapes, f, vertices[k, 0])
+        ax, ay, az = ax + weights[k] * x, ay + weights[k] * y, az + weights[k] * z
+        x, y, z = vertex_b(shapes, f, vertices[k, 1])
+        bx, by, bz = bx + weights[k] * x, by + weights[k] * y, bz + weights[k] * z
+    nx, ny, nz = to_world(bodies.rotation, i, nx, ny, nz)
+    ax, ay, az = to_world(bodies.rotation, i, ax, ay, az)
+    bx, by, bz = to_world(bodies.rotation, i, bx, by, bz)
+    return value, nx, ny, nz, ax, ay, az, bx, by, bz

@@ -1,0 +1,202 @@
+"""GJK: the point of the Minkowski difference M next to the origin (Gilbert, Johnson & Keerthi 1988)."""
+
+import numpy as np
+
+from simcore.compilation import leaf, routine
+from simcore.dem.contact.frame import support
+
+GJK_ITERATIONS = 128  # round hulls of 1300 vertices need 20; a bound, not a budget
+GAP_TOLERANCE = 1e-13  # of the pair's size: how far the certain gap may fall short of the nearest point's distance
+
+
+@leaf
+def edge_of(points, p, q):
+    """Vector from point p to point q."""
+    return points[q, 0] - points[p, 0], points[q, 1] - points[p, 1], points[q, 2] - points[p, 2]
+
+
+@leaf
+def along(points, p, dx, dy, dz):
+    return points[p, 0] * dx + points[p, 1] * dy + points[p, 2] * dz
+
+
+@leaf
+def segment_weights(points, p, q):
+    """Barycentric weights of the point of segment p, q next to the origin."""
+    dx, dy, dz = edge_of(points, p, q)
+    length2 = dx * dx + dy * dy + dz * dz
+    if length2 == 0.0:
+        return 1.0, 0.0
+    t = min(max(-along(points, p, dx, dy, dz) / length2, 0.0), 1.0)
+    return 1.0 - t, t
+
+
+@routine
+def triangle_weights(points, p, q, s):
+    """Barycentric weights of the point of triangle p, q, s next to the origin (regions of Ericson 2005, 5.1.5)."""
+    ex, ey, ez = edge_of(points, p, q)
+    fx, fy, fz = edge_of(points, p, s)
+    e_p, f_p = -along(points, p, ex, ey, ez), -along(points, p, fx, fy, fz)
+    if e_p <= 0.0 and f_p <= 0.0:
+        return 1.0, 0.0, 0.0
+    e_q, f_q = -along(points, q, ex, ey, ez), -along(points, q, fx, fy, fz)
+    if e_q >= 0.0 and f_q <= e_q:
+        return 0.0, 1.0, 0.0
+    area_s = e_p * f_q - e_q * f_p
+    if area_s <= 0.0 and e_p >= 0.0 and e_q <= 0.0:
+        t = e_p / (e_p - e_q) if e_p != e_q else 0.0
+        return 1.0 - t, t, 0.0
+    e_s, f_s = -along(points, s, ex, ey, ez), -along(points, s, fx, fy, fz)
+    if f_s >= 0.0 and e_s <= f_s:
+        return 0.0, 0.0, 1.0
+    area_q = e_s * f_p - e_p * f_s
+    if area_q <= 0.0 and f_p >= 0.0 and f_s <= 0.0:
+        t = f_p / (f_p - f_s) if f_p != f_s else 0.0
+        return 1.0 - t, 0.0, t
+    area_p = e_q * f_s - e_s * f_q
+    if area_p <= 0.0 and f_q >= e_q and e_s >= f_s:
+        total = (f_q - e_q) + (e_s - f_s)
+        t = (f_q - e_q) / total if total != 0.0 else 0.0
+        return 0.0, 1.0 - t, t
+    total = area_p + area_q + area_s
+    return area_p / total, area_q / total, area_s / total
+
+
+@routine
+def _nearest_on_simplex(points, n, weights):
+    """Fill the weights of the simplex point next to the origin; True where a tetrahedron contains the origin."""
+    weights[0], weights[1], weights[2], weights[3] = 0.0, 0.0, 0.0, 0.0
+    if n == 1:
+        weights[0] = 1.0
+        return False
+    if n == 2:
+        weights[0], weights[1] = segment_weights(points, 0, 1)
+        return False
+    if n == 3:
+        weights[0], weights[1], weights[2] = triangle_weights(points, 0, 1, 2)
+        return False
+    best = np.inf
+    inside = True
+    for apex in range(4):
+        p, q, s = (apex + 1) & 3, (apex + 2) & 3, (apex + 3) & 3
+        ex, ey, ez = edge_of(points, p, q)
+        fx, fy, fz = edge_of(points, p, s)
+        nx, ny, nz = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
+        origin_side = -along(points, p, nx, ny, nz)
+        apex_side = along(points, apex, nx, ny, nz) + origin_side
+        if origin_side * apex_side > 0.0:
+            continue  # the origin lies on the inner side of this face
+        inside = False
+        u, v, w = triangle_weights(points, p, q, s)
+        x = u * points[p, 0] + v * points[q, 0] + w * points[s, 0]
+        y = u * points[p, 1] + v * points[q, 1] + w * points[s, 1]
+        z = u * points[p, 2] + v * points[q, 2] + w * points[s, 2]
+        distance2 = x * x + y * y + z * z
+        if distance2 < best:
+            best = distance2
+            weights[apex] = 0.0
+            weights[p], weights[q], weights[s] = u, v, w
+    return inside
+
+
+@routine
+def walk_to_origin(shapes, f, size, a, b, nx, ny, nz, slack, points, vertices, weights):
+    """GJK: (certain gap, direction (3), its supports a and b, distance of the nearest point, simplex points).
+
+    Starts along n from vertices a and b. Ends where the gap is not less than (1 − slack) of the distance, or where
+    rounding ends the progress. The simplex stands in points (4, 3), vertices (4, 2) and weights (4), its nearest point
+    being Σ w m; of four points it contains the origin and the distance is zero. A gap <= 0 certifies nothing.
+    """
+    a, b, x, y, z = support(shapes, f, a, b, nx, ny, nz)
+    best_gap = -(x * nx + y * ny + z * nz)
+    best_x, best_y, best_z, best_a, best_b = nx, ny, nz, a, b
+    points[0, 0], points[0, 1], points[0, 2], vertices[0, 0], vertices[0, 1] = x, y, z, a, b
+    weights[0] = 1.0
+    n = 1
+    vx, vy, vz = x, y, z
+    distance = np.sqrt(vx * vx + vy * vy + vz * vz)
+    for _ in range(GJK_ITERATIONS):
+        if distance <= 1e-14 * size or best_gap >= (1.0 - slack) * distance - GAP_TOLERANCE * size:
+            break
+        nx, ny, nz = -vx / distance, -vy / distance, -vz / distance
+        a, b, x, y, z = support(shapes, f, a, b, nx, ny, nz)
+        gap = -(x * nx + y * ny + z * nz)
+        if gap > best_gap:
+            best_gap = gap
+            best_x, best_y, best_z, best_a, best_b = nx, ny, nz, a, b
+        repeated = False
+        for k in range(n):
+            if vertices[k, 0] == a and vertices[k, 1] == b:
+                repeated = True
+        if repeated:
+            break
+        points[n, 0], points[n, 1], points[n, 2], vertices[n, 0], vertices[n, 1] = x, y, z, a, b
+        n += 1
+        if _nearest_on_simplex(points, n, weights):
+            distance = 0.0
+            break
+        kept = 0
+        vx, vy, vz = 0.0, 0.0, 0.0
+        for k in range(n):
+            if weights[k] > 0.0:
+                vx += weights[k] * points[k, 0]
+                vy += weights[k] * points[k, 1]
+                vz += weights[k] * points[k, 2]
+                if kept < k:
+                    points[kept, 0], points[kept, 1], points[kept, 2] = points[k, 0], points[k, 1], points[k, 2]
+                    vertices[kept, 0], vertices[kept, 1] = vertices[k, 0], vertices[k, 1]
+                    weights[kept] = weights[k]
+                kept += 1
+        n = kept
+        last, distance = distance, np.sqrt(vx * vx + vy * vy + vz * vz)
+        if n == 4 or distance >= last:
+            break
+    return best_gap, best_x, best_y, best_z, best_a, best_b, distance, n
+
+
+@leaf
+def _try_direction(shapes, f, x, y, z, gap, nx, ny, nz, a, b):
+    """The better of the direction n with its gap and the direction (x, y, z), not normalised."""
+    length = np.sqrt(x * x + y * y + z * z)
+    if not length > 0.0:
+        return gap, nx, ny, nz, a, b
+    x, y, z = x / length, y / length, z / length
+    c, d, mx, my, mz = support(shapes, f, a, b, x, y, z)
+    trial = -(mx * x + my * y + mz * z)
+    if trial > gap:
+        return trial, x, y, z, c, d
+    return gap, nx, ny, nz, a, b
+
+
+@leaf
+def _normal_to_edge(points, p, q, x, y, z):
+    """The part of a vector normal to edge p, q; twice, since the first pass leaves rounding of the vector's length."""
+    ex, ey, ez = edge_of(points, p, q)
+    length2 = ex * ex + ey * ey + ez * ez
+    for _ in range(2):
+        t = (x * ex + y * ey + z * ez) / length2
+        x, y, z = x - t * ex, y - t * ey, z - t * ez
+    return x, y, z
+
+
+@routine
+def sharpen(shapes, f, points, n, gap, nx, ny, nz, a, b):
+    """The gap along the best of the directions normal to the simplex's face, edges and corners: as GJK's.
+
+    GJK takes its direction from the nearest point, whose rounding is that of the size; over a gap g it is wrong by
+    eps size / g, and shows a gap that is short by eps size² / g. The normal of a feature is not, whatever the gap.
+    """
+    for p in range(n):
+        x, y, z = -points[p, 0], -points[p, 1], -points[p, 2]
+        gap, nx, ny, nz, a, b = _try_direction(shapes, f, x, y, z, gap, nx, ny, nz, a, b)
+        for q in range(p):
+            ex, ey, ez = _normal_to_edge(points, p, q, x, y, z)
+            gap, nx, ny, nz, a, b = _try_direction(shapes, f, ex, ey, ez, gap, nx, ny, nz, a, b)
+    if n == 3:
+        ex, ey, ez = edge_of(points, 0, 1)
+        fx, fy, fz = edge_of(points, 0, 2)
+        x, y, z = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
+        if along(points, 0, x, y, z) > 0.0:
+            x, y, z = -x, -y, -z
+        gap, nx, ny, nz, a, b = _try_direction(shapes, f, x, y, z, gap, nx, ny, nz, a, b)
+    return gap, nx, ny, nz, a, b

@@ -1,0 +1,359 @@
+"""The patch in which two overlapping polyhedra press on each other: centroid and second moments of their overlap.
+
+Seen along the contact normal n the overlap is a depth over the tangent plane: the top of a (its faces that look along
+n) less the bottom of b. Depth is what an elastic bed under the patch would be pressed by, so its first moment is
+where the resultant acts, and its second moment what resists rocking and twisting. Both vary continuously with the
+pose, also where a face comes to lie on a face or an edge.
+
+The depth is the sum over pairs of faces, one of a and one of b, of a linear function over the part of the plane that
+both cover: polygons of the plane, clipped, whose integrals are exact. Only faces that reach into the slab between
+the deepest point of b and that of a can take part.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.compilation import leaf, routine
+from simcore.dem.shapes import Shapes, base_direction, vertex_offset
+
+CORNERS = 12  # a triangle clipped by six lines has nine corners
+
+
+class Room(NamedTuple):
+    """Working space of each thread, so that nothing is allocated on the way."""
+
+    mark: np.ndarray  # (threads, vertices) int64
+    stamp: np.ndarray  # (threads,) int64
+    stack: np.ndarray  # (threads, vertices) int64
+    faces: np.ndarray  # (threads, 2, faces, 3, 3): corners in the frame (t1, t2, n), of a and of b
+    polygon: np.ndarray  # (threads, 3, CORNERS, 3)
+
+
+def make_room(shapes: Shapes, n_threads: int) -> Room:
+    """Room for the largest hull of the scene; none where there is no hull."""
+    counts = np.diff(shapes.vertex_start)
+    n = int(counts.max(initial=0))
+    threads = n_threads if n else 0
+    return Room(
+        mark=np.zeros((threads, n), np.int64),
+        stamp=np.zeros(threads, np.int64),
+        stack=np.zeros((threads, n), np.int64),
+        faces=np.zeros((threads, 2, 2 * n, 3, 3)),
+        polygon=np.zeros((threads, 3, CORNERS, 3)),
+    )
+
+
+@leaf
+def tangents(nx, ny, nz):
+    """Two unit vectors that complete n to a right-handed frame (Duff et al. 2017)."""
+    sign = 1.0 if nz >= 0.0 else -1.0
+    a = -1.0 / (sign + nz)
+    b = nx * ny * a
+    return 1.0 + sign * nx * nx * a, sign * b, -sign * nx, b, sign + ny * ny * a, -ny
+
+
+@leaf
+def _dot(vertices, v, x, y, z):
+    return vertices[v, 0] * x + vertices[v, 1] * y + vertices[v, 2] * z
+
+
+@leaf
+def gather_faces(shapes, bodies, i, start, frame, ox, oy, oz, low, high, side, room, t):
+    """Faces of body i that look along +n (side 0) or −n (side 1) and reach into low <= z <= high; returns how many.
+
+    frame: the unit vectors t1, t2, n as nine numbers. o: the body's centre in that frame. start: its extreme vertex.
+    Vertices within the slab hang together, by convexity, so they are found by a walk along edges.
+    """
+    vertices, ring_start, ring = shapes.vertices, shapes.neighbor_start, shapes.neighbors
+    px, py, pz = base_direction(bodies, i, frame[0], frame[1], frame[2])
+    qx, qy, qz = base_direction(bodies, i, frame[3], frame[4], frame[5])
+    nx, ny, nz = base_direction(bodies, i, frame[6], frame[7], frame[8])
+    first = shapes.vertex_start[bodies.shape[i]]
+    room.stamp[t] += 1
+    stamp = room.stamp[t]
+    room.mark[t, start - first] = stamp
+    room.stack[t, 0] = start
+    n_stack, n_faces = 1, 0
+    sign = 1.0 if side == 0 else -1.0
+    while n_stack > 0:
+        n_stack -= 1
+        v = room.stack[t, n_stack]
+        vx, vy, vz = (
+            ox + _dot(vertices, v, px, py, pz), oy + _dot(vertices, v, qx, qy, qz), oz + _dot(vertices, v, nx, ny, nz)
+        )  # fmt: skip
+        last = ring[ring_start[v + 1] - 1]
+        lx, ly, lz = (
+            ox + _dot(vertices, last, px, py, pz), oy + _dot(vertices, last, qx, qy, qz),
+            oz + _dot(vertices, last, nx, ny, nz),
+        )  # fmt: skip
+        last_inside = (lz >= low) if side == 0 else (lz <= high)
+        for k in range(ring_start[v], ring_start[v + 1]):
+            u = ring[k]
+            ux, uy, uz = (
+                ox + _dot(vertices, u, px, py, pz), oy + _dot(vertices, u, qx, qy, qz),
+                oz + _dot(vertices, u, nx, ny, nz),
+            )  # fmt: skip
+            inside = (uz >= low) if side == 0 else (uz <= high)
+            if inside and room.mark[t, u - first] != stamp:
+                room.mark[t, u - first] = stamp
+                room.stack[t, n_stack] = u
+                n_stack += 1
+            # The face v, last, u belongs to the least of its vertices in the slab.
+            if not ((inside and u < v) or (last_inside and last < v)):
+                area = sign * ((lx - vx) * (uy - vy) - (ly - vy) * (ux - vx))
+                if area > 0.0:
+                    face = room.faces
+                    face[t, side, n_faces, 0, 0], face[t, side, n_faces, 0, 1], face[t, side, n_faces, 0, 2] = vx, vy, vz
+                    face[t, side, n_faces, 1, 0], face[t, side, n_faces, 1, 1], face[t, side, n_faces, 1, 2] = lx, ly, lz
+                    face[t, side, n_faces, 2, 0], face[t, side, n_faces, 2, 1], face[t, side, n_faces, 2, 2] = ux, uy, uz
+                    n_faces += 1
+            last, lx, ly, lz, last_inside = u, ux, uy, uz, inside
+    return n_faces
+
+
+@leaf
+def _clip(polygon, t, source, target, n, cx, cy, cz, c0):
+    """Part of a polygon where cx x + cy y + cz z + c0 >= 0; returns its number of corners."""
+    kept = 0
+    if n == 0:
+        return 0
+    x, y, z = polygon[t, source, n - 1, 0], polygon[t, source, n - 1, 1], polygon[t, source, n - 1, 2]
+    d = cx * x + cy * y + cz * z + c0
+    for k in range(n):
+        u, v, w = polygon[t, source, k, 0], polygon[t, source, k, 1], polygon[t, source, k, 2]
+        e = cx * u + cy * v + cz * w + c0
+        if (d < 0.0) != (e < 0.0):
+            s = d / (d - e)
+            polygon[t, target, kept, 0] = x + s * (u - x)
+            polygon[t, target, kept, 1] = y + s * (v - y)
+            polygon[t, target, kept, 2] = z + s * (w - z)
+            kept += 1
+        if e >= 0.0:
+            polygon[t, target, kept, 0], polygon[t, target, kept, 1], polygon[t, target, kept, 2] = u, v, w
+            kept += 1
+        x, y, z, d = u, v, w, e
+    return kept
+
+
+@leaf
+def triangle_moments(x1, y1, d1, x2, y2, d2, x3, y3, d3):
+    """∫ d, ∫ d x, ∫ d y, ∫ d x², ∫ d xy, ∫ d y² over a triangle of the plane with linear depth d.
+
+    Products of barycentric coordinates integrate to 2 A a! b! c! / (a + b + c + 2)!.
+    """
+    double_area = (x2 - x1) * (y3 - y1) - (y2 - y1) * (x3 - x1)
+    total = d1 + d2 + d3
+    first = double_area / 24.0
+    w1, w2, w3 = total + d1, total + d2, total + d3
+    second = double_area / 120.0
+    a1, a2, a3 = 2.0 * total + 4.0 * d1, 2.0 * total + 4.0 * d2, 2.0 * total + 4.0 * d3
+    b12, b23, b31 = total + d1 + d2, total + d2 + d3, total + d3 + d1
+    # Every mixed pair stands twice in the sum over i, j
+    return (
+        double_area * total / 6.0,
+        first * (w1 * x1 + w2 * x2 + w3 * x3),
+        first * (w1 * y1 + w2 * y2 + w3 * y3),
+        second * (a1 * x1 * x1 + a2 * x2 * x2 + a3 * x3 * x3
+                  + 2.0 * (b12 * x1 * x2 + b23 * x2 * x3 + b31 * x3 * x1)),
+        second * (a1 * x1 * y1 + a2 * x2 * y2 + a3 * x3 * y3
+                  + b12 * (x1 * y2 + x2 * y1) + b23 * (x2 * y3 + x3 * y2) + b31 * (x3 * y1 + x1 * y3)),
+        second * (a1 * y1 * y1 + a2 * y2 * y2 + a3 * y3 * y3
+                  + 2.0 * (b12 * y1 * y2 + b23 * y2 * y3 + b31 * y3 * y1)),
+    )  # fmt: skip
+
+
+@leaf
+def _edge_clip(polygon, t, source, target, n, x1, y1, x2, y2):
+    """Part of a polygon left of the line from 1 to 2."""
+    cx, cy = y1 - y2, x2 - x1
+    return _clip(polygon, t, source, target, n, cx, cy, 0.0, -(cx * x1 + cy * y1))
+
+
+@leaf
+def _moments_of_faces(room, t, n_a, n_b, low, x0, y0):
+    """Sums of triangle_moments over all pairs of gathered faces, about (x0, y0)."""
+    m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    faces, polygon = room.faces, room.polygon
+    for p in range(n_a):
+        for k in range(3):
+            for axis in range(3):
+                polygon[t, 1, k, axis] = faces[t, 0, p, k, axis]
+        n = _clip(polygon, t, 1, 0, 3, 0.0, 0.0, 1.0, -low)
+        if n < 3:
+            continue
+        left, right, below, above = np.inf, -np.inf, np.inf, -np.inf
+        for k in range(n):
+            left, right = min(left, polygon[t, 0, k, 0]), max(right, polygon[t, 0, k, 0])
+            below, above = min(below, polygon[t, 0, k, 1]), max(above, polygon[t, 0, k, 1])
+        for q in range(n_b):
+            # Seen along n the faces of b run clockwise.
+            ax, ay, az = faces[t, 1, q, 0, 0], faces[t, 1, q, 0, 1], faces[t, 1, q, 0, 2]
+            bx, by, bz = faces[t, 1, q, 2, 0], faces[t, 1, q, 2, 1], faces[t, 1, q, 2, 2]
+            cx, cy, cz = faces[t, 1, q, 1, 0], faces[t, 1, q, 1, 1], faces[t, 1, q, 1, 2]
+            if min(ax, min(bx, cx)) > right or max(ax, max(bx, cx)) < left:
+                continue
+            if min(ay, min(by, cy)) > above or max(ay, max(by, cy)) < below:
+                continue
+            m = _edge_clip(polygon, t, 0, 1, n, ax, ay, bx, by)
+            m = _edge_clip(polygon, t, 1, 2, m, bx, by, cx, cy)
+            m = _edge_clip(polygon, t, 2, 1, m, cx, cy, ax, ay)
+            if m < 3:
+                continue
+            # Height of b over the plane: az + gx (x − ax) + gy (y − ay)
+            ux, uy, uz = bx - ax, by - ay, bz - az
+            vx, vy, vz = cx - ax, cy - ay, cz - az
+            area = ux * vy - uy * vx
+            gx, gy = (uz * vy - vz * uy) / area, (ux * vz - vx * uz) / area
+            g0 = az - gx * ax - gy * ay
+            m = _clip(polygon, t, 1, 2, m, -gx, -gy, 1.0, -g0)
+            if m < 3:
+                continue
+            x1, y1 = polygon[t, 2, 0, 0], polygon[t, 2, 0, 1]
+            d1 = polygon[t, 2, 0, 2] - gx * x1 - gy * y1 - g0
+            x2, y2 = polygon[t, 2, 1, 0], polygon[t, 2, 1, 1]
+            d2 = polygon[t, 2, 1, 2] - gx * x2 - gy * y2 - g0
+            for k in range(2, m):
+                x3, y3 = polygon[t, 2, k, 0], polygon[t, 2, k, 1]
+                d3 = polygon[t, 2, k, 2] - gx * x3 - gy * y3 - g0
+                s0, sx, sy, sxx, sxy, syy = triangle_moments(
+                    x1 - x0, y1 - y0, d1, x2 - x0, y2 - y0, d2, x3 - x0, y3 - y0, d3
+                )
+                m0, mx, my = m0 + s0, mx + sx, my + sy
+                mxx, mxy, myy = mxx + sxx, mxy + sxy, myy + syy
+                x2, y2, d2 = x3, y3, d3
+    return m0, mx, my, mxx, mxy, myy
+
+
+@routine
+def clipped_patch(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz, room, t):
+    """Moments of the depth, in general: (∫ d, ∫ d x, ∫ d y, ∫ d x², ∫ d xy, ∫ d y²) about vertex a, along t1 and t2.
+
+    a, b: the support vertices along n. r: from the centre of body i to that of j.
+    """
+    px, py, pz, qx, qy, qz = tangents(nx, ny, nz)
+    frame = (px, py, pz, qx, qy, qz, nx, ny, nz)
+    dx, dy, dz = base_direction(bodies, i, nx, ny, nz)
+    high = _dot(shapes.vertices, a, dx, dy, dz)
+    dx, dy, dz = base_direction(bodies, j, nx, ny, nz)
+    ox, oy, oz = (
+        px * rx + py * ry + pz * rz, qx * rx + qy * ry + qz * rz, nx * rx + ny * ry + nz * rz
+    )  # fmt: skip
+    low = oz + _dot(shapes.vertices, b, dx, dy, dz)
+    dx, dy, dz = base_direction(bodies, i, px, py, pz)
+    x0 = _dot(shapes.vertices, a, dx, dy, dz)
+    dx, dy, dz = base_direction(bodies, i, qx, qy, qz)
+    y0 = _dot(shapes.vertices, a, dx, dy, dz)
+    n_a = gather_faces(shapes, bodies, i, a, frame, 0.0, 0.0, 0.0, low, high, 0, room, t)
+    n_b = gather_faces(shapes, bodies, j, b, frame, ox, oy, oz, low, high, 1, room, t)
+    return _moments_of_faces(room, t, n_a, n_b, low, x0, y0)
+
+
+@leaf
+def cone_moments(shapes, bodies, i, apex, j, f0, f1, f2, rx, ry, rz, depth, frame, sign):
+    """Moments about an apex that alone reaches into the other body, where its cone ends inside one face there.
+
+    apex: of body i, extreme along sign × n. f0, f1, f2: the face of body j, r from the centre of i to that of j.
+    Returns (whether that is so, moments as clipped_patch).
+    """
+    vertices, ring_start, ring = shapes.vertices, shapes.neighbor_start, shapes.neighbors
+    px, py, pz = base_direction(bodies, i, frame[0], frame[1], frame[2])
+    qx, qy, qz = base_direction(bodies, i, frame[3], frame[4], frame[5])
+    nx, ny, nz = base_direction(bodies, i, sign * frame[6], sign * frame[7], sign * frame[8])
+    ax, ay, az = vertices[apex, 0], vertices[apex, 1], vertices[apex, 2]
+    ox = frame[0] * rx + frame[1] * ry + frame[2] * rz - (ax * px + ay * py + az * pz)
+    oy = frame[3] * rx + frame[4] * ry + frame[5] * rz - (ax * qx + ay * qy + az * qz)
+    dx, dy, dz = base_direction(bodies, j, frame[0], frame[1], frame[2])
+    ex, ey, ez = base_direction(bodies, j, frame[3], frame[4], frame[5])
+    x0, y0 = ox + _dot(vertices, f0, dx, dy, dz), oy + _dot(vertices, f0, ex, ey, ez)
+    x1, y1 = ox + _dot(vertices, f1, dx, dy, dz), oy + _dot(vertices, f1, ex, ey, ez)
+    x2, y2 = ox + _dot(vertices, f2, dx, dy, dz), oy + _dot(vertices, f2, ex, ey, ez)
+    turn = 1.0 if (x1 - x0) * (y2 - y0) - (y1 - y0) * (x2 - x0) > 0.0 else -1.0
+    # Lines of the face's sides: c x + d y + e >= 0 inside
+    c0, d0 = turn * (y0 - y1), turn * (x1 - x0)
+    c1, d1 = turn * (y1 - y2), turn * (x2 - x1)
+    c2, d2 = turn * (y2 - y0), turn * (x0 - x2)
+    e0, e1, e2 = -(c0 * x0 + d0 * y0), -(c1 * x1 + d1 * y1), -(c2 * x2 + d2 * y2)
+    m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    last = ring_start[apex + 1] - 1
+    sx, sy, inside = _foot(vertices, ring[last], ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth)
+    for k in range(ring_start[apex], ring_start[apex + 1]):
+        x, y, within = _foot(vertices, ring[k], ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth)
+        if not within or c0 * x + d0 * y + e0 < 0.0 or c1 * x + d1 * y + e1 < 0.0 or c2 * x + d2 * y + e2 < 0.0:
+            return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        area = sign * (sx * y - sy * x)
+        m0 += area
+        mx += area * (sx + x)
+        my += area * (sy + y)
+        mxx += area * (sx * sx + x * x + sx * x)
+        mxy += area * (sx * sy + x * y + 0.5 * (sx * y + x * sy))
+        myy += area * (sy * sy + y * y + sy * y)
+        sx, sy = x, y
+    # Depth d at the apex and none at the feet: 2 A d / 6, and so on (see triangle_moments)
+    return (
+        True, m0 * depth / 6.0, mx * depth / 24.0, my * depth / 24.0,
+        mxx * depth / 60.0, mxy * depth / 60.0, myy * depth / 60.0,
+    )  # fmt: skip
+
+
+@leaf
+def _foot(vertices, u, ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth):
+    """Where the edge from a to u leaves the slab of that depth: (x, y) from a, and whether it does."""
+    ux, uy, uz = vertices[u, 0] - ax, vertices[u, 1] - ay, vertices[u, 2] - az
+    fall = -(ux * nx + uy * ny + uz * nz)
+    t = depth / fall
+    return t * (ux * px + uy * py + uz * pz), t * (ux * qx + uy * qy + uz * qz), fall > depth
+
+
+@leaf
+def find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, t):
+    """Move the point of touching contact p to the centroid of its patch, and note the patch's second moments."""
+    facet = contacts.facet
+    nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
+    overlap = contacts.overlap[p]
+    px, py, pz, qx, qy, qz = tangents(nx, ny, nz)
+    frame = (px, py, pz, qx, qy, qz, nx, ny, nz)
+    a, b = facet[p, 0], facet[p, 3]
+    found, about_b = False, False
+    m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if facet[p, 1] >= 0:
+        if facet[p, 1] == a and facet[p, 2] == a:
+            found, m0, mx, my, mxx, mxy, myy = cone_moments(
+                shapes, bodies, i, a, j, b, facet[p, 4], facet[p, 5], rx, ry, rz, overlap, frame, 1.0
+            )
+        elif facet[p, 4] == b and facet[p, 5] == b:
+            found, m0, mx, my, mxx, mxy, myy = cone_moments(
+                shapes, bodies, j, b, i, a, facet[p, 1], facet[p, 2], -rx, -ry, -rz, overlap, frame, -1.0
+            )
+            about_b = True
+    if not found:
+        about_b = False
+        m0, mx, my, mxx, mxy, myy = clipped_patch(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz, room, t)
+    if not m0 > 0.0:
+        for k in range(6):
+            contacts.spread[p, k] = 0.0
+        return
+    cx, cy = mx / m0, my / m0
+    half = -0.5 * overlap
+    if about_b:
+        x, y, z = vertex_offset(shapes, bodies, j, b)
+        x, y, z = x + rx, y + ry, z + rz
+        half = -half
+    else:
+        x, y, z = vertex_offset(shapes, bodies, i, a)
+    contacts.point[p, 0] = x + cx * px + cy * qx + half * nx
+    contacts.point[p, 1] = y + cx * py + cy * qy + half * ny
+    contacts.point[p, 2] = z + cx * pz + cy * qz + half * nz
+    note_spread(contacts.spread, p, frame, mxx / m0 - cx * cx, mxy / m0 - cx * cy, myy / m0 - cy * cy)
+
+
+@leaf
+def note_spread(spread, p, frame, sxx, sxy, syy):
+    """Second moments in the tangent plane as a symmetric world matrix."""
+    px, py, pz, qx, qy, qz = frame[0], frame[1], frame[2], frame[3], frame[4], frame[5]
+    spread[p, 0] = sxx * px * px + 2.0 * sxy * px * qx + syy * qx * qx
+    spread[p, 1] = sxx * py * py + 2.0 * sxy * py * qy + syy * qy * qy
+    spread[p, 2] = sxx * pz * pz + 2.0 * sxy * pz * qz + syy * qz * qz
+    spread[p, 3] = sxx * px * py + sxy * (px * qy + py * qx) + syy * qx * qy
+    spread[p, 4] = sxx * px * pz + sxy * (px * qz + pz * qx) + syy * qx * qz
+    spread[p, 5] = sxx * py * pz + sxy * (py * qz + pz * qy) + syy * qy * qz
