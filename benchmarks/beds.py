@@ -16,7 +16,6 @@ import yaml
 
 from simcore.compilation import source_digest
 from simcore.dem.bodies import make_bodies
-from simcore.dem.neighbors import list_contacts
 from simcore.dem.packing import SHAKING, SKIN, Process
 from simcore.scenes import set_up
 from simcore.sources import load_grains
@@ -154,7 +153,9 @@ def _pour(setup, report):
 def bed_of(process, sieve_size):
     """The Bed that a Process is in."""
     b = process.bodies
-    fields = (b.shape, b.scale, sieve_size, b.position, b.orientation, b.velocity, b.angular_velocity)
+    upright = np.tile([1.0, 0.0, 0.0, 0.0], (len(b.shape), 1))  # spheres carry no orientation
+    orientation = b.orientation if len(b.orientation) else upright
+    fields = (b.shape, b.scale, sieve_size, b.position, orientation, b.velocity, b.angular_velocity)
     return Bed(*(field.copy() for field in fields))
 
 
@@ -170,10 +171,11 @@ def start(setup, bed, report=lambda line: None, **options):
         bed.velocity,
         bed.angular_velocity,
         density=setup.scene.material.density,
+        kind=setup.scene.kind,
     )
     skin = setup.scene.numerics.skin
     process.skin = (SKIN if skin is None else skin) * float(np.mean(bed.sieve_size))
-    process.contacts = list_contacts(process.bodies, process.box, process.skin, None)
+    process._list_near()
     return process
 
 

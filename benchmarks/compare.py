@@ -36,9 +36,7 @@ COLUMNS = (
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--python", required=True, help="interpreter of the environment of the other codes")
-    parser.add_argument(
-        "--codes", nargs="+", choices=[*SPHERES, *POLYHEDRA, *PAIRS], help="default: all but YADE"
-    )
+    parser.add_argument("--codes", nargs="+", choices=[*SPHERES, *POLYHEDRA, *PAIRS], help="default: all but YADE")
     parser.add_argument("--spheres", type=int, default=2000)
     parser.add_argument("--polyhedra", type=int, default=500)
     parser.add_argument("--faces", type=face_count, default=300)

@@ -1,6 +1,5 @@
 """CPU time of steps in a shaken bed, and what goes with the figure: contacts, solid fraction, memory, machine."""
 
-import inspect
 import os
 import platform
 import time
@@ -10,7 +9,7 @@ import numpy as np
 
 from benchmarks.beds import Bed, start
 from simcore.compilation import source_digest
-from simcore.dem.packing import SHAKING, Packed, Process
+from simcore.dem.packing import SHAKING, Packed
 from simcore.packing_io import packing_dataset
 from simcore.porosity import porosity_profile
 
@@ -79,14 +78,12 @@ def measure(setup, bed, duration, warm_up=REMEMBERING):
 
 
 def measure_shares(setup, bed, duration):
-    """Shares of a step's parts, from a run of its own with clocks in it; None where the core has none."""
-    if "timed" not in inspect.signature(Process).parameters:
-        return None
+    """Shares of a step's parts, from a run of its own with clocks in it."""
     process = start(setup, bed, timed=True)
     process.advance(max(round(REMEMBERING / process.dt), 1), SHAKING)
     before = dict(process.seconds)
     process.advance(max(round(duration / process.dt), 1), SHAKING)
-    spent = {name: seconds - before.get(name, 0.0) for name, seconds in process.seconds.items()}
+    spent = {name: seconds - before[name] for name, seconds in process.seconds.items()}
     total = sum(spent.values())
     return {name: seconds / total for name, seconds in spent.items()}
 
@@ -99,7 +96,7 @@ def solid_fraction(setup, process, specification):
     """
     process.evaluate()
     packed = Packed(
-        process.bodies, process.contacts, process.checks[-1][2], process.step, process.step * process.dt, 0.0, []
+        process.bodies, process.near, process.checks[-1][2], process.step, process.step * process.dt, 0.0, []
     )
     sample = setup.sample(range(len(process.bodies.mass)))
     packing = packing_dataset(

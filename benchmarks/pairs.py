@@ -18,9 +18,10 @@ from scipy.spatial.transform import Rotation
 from benchmarks.measurement import machine
 from simcore.compilation import kernel
 from simcore.dem.bodies import make_bodies
+from simcore.dem.features import Features
 from simcore.dem.interaction import check_polyhedra, search_polyhedra
-from simcore.dem.neighbors import Box, list_contacts
-from simcore.dem.shapes import Base, collect_shapes
+from simcore.dem.neighbors import Box, list_near
+from simcore.dem.shapes import CONVEX, Base, collect_shapes
 from simcore.grains.mesh import make_grain
 
 SEMI_AXES = np.array([1.0, 0.75, 0.5])  # [m]: tolerances are relative to the pair's size, here and there
@@ -75,10 +76,10 @@ def ask(shapes, first, second, contacts, rounds, cold):
                 contacts.direction[p] = 0.0
                 contacts.facet[p] = -1
                 contacts.safe_until[p] = -np.inf
-            check_polyhedra(shapes, bodies, contacts, p, 0.0)
+            check_polyhedra(shapes, bodies, contacts, p, 0.0, False)
             if contacts.pending[p] != 0:
                 searched += 1
-                search_polyhedra(shapes, bodies, contacts, p, 0.0)
+                search_polyhedra(shapes, bodies, contacts, p, 0.0, False)
     return searched
 
 
@@ -101,7 +102,8 @@ def measure(bases, rotation, position):
         )  # fmt: skip
         for pose in range(2)
     ]
-    contacts = list_contacts(poses[0], Box(0.0), 0.01, None)
+    features = Features(kind=CONVEX, friction=False, periodic=False)
+    contacts = list_near(poses[0], shapes, Box(0.0), 0.01, features).contacts
     if not (len(contacts.body_a) == n and (contacts.body_a == 2 * np.arange(n)).all()):
         raise RuntimeError("the neighbour list is not that of the pairs")
     result = {}

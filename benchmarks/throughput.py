@@ -101,7 +101,7 @@ def run(options, least_solid_fraction=None):
 def line(result):
     """The result in one line."""
     shares = result["shares"]
-    parts = ", ".join(f"{name} {share:.0%}" for name, share in shares.items()) if shares else "not measured"
+    parts = ", ".join(f"{name} {share:.0%}" for name, share in shares.items())
     faces = f" of {result['faces']} faces" if result["faces"] else ""
     return (
         f"{result['grains']} {result['shape']} grains{faces}, {result['threads']} threads: "
