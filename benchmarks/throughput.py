@@ -1,70 +1,115 @@
-"""CPU time per grain and step in a shaken bed, for each kind of grain.
+"""CPU time per grain and step in a dense shaken bed.
 
-    python benchmarks/throughput.py [--grains 1000] [--threads 1] [--contact-time "1 ms"]
+    python -m benchmarks.throughput [--shape polyhedron] [--faces 300] [--grains 2000] [--threads 1] [--json FILE]
 
-Pours U1 grains into a periodic box at 40 steps a contact time, lets them fall, and then
-times stretches of shaking. Prints one CSV row a kind: kind, faces, grains, threads, contacts per grain, near pairs per
-grain, microseconds of CPU per grain and step (median of the stretches, least, most), source digest.
+Contact time 0.2 ms, 40 steps in it, restitution 0.1, friction 0.5, full history, periodic box, shaken as by default.
+The bed is poured once and kept (benchmarks/beds.py). CPU of all threads counts, list rebuilds included; compilation
+apart. `--set group.key=value` lays anything over the specification; what is under `numerics` keeps the bed.
 """
 
 import argparse
+import json
 import os
 import sys
-import time
-
-KINDS = {"sphere": None, "ellipsoid": None, "mesh": (50, 100, 300)}
-SETTLING, STRETCH, STRETCHES = 0.5, 400, 10  # [s], steps, number
+from pathlib import Path
 
 
-def main():
+def parse(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--grains", type=int, default=1000)
+    parser.add_argument("--shape", choices=["sphere", "ellipsoid", "polyhedron"], default="polyhedron")
+    parser.add_argument("--faces", type=face_count, default=300, help='of polyhedra: a number, or "original"')
+    parser.add_argument("--grains", type=int, default=2000)
     parser.add_argument("--threads", type=int, default=1)
-    parser.add_argument("--contact-time", default="1 ms", help="the campaign's; the study's is 0.2 ms")
-    options = parser.parse_args()
-    os.environ["NUMBA_NUM_THREADS"] = str(options.threads)
-    print("kind,faces,grains,threads,contacts_per_grain,near_pairs_per_grain,us_median,us_least,us_most,digest")
-    for kind, faces in KINDS.items():
-        for target in faces or (0,):
-            print(measure(kind, target, options), flush=True)
+    parser.add_argument("--duration", type=float, default=0.1, help="simulated time measured [s]")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--set", action="append", default=[], metavar="GROUP.KEY=VALUE", dest="assignments")
+    parser.add_argument("--json", metavar="FILE")
+    parser.add_argument("--beds", metavar="FOLDER", default=default_beds(), help="where beds are kept")
+    return parser.parse_args(arguments)
 
 
-def measure(kind, faces, options):
-    from simcore.compilation import source_digest
-    from simcore.dem.packing import SHAKING, Process
-    from simcore.scenes import set_up
-    from simcore.sources import load_grains
+def face_count(text):
+    return text if text == "original" else int(text)
+
+
+def default_beds():
+    return str(Path(os.environ.get("SCREE_CACHE", Path.home() / ".cache" / "scree")) / "beds")
+
+
+def use_threads(threads):
+    """Before numba is imported."""
+    if "numba" in sys.modules:
+        from simcore.compilation import set_threads
+
+        set_threads(threads)
+    else:
+        os.environ["NUMBA_NUM_THREADS"] = str(threads)
+
+
+def main(arguments=None):
+    options = parse(arguments)
+    use_threads(options.threads)
+    result = run(options)
+    print(line(result))
+    if options.json:
+        Path(options.json).write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+
+
+def run(options, least_solid_fraction=None):
+    """The result (dict) that is written as JSON; see `measurement` for the figures."""
+    from benchmarks.beds import bed_settings, prepare, read_overrides, settled_bed
+    from benchmarks.measurement import (
+        LEAST_SOLID_FRACTION,
+        check_solid_fraction,
+        compile_steps,
+        machine,
+        measure,
+        measure_shares,
+        solid_fraction,
+    )
     from simcore.specification import resolve
 
-    n_grains, threads = options.grains, options.threads
-    width = 6.5e-3 * (n_grains / 10) ** (1 / 3)  # a bed about as high as the box is wide
-    specification = resolve(
-        {
-            "name": f"{kind}{faces or ''}",
-            "domain": {"width": f"{width} m", "height": f"{40 * width} m"},
-            "faces": faces or 100,
-            "shapes": {"kind": kind, "choice": "random"},
-            "sizes": {"case": "U1"},
-            "amount": {"grains": n_grains},
-            "numerics": {"contact_time": options.contact_time, "progress_interval": "1000 s"},
-        }
-    )
-    setup = set_up(specification, load_grains)
-    process = Process(setup.scene, setup.bases, setup.draw, lambda line: print(line, file=sys.stderr))
-    process.generate()
-    process.advance(round(SETTLING / process.dt), SHAKING)
-    times = []
-    for _ in range(STRETCHES):
-        started = time.process_time()
-        process.advance(STRETCH, SHAKING)
-        times.append((time.process_time() - started) / STRETCH / n_grains * 1e6)
-    times.sort()
-    contacts = process.contacts.touching.sum() / n_grains
-    pairs = len(process.contacts.body_a) / n_grains
-    middle = times[len(times) // 2]
+    overrides = read_overrides(options.assignments)
+    settings = bed_settings(options.shape, options.grains, options.faces, options.seed, overrides)
+    specification = resolve(settings)
+    setup = prepare(settings)
+    compiled = compile_steps(setup)
+    bed = settled_bed(settings, options.beds, lambda text: print(text, file=sys.stderr, flush=True))
+    figures, process = measure(setup, bed, options.duration)
+    fraction = solid_fraction(setup, process, specification)
+    least = LEAST_SOLID_FRACTION if least_solid_fraction is None else least_solid_fraction
+    check_solid_fraction(settings["name"], fraction, least)
+    shares = measure_shares(setup, bed, min(options.duration, 0.02))
+    faces = [len(base.faces) for base in setup.bases]
+    return {
+        **figures,
+        **compiled,
+        "solid_fraction": fraction,
+        "shares": shares,
+        "shape": options.shape,
+        "faces": max(faces) if max(faces) else None,
+        "grains": options.grains,
+        "threads": options.threads,
+        "duration": options.duration,
+        "time_step": setup.scene.numerics.time_step,
+        "overrides": overrides,
+        "specification": specification,
+        "machine": machine(),
+    }
+
+
+def line(result):
+    """The result in one line."""
+    shares = result["shares"]
+    parts = ", ".join(f"{name} {share:.0%}" for name, share in shares.items())
+    faces = f" of {result['faces']} faces" if result["faces"] else ""
     return (
-        f"{kind},{faces},{n_grains},{threads},{contacts:.2f},{pairs:.2f},{middle:.3f},{times[0]:.3f},{times[-1]:.3f},"
-        f"{source_digest()}"
+        f"{result['grains']} {result['shape']} grains{faces}, {result['threads']} threads: "
+        f"{result['cpu_us_per_grain_step']:.3f} µs CPU per grain and step "
+        f"({result['cpu_us_least']:.3f} to {result['cpu_us_most']:.3f}), "
+        f"{result['cpu_us_per_contact_step'] or 0:.3f} per contact; {result['contacts_per_grain']:.2f} contacts per "
+        f"grain, {result['solid_fraction']:.3f} solid; "
+        f"{'compiled' if result['compiled_anew'] else 'loaded'} in {result['compile_s']:.1f} s; shares: {parts}"
     )
 
 
