@@ -16,7 +16,7 @@ import yaml
 
 from simcore.compilation import source_digest
 from simcore.dem.bodies import make_bodies
-from simcore.dem.packing import SHAKING, SKIN, Process
+from simcore.dem.packing import SHAKING, Process
 from simcore.scenes import set_up
 from simcore.sources import load_grains
 from simcore.specification import resolve
@@ -162,7 +162,7 @@ def bed_of(process, sieve_size):
 def start(setup, bed, report=lambda line: None, **options):
     """A Process of the setup's scene in that bed, with an empty memory of contacts; options go to Process."""
     process = Process(setup.scene, setup.bases, setup.draw, report, **options)
-    process.bodies = make_bodies(
+    bodies = make_bodies(
         setup.bases,
         bed.shape,
         bed.scale,
@@ -173,9 +173,7 @@ def start(setup, bed, report=lambda line: None, **options):
         density=setup.scene.material.density,
         kind=setup.scene.kind,
     )
-    skin = setup.scene.numerics.skin
-    process.skin = (SKIN if skin is None else skin) * float(np.mean(bed.sieve_size))
-    process._list_near()
+    process.place(bodies, float(np.mean(bed.sieve_size)))
     return process
 
 

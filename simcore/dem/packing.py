@@ -23,9 +23,11 @@ from simcore.dem.shapes import Base, collect_shapes
 from simcore.dem.stepping import STAGES, Drive, make_advance
 
 GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"
-# Of the mean sieve size. From 0.15 to 0.4 a shaken bed costs the same within 4 % (300 pebbles of U1), and falling
-# grains, which are listed anew more often, gain a fifth from 0.15 to 0.3.
-SKIN = 0.3
+# Of the mean sieve size: the skin at rest, and how far it grows while lists hold for fewer steps than LIST_HOLDS[0],
+# as when grains fall; above LIST_HOLDS[1] it shrinks again. From 0.2 to 0.4 a shaken bed costs the same within 10 %.
+SKIN, WIDEST_SKIN = 0.3, 1.5
+LIST_HOLDS = (100, 1000)
+SKIN_STEP = 1.5
 REFILL_HEIGHT = 0.6  # of the domain: where the study's batches begin
 STUDY_FIRST_FILL = 0.1
 # Speed that no grain reaches by falling through the domain and shaking, with this margin: then a contact blew up.
@@ -94,6 +96,7 @@ class Process:
         self.interval_steps = max(round(scene.convergence.interval / self.dt), 1)
         self.shaking_steps = round(scene.shaking.duration / self.dt)
         self.step = 0
+        self.listed_step = 0
         self.bodies = None
         self.near = None
         self.checks = []
@@ -114,6 +117,12 @@ class Process:
         return Packed(
             self.bodies, self.near, observation, self.step, self.step * self.dt, last_birth * self.dt, self.checks
         )
+
+    def place(self, bodies, mean_size):
+        """These are the bodies now; mean_size [m]: of their sieve sizes, the measure of the skin."""
+        self.bodies, self.mean_size = bodies, mean_size
+        self.skin = (SKIN if self.scene.numerics.skin is None else self.scene.numerics.skin) * mean_size
+        self.list_near()
 
     # -- phases ---------------------------------------------------------------------------------------------
 
@@ -219,10 +228,8 @@ class Process:
                 count = int(np.searchsorted(mass, scene.amount_mass)) + 1
         birth = give_birth(generation, sites[taken[:count]], drawn.sieve_size[:count], drawn.uniforms[:count])
         new = make_bodies(self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, scene.kind)
-        self.bodies = new if self.bodies is None else join_bodies(self.bodies, new)
-        mean_size = float(np.mean(drawn.sieve_size[:count]))
-        self.skin = (SKIN if scene.numerics.skin is None else scene.numerics.skin) * mean_size
-        self._list_near()
+        everyone = new if self.bodies is None else join_bodies(self.bodies, new)
+        self.place(everyone, float(np.mean(drawn.sieve_size[:count])))
         return reached
 
     def _masses(self, drawn):
@@ -242,7 +249,7 @@ class Process:
             damping=damping,
             width=self.box.width,
             wall_radius=0.5 * scene.domain.width,
-            list_margin=0.5 * self.skin,
+            list_margin=np.inf,  # known when the list is
         )
 
     def advance(self, n_steps, phase, end=None):
@@ -255,7 +262,7 @@ class Process:
             left -= done
             if stale:
                 self._check_finite()
-                self._list_near()
+                self.list_near()
         seen = observe(self.bodies, self.near)
         self._check_speed(seen)
         self.checks.append((self.step * self.dt, phase, seen))
@@ -269,6 +276,7 @@ class Process:
 
     def _advance(self, drive, n_steps):
         """(steps done, whether the list is stale)"""
+        drive = drive._replace(list_margin=0.5 * self.skin)
         before, started = self.clock.copy(), time.perf_counter()
         result = self.advance_steps(
             self.bodies, self.shapes, *self.near, self.room, self.scene.law, drive, self.clock, self.step, n_steps
@@ -279,8 +287,16 @@ class Process:
                 self.seconds[stage] += elapsed * share
         return result
 
-    def _list_near(self):
+    def list_near(self):
+        """List what can touch, with the skin that the last lists call for."""
         started = time.perf_counter()
+        held = self.step - self.listed_step
+        if self.scene.numerics.skin is None and held > 0:
+            if held < LIST_HOLDS[0]:
+                self.skin = min(SKIN_STEP * self.skin, WIDEST_SKIN * self.mean_size)
+            elif held > LIST_HOLDS[1]:
+                self.skin = max(self.skin / SKIN_STEP, SKIN * self.mean_size)
+        self.listed_step = self.step
         self.near = list_near(self.bodies, self.shapes, self.box, self.skin, self.features, self.near)
         self.seconds["neighbour search"] += time.perf_counter() - started
 
