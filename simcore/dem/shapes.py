@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from simcore.compilation import leaf
 
@@ -158,6 +157,8 @@ def convex(vertices) -> Shape:
     Duplicates and points inside are dropped. ValueError for fewer than four different points, numbers that are not
     finite, and points in a plane (to 1e-7 of their extent).
     """
+    from scipy.spatial import ConvexHull, QhullError  # here: the step's modules start without it
+
     points = np.array(vertices, np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise ValueError(f"convex: vertices must be an array (n, 3), this one has the shape {points.shape}")
