@@ -4,14 +4,18 @@ import numpy as np
 from numba import types
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact.frame import support
+from simcore.dem.contact.frame import difference, support
 from simcore.dem.contact.scratch import scratch
 
 GJK_ITERATIONS = 128  # round hulls of 1300 vertices need 20; a bound, not a budget
 NEAR = 1e-3  # of the pair's size: nearer, directions come from the simplex's features, not from its nearest point
 GAP_TOLERANCE = 1e-13  # of the pair's size: how far the certain gap may fall short of the nearest point's distance
 
+SHARPENINGS = 8
+
 _take_fresh = scratch(types.float64, 4)
+_take_near = scratch(types.float64, 4, 3)
+_take_near_vertices = scratch(types.int64, 4, 2)
 
 
 @leaf
@@ -142,12 +146,12 @@ def _normal_to_edge(points, p, q, x, y, z):
 
 
 @leaf
-def _triangle_normal(points):
-    """Normal of points 0, 1, 2 towards the origin's side, not normalised."""
-    ex, ey, ez = edge_of(points, 0, 1)
-    fx, fy, fz = edge_of(points, 0, 2)
+def _triangle_normal(points, p, q, s):
+    """Normal of points p, q, s towards the origin's side, not normalised."""
+    ex, ey, ez = edge_of(points, p, q)
+    fx, fy, fz = edge_of(points, p, s)
     x, y, z = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
-    if along(points, 0, x, y, z) > 0.0:
+    if along(points, p, x, y, z) > 0.0:
         return -x, -y, -z
     return x, y, z
 
@@ -161,7 +165,7 @@ def _feature_normal(points, n, nx, ny, nz):
     if n == 2:
         x, y, z = _normal_to_edge(points, 0, 1, nx, ny, nz)
     else:
-        x, y, z = _triangle_normal(points)
+        x, y, z = _triangle_normal(points, 0, 1, 2)
     length = np.sqrt(x * x + y * y + z * z)
     if not length > 0.0:
         return nx, ny, nz
@@ -186,7 +190,7 @@ def walk_to_origin(shapes, f, size, a, b, nx, ny, nz, slack, points, vertices, w
     vx, vy, vz = x, y, z
     distance = np.sqrt(vx * vx + vy * vy + vz * vz)
     for _ in range(GJK_ITERATIONS):
-        if distance <= 1e-14 * size or best_gap >= (1.0 - slack) * distance - GAP_TOLERANCE * size:
+        if distance <= 1e-14 * size or best_gap >= (1.0 - slack) * distance:
             break
         nx, ny, nz = -vx / distance, -vy / distance, -vz / distance
         if distance < NEAR * size and n > 1:
@@ -225,34 +229,59 @@ def walk_to_origin(shapes, f, size, a, b, nx, ny, nz, slack, points, vertices, w
     return best_gap, best_x, best_y, best_z, best_a, best_b, distance, n
 
 
-@leaf
-def _try_direction(shapes, f, x, y, z, gap, nx, ny, nz, a, b):
-    """The better of the direction n with its gap and the direction (x, y, z), not normalised."""
-    length = np.sqrt(x * x + y * y + z * z)
-    if not length > 0.0:
-        return gap, nx, ny, nz, a, b
-    x, y, z = x / length, y / length, z / length
-    c, d, mx, my, mz = support(shapes, f, a, b, x, y, z)
-    trial = -(mx * x + my * y + mz * z)
-    if trial > gap:
-        return trial, x, y, z, c, d
-    return gap, nx, ny, nz, a, b
-
-
 @routine
-def sharpen(shapes, f, points, n, gap, nx, ny, nz, a, b):
-    """The gap along the best of the directions normal to the simplex's face, edges and corners: as GJK's.
+def sharpen(shapes, f, size, distance, points, vertices, n, gap, nx, ny, nz, a, b):
+    """The gap along the best of the directions normal to the simplex's features and those beside it, as GJK's.
 
     GJK takes its direction from the nearest point, whose rounding is that of the size; over a gap g it is wrong by
-    eps size / g, and shows a gap that is short by eps size² / g. The normal of a feature is not, whatever the gap.
+    eps size / g, and shows a gap that is short by eps size² / g. The normal of a feature is not, whatever the gap. Where
+    the nearest point lies on a feature's rim to rounding, GJK ends without the rest of the feature: so the support along
+    the best direction joins, and all corners, edges and triangles are tried again.
     """
-    for p in range(n):
-        x, y, z = -points[p, 0], -points[p, 1], -points[p, 2]
-        gap, nx, ny, nz, a, b = _try_direction(shapes, f, x, y, z, gap, nx, ny, nz, a, b)
-        for q in range(p):
-            ex, ey, ez = _normal_to_edge(points, p, q, x, y, z)
-            gap, nx, ny, nz, a, b = _try_direction(shapes, f, ex, ey, ez, gap, nx, ny, nz, a, b)
-    if n == 3:
-        x, y, z = _triangle_normal(points)
-        gap, nx, ny, nz, a, b = _try_direction(shapes, f, x, y, z, gap, nx, ny, nz, a, b)
+    near, near_vertices = _take_near(), _take_near_vertices()
+    for k in range(n):
+        near[k, 0], near[k, 1], near[k, 2] = points[k, 0], points[k, 1], points[k, 2]
+        near_vertices[k, 0], near_vertices[k, 1] = vertices[k, 0], vertices[k, 1]
+    for _ in range(SHARPENINGS):
+        known = False
+        for k in range(n):
+            if near_vertices[k, 0] == a and near_vertices[k, 1] == b:
+                known = True
+        if not known and n < 4:
+            near[n, 0], near[n, 1], near[n, 2] = difference(shapes, f, a, b)
+            near_vertices[n, 0], near_vertices[n, 1] = a, b
+            n += 1
+        improved = 0
+        for subset in range(1, 1 << n):
+            p, q, s = -1, -1, -1
+            count = 0
+            for k in range(n):
+                if subset >> k & 1:
+                    p, q, s = q, s, k
+                    count += 1
+            x, y, z = -near[s, 0], -near[s, 1], -near[s, 2]
+            if count == 2:
+                x, y, z = _normal_to_edge(near, q, s, x, y, z)
+            elif count == 3:
+                x, y, z = _triangle_normal(near, p, q, s)
+            elif count == 4:
+                continue
+            length = np.sqrt(x * x + y * y + z * z)
+            if not length > 0.0:
+                continue
+            x, y, z = x / length, y / length, z / length
+            c, d, mx, my, mz = support(shapes, f, a, b, x, y, z)
+            trial = -(mx * x + my * y + mz * z)
+            if trial > gap:
+                gap, nx, ny, nz, a, b = trial, x, y, z, c, d
+                improved = subset
+        if improved == 0 or distance - gap <= GAP_TOLERANCE * size:
+            break
+        kept = 0
+        for k in range(n):
+            if improved >> k & 1:
+                near[kept, 0], near[kept, 1], near[kept, 2] = near[k, 0], near[k, 1], near[k, 2]
+                near_vertices[kept, 0], near_vertices[kept, 1] = near_vertices[k, 0], near_vertices[k, 1]
+                kept += 1
+        n = kept
     return gap, nx, ny, nz, a, b
