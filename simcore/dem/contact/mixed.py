@@ -15,7 +15,7 @@ from simcore.dem.contact.ellipsoid_climb import image, support_height, tangents
 from simcore.dem.contact.scratch import scratch
 from simcore.dem.shapes import support_vertex, vertex_offset
 
-TOLERANCE = 1e-11  # of the pair's size: tangential distance of the two surface points that is left
+TOLERANCE = 1e-12  # of the pair's size: tangential distance of the two surface points that is left
 GAIN = 1e-15  # of the pair's size: a step that promises less is the last
 ITERATIONS = 60
 CORNERS = 4
@@ -93,6 +93,7 @@ def climb_feature(shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough)
     vertices[0] = v
     n = 1
     wx, wy, wz = vertex_offset(shapes, bodies, i, v)
+    last = np.inf
     for _ in range(ITERATIONS):
         if value > enough:
             break
@@ -150,7 +151,7 @@ def climb_feature(shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough)
                 for k in range(n):
                     if vertices[k] == u:
                         fresh = False
-                moved = trial >= value + 0.25 * gain or (not fresh and trial >= value - 4e-16 * size)
+                moved = trial >= value + 0.25 * gain or (not fresh and trial >= value - 1e-15 * size)
                 if moved or fresh:
                     break
                 sp, sq = 0.5 * sp, 0.5 * sq
@@ -167,9 +168,11 @@ def climb_feature(shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough)
                 n += 1
             if moved or not fresh:
                 break
-        if gain <= GAIN * size or (residual <= TOLERANCE * size and gain <= 1e-13 * size):
+        if gain <= GAIN * size and (residual <= TOLERANCE * size or residual > 0.5 * last or not moved):
             return value, nx, ny, nz, True, wx, wy, wz, v
         if not moved:
             return value, nx, ny, nz, False, wx, wy, wz, v
+        if gain <= GAIN * size:  # nothing left to gain, but the points of flat ellipsoids still move
+            last = residual
         value, nx, ny, nz, v = trial, x, y, z, u
     return value, nx, ny, nz, value > enough, wx, wy, wz, v

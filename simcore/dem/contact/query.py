@@ -19,7 +19,7 @@ from simcore.dem.bodies import rotation_matrix
 from simcore.dem.contact.convex_pair import query_hulls
 from simcore.dem.contact.deep import least_of_mixed, rolling_radius
 from simcore.dem.contact.ellipsoid import search_normal
-from simcore.dem.contact.ellipsoid_climb import image
+from simcore.dem.contact.ellipsoid_climb import gap_along, image, settle_normal
 from simcore.dem.contact.mixed import climb_feature
 from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE, Shape, Shapes, collect_shapes
 
@@ -209,7 +209,10 @@ def _surface_point(solids, i, nx, ny, nz):
 
 @routine
 def _query_ellipsoids(solids, i, j, rx, ry, rz, size):
-    value, nx, ny, nz = search_normal(solids.form_matrix, i, j, solids.rotation, rx, ry, rz, size, np.inf)
+    m = solids.form_matrix
+    _, nx, ny, nz = search_normal(m, i, j, solids.rotation, rx, ry, rz, size, np.inf)
+    nx, ny, nz = settle_normal(m, i, j, rx, ry, rz, nx, ny, nz)
+    value = gap_along(m, i, j, rx, ry, rz, nx, ny, nz)
     ax, ay, az = _surface_point(solids, i, nx, ny, nz)
     bx, by, bz = _surface_point(solids, j, -nx, -ny, -nz)
     return value, nx, ny, nz, ax, ay, az, bx, by, bz
