@@ -2,10 +2,10 @@
 
     python -m benchmarks.exactness [--pairs 100000] [--family NAME ...] [--seed 1] [--size 20]
 
-One row a family: pairs, share that overlaps, largest error of the depth against `contact.brute`, largest shortfall of
-a gap (point distance less what the normal shows), largest distance between the points beyond the signed distance along
-the normal, and the largest change under exchange of the bodies, all relative to the pair's size (sum of the radii); pairs
-per second of the query alone. Not finite is counted as an error of 1.
+One row a family: pairs; share that overlaps; largest error of the depth against `contact.brute`; by how much the
+reference was above the query, which is no error of the query; error of the distance against what the normal shows; of
+point_b − point_a against distance × normal; change of the distance when the bodies change places. All relative to the
+pair's size, the sum of the radii. Last, pairs per second of the query alone. Not finite counts as an error of 1.
 """
 
 import argparse

@@ -17,6 +17,9 @@ SPHERE = 0  # the base is the unit sphere and all scales of a body are equal
 ELLIPSOID = 1  # the base is the unit sphere
 CONVEX = 2  # the base is a convex hull
 
+HINT_GRID = 6  # cells along the edge of a cube of directions: a climb from the cell's vertex is one or two edges long
+HINT_CELLS = 6 * HINT_GRID * HINT_GRID
+
 
 class Base(NamedTuple):
     """One base shape. vertices (n, 3) and faces (m, 3), outward, of the hull; both empty for the unit sphere."""
@@ -35,6 +38,7 @@ class Shapes(NamedTuple):
     vertices: np.ndarray  # (n_vertices, 3)
     neighbor_start: np.ndarray  # (n_vertices + 1,) int64
     neighbors: np.ndarray  # int64, indices into vertices
+    hints: np.ndarray  # (n_shapes, HINT_CELLS) int32: vertex farthest along the middle of each cell of directions
 
 
 def unit_sphere() -> Base:
@@ -59,6 +63,7 @@ def collect_shapes(bases: list[Base]) -> Shapes:
         np.concatenate([base.vertices for base in bases]).astype(np.float64).reshape(-1, 3),
         np.concatenate(([0], np.cumsum(degree))).astype(np.int64),
         edges[:, 1].copy(),
+        np.array([_hints(base) + first for base, first in zip(bases, vertex_start[:-1], strict=True)], np.int32),
     )
 
 
@@ -67,6 +72,44 @@ def _edges(base: Base) -> np.ndarray:
     faces = np.asarray(base.faces, np.int64)
     directed = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     return np.unique(np.concatenate([directed, directed[:, ::-1]]), axis=0)
+
+
+def _hints(base: Base) -> np.ndarray:
+    """Vertex (HINT_CELLS,) of the base farthest along the middle of each cell, numbered as by `hint_cell`."""
+    if not len(base.vertices):
+        return np.zeros(HINT_CELLS, np.int64)
+    middle = (np.arange(HINT_GRID) + 0.5) * (2.0 / HINT_GRID) - 1.0
+    directions = np.empty((3, 2, HINT_GRID, HINT_GRID, 3))
+    for axis in range(3):
+        for side in range(2):
+            directions[axis, side, :, :, axis] = 2.0 * side - 1.0
+            directions[axis, side, :, :, (axis + 1) % 3] = middle[:, None]
+            directions[axis, side, :, :, (axis + 2) % 3] = middle[None, :]
+    return np.argmax(directions.reshape(-1, 3) @ base.vertices.T, axis=1)
+
+
+@leaf
+def hint_cell(x, y, z):
+    """Cell of a direction of the base frame: on a cube, axis and side of its largest component, then the other two."""
+    ax, ay, az = abs(x), abs(y), abs(z)
+    if ax >= ay and ax >= az:
+        first, main, size, u, v = 0, x, ax, y, z
+    elif ay >= az:
+        first, main, size, u, v = 2, y, ay, z, x
+    else:
+        first, main, size, u, v = 4, z, az, x, y
+    half = 0.5 * HINT_GRID / size
+    row = min(int(u * half + 0.5 * HINT_GRID), HINT_GRID - 1)
+    column = min(int(v * half + 0.5 * HINT_GRID), HINT_GRID - 1)
+    return ((first + (main > 0.0)) * HINT_GRID + row) * HINT_GRID + column
+
+
+@leaf
+def climb_from_hint(shapes, shape, dx, dy, dz):
+    """As `climb`, from the vertex noted for such directions: where the last vertex is far from the next."""
+    if not abs(dx) + abs(dy) + abs(dz) > 0.0:
+        return shapes.vertex_start[shape]
+    return climb(shapes, shapes.hints[shape, hint_cell(dx, dy, dz)], dx, dy, dz)
 
 
 @leaf

@@ -109,9 +109,7 @@ def depth_of_hulls(shapes, solids, i, j, rx, ry, rz):
                 ex, ey, ez = _side(corners, u, neighbors[k] - first)
                 for m in range(start[first + u], k):
                     fx, fy, fz = _side(corners, u, neighbors[m] - first)
-                    best = _depth_along(
-                        a, b, rx, ry, rz, ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx, best
-                    )
+                    best = _depth_along(a, b, rx, ry, rz, ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx, best)
     for u in range(len(a)):
         for k in range(start[first_a + u], start[first_a + u + 1]):
             v = neighbors[k] - first_a
@@ -124,9 +122,7 @@ def depth_of_hulls(shapes, solids, i, j, rx, ry, rz):
                     if t < w:
                         continue
                     fx, fy, fz = _side(b, w, t)
-                    best = _depth_along(
-                        a, b, rx, ry, rz, ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx, best
-                    )
+                    best = _depth_along(a, b, rx, ry, rz, ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx, best)
     return best
 
 
@@ -154,9 +150,7 @@ def depth_by_starts(shapes, solids, i, j, rx, ry, rz, starts, spiral):
                     w = shapes.neighbors[shapes.neighbor_start[u] + (k // size + 1 + k // (size * degree)) % degree]
                     ex, ey, ez = _side(shapes.vertices, u, v)
                     fx, fy, fz = _side(shapes.vertices, u, w)
-                    x, y, z = to_world(
-                        solids.rotation, body, ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
-                    )
+                    x, y, z = to_world(solids.rotation, body, ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx)
             length = np.sqrt(x * x + y * y + z * z)
             if length > 0.0:
                 starts[n, 0], starts[n, 1], starts[n, 2] = x / length, y / length, z / length
@@ -179,9 +173,7 @@ def depth_by_starts(shapes, solids, i, j, rx, ry, rz, starts, spiral):
         x, y, z = starts[k, 0], starts[k, 1], starts[k, 2]
         if solids.kind[i] == CONVEX:
             v = shapes.vertex_start[solids.shape[i]]
-            _, x, y, z, _, _, _, _, _ = climb_feature(
-                shapes, solids, i, j, rx, ry, rz, size, v, x, y, z, np.inf
-            )
+            _, x, y, z, _, _, _, _, _ = climb_feature(shapes, solids, i, j, rx, ry, rz, size, v, x, y, z, np.inf)
         else:
             _, x, y, z, _ = climb_normal(solids.form_matrix, i, j, rx, ry, rz, size, x, y, z, np.inf)
         best = max(best, shown(shapes, solids, i, j, rx, ry, rz, x, y, z))

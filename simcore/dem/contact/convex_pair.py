@@ -5,7 +5,7 @@ from numba import types
 
 from simcore.compilation import leaf, routine
 from simcore.dem.contact.facets import facet_at
-from simcore.dem.contact.frame import difference, frame_of, support, to_body, to_world, vertex_a, vertex_b
+from simcore.dem.contact.frame import difference, frame_of, support, support_afar, to_body, to_world, vertex_a, vertex_b
 from simcore.dem.contact.gjk import GAP_TOLERANCE, sharpen, triangle_weights, walk_to_origin
 from simcore.dem.contact.minkowski import facet_distance
 from simcore.dem.contact.scratch import scratch
@@ -62,11 +62,11 @@ def query_hulls(shapes, bodies, i, j, rx, ry, rz, size):
     fresh_vertices, fresh_weights = _take_vertices(), _take_weights()
     f = frame_of(bodies, i, j, rx, ry, rz)
     shape_a, shape_b = bodies.shape[i], bodies.shape[j]
-    a, b = shapes.vertex_start[shape_a], shapes.vertex_start[shape_b]
     length = np.sqrt(rx * rx + ry * ry + rz * rz)
     nx, ny, nz = 1.0, 0.0, 0.0
     if length > 0.0:
         nx, ny, nz = to_body(bodies.rotation, i, rx / length, ry / length, rz / length)
+    a, b, _, _, _ = support_afar(shapes, f, nx, ny, nz)
     value, nx, ny, nz, a, b, distance, n = walk_to_origin(
         shapes, f, size, a, b, nx, ny, nz, 0.0, points, vertices, weights
     )
@@ -90,9 +90,7 @@ def query_hulls(shapes, bodies, i, j, rx, ry, rz, size):
                 x, y, z = x + weights[k] * points[k, 0], y + weights[k] * points[k, 1], z + weights[k] * points[k, 2]
             distance = np.sqrt(x * x + y * y + z * z)
     if value > 0.0 and distance - value > GAP_TOLERANCE * size:
-        value, nx, ny, nz, a, b = sharpen(
-            shapes, f, size, distance, points, vertices, n, value, nx, ny, nz, a, b
-        )
+        value, nx, ny, nz, a, b = sharpen(shapes, f, size, distance, points, vertices, n, value, nx, ny, nz, a, b)
     if _beside(shapes, f, nx, ny, nz, vertices, weights, n) > BESIDE * size:
         a, b, _, _, _ = support(shapes, f, a, b, nx, ny, nz)
         m = facet_at(shapes, f, size, a, b, nx, ny, nz, points, fresh_vertices, fresh_weights)

@@ -29,7 +29,7 @@ def search_normal(m, i, j, rotation, rx, ry, rz, size, enough):
     certain = rolling_radius(m, rotation, i) + rolling_radius(m, rotation, j)
     if value > enough or (converged and value >= -certain):
         return value, nx, ny, nz
-    value, nx, ny, nz, _, _, _, _ = least_of_ellipsoids(m, m, m, i, j, rx, ry, rz, size, 0, value, nx, ny, nz)
+    value, nx, ny, nz, _, _, _, _ = least_of_ellipsoids(m, m, m, i, j, rx, ry, rz, size, certain, 0, value, nx, ny, nz)
     return value, nx, ny, nz
 
 
@@ -61,7 +61,7 @@ def search_contact(bodies, contacts, p, i, j, rx, ry, rz):
 @leaf
 def _conclude(bodies, contacts, p, i, j, value, nx, ny, nz):
     """Overlap, normal and point from f at its maximum; a gap is remembered."""
-    if value > 0.0:
+    if value >= 0.0:
         contacts.safe_until[p] = bodies.travel[i] + bodies.travel[j] + 0.999 * value
         return -value, nx, ny, nz, 0.0, 0.0, 0.0
     x, y, z = image(bodies.form_matrix, i, nx, ny, nz)

@@ -4,7 +4,7 @@ import numpy as np
 from numba import types
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact.frame import difference, support
+from simcore.dem.contact.frame import difference, support, support_afar
 from simcore.dem.contact.scratch import scratch
 
 GJK_ITERATIONS = 128  # round hulls of 1300 vertices need 20; a bound, not a budget
@@ -195,7 +195,7 @@ def walk_to_origin(shapes, f, size, a, b, nx, ny, nz, slack, points, vertices, w
         nx, ny, nz = -vx / distance, -vy / distance, -vz / distance
         if distance < NEAR * size and n > 1:
             nx, ny, nz = _feature_normal(points, n, nx, ny, nz)
-        a, b, x, y, z = support(shapes, f, a, b, nx, ny, nz)
+        a, b, x, y, z = support_afar(shapes, f, nx, ny, nz)
         gap = -(x * nx + y * ny + z * nz)
         if gap > best_gap:
             best_gap = gap
@@ -234,9 +234,9 @@ def sharpen(shapes, f, size, distance, points, vertices, n, gap, nx, ny, nz, a, 
     """The gap along the best of the directions normal to the simplex's features and those beside it, as GJK's.
 
     GJK takes its direction from the nearest point, whose rounding is that of the size; over a gap g it is wrong by
-    eps size / g, and shows a gap that is short by eps size² / g. The normal of a feature is not, whatever the gap. Where
-    the nearest point lies on a feature's rim to rounding, GJK ends without the rest of the feature: so the support along
-    the best direction joins, and all corners, edges and triangles are tried again.
+    eps size / g, and shows a gap that is short by eps size² / g. The normal of a feature is not, whatever the gap.
+    Where the nearest point lies on a feature's rim to rounding, GJK ends without the rest of the feature: so the
+    support along the best direction joins, and all corners, edges and triangles are tried again.
     """
     near, near_vertices = _take_near(), _take_near_vertices()
     for k in range(n):
