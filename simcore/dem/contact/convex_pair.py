@@ -10,6 +10,7 @@ from simcore.dem.contact.gjk import GAP_TOLERANCE, sharpen, triangle_weights, wa
 from simcore.dem.contact.minkowski import facet_distance
 from simcore.dem.contact.scratch import scratch
 
+UNSURE = 1e-12  # of the pair's size: between the bounds of a gap from below and above
 BESIDE = 1e-13  # of the pair's size: how far from the normal's line through the origin M's point may lie
 
 _take_points = scratch(types.float64, 4, 3)
@@ -91,6 +92,12 @@ def query_hulls(shapes, bodies, i, j, rx, ry, rz, size):
             distance = np.sqrt(x * x + y * y + z * z)
     if value > 0.0 and distance - value > GAP_TOLERANCE * size:
         value, nx, ny, nz, a, b = sharpen(shapes, f, size, distance, points, vertices, n, value, nx, ny, nz, a, b)
+        if distance - value > UNSURE * size:  # a face whose corners GJK never met together: EPA finds its normal
+            overlap, ex, ey, ez, a0, _, _, b0, _, _ = facet_distance(
+                shapes, f, size, shape_a, shape_b, a, b, nx, ny, nz, points, fresh_vertices, fresh_weights, 0
+            )
+            if -overlap > value:
+                value, nx, ny, nz, a, b = -overlap, ex, ey, ez, a0, b0
     if _beside(shapes, f, nx, ny, nz, vertices, weights, n) > BESIDE * size:
         a, b, _, _, _ = support(shapes, f, a, b, nx, ny, nz)
         m = facet_at(shapes, f, size, a, b, nx, ny, nz, points, fresh_vertices, fresh_weights)
