@@ -41,7 +41,7 @@ numba.config.CACHE_DIR = str(_cache_folder())
 # and down, atomically, which cost 6.3 µs of a step's 6.6 µs per polyhedron. So a leaf may allocate nothing and may
 # call leaves only.
 leaf = numba.njit(error_model="numpy", cache=True, forceinline=True, _nrt=False)
-# A long leaf that stays a call: it counts no references either, and takes its arrays from the stack (contact/scratch.py).
+# A long leaf that stays a call: it counts no references either; its arrays lie on the stack (contact/scratch.py).
 routine = numba.njit(error_model="numpy", cache=True, _nrt=False)
 # Searches are rare, long and allocate: they stay calls, from a loop that does nothing else.
 search = numba.njit(error_model="numpy", cache=True)

@@ -13,10 +13,9 @@ import numpy as np
 from simcore.compilation import kernel
 from simcore.dem.bodies import Bodies, Contacts, Walls
 from simcore.dem.contact.ellipsoid_climb import gap_along
-from simcore.dem.contact.minkowski import support
 from simcore.dem.contact.wall import CYLINDER, FLOOR
 from simcore.dem.features import Features
-from simcore.dem.shapes import CONVEX, SPHERE, Shapes
+from simcore.dem.shapes import CONVEX, SPHERE, Shapes, base_direction, climb_from_hint, vertex_offset
 
 
 class Box(NamedTuple):
@@ -267,8 +266,11 @@ def _can_meet(pairs, bodies, shapes, old, width, skin, convex):
         nx, ny, nz = rx / distance, ry / distance, rz / distance
         a, b = shapes.vertex_start[bodies.shape[i]], shapes.vertex_start[bodies.shape[j]]
         if convex and a < shapes.vertex_start[bodies.shape[i] + 1] and b < shapes.vertex_start[bodies.shape[j] + 1]:
-            _, _, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz)
-            gap = -(x * nx + y * ny + z * nz)
+            a = climb_from_hint(shapes, bodies.shape[i], *base_direction(bodies, i, nx, ny, nz))
+            b = climb_from_hint(shapes, bodies.shape[j], *base_direction(bodies, j, -nx, -ny, -nz))
+            ax, ay, az = vertex_offset(shapes, bodies, i, a)
+            bx, by, bz = vertex_offset(shapes, bodies, j, b)
+            gap = distance - (ax - bx) * nx - (ay - by) * ny - (az - bz) * nz
         else:
             gap = gap_along(bodies.form_matrix, i, j, rx, ry, rz, nx, ny, nz)
         can[p] = gap <= skin

@@ -14,7 +14,6 @@ from numba import get_num_threads
 
 from simcore.dem.bodies import Bodies, join_bodies, make_bodies
 from simcore.dem.contact.patch import make_room
-from simcore.dem.features import Features
 from simcore.dem.generation import give_birth, lattice_sites, occupy_sites
 from simcore.dem.neighbors import Box, Near, list_near
 from simcore.dem.observation import Observation, observe
@@ -227,7 +226,9 @@ class Process:
                 # than the packing, so the grain that reaches the mass is the last.
                 count = int(np.searchsorted(mass, scene.amount_mass)) + 1
         birth = give_birth(generation, sites[taken[:count]], drawn.sieve_size[:count], drawn.uniforms[:count])
-        new = make_bodies(self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, scene.kind)
+        new = make_bodies(
+            self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, scene.kind
+        )
         everyone = new if self.bodies is None else join_bodies(self.bodies, new)
         self.place(everyone, float(np.mean(drawn.sieve_size[:count])))
         return reached

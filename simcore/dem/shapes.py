@@ -10,13 +10,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from simcore.compilation import leaf
 
 SPHERE = 0  # the base is the unit sphere and all scales of a body are equal
 ELLIPSOID = 1  # the base is the unit sphere
 CONVEX = 2  # the base is a convex hull
+
+HINT_GRID = 6  # cells along the edge of a cube of directions: a climb from the cell's vertex is one or two edges long
+HINT_CELLS = 6 * HINT_GRID * HINT_GRID
 
 
 class Base(NamedTuple):
@@ -36,6 +38,7 @@ class Shapes(NamedTuple):
     vertices: np.ndarray  # (n_vertices, 3)
     neighbor_start: np.ndarray  # (n_vertices + 1,) int64
     neighbors: np.ndarray  # int64, indices into vertices; counterclockwise about each vertex, seen from outside
+    hints: np.ndarray  # (n_shapes, HINT_CELLS) int32: vertex farthest along the middle of each cell of directions
 
 
 def unit_sphere() -> Base:
@@ -57,6 +60,7 @@ def collect_shapes(bases: list[Base]) -> Shapes:
         np.concatenate([base.vertices for base in bases]).astype(np.float64).reshape(-1, 3),
         np.concatenate(starts),
         np.concatenate(rings),
+        np.array([_hints(base) + first for base, first in zip(bases, vertex_start[:-1], strict=True)], np.int32),
     )
 
 
@@ -81,6 +85,44 @@ def _rings(base: Base):
             raise ValueError(f"shape {base.name}: the faces about vertex {v} do not close; the hull must be closed")
         start[v + 1] = len(ring)
     return start, np.array(ring, np.int64)
+
+
+def _hints(base: Base) -> np.ndarray:
+    """Vertex (HINT_CELLS,) of the base farthest along the middle of each cell, numbered as by `hint_cell`."""
+    if not len(base.vertices):
+        return np.zeros(HINT_CELLS, np.int64)
+    middle = (np.arange(HINT_GRID) + 0.5) * (2.0 / HINT_GRID) - 1.0
+    directions = np.empty((3, 2, HINT_GRID, HINT_GRID, 3))
+    for axis in range(3):
+        for side in range(2):
+            directions[axis, side, :, :, axis] = 2.0 * side - 1.0
+            directions[axis, side, :, :, (axis + 1) % 3] = middle[:, None]
+            directions[axis, side, :, :, (axis + 2) % 3] = middle[None, :]
+    return np.argmax(directions.reshape(-1, 3) @ base.vertices.T, axis=1)
+
+
+@leaf
+def hint_cell(x, y, z):
+    """Cell of a direction of the base frame: on a cube, axis and side of its largest component, then the other two."""
+    ax, ay, az = abs(x), abs(y), abs(z)
+    if ax >= ay and ax >= az:
+        first, main, size, u, v = 0, x, ax, y, z
+    elif ay >= az:
+        first, main, size, u, v = 2, y, ay, z, x
+    else:
+        first, main, size, u, v = 4, z, az, x, y
+    half = 0.5 * HINT_GRID / size
+    row = min(int(u * half + 0.5 * HINT_GRID), HINT_GRID - 1)
+    column = min(int(v * half + 0.5 * HINT_GRID), HINT_GRID - 1)
+    return ((first + (main > 0.0)) * HINT_GRID + row) * HINT_GRID + column
+
+
+@leaf
+def climb_from_hint(shapes, shape, dx, dy, dz):
+    """As `climb`, from the vertex noted for such directions: where the last vertex is far from the next."""
+    if not abs(dx) + abs(dy) + abs(dz) > 0.0:
+        return shapes.vertex_start[shape]
+    return climb(shapes, shapes.hints[shape, hint_cell(dx, dy, dz)], dx, dy, dz)
 
 
 @leaf
@@ -171,6 +213,8 @@ def convex(vertices) -> Shape:
     Duplicates and points inside are dropped. ValueError for fewer than four different points, numbers that are not
     finite, and points in a plane (to 1e-7 of their extent).
     """
+    from scipy.spatial import ConvexHull, QhullError  # here: the step's modules start without it
+
     points = np.array(vertices, np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise ValueError(f"convex: vertices must be an array (n, 3), this one has the shape {points.shape}")

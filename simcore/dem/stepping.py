@@ -209,7 +209,7 @@ def note_net_force(bodies, i, fx, fy, fz):
 
 @leaf
 def has_left(bodies, i, margin, turning):
-    """Whether a point of body i can be farther than `margin` [m] from where it was listed, or nowhere (not a number)."""
+    """Whether a point of body i can be farther than `margin` [m] from where it was listed, or is nowhere (nan)."""
     dx = bodies.position[i, 0] - bodies.listed_position[i, 0]
     dy = bodies.position[i, 1] - bodies.listed_position[i, 1]
     dz = bodies.position[i, 2] - bodies.listed_position[i, 2]

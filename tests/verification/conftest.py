@@ -21,7 +21,17 @@ class Stage:
     coefficient and a floor far below are data, and compile nothing."""
 
     def __init__(
-        self, kind, law, scale, position, velocity, spin=None, bases=None, shape=None, attractive=True, patch=False,
+        self,
+        kind,
+        law,
+        scale,
+        position,
+        velocity,
+        spin=None,
+        bases=None,
+        shape=None,
+        attractive=True,
+        patch=False,
         **drive,
     ):
         position = np.atleast_2d(np.asarray(position, float))

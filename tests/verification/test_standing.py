@@ -70,7 +70,7 @@ def test_an_overhanging_cube_stands_while_its_centre_is_supported(stage, shift, 
 
 
 def test_a_spinning_cube_is_stopped_by_friction_of_its_face(stage):
-    """A point would let it spin for ever. With limit µ F ρ, ρ² = e²/6 of the face's corners, it stops after I ω / µ F ρ.
+    """A point would let it spin for ever. With limit µ F ρ it stops after I ω / µ F ρ.
 
     The floor's patch are the four corners, at e / √2 from the axis: ρ = e / √2, and I = m e² / 6.
     """

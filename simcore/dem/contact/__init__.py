@@ -4,9 +4,22 @@ It is the maximum over unit directions n of  n·r − h_A(n) − h_B(−n),  r f
 support functions: positive a gap, negative the overlap, and n points from a to b. Every module works with the
 relative position r, formed first, and with tolerances relative to the pair's size.
 
+Within a step, from what the last step left:
+
     sphere       closed form
     ellipsoid    Newton iteration for the common normal, from the last normal
     polyhedron   check of the facet of the Minkowski difference that was found last
-    minkowski    GJK and EPA: the search from nothing that the check falls back on
     wall         floor and cylinder
+
+The search from nothing that they fall back on:
+
+    minkowski    polyhedra: GJK (`gjk`) and EPA (`epa`), and all facets (`facets`) where these give up
+    deep         ellipsoids that overlap so far that there may be a shorter way out
+    mixed        hull against ellipsoid: the climb to a common normal
+
+Stand-alone, for any two shapes: `query`, `query_many`; `brute` is the reference that they are tested against.
 """
+
+from simcore.dem.contact.query import ContactQuery, query, query_many
+
+__all__ = ["ContactQuery", "query", "query_many"]

@@ -3,7 +3,8 @@
 An overlap h(n), the support value of the Minkowski difference M, may have several local minima over the directions n.
 As in EPA a polytope grows inside M at its face nearest to the origin; here the local climb starts from every such face
 as well. The nearest face bounds the overlap from below, the best of the climbs from above, and where the two meet the
-answer is the global one, whatever M looks like.
+answer is the global one, whatever M looks like. A ball that rolls inside M is taken off before (`roll`): what is left
+needs fewer faces.
 
 Shallow pairs need none of this. M is a sum of translates of an ellipsoid with semi-axes a >= b >= c, so a ball of
 radius c²/a rolls inside along all its boundary (Blaschke); two ellipsoids: the sum of both. At a stationary point with
@@ -23,6 +24,7 @@ from simcore.dem.shapes import support_vertex, vertex_offset
 
 MAX_VERTICES = 320  # a pair with one least overlap needs 60 to 120; rings of equal ones any number
 MAX_FACES = 2 * MAX_VERTICES
+ROLLING = 0.99
 CERTAIN = 2e-9  # of the pair's size: how far the bounds may be apart
 
 _take_points = scratch(types.float64, MAX_VERTICES, 3)
@@ -44,9 +46,10 @@ def _semi_axis(m, rotation, i, axis):
 
 @leaf
 def rolling_radius(m, rotation, i):
-    """Least radius of curvature of ellipsoid i, (shortest semi-axis)² / longest."""
+    """Least radius of curvature of ellipsoid i, (shortest semi-axis)² / longest; of a sphere a little less, so that
+    something is left without it."""
     a, b, c = _semi_axis(m, rotation, i, 0), _semi_axis(m, rotation, i, 1), _semi_axis(m, rotation, i, 2)
-    return min(a, min(b, c)) ** 2 / max(a, max(b, c))
+    return min(a, min(b, c)) ** 2 / max(a, max(b, c)) * ROLLING
 
 
 @leaf
@@ -104,10 +107,11 @@ def _make_least(hull: bool):
     """Search for the least overlap: of hull i and ellipsoid j, or of two ellipsoids."""
 
     @routine
-    def least(shapes, bodies, m, i, j, rx, ry, rz, size, v, value, nx, ny, nz):
+    def least(shapes, bodies, m, i, j, rx, ry, rz, size, roll, v, value, nx, ny, nz):
         """(f, normal (3), point of the hull (3), its vertex), f = −overlap at its global maximum.
 
         value, n, v: f, direction and support vertex where a climb has ended, to start from. A gap ends the search.
+        roll: radius of a ball that rolls inside M; the polytope grows in M less that ball.
         """
         points, distances = _take_points(), _take_distances()
         polytope = Polytope(
@@ -129,6 +133,7 @@ def _make_least(hull: bool):
                 v, x, y, z = _support_of_mixed(shapes, bodies, m, i, j, rx, ry, rz, v, sx, sy, sz)
             else:
                 x, y, z = _support_of_pair(m, i, j, rx, ry, rz, sx, sy, sz)
+            x, y, z = x - roll * sx, y - roll * sy, z - roll * sz
             if step == 3 or step == 5:
                 above = (points[w, 0] - points[0, 0]) * sx + (points[w, 1] - points[0, 1]) * sy
                 above += (points[w, 2] - points[0, 2]) * sz
@@ -158,7 +163,7 @@ def _make_least(hull: bool):
         n_faces, n_free = 4, 0
         for mark in range(1, MAX_VERTICES - 3):
             face, bound = nearest_face(polytope, n_faces)
-            if not bound < -best - CERTAIN * size or not volume_of(points) != 0.0:
+            if not bound + roll < -best - CERTAIN * size or not volume_of(points) != 0.0:
                 break
             nx, ny, nz = polytope.normals[face, 0], polytope.normals[face, 1], polytope.normals[face, 2]
             if hull:
@@ -176,7 +181,7 @@ def _make_least(hull: bool):
             if best > 0.0 and converged:
                 break
             w = 3 + mark
-            points[w, 0], points[w, 1], points[w, 2] = x, y, z
+            points[w, 0], points[w, 1], points[w, 2] = x - roll * nx, y - roll * ny, z - roll * nz
             done, n_faces, n_free = insert_point(polytope, w, face, n_faces, n_free, mark, size)
             if not done:
                 break

@@ -30,7 +30,7 @@ def search_normal(m, i, j, rotation, rx, ry, rz, size, enough):
     certain = rolling_radius(m, rotation, i) + rolling_radius(m, rotation, j)
     if value > enough or (converged and value >= -certain):
         return value, nx, ny, nz
-    value, nx, ny, nz, _, _, _, _ = least_of_ellipsoids(m, m, m, i, j, rx, ry, rz, size, 0, value, nx, ny, nz)
+    value, nx, ny, nz, _, _, _, _ = least_of_ellipsoids(m, m, m, i, j, rx, ry, rz, size, certain, 0, value, nx, ny, nz)
     return value, nx, ny, nz
 
 

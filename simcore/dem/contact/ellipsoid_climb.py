@@ -5,7 +5,7 @@ f(n) = n·r − h_A(n) − h_B(n) with h(n) = √(nᵀ M n), M = R diag(s²) R�
 
 import numpy as np
 
-from simcore.compilation import leaf
+from simcore.compilation import leaf, routine
 
 TOLERANCE = 1e-11  # of the pair's size: tangential distance of the two surface points that is left
 ITERATIONS = 60
@@ -103,3 +103,48 @@ def climb_normal(m, i, j, rx, ry, rz, size, nx, ny, nz, enough):
             return value, nx, ny, nz, False
         nx, ny, nz = x, y, z
     return value, nx, ny, nz, False
+
+
+@routine
+def settle_normal(m, i, j, rx, ry, rz, nx, ny, nz):
+    """The normal, from where a climb ended: Newton's iteration for a vanishing slope, while it brings it down.
+
+    The climb ends where f, flat at its maximum, is known to rounding; the points of flat ellipsoids still move then by
+    some 1e-7 of their size. No step changes f by more than rounding: those that would are left out.
+    """
+    last = np.inf
+    px, py, pz = nx, ny, nz
+    for _ in range(10):
+        ax, ay, az = image(m, i, nx, ny, nz)
+        bx, by, bz = image(m, j, nx, ny, nz)
+        height_a, height_b = np.sqrt(nx * ax + ny * ay + nz * az), np.sqrt(nx * bx + ny * by + nz * bz)
+        ax, ay, az = ax / height_a, ay / height_a, az / height_a
+        bx, by, bz = bx / height_b, by / height_b, bz / height_b
+        gx, gy, gz = rx - ax - bx, ry - ay - by, rz - az - bz
+        value = gx * nx + gy * ny + gz * nz
+        tx, ty, tz, ux, uy, uz = tangents(nx, ny, nz)
+        gt, gu = gx * tx + gy * ty + gz * tz, gx * ux + gy * uy + gz * uz
+        slope = abs(gt) + abs(gu)
+        if not slope < 0.5 * last:
+            return px, py, pz
+        last, px, py, pz = slope, nx, ny, nz
+        ktt, kuu, ktu = value, value, 0.0
+        for body in range(2):
+            k, height = (i, height_a) if body == 0 else (j, height_b)
+            x, y, z = (ax, ay, az) if body == 0 else (bx, by, bz)
+            mtx, mty, mtz = image(m, k, tx, ty, tz)
+            mux, muy, muz = image(m, k, ux, uy, uz)
+            t, u = x * tx + y * ty + z * tz, x * ux + y * uy + z * uz
+            ktt += ((tx * mtx + ty * mty + tz * mtz) - t * t) / height
+            kuu += ((ux * mux + uy * muy + uz * muz) - u * u) / height
+            ktu += ((tx * mux + ty * muy + tz * muz) - t * u) / height
+        det = ktt * kuu - ktu * ktu
+        if not (det > 0.0 and ktt > 0.0):
+            return px, py, pz
+        st, su = (kuu * gt - ktu * gu) / det, (ktt * gu - ktu * gt) / det
+        if st * st + su * su > 1e-6:  # not near the end: the climb stopped for another reason
+            return px, py, pz
+        nx, ny, nz = nx + st * tx + su * ux, ny + st * ty + su * uy, nz + st * tz + su * uz
+        norm = np.sqrt(nx * nx + ny * ny + nz * nz)
+        nx, ny, nz = nx / norm, ny / norm, nz / norm
+    return px, py, pz

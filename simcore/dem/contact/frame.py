@@ -7,7 +7,7 @@ the transpose times the direction.
 from typing import NamedTuple
 
 from simcore.compilation import leaf
-from simcore.dem.shapes import climb
+from simcore.dem.shapes import climb, climb_from_hint
 
 
 class Frame(NamedTuple):
@@ -28,6 +28,8 @@ class Frame(NamedTuple):
     rx: float
     ry: float
     rz: float
+    shape_a: int
+    shape_b: int
 
 
 @leaf
@@ -62,7 +64,7 @@ def frame_of(bodies, i, j, rx, ry, rz):
     return Frame(
         scale[i, 0], scale[i, 1], scale[i, 2],
         xx * bx, xy * by, xz * bz, yx * bx, yy * by, yz * bz, zx * bx, zy * by, zz * bz,
-        rx, ry, rz,
+        rx, ry, rz, bodies.shape[i], bodies.shape[j],
     )  # fmt: skip
 
 
@@ -112,5 +114,20 @@ def support(shapes, f, a, b, nx, ny, nz):
     """Support point of M along n: vertices a and b, climbed to from those given, and m = a − b − r."""
     a = climb_a(shapes, f, a, nx, ny, nz)
     b = climb_b(shapes, f, b, -nx, -ny, -nz)
+    x, y, z = difference(shapes, f, a, b)
+    return a, b, x, y, z
+
+
+@leaf
+def support_afar(shapes, f, nx, ny, nz):
+    """As `support`, along a direction far from the last."""
+    a = climb_from_hint(shapes, f.shape_a, f.ax * nx, f.ay * ny, f.az * nz)
+    b = climb_from_hint(
+        shapes,
+        f.shape_b,
+        -(f.xx * nx + f.yx * ny + f.zx * nz),
+        -(f.xy * nx + f.yy * ny + f.zy * nz),
+        -(f.xz * nx + f.yz * ny + f.zz * nz),
+    )
     x, y, z = difference(shapes, f, a, b)
     return a, b, x, y, z

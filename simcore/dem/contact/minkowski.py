@@ -14,14 +14,13 @@ overlap.
               for, and where rounding tears its polytope. It cannot fail.
 """
 
-import numpy as np
 from numba import types
 
 from simcore.compilation import leaf, routine
 from simcore.dem.contact.epa import expand
 from simcore.dem.contact.facets import facet_at, least_depth
-from simcore.dem.contact.frame import difference, frame_of, to_body, to_world
-from simcore.dem.contact.gjk import sharpen, walk_to_origin
+from simcore.dem.contact.frame import frame_of, to_body, to_world
+from simcore.dem.contact.gjk import walk_to_origin
 from simcore.dem.contact.scratch import scratch
 from simcore.dem.shapes import support_vertex, vertex_offset
 
@@ -100,9 +99,7 @@ def search_pair(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, slack)
 @routine
 def facet_distance(shapes, f, size, shape_a, shape_b, a, b, nx, ny, nz, points, vertices, weights, n):
     """EPA, and all facets where it gives up: as `penetration`, in the axes of a."""
-    found, overlap, ex, ey, ez, a0, a1, a2, b0, b1, b2 = expand(
-        shapes, f, size, a, b, nx, ny, nz, points, vertices, n
-    )
+    found, overlap, ex, ey, ez, a0, a1, a2, b0, b1, b2 = expand(shapes, f, size, a, b, nx, ny, nz, points, vertices, n)
     if found:
         return overlap, ex, ey, ez, a0, a1, a2, b0, b1, b2
     start = shapes.vertex_start

@@ -15,7 +15,7 @@ from simcore.dem.contact.ellipsoid_climb import image, support_height, tangents
 from simcore.dem.contact.scratch import scratch
 from simcore.dem.shapes import support_vertex, vertex_offset
 
-TOLERANCE = 1e-11  # of the pair's size: tangential distance of the two surface points that is left
+TOLERANCE = 1e-12  # of the pair's size: tangential distance of the two surface points that is left
 GAIN = 1e-15  # of the pair's size: a step that promises less is the last
 ITERATIONS = 60
 CORNERS = 4
@@ -93,6 +93,7 @@ def climb_feature(shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough)
     vertices[0] = v
     n = 1
     wx, wy, wz = vertex_offset(shapes, bodies, i, v)
+    last = np.inf
     for _ in range(ITERATIONS):
         if value > enough:
             break
@@ -118,6 +119,7 @@ def climb_feature(shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough)
         lqq = np.sqrt(kqq - lpq * lpq)
         gain, residual, moved = 0.0, 0.0, False
         x, y, z, trial, u = nx, ny, nz, value, v
+        promised = np.inf
         for _ in range(30):
             for k in range(n):
                 cx, cy, cz = vertex_offset(shapes, bodies, i, vertices[k])
@@ -138,8 +140,14 @@ def climb_feature(shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough)
             sq = tq / lqq
             sp = (tp - lpq * sq) / lpp
             length = np.sqrt(sp * sp + sq * sq)
+            share = 1.0
             if length > 0.5:
-                sp, sq = 0.5 * sp / length, 0.5 * sq / length
+                share = 0.5 / length
+                sp, sq = share * sp, share * sq
+            # A vertex that joined and took nothing from the promise spoils the step by curvature, not by slope: then
+            # the step is too long.
+            open_to_more = gain < promised * (1.0 - 1e-9)
+            promised = gain
             fresh = False
             for _ in range(40):
                 x, y, z = nx + sp * px + sq * qx, ny + sp * py + sq * qy, nz + sp * pz + sq * qz
@@ -150,10 +158,12 @@ def climb_feature(shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough)
                 for k in range(n):
                     if vertices[k] == u:
                         fresh = False
-                moved = trial >= value + 0.25 * gain or (not fresh and trial >= value - 4e-16 * size)
-                if moved or fresh:
+                # A step must bring its share of the promise, or it would leap to and fro over a sharp rim.
+                moved = trial >= value + 0.1 * share * gain - 1e-15 * size
+                if moved or (fresh and open_to_more):
                     break
-                sp, sq = 0.5 * sp, 0.5 * sq
+                fresh = False
+                sp, sq, share = 0.5 * sp, 0.5 * sq, 0.5 * share
             kept = 0
             fresh_now = fresh or moved  # the support vertex of where the step leads stays in any case
             for k in range(n):
@@ -167,9 +177,11 @@ def climb_feature(shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough)
                 n += 1
             if moved or not fresh:
                 break
-        if gain <= GAIN * size or (residual <= TOLERANCE * size and gain <= 1e-13 * size):
+        if gain <= GAIN * size and (residual <= TOLERANCE * size or residual > 0.5 * last or not moved):
             return value, nx, ny, nz, True, wx, wy, wz, v
         if not moved:
             return value, nx, ny, nz, False, wx, wy, wz, v
+        if gain <= GAIN * size:  # nothing left to gain, but the points of flat ellipsoids still move
+            last = residual
         value, nx, ny, nz, v = trial, x, y, z, u
     return value, nx, ny, nz, value > enough, wx, wy, wz, v

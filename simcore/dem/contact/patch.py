@@ -61,6 +61,11 @@ def _dot(vertices, v, x, y, z):
 
 
 @leaf
+def _put(faces, t, side, face, corner, x, y, z):
+    faces[t, side, face, corner, 0], faces[t, side, face, corner, 1], faces[t, side, face, corner, 2] = x, y, z
+
+
+@leaf
 def gather_faces(shapes, bodies, i, start, frame, ox, oy, oz, low, high, side, room, t):
     """Faces of body i that reach above z = low (side 0) or below z = high (side 1); returns how many.
 
@@ -103,10 +108,9 @@ def gather_faces(shapes, bodies, i, start, frame, ox, oy, oz, low, high, side, r
             # The face v, last, u belongs to the least of its vertices in the slab.
             if not ((inside and u < v) or (last_inside and last < v)):
                 if (lx - vx) * (uy - vy) != (ly - vy) * (ux - vx):  # not seen edge-on
-                    face = room.faces
-                    face[t, side, n_faces, 0, 0], face[t, side, n_faces, 0, 1], face[t, side, n_faces, 0, 2] = vx, vy, vz
-                    face[t, side, n_faces, 1, 0], face[t, side, n_faces, 1, 1], face[t, side, n_faces, 1, 2] = lx, ly, lz
-                    face[t, side, n_faces, 2, 0], face[t, side, n_faces, 2, 1], face[t, side, n_faces, 2, 2] = ux, uy, uz
+                    _put(room.faces, t, side, n_faces, 0, vx, vy, vz)
+                    _put(room.faces, t, side, n_faces, 1, lx, ly, lz)
+                    _put(room.faces, t, side, n_faces, 2, ux, uy, uz)
                     n_faces += 1
             last, lx, ly, lz, last_inside = u, ux, uy, uz, inside
     return n_faces
@@ -373,7 +377,9 @@ def crossing_moments(shapes, bodies, i, a0, a1, j, b0, b1, rx, ry, rz, depth, fr
     ur, vr, right_b, share_br = _ridge(
         vertices, br, u0, v0, u1, v1, ox, oy, level, px, py, pz, qx, qy, qz, nx, ny, nz, depth
     )
-    if min(min(share_al, share_ar), min(share_bl, share_br)) < 0.0 or left_a * right_a >= 0.0 or left_b * right_b >= 0.0:
+    if min(min(share_al, share_ar), min(share_bl, share_br)) < 0.0:
+        return no
+    if left_a * right_a >= 0.0 or left_b * right_b >= 0.0:
         return no
     ex, ey, fx, fy = x1 - x0, y1 - y0, u1 - u0, v1 - v0
     cross = ex * fy - ey * fx

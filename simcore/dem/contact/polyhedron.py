@@ -8,7 +8,6 @@ at before the bodies can have closed the gap; then the same simplex mostly still
 """
 
 import numpy as np
-
 from numba import types
 
 from simcore.compilation import leaf, routine

@@ -13,15 +13,25 @@ import functools
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 
 from simcore.compilation import kernel, leaf, routine
 from simcore.dem.bodies import rotation_matrix
 from simcore.dem.contact.convex_pair import query_hulls
 from simcore.dem.contact.deep import least_of_mixed, rolling_radius
 from simcore.dem.contact.ellipsoid import search_normal
-from simcore.dem.contact.ellipsoid_climb import image
+from simcore.dem.contact.ellipsoid_climb import gap_along, image, settle_normal
+from simcore.dem.contact.facets import facet_at
+from simcore.dem.contact.frame import climb_a, frame_of, to_body, to_world, vertex_a
 from simcore.dem.contact.mixed import climb_feature
-from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE, Shape, Shapes, collect_shapes
+from simcore.dem.contact.scratch import scratch
+from simcore.dem.shapes import CONVEX, ELLIPSOID, HINT_CELLS, SPHERE, Shape, Shapes, collect_shapes
+
+BESIDE = 1e-12  # of the pair's size: tangential distance of the two points that is left as it is
+
+_take_points = scratch(types.float64, 4, 3)
+_take_vertices = scratch(types.int64, 4, 2)
+_take_weights = scratch(types.float64, 4)
 
 
 class ContactQuery(NamedTuple):
@@ -70,9 +80,7 @@ def query_many(shapes, index_a, poses_a, index_b, poses_b) -> ContactQuery:
     position_a, orientation_a = _pose(poses_a, "a")
     position_b, orientation_b = _pose(poses_b, "b")
     index_a, index_b = (np.atleast_1d(np.asarray(index, np.int64)) for index in (index_a, index_b))
-    return ContactQuery(
-        *_query(tuple(shapes), index_a, position_a, orientation_a, index_b, position_b, orientation_b)
-    )
+    return ContactQuery(*_query(tuple(shapes), index_a, position_a, orientation_a, index_b, position_b, orientation_b))
 
 
 def _pose(pose, name: str):
@@ -103,14 +111,16 @@ def _table(shapes: tuple[Shape, ...]):
         if shape.kind == CONVEX:
             hulls.setdefault(id(shape.base), (len(hulls), shape.base))
     table = collect_shapes([base for _, base in hulls.values()]) if hulls else None
-    start, vertices, neighbor_start, neighbors = table or (
+    start, vertices, neighbor_start, neighbors, hints = table or (
         np.zeros(1, np.int64), np.zeros((0, 3)), np.zeros(1, np.int64), np.zeros(0, np.int64),
+        np.zeros((0, HINT_CELLS), np.int32),
     )  # fmt: skip
     table = Shapes(
         np.append(start, start[-1] + 1),
         np.vstack([vertices, np.zeros((1, 3))]),
         np.append(neighbor_start, neighbor_start[-1]),
         neighbors,
+        np.vstack([hints, np.full((1, HINT_CELLS), start[-1], np.int32)]),
     )
     return table, np.array([hulls[id(s.base)][0] if s.kind == CONVEX else len(hulls) for s in shapes], np.int64)
 
@@ -209,10 +219,21 @@ def _surface_point(solids, i, nx, ny, nz):
 
 @routine
 def _query_ellipsoids(solids, i, j, rx, ry, rz, size):
-    value, nx, ny, nz = search_normal(solids.form_matrix, i, j, solids.rotation, rx, ry, rz, size, np.inf)
+    m = solids.form_matrix
+    _, nx, ny, nz = search_normal(m, i, j, solids.rotation, rx, ry, rz, size, np.inf)
+    nx, ny, nz = settle_normal(m, i, j, rx, ry, rz, nx, ny, nz)
+    value = gap_along(m, i, j, rx, ry, rz, nx, ny, nz)
     ax, ay, az = _surface_point(solids, i, nx, ny, nz)
     bx, by, bz = _surface_point(solids, j, -nx, -ny, -nz)
     return value, nx, ny, nz, ax, ay, az, bx, by, bz
+
+
+@leaf
+def _beside(x, y, z, nx, ny, nz):
+    """Length of the part of a vector normal to n."""
+    along = x * nx + y * ny + z * nz
+    x, y, z = x - along * nx, y - along * ny, z - along * nz
+    return np.sqrt(x * x + y * y + z * z)
 
 
 @routine
@@ -229,7 +250,22 @@ def _query_mixed(shapes, solids, i, j, rx, ry, rz, size):
     certain = rolling_radius(solids.form_matrix, solids.rotation, j)
     if not (converged and value >= -certain):
         value, nx, ny, nz, ax, ay, az, v = least_of_mixed(
-            shapes, solids, solids.form_matrix, i, j, rx, ry, rz, size, v, value, nx, ny, nz
+            shapes, solids, solids.form_matrix, i, j, rx, ry, rz, size, certain, v, value, nx, ny, nz
         )
     bx, by, bz = _surface_point(solids, j, -nx, -ny, -nz)
+    beside = _beside(rx + bx - ax, ry + by - ay, rz + bz - az, nx, ny, nz)
+    if beside > BESIDE * size:
+        # The climb ended on a face or an edge without all its corners: the point of that face beside the ellipsoid's
+        points, vertices, weights = _take_points(), _take_vertices(), _take_weights()
+        f = frame_of(solids, i, j, rx + bx, ry + by, rz + bz)
+        lone = len(shapes.vertices) - 1  # the single point at the end of the table
+        mx, my, mz = to_body(solids.rotation, i, nx, ny, nz)
+        n = facet_at(shapes, f, size, climb_a(shapes, f, v, mx, my, mz), lone, mx, my, mz, points, vertices, weights)
+        x, y, z = 0.0, 0.0, 0.0
+        for k in range(n):
+            vx, vy, vz = vertex_a(shapes, f, vertices[k, 0])
+            x, y, z = x + weights[k] * vx, y + weights[k] * vy, z + weights[k] * vz
+        x, y, z = to_world(solids.rotation, i, x, y, z)
+        if _beside(rx + bx - x, ry + by - y, rz + bz - z, nx, ny, nz) < beside:
+            ax, ay, az = x, y, z
     return value, nx, ny, nz, ax, ay, az, bx, by, bz
