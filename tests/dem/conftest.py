@@ -143,6 +143,10 @@ def signed_distance(points):
 @pytest.fixture(scope="session")
 def core():
     """What the tests of the core share."""
+    return shared()
+
+
+def shared():
     return SimpleNamespace(
         make_hull=make_hull,
         make_pebble=make_pebble,

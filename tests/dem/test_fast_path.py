@@ -1,4 +1,9 @@
-"""A shaken bed of hulls: what contacts remember gives what a search from nothing gives, at every look."""
+"""A shaken bed of mixed hulls: what contacts remember gives what a search from nothing gives, at every look."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import numba
 import numpy as np
@@ -12,12 +17,18 @@ from simcore.dem.shapes import CONVEX, collect_shapes
 from simcore.dem.stepping import Drive, make_advance
 
 WIDTH = 0.030
+CUBE = 0.8 * np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
 def make_bed(core):
-    """48 hulls of 8 to 40 vertices, 5 to 9 mm across, above the floor of a periodic box four grains wide."""
+    """48 hulls of 6 to 40 vertices, 5 to 9 mm across, above the floor of a periodic box four grains wide.
+
+    Pebbles, a needle, a plate, and a cube, whose faces, edges and corners are all degenerate.
+    """
     rng = np.random.default_rng(1)
-    bases = [core.make_pebble(k, n) for k, n in enumerate((8, 12, 16, 24, 32, 40))]
+    bases = [core.make_pebble(k, n) for k, n in enumerate((8, 16, 24, 40))]
+    bases += [core.make_pebble(4, 24, (1.6, 0.3, 0.3)), core.make_pebble(5, 32, (1.2, 1.2, 0.2))]
+    bases += [core.make_hull(CUBE)]
     n = 48
     cell = np.stack(np.unravel_index(np.arange(n), (12, 2, 2)), axis=-1)[:, [1, 2, 0]]
     position = (cell + 0.5) * [WIDTH / 2, WIDTH / 2, 0.012]
@@ -29,7 +40,8 @@ def make_bed(core):
     return bodies, collect_shapes(bases)
 
 
-def test_the_memory_of_a_shaken_bed_is_right(core):
+def follow(core, end):
+    """Step the bed to step `end` and compare; returns how often which touched, and which of these otherwise."""
     bodies, shapes = make_bed(core)
     contact_time = 5e-4
     dt = contact_time / 40
@@ -37,31 +49,34 @@ def test_the_memory_of_a_shaken_bed_is_right(core):
     skin = 1e-3
     drive = Drive(dt, 6.108, 18.95, 251.3, 1.0, WIDTH, np.inf, 0.5 * skin)
     still = drive._replace(dt=0.0)
-    features = Features(CONVEX, True)
+    features = Features(CONVEX, True, patch=True)
     advance, clock, room = make_advance(features), np.zeros(3, np.int64), make_room(shapes, numba.get_num_threads())
     near = list_near(bodies, shapes, Box(WIDTH), skin, features)
     step, touches, others, excess_others = 0, 0, 0, []
-    while step < 20000:
+    while step < end:
         # Odd numbers of steps, so that the look falls anywhere between two lists
         done, stale = advance(bodies, shapes, *near, room, law, drive, clock, step, 37)
         step += done
         if stale:
             near = list_near(bodies, shapes, Box(WIDTH), skin, features, near)
-        if step % 10 and step < 19000:
+        if step % 10 and step < end - 1000:
             continue
         advance(bodies, shapes, *near, room, law, still, clock, step, 1)
         contacts = near.contacts
-        listed = bodies.listed_position.copy()
+        listed, turned = bodies.listed_position.copy(), bodies.listed_turned.copy()
         fresh = list_near(bodies, shapes, Box(WIDTH), 0.0, features).contacts
-        bodies.listed_position[:] = listed
+        bodies.listed_position[:], bodies.listed_turned[:] = listed, turned
         core.look_at_polyhedra(shapes, bodies, fresh, WIDTH)
         remembered = {
             (contacts.body_a[p], contacts.body_b[p], *contacts.image[p]): p for p in range(len(contacts.body_a))
         }
         matched = 0
         for q in range(len(fresh.body_a)):
-            # Every pair whose bounding spheres meet is listed.
-            p = remembered[(fresh.body_a[q], fresh.body_b[q], *fresh.image[q])]
+            key = (fresh.body_a[q], fresh.body_b[q], *fresh.image[q])
+            if key not in remembered:  # seen to be apart when the list was made
+                assert not fresh.touching[q], "an overlapping pair is not listed"
+                continue
+            p = remembered[key]
             size = bodies.radius[fresh.body_a[q]] + bodies.radius[fresh.body_b[q]]
             if not fresh.touching[q]:
                 assert not contacts.touching[p] or contacts.overlap[p] < 1e-12 * size
@@ -79,6 +94,30 @@ def test_the_memory_of_a_shaken_bed_is_right(core):
             # The least is unique, or two facets are equally near to rounding.
             assert contacts.direction[p] @ fresh.direction[q] > 1.0 - 1e-9
         touches += matched
+    return touches, others, excess_others
+
+
+def test_the_memory_of_a_shaken_bed_is_right(core):
+    touches, others, excess_others = follow(core, 20000)
     assert touches > 3000
     # A bed's overlaps are small against its facets, so the local minimum is the global one nearly always.
     assert others <= 0.002 * touches, (others, max(excess_others))
+
+
+BREAK = """
+import sys
+sys.path.insert(0, {folder!r})
+from simcore.dem.contact import polyhedron
+polyhedron.{constant} = {value}  # read when the check is compiled
+import conftest, test_fast_path
+test_fast_path.follow(conftest.shared(), 3000)
+"""
+
+
+def test_a_broken_check_is_noticed(tmp_path):
+    """The comparison above can fail: a check that takes any remembered facet for right does not pass."""
+    script = BREAK.format(folder=str(Path(__file__).parent), constant="CHECK_TOLERANCE", value=1.0)
+    environment = os.environ | {"SCREE_CACHE": str(tmp_path)}
+    told = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True)
+    assert told.returncode != 0
+    assert "AssertionError" in told.stderr, told.stderr

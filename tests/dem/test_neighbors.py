@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from simcore.dem.bodies import make_bodies
+from simcore.dem.features import Features
 from simcore.dem.neighbors import Box, find_pairs, list_near
-from simcore.dem.shapes import collect_shapes, unit_sphere
+from simcore.dem.shapes import CONVEX, ELLIPSOID, collect_shapes, unit_sphere
 
 SHAPES = collect_shapes([unit_sphere()])
 
@@ -84,13 +86,13 @@ def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair(core):
     still = np.zeros((n, 3))
     upright = np.tile([1.0, 0, 0, 0], (n, 1))
     bodies = make_bodies([unit_sphere()], np.zeros(n, int), np.full((n, 3), 0.03), position, upright, still, still, 1.0)
-    bodies.position[:, 2] += 0.03  # some near the floor, some not
+    bodies.position[:, 2] += 0.01  # some near the floor, some not
     first = list_near(bodies, SHAPES, Box(0.3), 0.01, core.features)
     old = first.contacts
     first.walls.spring[:] = 1.0 + first.walls.body[:, None]
     m = len(old.body_a)
     old.touching[:] = rng.integers(0, 2, m)
-    old.safe_until[:] = rng.uniform(size=m)
+    old.safe_until[:] = -rng.uniform(size=m)  # no gap is certain, so that none is dropped for it
     old.facet[:] = rng.integers(0, 9, (m, 6))
     for field in (old.spring, old.direction, old.apart_at, old.point, old.force, old.torque_a, old.torque_b):
         field[:] = rng.standard_normal((m, 3))
@@ -137,3 +139,47 @@ def test_every_body_lists_its_contacts_in_order_of_partner_and_image(core):
         assert order == sorted(order)
         seen += len(sides)
     assert seen == 2 * len(contacts.body_a)
+
+
+@pytest.mark.parametrize("kind", ["convex", "ellipsoid"])
+def test_no_pair_that_is_left_out_can_touch_before_the_next_list(core, kind):
+    """Bodies whose points move by less than half the skin: all that touch then was listed, though half was left out."""
+    rng = np.random.default_rng(4)
+    n, skin, width = 150, 0.25, 5.0
+    convex = kind == "convex"
+    bases = [core.make_pebble(k, 20) for k in range(5)] if convex else [core.sphere]
+    shapes = collect_shapes(bases)
+    features = Features(CONVEX if convex else ELLIPSOID, True)
+    scale = np.full((n, 3), 0.8) if convex else np.tile([0.8, 0.5, 0.3], (n, 1))
+    position, turns, still = rng.uniform(0.0, width, (n, 3)), core.orientations(n, rng), np.zeros((n, 3))
+    shape = rng.integers(0, len(bases), n)
+    bodies = make_bodies(bases, shape, scale, position, turns, still, still, 1.0)
+    look = (lambda b, c: core.look_at_polyhedra(shapes, b, c, width)) if convex else (
+        lambda b, c: core.look_at_ellipsoids(b, c, width)
+    )  # fmt: skip
+    near = list_near(bodies, shapes, Box(width), skin, features)
+    assert len(near.contacts.body_a) < 0.7 * len(find_pairs(position, bodies.radius, Box(width), skin))
+    key = lambda c: set(zip(c.body_a, c.body_b, *c.image.T, strict=True))  # noqa: E731
+    touched = 0
+    for trial in range(20):
+        if trial == 10:  # with what the pairs remember by now
+            look(bodies, near.contacts)
+            near = list_near(bodies, shapes, Box(width), skin, features, near)
+        share = rng.uniform(0.0, 1.0, (n, 1))  # of the way that is spent on moving; the rest on turning
+        unit = rng.standard_normal((n, 3))
+        move = 0.499 * skin * share * unit / np.linalg.norm(unit, axis=1, keepdims=True)
+        spin = rng.standard_normal((n, 3))
+        angle = 2.0 * np.arcsin(np.minimum(0.499 * skin * (1.0 - share) / (2.0 * bodies.radius[:, None]), 1.0))
+        turn = Rotation.from_rotvec(angle * spin / np.linalg.norm(spin, axis=1, keepdims=True))
+        moved_turns = (turn * Rotation.from_quat(bodies.orientation, scalar_first=True)).as_quat(scalar_first=True)
+        moved = make_bodies(bases, shape, scale, bodies.position + move, moved_turns, still, still, 1.0)
+        every = list_near(moved, shapes, Box(width), 10.0 * skin, features).contacts
+        look(moved, every)
+        touching = every._replace(
+            body_a=every.body_a[every.touching > 0],
+            body_b=every.body_b[every.touching > 0],
+            image=every.image[every.touching > 0],
+        )
+        assert key(touching) <= key(near.contacts)
+        touched += int(every.touching.sum())
+    assert touched > 20 * n

@@ -10,6 +10,9 @@ So the depth is a sum over pairs of faces, one of a and one of b, counted positi
 negative where one of them looks away, of f of a linear function over the part of the plane that both cover: polygons
 of the plane, clipped, whose integrals are exact. Only faces that reach into the slab between the deepest point of b
 and that of a can take part.
+
+Overlaps at rest are some 1e-5 of the size at the study's contact time. Deeper ones show the softness of the springs
+rather than the form of the grains, and reach over many faces: they are looked at as if moved apart to PATCH_DEPTH.
 """
 
 from typing import NamedTuple
@@ -19,6 +22,7 @@ import numpy as np
 from simcore.compilation import leaf, routine
 from simcore.dem.shapes import Shapes, base_direction, vertex_offset
 
+PATCH_DEPTH = 1e-4  # of the pair's size: overlaps beyond are taken apart to this depth
 CORNERS = 12  # a triangle clipped by six lines has nine corners
 
 
@@ -432,6 +436,8 @@ def find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, t):
     facet = contacts.facet
     nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
     overlap = contacts.overlap[p]
+    depth = min(overlap, PATCH_DEPTH * (bodies.radius[i] + bodies.radius[j]))
+    sx, sy, sz = rx + (overlap - depth) * nx, ry + (overlap - depth) * ny, rz + (overlap - depth) * nz
     px, py, pz, qx, qy, qz = tangents(nx, ny, nz)
     frame = (px, py, pz, qx, qy, qz, nx, ny, nz)
     a0, a1, a2 = facet[p, 0], facet[p, 1], facet[p, 2]
@@ -441,22 +447,22 @@ def find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, t):
     m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if a0 == a1 and a0 == a2:
         found, m0, mx, my, mxx, mxy, myy = cone_moments(
-            shapes, bodies, i, a0, j, b0, b1, b2, rx, ry, rz, overlap, frame, 1.0
+            shapes, bodies, i, a0, j, b0, b1, b2, sx, sy, sz, depth, frame, 1.0
         )
     elif b0 == b1 and b0 == b2:
         found, m0, mx, my, mxx, mxy, myy = cone_moments(
-            shapes, bodies, j, b0, i, a0, a1, a2, -rx, -ry, -rz, overlap, frame, -1.0
+            shapes, bodies, j, b0, i, a0, a1, a2, -sx, -sy, -sz, depth, frame, -1.0
         )
         about_b = found
     elif (a0 == a1 or a0 == a2 or a1 == a2) and (b0 == b1 or b0 == b2 or b1 == b2):
         found, ox, oy, m0, mx, my, mxx, mxy, myy = crossing_moments(
-            shapes, bodies, i, a0, a2 if a1 == a0 else a1, j, b0, b2 if b1 == b0 else b1, rx, ry, rz, overlap, frame
+            shapes, bodies, i, a0, a2 if a1 == a0 else a1, j, b0, b2 if b1 == b0 else b1, sx, sy, sz, depth, frame
         )
         if found:  # from the centre of a to vertex a0
             dx, dy, dz = vertex_offset(shapes, bodies, i, a0)
             ox, oy = ox - (px * dx + py * dy + pz * dz), oy - (qx * dx + qy * dy + qz * dz)
     if not found:
-        m0, mx, my, mxx, mxy, myy = clipped_patch(shapes, bodies, i, j, rx, ry, rz, a0, b0, nx, ny, nz, room, t)
+        m0, mx, my, mxx, mxy, myy = clipped_patch(shapes, bodies, i, j, sx, sy, sz, a0, b0, nx, ny, nz, room, t)
     if not m0 > 0.0:
         for k in range(6):
             contacts.spread[p, k] = 0.0

@@ -7,7 +7,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.contact.patch import clipped_patch, find_patch, make_room
+from simcore.dem.contact.patch import PATCH_DEPTH, clipped_patch, find_patch, make_room
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
@@ -104,8 +104,8 @@ def compare(bases, bodies, contacts, tolerance):
 
 
 def test_pebbles_against_their_intersection(core):
-    """From a bed's depth to one that reaches across: the reference is exact up to its own conditioning."""
-    for depth in (1e-4, 1e-2, 0.1):
+    """The reference is exact up to its own conditioning."""
+    for depth in (1e-6, 1e-5, 0.9 * PATCH_DEPTH):
         bases, scale, orientation, offsets = shallow_pairs(core, 120, 1, depth)
         bodies, shapes, contacts = look(core, bases, scale, orientation, offsets)
         assert compare(bases, bodies, contacts, 1e-7) > 100
@@ -126,8 +126,31 @@ def test_overhanging_and_turned_cubes(core):
     assert compare([base] * (2 * n), bodies, contacts, 1e-7) > 50
 
 
+def test_the_general_way_is_exact_at_any_depth_and_deep_pairs_are_taken_apart(core):
+    bases, scale, orientation, offsets = shallow_pairs(core, 60, 4, 0.1)
+    bodies, shapes, contacts = look(core, bases, scale, orientation, offsets)
+    room, seen = make_room(shapes, 1), 0
+    apart = offsets + (contacts.overlap - PATCH_DEPTH * (bodies.radius[0::2] + bodies.radius[1::2]))[:, None] * (
+        contacts.direction
+    )
+    _, _, thin = look(core, bases, scale, orientation, apart)
+    for p in np.flatnonzero(contacts.touching & thin.touching):
+        planes = np.vstack([half_spaces(bases[k], bodies, k) for k in (2 * p, 2 * p + 1)])
+        _, second = intersection_moments(planes)
+        m0, mx, my, mxx, mxy, myy = slow_moments(shapes, bodies, contacts, room, p)
+        n = contacts.direction[p]
+        trace = np.trace(second) - n @ second @ n
+        assert (mxx + myy) / m0 - (mx**2 + my**2) / m0**2 == pytest.approx(trace, rel=1e-7)
+        if thin.direction[p] @ n > 1.0 - 1e-12:  # the thinner pair's least overlap may lie elsewhere
+            across = (contacts.point[p] - thin.point[p]) - ((contacts.point[p] - thin.point[p]) @ n) * n
+            assert np.linalg.norm(across) < 1e-9
+            np.testing.assert_allclose(contacts.spread[p], thin.spread[p], rtol=1e-6, atol=1e-12)
+            seen += 1
+    assert seen > 20
+
+
 def test_the_short_cut_for_corners_is_the_general_way(core):
-    bases, scale, orientation, offsets = shallow_pairs(core, 200, 3, 1e-3)
+    bases, scale, orientation, offsets = shallow_pairs(core, 200, 3, 0.9 * PATCH_DEPTH)
     bodies, shapes, contacts = look(core, bases, scale, orientation, offsets)
     room = make_room(shapes, 1)
     seen = 0
