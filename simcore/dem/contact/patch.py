@@ -430,7 +430,7 @@ def cone_side(sx, sy, x, y):
     )  # fmt: skip
 
 
-@routine
+@leaf
 def find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, t):
     """Move the point of touching contact p to the centroid of its patch, and note the patch's second moments."""
     facet = contacts.facet
