@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.dem.bodies import Bodies
+from simcore.dem.force_laws import ContactLaw
 from simcore.dem.neighbors import Near
 
 
@@ -37,4 +38,47 @@ def observe(bodies: Bodies, near: Near) -> Observation:
         max_overlap=float(max(overlaps.max(initial=0.0), walls.overlap[wall].max(initial=0.0))),
         unbalanced_force=float(net.mean() / forces.mean()) if len(forces) and forces.mean() > 0.0 else 0.0,
         coordination=2.0 * float(touching.sum()) / n,
+    )
+
+
+class Energy(NamedTuple):
+    """Each body's share (n,) [J]; of a contact's spring half is each body's."""
+
+    motion: np.ndarray  # of translation and rotation
+    height: np.ndarray  # above the floor, of the weight less buoyancy
+    springs: np.ndarray  # of normal springs; the tangential ones are not counted
+
+    @property
+    def total(self) -> float:
+        return float(self.motion.sum() + self.height.sum() + self.springs.sum())
+
+
+def mechanical_energy(bodies: Bodies, near: Near, law: ContactLaw, gravity: float, dt: float = 0.0) -> Energy:
+    """Energy of a state whose forces have been evaluated (a step of dt = 0).
+
+    dt: the step [s]. Semi-implicit Euler is leapfrog whose velocities are known half a step before the positions;
+    they are brought up to them, so that the energy is seen at second order. With 0 they are taken as they stand.
+    """
+    n = len(bodies.mass)
+    contacts, walls = near
+    touching, wall = contacts.touching > 0, walls.touching > 0
+    body_a, body_b, walled = contacts.body_a[touching], contacts.body_b[touching], walls.body[wall]
+    torque = np.zeros((n, 3))
+    np.add.at(torque, body_a, contacts.torque_a[touching])
+    np.add.at(torque, body_b, contacts.torque_b[touching])
+    np.add.at(torque, walled, walls.torque[wall])
+    velocity = bodies.velocity + 0.5 * dt * bodies.net_force / bodies.mass[:, None]
+    momentum = bodies.angular_momentum + 0.5 * dt * torque
+    if len(bodies.rotation):
+        momentum = np.einsum("nji,nj->ni", bodies.rotation, momentum)
+    mass = bodies.mass[body_a] * bodies.mass[body_b] / (bodies.mass[body_a] + bodies.mass[body_b])
+    stored = 0.5 * law.stiffness * mass * contacts.overlap[touching] ** 2
+    springs = np.zeros(n)
+    np.add.at(springs, body_a, 0.5 * stored)
+    np.add.at(springs, body_b, 0.5 * stored)
+    np.add.at(springs, walled, 0.5 * law.stiffness * bodies.mass[walled] * walls.overlap[wall] ** 2)
+    return Energy(
+        motion=0.5 * bodies.mass * (velocity**2).sum(axis=1) + 0.5 * (momentum**2 / bodies.inertia).sum(axis=1),
+        height=bodies.mass * gravity * bodies.position[:, 2],
+        springs=springs,
     )

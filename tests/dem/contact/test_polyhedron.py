@@ -272,3 +272,26 @@ def test_memory_answers_as_a_search_does(core, clouds):
         compared += same.sum()
     assert compared > 30 * n / 4
     assert searched < 0.3 * 30 * n, "the memory answered nearly nothing"
+
+
+def test_a_corner_that_slides_over_an_edge_keeps_the_least_overlap(core):
+    """A spike in a cube's top, slid beyond its side: the depth shrinks with the way that is left to the side.
+
+    The remembered top face stays a local minimum until the spike has left it. Kept that long, the contact would lose
+    all its elastic energy at once.
+    """
+    spike = core.make_hull(np.array([[0, 0, 0], [0.2, 0, 1], [0.1, 0.1, 1], [0.1, -0.1, 1.0]]))  # leans outward
+    apex = spike.vertices[:, 2].argmin()
+    depth, way = 0.02, np.linspace(-0.06, 0.01, 71)
+    bodies, shapes, contacts = core.place_pairs(
+        [core.make_hull(CUBE), spike], np.ones((2, 3)), [IDENTITY] * 2, [[0, 0, 9]]
+    )
+    start = bodies.position[0] + [0.5, 0.1, 0.5 - depth] - spike.vertices[apex]
+    searched = []
+    for x in way:
+        bodies.position[1] = start + [x, 0.0, 0.0]
+        searched.append(core.look_at_polyhedra(shapes, bodies, contacts, 0.0))
+        overlap = max(min(depth, -x), 0.0)
+        assert contacts.overlap[0] * contacts.touching[0] == pytest.approx(overlap, abs=ROUNDING)
+    # Farther from the edge than CERTAIN_REACH times the depth the memory answers, once it has been searched.
+    assert not any(searched[1:20])
