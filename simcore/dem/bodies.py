@@ -40,7 +40,8 @@ class Contacts(NamedTuple):
 
     Memory: what the last step found. Output: what the current step gives to the bodies. Fields marked with a
     feature are empty in scenes without it. The facet is that of the Minkowski difference along the normal where the
-    pair touches, the simplex next to the origin where it is apart.
+    pair touches, the simplex next to the origin where it is apart. Apart at and safe until also tell, of polyhedra that
+    touch, how long no other facet can have become the nearest.
     """
 
     body_a: np.ndarray  # (m,) int32

@@ -72,7 +72,7 @@ def query_hulls(shapes, bodies, i, j, rx, ry, rz, size):
         shapes, f, size, a, b, nx, ny, nz, 0.0, points, vertices, weights
     )
     if value <= 0.0:
-        overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2 = facet_distance(
+        overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2, _ = facet_distance(
             shapes, f, size, shape_a, shape_b, a, b, nx, ny, nz, points, vertices, weights, n
         )
         value = -overlap
@@ -93,7 +93,7 @@ def query_hulls(shapes, bodies, i, j, rx, ry, rz, size):
     if value > 0.0 and distance - value > GAP_TOLERANCE * size:
         value, nx, ny, nz, a, b = sharpen(shapes, f, size, distance, points, vertices, n, value, nx, ny, nz, a, b)
         if distance - value > UNSURE * size:  # a face whose corners GJK never met together: EPA finds its normal
-            overlap, ex, ey, ez, a0, _, _, b0, _, _ = facet_distance(
+            overlap, ex, ey, ez, a0, _, _, b0, _, _, _ = facet_distance(
                 shapes, f, size, shape_a, shape_b, a, b, nx, ny, nz, points, fresh_vertices, fresh_weights, 0
             )
             if -overlap > value:

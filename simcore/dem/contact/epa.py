@@ -111,10 +111,25 @@ def _facet_below(points, faces, normals, distances, n_faces, nearest, tolerance)
     return best
 
 
+@leaf
+def _lead(points, faces, distances, n_faces, least, nx, ny, nz, tolerance):
+    """Distance of the nearest face that is not in the plane of normal n at `least`, less that."""
+    second = np.inf
+    for k in range(n_faces):
+        if distances[k] < second:
+            lowest = np.inf
+            for c in range(3):
+                lowest = min(lowest, along(points, faces[k, c], nx, ny, nz))
+            if lowest < least - 4.0 * tolerance:
+                second = distances[k]
+    return max(second - least, 0.0)
+
+
 @routine
 def expand(shapes, f, size, a, b, nx, ny, nz, simplex, simplex_vertices, n_simplex):
-    """Signed facet distance: (found, overlap, normal (3), facet a0 a1 a2 b0 b1 b2).
+    """Signed facet distance: (found, overlap, normal (3), facet a0 a1 a2 b0 b1 b2, lead).
 
+    lead: how much farther the next face of the polytope lies, and so what other facets show more than this one.
     Starts from GJK's simplex where that is a tetrahedron, else from direction n and vertices a, b. A negative overlap
     is a certain gap along the normal. Not found: the polytope ran out of room or could not be kept closed.
     """
@@ -153,6 +168,7 @@ def expand(shapes, f, size, a, b, nx, ny, nz, simplex, simplex_vertices, n_simpl
             return (
                 True, reach, nx, ny, nz,
                 vertices[p, 0], vertices[q, 0], vertices[s, 0], vertices[p, 1], vertices[q, 1], vertices[s, 1],
+                _lead(points, faces, distances, n_faces, least, nx, ny, nz, tolerance),
             )  # fmt: skip
 
         w = 3 + mark
@@ -160,4 +176,4 @@ def expand(shapes, f, size, a, b, nx, ny, nz, simplex, simplex_vertices, n_simpl
         done, n_faces, n_free = insert_point(polytope, w, nearest, n_faces, n_free, mark, size)
         if not done:
             break
-    return False, 0.0, nx, ny, nz, -1, -1, -1, -1, -1, -1
+    return False, 0.0, nx, ny, nz, -1, -1, -1, -1, -1, -1, 0.0

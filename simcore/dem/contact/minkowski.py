@@ -64,7 +64,7 @@ def penetration(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz):
     points, vertices, weights = _take_points(), _take_vertices(), _take_weights()
     f = frame_of(bodies, i, j, rx, ry, rz)
     nx, ny, nz = to_body(bodies.rotation, i, nx, ny, nz)
-    overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2 = facet_distance(
+    overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2, _ = facet_distance(
         shapes, f, size, bodies.shape[i], bodies.shape[j], a, b, nx, ny, nz, points, vertices, weights, 0
     )
     nx, ny, nz = to_world(bodies.rotation, i, nx, ny, nz)
@@ -73,35 +73,39 @@ def penetration(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz):
 
 @leaf
 def search_pair(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, slack):
-    """`separation`, and `penetration` from where it ended: (signed distance, normal (3), facet a0 a1 a2 b0 b1 b2).
+    """`separation`, and `penetration` from where it ended: (signed distance, normal (3), facet, lead).
 
-    The gap is certain and not less than (1 − slack) of the distance; with it comes, instead of the facet, the simplex
-    of M next to the origin, one to three points, -1 for those that it has not.
+    facet: a0 a1 a2 b0 b1 b2. lead: how much more overlap the other facets show, as far as is known. The gap is certain
+    and not less than (1 − slack) of the distance; with it comes, instead of the facet, the simplex of M next to the
+    origin, one to three points, -1 for those that it has not.
     """
     points, vertices, weights = _take_points(), _take_vertices(), _take_weights()
     f = frame_of(bodies, i, j, rx, ry, rz)
     nx, ny, nz = to_body(bodies.rotation, i, nx, ny, nz)
     gap, nx, ny, nz, a, b, _, n = walk_to_origin(shapes, f, size, a, b, nx, ny, nz, slack, points, vertices, weights)
     a0, a1, a2, b0, b1, b2 = vertices[0, 0], -1, -1, vertices[0, 1], -1, -1
+    lead = 0.0
     if n > 1:
         a1, b1 = vertices[1, 0], vertices[1, 1]
     if n > 2:
         a2, b2 = vertices[2, 0], vertices[2, 1]
     if not gap > 0.0:
-        overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2 = facet_distance(
+        overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2, lead = facet_distance(
             shapes, f, size, bodies.shape[i], bodies.shape[j], a, b, nx, ny, nz, points, vertices, weights, n
         )
         gap = -overlap
     nx, ny, nz = to_world(bodies.rotation, i, nx, ny, nz)
-    return gap, nx, ny, nz, a0, a1, a2, b0, b1, b2
+    return gap, nx, ny, nz, a0, a1, a2, b0, b1, b2, lead
 
 
 @routine
 def facet_distance(shapes, f, size, shape_a, shape_b, a, b, nx, ny, nz, points, vertices, weights, n):
-    """EPA, and all facets where it gives up: as `penetration`, in the axes of a."""
-    found, overlap, ex, ey, ez, a0, a1, a2, b0, b1, b2 = expand(shapes, f, size, a, b, nx, ny, nz, points, vertices, n)
+    """EPA, and all facets where it gives up: as `penetration` with the lead, in the axes of a."""
+    found, overlap, ex, ey, ez, a0, a1, a2, b0, b1, b2, lead = expand(
+        shapes, f, size, a, b, nx, ny, nz, points, vertices, n
+    )
     if found:
-        return overlap, ex, ey, ez, a0, a1, a2, b0, b1, b2
+        return overlap, ex, ey, ez, a0, a1, a2, b0, b1, b2, lead
     start = shapes.vertex_start
     overlap, nx, ny, nz, a, b = least_depth(
         shapes, f, start[shape_a], start[shape_a + 1], start[shape_b], start[shape_b + 1], nx, ny, nz
@@ -110,5 +114,5 @@ def facet_distance(shapes, f, size, shape_a, shape_b, a, b, nx, ny, nz, points, 
     k, m = min(1, n - 1), min(2, n - 1)
     return (
         overlap, nx, ny, nz,
-        vertices[0, 0], vertices[k, 0], vertices[m, 0], vertices[0, 1], vertices[k, 1], vertices[m, 1],
+        vertices[0, 0], vertices[k, 0], vertices[m, 0], vertices[0, 1], vertices[k, 1], vertices[m, 1], 0.0,
     )  # fmt: skip

@@ -11,7 +11,7 @@ import numpy as np
 from numba import types
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact.gap import STILL_GAP, remember_apart
+from simcore.dem.contact.gap import STILL_GAP, remember_apart, still_apart
 from simcore.dem.contact.gjk import segment_weights, triangle_weights
 from simcore.dem.contact.minkowski import search_pair, support
 from simcore.dem.contact.scratch import scratch
@@ -115,6 +115,8 @@ def recheck(shapes, bodies, contacts, p, i, j, rx, ry, rz):
         )  # fmt: skip
         if verdict == APART:  # the facet stays, as the simplex next to the origin
             remember_apart(bodies, contacts, p, i, j, rx, ry, rz, -overlap)
+        if verdict == UNCERTAIN and still_apart(bodies, contacts, p, i, j, rx, ry, rz):
+            verdict = OVERLAPPING  # the search that found it has seen the others, and they cannot have caught up
         return verdict == OVERLAPPING or verdict == APART, overlap, nx, ny, nz, x, y, z
     if facet[p, 0] < 0:
         return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -170,7 +172,7 @@ def search_contact(shapes, bodies, contacts, p, i, j, rx, ry, rz):
     nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
     if nx == 0.0 and ny == 0.0 and nz == 0.0:
         nx, ny, nz = _toward(rx, ry, rz)
-    distance, nx, ny, nz, a0, a1, a2, b0, b1, b2 = search_pair(
+    distance, nx, ny, nz, a0, a1, a2, b0, b1, b2, lead = search_pair(
         shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, GAP_SLACK
     )
     facet[p, 0], facet[p, 1], facet[p, 2] = a0, a1, a2
@@ -179,6 +181,8 @@ def search_contact(shapes, bodies, contacts, p, i, j, rx, ry, rz):
         remember_apart(bodies, contacts, p, i, j, rx, ry, rz, distance)
         return -distance, nx, ny, nz, 0.0, 0.0, 0.0
     overlap = -distance
+    # Support heights change by no more than the bodies move: half the lead for each of the two facets.
+    remember_apart(bodies, contacts, p, i, j, rx, ry, rz, 0.5 * lead)
     x, y, z = facet_point(shapes, bodies, i, j, rx, ry, rz, overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2)
     return overlap, nx, ny, nz, x, y, z
 
