@@ -118,8 +118,10 @@ def test_overhanging_and_turned_cubes(core):
     rng = np.random.default_rng(2)
     n = 60
     base = core.make_hull(CUBE)
-    offsets = np.column_stack([rng.uniform(-0.9, 0.9, (n, 2)), rng.uniform(0.999, 0.9999, n)])
-    tilt = Rotation.from_rotvec(np.column_stack([3e-4 * rng.standard_normal((n, 2)), rng.uniform(-0.8, 0.8, n)]))
+    offsets = np.column_stack([rng.uniform(-0.9, 0.9, (n, 2)), 1.0 - PATCH_DEPTH * rng.uniform(0.2, 1.2, n)])
+    tilt = Rotation.from_rotvec(
+        np.column_stack([0.3 * PATCH_DEPTH * rng.standard_normal((n, 2)), rng.uniform(-0.8, 0.8, n)])
+    )
     orientation = np.tile(IDENTITY, (2 * n, 1))
     orientation[1::2] = tilt.as_quat(scalar_first=True)
     bodies, shapes, contacts = look(core, [base] * (2 * n), np.ones((2 * n, 3)), orientation, offsets)
