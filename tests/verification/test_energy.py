@@ -147,9 +147,9 @@ def test_elastic_beds_of_polyhedra_drift_as_stated():
 
 
 def test_patches_heat_an_elastic_bed_but_not_one_with_restitution_below_one():
-    """Gains of 0.13 of the normal energy without sign make the energy diffuse, and there is more room above: it grows.
+    """Gains without sign, of no order in dt, make the energy diffuse, and there is more room above: it grows.
     A restitution of 0.9 takes 0.19 in each contact, and wins."""
-    bed, elastic = run_bed("polyhedron", 40, patch=True, duration=500)
-    assert elastic.drift > 4.0 * random_walk(bed, elastic, 0.36 / 40)  # of 2500 contact times, at the deepest point
+    bed, elastic = run_bed("polyhedron", 40, patch=True)
+    assert elastic.drift > 4.0 * random_walk(bed, elastic, 0.36 / 40)  # at the deepest point
     _, damped = run_bed("polyhedron", 40, patch=True, restitution=0.9, duration=500)
     assert damped.error[-1] < damped.error[50] < 0.0
