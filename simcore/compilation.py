@@ -43,10 +43,6 @@ numba.config.CACHE_DIR = str(_cache_folder())
 leaf = numba.njit(error_model="numpy", cache=True, forceinline=True, _nrt=False)
 # A long leaf that stays a call: it counts no references either; its arrays lie on the stack (contact/scratch.py).
 routine = numba.njit(error_model="numpy", cache=True, _nrt=False)
-# Searches are rare, long and allocate: they stay calls, from a loop that does nothing else.
-search = numba.njit(error_model="numpy", cache=True)
-# Like a search, but without allocation, and so without the counting.
-routine = numba.njit(error_model="numpy", cache=True, _nrt=False)
 kernel = numba.njit(error_model="numpy", cache=True)
 parallel_kernel = numba.njit(error_model="numpy", cache=True, parallel=True)
 

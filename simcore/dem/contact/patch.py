@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.compilation import leaf, routine
+from simcore.dem.contact.ellipsoid_climb import tangents
 from simcore.dem.shapes import Shapes, base_direction, vertex_offset
 
 PATCH_DEPTH = 1e-4  # of the pair's size: overlaps beyond are taken apart to this depth
@@ -48,15 +49,6 @@ def make_room(shapes: Shapes, n_threads: int) -> Room:
         faces=np.zeros((threads, 2, 2 * n, 3, 3)),
         polygon=np.zeros((threads, 3, CORNERS, 3)),
     )
-
-
-@leaf
-def tangents(nx, ny, nz):
-    """Two unit vectors that complete n to a right-handed frame (Duff et al. 2017)."""
-    sign = 1.0 if nz >= 0.0 else -1.0
-    a = -1.0 / (sign + nz)
-    b = nx * ny * a
-    return 1.0 + sign * nx * nx * a, sign * b, -sign * nx, b, sign + ny * ny * a, -ny
 
 
 @leaf
