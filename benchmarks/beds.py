@@ -171,7 +171,7 @@ def start(setup, bed, report=lambda line: None, **options):
         bed.velocity,
         bed.angular_velocity,
         density=setup.scene.material.density,
-        kind=setup.scene.kind,
+        features=setup.scene.features,
     )
     process.place(bodies, float(np.mean(bed.sieve_size)))
     return process

@@ -33,6 +33,7 @@ class Bodies(NamedTuple):
     angular_velocity: np.ndarray  # (n, 3) [1/s], derived, world axes
     form_matrix: np.ndarray  # (n, 6) [m²], derived: R diag(s²) Rᵀ as xx, yy, zz, xy, xz, yz; ellipsoids
     net_force: np.ndarray  # (n, 3) [N], output: of contacts and gravity, without shaking
+    hold: np.ndarray  # (n,), memory: contacts of the last step, each as far as it moves this body; implicit dashpot
 
 
 class Contacts(NamedTuple):
@@ -84,12 +85,12 @@ class Walls(NamedTuple):
 
 
 def make_bodies(
-    bases: list[Base], shape, scale, position, orientation, velocity, angular_velocity, density, kind=None
+    bases: list[Base], shape, scale, position, orientation, velocity, angular_velocity, density, features=None
 ) -> Bodies:
     """Bodies of the given density [kg/m³] that have turned nowhere yet.
 
     shape (n,), scale (n, 3), position (n, 3), orientation (n, 4), velocity (n, 3), angular_velocity (n, 3), SI.
-    kind: of the scene; fields that it does not need stay empty. None: all fields.
+    features: of the scene; fields that it does not need stay empty. None: all fields.
     """
     shape = np.asarray(shape, np.int64)
     scale = np.array(scale, np.float64)
@@ -117,14 +118,19 @@ def make_bodies(
         angular_velocity=np.array(angular_velocity, np.float64),
         form_matrix=np.zeros((n, 6)),
         net_force=np.zeros((n, 3)),
+        hold=np.zeros(n),
     )
     spin = np.einsum("nji,nj->ni", bodies.rotation, bodies.angular_velocity)
     bodies.angular_momentum[:] = np.einsum("nij,nj->ni", bodies.rotation, bodies.inertia * spin)
     full = np.einsum("nij,nj,nkj->nik", bodies.rotation, scale**2, bodies.rotation)
     bodies.form_matrix[:] = full[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-    if kind == SPHERE:
+    if features is None:
+        return bodies
+    if not features.implicit:
+        bodies = without(bodies, "hold")
+    if features.kind == SPHERE:
         return without(bodies, "orientation", "turned", "listed_turned", "rotation", "form_matrix")
-    if kind == CONVEX:
+    if features.kind == CONVEX:
         return without(bodies, "form_matrix")
     return bodies
 

@@ -14,4 +14,5 @@ class Features(NamedTuple):
     periodic: bool = True  # horizontally: pairs may meet through images
     shaken: bool = True
     patch: bool = False  # polyhedra press at the centroid of their overlap, not at its deepest point
+    implicit: bool = False  # the dashpot of a contact sees what the contact does to the velocity within the step
     timed: bool = False  # count the processor's cycles of each part of the step

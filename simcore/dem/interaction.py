@@ -9,7 +9,7 @@ from simcore.compilation import leaf, routine
 from simcore.dem.contact import ellipsoid, polyhedron, sphere
 from simcore.dem.contact.gap import still_apart
 from simcore.dem.contact.wall import forget_springs
-from simcore.dem.force_laws import normal_force, patch_torque, tangential_force
+from simcore.dem.force_laws import explicit_dashpot, implicit_dashpot, normal_force, patch_torque, tangential_force
 
 touch_spheres = sphere.touch
 recheck_ellipsoids, search_ellipsoid_contact = ellipsoid.recheck, ellipsoid.search_contact
@@ -106,7 +106,7 @@ def _end(contacts, p):
 
 
 @leaf
-def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch):
+def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit):
     """Force of touching contact p on b, torques on both, and its springs."""
     i, j = contacts.body_a[p], contacts.body_b[p]
     rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
@@ -123,11 +123,15 @@ def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, per
     uy += (bz * qx - bx * qz) - (az * px - ax * pz)
     uz += (bx * qy - by * qx) - (ax * py - ay * px)
     mass = bodies.mass[i] * bodies.mass[j] / (bodies.mass[i] + bodies.mass[j])
-    push = normal_force(law, mass, contacts.overlap[p], ux * nx + uy * ny + uz * nz, attractive)
+    if implicit:
+        damping, tangential_damping = implicit_dashpot(law, max(1.0, bodies.hold[i], bodies.hold[j]))
+    else:
+        damping, tangential_damping = explicit_dashpot(law)
+    push = normal_force(law, damping, mass, contacts.overlap[p], ux * nx + uy * ny + uz * nz, attractive)
     fx, fy, fz = push * nx, push * ny, push * nz
     if friction:
         tx, ty, tz, sx, sy, sz = tangential_force(
-            law, mass, law.friction * abs(push), dt, nx, ny, nz, ux, uy, uz,
+            law, tangential_damping, mass, law.friction * abs(push), dt, nx, ny, nz, ux, uy, uz,
             contacts.spring[p, 0], contacts.spring[p, 1], contacts.spring[p, 2],
         )  # fmt: skip
         contacts.spring[p, 0], contacts.spring[p, 1], contacts.spring[p, 2] = sx, sy, sz
@@ -136,8 +140,9 @@ def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, per
     mx, my, mz = 0.0, 0.0, 0.0
     if patch:
         mx, my, mz = patch_torque(
-            law, mass, push, dt, nx, ny, nz, bx - ax, by - ay, bz - az, contacts.spread, contacts.twist, p, friction
-        )
+            law, damping, tangential_damping, mass, push, dt, nx, ny, nz, bx - ax, by - ay, bz - az,
+            contacts.spread, contacts.twist, p, friction,
+        )  # fmt: skip
     contacts.torque_a[p, 0] = -(py * fz - pz * fy) - mx
     contacts.torque_a[p, 1] = -(pz * fx - px * fz) - my
     contacts.torque_a[p, 2] = -(px * fy - py * fx) - mz
@@ -147,7 +152,7 @@ def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, per
 
 
 @leaf
-def press_wall(bodies, walls, law, dt, w, friction, attractive, patch):
+def press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit):
     """Force and torque of touching wall w on its body, and its springs."""
     i = walls.body[w]
     nx, ny, nz = walls.normal[w, 0], walls.normal[w, 1], walls.normal[w, 2]
@@ -157,11 +162,15 @@ def press_wall(bodies, walls, law, dt, w, friction, attractive, patch):
     uy = bodies.velocity[i, 1] + wz * px - wx * pz
     uz = bodies.velocity[i, 2] + wx * py - wy * px
     mass = bodies.mass[i]
-    push = normal_force(law, mass, walls.overlap[w], ux * nx + uy * ny + uz * nz, attractive)
+    if implicit:
+        damping, tangential_damping = implicit_dashpot(law, max(1.0, bodies.hold[i]))
+    else:
+        damping, tangential_damping = explicit_dashpot(law)
+    push = normal_force(law, damping, mass, walls.overlap[w], ux * nx + uy * ny + uz * nz, attractive)
     fx, fy, fz = push * nx, push * ny, push * nz
     if friction:
         tx, ty, tz, sx, sy, sz = tangential_force(
-            law, mass, law.friction * abs(push), dt, nx, ny, nz, ux, uy, uz,
+            law, tangential_damping, mass, law.friction * abs(push), dt, nx, ny, nz, ux, uy, uz,
             walls.spring[w, 0], walls.spring[w, 1], walls.spring[w, 2],
         )  # fmt: skip
         walls.spring[w, 0], walls.spring[w, 1], walls.spring[w, 2] = sx, sy, sz
@@ -169,7 +178,10 @@ def press_wall(bodies, walls, law, dt, w, friction, attractive, patch):
     walls.force[w, 0], walls.force[w, 1], walls.force[w, 2] = fx, fy, fz
     mx, my, mz = 0.0, 0.0, 0.0
     if patch:
-        mx, my, mz = patch_torque(law, mass, push, dt, nx, ny, nz, wx, wy, wz, walls.spread, walls.twist, w, friction)
+        mx, my, mz = patch_torque(
+            law, damping, tangential_damping, mass, push, dt, nx, ny, nz, wx, wy, wz,
+            walls.spread, walls.twist, w, friction,
+        )  # fmt: skip
     walls.torque[w, 0] = py * fz - pz * fy + mx
     walls.torque[w, 1] = pz * fx - px * fz + my
     walls.torque[w, 2] = px * fy - py * fx + mz
