@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.work_precision import cheapest_settings, compare, on_front, porosity_errors
+from simcore.verification.packings import cheapest_settings, compare, on_front, porosity_errors
 
 
 def packings(shifts, costs, seeds=(1, 2, 3, 4), study="made", scatter=0.01):
