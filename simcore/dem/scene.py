@@ -6,7 +6,7 @@ import numpy as np
 
 from simcore.dem.features import Features
 from simcore.dem.force_laws import ContactLaw, contact_law
-from simcore.dem.shapes import CONVEX
+from simcore.dem.shapes import CONVEX, MIXED
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class Scene:
 
     name: str
     seed: int
-    kind: int  # of simcore.dem.shapes: SPHERE, ELLIPSOID or CONVEX
+    kind: int  # of simcore.dem.shapes: SPHERE, ELLIPSOID, CONVEX or MIXED
     amount_mass: float | None
     amount_grains: int | None
     domain: Domain
@@ -141,7 +141,7 @@ class Scene:
             cylinder=not self.domain.periodic,
             periodic=self.domain.periodic,
             shaken=self.shaking.amplitude > 0.0 and self.shaking.duration > 0.0,
-            patch=self.kind == CONVEX and self.numerics.contact_region == "patch",
+            patch=self.kind in (CONVEX, MIXED) and self.numerics.contact_region == "patch",
         )
 
     @property

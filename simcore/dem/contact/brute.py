@@ -10,7 +10,7 @@ import numpy as np
 from simcore.compilation import kernel, leaf, routine
 from simcore.dem.contact.ellipsoid_climb import climb_normal, support_height
 from simcore.dem.contact.frame import to_world
-from simcore.dem.contact.mixed import climb_feature
+from simcore.dem.contact.mixed_climb import climb_feature
 from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE
 
 SPIRAL = 64

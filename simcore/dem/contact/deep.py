@@ -17,7 +17,7 @@ from numba import types
 
 from simcore.compilation import leaf, routine
 from simcore.dem.contact.ellipsoid_climb import climb_normal, image, support_height
-from simcore.dem.contact.mixed import climb_feature
+from simcore.dem.contact.mixed_climb import climb_feature
 from simcore.dem.contact.polytope import Polytope, insert_point, nearest_face, start_polytope, volume_of
 from simcore.dem.contact.scratch import scratch
 from simcore.dem.shapes import support_vertex, vertex_offset
