@@ -41,9 +41,9 @@ class Contacts(NamedTuple):
 
     Memory: what the last step found. Output: what the current step gives to the bodies. Fields marked with a
     feature are empty in scenes without it. The facet of two hulls is that of the Minkowski difference along the normal
-    where the pair touches, the simplex next to the origin where it is apart; of a hull and an ellipsoid only the hull's
-    support vertex, a0. Apart at and safe until also tell, of polyhedra that touch, how long no other facet can have
-    become the nearest.
+    where the pair touches, the simplex next to the origin where it is apart; of a hull and an ellipsoid the hull's
+    corner, edge or face, a0 a1 a2. Apart at and safe until also tell, of polyhedra that touch, how long no other facet
+    can have become the nearest.
     """
 
     body_a: np.ndarray  # (m,) int32

@@ -82,16 +82,18 @@ def _balance(slopes, n, weights):
 
 @routine
 def climb_feature(shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough):
-    """Local maximum of f from n, hull i and ellipsoid j: (f, normal i to j (3), converged, point of the hull (3), v).
+    """Local maximum of f from n: (f, normal i to j (3), converged, point of the hull (3), active vertices (3)).
 
-    v: vertex to climb from, on return the support vertex. The point is from the hull's centre: the convex combination
-    of the active vertices. A gap f > enough ends the climb early.
+    Hull i and ellipsoid j; v: vertex to climb from. Active are the vertices of the corner, edge or face touched,
+    -1 for those that it has not; the point is their convex combination, from the hull's centre. A gap f > enough ends
+    the climb early.
     """
     m = bodies.form_matrix
     vertices, slopes, weights = _take_vertices(), _take_slopes(), _take_weights()
     value, v = gap_along(shapes, bodies, i, j, rx, ry, rz, v, nx, ny, nz)
     vertices[0] = v
     n = 1
+    a0, a1, a2 = v, -1, -1
     wx, wy, wz = vertex_offset(shapes, bodies, i, v)
     last = np.inf
     for _ in range(ITERATIONS):
@@ -172,16 +174,21 @@ def climb_feature(shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough)
                     vertices[kept] = vertices[k]
                     kept += 1
             n = kept
+            a0, a1, a2 = vertices[0], -1, -1
+            if n > 1:
+                a1 = vertices[1]
+            if n > 2:
+                a2 = vertices[2]
             if fresh_now:
                 vertices[n] = u
                 n += 1
             if moved or not fresh:
                 break
         if gain <= GAIN * size and (residual <= TOLERANCE * size or residual > 0.5 * last or not moved):
-            return value, nx, ny, nz, True, wx, wy, wz, v
+            return value, nx, ny, nz, True, wx, wy, wz, a0, a1, a2
         if not moved:
-            return value, nx, ny, nz, False, wx, wy, wz, v
+            return value, nx, ny, nz, False, wx, wy, wz, a0, a1, a2
         if gain <= GAIN * size:  # nothing left to gain, but the points of flat ellipsoids still move
             last = residual
         value, nx, ny, nz, v = trial, x, y, z, u
-    return value, nx, ny, nz, value > enough, wx, wy, wz, v
+    return value, nx, ny, nz, value > enough, wx, wy, wz, a0, a1, a2

@@ -238,7 +238,7 @@ def _beside(x, y, z, nx, ny, nz):
 @routine
 def _query_mixed(shapes, solids, i, j, rx, ry, rz, size):
     """Hull i and ellipsoid j."""
-    value, nx, ny, nz, ax, ay, az, v = search_mixed_normal(shapes, solids, i, j, rx, ry, rz, size, np.inf)
+    value, nx, ny, nz, ax, ay, az, v, _, _ = search_mixed_normal(shapes, solids, i, j, rx, ry, rz, size, np.inf)
     bx, by, bz = _surface_point(solids, j, -nx, -ny, -nz)
     beside = _beside(rx + bx - ax, ry + by - ay, rz + bz - az, nx, ny, nz)
     if beside > BESIDE * size:

@@ -67,7 +67,7 @@ class Pairs:
         rows = touching & deep
         excess = (contacts.overlap + found.signed_distance) / extent
         assert np.abs(excess[rows]).max(initial=0.0) <= DEEP
-        # Where both found the same least overlap, normal and point are the same too; the overlap grows with the square of
+        # Where both found the same least overlap, normal and point are the same too; it grows with the square of
         # what the normal is off.
         same = rows & (np.abs(excess) < 1e-13)
         assert same.sum() >= 0.9 * rows.sum()
@@ -140,16 +140,15 @@ def test_what_is_remembered_answers_as_the_query_does(core):
     """Pairs that come together from a gap, turn, slide and part again: nothing is missed, and little is searched."""
     pairs = Pairs(core, 120, 2.0, 5)
     b = pairs.bodies
-    b.position[1::2] = b.position[0::2] + 2.6 * pairs.unit
     size = pairs.extent[:, None]
+    for _ in range(3):  # from anywhere to a narrow gap
+        found = pairs.query()
+        b.position[1::2] += (0.02 * pairs.extent - found.signed_distance)[:, None] * found.normal
+    unit = found.normal
     searched, touched = 0, 0
     for step in range(400):
         depth = np.where(pairs.contacts.touching > 0, pairs.contacts.overlap, 0.0)[:, None] / size
-        way = (
-            np.where(depth > 5e-3, 0.0, -2e-3 if step < 300 else 1e-2) * pairs.unit
-            if step
-            else -0.6 * pairs.unit * size
-        )
+        way = np.where(depth > 2e-3, 0.0, -5e-4) * unit if step < 300 else 1e-3 * unit
         b.position[1::2] += way * size + 2e-4 * size * pairs.rng.standard_normal((pairs.n, 3))
         spin = Rotation.from_rotvec(2e-3 * pairs.rng.standard_normal((2 * pairs.n, 3)))
         turned = (spin * Rotation.from_quat(b.orientation, scalar_first=True)).as_quat(scalar_first=True)
@@ -160,6 +159,7 @@ def test_what_is_remembered_answers_as_the_query_does(core):
         b.form_matrix[:] = full[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
         searched += core.look_at_mixed(pairs.shapes, b, pairs.contacts, 0.0)
         touched += pairs.compare(pairs.query()).sum()
-    assert touched > 40 * pairs.n
-    # Each once at first; then overlaps beyond the rolling radius of thin ellipsoids.
-    assert searched < 0.2 * touched
+    assert touched > 100 * pairs.n
+    # Each once at first. Then none, so far below the rolling radius of the thinnest, 0.017 of the size, but where the
+    # climb ends for rounding.
+    assert searched < pairs.n + 0.001 * touched
