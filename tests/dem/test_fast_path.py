@@ -149,7 +149,7 @@ def test_the_memory_of_a_shaken_bed_is_right(core):
 
 
 def test_the_memory_of_a_bed_of_mixed_kinds_is_right(core):
-    touches, others, excess_others = follow(core, 15000, MIXED, query_bodies)
+    touches, others, excess_others = follow(core, 30000, MIXED, query_bodies)
     assert (touches > 200).all() and touches[1] > 1000, touches
     assert others <= 0.002 * touches[2], (others, max(excess_others))
 

@@ -87,7 +87,7 @@ def test_momentum_and_angular_momentum_are_kept(stage):
 @pytest.mark.parametrize("kind", ["ellipsoids", "hulls"])
 def test_one_kind_alone_steps_to_the_same_bits_as_in_its_own_scene(stage, kind):
     rng = np.random.default_rng(2)
-    n = 12
+    n = 8
     ellipsoids = kind == "ellipsoids"
     bases = [unit_sphere()] if ellipsoids else [hull([1.8, 1.3, 1.0]), hull([0.4, 0.4, 3.0])]
     shape = np.zeros(n, int) if ellipsoids else rng.integers(0, 2, n)
@@ -98,10 +98,11 @@ def test_one_kind_alone_steps_to_the_same_bits_as_in_its_own_scene(stage, kind):
     for scene in (stage.ELLIPSOID if ellipsoids else stage.CONVEX, stage.MIXED):
         pile = stage.Stage(
             scene, stage.law(0.3, T_C, NU, FRICTION), scale, position, [0, 0, -5.0], bases=bases, shape=shape,
-            orientation=turns, gravity=20.0, patch=True,
+            orientation=turns, gravity=20.0, width=4.0, patch=True,
         )  # fmt: skip
-        pile.advance(T_C / 40, 12000)
+        pile.advance(T_C / 40, 20000)
         ends.append(pile.bodies)
-        assert pile.contacts.touching.sum() >= 5 and pile.on_floor().sum() >= 3
+        # They start without spin: each has been struck
+        assert (np.abs(pile.bodies.angular_momentum).max(axis=1) > 0.0).all() and pile.on_floor().any()
     for name in ("position", "orientation", "velocity", "angular_momentum"):
         np.testing.assert_array_equal(getattr(ends[0], name), getattr(ends[1], name))
