@@ -119,6 +119,18 @@ def test_express_is_the_inverse_of_resolve():
             {"kind": "mesh", "choice": "form", "flatness": 0.5, "elongation": 0.5},
             r"shapes\.kind: choice \"form\" is for kind \"ellipsoid\"",
         ),
+        ("shapes.kind", "mixed", r"shapes\.ellipsoid_share: kind \"mixed\" needs a number from 0 to 1"),
+        ("shapes.ellipsoid_share", 0.5, r"shapes\.ellipsoid_share: it is for kind \"mixed\" only; leave it out"),
+        (
+            "shapes",
+            {"kind": "mixed", "ellipsoid_share": 1.5},
+            r"shapes\.ellipsoid_share: 1\.5 is out of bounds; it must be at most 1",
+        ),
+        (
+            "shapes",
+            {"kind": "mixed", "ellipsoid_share": 0.5, "choice": "one"},
+            r"shapes\.grain: choice \"one\" needs the name of a grain",
+        ),
         (
             "shapes",
             {"choice": "form_distribution", "flatness": {"mean": 0.5, "sd": 0.1}},

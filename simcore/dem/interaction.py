@@ -1,19 +1,21 @@
 """What bodies do to each other and to the walls: from signed distance to force and torque.
 
-First a contact is checked from its memory: one function for each kind of shape, so that a scene's step holds only
-its own. What the memory cannot answer is left pending and searched. Both leave overlap, direction and point in the
-arrays. Then the force law presses, the same for all kinds.
+First a contact is checked from its memory: one function for each kind of scene, so that its step holds only what it
+needs; in a scene of mixed kinds the pair decides. What the memory cannot answer is left pending and searched. Both
+leave overlap, direction and point in the arrays. Then the force law presses, the same for all kinds.
 """
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact import ellipsoid, polyhedron, sphere
+from simcore.dem.contact import ellipsoid, mixed, polyhedron, sphere
 from simcore.dem.contact.gap import still_apart
 from simcore.dem.contact.wall import forget_springs
 from simcore.dem.force_laws import explicit_dashpot, implicit_dashpot, normal_force, patch_torque, tangential_force
+from simcore.dem.shapes import is_hull
 
 touch_spheres = sphere.touch
 recheck_ellipsoids, search_ellipsoid_contact = ellipsoid.recheck, ellipsoid.search_contact
 recheck_polyhedra, search_polyhedron_contact = polyhedron.recheck, polyhedron.search_contact
+recheck_mixed, search_mixed_contact = mixed.recheck, mixed.search_contact
 
 
 @leaf
@@ -65,6 +67,24 @@ def check_polyhedra(shapes, bodies, contacts, p, width, periodic):
             _note(contacts, p, overlap, nx, ny, nz, x, y, z)
 
 
+@leaf
+def check_mixed(shapes, bodies, contacts, p, width, periodic):
+    """Update contact p between ellipsoids, polyhedra or one of each from its memory, or leave it pending."""
+    i, j = contacts.body_a[p], contacts.body_b[p]
+    rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
+    if contacts.touching[p] != 0 or not still_apart(bodies, contacts, p, i, j, rx, ry, rz):
+        hull_a, hull_b = is_hull(shapes, bodies, i), is_hull(shapes, bodies, j)
+        if hull_a and hull_b:
+            known, overlap, nx, ny, nz, x, y, z = recheck_polyhedra(shapes, bodies, contacts, p, i, j, rx, ry, rz)
+        elif hull_a or hull_b:
+            known, overlap, nx, ny, nz, x, y, z = recheck_mixed(shapes, bodies, contacts, p, i, j, rx, ry, rz)
+        else:
+            known, overlap, nx, ny, nz, x, y, z = recheck_ellipsoids(bodies, contacts, p, i, j, rx, ry, rz)
+        contacts.pending[p] = not known
+        if known:
+            _note(contacts, p, overlap, nx, ny, nz, x, y, z)
+
+
 @routine
 def search_ellipsoids(bodies, contacts, p, width, periodic):
     """Update pending contact p between ellipsoids."""
@@ -85,6 +105,22 @@ def search_polyhedra(shapes, bodies, contacts, p, width, periodic):
     )
     contacts.pending[p] = 0
     _note(contacts, p, overlap, nx, ny, nz, x, y, z)
+
+
+@routine
+def search_mixed(shapes, bodies, contacts, p, width, periodic):
+    """Update pending contact p between ellipsoids, polyhedra or one of each."""
+    i, j = contacts.body_a[p], contacts.body_b[p]
+    hull_a, hull_b = is_hull(shapes, bodies, i), is_hull(shapes, bodies, j)
+    if hull_a and hull_b:
+        search_polyhedra(shapes, bodies, contacts, p, width, periodic)
+    elif hull_a or hull_b:
+        rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
+        overlap, nx, ny, nz, x, y, z = search_mixed_contact(shapes, bodies, contacts, p, i, j, rx, ry, rz)
+        contacts.pending[p] = 0
+        _note(contacts, p, overlap, nx, ny, nz, x, y, z)
+    else:
+        search_ellipsoids(bodies, contacts, p, width, periodic)
 
 
 @leaf

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from simcore.dem.features import Features
 from simcore.dem.force_laws import ContactLaw, contact_law, explicit_dashpot, implicit_dashpot, implicit_law
-from simcore.dem.shapes import CONVEX
+from simcore.dem.shapes import CONVEX, MIXED
 
 # Steps per contact time with which beds of the default material came to rest (results/work_precision/rest.csv).
 STEPS_FOR_REST = {"explicit": 40, "implicit": 20}
@@ -110,7 +110,7 @@ class Scene:
 
     name: str
     seed: int
-    kind: int  # of simcore.dem.shapes: SPHERE, ELLIPSOID or CONVEX
+    kind: int  # of simcore.dem.shapes: SPHERE, ELLIPSOID, CONVEX or MIXED
     amount_mass: float | None
     amount_grains: int | None
     domain: Domain
@@ -147,7 +147,7 @@ class Scene:
             cylinder=not self.domain.periodic,
             periodic=self.domain.periodic,
             shaken=self.shaking.amplitude > 0.0 and self.shaking.duration > 0.0,
-            patch=self.kind == CONVEX and self.numerics.contact_region == "patch",
+            patch=self.kind in (CONVEX, MIXED) and self.numerics.contact_region == "patch",
             implicit=self.implicit,
         )
 

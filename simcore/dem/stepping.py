@@ -33,15 +33,17 @@ from simcore.dem.force_laws import ContactLaw
 from simcore.dem.integrators import derive_form_matrix, move, spin_sphere, turn
 from simcore.dem.interaction import (
     check_ellipsoids,
+    check_mixed,
     check_polyhedra,
     check_spheres,
     partner_offset,
     press_contact,
     press_wall,
     search_ellipsoids,
+    search_mixed,
     search_polyhedra,
 )
-from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE
+from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, is_hull
 
 STAGES = ("contact", "force", "integration")
 
@@ -72,7 +74,7 @@ def make_advance(features: Features):
 @cache
 def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken, patch, implicit, timed):
     walled = floor or cylinder
-    patch = patch and kind == CONVEX
+    patch = patch and (kind == CONVEX or kind == MIXED)
 
     @parallel_kernel
     def advance(bodies, shapes, contacts, walls, room, law: ContactLaw, drive: Drive, clock, first_step, n_steps):
@@ -93,6 +95,8 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                         )
                 elif kind == ELLIPSOID:
                     check_ellipsoids(bodies, contacts, p, width, periodic)
+                elif kind == MIXED:
+                    check_mixed(shapes, bodies, contacts, p, width, periodic)
                 else:
                     check_polyhedra(shapes, bodies, contacts, p, width, periodic)
             # A loop of its own: what is rare and long stays out of the loop that is neither.
@@ -101,14 +105,17 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                     if contacts.pending[p] != 0:
                         if kind == ELLIPSOID:
                             search_ellipsoids(bodies, contacts, p, width, periodic)
+                        elif kind == MIXED:
+                            search_mixed(shapes, bodies, contacts, p, width, periodic)
                         else:
                             search_polyhedra(shapes, bodies, contacts, p, width, periodic)
             if patch:
                 for p in prange(n_pairs):
                     if contacts.touching[p] != 0:
                         i, j = contacts.body_a[p], contacts.body_b[p]
-                        rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
-                        find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, get_thread_id())
+                        if kind != MIXED or (is_hull(shapes, bodies, i) and is_hull(shapes, bodies, j)):
+                            rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
+                            find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, get_thread_id())
             if timed:
                 middle = cycles()
             if kind != SPHERE:
@@ -122,14 +129,14 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                     if floor and (not cylinder or walls.wall[w] == FLOOR):
                         if kind == SPHERE:
                             floor_sphere(bodies, walls, w)
-                        elif kind == ELLIPSOID:
+                        elif kind == ELLIPSOID or (kind == MIXED and not is_hull(shapes, bodies, walls.body[w])):
                             floor_ellipsoid(bodies, walls, w)
                         elif floor_convex(shapes, bodies, walls, w) and patch:
                             floor_patch(shapes, bodies, walls, w, room, get_thread_id())
                     elif cylinder:
                         if kind == SPHERE:
                             cylinder_sphere(bodies, walls, w, drive.wall_radius)
-                        elif kind == ELLIPSOID:
+                        elif kind == ELLIPSOID or (kind == MIXED and not is_hull(shapes, bodies, walls.body[w])):
                             cylinder_ellipsoid(bodies, walls, w, drive.wall_radius)
                         else:
                             cylinder_convex(shapes, bodies, walls, w, drive.wall_radius)
@@ -156,7 +163,7 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                         spin_sphere(bodies, i)
                     else:
                         turn(bodies, i, dt, drive.damping)
-                        if kind == ELLIPSOID:
+                        if kind == ELLIPSOID or (kind == MIXED and not is_hull(shapes, bodies, i)):
                             derive_form_matrix(bodies, i)
                     moved[i] = has_left(bodies, i, drive.list_margin, kind != SPHERE)
             if timed:
