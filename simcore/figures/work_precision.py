@@ -86,3 +86,43 @@ def _draw_panel(axes, points, methods, unit, handles):
         (handles["default"],) = axes.plot(
             unit * chosen["cpu_s"], chosen["error"], "*", color="black", mec="white", ms=13, mew=0.8, zorder=6
         )
+
+
+def rest_figure(table, allowed_unbalanced=0.02):
+    """Motion and unbalanced force left in a bed at rest against steps per contact time; a column for each shape.
+
+    table: of simcore.verification.rest. allowed_unbalanced: of a packing's convergence, drawn as a line. Beds that flew
+    apart stand at the upper edge, as triangles.
+    """
+    quantities = {
+        "kinetic_energy": "largest kinetic energy\nover weight times grain size [-]",
+        "unbalanced_force": "unbalanced force\nover mean contact force [-]",
+    }
+    shapes = list(dict.fromkeys(table["shape"]))
+    figure = Figure(figsize=(1.2 + 3.4 * len(shapes), 6.0), layout="constrained")
+    grid = figure.subplots(2, len(shapes), squeeze=False, sharex=True, sharey="row")
+    for row, (quantity, label) in zip(grid, quantities.items(), strict=True):
+        row[0].set_ylabel(label)
+        for axes, shape in zip(row, shapes, strict=True):
+            axes.set(xscale="log", yscale="log")
+            axes.grid(color="0.92", lw=0.6)
+            rows_of = table[table["shape"] == shape].groupby("dashpot", sort=False)
+            for (dashpot, rows), (color, line, marker) in zip(rows_of, STYLES, strict=False):
+                axes.plot(
+                    rows["steps"], rows[quantity].where(np.isfinite(rows[quantity])),
+                    color=color, ls=line, marker=marker, ms=5, lw=1.2, label=dashpot,
+                )  # fmt: skip
+                lost = rows["steps"][~np.isfinite(rows["kinetic_energy"])]
+                top = axes.get_xaxis_transform()
+                axes.plot(lost, np.full(len(lost), 0.96), "^", color=color, ms=7, mfc="white", transform=top)
+            if quantity == "unbalanced_force":
+                axes.axhline(allowed_unbalanced, color="0.5", lw=1.0, ls=":", label="allowed of a packing")
+            steps = sorted(set(table["steps"]))
+            axes.set_xticks(steps, [f"{n:g}" for n in steps])
+            axes.minorticks_off()
+    for axes, shape in zip(grid[0], shapes, strict=True):
+        axes.set_title({"sphere": "spheres", "mesh": "pebbles"}.get(shape, shape), fontsize="medium")
+    for axes in grid[-1]:
+        axes.set_xlabel("steps per contact time [-]")
+    figure.legend(*grid[1, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)
+    return figure

@@ -31,6 +31,7 @@ STEPS = (5, 6, 8, 10, 14, 20, 28, 40, 80, 160, 320, 640)
 DEFAULT = ("explicit", 40)
 PHASES = 256
 REPEATS = 5
+ROUND_OFF = 1e-13  # of accelerations of order one
 ONE, MEAN = "one impact", "mean"
 
 
@@ -80,15 +81,16 @@ def reference_impact(attractive, angle=ANGLE, restitution=RESTITUTION, friction=
     k, d = ratio * fall.stiffness, np.sqrt(ratio) * fall.damping
     start = np.tan(angle)  # slip per unit of normal speed
     t, s, u = 0.0, 0.0, start
+    slips = d * u > friction * fall.force(0.0)
     while t < fall.end:
-        limit = friction * abs(fall.force(t))
-        trial = k * s + d * u
-        slope = k * u - LEVER * d * trial  # of the trial force, were it to stick
-        limit_slope = friction * fall.force_rate(t) * np.sign(fall.force(t) or 1.0)
-        beyond = abs(trial) - limit
-        slips = beyond > 1e-12 or (beyond > -1e-12 and np.sign(trial or slope) * slope > limit_slope)
-        step = _slip if slips else _stick
-        t, s, u = step(fall, k, d, friction, t, s, u)
+        if slips:
+            # Where the normal force changes its sign the friction cone closes and opens anew.
+            last = fall.turn if t < fall.turn else fall.end
+            t, s, u = _slip(fall, k, d, friction, t, last, s, u)
+            slips = t == last
+        else:
+            t, s, u = _stick(fall, k, d, friction, t, s, u)
+            slips = True
     rebound = -fall.rate(fall.end)
     # A sphere is thrown by its centre: of the slip 1 / LEVER is the centre's.
     tangential = 1.0 + (u - start) / (LEVER * start)
@@ -99,16 +101,13 @@ def reference_impact(attractive, angle=ANGLE, restitution=RESTITUTION, friction=
 
 
 def _first(condition, t0, t1):
-    """Where `condition` first becomes positive after t0, or t1."""
-    times = np.linspace(t0, t1, 4001)[1:]
-    values = condition(times)
-    above = np.flatnonzero(values > 0.0)
-    if not len(above):
-        return t1
+    """Where `condition` first exceeds round-off from t0 on, or t1."""
+    times = np.linspace(t0, t1, 4001)
+    above = np.flatnonzero(condition(times) > ROUND_OFF)
+    if not len(above) or above[0] == 0:
+        return times[0] if len(above) else t1
     k = above[0]
-    if k == 0:  # positive from the start on: round-off at a change
-        return times[0]
-    return brentq(lambda x: float(condition(np.array([x]))[0]), times[k - 1], times[k], xtol=1e-15)
+    return brentq(lambda x: float(condition(np.array([x]))[0]) - ROUND_OFF, times[k - 1], times[k], xtol=1e-15)
 
 
 def _stick(fall, k, d, friction, t0, s0, u0):
@@ -129,21 +128,19 @@ def _stick(fall, k, d, friction, t0, s0, u0):
     return end, s, u
 
 
-def _slip(fall, k, d, friction, t0, s0, u0):
+def _slip(fall, k, d, friction, t0, last, s0, u0):
     """Spring and slip velocity while the force is the limit, until the trial force grows less than the limit does."""
     trial = k * s0 + d * u0
-    sense = np.sign(trial if abs(trial) > 1e-12 else k * u0)
+    sense = np.sign(trial if abs(trial) > ROUND_OFF else k * u0)
 
     def velocity(t):
         return u0 - sense * LEVER * friction * np.array([fall.impulse(t0, x) for x in np.atleast_1d(t)])
 
     def held(t):
         limit = friction * np.abs(fall.force(t))
-        limit_rate = friction * fall.force_rate(t) * np.sign(fall.force(t))
+        limit_rate = friction * fall.force_rate(t) * np.where(t < fall.turn, 1.0, -1.0)
         return limit_rate - sense * (k * velocity(t) - sense * LEVER * d * limit)
 
-    # At the change of sign of the normal force the cone closes and opens anew.
-    last = fall.turn if t0 < fall.turn - 1e-9 else fall.end
     end = _first(held, t0, last)
     u = float(velocity(end)[0])
     return end, (sense * friction * abs(fall.force(end)) - d * u) / k, u

@@ -1,5 +1,5 @@
 # Error against run time. Not part of `all`: ask for `work_precision`, with --cores 1 so that runs are timed alone.
-precision_studies = ["one_contact", "rotation", "contact_query"]
+precision_studies = ["one_contact", "rotation", "contact_query", "rest"]
 
 
 rule work_precision:
@@ -45,3 +45,16 @@ rule contact_query_precision:
         code=digest("workflow/scripts/contact_query_precision.py"),
     script:
         "../scripts/contact_query_precision.py"
+
+
+rule rest:
+    output:
+        table="results/work_precision/rest.csv",
+        figure="results/work_precision/rest.png",
+        vector="results/work_precision/rest.pdf",
+    log:
+        "results/logs/rest.log",
+    params:
+        code=digest("workflow/scripts/rest.py"),
+    script:
+        "../scripts/rest.py"
