@@ -1,10 +1,11 @@
-"""Differences to a reference, the front, and the choice of settings, on numbers whose answer is known."""
+"""Differences to a reference and the choice of settings, on numbers whose answer is known."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.verification.packings import cheapest_settings, compare, on_front, porosity_errors
+from simcore.verification.packings import cheapest_settings, compare, porosity_errors, work_precision_runs
+from simcore.work_precision import settings_table
 
 
 def packings(shifts, costs, seeds=(1, 2, 3, 4), study="made", scatter=0.01):
@@ -40,9 +41,16 @@ def test_a_single_seed_is_no_study():
         porosity_errors(packings({40: 0.0, 20: 0.003}, (10.0, 5.0), seeds=(1,)), ["seed", "step"])
 
 
-def test_the_front_holds_what_nothing_beats():
-    assert on_front([1, 2, 3, 3], [3, 2, 2.5, 1]).tolist() == [True, True, False, True]
-    assert on_front([1, 1], [2, 2]).tolist() == [True, True]  # equals stand both
+def test_as_a_table_of_work_precision_the_noise_is_the_reference_s_error():
+    table = packings({40: 0.0, 20: 0.003}, (10.0, 5.0))
+    table.loc[4:, "n"] += [0.001, -0.001, 0.001, -0.001]
+    errors = porosity_errors(table, ["seed", "step"])
+    runs = work_precision_runs(errors, {"made": "Made"}, {"made": "20"})
+    noise = np.sqrt(4e-6 / 3) / 2  # of four differences of ±0.001
+    assert runs.reference_error.to_numpy() == pytest.approx([noise, noise])
+    assert runs.error.to_numpy() == pytest.approx([noise, 0.003])
+    assert runs.default.tolist() == [False, True]
+    assert settings_table(runs).on_front.tolist() == [True, True]
 
 
 def test_the_cheapest_settings_share_the_wished_error():

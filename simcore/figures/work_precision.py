@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 from simcore.work_precision import settings_table
 
+MOST_COLUMNS = 4
 # Lightness, line and marker tell the methods apart, in grey too.
 STYLES = [
     ("black", "-", "o"),
@@ -17,14 +18,14 @@ STYLES = [
 ]
 
 
-def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=True, note=""):
+def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=True, note="", name_all=False):
     """Error against CPU time on logarithmic axes: a row of panels for each quantity, a column for each case.
 
     runs: table of simcore.work_precision. cost_label: what the CPU time is spent on; its unit, µs or s (micro False),
     is added. error_labels: dict from quantity to the label of its axis, with unit. setting_label: what the numbers at
     the first, last and default points of a line are. Methods keep their style across panels. Rings are the Pareto
     front, a star the default, the dotted line above a shade the error of the reference itself. note: such as the
-    machine, in small print.
+    machine, in small print. name_all: write the setting beside every point, not only the first, last and default.
     """
     table = settings_table(runs)
     quantities, cases = list(dict.fromkeys(table["quantity"])), list(dict.fromkeys(table["case"]))
@@ -32,6 +33,8 @@ def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=T
     if len(methods) < table["method"].nunique():
         raise ValueError(f"{table['method'].nunique()} methods, but only {len(STYLES)} styles tell them apart")
     unit = 1e6 if micro else 1.0
+    if len(quantities) == 1 and len(cases) > MOST_COLUMNS:
+        return _panels_in_rows(table, cases, methods, unit, cost_label, error_labels, setting_label, note, name_all)
     figure = Figure(figsize=(1.2 + 3.7 * len(cases), 1.3 + 2.7 * len(quantities)), layout="constrained")
     grid = figure.subplots(len(quantities), len(cases), squeeze=False, sharex="col", sharey="row")
     handles = {}
@@ -39,20 +42,42 @@ def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=T
         for j, case in enumerate(cases):
             axes = grid[i, j]
             points = table[(table["quantity"] == quantity) & (table["case"] == case)]
-            _draw_panel(axes, points, methods, unit, handles)
+            _draw_panel(axes, points, methods, unit, handles, name_all)
             if i == 0:
                 axes.set_title(case, fontsize="medium")
             if i == len(quantities) - 1:
                 axes.set_xlabel(f"{cost_label} [{'µs' if micro else 's'}]")
         grid[i, 0].set_ylabel(error_labels[quantity])
-    figure.legend(
-        handles.values(), handles.keys(), loc="outside lower center", ncols=3, frameon=False, fontsize="small",
-        title=f"numbers: {setting_label}" + (f"\n{note}" if note else ""), title_fontsize="x-small",
-    )  # fmt: skip
+    _explain(figure, handles, setting_label, note)
     return figure
 
 
-def _draw_panel(axes, points, methods, unit, handles):
+def _panels_in_rows(table, cases, methods, unit, cost_label, error_labels, setting_label, note, name_all):
+    """The panels of one quantity, MOST_COLUMNS in a row."""
+    rows = -(-len(cases) // MOST_COLUMNS)
+    figure = Figure(figsize=(1.2 + 3.7 * MOST_COLUMNS, 1.3 + 3.1 * rows), layout="constrained")
+    grid = figure.subplots(rows, MOST_COLUMNS, squeeze=False, sharey=True)
+    handles = {}
+    for axes, case in zip(grid.flat, cases, strict=False):
+        _draw_panel(axes, table[table["case"] == case], methods, unit, handles, name_all)
+        axes.set_title(case, fontsize="medium")
+        axes.set_xlabel(f"{cost_label} [{'µs' if unit > 1.0 else 's'}]")
+    for axes in grid.flat[len(cases) :]:
+        axes.set_visible(False)
+    for row in grid:
+        row[0].set_ylabel(next(iter(error_labels.values())))
+    _explain(figure, handles, setting_label, note)
+    return figure
+
+
+def _explain(figure, handles, setting_label, note):
+    figure.legend(
+        handles.values(), handles.keys(), loc="outside lower center", ncols=3, frameon=False, fontsize="small",
+        title=f"beside points: {setting_label}" + (f"\n{note}" if note else ""), title_fontsize="x-small",
+    )  # fmt: skip
+
+
+def _draw_panel(axes, points, methods, unit, handles, name_all):
     axes.set(xscale="log", yscale="log")
     axes.grid(color="0.92", lw=0.6)
     axes.set_axisbelow(True)
@@ -69,7 +94,8 @@ def _draw_panel(axes, points, methods, unit, handles):
             color=color, ls=line, lw=1.2, marker=marker, ms=4, elinewidth=0.6, mec="white", mew=0.4, zorder=3,
         )  # fmt: skip
         handles.setdefault(method, bars)
-        marked = {0: "left", len(rows) - 1: "right"} | {k: "left" for k in np.flatnonzero(rows["default"])}
+        marked = dict.fromkeys(range(len(rows)), "left") if name_all else {0: "left", len(rows) - 1: "right"}
+        marked |= {k: "left" for k in np.flatnonzero(rows["default"])}
         for k, side in marked.items():
             setting = rows["setting"].iloc[k]
             axes.annotate(

@@ -61,11 +61,42 @@ def compare(runs: pd.Series, reference: pd.Series) -> tuple[float, float]:
     return float(runs.mean() - reference.mean()), float(np.sqrt(variance))
 
 
-def on_front(cost, error) -> np.ndarray:
-    """Which points (n,) no other beats or equals in both cost and error, being better in one."""
-    cost, error = np.asarray(cost, float), np.asarray(error, float)
-    worse = (cost[:, None] >= cost) & (error[:, None] >= error) & ((cost[:, None] > cost) | (error[:, None] > error))
-    return ~worse.any(axis=1)
+def work_precision_runs(errors: pd.DataFrame, titles: dict[str, str], defaults: dict[str, str]) -> pd.DataFrame:
+    """Rows of `porosity_errors` as a table of simcore.work_precision, each study a case.
+
+    titles: of the studies. defaults: the setting of each that the other studies hold to. The reference's own error is
+    the noise of the seeds: the median standard error of the study's differences. The reference has no error but that.
+    """
+    parts = []
+    for study, rows in errors.groupby("study", sort=False):
+        noise = rows.difference_std_error.iloc[1:].median()
+        parts.append(
+            pd.DataFrame(
+                {
+                    "case": titles[study],
+                    "quantity": "porosity",
+                    "method": "against the first setting",
+                    "setting": rows.setting,
+                    "default": rows.setting == defaults[study],
+                    "repeat": 0,
+                    "error": rows.difference.abs().mask(rows.cpu_ratio == 1.0, noise),
+                    "error_std": rows.difference_std_error,
+                    "cpu_s": rows.cpu_s,
+                    "reference_error": noise,
+                }
+            )
+        )
+    return pd.concat(parts, ignore_index=True)
+
+
+def base_setting(rows: list[dict]) -> str:
+    """The setting of a study that the other studies hold to. rows: dicts {varied, is_base} as simcore.studies has them.
+
+    "" where the study has none.
+    """
+    return next(
+        (_label(row["varied"], [k for k in row["varied"] if k != "seed"]) for row in rows if row["is_base"]), ""
+    )
 
 
 def cheapest_settings(errors: pd.DataFrame, wished=WISHED) -> pd.DataFrame:
