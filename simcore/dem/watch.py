@@ -167,8 +167,8 @@ class Watch:
 
     def _about_stiffest(self):
         return (
-            f"grain {self.stiffest} with {self.contacts} contacts alone needs {self.needed:.1f} steps a contact time, a "
-            f"bed {BED_NEEDS[0]:g} to {BED_NEEDS[1]:g} times that"
+            f"grain {self.stiffest} with {self.contacts} contacts alone needs {self.needed:.1f} steps a contact time, "
+            f"a bed {BED_NEEDS[0]:g} to {BED_NEEDS[1]:g} times that"
         )
 
     def _longer(self):
