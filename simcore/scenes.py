@@ -11,6 +11,7 @@ from simcore.grains.mesh import decimate
 from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains
 from simcore.grains.sieve import SieveCurve
 from simcore.sizes import case_spacing, check_top_class, size_curve
+from simcore.sources import needs_grains
 
 KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "mesh": CONVEX}
 BIRTH_STREAM = 1  # random numbers of birth stand apart from those of size and form
@@ -37,8 +38,7 @@ def set_up(specification: dict, load_grains) -> Setup:
     check_top_class(specification)
     curve = size_curve(specification["sizes"])
     choice = shape_choice(specification["shapes"])
-    needs_grains = choice.kind == "mesh" or (choice.kind == "ellipsoid" and choice.choice in ("one", "random"))
-    grains = load_grains(specification["grains"]) if needs_grains else []
+    grains = load_grains(specification["grains"]) if needs_grains(specification["shapes"]) else []
     if choice.kind == "mesh":
         grains = _chosen(grains, choice)
         if specification["faces"] != "original":

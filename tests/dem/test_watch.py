@@ -66,7 +66,7 @@ def test_a_sound_packing_is_not_stopped_and_its_margin_is_kept():
     "changes",
     [
         {"domain": {"height": "10 m"}, "generation": {"fill": "study", "spacing": "9 mm"}},
-        {"material": {"restitution": 1.0, "friction": 0.0}, "damping": {"factor": 1e-9, "max_time": "20 s"}},
+        {"material": {"restitution": 1.0}, "damping": {"factor": 1e-9, "max_time": "20 s"}},
         {"material": {"restitution": 0.01, "friction": 10.0}, "numerics": {"steps_per_contact_time": 80}},
         {"material": {"gravity": "100 m/s2"}},
         {"domain": {"type": "cylinder", "width": "32 mm"}},
