@@ -11,6 +11,7 @@ from simcore.grains.mesh import decimate
 from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains
 from simcore.grains.sieve import SieveCurve
 from simcore.sizes import case_spacing, check_top_class, size_curve
+from simcore.sources import needs_grains
 
 KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "mesh": CONVEX, "mixed": MIXED}
 BIRTH_STREAM = 1  # random numbers of birth stand apart from those of size and form
@@ -38,8 +39,7 @@ def set_up(specification: dict, load_grains) -> Setup:
     curve = size_curve(specification["sizes"])
     choice = shape_choice(specification["shapes"])
     hulls = choice.kind in ("mesh", "mixed")
-    needs_grains = hulls or (choice.kind == "ellipsoid" and choice.choice in ("one", "random"))
-    grains = load_grains(specification["grains"]) if needs_grains else []
+    grains = load_grains(specification["grains"]) if needs_grains(specification["shapes"]) else []
     bases = []
     if hulls:
         grains = _chosen(grains, choice)

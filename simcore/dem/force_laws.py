@@ -143,7 +143,7 @@ def patch_torque(
         twist = twists[k] + rate * dt
         torque = -stiffness * twist - damping * rate
         limit = law.friction * abs(push) * np.sqrt(moment)
-        if abs(torque) > limit:
+        if not abs(torque) < limit:  # also where there is no patch, which holds no twist
             torque = limit if torque > 0.0 else -limit
             twist = -(torque + damping * rate) / stiffness if stiffness > 0.0 else 0.0
         twists[k] = twist

@@ -175,6 +175,11 @@ def _search(members, grid, wrapped, shift, radius, skin, span, width, same_level
     return found[:n_found].copy()
 
 
+def bytes_per_pair(features: Features) -> int:
+    """Memory of a near pair of a scene with these features."""
+    return sum(array.nbytes for array in _empty_contacts(np.zeros((1, 4), np.int64), 0, features)) - 8
+
+
 def _empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Contacts:
     m = len(pairs)
     body_a, body_b, image = pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:].astype(np.int32)
