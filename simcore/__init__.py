@@ -11,6 +11,8 @@ Data flow one way: grain -> scene -> packing -> porosity -> model.
     porosity         n(z), bulk porosity and its sampling error
     slicing          exact solid volume of grains between horizontal planes
     segregation      size, form and orientation over height
+    work_precision   tables of error against run time, their Pareto front
+    verification/    the parts of the core against closed forms: error and CPU time
     regression       form features, cross-validation, fitted porosity models
     figures/         every picture, as functions that return a Figure
 

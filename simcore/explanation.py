@@ -12,14 +12,17 @@ from simcore.dem.generation import lattice_sites
 from simcore.dem.neighbors import bytes_per_pair
 from simcore.dem.packing import REFILL_HEIGHT, STUDY_FIRST_FILL, extents
 from simcore.dem.scene import Scene, minimum_steps_per_contact_time
-from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE, collect_shapes
+from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, collect_shapes
 from simcore.scenes import Setup
 
 # CPU time of a grain and step in a dense shaken bed [µs], one thread: kind of grain, whether patches are found. The one
 # table of it; measured by `python -m benchmarks.throughput --shape ...`, README, "What a step costs".
 STEP_COST = {(SPHERE, False): 0.13, (ELLIPSOID, False): 0.70, (CONVEX, False): 0.80, (CONVEX, True): 2.3}
+# Half of the one and half of the other cost the mean of both, to 2 %.
+STEP_COST |= {(MIXED, patch): 0.5 * (STEP_COST[ELLIPSOID, False] + STEP_COST[CONVEX, patch]) for patch in (False, True)}
 # Near pairs that a grain at rest brings into the list; measured in the packings of examples/.
 NEAR_PAIRS = {SPHERE: 5.2, ELLIPSOID: 10.0, CONVEX: 13.4}
+NEAR_PAIRS[MIXED] = 0.5 * (NEAR_PAIRS[ELLIPSOID] + NEAR_PAIRS[CONVEX])
 # ASSUME: solid fraction of a poured bed, to tell how high it stands when the next batch is born.
 SOLID_FRACTION = 0.6
 # ASSUME: time until a shaken bed is at rest; 0.08 to 0.24 s in the packings of examples/.
@@ -31,11 +34,13 @@ KINDS = {
     SPHERE: ("spheres, contacts in closed form", "spheres in closed form"),
     ELLIPSOID: ("ellipsoids, contacts by Newton from the last normal", "ellipsoids"),
     CONVEX: ("convex polyhedra, contacts from the facet found last", "polyhedra: no mesh, facet or search of one"),
+    MIXED: ("ellipsoids beside polyhedra, each pair by its kinds", "kinds side by side"),
 }
 PARTS = (
     (lambda f: f.kind != SPHERE, "orientations and their rotation", "orientations: spheres look alike from all sides"),
     (lambda f: f.friction, "friction, with the history of each contact's tangential spring", "friction and history"),
     (lambda f: f.attractive, "contacts that may pull as they end", "contacts that pull: forces are clamped at zero"),
+    (lambda f: f.implicit, "implicit dashpots, by how firmly a grain is held", "implicit dashpots"),
     (lambda f: f.patch, "patches: polyhedra press at the centroid of their overlap", "patches"),
     (lambda f: f.floor, "a floor", "a floor"),
     (lambda f: f.cylinder, "a cylinder's wall", "a cylinder's wall"),
@@ -130,7 +135,7 @@ def explain(setup: Setup) -> str:
 
 def _stability_lines(scene: Scene, expected: Expectation) -> list[str]:
     steps, needed = scene.numerics.steps_per_contact_time, expected.stability
-    refused = minimum_steps_per_contact_time(scene.law)
+    refused = minimum_steps_per_contact_time(scene.continuous_law, scene.implicit)
     return [
         f"Stability   {steps:g} steps a contact time: fewer than {refused:.2f} are refused, {needed.expected:.1f} are "
         f"expected to do (margin {steps / needed.expected:.2f}), {needed.cautious:.1f} leave no mode out (margin "
@@ -198,7 +203,7 @@ def _bytes_per_grain(setup: Setup) -> int:
     drawn = setup.draw(np.arange(1))
     zero = np.zeros((1, 3))
     bodies = make_bodies(
-        setup.bases, drawn.shape, drawn.scale, zero, [[1.0, 0.0, 0.0, 0.0]], zero, zero, 1.0, setup.scene.kind
+        setup.bases, drawn.shape, drawn.scale, zero, [[1.0, 0.0, 0.0, 0.0]], zero, zero, 1.0, setup.scene.features
     )
     return sum(array.nbytes for array in bodies)
 

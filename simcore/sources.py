@@ -26,7 +26,9 @@ def check_source(grains):
 
 def needs_grains(shapes):
     """Whether the resolved group `shapes` takes its forms from grains: meshes, and ellipsoids of their forms."""
-    return shapes["kind"] == "mesh" or (shapes["kind"] == "ellipsoid" and shapes["choice"] in ("one", "random"))
+    return shapes["kind"] in ("mesh", "mixed") or (
+        shapes["kind"] == "ellipsoid" and shapes["choice"] in ("one", "random")
+    )
 
 
 def load_grains(grains):

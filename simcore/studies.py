@@ -31,8 +31,8 @@ def expand(config):
 
     Columns: study; packing, its name within the study; grain_set, "original" or "faces_100", empty where the shapes
     need no grain; form, the rank of its grain in the spread of forms, or 0; specification, resolved, with that grain
-    set as its source; row, a dict of its name and of what the study varies, by column. ValueError names the study and
-    the key at fault.
+    set as its source; row, a dict of its name, of what the study varies, by column, and of is_base: whether it is what
+    the study's fixed settings alone would give, for any seed. ValueError names the study and the key at fault.
     """
     check_source(config["grains"])
     tables = [expand_study(name, study, config) for name, study in config["studies"].items() if study]
@@ -46,6 +46,7 @@ def expand_study(name, study, config):
     where = f"studies.{name}"
     axes = [_axis(key, values, f"{where}.varies") for key, values in study["varies"].items() if values]
     axes += [_forms(study["forms"], config["grains"], where)] if study["forms"] else []
+    base = _base(merge(config["packing"], study["fixes"], {"grains": config["grains"]}))
     rows = []
     for combination in itertools.product(*axes):
         settings = {key: value for part in combination for key, value in part["settings"].items()}
@@ -64,7 +65,11 @@ def expand_study(name, study, config):
                 "grain_set": grain_set,
                 "form": next((part["form"] for part in combination if "form" in part), 0),
                 "specification": _with_grain_set(spec, f"results/grains/{grain_set}.nc") if grain_set else spec,
-                "row": {"packing": packing, "varied": {_column(key): _get(spec, key) for key in columns}},
+                "row": {
+                    "packing": packing,
+                    "varied": {_column(key): _get(spec, key) for key in columns},
+                    "is_base": _but_for_seed(spec) == base,
+                },
             }
         )
     table = pd.DataFrame(rows)
@@ -72,6 +77,18 @@ def expand_study(name, study, config):
     if len(twice):
         raise ValueError(f"{where}.varies: the packing {twice.iloc[0]} stands there twice")
     return table
+
+
+def _base(raw):
+    """What the settings give without anything varied; None where they are not a whole specification."""
+    try:
+        return _but_for_seed(resolve(raw))
+    except ValueError:
+        return None
+
+
+def _but_for_seed(spec):
+    return {key: value for key, value in spec.items() if key not in ("name", "seed")}
 
 
 def merge(*groups):

@@ -14,7 +14,7 @@ from simcore.__main__ import main
 from simcore.dem.features import Features
 from simcore.dem.packing import Process
 from simcore.dem.shapes import CONVEX, SPHERE
-from simcore.explanation import PARTS, STEP_COST, estimate_cost, parts
+from simcore.explanation import KINDS, PARTS, STEP_COST, estimate_cost, parts
 from simcore.scenes import set_up
 from simcore.specification import express, read_specification, resolve
 
@@ -36,14 +36,14 @@ def few(**changes):
 
 def test_every_part_is_there_or_left_out():
     """Each feature of the step but its kind and its clock has its words; turning it over moves one line."""
-    rich = Features(CONVEX, True, True, True, True, True, True, True)
-    bare = Features(SPHERE, False, False, False, False, False, False, False)
+    rich = Features(CONVEX, True, True, True, True, True, True, True, True)
+    bare = Features(SPHERE, False, False, False, False, False, False, False, False)
     has, lacks = parts(rich)
-    assert len(has) == 1 + len(PARTS) and len(lacks) == 2
-    assert [len(lines) for lines in parts(bare)] == [1, 2 + len(PARTS)]
-    for name in ("friction", "attractive", "floor", "cylinder", "periodic", "shaken", "patch"):
+    assert len(has) == 1 + len(PARTS) and len(lacks) == len(KINDS) - 1
+    assert [len(lines) for lines in parts(bare)] == [1, len(KINDS) - 1 + len(PARTS)]
+    for name in ("friction", "attractive", "floor", "cylinder", "periodic", "shaken", "patch", "implicit"):
         fewer = parts(rich._replace(**{name: False}))
-        assert (len(fewer[0]), len(fewer[1])) == (len(has) - 1, 3), name
+        assert (len(fewer[0]), len(fewer[1])) == (len(has) - 1, len(KINDS)), name
 
 
 @pytest.mark.parametrize("example", sorted(path.stem for path in (ROOT / "examples").glob("*.yaml")))

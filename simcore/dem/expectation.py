@@ -25,10 +25,14 @@ class Expectation(NamedTuple):
 def expect(scene: Scene, bases: list[Base], draw) -> Expectation:
     """Expectation from the first GRAINS grains of the packing; draw as `pack` takes it."""
     drawn = draw(np.arange(min(GRAINS, scene.amount_grains or GRAINS)))
-    stability = estimate_steps(scene.law, scene.features.friction, bases, drawn.shape, drawn.scale)
+    stability = estimate_steps(
+        scene.continuous_law, scene.features.friction, bases, drawn.shape, drawn.scale, scene.implicit
+    )
     moments = np.array([base.second_moments for base in bases])[drawn.shape] * drawn.scale**2
     speed = fall_speed(scene)
-    return Expectation(stability, speed, relative_depth(scene.law) * speed, float(np.sqrt(5.0 * moments.min())))
+    return Expectation(
+        stability, speed, relative_depth(scene.continuous_law) * speed, float(np.sqrt(5.0 * moments.min()))
+    )
 
 
 def fall_speed(scene: Scene) -> float:

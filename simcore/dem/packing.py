@@ -241,7 +241,7 @@ class Process:
                 count = int(np.searchsorted(mass, scene.amount_mass)) + 1
         birth = give_birth(generation, sites[taken[:count]], drawn.sieve_size[:count], drawn.uniforms[:count])
         new = make_bodies(
-            self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, scene.kind
+            self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, self.features
         )
         everyone = new if self.bodies is None else join_bodies(self.bodies, new)
         self.place(everyone, float(np.mean(drawn.sieve_size[:count])))

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.dem.bodies import Bodies
-from simcore.dem.force_laws import ContactLaw
+from simcore.dem.force_laws import ContactLaw, explicit_dashpot, implicit_dashpot, implicit_law
 from simcore.dem.neighbors import Near
 from simcore.dem.shapes import Base
 
@@ -67,11 +67,16 @@ class Estimate(NamedTuple):
     cautious: float  # for CAUTIOUS_CONTACTS, more than fit
 
 
-def contact_load(law: ContactLaw, dt: float, friction: bool = True) -> Load:
-    """Load of a contact at a time step [s]. The one place that knows how a dashpot enters the step."""
-    spring, dashpot = law.stiffness * dt**2, 2.0 * law.damping * dt
-    tangential = law.tangential * spring + law.root_tangential * dashpot if friction else 0.0
-    return Load(spring + dashpot, tangential, dashpot)
+def contact_load(law: ContactLaw, dt: float, friction: bool = True, hold: float | None = None) -> Load:
+    """Load of a contact at a time step [s]. The one place that knows how a dashpot enters the step.
+
+    law: the continuous one. hold: with an implicit dashpot, the contacts of the body; None with an explicit one.
+    """
+    if hold is not None:
+        law = implicit_law(law, dt)
+    normal, across = explicit_dashpot.py_func(law) if hold is None else implicit_dashpot.py_func(law, max(hold, 1.0))
+    spring, dashpot = law.stiffness * dt**2, 2.0 * normal * dt
+    return Load(spring + dashpot, law.tangential * spring + 2.0 * across * dt if friction else 0.0, dashpot)
 
 
 def contact_time(law: ContactLaw) -> float:
@@ -79,15 +84,18 @@ def contact_time(law: ContactLaw) -> float:
     return float(2.0 * np.pi / np.sqrt(4.0 * law.stiffness - law.damping**2))
 
 
-def steps_needed(law: ContactLaw, friction: bool, load_at) -> float:
-    """Least steps per contact time at which load_at(Load) stays below LARGEST_LOAD; it grows with each of Load."""
+def steps_needed(law: ContactLaw, friction: bool, load_at, hold: float | None = None) -> float:
+    """Least steps per contact time at which load_at(Load) stays below LARGEST_LOAD; it grows with each of Load.
+
+    law, hold: as of contact_load.
+    """
     time = contact_time(law)
     few, many = 1e-3, 1.0
-    while load_at(contact_load(law, time / many, friction)) > LARGEST_LOAD:
+    while load_at(contact_load(law, time / many, friction, hold)) > LARGEST_LOAD:
         few, many = many, 2.0 * many
     for _ in range(50):
         steps = 0.5 * (few + many)
-        if load_at(contact_load(law, time / steps, friction)) > LARGEST_LOAD:
+        if load_at(contact_load(law, time / steps, friction, hold)) > LARGEST_LOAD:
             few = steps
         else:
             many = steps
@@ -110,9 +118,19 @@ def stiffest_body(bodies: Bodies, near: Near, width: float, load: Load, certain:
 
 
 def body_steps(
-    bodies: Bodies, near: Near, width: float, law: ContactLaw, friction: bool, body: int, certain: bool = True
+    bodies: Bodies,
+    near: Near,
+    width: float,
+    law: ContactLaw,
+    friction: bool,
+    body: int,
+    certain: bool = True,
+    hold: float | None = None,
 ) -> float:
-    """Least steps per contact time that one body needs in its present contacts, see `stiffest_body`."""
+    """Least steps per contact time that one body needs in its present contacts, see `stiffest_body`.
+
+    law, hold: as of contact_load.
+    """
     grips = _grips(bodies, near, width, certain)
     # The matrix is linear in the load.
     parts = [_matrices(bodies, grips, Load(*unit), np.array([body]))[0] for unit in np.eye(3)]
@@ -120,10 +138,12 @@ def body_steps(
     def load_at(load):
         return np.linalg.eigvalsh(sum(value * part for value, part in zip(load, parts, strict=True)))[-1]
 
-    return steps_needed(law, friction, load_at)
+    return steps_needed(law, friction, load_at, hold)
 
 
-def estimate_steps(law: ContactLaw, friction: bool, bases: list[Base], shape, scale) -> Estimate:
+def estimate_steps(
+    law: ContactLaw, friction: bool, bases: list[Base], shape, scale, implicit: bool = False
+) -> Estimate:
     """Estimate for a bed of grains of shape (n,) and scale (n, 3): that of its form with the largest lever arms.
 
     A contact is as likely on each part of a grain's surface.
@@ -137,7 +157,7 @@ def estimate_steps(law: ContactLaw, friction: bool, bases: list[Base], shape, sc
 
     return Estimate(
         *(
-            steps_needed(law, friction, lambda load, count=count: count * load_at(load))
+            steps_needed(law, friction, lambda load, count=count: count * load_at(load), count if implicit else None)
             for count in (EXPECTED_CONTACTS, CAUTIOUS_CONTACTS)
         )
     )

@@ -147,18 +147,23 @@ class Watch:
         return _Energy(moving + spring_energy(bodies, near, self.scene.law), height)
 
     def _note_stiffest(self, bodies, near, dt, step):
-        found = stiffest_body(bodies, near, self.width, contact_load(self.scene.law, dt, self.friction))
+        found = stiffest_body(bodies, near, self.width, self._load(dt))
         if found.load <= self.load:
             return
         told = self.load > LARGEST_LOAD
         self.load, self.stiffest, self.contacts = found.load, found.body, found.contacts
-        self.needed = body_steps(bodies, near, self.width, self.scene.law, self.friction, found.body)
+        law, hold = self.scene.continuous_law, found.contacts if self.scene.implicit else None
+        self.needed = body_steps(bodies, near, self.width, law, self.friction, found.body, hold=hold)
         if self.needed > self.scene.numerics.steps_per_contact_time and not told:
             self.report(
                 f"{self.scene.name}: warning: at step {step} {self._about_stiffest()}, and this run has "
                 f"{self.scene.numerics.steps_per_contact_time:g}; such a grain jitters in its contacts and takes up "
                 f"energy until they slip or part, which is watched"
             )
+
+    def _load(self, dt):
+        """By which bodies are ranked: with an implicit dashpot as if each had one contact."""
+        return contact_load(self.scene.continuous_law, dt, self.friction, 1.0 if self.scene.implicit else None)
 
     def hint(self):
         """Half a sentence where the time step may be too long for the stiffest grain seen, or empty."""

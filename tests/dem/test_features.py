@@ -40,7 +40,9 @@ def bodies_of(base, kind, scale):
     upright = np.tile([1.0, 0.0, 0.0, 0.0], (N, 1))
     spin = 5.0 * rng.standard_normal((N, 3))
     shape = np.zeros(N, int)
-    return make_bodies([base], shape, np.tile(scale, (N, 1)), position, upright, velocity, spin, 2650.0, kind)
+    return make_bodies(
+        [base], shape, np.tile(scale, (N, 1)), position, upright, velocity, spin, 2650.0, Features(kind, True)
+    )
 
 
 def run(features, bodies, shapes, room, box, law, drive, steps=800):

@@ -105,7 +105,7 @@ rule study_table:
 
 
 # Each study is a target of its own: `snakemake single_form`.
-for study in studies:
+for study in all_studies:
 
     rule:
         name:
