@@ -158,7 +158,8 @@ def levels(options):
         wrapped, shift = _wrap(bed.position, box)
         width = 2.0 * reach.max()
         grid = _sort_into_cells(wrapped, np.arange(len(radius)), width, box)
-        return _search(grid.members, grid, wrapped, shift, radius, skin, width, box.width, True)
+        pairs = _search(grid.members, grid, wrapped, shift, radius, skin, width, box.width, True)
+        return pairs[np.lexsort((pairs[:, 3], pairs[:, 2], pairs[:, 1], pairs[:, 0]))]
 
     reference = None
     for name, search in (
