@@ -2,7 +2,8 @@
 
 Kinds: one bed of equal spheres, stepped as spheres, as ellipsoids of equal axes, and as polyhedra of 320 faces.
 Features: a bed with one thing changed at a time. Where `bed` says "own" it was poured with the change, else the change
-comes after.
+comes after. Orientation is what spheres do not have (kinds), history goes with friction, and levels are those of the
+grid in which near pairs are listed: a list's own cost, not a step's.
 """
 
 import argparse
@@ -18,12 +19,15 @@ COLUMNS = (
     "near_pairs_per_grain", "solid_fraction", "bytes_per_grain", "cpu_us_least", "cpu_us_most", "digest",
 )  # fmt: skip
 TWO_SIZES = {"bounds": ["5.6 mm", "8 mm", "16 mm", "22.4 mm"], "mass_fractions": [0.5, 0.0, 0.5]}
+LISTS = 20
 # What is changed, settings laid over the bed's, and whether the bed is poured with them.
 FEATURES = (
     ("all as by default", {}, False),
-    ("no friction", {"material": {"friction": 0.0}}, True),
+    ("no friction, no history", {"material": {"friction": 0.0}}, True),
+    ("no friction, no history, contacts as with it", {"material": {"friction": 0.0}}, False),
     ("no shaking", {"shaking": {"amplitude": "0 m"}}, False),
     ("clamped end of contact", {"material": {"end_of_contact": "clamped"}}, False),
+    ("deepest point, no patch", {"numerics": {"contact_region": "point"}}, False),
     ("cylinder", {"domain": {"type": "cylinder"}}, True),
     ("two sizes 1:2.8 by half their mass", {"sizes": TWO_SIZES}, True),
 )
@@ -39,7 +43,7 @@ def main(arguments=None):
     parser.add_argument("--beds", metavar="FOLDER", default=default_beds(), help="where beds are kept")
     options = parser.parse_args(arguments)
     use_threads(options.threads)
-    rows = [*kinds(options), *features(options)]
+    rows = [*kinds(options), *features(options), *phases(options), *levels(options)]
     with open(options.csv, "w", newline="", encoding="utf-8") if options.csv else sys.stdout as file:
         writer = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator=os.linesep)
         writer.writeheader()
@@ -74,6 +78,8 @@ def features(options):
     settings = bed_settings(options.shape, options.grains)
     reference = None
     for name, change, own in FEATURES:
+        if "numerics" in change and options.shape != "polyhedron":
+            continue
         if "sizes" in change and options.shape == "sphere":
             change = {"sizes": {**change["sizes"], "allow_few_top_grains": True}}
         changed = merge(settings, change)
@@ -84,6 +90,91 @@ def features(options):
         reference = reference or row["cpu_us_per_grain_step"]
         row["ratio"] = row["cpu_us_per_grain_step"] / reference
         yield row | {"what": name, "shape": options.shape, "bed": "own" if own else "same"}
+
+
+def phases(options):
+    """Rows of the same bed damped, and weightless with a floor and without; ratio to the same with shaking left out.
+
+    Without weight it needs no floor to stay: for as short as it is measured it only springs apart.
+    """
+    from benchmarks.beds import bed_settings, prepare, settled_bed
+    from benchmarks.measurement import measure
+    from simcore.compilation import source_digest
+    from simcore.dem.packing import DAMPING, SHAKING
+    from simcore.dem.scene import Scene
+    from simcore.studies import merge
+
+    class Floorless(Scene):
+        """A scene whose step has no floor."""
+
+        @property
+        def features(self):
+            return super().features._replace(floor=False)
+
+    settings = bed_settings(options.shape, options.grains)
+    bed = settled_bed(settings, options.beds, _tell)
+    setup = prepare(merge(settings, {"shaking": {"amplitude": "0 m"}}))
+    light = dataclasses.replace(setup.scene, material=dataclasses.replace(setup.scene.material, gravity=0.0))
+    floorless = Floorless(**{field.name: getattr(light, field.name) for field in dataclasses.fields(light)})
+    reference = {}
+    for name, scene, phase in (
+        ("no shaking", setup.scene, SHAKING),
+        ("no shaking, damping", setup.scene, DAMPING),
+        ("weightless", light, SHAKING),
+        ("weightless, no floor", floorless, SHAKING),
+    ):
+        figures, _ = measure(setup._replace(scene=scene), bed, options.duration, phase=phase)
+        cost = figures["cpu_us_per_grain_step"]
+        first = reference.setdefault(name.split(",")[0], cost)
+        figures |= {"what": name, "shape": options.shape, "bed": "same", "ratio": cost / first}
+        yield figures | {"grains": options.grains, "digest": source_digest()}
+
+
+def levels(options):
+    """Rows of listing the pairs of two sizes on the levels of the grid, and on one of cells for the largest; per list.
+
+    cpu_us_per_grain_step is here CPU µs per grain and list, `what` tells how many levels there are.
+    """
+    import time
+
+    import numpy as np
+
+    from benchmarks.beds import bed_settings, prepare, settled_bed, start
+    from simcore.compilation import source_digest
+    from simcore.dem.neighbors import Box, _search, _sort_into_cells, _wrap, find_pairs
+    from simcore.dem.packing import SKIN
+    from simcore.studies import merge
+
+    few = {"allow_few_top_grains": True} if options.shape == "sphere" else {}
+    settings = widen(merge(bed_settings(options.shape, options.grains), {"sizes": {**TWO_SIZES, **few}}))
+    setup, bed = prepare(settings), settled_bed(settings, options.beds, _tell)
+    radius = start(setup, bed).bodies.radius
+    box = Box(setup.scene.domain.width)
+    skin = SKIN * float(np.mean(bed.sieve_size))
+    reach = radius + 0.5 * skin
+    count = len(np.unique(np.floor(np.log2(reach / reach.min()) + 1e-12)))
+
+    def on_one():
+        wrapped, shift = _wrap(bed.position, box)
+        width = 2.0 * reach.max()
+        grid = _sort_into_cells(wrapped, np.arange(len(radius)), width, box)
+        pairs = _search(grid.members, grid, wrapped, shift, radius, skin, width, box.width, True)
+        return pairs[np.lexsort((pairs[:, 3], pairs[:, 2], pairs[:, 1], pairs[:, 0]))]
+
+    reference = None
+    for name, search in (
+        (f"list on {count} levels", lambda: find_pairs(bed.position, radius, box, skin)),
+        ("list on one level", on_one),
+    ):
+        pairs = len(search())  # compiled
+        began = time.process_time()
+        for _ in range(LISTS):
+            search()
+        cost = (time.process_time() - began) / LISTS / len(radius) * 1e6
+        reference = reference or cost
+        row = {"what": name, "shape": options.shape, "bed": "own", "grains": len(radius), "ratio": cost / reference}
+        row |= {"cpu_us_per_grain_step": cost, "near_pairs_per_grain": pairs / len(radius)}
+        yield row | {"digest": source_digest()}
 
 
 def widen(settings):

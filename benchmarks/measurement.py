@@ -42,17 +42,17 @@ def compile_steps(setup):
     return {"compile_s": compile_s, "compiled_anew": bool(sum(stats.cache_misses.values()))}
 
 
-def measure(setup, bed, duration, warm_up=REMEMBERING):
-    """Figures (dict) of `duration` [s] of shaking after `warm_up` [s], list rebuilds included; and the Process."""
+def measure(setup, bed, duration, warm_up=REMEMBERING, phase=SHAKING):
+    """Figures (dict) of `duration` [s] of a phase after `warm_up` [s], list rebuilds included; and the Process."""
     process = start(setup, bed)
     n = len(bed.shape)
-    process.advance(max(round(warm_up / process.dt), FIRST_STEPS), SHAKING)
+    process.advance(max(round(warm_up / process.dt), FIRST_STEPS), phase)
     stretch = max(round(duration / process.dt / STRETCHES), 1)
     checks, cpu = len(process.checks), []
     began = time.perf_counter()
     for _ in range(STRETCHES):
         cpu_began = time.process_time()
-        process.advance(stretch, SHAKING)
+        process.advance(stretch, phase)
         cpu.append((time.process_time() - cpu_began) / stretch / n * 1e6)
     wall = (time.perf_counter() - began) / (STRETCHES * stretch) / n * 1e6
     seen = [check[2] for check in process.checks[checks:]]

@@ -1,11 +1,12 @@
 """The benchmarks run and say what they promise; how fast they are is not tested."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from benchmarks import beds, measurement, throughput
+from benchmarks import beds, features, measurement, throughput
 
 
 @pytest.fixture
@@ -35,6 +36,14 @@ def test_throughput_writes_every_key_and_keeps_the_bed(tmp_path, quick):
     assert first["cpu_us_per_grain_step"] > 0.0 and 0.2 < first["solid_fraction"] < 0.8
     assert json.loads(json.dumps(first)) == first
     assert "µs CPU per grain and step" in throughput.line(first)
+
+
+def test_pairs_on_levels_are_those_on_one(tmp_path, quick):
+    options = SimpleNamespace(shape="sphere", grains=30, beds=tmp_path)
+    levels, one = features.levels(options)
+    assert levels["what"] == "list on 2 levels" and one["what"] == "list on one level"
+    assert levels["near_pairs_per_grain"] == one["near_pairs_per_grain"] > 0.0
+    assert levels["cpu_us_per_grain_step"] > 0.0
 
 
 def test_what_decides_the_bed_makes_another(tmp_path, quick):

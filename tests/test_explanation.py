@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from simcore.__main__ import main
 from simcore.dem.features import Features
@@ -15,7 +16,7 @@ from simcore.dem.packing import Process
 from simcore.dem.shapes import CONVEX, SPHERE
 from simcore.explanation import KINDS, PARTS, STEP_COST, estimate_cost, parts
 from simcore.scenes import set_up
-from simcore.specification import read_specification, resolve
+from simcore.specification import express, read_specification, resolve
 
 ROOT = Path(__file__).resolve().parents[1]
 FEW = {
@@ -64,6 +65,19 @@ def test_every_example_is_explained(example, capsys):
     left_out = told.split("It leaves out")[1].split("Steps of")[0]
     assert ("cylinder" in left_out) == (specification["domain"]["type"] == "periodic")
     assert ("polyhedra" in left_out) == (specification["shapes"]["kind"] != "mesh")
+
+
+def test_the_specification_of_a_workflow_is_explained(tmp_path, capsys):
+    """As rule packing_specification writes it; where its grains are not there yet, that is told as by pack."""
+    specification = resolve(FEW)
+    (tmp_path / "packing.yaml").write_text(yaml.safe_dump(express(specification), allow_unicode=True))
+    assert main(["explain", str(tmp_path / "packing.yaml")]) == 0
+    assert capsys.readouterr().out.startswith("few: 40 grains, ")
+    grains = {**specification["grains"], "source": "results/grains/none.nc"}
+    mesh = {**specification, "grains": grains, "shapes": {**specification["shapes"], "kind": "mesh"}}
+    (tmp_path / "mesh.yaml").write_text(yaml.safe_dump(express(mesh), allow_unicode=True))
+    assert main(["explain", str(tmp_path / "mesh.yaml")]) == 2
+    assert "'results/grains/none.nc' does not exist" in capsys.readouterr().err
 
 
 def test_nothing_is_compiled(tmp_path):

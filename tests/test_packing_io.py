@@ -32,6 +32,18 @@ def made():
     return packed, packing_dataset(setup.scene, setup.bases, packed, sample, specification, **attributes)
 
 
+def test_the_file_tells_how_far_the_time_step_was_from_its_limits(made):
+    packed, dataset = made
+    attrs = dataset.attrs
+    assert attrs["steps_per_contact_time"] == 40.0
+    assert attrs["stability_margin_expected"] > 1.0 > attrs["stability_margin_cautious"]
+    # Sampled of a grain by itself, at times: it needs less than what is expected of a bed at its worst.
+    assert attrs["stability_margin_sampled"] > attrs["stability_margin_expected"]
+    assert attrs["stability_margin_sampled"] * packed.stability.needed == pytest.approx(40.0)
+    assert 0 <= attrs["stiffest_grain"] < 40 and attrs["stiffest_grain_contacts"] >= 3
+    assert 0.0 < attrs["deepest_overlap_in_half_thicknesses"] < 1.0
+
+
 def test_the_file_holds_what_was_packed(made, tmp_path):
     packed, dataset = made
     path = tmp_path / "filed.nc"

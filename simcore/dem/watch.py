@@ -26,7 +26,7 @@ from simcore.dem.expectation import fall_speed
 from simcore.dem.neighbors import Near
 from simcore.dem.observation import Observation
 from simcore.dem.scene import Scene
-from simcore.dem.stability import LARGEST_LOAD, Estimate, body_steps, contact_load, stiffest_body
+from simcore.dem.stability import Estimate, body_steps, contact_load, stiffest_body
 from simcore.dem.stepping import Drive
 
 # Speed that no grain reaches by falling through the domain and shaking, with this margin: then a contact blew up.
@@ -61,7 +61,7 @@ class Watch:
         self.scene, self.width, self.report = scene, width, report
         self.friction = scene.features.friction
         self.load, self.needed, self.stiffest, self.contacts = 0.0, 0.0, -1, 0
-        self.deepest, self.looks = 0.0, 0
+        self.deepest, self.looks, self.told = 0.0, 0, False
         self.energy, self.thickness = None, None
 
     def look_again(self):
@@ -150,11 +150,11 @@ class Watch:
         found = stiffest_body(bodies, near, self.width, self._load(dt))
         if found.load <= self.load:
             return
-        told = self.load > LARGEST_LOAD
         self.load, self.stiffest, self.contacts = found.load, found.body, found.contacts
         law, hold = self.scene.continuous_law, found.contacts if self.scene.implicit else None
         self.needed = body_steps(bodies, near, self.width, law, self.friction, found.body, hold=hold)
-        if self.needed > self.scene.numerics.steps_per_contact_time and not told:
+        if self.needed > self.scene.numerics.steps_per_contact_time and not self.told:
+            self.told = True
             self.report(
                 f"{self.scene.name}: warning: at step {step} {self._about_stiffest()}, and this run has "
                 f"{self.scene.numerics.steps_per_contact_time:g}; such a grain jitters in its contacts and takes up "

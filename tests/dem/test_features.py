@@ -95,12 +95,6 @@ def test_the_bare_scene_has_no_arrays_for_what_it_leaves_out(bare_and_full):
     assert len(rich.image) == len(rich.spring) == len(rich.body_a) > 0
 
 
-def test_no_sine_is_taken_where_nothing_is_shaken(bare_and_full):
-    texts = [next(iter(make_advance(features).inspect_llvm().values())) for features in (BARE, FULL)]
-    assert ["llvm.sin" in text for text in texts] == [False, True]
-    assert len(texts[0]) < len(texts[1])
-
-
 def test_ellipsoids_read_no_hull():
     """Their base has no vertices; what stands in its place may be anything."""
     base, features = unit_sphere(), Features(ELLIPSOID, True)
