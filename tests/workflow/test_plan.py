@@ -56,6 +56,12 @@ def test_a_single_study_plans_only_what_it_needs(workplace):
     assert not rules & (MODELS | {"report", "grain_report", "form_order"})
 
 
+def test_work_precision_is_a_target_of_its_own(workplace):
+    studies = {"one_contact_precision", "rotation_precision", "contact_query_precision", "rest"}
+    assert {rule for rule, _ in workplace.plan("work_precision")} == studies | {"work_precision"}
+    assert not {rule for rule, _ in workplace.plan()} & (studies | {"work_precision"})
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
