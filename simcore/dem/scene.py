@@ -9,8 +9,8 @@ from simcore.dem.features import Features
 from simcore.dem.force_laws import ContactLaw, contact_law, explicit_dashpot, implicit_dashpot, implicit_law
 from simcore.dem.shapes import CONVEX, MIXED
 
-# Steps per contact time with which beds of the default material came to rest (results/work_precision/rest.csv).
-STEPS_FOR_REST = {"explicit": 40, "implicit": 20}
+# Steps per contact time with which beds of the default material came to rest: `snakemake work_precision`, rest.csv.
+STEPS_FOR_REST = {"explicit": 40, "implicit": 10}
 
 
 @dataclass(frozen=True)

@@ -95,6 +95,10 @@ def test_the_skin_of_the_list_changes_no_bit_of_spheres(packed):
         other = run(numerics={"skin": skin})
         assert (other.bodies.position == packed.bodies.position).all()
         assert other.steps == packed.steps
+    implicit = {"dashpot": "implicit", "steps_per_contact_time": 10}
+    one, other = (run(numerics={"skin": skin, **implicit}) for skin in (0.02, 0.6))
+    assert (one.bodies.position == other.bodies.position).all()
+    assert one.observation.unbalanced_force < 0.02  # at a quarter of the steps
 
 
 THREADS = """
@@ -105,11 +109,13 @@ from simcore.specification import resolve
 from simcore.grains.synthetic import synthetic_grains
 import warnings
 
-for kind in ({"kind": "sphere"}, {"kind": "ellipsoid", "choice": "form", "flatness": 0.6, "elongation": 0.7},
-             {"kind": "mesh", "choice": "random"}):
+implicit = {"dashpot": "implicit", "steps_per_contact_time": 20}
+ellipsoid = {"kind": "ellipsoid", "choice": "form", "flatness": 0.6, "elongation": 0.7}
+for kind, dashpot in (({"kind": "sphere"}, {}), ({"kind": "sphere"}, implicit), (ellipsoid, {}),
+                      ({"kind": "mesh", "choice": "random"}, {})):
     specification = resolve({"name": "threads", "domain": {"width": "25 mm", "height": "0.2 m"}, "shapes": kind,
         "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]}, "amount": {"grains": 30},
-        "shaking": {"duration": "0.15 s"}, "numerics": {"contact_time": "1 ms"},
+        "shaking": {"duration": "0.15 s"}, "numerics": {"contact_time": "1 ms", **dashpot},
         "convergence": {"max_speed": "1 m/s", "height_change": "1 mm", "max_unbalanced_force": 10}})
     seen = []
     for threads in (1, 2):
@@ -136,7 +142,7 @@ def test_two_threads_give_the_bits_of_one():
         timeout=300,
     )
     assert done.returncode == 0, done.stderr[-2000:]
-    assert [line.split()[0] for line in done.stdout.splitlines()] == ["sphere", "ellipsoid", "mesh"]
+    assert [line.split()[0] for line in done.stdout.splitlines()] == ["sphere", "sphere", "ellipsoid", "mesh"]
 
 
 def test_grains_are_drawn_by_id():

@@ -47,6 +47,26 @@ def test_restitution_is_of_second_order_on_average_and_of_first_for_one_impact(s
         np.testing.assert_allclose(np.log2(means[:-1] / means[1:]), 2.0, atol=0.5)
 
 
+@pytest.mark.parametrize("attractive", [True, False], ids=["attractive", "clamped"])
+def test_over_no_step_the_implicit_dashpot_is_the_explicit_one_to_the_bit(stage, attractive):
+    """Two compiled steps: that of a scene without the implicit dashpot has nothing of it."""
+    law, dt = contact_law(0.1, T_C, NU, 0.5), T_C / 40
+    assert implicit_law(law, 0.0) == law
+    thrown = []
+    for implicit in (False, True):
+        # Three in a row: the middle one is hit by the first while it lies on the floor and against the last.
+        position = [[-2.5, 0.0, 1.0], [0.0, 0.1, 0.999], [1.9995, 0.0, 1.0]]
+        velocity = [[1.0, 0.3, -0.2], [0.0, 0.0, -0.1], [0.0, 0.0, 0.0]]
+        row = stage.Stage(
+            stage.SPHERE, law, [1.0] * 3, position, velocity, attractive=attractive, implicit=implicit, gravity=10.0
+        )
+        row.advance(dt, 30_000)
+        thrown.append(row.bodies)
+    assert np.abs(thrown[0].velocity[1]).max() > 1e-3
+    for field in ("position", "velocity", "angular_momentum", "net_force"):
+        np.testing.assert_array_equal(*(getattr(bodies, field) for bodies in thrown))
+
+
 def test_a_sphere_at_rest_sinks_in_by_what_the_softer_spring_says(stage):
     """The price of second order: at rest the spring is divided by 1 + γ h / 2."""
     dt, gravity = T_C / 10, 1e4

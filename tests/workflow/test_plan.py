@@ -104,6 +104,20 @@ def test_a_target_asks_only_for_its_own_inputs(workplace):
         assert {study for _, study in jobs if study} == studies, target
 
 
+def test_work_precision_is_a_target_of_its_own(workplace):
+    studies = {"one_contact_precision", "rotation_precision", "contact_query_precision", "rest"}
+    studies |= {"evaluation_precision", "packing_precision"}
+    jobs = workplace.plan("work_precision")
+    assert {rule for rule, study in jobs if not study} - {"grain_set", "decimated_grain_set"} == studies | {
+        "work_precision"
+    }
+    packed = {study for rule, study in jobs if rule == "packing"}
+    assert packed and all(study.startswith("precision_") for study in packed)
+    everything = workplace.plan()
+    assert not {rule for rule, _ in everything} & (studies | {"work_precision"})
+    assert not {study for _, study in everything} & (packed | {"accuracy"})
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

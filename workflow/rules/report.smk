@@ -32,7 +32,7 @@ rule study_figures:
 
 
 # Spheres, and ellipsoids of a given form, are made of no grain: then there is none to report.
-has_grains = (packings.grain_set != "").any()
+has_grains = (packings.grain_set[packings.study.isin(studies)] != "").any()
 
 
 rule report:

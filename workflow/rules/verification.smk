@@ -106,7 +106,10 @@ rule packing_precision:
         "results/logs/packing_precision.log",
     params:
         studies=packing_precision_studies,
-        titles=titles,
+        titles={
+            name: campaign["studies"][name]["title"]
+            for name in packing_precision_studies
+        },
         rows=[
             list(packings.row[packings.study == study])
             for study in packing_precision_studies
