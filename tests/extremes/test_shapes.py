@@ -111,6 +111,25 @@ def test_a_ball_of_5000_faces_is_a_sphere_to_its_contacts(extreme):
     assert size * (2.0 - 0.0064) - 3 * gives < high - low < 2.0 * size
 
 
+@pytest.mark.parametrize("contact_time", [2e-4, 1e-2])
+@pytest.mark.parametrize("share", [0.5, 1.0])
+def test_cubes_that_start_within_each_other_part_or_are_refused(extreme, contact_time, share):
+    """By half an edge, and concentric, where no direction is special: an error that names one, or they come apart."""
+    edge = 6e-3
+    made = setting(extreme, "hull", numerics={"contact_time": contact_time})
+    away = np.array([0.8, 0.6, 0.0]) * edge * (1.0 - share) / 0.8
+    pair = extreme.place(made, edge, [[0, 0, 0.5 * edge], [0, 0, 0.5 * edge] + away], bases=[extreme.box()])
+    try:
+        energies = extreme.run(pair, 100 * contact_time + 0.3, damped=True)
+    except PackingError as error:
+        assert "grain 0" in str(error) or "grain 1" in str(error)
+        return
+    assert np.isfinite(pair.bodies.position).all()
+    assert extreme.overlap(pair, 0, 1) < 1e-2 * edge
+    assert np.linalg.norm(pair.bodies.position[1] - pair.bodies.position[0]) > 0.98 * edge
+    assert energies[-1] < energies[0]
+
+
 SPINS = [(form, per_step) for form in FORMS for per_step in (1e-3, 0.1)] + [
     ("plate", 1.0), pytest.param("needle", 1.0, marks=pytest.mark.needs_guards)
 ]  # fmt: skip

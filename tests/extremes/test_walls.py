@@ -4,6 +4,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from simcore.dem.packing import pack
+from simcore.scenes import set_up
+from simcore.specification import resolve
+from simcore.studies import merge
+
 GRAVITY = 9.81
 R = 3e-3
 CONTACT_TIME = 5e-4
@@ -109,6 +114,28 @@ def test_a_pair_touches_through_two_images(extreme):
     np.testing.assert_allclose(contacts.overlap[touching], 2.0 * R - 0.5 * width, rtol=1e-9)
     np.testing.assert_allclose(contacts.force[touching][:, 0].sum(), 0.0, atol=1e-9 * np.abs(contacts.force).max())
     np.testing.assert_allclose(pair.bodies.position[:, 0], [0.0, 0.5 * width], atol=1e-12)
+
+
+def test_needles_longer_than_their_box_are_packed_in_it(extreme):
+    """Born upright they have room, and fall over: a box of 16 mm holds needles of 22 mm, one through its own image.
+
+    At rest as any packing, the floor carries them, and no overlap is more than a hundredth of a needle's thickness.
+    """
+    changes = {
+        "domain": {"width": "16 mm"},
+        "shapes": {"kind": "ellipsoid", "choice": "form", "flatness": 0.9, "elongation": 0.25},
+        "amount": {"grains": 8},
+    }
+    made = set_up(resolve(merge(extreme.specification, changes)), lambda group: [])
+    done = pack(made.scene, made.bases, made.draw)
+    length, thickness = 2.0 * done.bodies.scale.max(), 2.0 * done.bodies.scale.min()
+    assert length > 0.02
+    assert done.observation.max_overlap < 0.01 * thickness
+    floor = done.walls.force[done.walls.touching > 0, 2].sum()
+    assert floor == pytest.approx(GRAVITY * done.bodies.mass.sum(), rel=0.02)
+    bodies = np.column_stack([done.contacts.body_a, done.contacts.body_b])[done.contacts.touching > 0]
+    print(f"{len(bodies)} contacts, {(bodies[:, 0] == bodies[:, 1]).sum()} with an own image")
+    assert len(bodies) > len(np.unique(bodies, axis=0)) or (bodies[:, 0] == bodies[:, 1]).any()
 
 
 @pytest.mark.parametrize("kind", ["sphere", "hull", "ellipsoid"])
