@@ -1,14 +1,16 @@
 # Scree: from grains to a model of porosity. This file is the table of contents.
-#   config/      the science: what is packed (config.yaml; overlays smoke.yaml, paper.yaml)
+#   config/      the science: what is packed (config.yaml, work_precision.yaml; overlays smoke.yaml, paper.yaml)
 #   profiles/    the machine: how it is run
 #   workflow/    the rules, and a script for each
 configfile: "config/config.yaml"
+configfile: "config/work_precision.yaml"
 
 
 include: "workflow/rules/common.smk"
 include: "workflow/rules/grains.smk"
 include: "workflow/rules/packings.smk"
 include: "workflow/rules/models.smk"
+include: "workflow/rules/verification.smk"
 include: "workflow/rules/report.smk"
 
 

@@ -171,7 +171,7 @@ def start(setup, bed, report=lambda line: None, **options):
         bed.velocity,
         bed.angular_velocity,
         density=setup.scene.material.density,
-        kind=setup.scene.kind,
+        features=setup.scene.features,
     )
     process.place(bodies, float(np.mean(bed.sieve_size)))
     return process
@@ -192,13 +192,14 @@ def tile(setup, bed, times):
 def export_bed(path, setup, bed, steps):
     """Write the bed, all that decides its motion, and the number of steps to measure as .npz for benchmarks/others.
 
-    Arrays of Bed, centres wrapped into the box; scalars in SI; vertices and faces of all base shapes with where each
-    starts. stiffness [1/s²] and damping [1/s] are per effective mass, tangential and root_tangential their ratios.
+    Arrays of Bed, centres wrapped into a periodic box; scalars in SI; vertices and faces of all base shapes with where
+    each starts. stiffness [1/s²] and damping [1/s] are per effective mass, tangential and root_tangential their ratios.
     """
     scene = setup.scene
     fields = bed._asdict()
     fields["position"] = bed.position.copy()
-    fields["position"][:, :2] %= scene.domain.width
+    if scene.domain.periodic:
+        fields["position"][:, :2] %= scene.domain.width
     vertices, faces = [base.vertices for base in setup.bases], [base.faces for base in setup.bases]
     np.savez(
         path,

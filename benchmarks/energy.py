@@ -36,7 +36,7 @@ class Bed:
         self.features, self.law, self.gravity = features, law, gravity
         self.shapes = collect_shapes(bases)
         self.bodies = make_bodies(
-            bases, shape, scale, position, orientation, velocity, spin, density=2650.0, kind=features.kind
+            bases, shape, scale, position, orientation, velocity, spin, density=2650.0, features=features
         )
         self.box, self.skin, self.near = Box(width), 0.6 * SIZE, None
         self.list_near()

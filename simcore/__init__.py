@@ -6,14 +6,18 @@ Data flow one way: grain -> scene -> packing -> porosity -> model.
     dem/             what moves: shapes, contacts, force laws, time steps, the packing process
     specification    what a user writes, checked against config/*.schema.yaml, in SI units
     scenes           a specification and its grains become a scene of the core
+    explanation      what a scene computes, what it will cost, how far its limits are
     packing_io       a packing and its netCDF file
     porosity         n(z), bulk porosity and its sampling error
     slicing          exact solid volume of grains between horizontal planes
     segregation      size, form and orientation over height
+    work_precision   tables of error against run time, their Pareto front
+    verification/    the parts of the core against closed forms: error and CPU time
     regression       form features, cross-validation, fitted porosity models
     figures/         every picture, as functions that return a Figure
 
-`python -m simcore pack SPEC.yaml OUT.nc` runs one packing, `python -m simcore porosity OUT.nc` evaluates it.
+`python -m simcore explain SPEC.yaml` says what a packing will do, `pack SPEC.yaml OUT.nc` runs it, `porosity OUT.nc`
+evaluates it.
 """
 
 __version__ = "0.1.0"

@@ -1,4 +1,4 @@
-"""Command line: `python -m simcore pack SPEC.yaml OUT.nc` and `python -m simcore porosity OUT.nc`."""
+"""Command line: `python -m simcore explain SPEC.yaml`, `pack SPEC.yaml OUT.nc` and `porosity OUT.nc`."""
 
 import argparse
 import json
@@ -24,6 +24,9 @@ def main(arguments=None) -> int:
 def _parser():
     parser = argparse.ArgumentParser(prog="python -m simcore", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
+    explain = commands.add_parser("explain", help="what a packing computes and costs, without running it")
+    explain.add_argument("specification", type=Path, help="YAML file, see config/packing.schema.yaml")
+    explain.set_defaults(run=_explain)
     pack = commands.add_parser("pack", help="run one packing")
     pack.add_argument("specification", type=Path, help="YAML file, see config/packing.schema.yaml")
     pack.add_argument("output", type=Path, help="netCDF file to write")
@@ -36,6 +39,16 @@ def _parser():
     porosity.add_argument("--cut", type=float, metavar="METRES", help="height left out at both ends of the bed")
     porosity.set_defaults(run=_porosity)
     return parser
+
+
+def _explain(options):
+    from simcore.explanation import explain
+    from simcore.scenes import set_up
+    from simcore.sources import load_grains
+    from simcore.specification import read_specification
+
+    print(explain(set_up(read_specification(options.specification), load_grains)))
+    return 0
 
 
 def _pack(options):

@@ -69,9 +69,25 @@ def packing_dataset(scene: Scene, bases: list[Base], packed: Packed, sample, spe
         "max_speed": seen.max_speed,
         "unbalanced_force": seen.unbalanced_force,
         "kinetic_energy": seen.kinetic_energy,
+        **_stability_attributes(packed.stability),
         **attributes,
     }
     return xr.Dataset(data, attrs=attrs)
+
+
+def _stability_attributes(stability):
+    """How far the time step was from what the grains bear; a margin below 1 is beyond the limit."""
+    if stability is None:
+        return {}
+    return {
+        "steps_per_contact_time": stability.steps,
+        "stability_margin_expected": stability.steps / stability.expected.expected,
+        "stability_margin_cautious": stability.steps / stability.expected.cautious,
+        "stability_margin_sampled": stability.steps / stability.needed if stability.needed > 0.0 else np.inf,
+        "stiffest_grain": stability.grain,
+        "stiffest_grain_contacts": stability.contacts,
+        "deepest_overlap_in_half_thicknesses": stability.deepest,
+    }
 
 
 def write_packing(path, packing: xr.Dataset) -> None:

@@ -6,13 +6,14 @@ import numpy as np
 
 from simcore.dem.packing import Draw
 from simcore.dem.scene import Convergence, Damping, Domain, Generation, Material, Numerics, Scene, Shaking
-from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE, Base, unit_sphere
+from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, Base, unit_sphere
 from simcore.grains.mesh import decimate
 from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains
 from simcore.grains.sieve import SieveCurve
 from simcore.sizes import case_spacing, check_top_class, size_curve
+from simcore.sources import needs_grains
 
-KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "mesh": CONVEX}
+KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "mesh": CONVEX, "mixed": MIXED}
 BIRTH_STREAM = 1  # random numbers of birth stand apart from those of size and form
 # Upright grains need √(S² + I²) = √2 D across; the rest is clearance.
 UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
@@ -37,15 +38,16 @@ def set_up(specification: dict, load_grains) -> Setup:
     check_top_class(specification)
     curve = size_curve(specification["sizes"])
     choice = shape_choice(specification["shapes"])
-    needs_grains = choice.kind == "mesh" or (choice.kind == "ellipsoid" and choice.choice in ("one", "random"))
-    grains = load_grains(specification["grains"]) if needs_grains else []
-    if choice.kind == "mesh":
+    hulls = choice.kind in ("mesh", "mixed")
+    grains = load_grains(specification["grains"]) if needs_grains(specification["shapes"]) else []
+    bases = []
+    if hulls:
         grains = _chosen(grains, choice)
         if specification["faces"] != "original":
             grains = [decimate(grain, specification["faces"]) for grain in grains]
         bases = [Base(g.name, g.vertices, g.faces, g.volume, g.second_moments) for g in grains]
-    else:
-        bases = [unit_sphere()]
+    if choice.kind != "mesh":
+        bases.append(unit_sphere())
     seed = specification["seed"]
     spacing = _spacing(specification, curve)
     generation = specification["generation"]
@@ -77,7 +79,7 @@ def set_up(specification: dict, load_grains) -> Setup:
 
 def shape_choice(shapes: dict) -> ShapeChoice:
     """ShapeChoice of the resolved group `shapes`, where a distribution of form is {mean, std}."""
-    settings = {key: shapes[key] for key in ("kind", "choice", "grain")}
+    settings = {key: shapes[key] for key in ("kind", "choice", "grain", "ellipsoid_share")}
     for key in ("flatness", "elongation"):
         value = shapes[key]
         if isinstance(value, dict):

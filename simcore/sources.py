@@ -24,6 +24,13 @@ def check_source(grains):
             raise ValueError("grains.unit is missing; say in which unit the files of grains are, m or mm")
 
 
+def needs_grains(shapes):
+    """Whether the resolved group `shapes` takes its forms from grains: meshes, and ellipsoids of their forms."""
+    return shapes["kind"] in ("mesh", "mixed") or (
+        shapes["kind"] == "ellipsoid" and shapes["choice"] in ("one", "random")
+    )
+
+
 def load_grains(grains):
     """List of Grain of the resolved group `grains` of a specification; ValueError names what is wrong where."""
     check_source(grains)

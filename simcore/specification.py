@@ -1,8 +1,10 @@
 """Specifications: what a YAML file asks for, checked against its schema and turned into SI numbers.
 
-The schema (config/<name>.schema.yaml, JSON Schema with two keywords of our own) is the only place that says
+The schema (config/<name>.schema.yaml, JSON Schema with three keywords of our own) is the only place that says
 which keys there are, with unit, bounds, default and meaning. `x-unit` marks a quantity: text with a unit
 outside, a float in SI inside. Bounds hold in SI. `x-error` replaces the message of a rule that reads badly.
+`x-presets` marks a key at the top that stands for settings: the file it names has a group of them for each choice,
+which are laid under what is given.
 """
 
 import difflib
@@ -27,7 +29,7 @@ def resolve(raw, schema="packing", where=""):
     first key that is unknown, missing, of the wrong type or unit, out of bounds or not finite, with its path.
     """
     schema = read_schema(schema)
-    resolved = _convert(raw, schema, where)
+    resolved = _convert(_with_presets(raw, schema), schema, where)
     _check_rules(resolved, schema, where)
     return resolved
 
@@ -79,6 +81,27 @@ def _inline(node, folder):
     for key in filter(None, pointer.split("/")):
         target = target[key]
     return {**target, **node}
+
+
+def read_presets(key, schema="packing"):
+    """Settings of every choice of a key marked x-presets, as a dict from choice to nested dict."""
+    return _load((SCHEMA_FOLDER / read_schema(schema)["properties"][key]["x-presets"]).resolve())
+
+
+def _with_presets(raw, schema):
+    """`raw` over what its choices stand for. What is no choice is left to the checks."""
+    if not isinstance(raw, dict):
+        return raw
+    for key, sub in schema.get("properties", {}).items():
+        if "x-presets" in sub and isinstance(raw.get(key), str):
+            raw = _laid_over(_load((SCHEMA_FOLDER / sub["x-presets"]).resolve()).get(raw[key], {}), raw)
+    return raw
+
+
+def _laid_over(below, above):
+    if not (isinstance(below, dict) and isinstance(above, dict)):
+        return above
+    return {**below, **{key: _laid_over(below.get(key), value) for key, value in above.items()}}
 
 
 def _convert(value, schema, path):

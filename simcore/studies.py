@@ -7,7 +7,7 @@ import re
 import pandas as pd
 
 from simcore.sizes import check_top_class
-from simcore.sources import check_source
+from simcore.sources import check_source, needs_grains
 from simcore.specification import resolve
 
 # Columns of what a study varies, with their units; others have the last part of their key as their name.
@@ -29,9 +29,10 @@ _COLUMNS = {
 def expand(config):
     """All packings of all studies of a resolved campaign, as a DataFrame with one row a packing.
 
-    Columns: study; packing, its name within the study; grain_set, "original" or "faces_100"; form, the rank of
-    its grain in the spread of forms, or 0; specification, resolved, with that grain set as its source; row, a
-    dict of its name and of what the study varies, by column. ValueError names the study and the key at fault.
+    Columns: study; packing, its name within the study; grain_set, "original" or "faces_100", empty where the shapes
+    need no grain; form, the rank of its grain in the spread of forms, or 0; specification, resolved, with that grain
+    set as its source; row, a dict of its name, of what the study varies, by column, and of is_base: whether it is what
+    the study's fixed settings alone would give, for any seed. ValueError names the study and the key at fault.
     """
     check_source(config["grains"])
     tables = [expand_study(name, study, config) for name, study in config["studies"].items() if study]
@@ -45,6 +46,7 @@ def expand_study(name, study, config):
     where = f"studies.{name}"
     axes = [_axis(key, values, f"{where}.varies") for key, values in study["varies"].items() if values]
     axes += [_forms(study["forms"], config["grains"], where)] if study["forms"] else []
+    base = _base(merge(config["packing"], study["fixes"], {"grains": config["grains"]}))
     rows = []
     for combination in itertools.product(*axes):
         settings = {key: value for part in combination for key, value in part["settings"].items()}
@@ -55,15 +57,19 @@ def expand_study(name, study, config):
         packing = "-".join(part["label"] for part in combination if part["label"]) or name
         spec = resolve({**raw, "name": packing}, where=where)
         check_top_class(spec, f"{where}, packing {packing}")
-        grain_set = "original" if spec["faces"] == "original" else f"faces_{spec['faces']}"
+        grain_set = _grain_set(spec)
         rows.append(
             {
                 "study": name,
                 "packing": packing,
                 "grain_set": grain_set,
                 "form": next((part["form"] for part in combination if "form" in part), 0),
-                "specification": _with_grain_set(spec, f"results/grains/{grain_set}.nc"),
-                "row": {"packing": packing, "varied": {_column(key): _get(spec, key) for key in columns}},
+                "specification": _with_grain_set(spec, f"results/grains/{grain_set}.nc") if grain_set else spec,
+                "row": {
+                    "packing": packing,
+                    "varied": {_column(key): _get(spec, key) for key in columns},
+                    "is_base": _but_for_seed(spec) == base,
+                },
             }
         )
     table = pd.DataFrame(rows)
@@ -71,6 +77,18 @@ def expand_study(name, study, config):
     if len(twice):
         raise ValueError(f"{where}.varies: the packing {twice.iloc[0]} stands there twice")
     return table
+
+
+def _base(raw):
+    """What the settings give without anything varied; None where they are not a whole specification."""
+    try:
+        return _but_for_seed(resolve(raw))
+    except ValueError:
+        return None
+
+
+def _but_for_seed(spec):
+    return {key: value for key, value in spec.items() if key not in ("name", "seed")}
 
 
 def merge(*groups):
@@ -135,6 +153,12 @@ def _forms(forms, grains, where):
 
 def _slug(value):
     return re.sub(r"[^A-Za-z0-9_.+-]", "", str(value))
+
+
+def _grain_set(spec):
+    if not needs_grains(spec["shapes"]):
+        return ""
+    return "original" if spec["faces"] == "original" else f"faces_{spec['faces']}"
 
 
 def _with_grain_set(spec, path):

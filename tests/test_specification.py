@@ -6,7 +6,7 @@ import math
 import pytest
 
 from simcore.quantity import parse_quantity
-from simcore.specification import express, read_schema, read_specification, resolve
+from simcore.specification import express, read_presets, read_schema, read_specification, resolve
 
 MINIMAL = {
     "domain": {"width": "0.2 m", "height": "80 cm"},
@@ -119,6 +119,18 @@ def test_express_is_the_inverse_of_resolve():
             {"kind": "mesh", "choice": "form", "flatness": 0.5, "elongation": 0.5},
             r"shapes\.kind: choice \"form\" is for kind \"ellipsoid\"",
         ),
+        ("shapes.kind", "mixed", r"shapes\.ellipsoid_share: kind \"mixed\" needs a number from 0 to 1"),
+        ("shapes.ellipsoid_share", 0.5, r"shapes\.ellipsoid_share: it is for kind \"mixed\" only; leave it out"),
+        (
+            "shapes",
+            {"kind": "mixed", "ellipsoid_share": 1.5},
+            r"shapes\.ellipsoid_share: 1\.5 is out of bounds; it must be at most 1",
+        ),
+        (
+            "shapes",
+            {"kind": "mixed", "ellipsoid_share": 0.5, "choice": "one"},
+            r"shapes\.grain: choice \"one\" needs the name of a grain",
+        ),
         (
             "shapes",
             {"choice": "form_distribution", "flatness": {"mean": 0.5, "sd": 0.1}},
@@ -173,3 +185,31 @@ def test_every_key_has_a_meaning_and_every_group_refuses_unknown_keys(name):
     assert all("description" in sub for _, sub in leaves(schema))
     groups = [schema, *(sub for sub in schema["properties"].values() if sub.get("type") == "object")]
     assert all(group.get("additionalProperties") is False for group in groups)
+
+
+def test_accuracy_lays_its_settings_under_what_is_given():
+    study = resolve({**MINIMAL, "accuracy": "paper"})
+    assert study["faces"] == 300
+    assert study["shaking"]["duration"] == 6.0
+    assert study["numerics"]["contact_time"] == 2e-4
+    mine = resolve({**MINIMAL, "accuracy": "draft", "faces": 50, "numerics": {"contact_time": "3 ms"}})
+    draft = resolve({**MINIMAL, "accuracy": "draft"})
+    assert (mine["faces"], mine["numerics"]["contact_time"]) == (50, 3e-3)
+    assert mine["numerics"]["steps_per_contact_time"] == draft["numerics"]["steps_per_contact_time"]
+    assert mine["shaking"] == draft["shaking"]
+    assert resolve(express(mine)) == mine
+
+
+@pytest.mark.parametrize("choice", ["draft", "standard", "paper"])
+def test_each_accuracy_gives_a_whole_specification(choice):
+    """Every choice sets the same keys, so that changing from one to another leaves nothing of it behind."""
+    presets = read_presets("accuracy")
+    assert {key: list(group) if isinstance(group, dict) else None for key, group in presets[choice].items()} == {
+        key: list(group) if isinstance(group, dict) else None for key, group in presets["paper"].items()
+    }
+    assert resolve({**MINIMAL, "accuracy": choice})["accuracy"] == choice
+
+
+def test_an_accuracy_that_is_not_there_is_refused():
+    with pytest.raises(ValueError, match=r"accuracy: 'papr' is not a choice; choose one of draft, standard, paper"):
+        resolve({**MINIMAL, "accuracy": "papr"})

@@ -56,6 +56,21 @@ def test_a_study_goes_over_the_common_settings_and_these_over_the_defaults():
     assert (spec["shaking"]["duration"], spec["shaking"]["period"]) == (3.0, 0.025)
 
 
+@pytest.mark.parametrize(
+    "shapes, needed",
+    [
+        ({"kind": "sphere"}, False),
+        ({"kind": "ellipsoid", "choice": "form", "flatness": 0.6, "elongation": 0.7}, False),
+        ({"kind": "ellipsoid"}, True),
+        ({"kind": "mesh"}, True),
+    ],
+)
+def test_shapes_that_are_no_grains_ask_for_none(shapes, needed):
+    table = expand(campaign(varies={"sizes.case": ["U1"]}, fixes={**STUDY["fixes"], "shapes": shapes}))
+    assert table.grain_set[0] == ("faces_100" if needed else "")
+    assert (table.specification[0]["grains"]["source"] == "synthetic") != needed
+
+
 def test_null_drops_a_study_and_an_axis():
     config = campaign(varies={"sizes.case": ["U1"], "seed": None})
     config["studies"]["other"] = None

@@ -14,7 +14,8 @@ from simcore.dem.shapes import CONVEX, SPHERE, Base
 class Bodies(NamedTuple):
     """n bodies. What is derived from other fields is marked; it is kept so that a step computes it once.
 
-    Fields marked with a kind are empty, (0, ...), in scenes of other kinds.
+    Fields marked with a kind are empty, (0, ...), in scenes of other kinds. Scenes of mixed kinds have all fields; the
+    form matrix of hulls is not kept up there.
     """
 
     shape: np.ndarray  # (n,) int64, index of the base
@@ -31,17 +32,19 @@ class Bodies(NamedTuple):
     listed_turned: np.ndarray  # (n,) [m], `turned` at that time; not for spheres
     rotation: np.ndarray  # (n, 3, 3), derived: matrix of the orientation; not for spheres
     angular_velocity: np.ndarray  # (n, 3) [1/s], derived, world axes
-    form_matrix: np.ndarray  # (n, 6) [m²], derived: R diag(s²) Rᵀ as xx, yy, zz, xy, xz, yz; ellipsoids
+    form_matrix: np.ndarray  # (n, 6) [m²], derived: R diag(s²) Rᵀ as xx, yy, zz, xy, xz, yz; of ellipsoids
     net_force: np.ndarray  # (n, 3) [N], output: of contacts and gravity, without shaking
+    hold: np.ndarray  # (n,), memory: contacts of the last step, each as far as it moves this body; implicit dashpot
 
 
 class Contacts(NamedTuple):
     """Near pairs in the order of their key (a, b, image), a < b or a = b with a positive image.
 
     Memory: what the last step found. Output: what the current step gives to the bodies. Fields marked with a
-    feature are empty in scenes without it. The facet is that of the Minkowski difference along the normal where the
-    pair touches, the simplex next to the origin where it is apart. Apart at and safe until also tell, of polyhedra that
-    touch, how long no other facet can have become the nearest.
+    feature are empty in scenes without it. The facet of two hulls is that of the Minkowski difference along the normal
+    where the pair touches, the simplex next to the origin where it is apart; of a hull and an ellipsoid the hull's
+    corner, edge or face, a0 a1 a2. Apart at and safe until also tell, of polyhedra that touch, how long no other facet
+    can have become the nearest.
     """
 
     body_a: np.ndarray  # (m,) int32
@@ -50,14 +53,14 @@ class Contacts(NamedTuple):
     touching: np.ndarray  # (m,) uint8
     pending: np.ndarray  # (m,) uint8, within a step: the memory did not answer, the pair must be searched
     direction: np.ndarray  # (m, 3), memory: last normal or separating direction; zero where nothing is known
-    facet: np.ndarray  # (m, 6) int32, memory: vertices a0 a1 a2 b0 b1 b2; -1 unknown; convex
+    facet: np.ndarray  # (m, 6) int32, memory: vertices a0 a1 a2 b0 b1 b2; -1 unknown; convex, mixed
     apart_at: np.ndarray  # (m, 3) [m], memory: relative position where a gap was last seen; not for spheres
     safe_until: np.ndarray  # (m,) [m], memory: apart while |moved since apart_at| + turned_a + turned_b is below
     spring: np.ndarray  # (m, 3) [m], memory: tangential spring; friction
     twist: np.ndarray  # (m,), memory: angle of the spring that holds a patch about its normal; patch with friction
     overlap: np.ndarray  # (m,) [m], output; of a pair apart: memory, minus the gap that was searched last
     point: np.ndarray  # (m, 3) [m], output: contact point relative to the centre of a
-    spread: np.ndarray  # (m, 6) [m²], output: second moments of the patch, xx yy zz xy xz yz; patch
+    spread: np.ndarray  # (m, 6) [m²], output: second moments of the patch, xx yy zz xy xz yz, zero of a point; patch
     force: np.ndarray  # (m, 3) [N], output: on b; a gets the opposite
     torque_a: np.ndarray  # (m, 3) [N m], output
     torque_b: np.ndarray  # (m, 3) [N m], output
@@ -84,12 +87,12 @@ class Walls(NamedTuple):
 
 
 def make_bodies(
-    bases: list[Base], shape, scale, position, orientation, velocity, angular_velocity, density, kind=None
+    bases: list[Base], shape, scale, position, orientation, velocity, angular_velocity, density, features=None
 ) -> Bodies:
     """Bodies of the given density [kg/m³] that have turned nowhere yet.
 
     shape (n,), scale (n, 3), position (n, 3), orientation (n, 4), velocity (n, 3), angular_velocity (n, 3), SI.
-    kind: of the scene; fields that it does not need stay empty. None: all fields.
+    features: of the scene; fields that it does not need stay empty. None: all fields.
     """
     shape = np.asarray(shape, np.int64)
     # C order whatever is given: another layout would be another type, and compile the step anew.
@@ -119,14 +122,19 @@ def make_bodies(
         angular_velocity=angular_velocity,
         form_matrix=np.zeros((n, 6)),
         net_force=np.zeros((n, 3)),
+        hold=np.zeros(n),
     )
     spin = np.einsum("nji,nj->ni", bodies.rotation, bodies.angular_velocity)
     bodies.angular_momentum[:] = np.einsum("nij,nj->ni", bodies.rotation, bodies.inertia * spin)
     full = np.einsum("nij,nj,nkj->nik", bodies.rotation, scale**2, bodies.rotation)
     bodies.form_matrix[:] = full[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-    if kind == SPHERE:
+    if features is None:
+        return bodies
+    if not features.implicit:
+        bodies = without(bodies, "hold")
+    if features.kind == SPHERE:
         return without(bodies, "orientation", "turned", "listed_turned", "rotation", "form_matrix")
-    if kind == CONVEX:
+    if features.kind == CONVEX:
         return without(bodies, "form_matrix")
     return bodies
 

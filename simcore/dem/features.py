@@ -6,12 +6,13 @@ from typing import NamedTuple
 class Features(NamedTuple):
     """Every combination is compiled by itself, and carries no array that it does not need."""
 
-    kind: int  # of simcore.dem.shapes: SPHERE, ELLIPSOID or CONVEX
+    kind: int  # of simcore.dem.shapes: SPHERE, ELLIPSOID, CONVEX or MIXED
     friction: bool
     attractive: bool = True  # normal force may pull at the end of a contact
     floor: bool = True
     cylinder: bool = False
     periodic: bool = True  # horizontally: pairs may meet through images
     shaken: bool = True
-    patch: bool = False  # polyhedra press at the centroid of their overlap, not at its deepest point
+    patch: bool = False  # two polyhedra, or one and a wall, press at the centroid of their overlap
+    implicit: bool = False  # the dashpot of a contact sees what the contact does to the velocity within the step
     timed: bool = False  # count the processor's cycles of each part of the step

@@ -1,19 +1,21 @@
 """What bodies do to each other and to the walls: from signed distance to force and torque.
 
-First a contact is checked from its memory: one function for each kind of shape, so that a scene's step holds only
-its own. What the memory cannot answer is left pending and searched. Both leave overlap, direction and point in the
-arrays. Then the force law presses, the same for all kinds.
+First a contact is checked from its memory: one function for each kind of scene, so that its step holds only what it
+needs; in a scene of mixed kinds the pair decides. What the memory cannot answer is left pending and searched. Both
+leave overlap, direction and point in the arrays. Then the force law presses, the same for all kinds.
 """
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact import ellipsoid, polyhedron, sphere
+from simcore.dem.contact import ellipsoid, mixed, polyhedron, sphere
 from simcore.dem.contact.gap import still_apart
 from simcore.dem.contact.wall import forget_springs
-from simcore.dem.force_laws import normal_force, patch_torque, tangential_force
+from simcore.dem.force_laws import explicit_dashpot, implicit_dashpot, normal_force, patch_torque, tangential_force
+from simcore.dem.shapes import is_hull
 
 touch_spheres = sphere.touch
 recheck_ellipsoids, search_ellipsoid_contact = ellipsoid.recheck, ellipsoid.search_contact
 recheck_polyhedra, search_polyhedron_contact = polyhedron.recheck, polyhedron.search_contact
+recheck_mixed, search_mixed_contact = mixed.recheck, mixed.search_contact
 
 
 @leaf
@@ -65,6 +67,24 @@ def check_polyhedra(shapes, bodies, contacts, p, width, periodic):
             _note(contacts, p, overlap, nx, ny, nz, x, y, z)
 
 
+@leaf
+def check_mixed(shapes, bodies, contacts, p, width, periodic):
+    """Update contact p between ellipsoids, polyhedra or one of each from its memory, or leave it pending."""
+    i, j = contacts.body_a[p], contacts.body_b[p]
+    rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
+    if contacts.touching[p] != 0 or not still_apart(bodies, contacts, p, i, j, rx, ry, rz):
+        hull_a, hull_b = is_hull(shapes, bodies, i), is_hull(shapes, bodies, j)
+        if hull_a and hull_b:
+            known, overlap, nx, ny, nz, x, y, z = recheck_polyhedra(shapes, bodies, contacts, p, i, j, rx, ry, rz)
+        elif hull_a or hull_b:
+            known, overlap, nx, ny, nz, x, y, z = recheck_mixed(shapes, bodies, contacts, p, i, j, rx, ry, rz)
+        else:
+            known, overlap, nx, ny, nz, x, y, z = recheck_ellipsoids(bodies, contacts, p, i, j, rx, ry, rz)
+        contacts.pending[p] = not known
+        if known:
+            _note(contacts, p, overlap, nx, ny, nz, x, y, z)
+
+
 @routine
 def search_ellipsoids(bodies, contacts, p, width, periodic):
     """Update pending contact p between ellipsoids."""
@@ -87,6 +107,22 @@ def search_polyhedra(shapes, bodies, contacts, p, width, periodic):
     _note(contacts, p, overlap, nx, ny, nz, x, y, z)
 
 
+@routine
+def search_mixed(shapes, bodies, contacts, p, width, periodic):
+    """Update pending contact p between ellipsoids, polyhedra or one of each."""
+    i, j = contacts.body_a[p], contacts.body_b[p]
+    hull_a, hull_b = is_hull(shapes, bodies, i), is_hull(shapes, bodies, j)
+    if hull_a and hull_b:
+        search_polyhedra(shapes, bodies, contacts, p, width, periodic)
+    elif hull_a or hull_b:
+        rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
+        overlap, nx, ny, nz, x, y, z = search_mixed_contact(shapes, bodies, contacts, p, i, j, rx, ry, rz)
+        contacts.pending[p] = 0
+        _note(contacts, p, overlap, nx, ny, nz, x, y, z)
+    else:
+        search_ellipsoids(bodies, contacts, p, width, periodic)
+
+
 @leaf
 def _note(contacts, p, overlap, nx, ny, nz, px, py, pz):
     """Write what was found; a contact that ended loses its springs."""
@@ -106,7 +142,7 @@ def _end(contacts, p):
 
 
 @leaf
-def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch):
+def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit):
     """Force of touching contact p on b, torques on both, and its springs."""
     i, j = contacts.body_a[p], contacts.body_b[p]
     rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
@@ -123,11 +159,15 @@ def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, per
     uy += (bz * qx - bx * qz) - (az * px - ax * pz)
     uz += (bx * qy - by * qx) - (ax * py - ay * px)
     mass = bodies.mass[i] * bodies.mass[j] / (bodies.mass[i] + bodies.mass[j])
-    push = normal_force(law, mass, contacts.overlap[p], ux * nx + uy * ny + uz * nz, attractive)
+    if implicit:
+        damping, tangential_damping = implicit_dashpot(law, max(1.0, bodies.hold[i], bodies.hold[j]))
+    else:
+        damping, tangential_damping = explicit_dashpot(law)
+    push = normal_force(law, damping, mass, contacts.overlap[p], ux * nx + uy * ny + uz * nz, attractive)
     fx, fy, fz = push * nx, push * ny, push * nz
     if friction:
         tx, ty, tz, sx, sy, sz = tangential_force(
-            law, mass, law.friction * abs(push), dt, nx, ny, nz, ux, uy, uz,
+            law, tangential_damping, mass, law.friction * abs(push), dt, nx, ny, nz, ux, uy, uz,
             contacts.spring[p, 0], contacts.spring[p, 1], contacts.spring[p, 2],
         )  # fmt: skip
         contacts.spring[p, 0], contacts.spring[p, 1], contacts.spring[p, 2] = sx, sy, sz
@@ -136,8 +176,9 @@ def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, per
     mx, my, mz = 0.0, 0.0, 0.0
     if patch:
         mx, my, mz = patch_torque(
-            law, mass, push, dt, nx, ny, nz, bx - ax, by - ay, bz - az, contacts.spread, contacts.twist, p, friction
-        )
+            law, damping, tangential_damping, mass, push, dt, nx, ny, nz, bx - ax, by - ay, bz - az,
+            contacts.spread, contacts.twist, p, friction,
+        )  # fmt: skip
     contacts.torque_a[p, 0] = -(py * fz - pz * fy) - mx
     contacts.torque_a[p, 1] = -(pz * fx - px * fz) - my
     contacts.torque_a[p, 2] = -(px * fy - py * fx) - mz
@@ -147,7 +188,7 @@ def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, per
 
 
 @leaf
-def press_wall(bodies, walls, law, dt, w, friction, attractive, patch):
+def press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit):
     """Force and torque of touching wall w on its body, and its springs."""
     i = walls.body[w]
     nx, ny, nz = walls.normal[w, 0], walls.normal[w, 1], walls.normal[w, 2]
@@ -157,11 +198,15 @@ def press_wall(bodies, walls, law, dt, w, friction, attractive, patch):
     uy = bodies.velocity[i, 1] + wz * px - wx * pz
     uz = bodies.velocity[i, 2] + wx * py - wy * px
     mass = bodies.mass[i]
-    push = normal_force(law, mass, walls.overlap[w], ux * nx + uy * ny + uz * nz, attractive)
+    if implicit:
+        damping, tangential_damping = implicit_dashpot(law, max(1.0, bodies.hold[i]))
+    else:
+        damping, tangential_damping = explicit_dashpot(law)
+    push = normal_force(law, damping, mass, walls.overlap[w], ux * nx + uy * ny + uz * nz, attractive)
     fx, fy, fz = push * nx, push * ny, push * nz
     if friction:
         tx, ty, tz, sx, sy, sz = tangential_force(
-            law, mass, law.friction * abs(push), dt, nx, ny, nz, ux, uy, uz,
+            law, tangential_damping, mass, law.friction * abs(push), dt, nx, ny, nz, ux, uy, uz,
             walls.spring[w, 0], walls.spring[w, 1], walls.spring[w, 2],
         )  # fmt: skip
         walls.spring[w, 0], walls.spring[w, 1], walls.spring[w, 2] = sx, sy, sz
@@ -169,7 +214,10 @@ def press_wall(bodies, walls, law, dt, w, friction, attractive, patch):
     walls.force[w, 0], walls.force[w, 1], walls.force[w, 2] = fx, fy, fz
     mx, my, mz = 0.0, 0.0, 0.0
     if patch:
-        mx, my, mz = patch_torque(law, mass, push, dt, nx, ny, nz, wx, wy, wz, walls.spread, walls.twist, w, friction)
+        mx, my, mz = patch_torque(
+            law, damping, tangential_damping, mass, push, dt, nx, ny, nz, wx, wy, wz,
+            walls.spread, walls.twist, w, friction,
+        )  # fmt: skip
     walls.torque[w, 0] = py * fz - pz * fy + mx
     walls.torque[w, 1] = pz * fx - px * fz + my
     walls.torque[w, 2] = px * fy - py * fx + mz

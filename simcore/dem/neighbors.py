@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from simcore.compilation import kernel
+from simcore.compilation import kernel, leaf
 from simcore.dem.bodies import Bodies, Contacts, Walls
-from simcore.dem.contact.ellipsoid_climb import gap_along
+from simcore.dem.contact.ellipsoid_climb import support_height
 from simcore.dem.contact.wall import CYLINDER, FLOOR
 from simcore.dem.features import Features
-from simcore.dem.shapes import CONVEX, SPHERE, Shapes, base_direction, climb_from_hint, vertex_offset
+from simcore.dem.shapes import CONVEX, MIXED, SPHERE, Shapes, base_direction, climb_from_hint, is_hull
 
 
 class Box(NamedTuple):
@@ -44,7 +44,7 @@ def list_near(
     pairs = find_pairs(bodies.position, bodies.radius, box, skin)
     if features.kind != SPHERE:
         before = _empty_contacts(pairs[:0], 0, features) if old is None else old.contacts
-        pairs = pairs[_can_meet(pairs, bodies, shapes, before, box.width, skin, features.kind == CONVEX)]
+        pairs = pairs[_can_meet(pairs, bodies, shapes, before, box.width, skin)]
         bodies.listed_turned[:] = bodies.turned
     contacts = _empty_contacts(pairs, len(bodies.mass), features)
     walls = _empty_walls(bodies, shapes, box, 0.5 * skin, features)
@@ -175,6 +175,11 @@ def _search(members, grid, wrapped, shift, radius, skin, span, width, same_level
     return found[:n_found].copy()
 
 
+def bytes_per_pair(features: Features) -> int:
+    """Memory of a near pair of a scene with these features."""
+    return sum(array.nbytes for array in _empty_contacts(np.zeros((1, 4), np.int64), 0, features)) - 8
+
+
 def _empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Contacts:
     m = len(pairs)
     body_a, body_b, image = pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:].astype(np.int32)
@@ -194,7 +199,7 @@ def _empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Con
         touching=np.zeros(m, np.uint8),
         pending=np.zeros(apart, np.uint8),
         direction=np.zeros((m, 3)),
-        facet=np.full((m if features.kind == CONVEX else 0, 6), -1, np.int32),
+        facet=np.full((m if features.kind in (CONVEX, MIXED) else 0, 6), -1, np.int32),
         apart_at=np.zeros((apart, 3)),
         safe_until=np.full(apart, -np.inf),
         spring=np.zeros((springs, 3)),
@@ -242,7 +247,7 @@ def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, reach: float, feature
 
 
 @kernel
-def _can_meet(pairs, bodies, shapes, old, width, skin, convex):
+def _can_meet(pairs, bodies, shapes, old, width, skin):
     """Whether each pair (m, 4) can touch before the next list, as far as is seen at once: (m,) bool."""
     can = np.ones(len(pairs), np.bool_)
     k, n_old = 0, len(old.body_a)
@@ -264,17 +269,19 @@ def _can_meet(pairs, bodies, shapes, old, width, skin, convex):
         if distance == 0.0:
             continue
         nx, ny, nz = rx / distance, ry / distance, rz / distance
-        a, b = shapes.vertex_start[bodies.shape[i]], shapes.vertex_start[bodies.shape[j]]
-        if convex and a < shapes.vertex_start[bodies.shape[i] + 1] and b < shapes.vertex_start[bodies.shape[j] + 1]:
-            a = climb_from_hint(shapes, bodies.shape[i], *base_direction(bodies, i, nx, ny, nz))
-            b = climb_from_hint(shapes, bodies.shape[j], *base_direction(bodies, j, -nx, -ny, -nz))
-            ax, ay, az = vertex_offset(shapes, bodies, i, a)
-            bx, by, bz = vertex_offset(shapes, bodies, j, b)
-            gap = distance - (ax - bx) * nx - (ay - by) * ny - (az - bz) * nz
-        else:
-            gap = gap_along(bodies.form_matrix, i, j, rx, ry, rz, nx, ny, nz)
-        can[p] = gap <= skin
+        reach = _reach(shapes, bodies, i, nx, ny, nz) + _reach(shapes, bodies, j, -nx, -ny, -nz)
+        can[p] = distance - reach <= skin
     return can
+
+
+@leaf
+def _reach(shapes, bodies, i, nx, ny, nz):
+    """How far body i, a hull or an ellipsoid, reaches along n from its centre."""
+    if not is_hull(shapes, bodies, i):
+        return support_height(bodies.form_matrix, i, nx, ny, nz)
+    dx, dy, dz = base_direction(bodies, i, nx, ny, nz)
+    v = climb_from_hint(shapes, bodies.shape[i], dx, dy, dz)
+    return dx * shapes.vertices[v, 0] + dy * shapes.vertices[v, 1] + dz * shapes.vertices[v, 2]
 
 
 @kernel

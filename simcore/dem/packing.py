@@ -14,12 +14,14 @@ from numba import get_num_threads
 
 from simcore.dem.bodies import Bodies, join_bodies, make_bodies
 from simcore.dem.contact.patch import make_room
+from simcore.dem.expectation import expect, warnings
 from simcore.dem.generation import give_birth, lattice_sites, occupy_sites
 from simcore.dem.neighbors import Box, Near, list_near
 from simcore.dem.observation import Observation, observe
 from simcore.dem.scene import Scene
 from simcore.dem.shapes import Base, collect_shapes
 from simcore.dem.stepping import STAGES, Drive, make_advance
+from simcore.dem.watch import PackingError, Stability, Watch
 
 GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"
 # Of the mean sieve size: the skin at rest, and how far it grows while lists hold for fewer steps than LIST_HOLDS[0],
@@ -29,8 +31,6 @@ LIST_HOLDS = (100, 1000)
 SKIN_STEP = 1.5
 REFILL_HEIGHT = 0.6  # of the domain: where the study's batches begin
 STUDY_FIRST_FILL = 0.1
-# Speed that no grain reaches by falling through the domain and shaking, with this margin: then a contact blew up.
-SPEED_MARGIN = 5.0
 
 
 class Draw(NamedTuple):
@@ -52,6 +52,7 @@ class Packed(NamedTuple):
     time: float  # [s], simulated
     last_birth: float  # [s], simulated
     checks: list  # (time [s], phase, Observation) at every convergence interval
+    stability: Stability | None = None
 
     @property
     def contacts(self):
@@ -60,10 +61,6 @@ class Packed(NamedTuple):
     @property
     def walls(self):
         return self.near.walls
-
-
-class PackingError(RuntimeError):
-    """A packing that failed: did not converge, blew up, or does not fit. The message names grain and cause."""
 
 
 def pack(scene: Scene, bases: list[Base], draw: Callable, report: Callable = lambda line: None) -> Packed:
@@ -96,6 +93,7 @@ class Process:
         self.shaking_steps = round(scene.shaking.duration / self.dt)
         self.step = 0
         self.listed_step = 0
+        self.watch = Watch(scene, self.box.width, report)
         self.bodies = None
         self.near = None
         self.checks = []
@@ -109,17 +107,33 @@ class Process:
         return self.near.walls
 
     def run(self):
+        expected = self.expect()
         last_birth = self.generate()
         self.shake(last_birth + self.shaking_steps)
         observation = self.settle()
         self.evaluate()
         return Packed(
-            self.bodies, self.near, observation, self.step, self.step * self.dt, last_birth * self.dt, self.checks
+            self.bodies,
+            self.near,
+            observation,
+            self.step,
+            self.step * self.dt,
+            last_birth * self.dt,
+            self.checks,
+            self.watch.stability(expected.stability),
         )
+
+    def expect(self):
+        """What can be said of the scene before it runs, with its warnings."""
+        expected = expect(self.scene, self.bases, self.draw)
+        for text in warnings(self.scene, expected):
+            self.progress.phase(f"warning: {text}")
+        return expected
 
     def place(self, bodies, mean_size):
         """These are the bodies now; mean_size [m]: of their sieve sizes, the measure of the skin."""
         self.bodies, self.mean_size = bodies, mean_size
+        self.watch.look_again()
         self.skin = (SKIN if self.scene.numerics.skin is None else self.scene.numerics.skin) * mean_size
         self.list_near()
 
@@ -170,7 +184,7 @@ class Process:
             f"{scene.name}: not at rest after {scene.damping.max_time:g} s of damping, step {self.step}: mean height "
             f"changed by {change:.2g} m in {goal.interval:g} s (allowed {goal.height_change:g}), grain {fastest} moves "
             f"at {seen.max_speed:.2g} m/s (allowed {goal.max_speed:g}), unbalanced force {seen.unbalanced_force:.2g} "
-            f"(allowed {goal.max_unbalanced_force:g}). Shake or damp longer, or loosen `convergence`"
+            f"(allowed {goal.max_unbalanced_force:g}){self.watch.hint()}. Shake or damp longer, or loosen `convergence`"
         )
 
     # -- births ---------------------------------------------------------------------------------------------
@@ -227,7 +241,7 @@ class Process:
                 count = int(np.searchsorted(mass, scene.amount_mass)) + 1
         birth = give_birth(generation, sites[taken[:count]], drawn.sieve_size[:count], drawn.uniforms[:count])
         new = make_bodies(
-            self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, scene.kind
+            self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, self.features
         )
         everyone = new if self.bodies is None else join_bodies(self.bodies, new)
         self.place(everyone, float(np.mean(drawn.sieve_size[:count])))
@@ -262,10 +276,10 @@ class Process:
             self.step += done
             left -= done
             if stale:
-                self._check_finite()
+                self.watch.check_finite(self.bodies, self.step)
                 self.list_near()
         seen = observe(self.bodies, self.near)
-        self._check_speed(seen)
+        self.watch.look(self.bodies, self.near, seen, drive, self.step, n_steps)
         self.checks.append((self.step * self.dt, phase, seen))
         self.progress.line(phase, self.step, self.dt, len(self.bodies.mass), seen, end)
         return seen
@@ -304,30 +318,6 @@ class Process:
     def _fastest(self):
         """Id of the grain whose centre moves fastest."""
         return int(np.argmax((self.bodies.velocity**2).sum(axis=1)))
-
-    def _check_finite(self):
-        bad = ~np.isfinite(self.bodies.position).all(axis=1) | ~np.isfinite(self.bodies.angular_momentum).all(axis=1)
-        if bad.any():
-            raise PackingError(
-                f"{self.scene.name}: the position of grain {int(np.argmax(bad))} is not finite at step {self.step}; "
-                f"most likely the time step is too long: raise numerics.steps_per_contact_time (now "
-                f"{self.scene.numerics.steps_per_contact_time:g})"
-            )
-
-    def _check_speed(self, seen):
-        self._check_finite()
-        scene = self.scene
-        birth = scene.generation.velocity_z**2 + 2.0 * scene.generation.velocity_horizontal**2
-        fall = np.sqrt(birth + 2.0 * scene.material.effective_gravity * scene.domain.height)
-        limit = SPEED_MARGIN * (fall + scene.shaking.acceleration / scene.shaking.rate)
-        if seen.max_speed > limit:
-            fastest = self._fastest()
-            raise PackingError(
-                f"{scene.name}: grain {fastest} moves at {seen.max_speed:.3g} m/s at step {self.step}, more than fall "
-                f"and shaking can give ({limit / SPEED_MARGIN:.3g} m/s); the time step is too long for its contacts "
-                f"(raise numerics.steps_per_contact_time, now {scene.numerics.steps_per_contact_time:g}) or grains "
-                f"overlapped at birth (raise generation.spacing)"
-            )
 
 
 def extents(bases: list[Base], drawn: Draw, any_orientation: bool):

@@ -3,10 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from simcore.dem.features import Features
-from simcore.dem.force_laws import ContactLaw, contact_law
-from simcore.dem.shapes import CONVEX
+from simcore.dem.force_laws import ContactLaw, contact_law, explicit_dashpot, implicit_dashpot, implicit_law
+from simcore.dem.shapes import CONVEX, MIXED
+
+# Steps per contact time with which beds of the default material came to rest (results/work_precision/rest.csv).
+STEPS_FOR_REST = {"explicit": 40, "implicit": 20}
 
 
 @dataclass(frozen=True)
@@ -90,6 +94,7 @@ class Convergence:
 class Numerics:
     contact_time: float
     steps_per_contact_time: float
+    dashpot: str
     contact_region: str
     skin: float | None
     progress_interval: float
@@ -105,7 +110,7 @@ class Scene:
 
     name: str
     seed: int
-    kind: int  # of simcore.dem.shapes: SPHERE, ELLIPSOID or CONVEX
+    kind: int  # of simcore.dem.shapes: SPHERE, ELLIPSOID, CONVEX or MIXED
     amount_mass: float | None
     amount_grains: int | None
     domain: Domain
@@ -117,12 +122,13 @@ class Scene:
     numerics: Numerics
 
     def __post_init__(self):
-        needed = minimum_steps_per_contact_time(self.law)
+        needed = minimum_steps_per_contact_time(self.continuous_law, self.implicit)
         if self.numerics.steps_per_contact_time < needed:
             raise ValueError(
                 f"numerics.steps_per_contact_time: {self.numerics.steps_per_contact_time:g} is unstable for a grain "
-                f"pinched between two others; at restitution {self.material.restitution:g} at least {needed:.2f} "
-                f"steps are needed, and 40, the study's, for beds whose grains have many contacts to come to rest"
+                f"pinched between two others; at restitution {self.material.restitution:g} with an "
+                f"{self.numerics.dashpot} dashpot at least {needed:.2f} steps are needed, and "
+                f"{STEPS_FOR_REST[self.numerics.dashpot]} for beds whose grains have many contacts to come to rest"
             )
         if self.material.fluid_density >= self.material.density:
             raise ValueError(
@@ -141,21 +147,60 @@ class Scene:
             cylinder=not self.domain.periodic,
             periodic=self.domain.periodic,
             shaken=self.shaking.amplitude > 0.0 and self.shaking.duration > 0.0,
-            patch=self.kind == CONVEX and self.numerics.contact_region == "patch",
+            patch=self.kind in (CONVEX, MIXED) and self.numerics.contact_region == "patch",
+            implicit=self.implicit,
         )
 
     @property
+    def implicit(self) -> bool:
+        """Whether the dashpot is."""
+        return self.numerics.dashpot == "implicit"
+
+    @property
     def law(self) -> ContactLaw:
+        """The law as this scene's time step applies it."""
+        return implicit_law(self.continuous_law, self.numerics.time_step) if self.implicit else self.continuous_law
+
+    @property
+    def continuous_law(self) -> ContactLaw:
+        """The law that it tends to with the time step."""
         m = self.material
         return contact_law(m.restitution, self.numerics.contact_time, m.poisson_ratio, m.friction)
 
 
-def minimum_steps_per_contact_time(law: ContactLaw) -> float:
-    """Steps per contact time at which semi-implicit Euler is just stable for a grain held by two contacts.
-
-    A mode with s contacts of one kind has stiffness s k and damping s d (proportional damping), and is stable up to
-    dt = (√(d² + 4 k m) − d) / k with these; s = 2 occurs in any bed.
-    """
-    stiffness, damping = 2.0 * law.stiffness, 2.0 * law.damping
+def minimum_steps_per_contact_time(law: ContactLaw, implicit: bool = False, **mode: float) -> float:
+    """Steps per contact time at which a mode is just stable; for law, implicit and mode see longest_stable_step."""
     contact_time = 2.0 * np.pi / np.sqrt(4.0 * law.stiffness - law.damping**2)
-    return float(contact_time * stiffness / (np.sqrt(damping**2 + 4.0 * stiffness) - damping))
+    return float(contact_time / longest_stable_step(law, implicit, **mode))
+
+
+def longest_stable_step(
+    law: ContactLaw, implicit: bool, contacts: float = 2.0, normal: float | None = None, tangential: float = 0.0
+) -> float:
+    """Time step [s] at which semi-implicit Euler is just stable for a mode of a grain.
+
+    law: the continuous one. contacts: of the grain, at least 1. normal, tangential: how many springs of each kind act
+    on the mode, per effective mass; None: all contacts along one line, of which a grain pinched between two, as it
+    occurs in any bed, has two. A sphere among z fixed ones that surround it evenly has z / 3 and 2 z / 3 when it moves,
+    0 and 5 z / 3 when it turns.
+
+    With stiffness K and damping D of the mode its motion is u' = -K x - D u, x' = u, and semi-implicit Euler is stable
+    where 4 - 2 D h - K h² > 0 (Jury's conditions). For s contacts along a line that is, with an explicit dashpot, up to
+    h = (√(γ² + 4 ω² / s) - γ) / ω²; with an implicit one, up to the positive root of
+    (4 + 2 (s - 1) γ h) (1 + γ h / 2) = s ω² h² (1 + (s - 1/2) γ h): h = 2 / ω for s = 1.
+    """
+    if contacts < 1.0:
+        raise ValueError(f"contacts: {contacts:g}, but a mode needs at least 1")
+    normal = contacts if normal is None else normal
+
+    def margin(h):
+        at_step = implicit_law(law, h) if implicit else law
+        dashpots = implicit_dashpot.py_func(at_step, contacts) if implicit else explicit_dashpot.py_func(law)
+        stiffness = (normal + tangential * at_step.tangential) * at_step.stiffness
+        return 4.0 - 2.0 * h * (normal * dashpots[0] + tangential * dashpots[1]) - h * h * stiffness
+
+    # The margin falls with h all the way: both h D and h² K grow.
+    beyond = 1.0 / np.sqrt(law.stiffness)
+    while margin(beyond) > 0.0:
+        beyond *= 2.0
+    return float(brentq(margin, 0.0, beyond, xtol=1e-12 * beyond))

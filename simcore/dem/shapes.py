@@ -16,6 +16,7 @@ from simcore.compilation import leaf
 SPHERE = 0  # the base is the unit sphere and all scales of a body are equal
 ELLIPSOID = 1  # the base is the unit sphere
 CONVEX = 2  # the base is a convex hull
+MIXED = 3  # of scenes only: bodies whose base is the unit sphere are ellipsoids, the others hulls
 
 HINT_GRID = 6  # cells along the edge of a cube of directions: a climb from the cell's vertex is one or two edges long
 HINT_CELLS = 6 * HINT_GRID * HINT_GRID
@@ -53,7 +54,7 @@ def collect_shapes(bases: list[Base]) -> Shapes:
     starts, rings = [np.zeros(1, np.int64)], []
     for base, offset in zip(bases, vertex_start[:-1], strict=True):
         start, ring = _rings(base)
-        starts.append(start[1:] + starts[-1][-1])
+        starts.append(start[1:] + sum(map(len, rings)))
         rings.append(ring + offset)
     return Shapes(
         vertex_start,
@@ -144,6 +145,13 @@ def climb(shapes, vertex, dx, dy, dz):
         if higher == vertex:
             return vertex
         vertex = higher
+
+
+@leaf
+def is_hull(shapes, bodies, i):
+    """Whether body i is a convex hull: its base has vertices."""
+    shape = bodies.shape[i]
+    return shapes.vertex_start[shape] < shapes.vertex_start[shape + 1]
 
 
 @leaf

@@ -33,15 +33,17 @@ from simcore.dem.force_laws import ContactLaw
 from simcore.dem.integrators import derive_form_matrix, move, spin_sphere, turn
 from simcore.dem.interaction import (
     check_ellipsoids,
+    check_mixed,
     check_polyhedra,
     check_spheres,
     partner_offset,
     press_contact,
     press_wall,
     search_ellipsoids,
+    search_mixed,
     search_polyhedra,
 )
-from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE
+from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, is_hull
 
 STAGES = ("contact", "force", "integration")
 
@@ -70,9 +72,9 @@ def make_advance(features: Features):
 
 
 @cache
-def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken, patch, timed):
+def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken, patch, implicit, timed):
     walled = floor or cylinder
-    patch = patch and kind == CONVEX
+    patch = patch and (kind == CONVEX or kind == MIXED)
 
     @parallel_kernel
     def advance(bodies, shapes, contacts, walls, room, law: ContactLaw, drive: Drive, clock, first_step, n_steps):
@@ -88,9 +90,13 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                     # Nothing is ever left pending: pressed at once, what was found is still at hand.
                     check_spheres(bodies, contacts, p, width, periodic)
                     if contacts.touching[p] != 0:
-                        press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch)
+                        press_contact(
+                            bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit
+                        )
                 elif kind == ELLIPSOID:
                     check_ellipsoids(bodies, contacts, p, width, periodic)
+                elif kind == MIXED:
+                    check_mixed(shapes, bodies, contacts, p, width, periodic)
                 else:
                     check_polyhedra(shapes, bodies, contacts, p, width, periodic)
             # A loop of its own: what is rare and long stays out of the loop that is neither.
@@ -99,40 +105,45 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                     if contacts.pending[p] != 0:
                         if kind == ELLIPSOID:
                             search_ellipsoids(bodies, contacts, p, width, periodic)
+                        elif kind == MIXED:
+                            search_mixed(shapes, bodies, contacts, p, width, periodic)
                         else:
                             search_polyhedra(shapes, bodies, contacts, p, width, periodic)
             if patch:
                 for p in prange(n_pairs):
                     if contacts.touching[p] != 0:
                         i, j = contacts.body_a[p], contacts.body_b[p]
-                        rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
-                        find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, get_thread_id())
+                        if kind != MIXED or (is_hull(shapes, bodies, i) and is_hull(shapes, bodies, j)):
+                            rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
+                            find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, get_thread_id())
             if timed:
                 middle = cycles()
             if kind != SPHERE:
                 for p in prange(n_pairs):
                     if contacts.touching[p] != 0:
-                        press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch)
+                        press_contact(
+                            bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit
+                        )
             if walled:
                 for w in prange(n_walls):
                     if floor and (not cylinder or walls.wall[w] == FLOOR):
                         if kind == SPHERE:
                             floor_sphere(bodies, walls, w)
-                        elif kind == ELLIPSOID:
+                        elif kind == ELLIPSOID or (kind == MIXED and not is_hull(shapes, bodies, walls.body[w])):
                             floor_ellipsoid(bodies, walls, w)
                         elif floor_convex(shapes, bodies, walls, w) and patch:
                             floor_patch(shapes, bodies, walls, w, room, get_thread_id())
                     elif cylinder:
                         if kind == SPHERE:
                             cylinder_sphere(bodies, walls, w, drive.wall_radius)
-                        elif kind == ELLIPSOID:
+                        elif kind == ELLIPSOID or (kind == MIXED and not is_hull(shapes, bodies, walls.body[w])):
                             cylinder_ellipsoid(bodies, walls, w, drive.wall_radius)
                         else:
                             cylinder_convex(shapes, bodies, walls, w, drive.wall_radius)
                             if patch and walls.touching[w] != 0:
                                 cylinder_patch(shapes, bodies, walls, w, drive.wall_radius)
                     if walls.touching[w] != 0:
-                        press_wall(bodies, walls, law, dt, w, friction, attractive, patch)
+                        press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit)
             if timed:
                 last = cycles()
             push_x = 0.0
@@ -144,13 +155,15 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                     gx, gy, gz, tx, ty, tz = gather_walls(walls, i)
                     fx, fy, fz, mx, my, mz = fx + gx, fy + gy, fz + gz, mx + tx, my + ty, mz + tz
                 note_net_force(bodies, i, fx, fy, fz)
+                if implicit and dt > 0.0:
+                    note_hold(bodies, contacts, walls, i, walled)
                 if dt > 0.0:
                     move(bodies, i, fx, fy, fz, mx, my, mz, push_x, dt, drive.damping)
                     if kind == SPHERE:
                         spin_sphere(bodies, i)
                     else:
                         turn(bodies, i, dt, drive.damping)
-                        if kind == ELLIPSOID:
+                        if kind == ELLIPSOID or (kind == MIXED and not is_hull(shapes, bodies, i)):
                             derive_form_matrix(bodies, i)
                     moved[i] = has_left(bodies, i, drive.list_margin, kind != SPHERE)
             if timed:
@@ -205,6 +218,29 @@ def gather(bodies, contacts, gravity, i):
 def note_net_force(bodies, i, fx, fy, fz):
     """A leaf, since numba drops a parallel loop's own writes to a tuple's array that the kernel never reads."""
     bodies.net_force[i, 0], bodies.net_force[i, 1], bodies.net_force[i, 2] = fx, fy, fz
+
+
+@leaf
+def note_hold(bodies, contacts, walls, i, walled):
+    """How firmly its contacts hold body i: the contacts it has, each weighed by how far it moves this body.
+
+    A pair's relative motion u_a − u_b holds back at most the motion m_a w_a u_a² + m_b w_b u_b² of its bodies with the
+    weights w_a = m_b / (m_a + m_b) / p, w_b = m_a / (m_a + m_b) / (1 − p) and any p within (0, 1); so the weights of a
+    body's contacts add up to a bound of the modes it takes part in. With p = R_b / (R_a + R_b) a contact of like grains
+    weighs 1 on both, one of a small and a large grain 1 on the small and little on the large. A wall weighs 1.
+    """
+    hold = 0.0
+    mass, radius = bodies.mass[i], bodies.radius[i]
+    for k in range(contacts.incident_start[i], contacts.incident_start[i + 1]):
+        p = contacts.incident[k] >> 1
+        if contacts.touching[p] != 0:
+            j = contacts.body_a[p] if contacts.incident[k] & 1 else contacts.body_b[p]
+            hold += bodies.mass[j] * (radius + bodies.radius[j]) / ((mass + bodies.mass[j]) * bodies.radius[j])
+    if walled:
+        for w in range(walls.start[i], walls.start[i + 1]):
+            if walls.touching[w] != 0:
+                hold += 1.0
+    bodies.hold[i] = hold
 
 
 @leaf

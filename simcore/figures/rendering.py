@@ -46,7 +46,8 @@ def project(points, azimuth, elevation):
 def _depth_buffer(packing, camera, pixels):
     """Grain index (-1: none), depth [m] and normal (camera axes) of what each pixel sees, and the picture's extent."""
     surfaces = _surfaces(packing)
-    reach = (packing["scale"].values.max(axis=1) * np.linalg.norm(surfaces[6], axis=1).max())[:, None]
+    farthest = np.maximum.reduceat(np.linalg.norm(surfaces[6], axis=1), surfaces[4])  # of each shape
+    reach = (packing["scale"].values.max(axis=1) * farthest[surfaces[3]])[:, None]
     centres = packing["position"].values @ camera[:2].T
     low, high = (centres - reach).min(axis=0), (centres + reach).max(axis=0)
     pixel = (high - low).max() / pixels

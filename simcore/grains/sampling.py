@@ -12,13 +12,16 @@ from .form import axes_from_form
 FORM_RANGE = (0.1, 1.0)
 _NUMBERS_PER_GRAIN = 8
 _SIZE_CLASS, _SIZE_IN_CLASS, _SHAPE, _FLATNESS, _ELONGATION = range(5)
+# Stream of the numbers that say which grains of a mixture of kinds are ellipsoids: sizes and forms are those of meshes.
+_KIND_STREAM = 2
 
 
 @dataclass(frozen=True)
 class ShapeChoice:
     """Which shapes the grains of a packing get.
 
-    kind: "mesh", "ellipsoid" or "sphere".
+    kind: "mesh", "ellipsoid", "sphere", or "mixed": as "mesh", but each grain with the chance `ellipsoid_share` in its
+    place the ellipsoid of the same axes.
     choice: "one" (the grain named `grain`), "random" (each grain of the set equally likely), "form" (given
     flatness and elongation, ellipsoids only), or "form_distribution" (flatness and elongation independent
     normals, here means, with the two standard deviations, redrawn into FORM_RANGE). Spheres ignore it.
@@ -31,17 +34,23 @@ class ShapeChoice:
     elongation: float | None = None
     flatness_std: float | None = None
     elongation_std: float | None = None
+    ellipsoid_share: float | None = None
 
     def __post_init__(self):
-        if self.kind not in ("mesh", "ellipsoid", "sphere"):
-            raise ValueError(f"shapes: kind {self.kind!r} is unknown: use mesh, ellipsoid or sphere")
+        if self.kind not in ("mesh", "ellipsoid", "sphere", "mixed"):
+            raise ValueError(f"shapes: kind {self.kind!r} is unknown: use mesh, ellipsoid, sphere or mixed")
         if self.choice not in ("one", "random", "form", "form_distribution"):
             raise ValueError(f"shapes: choice {self.choice!r} is unknown: use one, random, form or form_distribution")
+        share = self.ellipsoid_share
+        if self.kind == "mixed" and (share is None or not 0.0 <= share <= 1.0):
+            raise ValueError(f"shapes: kind mixed needs `ellipsoid_share` from 0 to 1, not {share}")
+        if self.kind != "mixed" and share is not None:
+            raise ValueError(f"shapes: ellipsoid_share {share} is for kind mixed, not {self.kind}: leave it out")
         if self.kind == "sphere":
             return
         if self.choice == "one" and not self.grain:
             raise ValueError("shapes: choice `one` needs `grain`, the name of the grain")
-        if self.choice == "form" and self.kind == "mesh":
+        if self.choice == "form" and self.kind != "ellipsoid":
             raise ValueError("shapes: choice `form` is for ellipsoids: use kind ellipsoid or form_distribution")
         if self.choice in ("form", "form_distribution"):
             low, high = FORM_RANGE
@@ -57,8 +66,9 @@ class ShapeChoice:
 class GrainSample:
     """Grains of a packing, in the order of their ids; all arrays of length n, scale (n, 3).
 
-    shape: index of the base shape (the grain in the set; 0 for ellipsoids and spheres); scale: factors along
-    the base's x, y, z (dimensionless for meshes, semi-axes [m] of unit spheres); L, I, S, D [m]; volume [m³].
+    shape: index of the base shape (the grain in the set; 0 for ellipsoids and spheres, which in a mixture with meshes
+    stand after the last grain); scale: factors along the base's x, y, z (dimensionless for meshes, semi-axes [m] of
+    unit spheres); L, I, S, D [m]; volume [m³].
     """
 
     shape: np.ndarray
@@ -106,13 +116,18 @@ def sample_grains(grain_ids, seed, curve, shapes, grains):
     flatness, elongation, index = _forms(shapes, grains, uniforms)
     L, I, S = axes_from_form(D, flatness, elongation)
     axes = np.stack([S, I, L], axis=1)
-    if shapes.kind != "mesh":
+    if shapes.kind in ("ellipsoid", "sphere"):
         return GrainSample(np.zeros(len(D), int), axes / 2, L, I, S, D, np.pi / 6 * L * I * S)
     base_axes = np.array([(g.S, g.I, g.L) for g in grains])[index]
     scale = axes / base_axes
     if shapes.choice != "form_distribution":  # the same form: one factor, free of round-off between the axes
         scale = np.repeat((D / np.array([g.sieve_size for g in grains])[index])[:, None], 3, axis=1)
     volume = np.array([g.volume for g in grains])[index] * scale.prod(axis=1)
+    if shapes.kind == "mixed":
+        smooth = grain_uniforms(grain_ids, seed, stream=_KIND_STREAM)[:, 0] < shapes.ellipsoid_share
+        index = np.where(smooth, len(grains), index)
+        scale = np.where(smooth[:, None], axes / 2, scale)
+        volume = np.where(smooth, np.pi / 6 * L * I * S, volume)
     return GrainSample(index, scale, L, I, S, D, volume)
 
 
@@ -122,14 +137,15 @@ def _forms(shapes, grains, uniforms):
     index = np.zeros(n, int)
     if shapes.kind == "sphere":
         return np.ones(n), np.ones(n), index
-    if (shapes.kind == "mesh" or shapes.choice in ("one", "random")) and not grains:
+    hulls = shapes.kind in ("mesh", "mixed")
+    if (hulls or shapes.choice in ("one", "random")) and not grains:
         raise ValueError(f"shapes: {shapes.kind} with choice {shapes.choice} needs a grain set, it is empty")
     if shapes.choice == "one":
         names = [grain.name for grain in grains]
         if shapes.grain not in names:
             raise ValueError(f"shapes: no grain {shapes.grain!r} in the set, there are {', '.join(names)}")
         index[:] = names.index(shapes.grain)
-    elif shapes.kind == "mesh" or shapes.choice == "random":
+    elif hulls or shapes.choice == "random":
         index = (uniforms[:, _SHAPE] * len(grains)).astype(int)
     if shapes.choice == "form":
         return np.full(n, shapes.flatness), np.full(n, shapes.elongation), index

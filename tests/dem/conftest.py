@@ -11,7 +11,14 @@ from scipy.spatial.transform import Rotation
 
 from simcore.dem.bodies import make_bodies, rotation_matrix
 from simcore.dem.features import Features
-from simcore.dem.interaction import check_ellipsoids, check_polyhedra, search_ellipsoids, search_polyhedra
+from simcore.dem.interaction import (
+    check_ellipsoids,
+    check_mixed,
+    check_polyhedra,
+    search_ellipsoids,
+    search_mixed,
+    search_polyhedra,
+)
 from simcore.dem.neighbors import Box, list_near
 from simcore.dem.shapes import CONVEX, Base, collect_shapes, unit_sphere
 
@@ -107,6 +114,17 @@ def look_at_ellipsoids(bodies, contacts, width):
     return searched
 
 
+@numba.njit(error_model="numpy")
+def look_at_mixed(shapes, bodies, contacts, width):
+    searched = 0
+    for p in range(len(contacts.body_a)):
+        check_mixed(shapes, bodies, contacts, p, width, True)
+        if contacts.pending[p] != 0:
+            search_mixed(shapes, bodies, contacts, p, width, True)
+            searched += 1
+    return searched
+
+
 def certain_gap(contacts, k):
     """The gap that pair k, of bodies that never turned, was told to have."""
     return contacts.safe_until[k] / 0.999
@@ -155,6 +173,7 @@ def shared():
         features=EVERYTHING,
         look_at_polyhedra=look_at_polyhedra,
         look_at_ellipsoids=look_at_ellipsoids,
+        look_at_mixed=look_at_mixed,
         minkowski_difference=minkowski_difference,
         signed_distance=signed_distance,
         gap=certain_gap,

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from simcore.dem.bodies import make_bodies
 from simcore.dem.features import Features
 from simcore.dem.neighbors import Box, find_pairs, list_near
-from simcore.dem.shapes import CONVEX, ELLIPSOID, collect_shapes, unit_sphere
+from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, collect_shapes, unit_sphere
 
 SHAPES = collect_shapes([unit_sphere()])
 
@@ -141,22 +141,24 @@ def test_every_body_lists_its_contacts_in_order_of_partner_and_image(core):
     assert seen == 2 * len(contacts.body_a)
 
 
-@pytest.mark.parametrize("kind", ["convex", "ellipsoid"])
+@pytest.mark.parametrize("kind", ["convex", "ellipsoid", "mixed"])
 def test_no_pair_that_is_left_out_can_touch_before_the_next_list(core, kind):
     """Bodies whose points move by less than half the skin: all that touch then was listed, though half was left out."""
     rng = np.random.default_rng(4)
     n, skin, width = 150, 0.25, 5.0
-    convex = kind == "convex"
-    bases = [core.make_pebble(k, 20) for k in range(5)] if convex else [core.sphere]
+    hulls = [core.make_pebble(k, 20) for k in range(5)]
+    bases = {"convex": hulls, "ellipsoid": [core.sphere], "mixed": [*hulls[:3], core.sphere, core.sphere]}[kind]
     shapes = collect_shapes(bases)
-    features = Features(CONVEX if convex else ELLIPSOID, True)
-    scale = np.full((n, 3), 0.8) if convex else np.tile([0.8, 0.5, 0.3], (n, 1))
+    features = Features({"convex": CONVEX, "ellipsoid": ELLIPSOID, "mixed": MIXED}[kind], True)
     position, turns, still = rng.uniform(0.0, width, (n, 3)), core.orientations(n, rng), np.zeros((n, 3))
     shape = rng.integers(0, len(bases), n)
+    scale = np.array([[0.8] * 3 if len(base.vertices) else [0.8, 0.5, 0.3] for base in bases])[shape]
     bodies = make_bodies(bases, shape, scale, position, turns, still, still, 1.0)
-    look = (lambda b, c: core.look_at_polyhedra(shapes, b, c, width)) if convex else (
-        lambda b, c: core.look_at_ellipsoids(b, c, width)
-    )  # fmt: skip
+    look = {
+        "convex": lambda b, c: core.look_at_polyhedra(shapes, b, c, width),
+        "ellipsoid": lambda b, c: core.look_at_ellipsoids(b, c, width),
+        "mixed": lambda b, c: core.look_at_mixed(shapes, b, c, width),
+    }[kind]
     near = list_near(bodies, shapes, Box(width), skin, features)
     assert len(near.contacts.body_a) < 0.7 * len(find_pairs(position, bodies.radius, Box(width), skin))
     key = lambda c: set(zip(c.body_a, c.body_b, *c.image.T, strict=True))  # noqa: E731

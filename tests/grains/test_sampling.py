@@ -91,6 +91,27 @@ def test_one_shape_is_scaled_uniformly_and_random_ones_equally_often(grains):
     assert abs(stats.pearsonr(random.shape, random.D).statistic) < 4 / np.sqrt(len(IDS))
 
 
+def test_a_mixture_of_kinds_has_the_grains_of_meshes_some_as_their_ellipsoids(grains):
+    mesh = sample_grains(IDS, 3, CURVE, ShapeChoice(), grains)
+    mixed = sample_grains(IDS, 3, CURVE, ShapeChoice("mixed", ellipsoid_share=0.3), grains)
+    smooth = mixed.shape == 4
+    assert stats.binomtest(int(smooth.sum()), len(IDS), 0.3).pvalue > 1e-3
+    for name in ("L", "I", "S", "D"):
+        np.testing.assert_array_equal(getattr(mixed, name), getattr(mesh, name))
+    for name in ("shape", "scale", "volume"):
+        np.testing.assert_array_equal(getattr(mixed, name)[~smooth], getattr(mesh, name)[~smooth])
+    axes = np.stack([mixed.S, mixed.I, mixed.L], axis=1)[smooth]
+    np.testing.assert_array_equal(mixed.scale[smooth], axes / 2)
+    np.testing.assert_allclose(mixed.volume[smooth], np.pi / 6 * axes.prod(axis=1), rtol=1e-14)
+    # Which they are has nothing to do with what they are, and a larger share only adds to them.
+    for values in (mesh.D, mesh.shape):
+        assert abs(stats.pearsonr(smooth, values).statistic) < 4 / np.sqrt(len(IDS))
+    more = sample_grains(IDS, 3, CURVE, ShapeChoice("mixed", ellipsoid_share=0.6), grains)
+    assert (more.shape[smooth] == 4).all()
+    some = sample_grains([9, 4], 3, CURVE, ShapeChoice("mixed", ellipsoid_share=0.3), grains)
+    np.testing.assert_array_equal(some.scale, mixed.scale[[9, 4]])
+
+
 def test_form_distribution_is_the_redrawn_normal(grains):
     sample = sample_grains(IDS, 3, CURVE, ShapeChoice("ellipsoid", "form_distribution", **MIXTURE), grains)
     for values, mean, std in [(sample.S / sample.I, 0.4, 0.2), (sample.I / sample.L, 0.8, 0.1)]:
@@ -110,6 +131,10 @@ def test_form_distribution_is_the_redrawn_normal(grains):
         ({"choice": "form", "flatness": 0.5, "elongation": 0.5}, "for ellipsoids"),
         ({"kind": "ellipsoid", "choice": "form", "flatness": 1.5, "elongation": 0.5}, "flatness 1.5"),
         ({"choice": "form_distribution", "flatness": 0.5, "elongation": 0.5}, "flatness_std"),
+        ({"kind": "mixed"}, "needs `ellipsoid_share` from 0 to 1"),
+        ({"kind": "mixed", "ellipsoid_share": 1.1}, "not 1.1"),
+        ({"ellipsoid_share": 0.5}, "is for kind mixed, not mesh"),
+        ({"kind": "mixed", "ellipsoid_share": 0.5, "choice": "form"}, "for ellipsoids"),
     ],
 )
 def test_impossible_choices_are_refused(arguments, reason):

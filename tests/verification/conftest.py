@@ -12,13 +12,14 @@ from simcore.dem.features import Features
 from simcore.dem.force_laws import contact_law
 from simcore.dem.integrators import derive_form_matrix, derive_rotation
 from simcore.dem.neighbors import Box, list_near
-from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE, collect_shapes, unit_sphere
+from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, collect_shapes, unit_sphere
 from simcore.dem.stepping import STAGES, Drive, make_advance
 
 
 class Stage:
     """Bodies and what acts on them. law: ContactLaw. All variants have friction and a floor; a law without friction
-    coefficient and a floor far below are data, and compile nothing."""
+    coefficient and a floor far below are data, and compile nothing. implicit: the dashpot; the law then is that of
+    the step (implicit_law)."""
 
     def __init__(
         self,
@@ -32,6 +33,7 @@ class Stage:
         shape=None,
         attractive=True,
         patch=False,
+        implicit=False,
         **drive,
     ):
         position = np.atleast_2d(np.asarray(position, float))
@@ -53,7 +55,7 @@ class Stage:
         self.law = law
         self.width = drive.pop("width", 0.0)
         self.skin = drive.pop("skin", 0.2) * self.bodies.radius.max()
-        self.features = Features(kind, True, attractive, patch=patch and kind == CONVEX)
+        self.features = Features(kind, True, attractive, patch=patch and kind in (CONVEX, MIXED), implicit=implicit)
         self.near = None
         self._list()
         self.drive = {
@@ -115,4 +117,4 @@ class Stage:
 
 @pytest.fixture(scope="session")
 def stage():
-    return SimpleNamespace(Stage=Stage, law=contact_law, SPHERE=SPHERE, ELLIPSOID=ELLIPSOID, CONVEX=CONVEX)
+    return SimpleNamespace(Stage=Stage, law=contact_law, SPHERE=SPHERE, ELLIPSOID=ELLIPSOID, CONVEX=CONVEX, MIXED=MIXED)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.bodies import make_bodies, rotation_matrix
+from simcore.dem.features import Features
 from simcore.dem.force_laws import contact_law
 from simcore.dem.integrators import _cos_sin, derive_rotation, rotate_free, turn
 from simcore.dem.shapes import SPHERE, unit_sphere
@@ -184,10 +185,18 @@ def test_no_point_turns_farther_than_turned():
 def test_spheres_carry_no_rotation(stage):
     """A sphere's orientation matters to nothing: there is no array for `turn` to write to, and its spin is L / I."""
     bodies = make_bodies(
-        [unit_sphere()], [0], [[1.0] * 3], [[0.0] * 3], [[1.0, 0, 0, 0]], [[0.0] * 3], [[3.0, 1.0, 2.0]], 1.0, SPHERE
+        [unit_sphere()],
+        [0],
+        [[1.0] * 3],
+        [[0.0] * 3],
+        [[1.0, 0, 0, 0]],
+        [[0.0] * 3],
+        [[3.0, 1.0, 2.0]],
+        1.0,
+        Features(SPHERE, True),
     )
     empty = [name for name in bodies._fields if len(getattr(bodies, name)) == 0]
-    assert empty == ["orientation", "turned", "listed_turned", "rotation", "form_matrix"]
+    assert empty == ["orientation", "turned", "listed_turned", "rotation", "form_matrix", "hold"]
     still = stage.Stage(
         stage.SPHERE, stage.law(1.0, 1e-3, 0.22, 0.0), [1.0] * 3, [0, 0, 5.0], [0, 0, 0], [3.0, 1.0, 2.0]
     )

@@ -56,6 +56,54 @@ def test_a_single_study_plans_only_what_it_needs(workplace):
     assert not rules & (MODELS | {"report", "grain_report", "form_order"})
 
 
+NO_MESHES = """
+packing: {domain: {width: 45 mm, height: 0.3 m}, amount: {grains: 100}, sizes: {case: U1}}
+studies:
+  spheres:
+    fixes: {shapes: {kind: sphere}}
+  ellipsoids:
+    fixes: {shapes: {kind: ellipsoid, choice: form, flatness: 0.6, elongation: 0.7}}
+"""
+OTHERS = "\n".join(f"  {study}: null" for study in sorted(STUDIES))
+
+
+def test_studies_that_need_no_meshes_make_none(workplace):
+    """Neither for their packings nor for the report, whose whole campaign they are here."""
+    (workplace.folder / "round.yaml").write_text(NO_MESHES + OTHERS)
+    for target in ([], ["spheres"], ["ellipsoids"]):
+        rules = [rule for rule, _ in workplace.plan(*target, "--configfile", "round.yaml")]
+        assert rules.count("packing") == (1 if target else 2)
+        assert not set(rules) & {"grain_set", "decimated_grain_set", "form_order", "grain_report"}, rules
+        assert ("report" in rules) == (not target)
+
+
+def test_a_target_asks_only_for_its_own_inputs(workplace):
+    """Files of each kind, with all the rules that it takes and no other."""
+    packing = {"grain_set", "decimated_grain_set", "packing_specification", "packing"}
+    evaluated = packing | {"porosity"}
+    for target, rules, studies in (
+        ("results/grains/faces_300.nc", {"grain_set", "decimated_grain_set"}, set()),
+        ("results/grains/form_factors.csv", {"grain_set", "grain_report"}, set()),
+        ("results/packings/domain_size/U1-36mm_0.05kg.yaml", {"packing_specification"}, {"domain_size"}),
+        ("results/packings/single_form/U1-form01.nc", packing | {"form_order"}, {"single_form"}),
+        ("results/tables/mesh_resolution.csv", evaluated | {"study_table"}, {"mesh_resolution"}),
+        (
+            "results/models/single_form.csv",
+            evaluated | {"form_order", "study_table", "single_form_models"},
+            {"single_form"},
+        ),
+        (
+            "results/models/application.csv",
+            evaluated | {"study_table", "form_mixture_models"},
+            {"form_mixtures", "application"},
+        ),
+        ("results/figures/packings/validation.png", evaluated | {"study_table", "study_figures"}, {"validation"}),
+    ):
+        jobs = workplace.plan(target)
+        assert {rule for rule, _ in jobs} - {"all"} == rules, target
+        assert {study for _, study in jobs if study} == studies, target
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -13,11 +13,12 @@ except ValueError as error:
     raise WorkflowError(f"config: {error}") from None
 
 packings["is_first"] = ~packings.study.duplicated()
-studies = list(packings.study.unique())
+all_studies = list(packings.study.unique())
+studies = [name for name in all_studies if campaign["studies"][name]["in_all"]]
 titles = {name: campaign["studies"][name]["title"] or name for name in studies}
 
 
 wildcard_constraints:
-    study="|".join(studies),
+    study="|".join(all_studies),
     packing=r"[A-Za-z0-9_.+-]+",
     faces=r"\d+",

@@ -38,12 +38,19 @@ rule packing_specification:
 rule packing:
     input:
         specification="results/packings/{study}/{packing}.yaml",
-        grains=collect(
-            "results/grains/{grain_set}.nc",
-            grain_set=lookup(
-                query="study == '{study}' & packing == '{packing}'",
+        grains=branch(
+            lookup(
+                query="study == '{study}' & packing == '{packing}' & grain_set != ''",
                 within=packings,
                 cols="grain_set",
+            ),
+            then=collect(
+                "results/grains/{grain_set}.nc",
+                grain_set=lookup(
+                    query="study == '{study}' & packing == '{packing}'",
+                    within=packings,
+                    cols="grain_set",
+                ),
             ),
         ),
     output:
@@ -98,7 +105,7 @@ rule study_table:
 
 
 # Each study is a target of its own: `snakemake single_form`.
-for study in studies:
+for study in all_studies:
 
     rule:
         name:

@@ -31,26 +31,36 @@ rule study_figures:
         "../scripts/study_figures.py"
 
 
+# Spheres, and ellipsoids of a given form, are made of no grain: then there is none to report.
+has_grains = (packings.grain_set != "").any()
+
+
 rule report:
     input:
-        grain_tables=collect(
-            "results/grains/{table}.csv",
-            table=[
-                "form_statistics",
-                "shapes_against_scans",
-                "decimation_summary",
-                "principal_components",
-            ],
+        grain_tables=branch(
+            has_grains,
+            then=collect(
+                "results/grains/{table}.csv",
+                table=[
+                    "form_statistics",
+                    "shapes_against_scans",
+                    "decimation_summary",
+                    "principal_components",
+                ],
+            ),
         ),
-        grain_figures=collect(
-            "results/figures/grains/{figure}.png",
-            figure=[
-                "zingg",
-                "histograms",
-                "shapes_against_scans",
-                "decimation",
-                "factor_correlations",
-            ],
+        grain_figures=branch(
+            has_grains,
+            then=collect(
+                "results/figures/grains/{figure}.png",
+                figure=[
+                    "zingg",
+                    "histograms",
+                    "shapes_against_scans",
+                    "decimation",
+                    "factor_correlations",
+                ],
+            ),
         ),
         models=collect("results/models/{model}.csv", model=models),
         model_figures=collect(

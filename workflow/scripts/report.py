@@ -17,11 +17,12 @@ STUDIES = (
 TEST_ONLY = "Test only: these packings are far too small to mean anything."
 
 files, params = snakemake.input, snakemake.params
+# A campaign need not have a model, nor grains of its own.
 sections = [
     ("Models", [*map(picture, files.model_figures), *map(table, files.models)]),
     ("Grains", [*map(picture, files.grain_figures), *map(table, files.grain_tables)]),
-    ("Studies", [paragraph(STUDIES)]),
 ]
+sections = [section for section in sections if section[1]] + [("Studies", [paragraph(STUDIES)])]
 for path, *pictures in zip(files.tables, files.study_figures, files.pictures, files.profiles, strict=True):
     sections.append((params.titles[Path(path).stem], [table(path), *map(picture, pictures)]))
 text = page(TITLE, LEAD, sections, TEST_ONLY if params.test_only else "")

@@ -9,15 +9,17 @@ Within a step, from what the last step left:
     sphere       closed form
     ellipsoid    Newton iteration for the common normal, from the last normal
     polyhedron   check of the facet of the Minkowski difference that was found last
+    mixed        hull against ellipsoid: climb to the common normal, from the last normal and vertex
     gap          pairs apart: how long a gap once seen is certain
     patch        where overlapping polyhedra press: centroid and second moments of their overlap
     wall         floor and cylinder
 
+The climbs themselves: ellipsoid_climb, mixed_climb.
+
 The search from nothing that they fall back on:
 
     minkowski    polyhedra: GJK (`gjk`) and EPA (`epa`), and all facets (`facets`) where these give up
-    deep         ellipsoids that overlap so far that there may be a shorter way out
-    mixed        hull against ellipsoid: the climb to a common normal
+    deep         ellipsoids so deep in another one or in a hull that there may be a shorter way out
     scratch      arrays on the stack, so that no search allocates
 
 Stand-alone, for any two shapes: `query`, `query_many`; `brute` is the reference that they are tested against.

@@ -10,7 +10,7 @@ import numpy as np
 from simcore.compilation import kernel, leaf, routine
 from simcore.dem.contact.ellipsoid_climb import climb_normal, support_height
 from simcore.dem.contact.frame import to_world
-from simcore.dem.contact.mixed import climb_feature
+from simcore.dem.contact.mixed_climb import climb_feature
 from simcore.dem.shapes import CONVEX, ELLIPSOID, SPHERE
 
 SPIRAL = 64
@@ -173,7 +173,7 @@ def depth_by_starts(shapes, solids, i, j, rx, ry, rz, starts, spiral):
         x, y, z = starts[k, 0], starts[k, 1], starts[k, 2]
         if solids.kind[i] == CONVEX:
             v = shapes.vertex_start[solids.shape[i]]
-            _, x, y, z, _, _, _, _, _ = climb_feature(shapes, solids, i, j, rx, ry, rz, size, v, x, y, z, np.inf)
+            _, x, y, z, _, _, _, _, _, _, _ = climb_feature(shapes, solids, i, j, rx, ry, rz, size, v, x, y, z, np.inf)
         else:
             _, x, y, z, _ = climb_normal(solids.form_matrix, i, j, rx, ry, rz, size, x, y, z, np.inf)
         best = max(best, shown(shapes, solids, i, j, rx, ry, rz, x, y, z))

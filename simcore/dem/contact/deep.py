@@ -17,7 +17,7 @@ from numba import types
 
 from simcore.compilation import leaf, routine
 from simcore.dem.contact.ellipsoid_climb import climb_normal, image, support_height
-from simcore.dem.contact.mixed import climb_feature
+from simcore.dem.contact.mixed_climb import climb_feature
 from simcore.dem.contact.polytope import Polytope, insert_point, nearest_face, start_polytope, volume_of
 from simcore.dem.contact.scratch import scratch
 from simcore.dem.shapes import support_vertex, vertex_offset
@@ -122,7 +122,7 @@ def _make_least(hull: bool):
         hx, hy, hz = 0.0, 0.0, 0.0
         converged = True
         if hull:
-            best, bx, by, bz, converged, hx, hy, hz, u = climb_feature(
+            best, bx, by, bz, converged, hx, hy, hz, u, _, _ = climb_feature(
                 shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, np.inf
             )
         # A tetrahedron: along n and back, then as far to either side as M reaches
@@ -168,7 +168,7 @@ def _make_least(hull: bool):
             nx, ny, nz = polytope.normals[face, 0], polytope.normals[face, 1], polytope.normals[face, 2]
             if hull:
                 v, x, y, z = _support_of_mixed(shapes, bodies, m, i, j, rx, ry, rz, v, nx, ny, nz)
-                value, px, py, pz, converged, cx, cy, cz, c = climb_feature(
+                value, px, py, pz, converged, cx, cy, cz, c, _, _ = climb_feature(
                     shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, np.inf
                 )
             else:

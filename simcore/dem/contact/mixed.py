@@ -1,187 +1,195 @@
-"""Convex hull against ellipsoid by the common normal.
+"""Convex hull against ellipsoid: by the common normal, from what the last step found or from nothing.
 
-f(n) = n·r − h_hull(n) − h_ellipsoid(n) is the least of smooth functions, one for each vertex v of the hull:
-f_v(n) = n·(r − v) − h_ellipsoid(n). At its maximum one, two or three of them are equal: the ellipsoid touches a
-corner, an edge or a face. Newton's iteration is then a sequence of small problems: maximise the least of the f_v, each
-with its slope and all with the ellipsoid's curvature, over the vertices that matter. The vertices are found on the way:
-where a step leads to another support vertex that spoils it, that vertex joins in.
+The smooth body makes the contact a point that moves continuously, also where it rolls from a face over an edge: there
+is no patch. The ellipsoid's point along the normal is where they touch; the hull's is known less well on flat faces.
+
+A pair remembers its normal and the corner, edge or face of the hull that is touched. Within a step they change little:
+the normal of a face follows from its vertices, of an edge or a corner by one or two steps of Newton's iteration, and
+where the point still lies inside and no other vertex reaches farther, that is the maximum of f(n) = n·r − h_hull(n) −
+h_ellipsoid(n) again. Else the climb goes on from there (`mixed_climb`).
+
+A gap is concave in n and has one maximum. A maximum that is an overlap below the ellipsoid's rolling radius is the
+global one (`deep` says why), so a new contact needs no search as long as it is shallow; a deeper one is searched at
+every step.
+
+Either body of a pair may be the hull: seen from a hull that is body b, offset and normal change their sign.
 """
 
 import numpy as np
-from numba import types
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact.ellipsoid_climb import image, support_height, tangents
-from simcore.dem.contact.scratch import scratch
-from simcore.dem.shapes import support_vertex, vertex_offset
+from simcore.dem.contact.deep import least_of_mixed, rolling_radius, unit
+from simcore.dem.contact.ellipsoid_climb import image, tangents
+from simcore.dem.contact.gap import STILL_GAP, remember_apart
+from simcore.dem.contact.mixed_climb import climb_feature, gap_along
+from simcore.dem.shapes import base_direction, climb_from_hint, is_hull, vertex_offset
 
-TOLERANCE = 1e-12  # of the pair's size: tangential distance of the two surface points that is left
-GAIN = 1e-15  # of the pair's size: a step that promises less is the last
-ITERATIONS = 60
-CORNERS = 4
-
-_take_vertices = scratch(types.int64, CORNERS)
-_take_slopes = scratch(types.float64, CORNERS, 3)
-_take_weights = scratch(types.float64, CORNERS)
-
-
-@leaf
-def gap_along(shapes, bodies, i, j, rx, ry, rz, v, nx, ny, nz):
-    """f(n) and the hull's support vertex there, climbing from vertex v."""
-    v = support_vertex(shapes, bodies, i, v, nx, ny, nz)
-    x, y, z = vertex_offset(shapes, bodies, i, v)
-    height = support_height(bodies.form_matrix, j, nx, ny, nz)
-    return nx * (rx - x) + ny * (ry - y) + nz * (rz - z) - height, v
+ENOUGH_GAP = 0.02  # of the pair's size: a step need not know a wider gap to the last digit
+# Of the pair's size, as of ellipsoids: tangential distance of the two points that is left. f is flat there: it is known
+# to the square of that over the radius of curvature.
+BESIDE = 1e-11
+CHECK_TOLERANCE = 1e-12  # of the pair's size: by how much another vertex may reach farther; rounding is some 1e-15
+INSIDE_TOLERANCE = 1e-9  # barycentric
+ITERATIONS = 5  # of Newton: from 1e-4, a step's turn, two reach rounding; more is a case for the climb
 
 
 @routine
-def _balance(slopes, n, weights):
-    """Weights λ of the least Σ λ f + ½ |Σ λ t|² with λ >= 0, Σ λ = 1; slopes: rows f, t. Returns that least value.
+def search_normal(shapes, bodies, i, j, rx, ry, rz, size, enough):
+    """Global maximum of f from nothing, hull i and ellipsoid j: (f, normal i to j (3), point of the hull (3),
+    active vertices (3)).
 
-    It is the dual of the small problem, with t in axes in which the curvature is one. A convex function over a simplex
-    is least at a corner or at the stationary point of an edge or a triangle: all are tried.
+    A gap f > enough ends the search early. The point is from the hull's centre; for the vertices see climb_feature.
     """
-    best = np.inf
-    for k in range(n):
-        value = slopes[k, 0] + 0.5 * (slopes[k, 1] ** 2 + slopes[k, 2] ** 2)
-        if value < best:
-            best = value
-            for c in range(n):
-                weights[c] = 0.0
-            weights[k] = 1.0
-    for k in range(n):
-        for m in range(k):
-            df, dp, dq = slopes[k, 0] - slopes[m, 0], slopes[k, 1] - slopes[m, 1], slopes[k, 2] - slopes[m, 2]
-            mu = -(df + dp * slopes[m, 1] + dq * slopes[m, 2]) / (dp * dp + dq * dq)
-            if mu > 0.0 and mu < 1.0:
-                p, q = slopes[m, 1] + mu * dp, slopes[m, 2] + mu * dq
-                value = slopes[m, 0] + mu * df + 0.5 * (p * p + q * q)
-                if value < best:
-                    best = value
-                    for c in range(n):
-                        weights[c] = 0.0
-                    weights[k], weights[m] = mu, 1.0 - mu
-            for o in range(m):
-                ef, ep, eq = slopes[o, 0] - slopes[m, 0], slopes[o, 1] - slopes[m, 1], slopes[o, 2] - slopes[m, 2]
-                # Both t along d and e vanish: solved for the point p, q itself, then for the weights
-                bd = -(df + dp * slopes[m, 1] + dq * slopes[m, 2])
-                be = -(ef + ep * slopes[m, 1] + eq * slopes[m, 2])
-                det = dp * eq - dq * ep
-                sp, sq = (bd * eq - be * dq) / det, (dp * be - ep * bd) / det  # d·s = bd, e·s = be
-                mu, nu = (sp * eq - sq * ep) / det, (dp * sq - dq * sp) / det  # s = mu d + nu e
-                if mu > 0.0 and nu > 0.0 and mu + nu < 1.0:
-                    p, q = slopes[m, 1] + sp, slopes[m, 2] + sq
-                    value = slopes[m, 0] + mu * df + nu * ef + 0.5 * (p * p + q * q)
-                    if value < best:
-                        best = value
-                        for c in range(n):
-                            weights[c] = 0.0
-                        weights[k], weights[o], weights[m] = mu, nu, 1.0 - mu - nu
-    return best
+    nx, ny, nz = unit(rx, ry, rz)
+    v = climb_from_hint(shapes, bodies.shape[i], *base_direction(bodies, i, nx, ny, nz))
+    value, nx, ny, nz, converged, x, y, z, a0, a1, a2 = climb_feature(
+        shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough
+    )
+    certain = rolling_radius(bodies.form_matrix, bodies.rotation, j)
+    if not (value > enough or (converged and value >= -certain)):
+        value, nx, ny, nz, x, y, z, a0 = least_of_mixed(
+            shapes, bodies, bodies.form_matrix, i, j, rx, ry, rz, size, certain, a0, value, nx, ny, nz
+        )
+        a1, a2 = -1, -1
+    return value, nx, ny, nz, x, y, z, a0, a1, a2
 
 
 @routine
-def climb_feature(shapes, bodies, i, j, rx, ry, rz, size, v, nx, ny, nz, enough):
-    """Local maximum of f from n, hull i and ellipsoid j: (f, normal i to j (3), converged, point of the hull (3), v).
-
-    v: vertex to climb from, on return the support vertex. The point is from the hull's centre: the convex combination
-    of the active vertices. A gap f > enough ends the climb early.
-    """
+def check_feature(shapes, bodies, i, j, rx, ry, rz, size, a0, a1, a2, nx, ny, nz):
+    """Whether hull i still touches ellipsoid j with this corner, edge or face: (holds, f, normal (3)), from n."""
     m = bodies.form_matrix
-    vertices, slopes, weights = _take_vertices(), _take_slopes(), _take_weights()
-    value, v = gap_along(shapes, bodies, i, j, rx, ry, rz, v, nx, ny, nz)
-    vertices[0] = v
-    n = 1
-    wx, wy, wz = vertex_offset(shapes, bodies, i, v)
-    last = np.inf
-    for _ in range(ITERATIONS):
-        if value > enough:
-            break
+    vx, vy, vz = vertex_offset(shapes, bodies, i, a0)
+    dx, dy, dz = rx - vx, ry - vy, rz - vz
+    ex, ey, ez, fx, fy, fz, length, area = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0
+    if a1 >= 0:
+        ex, ey, ez = vertex_offset(shapes, bodies, i, a1)
+        ex, ey, ez = ex - vx, ey - vy, ez - vz
+        length = np.sqrt(ex * ex + ey * ey + ez * ez)
+    if a2 >= 0:
+        fx, fy, fz = vertex_offset(shapes, bodies, i, a2)
+        fx, fy, fz = fx - vx, fy - vy, fz - vz
+        x, y, z = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
+        area = np.sqrt(x * x + y * y + z * z)
+        if not area > 1e-13 * size * size:
+            return False, 0.0, nx, ny, nz
+        if x * nx + y * ny + z * nz < 0.0:
+            area = -area
+        nx, ny, nz = x / area, y / area, z / area
+    gx, gy, gz = 0.0, 0.0, 0.0  # from the hull's vertex a0 to the ellipsoid's point
+    for k in range(ITERATIONS + 1):
+        if a1 >= 0 and a2 < 0:  # at right angles to the edge
+            along = (nx * ex + ny * ey + nz * ez) / (length * length)
+            nx, ny, nz = unit(nx - along * ex, ny - along * ey, nz - along * ez)
         ax, ay, az = image(m, j, nx, ny, nz)
         height = np.sqrt(nx * ax + ny * ay + nz * az)
         ax, ay, az = ax / height, ay / height, az / height
-        px, py, pz, qx, qy, qz = tangents(nx, ny, nz)
-        # Curvature of the ellipsoid, and of the sphere of directions; shifted where f has no maximum
-        apx, apy, apz = image(m, j, px, py, pz)
-        aqx, aqy, aqz = image(m, j, qx, qy, qz)
-        ap, aq = ax * px + ay * py + az * pz, ax * qx + ay * qy + az * qz
-        kpp = ((px * apx + py * apy + pz * apz) - ap * ap) / height + value
-        kqq = ((qx * aqx + qy * aqy + qz * aqz) - aq * aq) / height + value
-        kpq = ((px * aqx + py * aqy + pz * aqz) - ap * aq) / height
-        mean, spread = 0.5 * (kpp + kqq), np.sqrt(0.25 * (kpp - kqq) ** 2 + kpq * kpq)
-        least, most = mean - spread, max(abs(mean - spread), abs(mean + spread))
-        if least < 1e-6 * most:
-            kpp += 1e-2 * most - least
-            kqq += 1e-2 * most - least
-        # K = L Lᵀ
-        lpp = np.sqrt(kpp)
-        lpq = kpq / lpp
-        lqq = np.sqrt(kqq - lpq * lpq)
-        gain, residual, moved = 0.0, 0.0, False
-        x, y, z, trial, u = nx, ny, nz, value, v
-        promised = np.inf
-        for _ in range(30):
-            for k in range(n):
-                cx, cy, cz = vertex_offset(shapes, bodies, i, vertices[k])
-                gx, gy, gz = rx - ax - cx, ry - ay - cy, rz - az - cz
-                tp = (gx * px + gy * py + gz * pz) / lpp
-                slopes[k, 0] = gx * nx + gy * ny + gz * nz - value
-                slopes[k, 1] = tp
-                slopes[k, 2] = ((gx * qx + gy * qy + gz * qz) - lpq * tp) / lqq
-            gain = _balance(slopes, n, weights)
-            tp, tq = 0.0, 0.0
-            wx, wy, wz = 0.0, 0.0, 0.0
-            for k in range(n):
-                tp += weights[k] * slopes[k, 1]
-                tq += weights[k] * slopes[k, 2]
-                cx, cy, cz = vertex_offset(shapes, bodies, i, vertices[k])
-                wx, wy, wz = wx + weights[k] * cx, wy + weights[k] * cy, wz + weights[k] * cz
-            residual = abs(lpp * tp) + abs(lpq * tp + lqq * tq)
-            sq = tq / lqq
-            sp = (tp - lpq * sq) / lpp
-            length = np.sqrt(sp * sp + sq * sq)
-            share = 1.0
-            if length > 0.5:
-                share = 0.5 / length
-                sp, sq = share * sp, share * sq
-            # A vertex that joined and took nothing from the promise spoils the step by curvature, not by slope: then
-            # the step is too long.
-            open_to_more = gain < promised * (1.0 - 1e-9)
-            promised = gain
-            fresh = False
-            for _ in range(40):
-                x, y, z = nx + sp * px + sq * qx, ny + sp * py + sq * qy, nz + sp * pz + sq * qz
-                norm = np.sqrt(x * x + y * y + z * z)
-                x, y, z = x / norm, y / norm, z / norm
-                trial, u = gap_along(shapes, bodies, i, j, rx, ry, rz, v, x, y, z)
-                fresh = True
-                for k in range(n):
-                    if vertices[k] == u:
-                        fresh = False
-                # A step must bring its share of the promise, or it would leap to and fro over a sharp rim.
-                moved = trial >= value + 0.1 * share * gain - 1e-15 * size
-                if moved or (fresh and open_to_more):
-                    break
-                fresh = False
-                sp, sq, share = 0.5 * sp, 0.5 * sq, 0.5 * share
-            kept = 0
-            fresh_now = fresh or moved  # the support vertex of where the step leads stays in any case
-            for k in range(n):
-                if weights[k] > 0.0:
-                    fresh_now = fresh_now and vertices[k] != u
-                    vertices[kept] = vertices[k]
-                    kept += 1
-            n = kept
-            if fresh_now:
-                vertices[n] = u
-                n += 1
-            if moved or not fresh:
+        gx, gy, gz = dx - ax, dy - ay, dz - az
+        value = gx * nx + gy * ny + gz * nz
+        if a2 >= 0:
+            break
+        if a1 >= 0:  # about the edge
+            px, py, pz = (ey * nz - ez * ny) / length, (ez * nx - ex * nz) / length, (ex * ny - ey * nx) / length
+            gp = gx * px + gy * py + gz * pz
+            if abs(gp) <= BESIDE * size:
                 break
-        if gain <= GAIN * size and (residual <= TOLERANCE * size or residual > 0.5 * last or not moved):
-            return value, nx, ny, nz, True, wx, wy, wz, v
-        if not moved:
-            return value, nx, ny, nz, False, wx, wy, wz, v
-        if gain <= GAIN * size:  # nothing left to gain, but the points of flat ellipsoids still move
-            last = residual
-        value, nx, ny, nz, v = trial, x, y, z, u
-    return value, nx, ny, nz, value > enough, wx, wy, wz, v
+            x, y, z = image(m, j, px, py, pz)
+            ap = ax * px + ay * py + az * pz
+            step = gp / (((px * x + py * y + pz * z) - ap * ap) / height + value)
+            sx, sy, sz = step * px, step * py, step * pz
+        else:
+            px, py, pz, qx, qy, qz = tangents(nx, ny, nz)
+            gp, gq = gx * px + gy * py + gz * pz, gx * qx + gy * qy + gz * qz
+            if abs(gp) + abs(gq) <= BESIDE * size:
+                break
+            ap, aq = ax * px + ay * py + az * pz, ax * qx + ay * qy + az * qz
+            x, y, z = image(m, j, px, py, pz)
+            kpp = ((px * x + py * y + pz * z) - ap * ap) / height + value
+            kpq = ((qx * x + qy * y + qz * z) - ap * aq) / height
+            x, y, z = image(m, j, qx, qy, qz)
+            kqq = ((qx * x + qy * y + qz * z) - aq * aq) / height + value
+            det = kpp * kqq - kpq * kpq
+            sp, sq = (kqq * gp - kpq * gq) / det, (kpp * gq - kpq * gp) / det
+            sx, sy, sz = sp * px + sq * qx, sp * py + sq * qy, sp * pz + sq * qz
+        if k == ITERATIONS or not sx * sx + sy * sy + sz * sz < 1e-2:
+            return False, 0.0, nx, ny, nz
+        nx, ny, nz = unit(nx + sx, ny + sy, nz + sz)
+    # Where the ellipsoid's point lies on the edge or the face
+    inside = 1.0
+    if a2 >= 0:
+        w1 = ((gy * fz - gz * fy) * nx + (gz * fx - gx * fz) * ny + (gx * fy - gy * fx) * nz) / area
+        w2 = ((ey * gz - ez * gy) * nx + (ez * gx - ex * gz) * ny + (ex * gy - ey * gx) * nz) / area
+        inside = min(w1, min(w2, 1.0 - w1 - w2))
+    elif a1 >= 0:
+        w1 = (gx * ex + gy * ey + gz * ez) / (length * length)
+        inside = min(w1, 1.0 - w1)
+    if not inside >= -INSIDE_TOLERANCE:
+        return False, 0.0, nx, ny, nz
+    shown, _ = gap_along(shapes, bodies, i, j, rx, ry, rz, a0, nx, ny, nz)
+    return value - shown <= CHECK_TOLERANCE * size, shown, nx, ny, nz
+
+
+@leaf
+def recheck(shapes, bodies, contacts, p, i, j, rx, ry, rz):
+    """Near pair p from its memory: (known, overlap [m], normal a to b (3), contact point relative to a (3)).
+
+    The pair is apart where the overlap is not positive. Known is False for a pair without memory, for an overlap that
+    need not be the least, and where the climb did not converge: then the pair has to be searched.
+    """
+    a0, a1, a2 = contacts.facet[p, 0], contacts.facet[p, 1], contacts.facet[p, 2]
+    if a0 < 0:
+        return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    size = bodies.radius[i] + bodies.radius[j]
+    nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
+    k, e = i, j
+    swapped = not is_hull(shapes, bodies, i)
+    if swapped:
+        k, e = j, i
+        rx, ry, rz, nx, ny, nz = -rx, -ry, -rz, -nx, -ny, -nz
+    known, value, enough, searched = False, 0.0, np.inf, contacts.overlap[p]
+    if contacts.touching[p] != 0:
+        known, value, nx, ny, nz = check_feature(shapes, bodies, k, e, rx, ry, rz, size, a0, a1, a2, nx, ny, nz)
+    else:  # a direction that still shows much of the gap searched last needs no better one
+        enough = -STILL_GAP * searched
+    if not known:
+        value, nx, ny, nz, known, _, _, _, a0, a1, a2 = climb_feature(
+            shapes, bodies, k, e, rx, ry, rz, size, a0, nx, ny, nz, enough
+        )
+    known = value > 0.0 or (known and value >= -rolling_radius(bodies.form_matrix, bodies.rotation, e))
+    overlap, nx, ny, nz, x, y, z = _conclude(
+        bodies, contacts, p, i, j, e, swapped, rx, ry, rz, value, nx, ny, nz, a0, a1, a2
+    )
+    if value > enough:
+        overlap = min(overlap, searched)
+    return known, overlap, nx, ny, nz, x, y, z
+
+
+@routine
+def search_contact(shapes, bodies, contacts, p, i, j, rx, ry, rz):
+    """Near pair p from nothing: (overlap [m], normal a to b (3), contact point relative to a (3))."""
+    size = bodies.radius[i] + bodies.radius[j]
+    k, e = i, j
+    swapped = not is_hull(shapes, bodies, i)
+    if swapped:
+        k, e = j, i
+        rx, ry, rz = -rx, -ry, -rz
+    value, nx, ny, nz, _, _, _, a0, a1, a2 = search_normal(shapes, bodies, k, e, rx, ry, rz, size, ENOUGH_GAP * size)
+    if not value >= -rolling_radius(bodies.form_matrix, bodies.rotation, e):
+        a0 = -1  # the next step would not trust it
+    return _conclude(bodies, contacts, p, i, j, e, swapped, rx, ry, rz, value, nx, ny, nz, a0, a1, a2)
+
+
+@leaf
+def _conclude(bodies, contacts, p, i, j, e, swapped, rx, ry, rz, value, nx, ny, nz, a0, a1, a2):
+    """Overlap, normal and point from f at its maximum; r and n are seen from the hull. A gap is remembered."""
+    contacts.facet[p, 0], contacts.facet[p, 1], contacts.facet[p, 2] = a0, a1, a2
+    x, y, z = image(bodies.form_matrix, e, nx, ny, nz)
+    height = np.sqrt(nx * x + ny * y + nz * z)
+    # From the hull's centre to the middle between the ellipsoid's point and the hull's, below it by the overlap
+    half = 0.5 * value
+    x, y, z = rx - x / height - half * nx, ry - y / height - half * ny, rz - z / height - half * nz
+    if swapped:
+        x, y, z = x - rx, y - ry, z - rz
+        rx, ry, rz, nx, ny, nz = -rx, -ry, -rz, -nx, -ny, -nz
+    if value >= 0.0:
+        remember_apart(bodies, contacts, p, i, j, rx, ry, rz, value)
+    return -value, nx, ny, nz, x, y, z

@@ -5,11 +5,11 @@ where that is positive. Depth is what an elastic bed under the patch would be pr
 where the resultant acts, and its second moment what resists rocking and twisting. Both vary continuously with the
 pose, also where a face comes to lie on a face or an edge.
 
-With f(x) = max(x, 0) the intervals [a₀, a₁] and [b₀, b₁] overlap by f(a₁ − b₀) − f(a₀ − b₀) − f(a₁ − b₁) + f(a₀ − b₁).
-So the depth is a sum over pairs of faces, one of a and one of b, counted positive where they look at each other and
-negative where one of them looks away, of f of a linear function over the part of the plane that both cover: polygons
-of the plane, clipped, whose integrals are exact. Only faces that reach into the slab between the deepest point of b
-and that of a can take part.
+The overlap is a polytope, and its moments are integrals of its height over the shadows of its faces, positive where a
+face looks up along n and negative where it looks down: faces of the one body, cut by the planes of the other's. Only
+faces that reach into the slab between the deepest point of b and that of a can take part. Of these most do not: the
+facet of the Minkowski difference tells which faces meet first, a corner's with one, or those beside two edges. Their
+planes alone bound a small polytope that holds the overlap, and a plane that has all its corners behind it cuts nothing.
 
 Overlaps at rest are some 1e-5 of the size at the study's contact time. Deeper ones show the softness of the springs
 rather than the form of the grains, and reach over many faces: they are looked at as if moved apart to PATCH_DEPTH.
@@ -24,7 +24,10 @@ from simcore.dem.contact.ellipsoid_climb import tangents
 from simcore.dem.shapes import Shapes, base_direction, vertex_offset
 
 PATCH_DEPTH = 1e-4  # of the pair's size: overlaps beyond are taken apart to this depth
-CORNERS = 12  # a triangle clipped by six lines has nine corners
+# Of the pair's size: where two faces lie in one plane and look the same way, both bound the overlap and only one may
+# count. Planes that cut faces of a stand out by this, and those that cut faces of b are set back.
+TIE = 1e-14
+BOUND_SLACK = 1e-10  # of the pair's size: more than the tolerance to which a remembered facet is one
 
 
 class Room(NamedTuple):
@@ -34,7 +37,10 @@ class Room(NamedTuple):
     stamp: np.ndarray  # (threads,) int64
     stack: np.ndarray  # (threads, vertices) int64
     faces: np.ndarray  # (threads, 2, faces, 3, 3): corners in the frame (t1, t2, n), of a and of b
-    polygon: np.ndarray  # (threads, 3, CORNERS, 3)
+    planes: np.ndarray  # (threads, 2, faces, 4): of these faces, n · x + d > 0 without
+    polygon: np.ndarray  # (threads, 2, faces + 3, 3)
+    height: np.ndarray  # (threads, faces + 3)
+    bound: np.ndarray  # (threads, vertices + 1, 3): corners of a polytope that holds the overlap
 
 
 def make_room(shapes: Shapes, n_threads: int) -> Room:
@@ -47,7 +53,10 @@ def make_room(shapes: Shapes, n_threads: int) -> Room:
         stamp=np.zeros(threads, np.int64),
         stack=np.zeros((threads, n), np.int64),
         faces=np.zeros((threads, 2, 2 * n, 3, 3)),
-        polygon=np.zeros((threads, 3, CORNERS, 3)),
+        planes=np.zeros((threads, 2, 2 * n, 4)),
+        polygon=np.zeros((threads, 2, 2 * n + 3, 3)),
+        height=np.zeros((threads, 2 * n + 3)),
+        bound=np.zeros((threads, n + 1, 3)),
     )
 
 
@@ -103,37 +112,85 @@ def gather_faces(shapes, bodies, i, start, frame, ox, oy, oz, low, high, side, r
                 n_stack += 1
             # The face v, last, u belongs to the least of its vertices in the slab.
             if not ((inside and u < v) or (last_inside and last < v)):
-                if (lx - vx) * (uy - vy) != (ly - vy) * (ux - vx):  # not seen edge-on
-                    _put(room.faces, t, side, n_faces, 0, vx, vy, vz)
-                    _put(room.faces, t, side, n_faces, 1, lx, ly, lz)
-                    _put(room.faces, t, side, n_faces, 2, ux, uy, uz)
-                    n_faces += 1
+                _put(room.faces, t, side, n_faces, 0, vx, vy, vz)
+                _put(room.faces, t, side, n_faces, 1, lx, ly, lz)
+                _put(room.faces, t, side, n_faces, 2, ux, uy, uz)
+                n_faces += 1
             last, lx, ly, lz, last_inside = u, ux, uy, uz, inside
     return n_faces
 
 
 @leaf
-def _clip(polygon, t, source, target, n, cx, cy, cz, c0):
-    """Part of a polygon where cx x + cy y + cz z + c0 >= 0; returns its number of corners."""
+def _find_planes(room, t, side, n_faces, n_bound, slack):
+    """Planes of the gathered faces; those that the overlap cannot reach are dropped. How many are left.
+
+    slack: distance [m] from the corners of the bound within which a plane is kept.
+    """
+    faces, planes, bound = room.faces, room.planes, room.bound
     kept = 0
-    if n == 0:
-        return 0
-    x, y, z = polygon[t, source, n - 1, 0], polygon[t, source, n - 1, 1], polygon[t, source, n - 1, 2]
-    d = cx * x + cy * y + cz * z + c0
-    for k in range(n):
-        u, v, w = polygon[t, source, k, 0], polygon[t, source, k, 1], polygon[t, source, k, 2]
-        e = cx * u + cy * v + cz * w + c0
-        if (d < 0.0) != (e < 0.0):
-            s = d / (d - e)
-            polygon[t, target, kept, 0] = x + s * (u - x)
-            polygon[t, target, kept, 1] = y + s * (v - y)
-            polygon[t, target, kept, 2] = z + s * (w - z)
-            kept += 1
-        if e >= 0.0:
-            polygon[t, target, kept, 0], polygon[t, target, kept, 1], polygon[t, target, kept, 2] = u, v, w
-            kept += 1
-        x, y, z, d = u, v, w, e
+    for k in range(n_faces):
+        x, y, z = faces[t, side, k, 0, 0], faces[t, side, k, 0, 1], faces[t, side, k, 0, 2]
+        ax, ay, az = faces[t, side, k, 1, 0] - x, faces[t, side, k, 1, 1] - y, faces[t, side, k, 1, 2] - z
+        bx, by, bz = faces[t, side, k, 2, 0] - x, faces[t, side, k, 2, 1] - y, faces[t, side, k, 2, 2] - z
+        nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+        length = np.sqrt(nx * nx + ny * ny + nz * nz)
+        if not length > 0.0:
+            continue
+        nx, ny, nz = nx / length, ny / length, nz / length
+        d = -(nx * x + ny * y + nz * z)
+        highest = -np.inf if n_bound > 0 else np.inf
+        for m in range(n_bound):
+            highest = max(highest, nx * bound[t, m, 0] + ny * bound[t, m, 1] + nz * bound[t, m, 2] + d)
+        if highest < -slack:
+            continue
+        planes[t, side, kept, 0], planes[t, side, kept, 1], planes[t, side, kept, 2] = nx, ny, nz
+        planes[t, side, kept, 3] = d
+        if kept < k:
+            for corner in range(3):
+                for axis in range(3):
+                    faces[t, side, kept, corner, axis] = faces[t, side, k, corner, axis]
+        kept += 1
     return kept
+
+
+@leaf
+def _cut_face(room, t, side, face, n_planes, tie):
+    """Part of a gathered face within the other body: (which of the polygons it is, its number of corners)."""
+    faces, planes, polygon, height = room.faces, room.planes, room.polygon, room.height
+    now, n = 0, 3
+    for k in range(3):
+        polygon[t, 0, k, 0] = faces[t, side, face, k, 0]
+        polygon[t, 0, k, 1] = faces[t, side, face, k, 1]
+        polygon[t, 0, k, 2] = faces[t, side, face, k, 2]
+    other = 1 - side
+    for q in range(n_planes):
+        nx, ny, nz = planes[t, other, q, 0], planes[t, other, q, 1], planes[t, other, q, 2]
+        d = planes[t, other, q, 3] + tie
+        lowest, highest = np.inf, -np.inf
+        for k in range(n):
+            h = nx * polygon[t, now, k, 0] + ny * polygon[t, now, k, 1] + nz * polygon[t, now, k, 2] + d
+            height[t, k] = h
+            lowest, highest = min(lowest, h), max(highest, h)
+        if not highest > 0.0:
+            continue
+        if not lowest < 0.0:
+            return now, 0
+        into, kept, last = 1 - now, 0, n - 1
+        for k in range(n):
+            h, g = height[t, k], height[t, last]
+            if (h > 0.0) != (g > 0.0):
+                s = g / (g - h)
+                for axis in range(3):
+                    x = polygon[t, now, last, axis]
+                    polygon[t, into, kept, axis] = x + s * (polygon[t, now, k, axis] - x)
+                kept += 1
+            if not h > 0.0:
+                for axis in range(3):
+                    polygon[t, into, kept, axis] = polygon[t, now, k, axis]
+                kept += 1
+            last = k
+        now, n = into, kept
+    return now, n
 
 
 @leaf
@@ -164,75 +221,35 @@ def triangle_moments(x1, y1, d1, x2, y2, d2, x3, y3, d3):
 
 
 @leaf
-def _edge_clip(polygon, t, source, target, n, x1, y1, x2, y2):
-    """Part of a polygon left of the line from 1 to 2."""
-    cx, cy = y1 - y2, x2 - x1
-    return _clip(polygon, t, source, target, n, cx, cy, 0.0, -(cx * x1 + cy * y1))
-
-
-@leaf
-def _moments_of_faces(room, t, n_a, n_b, low, x0, y0):
-    """Sums of triangle_moments over all pairs of gathered faces, about (x0, y0)."""
+def _moments_of_faces(room, t, n_a, n_b, low, x0, y0, tie):
+    """Sums of triangle_moments over all gathered faces, as far as they bound the overlap, about (x0, y0)."""
     m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    faces, polygon = room.faces, room.polygon
-    for p in range(n_a):
-        for k in range(3):
-            for axis in range(3):
-                polygon[t, 1, k, axis] = faces[t, 0, p, k, axis]
-        n = _clip(polygon, t, 1, 0, 3, 0.0, 0.0, 1.0, -low)
-        if n < 3:
-            continue
-        left, right, below, above = np.inf, -np.inf, np.inf, -np.inf
-        for k in range(n):
-            left, right = min(left, polygon[t, 0, k, 0]), max(right, polygon[t, 0, k, 0])
-            below, above = min(below, polygon[t, 0, k, 1]), max(above, polygon[t, 0, k, 1])
-        for q in range(n_b):
-            ax, ay, az = faces[t, 1, q, 0, 0], faces[t, 1, q, 0, 1], faces[t, 1, q, 0, 2]
-            bx, by, bz = faces[t, 1, q, 2, 0], faces[t, 1, q, 2, 1], faces[t, 1, q, 2, 2]
-            cx, cy, cz = faces[t, 1, q, 1, 0], faces[t, 1, q, 1, 1], faces[t, 1, q, 1, 2]
-            if min(ax, min(bx, cx)) > right or max(ax, max(bx, cx)) < left:
+    polygon = room.polygon
+    for side in range(2):
+        n_faces, n_planes, gap = (n_a, n_b, -tie) if side == 0 else (n_b, n_a, tie)
+        for face in range(n_faces):
+            if room.planes[t, side, face, 2] == 0.0:
+                continue  # seen edge-on
+            now, n = _cut_face(room, t, side, face, n_planes, gap)
+            if n < 3:
                 continue
-            if min(ay, min(by, cy)) > above or max(ay, max(by, cy)) < below:
-                continue
-            # Faces of b that look at a run clockwise, seen along n, so counterclockwise as they are taken here.
-            sign = 1.0
-            if (bx - ax) * (cy - ay) < (by - ay) * (cx - ax):
-                sign, bx, by, bz, cx, cy, cz = -1.0, cx, cy, cz, bx, by, bz
-            m = _edge_clip(polygon, t, 0, 1, n, ax, ay, bx, by)
-            m = _edge_clip(polygon, t, 1, 2, m, bx, by, cx, cy)
-            m = _edge_clip(polygon, t, 2, 1, m, cx, cy, ax, ay)
-            if m < 3:
-                continue
-            # Height of b over the plane: az + gx (x − ax) + gy (y − ay)
-            ux, uy, uz = bx - ax, by - ay, bz - az
-            vx, vy, vz = cx - ax, cy - ay, cz - az
-            area = ux * vy - uy * vx
-            gx, gy = (uz * vy - vz * uy) / area, (ux * vz - vx * uz) / area
-            g0 = az - gx * ax - gy * ay
-            m = _clip(polygon, t, 1, 2, m, -gx, -gy, 1.0, -g0)
-            if m < 3:
-                continue
-            x1, y1 = polygon[t, 2, 0, 0], polygon[t, 2, 0, 1]
-            d1 = polygon[t, 2, 0, 2] - gx * x1 - gy * y1 - g0
-            x2, y2 = polygon[t, 2, 1, 0], polygon[t, 2, 1, 1]
-            d2 = polygon[t, 2, 1, 2] - gx * x2 - gy * y2 - g0
-            for k in range(2, m):
-                x3, y3 = polygon[t, 2, k, 0], polygon[t, 2, k, 1]
-                d3 = polygon[t, 2, k, 2] - gx * x3 - gy * y3 - g0
-                s0, sx, sy, sxx, sxy, syy = triangle_moments(
-                    x1 - x0, y1 - y0, d1, x2 - x0, y2 - y0, d2, x3 - x0, y3 - y0, d3
-                )
-                m0, mx, my = m0 + sign * s0, mx + sign * sx, my + sign * sy
-                mxx, mxy, myy = mxx + sign * sxx, mxy + sign * sxy, myy + sign * syy
-                x2, y2, d2 = x3, y3, d3
+            x1, y1, z1 = polygon[t, now, 0, 0] - x0, polygon[t, now, 0, 1] - y0, polygon[t, now, 0, 2] - low
+            x2, y2, z2 = polygon[t, now, 1, 0] - x0, polygon[t, now, 1, 1] - y0, polygon[t, now, 1, 2] - low
+            for k in range(2, n):
+                x3, y3, z3 = polygon[t, now, k, 0] - x0, polygon[t, now, k, 1] - y0, polygon[t, now, k, 2] - low
+                s0, sx, sy, sxx, sxy, syy = triangle_moments(x1, y1, z1, x2, y2, z2, x3, y3, z3)
+                m0, mx, my = m0 + s0, mx + sx, my + sy
+                mxx, mxy, myy = mxx + sxx, mxy + sxy, myy + syy
+                x2, y2, z2 = x3, y3, z3
     return m0, mx, my, mxx, mxy, myy
 
 
 @routine
-def clipped_patch(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz, room, t):
+def clipped_patch(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz, n_bound, room, t):
     """Moments of the depth, in general: (∫ d, ∫ d x, ∫ d y, ∫ d x², ∫ d xy, ∫ d y²) about vertex a, along t1 and t2.
 
-    a, b: the support vertices along n. r: from the centre of body i to that of j.
+    a, b: the support vertices along n. r: from the centre of body i to that of j. n_bound: corners in room.bound, 0
+    where no bound is known.
     """
     px, py, pz, qx, qy, qz = tangents(nx, ny, nz)
     frame = (px, py, pz, qx, qy, qz, nx, ny, nz)
@@ -249,15 +266,18 @@ def clipped_patch(shapes, bodies, i, j, rx, ry, rz, a, b, nx, ny, nz, room, t):
     y0 = _dot(shapes.vertices, a, dx, dy, dz)
     n_a = gather_faces(shapes, bodies, i, a, frame, 0.0, 0.0, 0.0, low, high, 0, room, t)
     n_b = gather_faces(shapes, bodies, j, b, frame, ox, oy, oz, low, high, 1, room, t)
-    return _moments_of_faces(room, t, n_a, n_b, low, x0, y0)
+    size = bodies.radius[i] + bodies.radius[j]
+    n_a = _find_planes(room, t, 0, n_a, n_bound, BOUND_SLACK * size)
+    n_b = _find_planes(room, t, 1, n_b, n_bound, BOUND_SLACK * size)
+    return _moments_of_faces(room, t, n_a, n_b, low, x0, y0, TIE * size)
 
 
 @leaf
-def cone_moments(shapes, bodies, i, apex, j, f0, f1, f2, rx, ry, rz, depth, frame, sign):
+def cone_moments(shapes, bodies, i, apex, j, f0, f1, f2, rx, ry, rz, depth, frame, sign, room, t):
     """Moments about an apex that alone reaches into the other body, where its cone ends inside one face there.
 
     apex: of body i, extreme along sign × n. f0, f1, f2: the face of body j, r from the centre of i to that of j.
-    Returns (whether that is so, moments as clipped_patch).
+    Returns (whether that is so, moments as clipped_patch, number of corners left in room.bound).
     """
     vertices, ring_start, ring = shapes.vertices, shapes.neighbor_start, shapes.neighbors
     px, py, pz = base_direction(bodies, i, frame[0], frame[1], frame[2])
@@ -277,31 +297,46 @@ def cone_moments(shapes, bodies, i, apex, j, f0, f1, f2, rx, ry, rz, depth, fram
     c1, d1 = turn * (y1 - y2), turn * (x2 - x1)
     c2, d2 = turn * (y2 - y0), turn * (x0 - x2)
     e0, e1, e2 = -(c0 * x0 + d0 * y0), -(c1 * x1 + d1 * y1), -(c2 * x2 + d2 * y2)
+    # The apex from the centre of the first body
+    apex_x, apex_y, apex_z = (
+        ax * px + ay * py + az * pz,
+        ax * qx + ay * qy + az * qz,
+        sign * (ax * nx + ay * ny + az * nz),
+    )
+    if sign < 0.0:
+        apex_x -= frame[0] * rx + frame[1] * ry + frame[2] * rz
+        apex_y -= frame[3] * rx + frame[4] * ry + frame[5] * rz
+        apex_z -= frame[6] * rx + frame[7] * ry + frame[8] * rz
+    _put_corner(room, t, 0, apex_x, apex_y, apex_z)
+    n_bound, alone, bounded = 1, True, True
     m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     last = ring_start[apex + 1] - 1
-    sx, sy, inside = _foot(vertices, ring[last], ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth)
+    sx, sy, _ = _foot(vertices, ring[last], ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth)
     for k in range(ring_start[apex], ring_start[apex + 1]):
-        x, y, within = _foot(vertices, ring[k], ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth)
-        if not within or c0 * x + d0 * y + e0 < 0.0 or c1 * x + d1 * y + e1 < 0.0 or c2 * x + d2 * y + e2 < 0.0:
-            return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        x, y, fall = _foot(vertices, ring[k], ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth)
+        bounded = bounded and fall > 0.0
+        if not fall > depth or c0 * x + d0 * y + e0 < 0.0 or c1 * x + d1 * y + e1 < 0.0 or c2 * x + d2 * y + e2 < 0.0:
+            alone = False
+        _put_corner(room, t, n_bound, apex_x + x, apex_y + y, apex_z - sign * depth)
+        n_bound += 1
         s0, s1, s2, s11, s12, s22 = cone_side(sx, sy, x, y)
         s0 *= sign
         m0, mx, my = m0 + s0, mx + s0 * s1, my + s0 * s2
         mxx, mxy, myy = mxx + s0 * s11, mxy + s0 * s12, myy + s0 * s22
         sx, sy = x, y
     return (
-        True, m0 * depth / 6.0, mx * depth / 24.0, my * depth / 24.0,
-        mxx * depth / 60.0, mxy * depth / 60.0, myy * depth / 60.0,
+        alone, m0 * depth / 6.0, mx * depth / 24.0, my * depth / 24.0,
+        mxx * depth / 60.0, mxy * depth / 60.0, myy * depth / 60.0, n_bound if bounded else 0,
     )  # fmt: skip
 
 
 @leaf
 def _foot(vertices, u, ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth):
-    """Where the edge from a to u leaves the slab of that depth: (x, y) from a, and whether it does."""
+    """Where the edge from a to u, or its line, leaves the slab of that depth: (x, y) from a, and how far it falls."""
     ux, uy, uz = vertices[u, 0] - ax, vertices[u, 1] - ay, vertices[u, 2] - az
     fall = -(ux * nx + uy * ny + uz * nz)
     t = depth / fall
-    return t * (ux * px + uy * py + uz * pz), t * (ux * qx + uy * qy + uz * qz), fall > depth
+    return t * (ux * px + uy * py + uz * pz), t * (ux * qx + uy * qy + uz * qz), fall
 
 
 @leaf
@@ -318,12 +353,16 @@ def _facing(shapes, v, u):
 @leaf
 def _ridge(vertices, w, x0, y0, x1, y1, ox, oy, level, px, py, pz, qx, qy, qz, nx, ny, nz, depth):
     """Face beside an edge from 0 to 1: (its third corner (2), signed distance of that from the edge's line times the
-    edge's length, where the face has left the slab, as a share of that distance). No share is negative."""
+    edge's length, where the face, or its plane, has left the slab, as a share of that distance)."""
     x, y = ox + _dot(vertices, w, px, py, pz), oy + _dot(vertices, w, qx, qy, qz)
     fall = level - _dot(vertices, w, nx, ny, nz)
     side = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
-    share = depth / fall if fall > depth else -1.0
-    return x, y, side, share
+    return x, y, side, depth / fall
+
+
+@leaf
+def _put_corner(room, t, corner, x, y, z):
+    room.bound[t, corner, 0], room.bound[t, corner, 1], room.bound[t, corner, 2] = x, y, z
 
 
 @leaf
@@ -336,13 +375,14 @@ def _inside(x, y, x0, y0, x1, y1, x2, y2):
 
 
 @leaf
-def crossing_moments(shapes, bodies, i, a0, a1, j, b0, b1, rx, ry, rz, depth, frame):
+def crossing_moments(shapes, bodies, i, a0, a1, j, b0, b1, rx, ry, rz, depth, frame, room, thread):
     """Moments about the crossing of two edges that alone reach into each other, and the crossing from a's centre.
 
     The depth is that of a pyramid: all of it where the edges cross, and none where, along either edge, the other
-    body's two faces have gone by. Returns (whether that is so, crossing (2), moments as clipped_patch).
+    body's two faces have gone by. Returns (whether that is so, crossing (2), moments as clipped_patch, number of
+    corners left in room.bound).
     """
-    no = (False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    no = (False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
     vertices = shapes.vertices
     al, ar = _facing(shapes, a0, a1)
     bl, br = _facing(shapes, b0, b1)
@@ -353,7 +393,7 @@ def crossing_moments(shapes, bodies, i, a0, a1, j, b0, b1, rx, ry, rz, depth, fr
     nx, ny, nz = base_direction(bodies, i, frame[6], frame[7], frame[8])
     x0, y0 = _dot(vertices, a0, px, py, pz), _dot(vertices, a0, qx, qy, qz)
     x1, y1 = _dot(vertices, a1, px, py, pz), _dot(vertices, a1, qx, qy, qz)
-    level = _dot(vertices, a0, nx, ny, nz)
+    top = level = _dot(vertices, a0, nx, ny, nz)
     xl, yl, left_a, share_al = _ridge(
         vertices, al, x0, y0, x1, y1, 0.0, 0.0, level, px, py, pz, qx, qy, qz, nx, ny, nz, depth
     )
@@ -373,9 +413,11 @@ def crossing_moments(shapes, bodies, i, a0, a1, j, b0, b1, rx, ry, rz, depth, fr
     ur, vr, right_b, share_br = _ridge(
         vertices, br, u0, v0, u1, v1, ox, oy, level, px, py, pz, qx, qy, qz, nx, ny, nz, depth
     )
-    if min(min(share_al, share_ar), min(share_bl, share_br)) < 0.0:
-        return no
-    if left_a * right_a >= 0.0 or left_b * right_b >= 0.0:
+    least, most = (
+        min(min(share_al, share_ar), min(share_bl, share_br)),
+        max(max(share_al, share_ar), max(share_bl, share_br)),
+    )
+    if not (least > 0.0 and most < np.inf) or left_a * right_a >= 0.0 or left_b * right_b >= 0.0:
         return no
     ex, ey, fx, fy = x1 - x0, y1 - y0, u1 - u0, v1 - v0
     cross = ex * fy - ey * fx
@@ -387,18 +429,23 @@ def crossing_moments(shapes, bodies, i, a0, a1, j, b0, b1, rx, ry, rz, depth, fr
     # Along b the signed distance from a's line grows by `cross` per length of b; and along a by −cross.
     t1, t2 = share_al * left_a / cross, share_ar * right_a / cross
     s1, s2 = -share_bl * left_b / cross, -share_br * right_b / cross
-    if min(t + t1, t + t2) < 0.0 or max(t + t1, t + t2) > 1.0 or min(s + s1, s + s2) < 0.0 or max(s + s1, s + s2) > 1.0:
-        return no
     cx, cy = x0 + s * ex, y0 + s * ey
     k1x, k1y, k2x, k2y = t1 * fx, t1 * fy, t2 * fx, t2 * fy  # ends on b, from the crossing: left of a, right of a
     l1x, l1y, l2x, l2y = s1 * ex, s1 * ey, s2 * ex, s2 * ey  # ends on a: left of b, right of b
     if not (
-        _inside(cx + k1x, cy + k1y, x0, y0, x1, y1, xl, yl)
+        most < 1.0
+        and min(t + t1, t + t2) >= 0.0 and max(t + t1, t + t2) <= 1.0
+        and min(s + s1, s + s2) >= 0.0 and max(s + s1, s + s2) <= 1.0
+        and _inside(cx + k1x, cy + k1y, x0, y0, x1, y1, xl, yl)
         and _inside(cx + k2x, cy + k2y, x0, y0, x1, y1, xr, yr)
         and _inside(cx + l1x, cy + l1y, u0, v0, u1, v1, ul, vl)
         and _inside(cx + l2x, cy + l2y, u0, v0, u1, v1, ur, vr)
-    ):
-        return no
+    ):  # fmt: skip
+        _put_corner(room, thread, 0, cx + k1x, cy + k1y, top - depth)
+        _put_corner(room, thread, 1, cx + k2x, cy + k2y, top - depth)
+        _put_corner(room, thread, 2, cx + l1x, cy + l1y, top)
+        _put_corner(room, thread, 3, cx + l2x, cy + l2y, top)
+        return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4
     m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for fx, fy in ((k1x, k1y), (k2x, k2y)):
         for gx, gy in ((l1x, l1y), (l2x, l2y)):
@@ -408,7 +455,7 @@ def crossing_moments(shapes, bodies, i, a0, a1, j, b0, b1, rx, ry, rz, depth, fr
             mxx, mxy, myy = mxx + s0 * sxx, mxy + s0 * sxy, myy + s0 * syy
     return (
         True, cx, cy, m0 * depth / 6.0, mx * depth / 24.0, my * depth / 24.0,
-        mxx * depth / 60.0, mxy * depth / 60.0, myy * depth / 60.0,
+        mxx * depth / 60.0, mxy * depth / 60.0, myy * depth / 60.0, 0,
     )  # fmt: skip
 
 
@@ -436,25 +483,28 @@ def find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, t):
     b0, b1, b2 = facet[p, 3], facet[p, 4], facet[p, 5]
     # Where the moments are about: vertex a0, vertex b0, or a crossing of edges
     found, about_b, ox, oy = False, False, 0.0, 0.0
-    m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    m0, mx, my, mxx, mxy, myy, n_bound = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0
     if a0 == a1 and a0 == a2:
-        found, m0, mx, my, mxx, mxy, myy = cone_moments(
-            shapes, bodies, i, a0, j, b0, b1, b2, sx, sy, sz, depth, frame, 1.0
+        found, m0, mx, my, mxx, mxy, myy, n_bound = cone_moments(
+            shapes, bodies, i, a0, j, b0, b1, b2, sx, sy, sz, depth, frame, 1.0, room, t
         )
     elif b0 == b1 and b0 == b2:
-        found, m0, mx, my, mxx, mxy, myy = cone_moments(
-            shapes, bodies, j, b0, i, a0, a1, a2, -sx, -sy, -sz, depth, frame, -1.0
+        found, m0, mx, my, mxx, mxy, myy, n_bound = cone_moments(
+            shapes, bodies, j, b0, i, a0, a1, a2, -sx, -sy, -sz, depth, frame, -1.0, room, t
         )
         about_b = found
     elif (a0 == a1 or a0 == a2 or a1 == a2) and (b0 == b1 or b0 == b2 or b1 == b2):
-        found, ox, oy, m0, mx, my, mxx, mxy, myy = crossing_moments(
-            shapes, bodies, i, a0, a2 if a1 == a0 else a1, j, b0, b2 if b1 == b0 else b1, sx, sy, sz, depth, frame
-        )
+        found, ox, oy, m0, mx, my, mxx, mxy, myy, n_bound = crossing_moments(
+            shapes, bodies, i, a0, a2 if a1 == a0 else a1, j, b0, b2 if b1 == b0 else b1,
+            sx, sy, sz, depth, frame, room, t,
+        )  # fmt: skip
         if found:  # from the centre of a to vertex a0
             dx, dy, dz = vertex_offset(shapes, bodies, i, a0)
             ox, oy = ox - (px * dx + py * dy + pz * dz), oy - (qx * dx + qy * dy + qz * dz)
     if not found:
-        m0, mx, my, mxx, mxy, myy = clipped_patch(shapes, bodies, i, j, sx, sy, sz, a0, b0, nx, ny, nz, room, t)
+        m0, mx, my, mxx, mxy, myy = clipped_patch(
+            shapes, bodies, i, j, sx, sy, sz, a0, b0, nx, ny, nz, n_bound, room, t
+        )
     if not m0 > 0.0:
         for k in range(6):
             contacts.spread[p, k] = 0.0

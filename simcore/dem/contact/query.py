@@ -18,12 +18,11 @@ from numba import types
 from simcore.compilation import kernel, leaf, routine
 from simcore.dem.bodies import rotation_matrix
 from simcore.dem.contact.convex_pair import query_hulls
-from simcore.dem.contact.deep import least_of_mixed, rolling_radius
 from simcore.dem.contact.ellipsoid import search_normal
 from simcore.dem.contact.ellipsoid_climb import gap_along, image, settle_normal
 from simcore.dem.contact.facets import facet_at
 from simcore.dem.contact.frame import climb_a, frame_of, to_body, to_world, vertex_a
-from simcore.dem.contact.mixed import climb_feature
+from simcore.dem.contact.mixed import search_normal as search_mixed_normal
 from simcore.dem.contact.scratch import scratch
 from simcore.dem.shapes import CONVEX, ELLIPSOID, HINT_CELLS, SPHERE, Shape, Shapes, collect_shapes
 
@@ -239,19 +238,7 @@ def _beside(x, y, z, nx, ny, nz):
 @routine
 def _query_mixed(shapes, solids, i, j, rx, ry, rz, size):
     """Hull i and ellipsoid j."""
-    v = shapes.vertex_start[solids.shape[i]]
-    length = np.sqrt(rx * rx + ry * ry + rz * rz)
-    nx, ny, nz = 1.0, 0.0, 0.0
-    if length > 0.0:
-        nx, ny, nz = rx / length, ry / length, rz / length
-    value, nx, ny, nz, converged, ax, ay, az, v = climb_feature(
-        shapes, solids, i, j, rx, ry, rz, size, v, nx, ny, nz, np.inf
-    )
-    certain = rolling_radius(solids.form_matrix, solids.rotation, j)
-    if not (converged and value >= -certain):
-        value, nx, ny, nz, ax, ay, az, v = least_of_mixed(
-            shapes, solids, solids.form_matrix, i, j, rx, ry, rz, size, certain, v, value, nx, ny, nz
-        )
+    value, nx, ny, nz, ax, ay, az, v, _, _ = search_mixed_normal(shapes, solids, i, j, rx, ry, rz, size, np.inf)
     bx, by, bz = _surface_point(solids, j, -nx, -ny, -nz)
     beside = _beside(rx + bx - ax, ry + by - ay, rz + bz - az, nx, ny, nz)
     if beside > BESIDE * size:

@@ -24,11 +24,11 @@ def press_patches(shapes, bodies, contacts, room):
 
 @numba.njit(error_model="numpy")
 def slow_moments(shapes, bodies, contacts, room, p):
-    """The general way alone, without the short cut for single corners."""
+    """The general way alone, without the short cuts for single corners and edges and without their bounds."""
     i, j, n = contacts.body_a[p], contacts.body_b[p], contacts.direction[p]
     r = bodies.position[j] - bodies.position[i]
     a, b = contacts.facet[p, 0], contacts.facet[p, 3]
-    return clipped_patch(shapes, bodies, i, j, r[0], r[1], r[2], a, b, n[0], n[1], n[2], room, 0)
+    return clipped_patch(shapes, bodies, i, j, r[0], r[1], r[2], a, b, n[0], n[1], n[2], 0, room, 0)
 
 
 def look(core, bases, scale, orientation, offsets):

@@ -1,0 +1,239 @@
+"""What stops a run that has gone wrong, and what is noted of one that may: looked at whenever convergence is.
+
+- A position that is not finite, or a speed far above what fall and shaking give.
+- An overlap as deep as half a grain is thick: the grain's centre has reached the partner's surface, and beyond that
+  the least translation that parts them may lie on the far side.
+- Energy that comes from nowhere. Between two looks contacts only take energy, so the mechanical energy (motion,
+  height, springs) grows by no more than shaking puts in: its work is ∫ a(t) P dt of the momentum P <= M V along it,
+  where V, the speed that all energy of motion and springs would make, grows by no more than shaking and fall give,
+  so the work is at most M U (V + U + g T) with U = ∫ |a| dt over the time T. The step's own error comes on top, as a
+  share of the energy of motion and springs: k dt² / m_eff, since a contact begins up to a step's way deep, and
+  ENERGY_SLACK for patches, which are not conservative (elastic beds gain 0.2 in 2500 contact times), and for contact
+  points that hop. What could lift all grains by LIFT of their half thickness changes no porosity and is let pass: a
+  contact that slips sets its tangential spring anew, up to 2 ζ² m_eff u² from nothing. A time step beyond its limit
+  multiplies the energy of its mode in every step.
+- The grain whose contacts call for the shortest time step (simcore.dem.stability) is noted at every STIFFNESS_LOOKSth
+  look; beyond its limit it is told, not stopped: contacts that slip or part hold such a mode in check, and where they
+  do not, energy tells, or the bed does not come to rest.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.dem.bodies import Bodies
+from simcore.dem.expectation import fall_speed
+from simcore.dem.neighbors import Near
+from simcore.dem.observation import Observation
+from simcore.dem.scene import Scene
+from simcore.dem.stability import LARGEST_LOAD, Estimate, body_steps, contact_load, stiffest_body
+from simcore.dem.stepping import Drive
+
+# Speed that no grain reaches by falling through the domain and shaking, with this margin: then a contact blew up.
+SPEED_MARGIN = 5.0
+DEEPEST = 1.0  # overlap over the thinner grain's half thickness
+ENERGY_SLACK = 0.1
+LIFT = 0.01
+ROUNDING = 1e-9  # of all energy above the floor
+STIFFNESS_LOOKS = 5
+BED_NEEDS = (1.2, 1.35)  # times the steps of its stiffest grain by itself; see simcore.dem.stability
+
+
+class PackingError(RuntimeError):
+    """A packing that failed: did not converge, blew up, or does not fit. The message names grain and cause."""
+
+
+class Stability(NamedTuple):
+    """What the time step was, and what it should have been."""
+
+    steps: float  # per contact time
+    expected: Estimate | None  # before the run
+    needed: float  # by the stiffest grain seen; by itself, the whole bed needs more
+    grain: int  # -1 where nothing ever touched
+    contacts: int  # it had
+    deepest: float  # largest overlap over the thinner grain's half thickness
+
+
+class Watch:
+    """Looks at a scene's bodies; remembers the energy last seen and the stiffest grain."""
+
+    def __init__(self, scene: Scene, width: float, report):
+        self.scene, self.width, self.report = scene, width, report
+        self.friction = scene.features.friction
+        self.load, self.needed, self.stiffest, self.contacts = 0.0, 0.0, -1, 0
+        self.deepest, self.looks = 0.0, 0
+        self.energy, self.thickness = None, None
+
+    def look_again(self):
+        """The bodies are others now, or were set by hand: what they had is no measure."""
+        self.energy, self.thickness = None, None
+
+    def look(self, bodies: Bodies, near: Near, seen: Observation, drive: Drive, step: int, n_steps: int) -> None:
+        """PackingError where something is wrong. drive: of the n_steps since the last look; step: their end."""
+        self.check_finite(bodies, step)
+        if self.thickness is None:
+            self.thickness = half_thickness(bodies)
+        self._check_speed(bodies, seen, step)
+        self._check_overlap(bodies, near, step)
+        self._check_energy(bodies, near, drive, step, n_steps * drive.dt)
+        if self.looks % STIFFNESS_LOOKS == 0:
+            self._note_stiffest(bodies, near, drive.dt, step)
+        self.looks += 1
+
+    def stability(self, expected: Estimate | None) -> Stability:
+        steps = self.scene.numerics.steps_per_contact_time
+        return Stability(steps, expected, self.needed, self.stiffest, self.contacts, self.deepest)
+
+    def check_finite(self, bodies, step):
+        bad = ~np.isfinite(bodies.position).all(axis=1) | ~np.isfinite(bodies.angular_momentum).all(axis=1)
+        if bad.any():
+            raise PackingError(
+                f"{self.scene.name}: the position of grain {int(np.argmax(bad))} is not finite at step {step}; most "
+                f"likely the time step is too long: {self._longer()}"
+            )
+
+    def _check_speed(self, bodies, seen, step):
+        limit = fall_speed(self.scene) + self.scene.shaking.acceleration / self.scene.shaking.rate
+        if seen.max_speed > SPEED_MARGIN * limit:
+            fastest = int(np.argmax((bodies.velocity**2).sum(axis=1)))
+            raise PackingError(
+                f"{self.scene.name}: grain {fastest} moves at {seen.max_speed:.3g} m/s at step {step}, more than fall "
+                f"and shaking can give ({limit:.3g} m/s); the time step is too long for its contacts ({self._longer()})"
+                f" or grains overlapped at birth (raise generation.spacing)"
+            )
+
+    def _check_overlap(self, bodies, near, step):
+        overlap, pair, relative = deepest_overlap(near, self.thickness)
+        self.deepest = max(self.deepest, relative)
+        if relative > DEEPEST:
+            thin, other = pair
+            partner = "the wall" if other < 0 else f"grain {other}"
+            raise PackingError(
+                f"{self.scene.name}: grain {thin} and {partner} overlap by {overlap * 1e3:.3g} mm at step {step}, more "
+                f"than half of the grain is thick: contacts are too soft for what presses on them. Shorten "
+                f"numerics.contact_time (now {self.scene.numerics.contact_time:g} s; overlaps under weight go with its "
+                f"square, those of impacts with it), lower the fall, or, if it was so from the start, raise "
+                f"generation.spacing"
+            )
+
+    def _check_energy(self, bodies, near, drive, step, time):
+        now = self._energy(bodies, near, drive)
+        before, self.energy = self.energy, now
+        if before is None:
+            return
+        mass = bodies.mass.sum()
+        speed = np.sqrt(2.0 * before.moving.sum() / mass)
+        push = drive.shaking * min(time, 2.0 / drive.shaking_rate * np.ceil(time * drive.shaking_rate / np.pi))
+        allowed = mass * push * (speed + push + drive.gravity * time)
+        slack = ENERGY_SLACK + self.scene.law.stiffness * drive.dt**2
+        allowed += LIFT * drive.gravity * (bodies.mass * self.thickness).sum()
+        allowed += slack * before.moving.sum() + ROUNDING * (before.moving.sum() + np.abs(before.height).sum())
+        gained = now.moving.sum() + now.height.sum() - before.moving.sum() - before.height.sum()
+        if gained > allowed:
+            grain = int(np.argmax(now.moving + now.height - before.moving - before.height))
+            raise PackingError(
+                f"{self.scene.name}: {gained:.3g} J came from nowhere within {time:.3g} s before step {step}, of which "
+                f"fall, shaking and springs explain {allowed:.3g} J; most went to grain {grain}. The time step is too "
+                f"long for its contacts: {self._longer()}{self.hint()}"
+            )
+
+    def _energy(self, bodies, near, drive):
+        """Of the last evaluation of forces, with centres' velocities between those before and after it."""
+        back = drive.dt / drive.damping
+        velocity = bodies.velocity / drive.damping - 0.5 * drive.dt * bodies.net_force / bodies.mass[:, None]
+        moving = 0.5 * bodies.mass * (velocity**2).sum(axis=1)
+        moving += 0.5 * (bodies.angular_momentum * bodies.angular_velocity).sum(axis=1)
+        height = bodies.mass * drive.gravity * (bodies.position[:, 2] - back * bodies.velocity[:, 2])
+        return _Energy(moving + spring_energy(bodies, near, self.scene.law), height)
+
+    def _note_stiffest(self, bodies, near, dt, step):
+        found = stiffest_body(bodies, near, self.width, self._load(dt))
+        if found.load <= self.load:
+            return
+        told = self.load > LARGEST_LOAD
+        self.load, self.stiffest, self.contacts = found.load, found.body, found.contacts
+        law, hold = self.scene.continuous_law, found.contacts if self.scene.implicit else None
+        self.needed = body_steps(bodies, near, self.width, law, self.friction, found.body, hold=hold)
+        if self.needed > self.scene.numerics.steps_per_contact_time and not told:
+            self.report(
+                f"{self.scene.name}: warning: at step {step} {self._about_stiffest()}, and this run has "
+                f"{self.scene.numerics.steps_per_contact_time:g}; such a grain jitters in its contacts and takes up "
+                f"energy until they slip or part, which is watched"
+            )
+
+    def _load(self, dt):
+        """By which bodies are ranked: with an implicit dashpot as if each had one contact."""
+        return contact_load(self.scene.continuous_law, dt, self.friction, 1.0 if self.scene.implicit else None)
+
+    def hint(self):
+        """Half a sentence where the time step may be too long for the stiffest grain seen, or empty."""
+        near = BED_NEEDS[1] * self.needed > self.scene.numerics.steps_per_contact_time
+        return f"; {self._about_stiffest()}" if near else ""
+
+    def _about_stiffest(self):
+        return (
+            f"grain {self.stiffest} with {self.contacts} contacts alone needs {self.needed:.1f} steps a contact time, "
+            f"a bed {BED_NEEDS[0]:g} to {BED_NEEDS[1]:g} times that"
+        )
+
+    def _longer(self):
+        return f"raise numerics.steps_per_contact_time (now {self.scene.numerics.steps_per_contact_time:g})"
+
+
+class _Energy(NamedTuple):
+    moving: np.ndarray  # (n,) [J], of motion and springs
+    height: np.ndarray  # (n,) [J]
+
+
+def half_thickness(bodies: Bodies) -> np.ndarray:
+    """Shortest semi-axis (n,) [m] of the ellipsoid of the same mass and moments of inertia."""
+    moments = 0.5 * bodies.inertia.sum(axis=1) - bodies.inertia.max(axis=1)
+    return np.sqrt(5.0 * moments / bodies.mass)
+
+
+def deepest_overlap(near: Near, thickness):
+    """The overlap [m] that is largest against the thinner grain's half thickness: (overlap, (thinner, other), ratio).
+
+    thickness: of each grain, (n,) [m]. A wall stands as grain -1; (0, (-1, -1), 0) where nothing touches.
+    """
+    contacts, walls = near
+    found = 0.0, (-1, -1), 0.0
+    p = np.flatnonzero(contacts.touching)
+    if len(p):
+        a, b = contacts.body_a[p], contacts.body_b[p]
+        ratio = contacts.overlap[p] / np.minimum(thickness[a], thickness[b])
+        k = int(np.argmax(ratio))
+        thin, other = (a[k], b[k]) if thickness[a[k]] <= thickness[b[k]] else (b[k], a[k])
+        found = float(contacts.overlap[p[k]]), (int(thin), int(other)), float(ratio[k])
+    w = np.flatnonzero(walls.touching)
+    if len(w):
+        ratio = walls.overlap[w] / thickness[walls.body[w]]
+        k = int(np.argmax(ratio))
+        if ratio[k] > found[2]:
+            found = float(walls.overlap[w[k]]), (int(walls.body[w[k]]), -1), float(ratio[k])
+    return found
+
+
+def spring_energy(bodies: Bodies, near: Near, law) -> np.ndarray:
+    """Energy (n,) [J] of the springs of contacts, tangential ones and twisted patches too; half is each body's."""
+    energy = np.zeros(len(bodies.mass))
+    contacts, walls = near
+    p, w = np.flatnonzero(contacts.touching), np.flatnonzero(walls.touching)
+    a, b, i = contacts.body_a[p], contacts.body_b[p], walls.body[w]
+    mass = bodies.mass[a] * bodies.mass[b] / (bodies.mass[a] + bodies.mass[b])
+    stored = 0.5 * law.stiffness * mass * _stretch(contacts, p, law)
+    for owner, energies in ((a, 0.5 * stored), (b, 0.5 * stored)):
+        energy += np.bincount(owner, energies, minlength=len(energy))
+    return energy + np.bincount(
+        i, 0.5 * law.stiffness * bodies.mass[i] * _stretch(walls, w, law), minlength=len(energy)
+    )
+
+
+def _stretch(rows, p, law):
+    """Sum (k,) [m²] of the squares of the springs of rows p, each as stiff as the normal one."""
+    square = rows.overlap[p] ** 2
+    if len(rows.spring):
+        square += law.tangential * (rows.spring[p] ** 2).sum(axis=1)
+    if len(rows.twist):
+        square += law.tangential * rows.spread[p, :3].sum(axis=1) * rows.twist[p] ** 2
+    return square

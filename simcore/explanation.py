@@ -1,0 +1,226 @@
+"""What a packing will compute, and what it will cost, said without running it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.dem.bodies import make_bodies
+from simcore.dem.contact.patch import make_room
+from simcore.dem.expectation import Expectation, expect, warnings
+from simcore.dem.features import Features
+from simcore.dem.generation import lattice_sites
+from simcore.dem.neighbors import bytes_per_pair
+from simcore.dem.packing import REFILL_HEIGHT, STUDY_FIRST_FILL, extents
+from simcore.dem.scene import Scene, minimum_steps_per_contact_time
+from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, collect_shapes
+from simcore.scenes import Setup
+
+# CPU time of a grain and step in a dense shaken bed [µs], one thread: kind of grain, whether patches are found. The one
+# table of it; measured by `python -m benchmarks.throughput --shape ...`, README, "What a step costs".
+STEP_COST = {(SPHERE, False): 0.13, (ELLIPSOID, False): 0.70, (CONVEX, False): 0.80, (CONVEX, True): 2.3}
+# Half of the one and half of the other cost the mean of both, to 2 %.
+STEP_COST |= {(MIXED, patch): 0.5 * (STEP_COST[ELLIPSOID, False] + STEP_COST[CONVEX, patch]) for patch in (False, True)}
+# Near pairs that a grain at rest brings into the list; measured in the packings of examples/.
+NEAR_PAIRS = {SPHERE: 5.2, ELLIPSOID: 10.0, CONVEX: 13.4}
+NEAR_PAIRS[MIXED] = 0.5 * (NEAR_PAIRS[ELLIPSOID] + NEAR_PAIRS[CONVEX])
+# ASSUME: solid fraction of a poured bed, to tell how high it stands when the next batch is born.
+SOLID_FRACTION = 0.6
+# ASSUME: time until a shaken bed is at rest; 0.08 to 0.24 s in the packings of examples/.
+SETTLING = 0.2
+CHUNK = 10_000
+
+# What a scene can have: of Features, what its step does then, and what it does not hold else.
+KINDS = {
+    SPHERE: ("spheres, contacts in closed form", "spheres in closed form"),
+    ELLIPSOID: ("ellipsoids, contacts by Newton from the last normal", "ellipsoids"),
+    CONVEX: ("convex polyhedra, contacts from the facet found last", "polyhedra: no mesh, facet or search of one"),
+    MIXED: ("ellipsoids beside polyhedra, each pair by its kinds", "kinds side by side"),
+}
+PARTS = (
+    (lambda f: f.kind != SPHERE, "orientations and their rotation", "orientations: spheres look alike from all sides"),
+    (lambda f: f.friction, "friction, with the history of each contact's tangential spring", "friction and history"),
+    (lambda f: f.attractive, "contacts that may pull as they end", "contacts that pull: forces are clamped at zero"),
+    (lambda f: f.implicit, "implicit dashpots, by how firmly a grain is held", "implicit dashpots"),
+    (lambda f: f.patch, "patches: polyhedra press at the centroid of their overlap", "patches"),
+    (lambda f: f.floor, "a floor", "a floor"),
+    (lambda f: f.cylinder, "a cylinder's wall", "a cylinder's wall"),
+    (lambda f: f.periodic, "periodic images", "periodic images"),
+    (lambda f: f.shaken, "shaking", "shaking"),
+)
+
+
+class Cost(NamedTuple):
+    """What a packing is estimated to need."""
+
+    grains: int
+    mass: float  # [kg]
+    batches: int
+    generating: int  # steps until the last grain is born
+    shaking: int
+    damping: int  # expected
+    longest_damping: int  # then it fails
+    cpu_seconds: float
+    bytes_per_grain: int
+    bytes_per_pair: int
+    memory: float  # [bytes], of all arrays of the core
+
+
+def parts(features: Features) -> tuple[list[str], list[str]]:
+    """What a step with these features does, and what it leaves out, in words."""
+    has = [KINDS[features.kind][0]] + [text for there, text, _ in PARTS if there(features)]
+    lacks = [text for kind, (_, text) in KINDS.items() if kind != features.kind]
+    return has, lacks + [text for there, _, text in PARTS if not there(features)]
+
+
+def estimate_cost(setup: Setup) -> Cost:
+    """Cost of a packing, from its grains, its phases and the tables above."""
+    scene = setup.scene
+    features, dt = scene.features, scene.numerics.time_step
+    volumes = _volumes(setup)
+    n = len(volumes)
+    born, birth_steps = _births(setup, volumes)
+    shaking = round(scene.shaking.duration / dt)
+    longest = round(scene.damping.max_time / dt)
+    damping = min(round(SETTLING / dt), longest)
+    # Grains wait for the next batch: what has been born is stepped until it comes.
+    grain_steps = sum(count * steps for count, steps in zip(born, birth_steps, strict=True)) + n * (shaking + damping)
+    per_grain = _bytes_per_grain(setup)
+    per_pair = bytes_per_pair(features)
+    shapes = collect_shapes(setup.bases)
+    fixed = sum(array.nbytes for group in (shapes, make_room(shapes, 1)) for array in group)
+    return Cost(
+        grains=n,
+        mass=scene.material.density * float(volumes.sum()),
+        batches=len(born),
+        generating=sum(birth_steps),
+        shaking=shaking,
+        damping=damping,
+        longest_damping=longest,
+        cpu_seconds=1e-6 * STEP_COST[scene.kind, features.patch] * grain_steps,
+        bytes_per_grain=per_grain,
+        bytes_per_pair=per_pair,
+        memory=fixed + n * (per_grain + NEAR_PAIRS[scene.kind] * per_pair),
+    )
+
+
+def explain(setup: Setup) -> str:
+    """Lines on what the packing of `setup` computes, costs, and how far it is from its limits."""
+    scene, cost = setup.scene, estimate_cost(setup)
+    expected = expect(scene, setup.bases, setup.draw)
+    has, lacks = parts(scene.features)
+    dt, domain = scene.numerics.time_step, scene.domain
+    place = "periodic box, width" if domain.periodic else "cylinder, diameter"
+    batches = "one batch" if cost.batches == 1 else f"about {cost.batches} batches"
+    lines = [
+        f"{scene.name}: {cost.grains} grains, {cost.mass:.4g} kg, {place} {domain.width * 1e3:g} mm, height "
+        f"{domain.height * 1e3:g} mm",
+        "The step has",
+        *(f"  {text}" for text in has),
+        "It leaves out",
+        *(f"  {text}" for text in lacks),
+        f"Steps of {dt:.3g} s",
+        f"  generating  {_about(cost.generating)}, in {batches}",
+        f"  shaking     {cost.shaking}, {scene.shaking.duration:g} s after the last birth",
+        f"  damping     about {cost.damping}, until the grains rest; at most {cost.longest_damping}",
+        f"Time        {_duration(cost.cpu_seconds)} on one core ({cost.cpu_seconds / 3600:.2g} CPU hours): "
+        f"{STEP_COST[scene.kind, scene.features.patch]:g} µs a grain and step; where it is the first of its kind, "
+        f"compiling comes on top",
+        f"Memory      {_size(cost.memory)} of arrays: {cost.bytes_per_grain} bytes a grain, {cost.bytes_per_pair} a "
+        f"near pair, about {NEAR_PAIRS[scene.kind]:g} of them a grain",
+        *_stability_lines(scene, expected),
+        *(f"Warning     {text}" for text in warnings(scene, expected)),
+    ]
+    return "\n".join(lines)
+
+
+def _stability_lines(scene: Scene, expected: Expectation) -> list[str]:
+    steps, needed = scene.numerics.steps_per_contact_time, expected.stability
+    refused = minimum_steps_per_contact_time(scene.continuous_law, scene.implicit)
+    return [
+        f"Stability   {steps:g} steps a contact time: fewer than {refused:.2f} are refused, {needed.expected:.1f} are "
+        f"expected to do (margin {steps / needed.expected:.2f}), {needed.cautious:.1f} leave no mode out (margin "
+        f"{steps / needed.cautious:.2f})"
+    ]
+
+
+def _volumes(setup: Setup) -> np.ndarray:
+    """Volumes (n,) [m³] of the grains of the packing, whole batches of the study not rounded up."""
+    scene = setup.scene
+    base = np.array([each.volume for each in setup.bases])
+
+    def volumes(ids):
+        drawn = setup.draw(ids)
+        return base[drawn.shape] * drawn.scale.prod(axis=1)
+
+    if scene.amount_grains is not None:
+        return volumes(np.arange(scene.amount_grains))
+    found, poured = [], 0.0
+    while poured < scene.amount_mass:
+        some = volumes(np.arange(CHUNK) + CHUNK * len(found))
+        found.append(some)
+        poured += scene.material.density * float(some.sum())
+    all_of_them = np.concatenate(found)
+    enough = np.searchsorted(scene.material.density * np.cumsum(all_of_them), scene.amount_mass)
+    return all_of_them[: enough + 1]
+
+
+def _births(setup: Setup, volumes) -> tuple[list[int], list[int]]:
+    """Grains there are after each batch, and steps until the next; none after the last.
+
+    A batch fills its lattice, or each second, third layer where grains stand taller than a layer; the next waits until
+    the last grain of it has fallen below where new ones are born.
+    """
+    scene = setup.scene
+    generation, domain, n = scene.generation, scene.domain, len(volumes)
+    some = setup.draw(np.arange(min(n, CHUNK // 10)))
+    height = 2.0 * extents(setup.bases, some, generation.orientation == "random")[1].mean()
+    stride = int(np.ceil(height / (generation.spacing * np.sqrt(6.0) / 3.0)))
+    g, v = scene.material.effective_gravity, -generation.velocity_z
+    study = generation.fill == "study"
+    born, steps = [], []
+    done = 0
+    while True:
+        bed = float(volumes[:done].sum()) / (SOLID_FRACTION * domain.area)
+        low = (STUDY_FIRST_FILL if done == 0 else REFILL_HEIGHT) * domain.height
+        if not study:
+            low = 0.0 if done == 0 else bed + generation.drop_height
+        # Half a spacing at either end is the grains' own.
+        sites = len(lattice_sites(domain, generation.spacing, low, max(domain.height - generation.spacing, low)))
+        room = done == 0 or low < REFILL_HEIGHT * domain.height or study
+        count = min(sites // stride, n - done) if room else 0
+        if count == 0:  # `pack` will say that the domain is too small, or squeeze the rest in
+            return born + [n], steps + [0]
+        done += count
+        born.append(done)
+        if done == n:
+            return born, steps + [0]
+        fall = (1.0 - REFILL_HEIGHT) * domain.height + (0.0 if study else generation.drop_height)
+        steps.append(round((np.sqrt(v**2 + 2.0 * g * fall) - v) / g / scene.numerics.time_step))
+
+
+def _bytes_per_grain(setup: Setup) -> int:
+    """Of the arrays of Bodies in a scene of this kind."""
+    drawn = setup.draw(np.arange(1))
+    zero = np.zeros((1, 3))
+    bodies = make_bodies(
+        setup.bases, drawn.shape, drawn.scale, zero, [[1.0, 0.0, 0.0, 0.0]], zero, zero, 1.0, setup.scene.features
+    )
+    return sum(array.nbytes for array in bodies)
+
+
+def _about(steps):
+    return f"about {steps}" if steps else "0"
+
+
+def _duration(seconds):
+    for unit, length in (("hours", 3600.0), ("minutes", 60.0)):
+        if seconds >= 2.0 * length:
+            return f"about {seconds / length:.2g} {unit}"
+    return f"about {seconds:.2g} s"
+
+
+def _size(number):
+    for unit, factor in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if number >= factor:
+            return f"{number / factor:.2g} {unit}"
+    return f"{number:.0f} bytes"

@@ -1,0 +1,131 @@
+"""Error against run time of packings: what each setting does to porosity, and the cheapest settings for a wished error.
+
+A study changes one setting on a base, over several seeds. Its first setting is the reference, the most accurate. The
+error of another is its difference to that, paired by seed where both have the seed: the grains of a seed are the same.
+"""
+
+import itertools
+
+import numpy as np
+import pandas as pd
+
+WISHED = (0.01, 0.005, 0.002)  # errors in porosity
+
+
+def porosity_errors(packings: pd.DataFrame, varied: list[str]) -> pd.DataFrame:
+    """One row a setting, in the order in which they first stand in `packings`.
+
+    packings: one row a packing, with the columns study, seed, n, cpu_s and those of `varied`; the setting that stands
+    first is the reference. Columns: study, varied, setting (text), seeds, n, n_std_error (over seeds), difference
+    (mean n less the reference's), difference_std_error, cpu_s (median), cpu_ratio (to the reference).
+    ValueError where a setting has no packing or one seed only.
+    """
+    keys = [key for key in varied if key != "seed"]
+    table = packings.assign(setting=[_label(row, keys) for _, row in packings.iterrows()])
+    order = table.setting.unique()
+    reference = table[table.setting == order[0]].set_index("seed")
+    rows = []
+    for setting in order:
+        runs = table[table.setting == setting].set_index("seed")
+        if len(runs) < 2:
+            raise ValueError(f"study {table.study.iloc[0]}: {setting} has one seed, and no error can be told from it")
+        difference, error = compare(runs.n, reference.n)
+        rows.append(
+            {
+                "study": table.study.iloc[0],
+                "varied": ", ".join(keys),
+                "setting": setting,
+                "seeds": len(runs),
+                "n": runs.n.mean(),
+                "n_std_error": runs.n.std() / np.sqrt(len(runs)),
+                "difference": difference,
+                "difference_std_error": error,
+                "cpu_s": runs.cpu_s.median(),
+                "cpu_ratio": runs.cpu_s.median() / reference.cpu_s.median(),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def compare(runs: pd.Series, reference: pd.Series) -> tuple[float, float]:
+    """Mean difference of runs to reference, both with the seed as index, and its standard error.
+
+    Over the seeds that both have, where these are two or more: what the grains of a seed do to both is then taken out.
+    Otherwise of the means, each with its own scatter.
+    """
+    both = runs.index.intersection(reference.index)
+    if len(both) > 1:
+        paired = runs[both] - reference[both]
+        return float(paired.mean()), float(paired.std() / np.sqrt(len(both)))
+    variance = runs.var() / len(runs) + reference.var() / len(reference)
+    return float(runs.mean() - reference.mean()), float(np.sqrt(variance))
+
+
+def work_precision_runs(errors: pd.DataFrame, titles: dict[str, str], defaults: dict[str, str]) -> pd.DataFrame:
+    """Rows of `porosity_errors` as a table of simcore.work_precision, each study a case.
+
+    titles: of the studies. defaults: the setting of each that the other studies hold to. The reference's own error is
+    the noise of the seeds: the median standard error of the study's differences. The reference has no error but that.
+    """
+    parts = []
+    for study, rows in errors.groupby("study", sort=False):
+        noise = rows.difference_std_error.iloc[1:].median()
+        parts.append(
+            pd.DataFrame(
+                {
+                    "case": titles[study],
+                    "quantity": "porosity",
+                    "method": "against the first setting",
+                    "setting": rows.setting,
+                    "default": rows.setting == defaults[study],
+                    "repeat": 0,
+                    "error": rows.difference.abs().mask(rows.cpu_ratio == 1.0, noise),
+                    "error_std": rows.difference_std_error,
+                    "cpu_s": rows.cpu_s,
+                    "reference_error": noise,
+                }
+            )
+        )
+    return pd.concat(parts, ignore_index=True)
+
+
+def base_setting(rows: list[dict]) -> str:
+    """The setting of a study that the other studies hold to. rows: dicts {varied, is_base} as simcore.studies has them.
+
+    "" where the study has none.
+    """
+    return next(
+        (_label(row["varied"], [k for k in row["varied"] if k != "seed"]) for row in rows if row["is_base"]), ""
+    )
+
+
+def cheapest_settings(errors: pd.DataFrame, wished=WISHED) -> pd.DataFrame:
+    """For each wished error the setting of every study that together cost least.
+
+    errors: rows of `porosity_errors` of several studies. The error of a combination is bounded by the sum of the
+    differences' magnitudes, as they are measured, and its cost taken as the product of the cost ratios: both hold where
+    settings act independently. Columns: wished_error, one for each study with the setting, error_bound,
+    error_std_error (of the sum), cpu_ratio (to the references of all).
+    """
+    parts = [rows for _, rows in errors.groupby("study", sort=False)]
+    table = []
+    for limit in wished:
+        best = None
+        for chosen in itertools.product(*(part.itertuples() for part in parts)):
+            bound = sum(abs(row.difference) for row in chosen)
+            ratio = float(np.prod([row.cpu_ratio for row in chosen]))
+            if bound <= limit and (best is None or ratio < best["cpu_ratio"]):
+                best = {
+                    "wished_error": limit,
+                    **{row.study: row.setting for row in chosen},
+                    "error_bound": bound,
+                    "error_std_error": float(np.sqrt(sum(row.difference_std_error**2 for row in chosen))),
+                    "cpu_ratio": ratio,
+                }
+        table.append(best)
+    return pd.DataFrame(table)
+
+
+def _label(row, keys):
+    """The setting of a packing in words, such as "contact_time 0.001" or "40 explicit"."""
+    return " ".join(f"{row[key]:g}" if isinstance(row[key], float) else str(row[key]) for key in keys)

@@ -1,0 +1,52 @@
+"""Error against run time: what a table of settings says about which of them to take.
+
+A table has one row for each run: columns case, quantity, method, setting, default (bool), repeat, error, cpu_s [s],
+reference_error (of the reference solution, in the unit of error) and, where an error is itself known with one only,
+error_std. Of a setting the median over its repeats counts.
+"""
+
+import numpy as np
+import pandas as pd
+
+KEYS = ["case", "quantity", "method", "setting"]
+COLUMNS = [*KEYS, "default", "repeat", "error", "cpu_s", "reference_error"]
+
+
+def settings_table(runs: pd.DataFrame) -> pd.DataFrame:
+    """One row for each setting, in the order of `runs`: medians of cpu_s and error, cpu_least, cpu_most, and on_front.
+
+    on_front: no other setting of the same case and quantity is as good in both error and CPU time and better in one.
+    An error below that of the reference counts as that: more is not known. ValueError where a column is missing.
+    """
+    missing = [name for name in COLUMNS if name not in runs]
+    if missing:
+        raise ValueError(f"work-precision table: columns {', '.join(missing)} are missing; it needs {COLUMNS}")
+    extra = {"error_std": ("error_std", "median")} if "error_std" in runs else {}
+    table = runs.groupby(KEYS, sort=False, as_index=False).agg(
+        default=("default", "first"),
+        error=("error", "median"),
+        cpu_s=("cpu_s", "median"),
+        cpu_least=("cpu_s", "min"),
+        cpu_most=("cpu_s", "max"),
+        reference_error=("reference_error", "max"),
+        **extra,
+    )
+    table["on_front"] = False
+    for _, rows in table.groupby(["case", "quantity"], sort=False):
+        known = np.maximum(rows["error"], rows["reference_error"])
+        table.loc[rows.index, "on_front"] = pareto_front(rows["cpu_s"].to_numpy(), known.to_numpy())
+    return table
+
+
+def pareto_front(cost, error) -> np.ndarray:
+    """Whether no other point is as good in both cost and error and better in one, (n,) bool. Nan is never on it."""
+    cost, error = np.asarray(cost, float), np.asarray(error, float)
+    as_good = (cost[:, None] <= cost) & (error[:, None] <= error)
+    better = (cost[:, None] < cost) | (error[:, None] < error)
+    return ~(as_good & better).any(axis=0) & np.isfinite(cost) & np.isfinite(error)
+
+
+def observed_order(setting, error) -> np.ndarray:
+    """Orders of convergence (n - 1,) between settings that count steps, as the steps grow finer."""
+    setting, error = np.asarray(setting, float), np.asarray(error, float)
+    return np.log(error[:-1] / error[1:]) / np.log(setting[1:] / setting[:-1])

@@ -1,0 +1,120 @@
+"""`python -m simcore explain`: what a packing does, without running it."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from simcore.__main__ import main
+from simcore.dem.features import Features
+from simcore.dem.packing import Process
+from simcore.dem.shapes import CONVEX, SPHERE
+from simcore.explanation import KINDS, PARTS, STEP_COST, estimate_cost, parts
+from simcore.scenes import set_up
+from simcore.specification import read_specification, resolve
+
+ROOT = Path(__file__).resolve().parents[1]
+FEW = {
+    "name": "few",
+    "domain": {"width": "25 mm", "height": "0.2 m"},
+    "shapes": {"kind": "sphere"},
+    "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]},
+    "amount": {"grains": 40},
+    "shaking": {"duration": "0.05 s"},
+    "numerics": {"contact_time": "1 ms"},
+}
+
+
+def few(**changes):
+    return set_up(resolve({**FEW, **changes}), lambda group: [])
+
+
+def test_every_part_is_there_or_left_out():
+    """Each feature of the step but its kind and its clock has its words; turning it over moves one line."""
+    rich = Features(CONVEX, True, True, True, True, True, True, True, True)
+    bare = Features(SPHERE, False, False, False, False, False, False, False, False)
+    has, lacks = parts(rich)
+    assert len(has) == 1 + len(PARTS) and len(lacks) == len(KINDS) - 1
+    assert [len(lines) for lines in parts(bare)] == [1, len(KINDS) - 1 + len(PARTS)]
+    for name in ("friction", "attractive", "floor", "cylinder", "periodic", "shaken", "patch", "implicit"):
+        fewer = parts(rich._replace(**{name: False}))
+        assert (len(fewer[0]), len(fewer[1])) == (len(has) - 1, len(KINDS)), name
+
+
+@pytest.mark.parametrize("example", sorted(path.stem for path in (ROOT / "examples").glob("*.yaml")))
+def test_every_example_is_explained(example, capsys):
+    assert main(["explain", str(ROOT / "examples" / f"{example}.yaml")]) == 0
+    told = capsys.readouterr().out
+    specification = read_specification(ROOT / "examples" / f"{example}.yaml")
+    assert told.startswith(f"{example}: ")
+    for word in ("The step has", "It leaves out", "Steps of 2.5e-05 s", "Time", "Memory", "Stability   40 steps"):
+        assert word in told, word
+    grains = int(re.match(rf"{example}: (\d+) grains", told)[1])
+    mass = float(re.search(r"grains, (\S+) kg", told)[1])
+    if specification["amount"]["grains"] is not None:
+        assert grains == specification["amount"]["grains"]
+    else:
+        assert mass >= specification["amount"]["mass"] * 0.9999
+    shaking = round(specification["shaking"]["duration"] / 2.5e-5)
+    assert re.search(rf"shaking +{shaking},", told)
+    left_out = told.split("It leaves out")[1].split("Steps of")[0]
+    assert ("cylinder" in left_out) == (specification["domain"]["type"] == "periodic")
+    assert ("polyhedra" in left_out) == (specification["shapes"]["kind"] != "mesh")
+
+
+def test_nothing_is_compiled(tmp_path):
+    environment = {**os.environ, "SCREE_CACHE": str(tmp_path)}
+    command = [sys.executable, "-m", "simcore", "explain", str(ROOT / "examples" / "ellipsoids.yaml")]
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert not list(tmp_path.rglob("*.nb?"))
+
+
+def test_the_estimate_is_that_of_the_grains_themselves():
+    setup = few()
+    cost = estimate_cost(setup)
+    process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
+    last_birth = process.generate()
+    assert cost.grains == 40 and cost.batches == 1 and cost.generating == last_birth == 0
+    assert cost.mass == pytest.approx(process.bodies.mass.sum(), rel=1e-12)
+    assert cost.bytes_per_grain * 40 == sum(array.nbytes for array in process.bodies)
+    # The list has one more start than bodies.
+    pairs = len(process.contacts.body_a)
+    assert cost.bytes_per_pair * pairs + 8 * 41 == sum(array.nbytes for array in process.contacts)
+    assert cost.shaking == 2000
+    steps = cost.shaking + cost.damping
+    assert cost.cpu_seconds == pytest.approx(40 * steps * STEP_COST[SPHERE, False] * 1e-6)
+
+
+def test_amounts_by_mass_and_several_batches():
+    setup = few(amount={"mass": "100 g", "grains": None})
+    cost = estimate_cost(setup)
+    process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
+    assert cost.mass >= 0.1
+    mass = process._masses(setup.draw(np.arange(cost.grains)))
+    assert mass.sum() == pytest.approx(cost.mass) and mass[:-1].sum() < 0.1
+    assert cost.batches > 1 and cost.generating > 0
+
+
+def test_wrong_input_is_told_as_by_pack(tmp_path, capsys):
+    bad = tmp_path / "bad.yaml"
+    bad.write_text("domain: {width: 25 kg, height: 1 m}\nsizes: {case: U1}\namount: {grains: 5}\n")
+    said = []
+    for command in (["explain", str(bad)], ["pack", str(bad), str(tmp_path / "out.nc")]):
+        assert main(command) == 2
+        said.append(capsys.readouterr().err.split(": ", 1)[1])
+    assert said[0] == said[1] and "domain.width: '25 kg' is a mass" in said[0]
+    assert main(["explain", str(tmp_path / "none.yaml")]) == 2
+    assert "there is no such file" in capsys.readouterr().err
+
+
+def test_a_warning_of_the_run_is_told_before():
+    from simcore.explanation import explain
+
+    told = explain(few(numerics={"contact_time": "1 ms", "steps_per_contact_time": 20}))
+    assert "Warning     20 steps per contact time are fewer than the 33.8" in told
+    assert "Warning" not in explain(few())

@@ -1,0 +1,116 @@
+# Error against run time. Not part of `all`: ask for `work_precision`, with --cores 1 so that runs are timed alone.
+precision_studies = [
+    "one_contact",
+    "rotation",
+    "contact_query",
+    "rest",
+    "evaluation",
+    "packings",
+]
+packing_precision_studies = [
+    name for name in all_studies if name.startswith("precision_")
+]
+
+
+rule work_precision:
+    input:
+        collect("results/work_precision/{study}.csv", study=precision_studies),
+        collect("results/work_precision/{study}.png", study=precision_studies),
+
+
+rule one_contact_precision:
+    output:
+        runs="results/work_precision/one_contact.csv",
+        figure="results/work_precision/one_contact.png",
+        vector="results/work_precision/one_contact.pdf",
+    log:
+        "results/logs/one_contact_precision.log",
+    params:
+        code=digest("workflow/scripts/one_contact_precision.py"),
+    script:
+        "../scripts/one_contact_precision.py"
+
+
+rule rotation_precision:
+    output:
+        runs="results/work_precision/rotation.csv",
+        figure="results/work_precision/rotation.png",
+        vector="results/work_precision/rotation.pdf",
+    log:
+        "results/logs/rotation_precision.log",
+    params:
+        code=digest("workflow/scripts/rotation_precision.py"),
+    script:
+        "../scripts/rotation_precision.py"
+
+
+rule contact_query_precision:
+    output:
+        runs="results/work_precision/contact_query.csv",
+        figure="results/work_precision/contact_query.png",
+        vector="results/work_precision/contact_query.pdf",
+    log:
+        "results/logs/contact_query_precision.log",
+    params:
+        code=digest("workflow/scripts/contact_query_precision.py"),
+    script:
+        "../scripts/contact_query_precision.py"
+
+
+rule rest:
+    output:
+        table="results/work_precision/rest.csv",
+        figure="results/work_precision/rest.png",
+        vector="results/work_precision/rest.pdf",
+    log:
+        "results/logs/rest.log",
+    params:
+        code=digest("workflow/scripts/rest.py"),
+    script:
+        "../scripts/rest.py"
+
+
+# How a porosity is evaluated, on the finished packings of one study.
+rule evaluation_precision:
+    input:
+        packings=collect(
+            "results/packings/precision_shaking/{packing}.nc",
+            packing=lookup(
+                query="study == 'precision_shaking'", within=packings, cols="packing"
+            ),
+        ),
+    output:
+        runs="results/work_precision/evaluation.csv",
+        figure="results/work_precision/evaluation.png",
+        vector="results/work_precision/evaluation.pdf",
+    log:
+        "results/logs/evaluation_precision.log",
+    params:
+        code=digest("workflow/scripts/evaluation_precision.py"),
+    script:
+        "../scripts/evaluation_precision.py"
+
+
+# What each setting of a packing does to its porosity; the studies stand in config/work_precision.yaml.
+rule packing_precision:
+    input:
+        tables=collect(
+            "results/tables/{study}_packings.csv", study=packing_precision_studies
+        ),
+    output:
+        errors="results/work_precision/packings.csv",
+        settings="results/work_precision/cheapest_settings.csv",
+        figure="results/work_precision/packings.png",
+        vector="results/work_precision/packings.pdf",
+    log:
+        "results/logs/packing_precision.log",
+    params:
+        studies=packing_precision_studies,
+        titles=titles,
+        rows=[
+            list(packings.row[packings.study == study])
+            for study in packing_precision_studies
+        ],
+        code=digest("workflow/scripts/packing_precision.py"),
+    script:
+        "../scripts/packing_precision.py"

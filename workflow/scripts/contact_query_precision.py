@@ -1,0 +1,19 @@
+"""Depth and normal of touching pairs against the time of a query: the runs, and error against CPU time."""
+
+from simcore.compilation import set_threads
+from simcore.figures.saving import save_figure
+from simcore.figures.work_precision import work_precision_figure
+from simcore.verification.contact_query import study
+from simcore.verification.machine import describe_machine
+
+set_threads(1)
+machine = describe_machine()
+runs = study().assign(machine=machine)
+runs.to_csv(snakemake.output.runs, index=False)
+labels = {
+    "depth": "largest error of the depth,\nrelative to the pair's size [-]",
+    "normal": "largest error of the normal [rad]",
+}
+figure = work_precision_figure(runs, "CPU time of one query", labels, "directions, or tolerance", note=machine)
+for path in (snakemake.output.figure, snakemake.output.vector):
+    save_figure(figure, path)

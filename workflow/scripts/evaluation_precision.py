@@ -1,0 +1,21 @@
+"""Error of a packing's porosity by how it is evaluated, against CPU time."""
+
+from simcore.figures.saving import save_figure
+from simcore.figures.work_precision import work_precision_figure
+from simcore.packing_io import read_packing
+from simcore.verification.machine import describe_machine
+from simcore.verification.porosity_evaluation import study
+
+machine = describe_machine()
+runs = study([read_packing(path) for path in snakemake.input.packings]).assign(machine=machine)
+runs.to_csv(snakemake.output.runs, index=False)
+figure = work_precision_figure(
+    runs,
+    "CPU time of one evaluation",
+    {"porosity": "error of the\nporosity [-]"},
+    "slice height [mm]",
+    micro=False,
+    note=machine,
+)
+for path in (snakemake.output.figure, snakemake.output.vector):
+    save_figure(figure, path)

@@ -1,0 +1,13 @@
+"""At how many steps per contact time a bed rests, with either dashpot."""
+
+from simcore.compilation import set_threads
+from simcore.figures.saving import save_figure
+from simcore.figures.work_precision import rest_figure
+from simcore.verification.machine import describe_machine
+from simcore.verification.rest import study
+
+set_threads(1)
+table = study()
+table.assign(machine=describe_machine()).to_csv(snakemake.output.table, index=False)
+for path in (snakemake.output.figure, snakemake.output.vector):
+    save_figure(rest_figure(table), path)

@@ -1,0 +1,14 @@
+"""Attitude and energy of free bodies against the time step: the runs, and error against CPU time."""
+
+from simcore.figures.saving import save_figure
+from simcore.figures.work_precision import work_precision_figure
+from simcore.verification.machine import describe_machine
+from simcore.verification.rotation import study
+
+machine = describe_machine()
+runs = study().assign(machine=machine)
+runs.to_csv(snakemake.output.runs, index=False)
+labels = {"attitude": "error of the attitude [rad]", "energy": "relative error of the energy [-]"}
+figure = work_precision_figure(runs, "CPU time of one turn", labels, "steps per turn", note=machine)
+for path in (snakemake.output.figure, snakemake.output.vector):
+    save_figure(figure, path)
