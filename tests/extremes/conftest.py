@@ -55,7 +55,7 @@ def place(
     process = Process(made, bases, draw=None, report=lambda line: None)
     bodies = make_bodies(
         bases, np.zeros(n, int) if shape is None else shape, scale, position, np.broadcast_to(orientation, (n, 4)),
-        np.broadcast_to(velocity, (n, 3)), np.broadcast_to(spin, (n, 3)), made.material.density, made.kind,
+        np.broadcast_to(velocity, (n, 3)), np.broadcast_to(spin, (n, 3)), made.material.density, made.features,
     )  # fmt: skip
     process.place(bodies, 2.0 * float(scale.mean()))
     return process
@@ -110,16 +110,6 @@ def box():
     """Cube of edge 1; with three scales, any brick, plate or needle."""
     mesh = trimesh.creation.box((1.0, 1.0, 1.0))
     return Base("box", np.array(mesh.vertices), np.array(mesh.faces, np.int64), 1.0, np.full(3, 1.0 / 12.0))
-
-
-# What the code shall refuse while it runs and does not yet: strict, so that the mark goes when the guards come.
-needs_guards = pytest.mark.xfail(strict=True, reason="needs the guards of energy, overlap and speed while running")
-
-
-def pytest_collection_modifyitems(items):
-    for item in items:
-        if item.get_closest_marker("needs_guards"):
-            item.add_marker(needs_guards)
 
 
 @pytest.fixture(scope="session")

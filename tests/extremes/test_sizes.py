@@ -38,7 +38,6 @@ def test_a_light_grain_carries_a_heavy_one(extreme, ratio):
     assert extreme.floor_force(stood) == pytest.approx(above[0], rel=1e-4)
 
 
-@pytest.mark.needs_guards
 @pytest.mark.parametrize("ratio", [1e5, 1e6])
 def test_a_light_grain_crushed_by_a_heavy_one_is_refused(extreme, ratio):
     """The spring of the light grain would have to give 1 and 10 times its diameter: an error that names a grain."""
