@@ -1,4 +1,5 @@
-# `make` sets up an environment and runs the default campaign; `make test` sets it up and runs the tests.
+# `make` sets up an environment and runs the default campaign; `make test` sets it up and runs the tests; `make verify`
+# runs every extreme case, also those that take too long for the tests.
 VENV ?= .venv
 PYTHON ?= python3
 CORES ?= all
@@ -7,7 +8,7 @@ PYTEST_ARGS ?=
 bin := $(abspath $(VENV))/bin
 installed := $(VENV)/.installed
 
-.PHONY: all environment test
+.PHONY: all environment test verify
 
 # In an environment that is not activated, snakemake would find the system's python: hence PATH.
 all: environment
@@ -19,6 +20,9 @@ all: environment
 
 test: environment
 	PATH="$(bin):$$PATH" python -m pytest $(PYTEST_ARGS)
+
+verify: environment
+	PATH="$(bin):$$PATH" python -m pytest tests/extremes -m "extremes or not extremes" $(PYTEST_ARGS)
 
 environment: $(installed)
 

@@ -95,29 +95,31 @@ def make_bodies(
     features: of the scene; fields that it does not need stay empty. None: all fields.
     """
     shape = np.asarray(shape, np.int64)
-    scale = np.array(scale, np.float64)
+    # C order whatever is given: another layout would be another type, and compile the step anew.
+    scale, position, orientation, velocity, angular_velocity = (
+        np.array(field, np.float64, order="C") for field in (scale, position, orientation, velocity, angular_velocity)
+    )
     n = len(shape)
     base_volume = np.array([base.volume for base in bases])
     base_moments = np.array([base.second_moments for base in bases]).reshape(-1, 3)
     mass = density * base_volume[shape] * scale.prod(axis=1)
     moments = mass[:, None] * base_moments[shape] * scale**2
-    orientation = np.array(orientation, np.float64)
     orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
     bodies = Bodies(
         shape=shape,
         scale=scale,
-        position=np.array(position, np.float64),
+        position=position,
         orientation=orientation,
-        velocity=np.array(velocity, np.float64),
+        velocity=velocity,
         angular_momentum=np.zeros((n, 3)),
         mass=mass,
         inertia=moments.sum(axis=1, keepdims=True) - moments,
         radius=_bounding_radius(bases, shape, scale),
         turned=np.zeros(n),
-        listed_position=np.array(position, np.float64),
+        listed_position=position.copy(),
         listed_turned=np.zeros(n),
         rotation=rotation_matrix(orientation),
-        angular_velocity=np.array(angular_velocity, np.float64),
+        angular_velocity=angular_velocity,
         form_matrix=np.zeros((n, 6)),
         net_force=np.zeros((n, 3)),
         hold=np.zeros(n),

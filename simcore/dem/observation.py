@@ -15,7 +15,7 @@ class Observation(NamedTuple):
     mean_height: float  # [m], mass-averaged
     mean_overlap: float  # [m], over grain-grain contacts; 0 without contacts
     max_overlap: float  # [m], over all contacts
-    unbalanced_force: float  # mean net force on a grain over the mean force of a contact; 0 without contacts
+    unbalanced_force: float  # mean net force on a grain over the mean force of a contact; inf where nothing is touched
     coordination: float  # grain-grain contacts per grain, each counted for both
 
 
@@ -36,7 +36,8 @@ def observe(bodies: Bodies, near: Near) -> Observation:
         mean_height=float((bodies.mass * bodies.position[:, 2]).sum() / bodies.mass.sum()),
         mean_overlap=float(overlaps.mean()) if len(overlaps) else 0.0,
         max_overlap=float(max(overlaps.max(initial=0.0), walls.overlap[wall].max(initial=0.0))),
-        unbalanced_force=float(net.mean() / forces.mean()) if len(forces) and forces.mean() > 0.0 else 0.0,
+        # Not 0 without contacts: grains that have just begun to fall would be taken for a bed at rest.
+        unbalanced_force=float(net.mean() / forces.mean()) if len(forces) and forces.mean() > 0.0 else np.inf,
         coordination=2.0 * float(touching.sum()) / n,
     )
 

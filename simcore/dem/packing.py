@@ -215,7 +215,7 @@ class Process:
             low = self._top() + generation.drop_height
         sites = lattice_sites(scene.domain, generation.spacing, low, scene.domain.height)
         wanted = len(sites) if scene.amount_grains is None else min(len(sites), scene.amount_grains - born)
-        ids = np.arange(born, born + wanted)
+        ids = np.arange(born, born + max(wanted, 1))  # one also where there is no site, so that the error has its size
         drawn = self.draw(ids)
         reach, half_height = extents(self.bases, drawn, generation.orientation == "random")
         sites[:, 2] += half_height[: len(sites)].max(initial=0.0)

@@ -57,7 +57,7 @@ def facet_contact(shapes, bodies, i, j, rx, ry, rz, size, a0, a1, a2, b0, b1, b2
     depth = (nx * (px + qx + sx) + ny * (py + qy + sy) + nz * (pz + qz + sz)) / 3.0
     a, b, x, y, z = support(shapes, bodies, i, j, rx, ry, rz, a0, b0, nx, ny, nz)
     reach = x * nx + y * ny + z * nz
-    if reach < 0.0:
+    if reach <= 0.0:  # 0 too: a contact that ended must not keep the lead of its facet as if it were a gap
         return APART, reach, nx, ny, nz, 0.0, 0.0, 0.0, a, b
     if reach - depth > CHECK_TOLERANCE * size:
         return INVALID, 0.0, nx, ny, nz, 0.0, 0.0, 0.0, a, b
@@ -177,7 +177,7 @@ def search_contact(shapes, bodies, contacts, p, i, j, rx, ry, rz):
     )
     facet[p, 0], facet[p, 1], facet[p, 2] = a0, a1, a2
     facet[p, 3], facet[p, 4], facet[p, 5] = b0, b1, b2
-    if distance > 0.0:
+    if distance >= 0.0:
         remember_apart(bodies, contacts, p, i, j, rx, ry, rz, distance)
         return -distance, nx, ny, nz, 0.0, 0.0, 0.0
     overlap = -distance
