@@ -221,19 +221,25 @@ def spring_energy(bodies: Bodies, near: Near, law) -> np.ndarray:
     p, w = np.flatnonzero(contacts.touching), np.flatnonzero(walls.touching)
     a, b, i = contacts.body_a[p], contacts.body_b[p], walls.body[w]
     mass = bodies.mass[a] * bodies.mass[b] / (bodies.mass[a] + bodies.mass[b])
-    stored = 0.5 * law.stiffness * mass * _stretch(contacts, p, law)
+    stored = 0.5 * law.stiffness * mass * _stretch(contacts, contacts.direction, mass, p, law)
     for owner, energies in ((a, 0.5 * stored), (b, 0.5 * stored)):
         energy += np.bincount(owner, energies, minlength=len(energy))
-    return energy + np.bincount(
-        i, 0.5 * law.stiffness * bodies.mass[i] * _stretch(walls, w, law), minlength=len(energy)
-    )
+    stored = 0.5 * law.stiffness * bodies.mass[i] * _stretch(walls, walls.normal, bodies.mass[i], w, law)
+    return energy + np.bincount(i, stored, minlength=len(energy))
 
 
-def _stretch(rows, p, law):
-    """Sum (k,) [m²] of the squares of the springs of rows p, each as stiff as the normal one."""
+def _stretch(rows, normal, mass, p, law):
+    """Sum (k,) [m²] of the squares of the springs of rows p, each as stiff as the normal one. mass (k,): effective.
+
+    Tangential ones count as far as friction can hold them: where a contact slips at u the cut-back leaves d u / k in
+    the spring, 1.4 times the energy of that motion at e = 0.1, of which nothing comes back.
+    """
     square = rows.overlap[p] ** 2
     if len(rows.spring):
-        square += law.tangential * (rows.spring[p] ** 2).sum(axis=1)
+        push = np.abs((rows.force[p] * normal[p]).sum(axis=1))
+        held = (law.friction * push / (law.tangential * law.stiffness * mass)) ** 2
+        square += law.tangential * np.minimum((rows.spring[p] ** 2).sum(axis=1), held)
     if len(rows.twist):
-        square += law.tangential * rows.spread[p, :3].sum(axis=1) * rows.twist[p] ** 2
+        twist = np.maximum(rows.spread[p, :3].sum(axis=1), 0.0) * rows.twist[p] ** 2
+        square += law.tangential * np.minimum(twist, held)
     return square

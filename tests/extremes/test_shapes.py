@@ -164,7 +164,8 @@ def test_a_grain_that_spins_fast_meets_its_neighbour(extreme):
 
     A list that did not count the turning would miss it, with the centres at rest.
     """
-    made = setting(extreme, "hull", material={"gravity": 0.0, "friction": 0.0001})
+    # A step of the tip is 0.03 mm, a seventh of its thickness.
+    made = setting(extreme, "hull", material={"gravity": 0.0}, numerics={"contact_time": 1e-4})
     rate = 2.0 * np.pi * 200.0
     # The other, a cube, stands where the tip passes after a quarter of a turn.
     tip = 0.5 * LONG
@@ -183,7 +184,7 @@ def test_a_grain_that_spins_fast_meets_its_neighbour(extreme):
             first = step
             break
     thickness = 0.5 * THIN / np.linalg.norm(corner) / rate / pair.dt
-    assert first == pytest.approx(met - thickness, abs=2.0)
+    assert first == pytest.approx(met - thickness, abs=3.0)
 
 
 @pytest.mark.parametrize("rate", [100.0, 1000.0])
