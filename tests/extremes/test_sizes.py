@@ -119,9 +119,9 @@ def test_far_from_the_origin_grains_fall_as_they_do_there(extreme, kind, widths)
 
     A coordinate x is known to eps x / 2. In a contact an error δ of the overlap becomes π δ / T_c of speed, and within
     t a way of (π t / T_c) δ, which the next contact multiplies in the same way: two impacts one after the other, and a
-    corner's lever of up to four, in 0.02 s. Later the difference grows as that of any two packings.
+    corner's lever of up to four, in 0.01 s. Later the difference grows as that of any two packings.
     """
-    shift, duration = 0.02 * widths, 0.02
+    shift, duration = 0.02 * widths, 0.01
     usual = heap(extreme, kind, duration=duration)
     far = heap(extreme, kind, place=(shift, -shift), duration=duration)
     assert usual.contacts.touching.any() or usual.walls.touching.any()
