@@ -28,7 +28,7 @@ def packed(*changes):
     return pack(made.scene, made.bases, made.draw), made.scene
 
 
-def check_rest(done, scene):
+def check_rest(done, scene, deepest=0.05):
     """At rest by the packing's own measures, nowhere deep in each other, and carried by the floor.
 
     Weight and floor differ by the unbalanced force, below 0.02 of a contact's, on each grain.
@@ -39,7 +39,7 @@ def check_rest(done, scene):
     assert (forces > 0.0).any(), "nothing carries the grains"
     floor = done.walls.force[done.walls.wall == 0][:, 2].sum()
     assert floor == pytest.approx(weight, abs=0.02 * forces[forces > 0].mean() * len(bodies.mass))
-    assert seen.max_overlap < 0.05 * bodies.radius.min()
+    assert seen.max_overlap < deepest * bodies.radius.min()
     assert (bodies.position[:, 2] > 0.95 * bodies.radius).all()
     return seen
 
@@ -151,7 +151,8 @@ def test_a_drop_from_ten_metres_on_soft_springs_is_refused():
 def test_micrometres_with_the_default_contact_time_rest_or_are_refused():
     """Born at 1 m/s, grains of 6 µm sink in by 0.129 v T_c = 26 µm: they may pass through each other as they fall.
 
-    At rest they overlap by 1e-8 m only. So a bed may come of it, at rest and not in each other, or an error.
+    At rest a grain gives by 2.6e-8 m under its own weight, and by 0.2 µm under those above it. So a bed may come of it,
+    at rest and not in each other, or an error.
     """
     try:
         done, scene = packed(
@@ -161,7 +162,7 @@ def test_micrometres_with_the_default_contact_time_rest_or_are_refused():
     except (PackingError, ValueError) as error:
         assert "grain" in str(error) or "contact_time" in str(error)
         return
-    check_rest(done, scene)
+    check_rest(done, scene, deepest=0.1)
 
 
 def test_one_grain_lies_on_the_floor():
