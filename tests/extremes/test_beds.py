@@ -40,7 +40,7 @@ def check_rest(done, scene, deepest=0.05):
     floor = done.walls.force[done.walls.wall == 0][:, 2].sum()
     assert floor == pytest.approx(weight, abs=0.02 * forces[forces > 0].mean() * len(bodies.mass))
     assert seen.max_overlap < deepest * bodies.radius.min()
-    assert (bodies.position[:, 2] > 0.95 * bodies.radius).all()
+    assert (bodies.position[:, 2] > (1.0 - deepest) * bodies.radius).all()
     return seen
 
 
