@@ -27,6 +27,9 @@ PATCH_DEPTH = 1e-4  # of the pair's size: overlaps beyond are taken apart to thi
 # Of the pair's size: where two faces lie in one plane and look the same way, both bound the overlap and only one may
 # count. Planes that cut faces of a stand out by this, and those that cut faces of b are set back.
 TIE = 1e-14
+# Lengths of an edge, or of a face beside one: a bound whose corners lie farther off, as of faces that lie on each other,
+# is none: rounding there, 1e-16 of the distance, has to stay below the slack.
+FARTHEST = 1e3
 BOUND_SLACK = 1e-10  # of the pair's size: more than the tolerance to which a remembered facet is one
 
 
@@ -314,7 +317,7 @@ def cone_moments(shapes, bodies, i, apex, j, f0, f1, f2, rx, ry, rz, depth, fram
     sx, sy, _ = _foot(vertices, ring[last], ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth)
     for k in range(ring_start[apex], ring_start[apex + 1]):
         x, y, fall = _foot(vertices, ring[k], ax, ay, az, px, py, pz, qx, qy, qz, nx, ny, nz, depth)
-        bounded = bounded and fall > 0.0
+        bounded = bounded and FARTHEST * fall > depth
         if not fall > depth or c0 * x + d0 * y + e0 < 0.0 or c1 * x + d1 * y + e1 < 0.0 or c2 * x + d2 * y + e2 < 0.0:
             alone = False
         _put_corner(room, t, n_bound, apex_x + x, apex_y + y, apex_z - sign * depth)
@@ -417,7 +420,7 @@ def crossing_moments(shapes, bodies, i, a0, a1, j, b0, b1, rx, ry, rz, depth, fr
         min(min(share_al, share_ar), min(share_bl, share_br)),
         max(max(share_al, share_ar), max(share_bl, share_br)),
     )
-    if not (least > 0.0 and most < np.inf) or left_a * right_a >= 0.0 or left_b * right_b >= 0.0:
+    if not (least > 0.0 and most < FARTHEST) or left_a * right_a >= 0.0 or left_b * right_b >= 0.0:
         return no
     ex, ey, fx, fy = x1 - x0, y1 - y0, u1 - u0, v1 - v0
     cross = ex * fy - ey * fx
