@@ -136,7 +136,7 @@ def patch_torque(
     d = -normal_damping * mass
     mx, my, mz = d * (hy * nz - hz * ny), d * (hz * nx - hx * nz), d * (hx * ny - hy * nx)
     if friction:
-        moment = xx + yy + zz
+        moment = max(xx + yy + zz, 0.0)  # of a patch that only just is one, round-off may be negative
         rate = nx * wx + ny * wy + nz * wz
         stiffness = law.tangential * law.stiffness * mass * moment
         damping = tangential_damping * mass * moment
