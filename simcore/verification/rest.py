@@ -74,6 +74,7 @@ def _leave(setup, settled, dashpot, steps):
         ),
         size,
     )
+    process.advance(1, DAMPING)  # compiled now
     unit = b.mass.sum() * scene.material.effective_gravity * size
     began, energy = time.process_time(), 0.0
     try:
