@@ -27,8 +27,8 @@ PATCH_DEPTH = 1e-4  # of the pair's size: overlaps beyond are taken apart to thi
 # Of the pair's size: where two faces lie in one plane and look the same way, both bound the overlap and only one may
 # count. Planes that cut faces of a stand out by this, and those that cut faces of b are set back.
 TIE = 1e-14
-# Lengths of an edge, or of a face beside one: a bound whose corners lie farther off, as where faces lie on each other, is
-# none: rounding there, 1e-16 of the distance, has to stay below the slack.
+# Lengths of an edge, or of a face beside one: a bound whose corners lie farther off, as where faces lie on each other,
+# is none; rounding there, 1e-16 of the distance, has to stay below the slack.
 FARTHEST = 1e3
 BOUND_SLACK = 1e-10  # of the pair's size: more than the tolerance to which a remembered facet is one
 
