@@ -75,10 +75,12 @@ def prepared(options, seed, accuracy, change):
 
 
 def ours(options, seed, accuracy, change):
+    from benchmarks.measurement import compile_steps
     from simcore import __version__
     from simcore.dem.packing import pack
 
     setup, specification = prepared(options, seed, accuracy, change)
+    compile_steps(setup)
     began = time.process_time()
     packed = pack(setup.scene, setup.bases, setup.draw, _tell)
     cpu = time.process_time() - began
