@@ -188,7 +188,7 @@ def run_and_look(make, duration, end=lambda process: []):
 
     try:
         process, close = make(), make()
-    except ValueError as error:
+    except (ValueError, PackingError) as error:
         return "refused", np.nan, str(error)
     try:
         for _ in range(-(-round(duration / process.dt) // process.interval_steps)):

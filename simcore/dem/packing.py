@@ -133,7 +133,7 @@ class Process:
     def place(self, bodies, mean_size):
         """These are the bodies now; mean_size [m]: of their sieve sizes, the measure of the skin."""
         self.bodies, self.mean_size = bodies, mean_size
-        self.watch.look_again()
+        self.watch.look_again(bodies, self.step)
         self.skin = (SKIN if self.scene.numerics.skin is None else self.scene.numerics.skin) * mean_size
         self.list_near()
 

@@ -1,6 +1,8 @@
 """What stops a run that has gone wrong, and what is noted of one that may: looked at whenever convergence is.
 
 - A position that is not finite, or a speed far above what fall and shaking give.
+- A speed with which a grain would sink as deep as half its thickness into the floor. Impacts are over within a contact
+  time, mostly between two looks, so that what is coming has to be seen.
 - An overlap as deep as half a grain is thick: the grain's centre has reached the partner's surface, and beyond that
   the least translation that parts them may lie on the far side.
 - Energy that comes from nowhere. Between two looks contacts only take energy, so the mechanical energy (motion,
@@ -22,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.dem.bodies import Bodies
-from simcore.dem.expectation import fall_speed
+from simcore.dem.expectation import fall_speed, relative_depth
 from simcore.dem.neighbors import Near
 from simcore.dem.observation import Observation
 from simcore.dem.scene import Scene
@@ -64,16 +66,16 @@ class Watch:
         self.deepest, self.looks, self.told = 0.0, 0, False
         self.energy, self.thickness = None, None
 
-    def look_again(self):
-        """The bodies are others now, or were set by hand: what they had is no measure."""
-        self.energy, self.thickness = None, None
+    def look_again(self, bodies: Bodies, step: int) -> None:
+        """The bodies are others now, or were set by hand: what they had is no measure. PackingError as of `look`."""
+        self.energy, self.thickness = None, half_thickness(bodies)
+        self._check_impact(bodies, step)
 
     def look(self, bodies: Bodies, near: Near, seen: Observation, drive: Drive, step: int, n_steps: int) -> None:
         """PackingError where something is wrong. drive: of the n_steps since the last look; step: their end."""
         self.check_finite(bodies, step)
-        if self.thickness is None:
-            self.thickness = half_thickness(bodies)
         self._check_speed(bodies, seen, step)
+        self._check_impact(bodies, step)
         self._check_overlap(bodies, near, step)
         self._check_energy(bodies, near, drive, step, n_steps * drive.dt)
         if self.looks % STIFFNESS_LOOKS == 0:
@@ -100,6 +102,18 @@ class Watch:
                 f"{self.scene.name}: grain {fastest} moves at {seen.max_speed:.3g} m/s at step {step}, more than fall "
                 f"and shaking can give ({limit:.3g} m/s); the time step is too long for its contacts ({self._longer()})"
                 f" or grains overlapped at birth (raise generation.spacing)"
+            )
+
+    def _check_impact(self, bodies, step):
+        depth = np.sqrt((bodies.velocity**2).sum(axis=1)) * relative_depth(self.scene.continuous_law)
+        relative = depth / self.thickness
+        if relative.max() > DEEPEST:
+            grain = int(np.argmax(relative))
+            raise PackingError(
+                f"{self.scene.name}: grain {grain} moves at {np.linalg.norm(bodies.velocity[grain]):.3g} m/s at step "
+                f"{step} and would sink {depth[grain] * 1e3:.3g} mm into what it meets, more than half of it is thick. "
+                f"Shorten numerics.contact_time (now {self.scene.numerics.contact_time:g} s; the depth of an impact "
+                f"goes with it) or lower the fall"
             )
 
     def _check_overlap(self, bodies, near, step):

@@ -100,7 +100,7 @@ def test_forty_steps_are_too_few_for_contacts_damped_more():
 def test_energy_from_nowhere_names_its_grain(settled):
     """The highest grain is lifted by two centimetres between two looks; it is still falling at the second."""
     running = settled
-    running.watch.look_again()
+    running.watch.look_again(running.bodies, running.step)
     running.advance(running.interval_steps, DAMPING)
     highest = int(np.argmax(running.bodies.position[:, 2]))
     kept = running.bodies.position.copy()
@@ -114,7 +114,7 @@ def test_energy_from_nowhere_names_its_grain(settled):
     assert float(re.search(said, str(error.value))[1]) == pytest.approx(energy, rel=0.1)
     running.bodies.position[:] = kept
     running.bodies.velocity[:] = 0.0
-    running.watch.look_again()
+    running.watch.look_again(running.bodies, running.step)
 
 
 def test_the_energy_seen_falls_while_a_bed_is_damped():
@@ -123,7 +123,7 @@ def test_the_energy_seen_falls_while_a_bed_is_damped():
     running.generate()
     running.shake(running.shaking_steps)
     law, seen = running.scene.law, []
-    running.watch.look_again()
+    running.watch.look_again(running.bodies, running.step)
     for _ in range(10):
         running.advance(running.interval_steps, DAMPING)
         seen.append(running.watch.energy)
@@ -162,14 +162,21 @@ def test_a_sliding_grain_gains_no_energy_in_the_eyes_of_the_watch(settled):
     near.walls.spring[:] = kept
 
 
-def test_an_overlap_of_half_a_grain_names_both():
-    """Soft contacts under a hundred times the weight sink in until they are stopped."""
-    error, _ = told_by(
-        numerics={"contact_time": "20 ms"}, material={"gravity": "1000 m/s2"}, generation={"velocity_z": "-3 m/s"}
-    )
+def test_an_overlap_of_half_a_grain_names_both(settled, monkeypatch):
+    """As if the grains of a bed at rest were ten thousand times as thin."""
+    monkeypatch.setattr(settled.watch, "thickness", 1e-4 * half_thickness(settled.bodies))
+    with pytest.raises(PackingError, match=r"grain \d+ and (grain \d+|the wall) overlap by \S+ mm at step") as caught:
+        settled.watch._check_overlap(settled.bodies, settled.near, settled.step)
+    assert "numerics.contact_time (now 0.001 s" in str(caught.value)
+
+
+def test_an_impact_too_deep_stops_the_run_before_it_is_over():
+    """At 4 m/s and 10 ms grains sink 5 mm deep and are 2.8 to 4 mm in radius; few of the looks fall on an impact."""
+    error, _ = told_by(numerics={"contact_time": "10 ms"}, generation={"velocity_z": "-4 m/s"})
     assert isinstance(error, str)
-    assert "overlap by" in error and "numerics.contact_time (now 0.02 s" in error
-    assert error.count("grain ") >= 1
+    assert "into what it meets" in error and "Shorten numerics.contact_time (now 0.01 s" in error
+    grain, speed, depth = re.search(r"grain (\d+) moves at (\S+) m/s .* sink (\S+) mm", error).groups()
+    assert float(depth) / float(speed) == pytest.approx(1e3 * 0.1290665 * 0.01, rel=0.01)  # verification.md 1.1
 
 
 def test_the_deepest_overlap_is_against_the_thinner_grain(settled):
