@@ -279,7 +279,7 @@ class Process:
                 self.watch.check_finite(self.bodies, self.step)
                 self.list_near()
         seen = observe(self.bodies, self.near)
-        self.watch.look(self.bodies, self.near, seen, drive, self.step, n_steps)
+        self.watch.look(self.bodies, self.near, drive, self.step, n_steps)
         self.checks.append((self.step * self.dt, phase, seen))
         self.progress.line(phase, self.step, self.dt, len(self.bodies.mass), seen, end)
         return seen

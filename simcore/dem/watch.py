@@ -26,7 +26,6 @@ import numpy as np
 from simcore.dem.bodies import Bodies
 from simcore.dem.expectation import fall_speed, relative_depth
 from simcore.dem.neighbors import Near
-from simcore.dem.observation import Observation
 from simcore.dem.scene import Scene
 from simcore.dem.stability import Estimate, body_steps, contact_load, stiffest_body
 from simcore.dem.stepping import Drive
@@ -69,13 +68,12 @@ class Watch:
     def look_again(self, bodies: Bodies, step: int) -> None:
         """The bodies are others now, or were set by hand: what they had is no measure. PackingError as of `look`."""
         self.energy, self.thickness = None, half_thickness(bodies)
-        self._check_impact(bodies, step)
+        self._check_speeds(bodies, step)
 
-    def look(self, bodies: Bodies, near: Near, seen: Observation, drive: Drive, step: int, n_steps: int) -> None:
+    def look(self, bodies: Bodies, near: Near, drive: Drive, step: int, n_steps: int) -> None:
         """PackingError where something is wrong. drive: of the n_steps since the last look; step: their end."""
         self.check_finite(bodies, step)
-        self._check_speed(bodies, seen, step)
-        self._check_impact(bodies, step)
+        self._check_speeds(bodies, step)
         self._check_overlap(bodies, near, step)
         self._check_energy(bodies, near, drive, step, n_steps * drive.dt)
         if self.looks % STIFFNESS_LOOKS == 0:
@@ -94,23 +92,22 @@ class Watch:
                 f"likely the time step is too long: {self._longer()}"
             )
 
-    def _check_speed(self, bodies, seen, step):
+    def _check_speeds(self, bodies, step):
+        speed = np.sqrt((bodies.velocity**2).sum(axis=1))
         limit = fall_speed(self.scene) + self.scene.shaking.acceleration / self.scene.shaking.rate
-        if seen.max_speed > SPEED_MARGIN * limit:
-            fastest = int(np.argmax((bodies.velocity**2).sum(axis=1)))
+        if speed.max() > SPEED_MARGIN * limit:
+            fastest = int(np.argmax(speed))
             raise PackingError(
-                f"{self.scene.name}: grain {fastest} moves at {seen.max_speed:.3g} m/s at step {step}, more than fall "
+                f"{self.scene.name}: grain {fastest} moves at {speed[fastest]:.3g} m/s at step {step}, more than fall "
                 f"and shaking can give ({limit:.3g} m/s); the time step is too long for its contacts ({self._longer()})"
                 f" or grains overlapped at birth (raise generation.spacing)"
             )
-
-    def _check_impact(self, bodies, step):
-        depth = np.sqrt((bodies.velocity**2).sum(axis=1)) * relative_depth(self.scene.continuous_law)
+        depth = speed * relative_depth(self.scene.continuous_law)
         relative = depth / self.thickness
         if relative.max() > DEEPEST:
             grain = int(np.argmax(relative))
             raise PackingError(
-                f"{self.scene.name}: grain {grain} moves at {np.linalg.norm(bodies.velocity[grain]):.3g} m/s at step "
+                f"{self.scene.name}: grain {grain} moves at {speed[grain]:.3g} m/s at step "
                 f"{step} and would sink {depth[grain] * 1e3:.3g} mm into what it meets, more than half of it is thick. "
                 f"Shorten numerics.contact_time (now {self.scene.numerics.contact_time:g} s; the depth of an impact "
                 f"goes with it) or lower the fall"
