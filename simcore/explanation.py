@@ -17,7 +17,7 @@ from simcore.scenes import Setup
 
 # CPU time of a grain and step in a dense shaken bed [µs], one thread: kind of grain, whether patches are found. The one
 # table of it; measured by `python -m benchmarks.throughput --shape ...`, README, "What a step costs".
-STEP_COST = {(SPHERE, False): 0.13, (ELLIPSOID, False): 0.70, (CONVEX, False): 0.80, (CONVEX, True): 2.3}
+STEP_COST = {(SPHERE, False): 0.14, (ELLIPSOID, False): 0.76, (CONVEX, False): 1.0, (CONVEX, True): 2.2}
 # Half of the one and half of the other cost the mean of both, to 2 %.
 STEP_COST |= {(MIXED, patch): 0.5 * (STEP_COST[ELLIPSOID, False] + STEP_COST[CONVEX, patch]) for patch in (False, True)}
 # Near pairs that a grain at rest brings into the list; measured in the packings of examples/.
