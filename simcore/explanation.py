@@ -16,7 +16,8 @@ from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, collect_shapes
 from simcore.scenes import Setup
 
 # CPU time of a grain and step in a dense shaken bed [µs], one thread: kind of grain, whether patches are found. The one
-# table of it; measured by `python -m benchmarks.throughput --shape ...`, README, "What a step costs".
+# table of it; measured by `python -m benchmarks.throughput --shape ...`, README, "What a step costs", at a contact time
+# of 0.2 ms. Softer contacts have wider patches, which cost more: 600 pebbles at 2 ms took 5 (benchmarks.settling).
 STEP_COST = {(SPHERE, False): 0.14, (ELLIPSOID, False): 0.76, (CONVEX, False): 1.0, (CONVEX, True): 2.2}
 # Half of the one and half of the other cost the mean of both, to 2 %.
 STEP_COST |= {(MIXED, patch): 0.5 * (STEP_COST[ELLIPSOID, False] + STEP_COST[CONVEX, patch]) for patch in (False, True)}

@@ -123,10 +123,6 @@ def test_shapes_that_hold_each_other():
     assert found.signed_distance == pytest.approx(-1.05, abs=1e-14)
 
 
-def corners_of(points, pose):
-    return Rotation.from_quat(pose[1], scalar_first=True).apply(points) + pose[0]
-
-
 def test_hull_against_ellipsoid_agrees_with_a_general_optimiser():
     """Gap: the closest point of the hull by a quadratic programme over weights of its corners (SLSQP), independent of
     support functions. Overlap: the least support value over many starts of a simplex search (Nelder & Mead)."""
