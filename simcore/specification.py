@@ -28,8 +28,9 @@ def resolve(raw, schema="packing", where=""):
     schema. where: prefix of the path in messages, such as "studies.single_form". Raises ValueError at the
     first key that is unknown, missing, of the wrong type or unit, out of bounds or not finite, with its path.
     """
+    raw = with_presets(raw, schema)
     schema = read_schema(schema)
-    resolved = _convert(_with_presets(raw, schema), schema, where)
+    resolved = _convert(raw, schema, where)
     _check_rules(resolved, schema, where)
     return resolved
 
@@ -88,11 +89,11 @@ def read_presets(key, schema="packing"):
     return _load((SCHEMA_FOLDER / read_schema(schema)["properties"][key]["x-presets"]).resolve())
 
 
-def _with_presets(raw, schema):
-    """`raw` over what its choices stand for. What is no choice is left to the checks."""
+def with_presets(raw, schema="packing"):
+    """`raw` over what its choices (`x-presets`) stand for, a new dict; what is no choice is left to the checks."""
     if not isinstance(raw, dict):
         return raw
-    for key, sub in schema.get("properties", {}).items():
+    for key, sub in read_schema(schema).get("properties", {}).items():
         if "x-presets" in sub and isinstance(raw.get(key), str):
             raw = _laid_over(_load((SCHEMA_FOLDER / sub["x-presets"]).resolve()).get(raw[key], {}), raw)
     return raw

@@ -8,7 +8,7 @@ import pandas as pd
 
 from simcore.sizes import check_top_class
 from simcore.sources import check_source, needs_grains
-from simcore.specification import resolve
+from simcore.specification import resolve, with_presets
 
 # Columns of what a study varies, with their units; others have the last part of their key as their name.
 _COLUMNS = {
@@ -32,7 +32,9 @@ def expand(config):
     Columns: study; packing, its name within the study; grain_set, "original" or "faces_100", empty where the shapes
     need no grain; form, the rank of its grain in the spread of forms, or 0; specification, resolved, with that grain
     set as its source; row, a dict of its name, of what the study varies, by column, and of is_base: whether it is what
-    the study's fixed settings alone would give, for any seed. ValueError names the study and the key at fault.
+    the study's fixed settings alone would give, for any seed. The campaign's packing, the study's fixed settings and
+    what it varies lie over each other in this order, each with all that a choice such as `accuracy` in it stands for.
+    ValueError names the study and the key at fault.
     """
     check_source(config["grains"])
     tables = [expand_study(name, study, config) for name, study in config["studies"].items() if study]
@@ -46,12 +48,13 @@ def expand_study(name, study, config):
     where = f"studies.{name}"
     axes = [_axis(key, values, f"{where}.varies") for key, values in study["varies"].items() if values]
     axes += [_forms(study["forms"], config["grains"], where)] if study["forms"] else []
-    base = _base(merge(config["packing"], study["fixes"], {"grains": config["grains"]}))
+    fixed = merge(with_presets(config["packing"]), with_presets(study["fixes"]), {"grains": config["grains"]})
+    base = _base(fixed)
     rows = []
     for combination in itertools.product(*axes):
         settings = {key: value for part in combination for key, value in part["settings"].items()}
         columns = [key for part in combination if not part.get("is_form") for key in part["settings"]]
-        raw = merge(config["packing"], study["fixes"], {"grains": config["grains"]})
+        raw = merge(fixed, with_presets({key: value for key, value in settings.items() if "." not in key}))
         for key, value in settings.items():
             _put(raw, key, value, where)
         packing = "-".join(part["label"] for part in combination if part["label"]) or name

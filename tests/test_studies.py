@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from simcore.forms import choose_form, spread_order
-from simcore.specification import resolve
+from simcore.specification import read_presets, resolve
 from simcore.studies import expand
 
 STUDY = {
@@ -54,6 +54,21 @@ def test_a_study_goes_over_the_common_settings_and_these_over_the_defaults():
     spec = table.specification[0]
     assert (table.grain_set[0], spec["grains"]["source"]) == ("faces_50", "results/grains/faces_50.nc")
     assert (spec["shaking"]["duration"], spec["shaking"]["period"]) == (3.0, 0.025)
+
+
+def test_an_accuracy_goes_over_the_settings_it_stands_for_of_a_layer_below():
+    table = expand(
+        campaign(
+            packing={"accuracy": "standard", "faces": 60},
+            fixes={**STUDY["fixes"], "sizes": {"case": "U1"}, "numerics": {"contact_time": "3 ms"}},
+            varies={"accuracy": ["draft", "paper"], "shaking.duration": ["7 s"]},
+        )
+    )
+    for spec, accuracy in zip(table.specification, ["draft", "paper"], strict=True):
+        alone = resolve({**STUDY["fixes"], "sizes": {"case": "U1"}, "accuracy": accuracy})
+        assert spec["numerics"] == alone["numerics"]
+        assert spec["shaking"]["duration"] == 7.0
+        assert spec["grains"]["source"] == f"results/grains/faces_{read_presets('accuracy')[accuracy]['faces']}.nc"
 
 
 @pytest.mark.parametrize(
