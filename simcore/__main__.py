@@ -5,6 +5,7 @@ import json
 import os
 import sys
 import time
+import traceback
 from pathlib import Path
 
 
@@ -32,6 +33,8 @@ def _parser():
     pack.add_argument("output", type=Path, help="netCDF file to write")
     pack.add_argument("--threads", type=int, default=1, help="threads; the result does not depend on them")
     pack.add_argument("--log", type=Path, help="file that gets the progress lines too")
+    pack.add_argument("--checkpoints", type=Path, metavar="FOLDER", help="where to keep what it can go on from")
+    pack.add_argument("--checkpoint-interval", default="10 min", metavar="TIME", help="wall-clock time between them")
     pack.set_defaults(run=_pack)
     porosity = commands.add_parser("porosity", help="bulk porosity of a packing with its sampling error, as JSON")
     porosity.add_argument("packing", type=Path, help="netCDF file of `pack`")
@@ -52,39 +55,91 @@ def _explain(options):
 
 
 def _pack(options):
+    from simcore.dem.ranks import ONE_RANK, started_by_mpi
+
+    if not started_by_mpi(os.environ):
+        return _pack_on(ONE_RANK, options)
+    from mpi4py import MPI
+
+    from simcore.dem.decomposition import ManyRanks
+
+    ranks = ManyRanks()
+    try:
+        return _pack_on(ranks, options)
+    except (ValueError, OSError):
+        # The same on every rank, or the others would wait.
+        if ranks.rank == 0:
+            raise
+        return 2
+    except BaseException:
+        traceback.print_exc()
+        MPI.COMM_WORLD.Abort(1)
+
+
+def _pack_on(ranks, options):
     from simcore.compilation import set_threads
-    from simcore.dem.packing import PackingError, pack
+    from simcore.dem.packing import Interrupted, PackingError, pack
+    from simcore.keeping import CheckpointKeeper, checkpoint_code, packing_key
     from simcore.packing_io import code_version, packing_dataset, write_packing
+    from simcore.quantity import parse_quantity
     from simcore.scenes import set_up
     from simcore.sources import load_grains
     from simcore.specification import read_specification
 
     code_version()
+    code = checkpoint_code() if options.checkpoints else ""
     specification = read_specification(options.specification)
+    interval = parse_quantity(options.checkpoint_interval, "s")
     set_threads(options.threads)
     setup = set_up(specification, load_grains)
-    _check_writable(options.output)
-    report = _reporter(options.log)
-    started, cpu_started = time.monotonic(), time.process_time()
+    first = ranks.rank == 0
+    _on_first(ranks, lambda: _check_writable(options.output))
+    report = _reporter(options.log) if first else _say_nothing
+    key = packing_key(specification, setup) if options.checkpoints else ""
+    started = time.monotonic()
+    keeper = CheckpointKeeper(options.checkpoints, key, code, interval, report, ranks)
     try:
-        packed = pack(setup.scene, setup.bases, setup.draw, report)
+        packed = pack(setup.scene, setup.bases, setup.draw, report, ranks, keeper)
     except PackingError as error:
         report(f"failed: {error}")
         return 1
-    packing = packing_dataset(
-        setup.scene,
-        setup.bases,
-        packed,
-        setup.sample(range(len(packed.bodies.mass))),
-        specification,
-        largest_sieve_size=setup.curve.largest,
-        threads=options.threads,
-        cpu_seconds=time.process_time() - cpu_started,
-        wall_seconds=time.monotonic() - started,
-    )
-    write_packing(options.output, packing)
-    report(f"{setup.scene.name}: wrote {options.output} after {time.monotonic() - started:.0f} s")
+    except Interrupted as error:
+        report(str(error))
+        return os.EX_TEMPFAIL
+    if first:
+        packing = packing_dataset(
+            setup.scene,
+            setup.bases,
+            packed,
+            setup.sample(range(len(packed.bodies.mass))),
+            specification,
+            largest_sieve_size=setup.curve.largest,
+            threads=options.threads,
+            ranks=ranks.size,
+            cpu_seconds=keeper.cpu_seconds(),
+            wall_seconds=time.monotonic() - started,
+        )
+        write_packing(options.output, packing)
+        keeper.done()
+        report(f"{setup.scene.name}: wrote {options.output} after {time.monotonic() - started:.0f} s")
     return 0
+
+
+def _on_first(ranks, act):
+    """`act` on rank 0; its OSError is raised on all ranks."""
+    failure = None
+    if ranks.rank == 0:
+        try:
+            act()
+        except OSError as error:
+            failure = str(error)
+    failure = ranks.all([failure])[0]
+    if failure is not None:
+        raise OSError(failure)
+
+
+def _say_nothing(line):
+    """Report of a rank that is not the first."""
 
 
 def _porosity(options):

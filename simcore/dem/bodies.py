@@ -1,7 +1,8 @@
 """Bodies and contacts: structures of arrays that hold all state that can influence a later bit.
 
-Bodies stand in order of their id, which is their index. Centres are not wrapped into a periodic box: a pair is
-met through an integer image, so that its relative position never depends on who looks at it.
+Bodies stand in order of their id. Where one rank has them all, the id is the index; else a rank holds the bodies it
+moves and, between them, ghosts: copies of those of other ranks that they may touch. Centres are not wrapped into a
+periodic box: a pair is met through an integer image, so that its relative position never depends on who looks at it.
 """
 
 from typing import NamedTuple
@@ -18,6 +19,8 @@ class Bodies(NamedTuple):
     form matrix of hulls is not kept up there.
     """
 
+    id: np.ndarray  # (n,) int64, in the whole packing
+    own: np.ndarray  # (k,) int64, rows of the bodies that move here; the others are ghosts
     shape: np.ndarray  # (n,) int64, index of the base
     scale: np.ndarray  # (n, 3)
     position: np.ndarray  # (n, 3) [m], not wrapped
@@ -35,6 +38,18 @@ class Bodies(NamedTuple):
     form_matrix: np.ndarray  # (n, 6) [m²], derived: R diag(s²) Rᵀ as xx, yy, zz, xy, xz, yz; of ellipsoids
     net_force: np.ndarray  # (n, 3) [N], output: of contacts and gravity, without shaking
     hold: np.ndarray  # (n,), memory: contacts of the last step, each as far as it moves this body; implicit dashpot
+
+    @property
+    def ghosts(self) -> np.ndarray:
+        """Rows (n − k,) of the bodies that other ranks move."""
+        return np.flatnonzero(~self.moves_here)
+
+    @property
+    def moves_here(self) -> np.ndarray:
+        """(n,) bool."""
+        here = np.zeros(len(self.mass), np.bool_)
+        here[self.own] = True
+        return here
 
 
 class Contacts(NamedTuple):
@@ -106,6 +121,8 @@ def make_bodies(
     moments = mass[:, None] * base_moments[shape] * scale**2
     orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
     bodies = Bodies(
+        id=np.arange(n),
+        own=np.arange(n),
         shape=shape,
         scale=scale,
         position=position,
@@ -145,8 +162,9 @@ def without(group, *names):
 
 
 def join_bodies(first: Bodies, second: Bodies) -> Bodies:
-    """Bodies of both, those of the second after those of the first."""
-    return Bodies(*(np.concatenate(fields) for fields in zip(first, second, strict=True)))
+    """Bodies of both, all of which move here: those of the second after those of the first, as their ids are."""
+    both = Bodies(*(np.concatenate(fields) for fields in zip(first, second, strict=True)))
+    return both._replace(own=np.arange(len(both.mass)))
 
 
 def rotation_matrix(orientation) -> np.ndarray:

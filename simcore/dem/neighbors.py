@@ -41,27 +41,42 @@ def list_near(
     moved by half the skin. Pairs are those whose bounding spheres are close, less those that are seen to be apart by
     more than the skin from what they remember, or along the line between their centres.
     """
-    pairs = find_pairs(bodies.position, bodies.radius, box, skin)
-    if features.kind != SPHERE:
-        before = _empty_contacts(pairs[:0], 0, features) if old is None else old.contacts
-        pairs = pairs[_can_meet(pairs, bodies, shapes, before, box.width, skin)]
-        bodies.listed_turned[:] = bodies.turned
-    contacts = _empty_contacts(pairs, len(bodies.mass), features)
+    pairs = list_pairs(bodies, shapes, box, skin, features, old)
+    return list_contacts(pairs, bodies, shapes, box, skin, features, old)
+
+
+def list_pairs(bodies, shapes, box, skin, features, old) -> np.ndarray:
+    """Keys (m, 4) of the near pairs of which a body moves here; see `list_near`."""
+    pairs = find_pairs(bodies.position, bodies.radius, box, skin, bodies.moves_here)
+    if features.kind == SPHERE:
+        return pairs
+    before = empty_contacts(pairs[:0], 0, features) if old is None else old.contacts
+    return pairs[_can_meet(pairs, bodies, shapes, before, box.width, skin)]
+
+
+def list_contacts(pairs, bodies, shapes, box, skin, features, old) -> Near:
+    """Rows for near pairs, and for bodies near a wall, with their memory; see `list_near`."""
+    contacts = empty_contacts(pairs, len(bodies.mass), features)
     walls = _empty_walls(bodies, shapes, box, 0.5 * skin, features)
     if old is not None:
         _carry_memory(old.contacts, contacts)
         _carry_wall_memory(old.walls, walls)
     bodies.listed_position[:] = bodies.position
+    if features.kind != SPHERE:
+        bodies.listed_turned[:] = bodies.turned
     return Near(contacts, walls)
 
 
-def find_pairs(position, radius, box: Box, skin: float) -> np.ndarray:
+def find_pairs(position, radius, box: Box, skin: float, moves_here=None) -> np.ndarray:
     """Pairs (m, 4) of a, b and image, sorted: a < b, or a = b with a positive image.
 
-    The partner is b shifted by image × width. position (n, 3) [m], not wrapped; radius (n,) [m].
+    The partner is b shifted by image × width. position (n, 3) [m], not wrapped; radius (n,) [m]. moves_here (n,) bool:
+    pairs of which neither does are left out; None: all do.
     """
     if len(radius) == 0:
         return np.zeros((0, 4), np.int64)
+    if moves_here is None:
+        moves_here = np.ones(len(radius), np.bool_)
     wrapped, shift = _wrap(position, box)
     reach = radius + 0.5 * skin
     level = np.floor(np.log2(reach / reach.min()) + 1e-12).astype(np.int64)
@@ -82,8 +97,10 @@ def find_pairs(position, radius, box: Box, skin: float) -> np.ndarray:
                     _search(
                         grid.members,
                         grids[coarse],
+                        position,
                         wrapped,
                         shift,
+                        moves_here,
                         radius,
                         skin,
                         span,
@@ -130,7 +147,7 @@ def _sort_into_cells(wrapped, members, cell_width, box: Box) -> _Grid:
 
 
 @kernel
-def _search(members, grid, wrapped, shift, radius, skin, span, width, same_level):
+def _search(members, grid, position, wrapped, shift, moves_here, radius, skin, span, width, same_level):
     """Pairs of `members` with the bodies of `grid` closer than the skin; on one level each pair once."""
     found = np.empty((16 * len(members) + 16, 4), np.int64)
     n_found = 0
@@ -154,41 +171,39 @@ def _search(members, grid, wrapped, shift, radius, skin, span, width, same_level
                     j = grid.members[k]
                     if same_level and (j < i or (j == i and (ix < 0 or (ix == 0 and iy <= 0)))):
                         continue
-                    dx = wrapped[j, 0] + ix * width - wrapped[i, 0]
-                    dy = wrapped[j, 1] + iy * width - wrapped[i, 1]
-                    dz = wrapped[j, 2] - wrapped[i, 2]
-                    range_ = radius[i] + radius[j] + skin
+                    if not (moves_here[i] or moves_here[j]):
+                        continue
+                    a, b = i, j
+                    image_x, image_y = ix - shift[j, 0] + shift[i, 0], iy - shift[j, 1] + shift[i, 1]
+                    if i > j:
+                        a, b, image_x, image_y = j, i, -image_x, -image_y
+                    # Rounded the same from whichever side, on whichever rank, it is found.
+                    dx = position[b, 0] - position[a, 0] + image_x * width
+                    dy = position[b, 1] - position[a, 1] + image_y * width
+                    dz = position[b, 2] - position[a, 2]
+                    range_ = radius[a] + radius[b] + skin
                     if dx * dx + dy * dy + dz * dz >= range_ * range_:
                         continue
                     if n_found == len(found):
                         longer = np.empty((2 * n_found, 4), np.int64)
                         longer[:n_found] = found
                         found = longer
-                    image_x, image_y = ix - shift[j, 0] + shift[i, 0], iy - shift[j, 1] + shift[i, 1]
-                    if i <= j:
-                        found[n_found, 0], found[n_found, 1] = i, j
-                        found[n_found, 2], found[n_found, 3] = image_x, image_y
-                    else:
-                        found[n_found, 0], found[n_found, 1] = j, i
-                        found[n_found, 2], found[n_found, 3] = -image_x, -image_y
+                    found[n_found, 0], found[n_found, 1] = a, b
+                    found[n_found, 2], found[n_found, 3] = image_x, image_y
                     n_found += 1
     return found[:n_found].copy()
 
 
 def bytes_per_pair(features: Features) -> int:
     """Memory of a near pair of a scene with these features."""
-    return sum(array.nbytes for array in _empty_contacts(np.zeros((1, 4), np.int64), 0, features)) - 8
+    return sum(array.nbytes for array in empty_contacts(np.zeros((1, 4), np.int64), 0, features)) - 8
 
 
-def _empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Contacts:
+def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Contacts:
+    """Contacts of the given keys (m, 4) of which nothing is known."""
     m = len(pairs)
     body_a, body_b, image = pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:].astype(np.int32)
-    # Contacts of a body in order of (partner, image). Sides of one self pair differ in the sign of the image.
-    owner = np.concatenate([body_a, body_b])
-    partner = np.concatenate([body_b, body_a])
-    seen_image = np.concatenate([image, -image])
-    code = np.concatenate([2 * np.arange(m), 2 * np.arange(m) + 1])
-    order = np.lexsort((seen_image[:, 1], seen_image[:, 0], partner, owner))
+    start, incident = list_incident(body_a, body_b, image, n_bodies)
     apart = 0 if features.kind == SPHERE else m
     springs = m if features.friction else 0
     patches = m if features.patch else 0
@@ -210,9 +225,22 @@ def _empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Con
         force=np.zeros((m, 3)),
         torque_a=np.zeros((m, 3)),
         torque_b=np.zeros((m, 3)),
-        incident_start=np.concatenate(([0], np.cumsum(np.bincount(owner, minlength=n_bodies)))).astype(np.int64),
-        incident=code[order].astype(np.int32),
+        incident_start=start,
+        incident=incident,
     )
+
+
+def list_incident(body_a, body_b, image, n_bodies):
+    """incident_start and incident of Contacts with these keys."""
+    m = len(body_a)
+    # Contacts of a body in order of (partner, image). Sides of one self pair differ in the sign of the image.
+    owner = np.concatenate([body_a, body_b])
+    partner = np.concatenate([body_b, body_a])
+    seen_image = np.concatenate([image, -image])
+    code = np.concatenate([2 * np.arange(m), 2 * np.arange(m) + 1])
+    order = np.lexsort((seen_image[:, 1], seen_image[:, 0], partner, owner))
+    start = np.concatenate(([0], np.cumsum(np.bincount(owner, minlength=n_bodies)))).astype(np.int64)
+    return start, code[order].astype(np.int32)
 
 
 def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, reach: float, features: Features) -> Walls:
@@ -225,6 +253,7 @@ def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, reach: float, feature
         near[:, CYLINDER] = np.hypot(bodies.position[:, 0], bodies.position[:, 1]) + bodies.radius + reach > (
             box.wall_radius
         )
+    near &= bodies.moves_here[:, None]
     body, wall = np.nonzero(near)
     w = len(body)
     springs = w if features.friction else 0
@@ -242,8 +271,13 @@ def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, reach: float, feature
         spread=np.zeros((patches, 6)),
         force=np.zeros((w, 3)),
         torque=np.zeros((w, 3)),
-        start=np.concatenate(([0], np.cumsum(near.sum(axis=1)))).astype(np.int64),
+        start=list_walls_of(body, n),
     )
+
+
+def list_walls_of(body, n_bodies):
+    """start of Walls of these bodies, in order."""
+    return np.concatenate(([0], np.cumsum(np.bincount(body, minlength=n_bodies)))).astype(np.int64)
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""What a running packing is judged by: energy, speed, unbalanced force, height; all sums in the order of ids."""
+"""What a running packing is judged by: energy, speed, unbalanced force, height."""
 
 from typing import NamedTuple
 
@@ -7,6 +7,7 @@ import numpy as np
 from simcore.dem.bodies import Bodies
 from simcore.dem.force_laws import ContactLaw
 from simcore.dem.neighbors import Near
+from simcore.dem.ranks import ONE_RANK
 
 
 class Observation(NamedTuple):
@@ -19,26 +20,36 @@ class Observation(NamedTuple):
     coordination: float  # grain-grain contacts per grain, each counted for both
 
 
-def observe(bodies: Bodies, near: Near) -> Observation:
-    """Observation of the current state; forces and overlaps are those of the last evaluation."""
-    n = len(bodies.mass)
+def observe(bodies: Bodies, near: Near, ranks=ONE_RANK) -> Observation:
+    """Observation of the current state, of all ranks; forces and overlaps are those of the last evaluation."""
+    own = bodies.own
     contacts, walls = near
-    touching, wall = contacts.touching > 0, walls.touching > 0
-    forces = np.concatenate(
-        [np.linalg.norm(contacts.force[touching], axis=1), np.linalg.norm(walls.force[wall], axis=1)]
+    # A contact counts where its first body moves: once.
+    touching = (contacts.touching > 0) & bodies.moves_here[contacts.body_a]
+    wall = walls.touching > 0
+    speed2 = (bodies.velocity[own] ** 2).sum(axis=1)
+    n, n_contacts, n_walls = ranks.add([len(own), touching.sum(), wall.sum()])
+    fastest, deepest, deepest_wall = ranks.most(
+        [speed2.max(initial=0.0), contacts.overlap[touching].max(initial=0.0), walls.overlap[wall].max(initial=0.0)]
     )
-    overlaps = contacts.overlap[touching]
-    net = np.linalg.norm(bodies.net_force, axis=1)
-    spin = 0.5 * (bodies.angular_momentum * bodies.angular_velocity).sum()
+    motion, spin, mass, height, overlap, net, force = ranks.totals(
+        bodies.mass[own] * speed2,
+        bodies.angular_momentum[own] * bodies.angular_velocity[own],
+        bodies.mass[own],
+        bodies.mass[own] * bodies.position[own, 2],
+        contacts.overlap[touching],
+        np.linalg.norm(bodies.net_force[own], axis=1),
+        np.concatenate([np.linalg.norm(contacts.force[touching], axis=1), np.linalg.norm(walls.force[wall], axis=1)]),
+    )
     return Observation(
-        kinetic_energy=float(0.5 * (bodies.mass[:, None] * bodies.velocity**2).sum() + spin),
-        max_speed=float(np.sqrt((bodies.velocity**2).sum(axis=1).max())),
-        mean_height=float((bodies.mass * bodies.position[:, 2]).sum() / bodies.mass.sum()),
-        mean_overlap=float(overlaps.mean()) if len(overlaps) else 0.0,
-        max_overlap=float(max(overlaps.max(initial=0.0), walls.overlap[wall].max(initial=0.0))),
+        kinetic_energy=0.5 * (motion + spin),
+        max_speed=float(np.sqrt(fastest)),
+        mean_height=height / mass,
+        mean_overlap=overlap / n_contacts if n_contacts else 0.0,
+        max_overlap=float(max(deepest, deepest_wall)),
         # Not 0 without contacts: grains that have just begun to fall would be taken for a bed at rest.
-        unbalanced_force=float(net.mean() / forces.mean()) if len(forces) and forces.mean() > 0.0 else np.inf,
-        coordination=2.0 * float(touching.sum()) / n,
+        unbalanced_force=net / n / (force / (n_contacts + n_walls)) if force > 0.0 else np.inf,
+        coordination=2.0 * float(n_contacts) / float(n),
     )
 
 

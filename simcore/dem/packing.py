@@ -12,12 +12,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import get_num_threads
 
-from simcore.dem.bodies import Bodies, join_bodies, make_bodies
+from simcore.dem.bodies import Bodies, make_bodies
 from simcore.dem.contact.patch import make_room
 from simcore.dem.expectation import expect, warnings
 from simcore.dem.generation import give_birth, lattice_sites, occupy_sites
-from simcore.dem.neighbors import Box, Near, list_near
+from simcore.dem.neighbors import Box, Near
 from simcore.dem.observation import Observation, observe
+from simcore.dem.parts import assemble
+from simcore.dem.ranks import ONE_RANK
 from simcore.dem.scene import Scene
 from simcore.dem.shapes import Base, collect_shapes
 from simcore.dem.stepping import STAGES, Drive, make_advance
@@ -63,22 +65,56 @@ class Packed(NamedTuple):
         return self.near.walls
 
 
-def pack(scene: Scene, bases: list[Base], draw: Callable, report: Callable = lambda line: None) -> Packed:
-    """Run the packing of `scene`.
+class Interrupted(Exception):
+    """A packing that stopped because it was wished to; its checkpoint is written."""
+
+
+class Keeper:
+    """Keeps nothing, and never wishes to stop; what `pack` asks of one that does (simcore.keeping)."""
+
+    # wish() -> 0 to go on, KEEP, or KEEP_AND_STOP; asked between steps, the greatest of all ranks counts.
+    wish = None
+
+    def latest(self):
+        """(state, sections) to go on from, or None. sections(): iterates over the parts of all bodies."""
+        return None
+
+    def keep(self, state: dict, parts) -> None:
+        """Keep the state, a dict that JSON can hold, and the parts, which come one after the other on rank 0."""
+
+
+KEEP, KEEP_AND_STOP = 1, 2
+
+
+def pack(
+    scene: Scene,
+    bases: list[Base],
+    draw: Callable,
+    report: Callable = lambda line: None,
+    ranks=ONE_RANK,
+    keeper: Keeper | None = None,
+) -> Packed | None:
+    """Run the packing of `scene`, or go on where the keeper's latest state was.
 
     bases: shapes of the grains. draw(ids (n,)) -> Draw, the same for an id whenever it is asked. report(text):
     called with a progress line every scene.numerics.progress_interval of wall-clock time and at each change of
-    phase. Raises PackingError.
+    phase. ranks: that share the bodies; the whole packing is returned on rank 0, None on the others. Raises
+    PackingError, and Interrupted where the keeper wishes.
     """
-    return Process(scene, bases, draw, report).run()
+    return Process(scene, bases, draw, report, ranks=ranks, keeper=keeper).run()
 
 
 class Process:
-    """A packing under way; `pack` runs it through, benchmarks and tests step it themselves."""
+    """A packing under way; `pack` runs it through, benchmarks and tests step it themselves.
 
-    def __init__(self, scene, bases, draw, report, timed=False):
+    It advances in stretches, at whose end it is looked at and decided what follows. All that later steps depend on is
+    in the bodies, their Near and `state`, so that it can be kept after any step.
+    """
+
+    def __init__(self, scene, bases, draw, report, timed=False, ranks=ONE_RANK, keeper=None):
         """timed: count in `seconds` what each part of the steps takes."""
-        self.scene, self.bases, self.draw = scene, bases, draw
+        self.scene, self.bases, self.draw, self.ranks = scene, bases, draw, ranks
+        self.keeper = Keeper() if keeper is None else keeper
         self.progress = _Progress(scene, report)
         self.shapes = collect_shapes(bases)
         domain = scene.domain
@@ -91,9 +127,14 @@ class Process:
         self.dt = scene.numerics.time_step
         self.interval_steps = max(round(scene.convergence.interval / self.dt), 1)
         self.shaking_steps = round(scene.shaking.duration / self.dt)
-        self.step = 0
-        self.listed_step = 0
-        self.watch = Watch(scene, self.box.width, report)
+        self.phase = GENERATING
+        self.step = self.listed_step = 0
+        self.looked_at = self.look_at = 0  # steps at which the stretch under way began, and ends
+        self.born, self.full = 0, False
+        self.patience = 0  # step until which there must be room for a batch
+        self.last_birth = self.end = 0  # steps; of the phase
+        self.mean_size = self.skin = self.height = 0.0  # [m]; height: mean, at the last look while damping
+        self.watch = Watch(scene, self.box.width, report, ranks)
         self.bodies = None
         self.near = None
         self.checks = []
@@ -108,19 +149,28 @@ class Process:
 
     def run(self):
         expected = self.expect()
-        last_birth = self.generate()
-        self.shake(last_birth + self.shaking_steps)
+        self.resume()
+        if self.phase == GENERATING:
+            self.generate()
+            self.phase, self.last_birth, self.end = SHAKING, self.step, self.step + self.shaking_steps
+        if self.phase == SHAKING:
+            self.shake(self.end)
         observation = self.settle()
         self.evaluate()
+        stability = self.watch.stability(expected.stability)
+        parts = list(self.ranks.parts(self.bodies, self.near))
+        if self.ranks.rank > 0:
+            return None
+        bodies, near = assemble(parts, np.arange(self.born))
         return Packed(
-            self.bodies,
-            self.near,
+            bodies,
+            near,
             observation,
             self.step,
             self.step * self.dt,
-            last_birth * self.dt,
+            self.last_birth * self.dt,
             self.checks,
-            self.watch.stability(expected.stability),
+            stability,
         )
 
     def expect(self):
@@ -141,18 +191,22 @@ class Process:
 
     def generate(self):
         """Batches until the amount is reached; returns the step of the last birth."""
-        while not self._add_batch():
-            patience = self.step + round(2.0 * self._fall_time() / self.dt)
-            while not self._has_room():
-                if self.step >= patience:
-                    top = self._top() * 1e3
-                    raise PackingError(
-                        f"{self.scene.name}: after {len(self.bodies.mass)} grains the bed reaches {top:.0f} mm and "
-                        f"leaves no room for another batch below domain.height = "
-                        f"{self.scene.domain.height * 1e3:.0f} mm; make the domain higher or wider, or pour less"
-                    )
-                self.advance(self.interval_steps, GENERATING)
-        self.progress.phase(f"{len(self.bodies.mass)} grains born, {self.bodies.mass.sum():.4g} kg")
+        while not self.full:
+            between = self.step < self.look_at  # resumed within a stretch
+            if self.bodies is None or (not between and self._has_room()):
+                self._add_batch()
+                self.patience = self.step + round(2.0 * self._fall_time() / self.dt)
+                continue
+            if not between and self.step >= self.patience:
+                top = self._top() * 1e3
+                raise PackingError(
+                    f"{self.scene.name}: after {self.born} grains the bed reaches {top:.0f} mm and "
+                    f"leaves no room for another batch below domain.height = "
+                    f"{self.scene.domain.height * 1e3:.0f} mm; make the domain higher or wider, or pour less"
+                )
+            self.advance(self.interval_steps, GENERATING)
+        (mass,) = self.ranks.totals(self.bodies.mass[self.bodies.own])
+        self.progress.phase(f"{self.born} grains born, {mass:.4g} kg")
         return self.step
 
     def shake(self, end):
@@ -163,12 +217,13 @@ class Process:
         """Damping until converged; PackingError after damping.max_time."""
         scene = self.scene
         goal = scene.convergence
-        end = self.step + round(scene.damping.max_time / self.dt)
-        before = observe(self.bodies, self.near).mean_height
-        while self.step < end:
-            seen = self.advance(self.interval_steps, DAMPING, end)
-            change = abs(seen.mean_height - before)
-            before = seen.mean_height
+        if self.phase != DAMPING:
+            self.phase, self.end = DAMPING, self.step + round(scene.damping.max_time / self.dt)
+            self.height = observe(self.bodies, self.near, self.ranks).mean_height
+        while self.step < max(self.end, self.look_at):
+            seen = self.advance(self.interval_steps, DAMPING, self.end)
+            change = abs(seen.mean_height - self.height)
+            self.height = seen.mean_height
             if (
                 change < goal.height_change
                 and seen.max_speed < goal.max_speed
@@ -179,7 +234,8 @@ class Process:
                     f"{seen.unbalanced_force:.2g}"
                 )
                 return seen
-        fastest = self._fastest()
+        own = self.bodies.own
+        _, fastest = self.ranks.largest((self.bodies.velocity[own] ** 2).sum(axis=1), self.bodies.id[own])
         raise PackingError(
             f"{scene.name}: not at rest after {scene.damping.max_time:g} s of damping, step {self.step}: mean height "
             f"changed by {change:.2g} m in {goal.interval:g} s (allowed {goal.height_change:g}), grain {fastest} moves "
@@ -187,11 +243,38 @@ class Process:
             f"(allowed {goal.max_unbalanced_force:g}){self.watch.hint()}. Shake or damp longer, or loosen `convergence`"
         )
 
+    # -- kept and resumed -----------------------------------------------------------------------------------
+
+    def keep(self):
+        """What the packing is, for the keeper; it changes nothing."""
+        state = {name: getattr(self, name) for name in _STATE}
+        state["watch"] = self.watch.state()
+        state["checks"] = [(time_, phase, *seen) for time_, phase, seen in self.checks]
+        self.keeper.keep(state, self.ranks.parts(self.bodies, self.near))
+
+    def resume(self):
+        """Be where the keeper's latest packing was, if there is one."""
+        latest = self.keeper.latest()
+        if latest is None:
+            return
+        state, sections = latest
+        for name in _STATE:
+            setattr(self, name, state[name])
+        self.watch.resume(state["watch"])
+        self.checks = [(time_, phase, Observation(*seen)) for time_, phase, *seen in state["checks"]]
+        self.bodies, self.near = self.ranks.settle(sections, self.box, self.features)
+        self.progress.phase(f"goes on from step {self.step}, t = {self.step * self.dt:.3f} s, {self.phase}")
+
     # -- births ---------------------------------------------------------------------------------------------
 
     def _top(self):
         """Height below which all grains lie [m]."""
-        return 0.0 if self.bodies is None else float((self.bodies.position[:, 2] + self.bodies.radius).max())
+        if self.bodies is None:
+            return 0.0
+        own = self.bodies.own
+        return float(
+            self.ranks.most([(self.bodies.position[own, 2] + self.bodies.radius[own]).max(initial=-np.inf)])[0]
+        )
 
     def _fall_time(self):
         """Time to fall through the domain from birth [s]."""
@@ -201,14 +284,16 @@ class Process:
     def _has_room(self):
         generation, height = self.scene.generation, self.scene.domain.height
         if generation.fill == "study":
-            margin = max(generation.spacing, 2.0 * float(self.bodies.radius.max()))
-            return float(self.bodies.position[:, 2].max()) < REFILL_HEIGHT * height - margin
+            own = self.bodies.own
+            high, radius = self.ranks.most(
+                [self.bodies.position[own, 2].max(initial=-np.inf), self.bodies.radius[own].max(initial=0.0)]
+            )
+            return bool(high < REFILL_HEIGHT * height - max(generation.spacing, 2.0 * radius))
         return self._top() + generation.drop_height < REFILL_HEIGHT * height
 
     def _add_batch(self):
-        """One batch of grains; True when the amount is reached."""
-        scene, generation = self.scene, self.scene.generation
-        born = 0 if self.bodies is None else len(self.bodies.mass)
+        """One batch of grains, of which every rank draws all and takes its own."""
+        scene, generation, born = self.scene, self.scene.generation, self.born
         if generation.fill == "study":
             low = (STUDY_FIRST_FILL if born == 0 else REFILL_HEIGHT) * scene.domain.height
         else:
@@ -228,14 +313,13 @@ class Process:
                 f"reach {2 * reach.max(initial=0.0):.3g} m across; make the domain larger"
             )
         count = len(taken)
-        reached = False
         if scene.amount_grains is not None:
-            reached = born + count >= scene.amount_grains
+            self.full = born + count >= scene.amount_grains
         else:
-            before = 0.0 if self.bodies is None else self.bodies.mass.sum()
+            before = 0.0 if self.bodies is None else self.ranks.totals(self.bodies.mass[self.bodies.own])[0]
             mass = before + np.cumsum(self._masses(drawn)[:count])
-            reached = bool(mass[-1] >= scene.amount_mass)
-            if reached and generation.fill == "bed":
+            self.full = bool(mass[-1] >= scene.amount_mass)
+            if self.full and generation.fill == "bed":
                 # ASSUME: the study ends with a whole batch and overshoots; a batch just above the bed can be larger
                 # than the packing, so the grain that reaches the mass is the last.
                 count = int(np.searchsorted(mass, scene.amount_mass)) + 1
@@ -243,9 +327,9 @@ class Process:
         new = make_bodies(
             self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, self.features
         )
-        everyone = new if self.bodies is None else join_bodies(self.bodies, new)
-        self.place(everyone, float(np.mean(drawn.sieve_size[:count])))
-        return reached
+        new.id[:] += born
+        self.born += count
+        self.place(self.ranks.welcome(self.bodies, new, self.box), float(np.mean(drawn.sieve_size[:count])))
 
     def _masses(self, drawn):
         volume = np.array([base.volume for base in self.bases])
@@ -268,39 +352,51 @@ class Process:
         )
 
     def advance(self, n_steps, phase, end=None):
-        """Step, list anew where needed, check that all is sane, and report."""
+        """A stretch of n_steps, or what is left of the one under way; list anew where needed, look, report."""
         drive = self._drive(phase, self.dt)
-        left = n_steps
-        while left > 0:
-            done, stale = self._advance(drive, left)
-            self.step += done
-            left -= done
+        if self.step >= self.look_at:
+            self.looked_at, self.look_at = self.step, self.step + n_steps
+        while self.step < self.look_at:
+            stale, wish = self._advance(drive, self.look_at - self.step)
             if stale:
                 self.watch.check_finite(self.bodies, self.step)
                 self.list_near()
-        seen = observe(self.bodies, self.near)
-        self.watch.look(self.bodies, self.near, drive, self.step, n_steps)
+            if wish:
+                self.keep()
+                if wish == KEEP_AND_STOP:
+                    raise Interrupted(
+                        f"{self.scene.name}: stopped at step {self.step}, t = {self.step * self.dt:.3f} s, as it was "
+                        f"asked to; the same command goes on from there"
+                    )
+        seen = observe(self.bodies, self.near, self.ranks)
+        self.watch.look(self.bodies, self.near, drive, self.step, self.step - self.looked_at)
         self.checks.append((self.step * self.dt, phase, seen))
-        self.progress.line(phase, self.step, self.dt, len(self.bodies.mass), seen, end)
+        self.progress.line(phase, self.step, self.dt, self.born, seen, end)
         return seen
 
     def evaluate(self):
         """Forces, overlaps and contact points of the final positions, without moving anything."""
-        drive = self._drive(DAMPING, 0.0)
-        self._advance(drive, 1)
+        drive, step = self._drive(DAMPING, 0.0), self.step
+        self._step(drive, 1)
+        self.step = step
 
     def _advance(self, drive, n_steps):
-        """(steps done, whether the list is stale)"""
+        """Some steps, at most n_steps: (whether the list is stale, wish of the keeper)."""
         drive = drive._replace(list_margin=0.5 * self.skin)
         before, started = self.clock.copy(), time.perf_counter()
-        result = self.advance_steps(
-            self.bodies, self.shapes, *self.near, self.room, self.scene.law, drive, self.clock, self.step, n_steps
-        )
+        _, stale, wish = self.ranks.advance(lambda n: self._step(drive, n), self.bodies, n_steps, self.keeper.wish)
         if self.features.timed:
             elapsed, cycles = time.perf_counter() - started, self.clock - before
             for stage, share in zip(STAGES, cycles / cycles.sum(), strict=True):
                 self.seconds[stage] += elapsed * share
-        return result
+        return stale, wish
+
+    def _step(self, drive, n_steps):
+        done, stale = self.advance_steps(
+            self.bodies, self.shapes, *self.near, self.room, self.scene.law, drive, self.clock, self.step, n_steps
+        )
+        self.step += done
+        return done, stale
 
     def list_near(self):
         """List what can touch, with the skin that the last lists call for."""
@@ -312,12 +408,28 @@ class Process:
             elif held > LIST_HOLDS[1]:
                 self.skin = max(self.skin / SKIN_STEP, SKIN * self.mean_size)
         self.listed_step = self.step
-        self.near = list_near(self.bodies, self.shapes, self.box, self.skin, self.features, self.near)
+        self.bodies, self.near = self.ranks.list_near(
+            self.bodies, self.shapes, self.box, self.skin, self.features, self.near
+        )
         self.seconds["neighbour search"] += time.perf_counter() - started
 
-    def _fastest(self):
-        """Id of the grain whose centre moves fastest."""
-        return int(np.argmax((self.bodies.velocity**2).sum(axis=1)))
+
+# What a process is besides its bodies and their Near.
+_STATE = (
+    "phase",
+    "step",
+    "listed_step",
+    "looked_at",
+    "look_at",
+    "born",
+    "full",
+    "patience",
+    "last_birth",
+    "end",
+    "mean_size",
+    "skin",
+    "height",
+)
 
 
 def extents(bases: list[Base], drawn: Draw, any_orientation: bool):

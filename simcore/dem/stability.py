@@ -23,6 +23,7 @@ import numpy as np
 from simcore.dem.bodies import Bodies
 from simcore.dem.force_laws import ContactLaw, explicit_dashpot, implicit_dashpot, implicit_law
 from simcore.dem.neighbors import Near
+from simcore.dem.ranks import ONE_RANK
 from simcore.dem.shapes import Base
 
 LARGEST_LOAD = 4.0  # eigenvalue at which a mode alternates undamped
@@ -102,19 +103,25 @@ def steps_needed(law: ContactLaw, friction: bool, load_at, hold: float | None = 
     return many
 
 
-def stiffest_body(bodies: Bodies, near: Near, width: float, load: Load, certain: bool = True) -> Stiffest:
-    """The body of the largest load in its present contacts; body −1 where nothing touches.
+def stiffest_body(
+    bodies: Bodies, near: Near, width: float, load: Load, certain: bool = True, ranks=ONE_RANK
+) -> Stiffest:
+    """The body (its id) of the largest load in its present contacts; body −1 where nothing touches.
 
     width [m]: of the periodic box. certain: with neighbours that stand still, a lower bound of the whole bed's; else
     with shares that make it an upper bound. Looked for among the LOOKED_AT bodies that many or far contacts hold.
     """
     grips = _grips(bodies, near, width, certain)
-    if len(grips.body) == 0:
-        return Stiffest(-1, 0, 0.0)
-    some = np.argsort(-_traces(bodies, grips, load), kind="stable")[:LOOKED_AT]
+    traces, contacts = _traces(bodies, grips, load), np.bincount(grips.body, minlength=len(bodies.mass))
+    held = bodies.own[contacts[bodies.own] > 0]
+    some = held[np.argsort(-traces[held], kind="stable")[:LOOKED_AT]]
+    # Those of all ranks compete, so that the choice does not depend on who has which.
+    best = sorted(ranks.all([(-traces[row], bodies.id[row]) for row in some]))[:LOOKED_AT]
+    ids = {id_ for _, id_ in best}
+    some = np.array([row for row in some if bodies.id[row] in ids], np.int64)
     loads = np.linalg.eigvalsh(_matrices(bodies, grips, load, some))[:, -1]
-    k = int(np.argmax(loads))
-    return Stiffest(int(some[k]), int((grips.body == some[k]).sum()), float(loads[k]))
+    load_, body, contacts = ranks.largest(loads, bodies.id[some], contacts[some])
+    return Stiffest(body, int(contacts or 0), max(load_, 0.0))
 
 
 def body_steps(
@@ -126,14 +133,21 @@ def body_steps(
     body: int,
     certain: bool = True,
     hold: float | None = None,
+    ranks=ONE_RANK,
 ) -> float:
-    """Least steps per contact time that one body needs in its present contacts, see `stiffest_body`.
+    """Least steps per contact time that one body (its id) needs in its present contacts, see `stiffest_body`.
 
     law, hold: as of contact_load.
     """
+    rows = np.flatnonzero(bodies.id[bodies.own] == body)
+    needed = [_steps_of_row(bodies, near, width, law, friction, bodies.own[row], certain, hold) for row in rows]
+    return float(ranks.most([max(needed, default=0.0)])[0])
+
+
+def _steps_of_row(bodies, near, width, law, friction, row, certain, hold):
     grips = _grips(bodies, near, width, certain)
     # The matrix is linear in the load.
-    parts = [_matrices(bodies, grips, Load(*unit), np.array([body]))[0] for unit in np.eye(3)]
+    parts = [_matrices(bodies, grips, Load(*unit), np.array([row]))[0] for unit in np.eye(3)]
 
     def load_at(load):
         return np.linalg.eigvalsh(sum(value * part for value, part in zip(load, parts, strict=True)))[-1]

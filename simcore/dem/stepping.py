@@ -4,9 +4,9 @@
 are captured as plain constants: numba prunes every branch not taken, and each variant is cached on disk.
 
 One step: every near pair is looked at once, in its canonical order, from unshifted coordinates, and every body near
-a wall; then every body adds its contacts in order of (partner, image), then its walls, and is integrated
-(semi-implicit Euler: velocity first). All loops write only what belongs to their index, so the thread count cannot
-change a bit.
+a wall; then every body that moves here adds its contacts in order of (partner, image), then its walls, and is
+integrated (semi-implicit Euler: velocity first). All loops write only what belongs to their index, so the thread
+count cannot change a bit.
 """
 
 from functools import cache
@@ -78,10 +78,10 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
 
     @parallel_kernel
     def advance(bodies, shapes, contacts, walls, room, law: ContactLaw, drive: Drive, clock, first_step, n_steps):
-        n_bodies = len(bodies.mass)
+        n_own = len(bodies.own)
         n_pairs, n_walls = len(contacts.body_a), len(walls.body)
         dt, width = drive.dt, drive.width
-        moved = np.zeros(n_bodies, np.bool_)
+        moved = np.zeros(n_own, np.bool_)
         for step in range(n_steps):
             if timed:
                 start = cycles()
@@ -149,7 +149,8 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
             push_x = 0.0
             if shaken:
                 push_x = drive.shaking * np.sin(drive.shaking_rate * (first_step + step) * dt)
-            for i in prange(n_bodies):
+            for k in prange(n_own):
+                i = bodies.own[k]
                 fx, fy, fz, mx, my, mz = gather(bodies, contacts, drive.gravity, i)
                 if walled:
                     gx, gy, gz, tx, ty, tz = gather_walls(walls, i)
@@ -165,11 +166,11 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                         turn(bodies, i, dt, drive.damping)
                         if kind == ELLIPSOID or (kind == MIXED and not is_hull(shapes, bodies, i)):
                             derive_form_matrix(bodies, i)
-                    moved[i] = has_left(bodies, i, drive.list_margin, kind != SPHERE)
+                    moved[k] = has_left(bodies, i, drive.list_margin, kind != SPHERE)
             if timed:
                 count_cycles(clock, middle - start, last - middle, cycles() - last)
-            for i in range(n_bodies):
-                if moved[i]:
+            for k in range(n_own):
+                if moved[k]:
                     return step + 1, True
         return n_steps, False
 

@@ -26,6 +26,7 @@ import numpy as np
 from simcore.dem.bodies import Bodies
 from simcore.dem.expectation import fall_speed, relative_depth
 from simcore.dem.neighbors import Near
+from simcore.dem.ranks import ONE_RANK
 from simcore.dem.scene import Scene
 from simcore.dem.stability import Estimate, body_steps, contact_load, stiffest_body
 from simcore.dem.stepping import Drive
@@ -58,24 +59,25 @@ class Stability(NamedTuple):
 class Watch:
     """Looks at a scene's bodies; remembers the energy last seen and the stiffest grain."""
 
-    def __init__(self, scene: Scene, width: float, report):
-        self.scene, self.width, self.report = scene, width, report
+    def __init__(self, scene: Scene, width: float, report, ranks=ONE_RANK):
+        self.scene, self.width, self.report, self.ranks = scene, width, report, ranks
         self.friction = scene.features.friction
         self.load, self.needed, self.stiffest, self.contacts = 0.0, 0.0, -1, 0
         self.deepest, self.looks, self.told = 0.0, 0, False
-        self.energy, self.thickness = None, None
+        self.energy = None
 
     def look_again(self, bodies: Bodies, step: int) -> None:
         """The bodies are others now, or were set by hand: what they had is no measure. PackingError as of `look`."""
-        self.energy, self.thickness = None, half_thickness(bodies)
-        self._check_speeds(bodies, step)
+        self.energy = None
+        self._check_speeds(bodies, step, half_thickness(bodies))
 
     def look(self, bodies: Bodies, near: Near, drive: Drive, step: int, n_steps: int) -> None:
         """PackingError where something is wrong. drive: of the n_steps since the last look; step: their end."""
         self.check_finite(bodies, step)
-        self._check_speeds(bodies, step)
-        self._check_overlap(bodies, near, step)
-        self._check_energy(bodies, near, drive, step, n_steps * drive.dt)
+        thickness = half_thickness(bodies)
+        self._check_speeds(bodies, step, thickness)
+        self._check_overlap(bodies, near, step, thickness)
+        self._check_energy(bodies, near, drive, step, n_steps * drive.dt, thickness)
         if self.looks % STIFFNESS_LOOKS == 0:
             self._note_stiffest(bodies, near, drive.dt, step)
         self.looks += 1
@@ -84,40 +86,55 @@ class Watch:
         steps = self.scene.numerics.steps_per_contact_time
         return Stability(steps, expected, self.needed, self.stiffest, self.contacts, self.deepest)
 
+    def state(self) -> dict:
+        """What it remembers, as JSON can hold it."""
+        return {name: getattr(self, name) for name in _REMEMBERED}
+
+    def resume(self, state: dict) -> None:
+        """Remember what another one's `state` was."""
+        for name in _REMEMBERED:
+            setattr(self, name, state[name])
+        self.energy = None if self.energy is None else _Energy(*self.energy)
+
     def check_finite(self, bodies, step):
-        bad = ~np.isfinite(bodies.position).all(axis=1) | ~np.isfinite(bodies.angular_momentum).all(axis=1)
-        if bad.any():
+        own = bodies.own
+        bad = ~np.isfinite(bodies.position[own]).all(axis=1) | ~np.isfinite(bodies.angular_momentum[own]).all(axis=1)
+        worst, grain = self.ranks.largest(bad, bodies.id[own])
+        if worst > 0.0:
             raise PackingError(
-                f"{self.scene.name}: the position of grain {int(np.argmax(bad))} is not finite at step {step}; most "
+                f"{self.scene.name}: the position of grain {grain} is not finite at step {step}; most "
                 f"likely the time step is too long: {self._longer()}"
             )
 
-    def _check_speeds(self, bodies, step):
-        speed = np.sqrt((bodies.velocity**2).sum(axis=1))
+    def _check_speeds(self, bodies, step, thickness):
+        own = bodies.own
+        speed = np.sqrt((bodies.velocity[own] ** 2).sum(axis=1))
         limit = fall_speed(self.scene) + self.scene.shaking.acceleration / self.scene.shaking.rate
-        if speed.max() > SPEED_MARGIN * limit:
-            fastest = int(np.argmax(speed))
+        top, fastest = self.ranks.largest(speed, bodies.id[own])
+        if top > SPEED_MARGIN * limit:
             raise PackingError(
-                f"{self.scene.name}: grain {fastest} moves at {speed[fastest]:.3g} m/s at step {step}, more than fall "
+                f"{self.scene.name}: grain {fastest} moves at {top:.3g} m/s at step {step}, more than fall "
                 f"and shaking can give ({limit:.3g} m/s); the time step is too long for its contacts ({self._longer()})"
                 f" or grains overlapped at birth (raise generation.spacing)"
             )
         depth = speed * relative_depth(self.scene.continuous_law)
-        relative = depth / self.thickness
-        if relative.max() > DEEPEST:
-            grain = int(np.argmax(relative))
+        relative, grain, speed, depth = self.ranks.largest(depth / thickness[own], bodies.id[own], speed, depth)
+        if relative > DEEPEST:
             raise PackingError(
-                f"{self.scene.name}: grain {grain} moves at {speed[grain]:.3g} m/s at step "
-                f"{step} and would sink {depth[grain] * 1e3:.3g} mm into what it meets, more than half of it is thick. "
+                f"{self.scene.name}: grain {grain} moves at {speed:.3g} m/s at step "
+                f"{step} and would sink {depth * 1e3:.3g} mm into what it meets, more than half of it is thick. "
                 f"Shorten numerics.contact_time (now {self.scene.numerics.contact_time:g} s; the depth of an impact "
                 f"goes with it) or lower the fall"
             )
 
-    def _check_overlap(self, bodies, near, step):
-        overlap, pair, relative = deepest_overlap(near, self.thickness)
+    def _check_overlap(self, bodies, near, step, thickness):
+        overlap, (thin, other), relative = deepest_overlap(near, thickness)
+        thin, other = (int(bodies.id[row]) if row >= 0 else -1 for row in (thin, other))
+        # Of several as deep, that of the lowest grains.
+        order = relative, other >= 0, -min(thin, other), -max(thin, other)
+        relative, *_, overlap, thin, other = self.ranks.first((*order, overlap, thin, other), len(order))
         self.deepest = max(self.deepest, relative)
         if relative > DEEPEST:
-            thin, other = pair
             partner = "the wall" if other < 0 else f"grain {other}"
             raise PackingError(
                 f"{self.scene.name}: grain {thin} and {partner} overlap by {overlap * 1e3:.3g} mm at step {step}, more "
@@ -127,43 +144,49 @@ class Watch:
                 f"generation.spacing"
             )
 
-    def _check_energy(self, bodies, near, drive, step, time):
-        now = self._energy(bodies, near, drive)
+    def _check_energy(self, bodies, near, drive, step, time, thickness):
+        own = bodies.own
+        moving, height = self._energies(bodies, near, drive)
+        moving, height = moving[own], height[own]
+        now = _Energy(*self.ranks.totals(moving, height, np.abs(height)))
         before, self.energy = self.energy, now
         if before is None:
             return
-        mass = bodies.mass.sum()
-        speed = np.sqrt(2.0 * before.moving.sum() / mass)
+        mass, lift = self.ranks.totals(bodies.mass[own], bodies.mass[own] * thickness[own])
+        speed = np.sqrt(2.0 * before.moving / mass)
         push = drive.shaking * min(time, 2.0 / drive.shaking_rate * np.ceil(time * drive.shaking_rate / np.pi))
         allowed = mass * push * (speed + push + drive.gravity * time)
         slack = ENERGY_SLACK + self.scene.law.stiffness * drive.dt**2
-        allowed += LIFT * drive.gravity * (bodies.mass * self.thickness).sum()
-        allowed += slack * before.moving.sum() + ROUNDING * (before.moving.sum() + np.abs(before.height).sum())
-        gained = now.moving.sum() + now.height.sum() - before.moving.sum() - before.height.sum()
+        allowed += LIFT * drive.gravity * lift
+        allowed += slack * before.moving + ROUNDING * (before.moving + before.distance)
+        gained = now.moving + now.height - before.moving - before.height
         if gained > allowed:
-            grain = int(np.argmax(now.moving + now.height - before.moving - before.height))
+            _, grain = self.ranks.largest(moving, bodies.id[own])
             raise PackingError(
                 f"{self.scene.name}: {gained:.3g} J came from nowhere within {time:.3g} s before step {step}, of which "
-                f"fall, shaking and springs explain {allowed:.3g} J; most went to grain {grain}. The time step is too "
-                f"long for its contacts: {self._longer()}{self.hint()}"
+                f"fall, shaking and springs explain {allowed:.3g} J; grain {grain} has most of all. The time step is "
+                f"too long for its contacts: {self._longer()}{self.hint()}"
             )
 
-    def _energy(self, bodies, near, drive):
-        """Of the last evaluation of forces, with centres' velocities between those before and after it."""
+    def _energies(self, bodies, near, drive):
+        """Of motion and springs, and of height, each (n,) [J], of the last evaluation of forces.
+
+        With centres' velocities between those before and after it.
+        """
         back = drive.dt / drive.damping
         velocity = bodies.velocity / drive.damping - 0.5 * drive.dt * bodies.net_force / bodies.mass[:, None]
         moving = 0.5 * bodies.mass * (velocity**2).sum(axis=1)
         moving += 0.5 * (bodies.angular_momentum * bodies.angular_velocity).sum(axis=1)
         height = bodies.mass * drive.gravity * (bodies.position[:, 2] - back * bodies.velocity[:, 2])
-        return _Energy(moving + spring_energy(bodies, near, self.scene.law), height)
+        return moving + spring_energy(bodies, near, self.scene.law), height
 
     def _note_stiffest(self, bodies, near, dt, step):
-        found = stiffest_body(bodies, near, self.width, self._load(dt))
+        found = stiffest_body(bodies, near, self.width, self._load(dt), ranks=self.ranks)
         if found.load <= self.load:
             return
         self.load, self.stiffest, self.contacts = found.load, found.body, found.contacts
         law, hold = self.scene.continuous_law, found.contacts if self.scene.implicit else None
-        self.needed = body_steps(bodies, near, self.width, law, self.friction, found.body, hold=hold)
+        self.needed = body_steps(bodies, near, self.width, law, self.friction, found.body, hold=hold, ranks=self.ranks)
         if self.needed > self.scene.numerics.steps_per_contact_time and not self.told:
             self.told = True
             self.report(
@@ -191,9 +214,15 @@ class Watch:
         return f"raise numerics.steps_per_contact_time (now {self.scene.numerics.steps_per_contact_time:g})"
 
 
+_REMEMBERED = ("load", "needed", "stiffest", "contacts", "deepest", "looks", "told", "energy")
+
+
 class _Energy(NamedTuple):
-    moving: np.ndarray  # (n,) [J], of motion and springs
-    height: np.ndarray  # (n,) [J]
+    """Of all bodies together [J]."""
+
+    moving: float  # of motion and springs
+    height: float
+    distance: float  # as of height, each body's taken positive: the measure of its rounding
 
 
 def half_thickness(bodies: Bodies) -> np.ndarray:

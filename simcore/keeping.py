@@ -1,0 +1,100 @@
+"""When a packing is kept, and where: at intervals of wall-clock time, and before a signal ends it."""
+
+import signal
+import time
+
+import numpy as np
+
+from simcore import __version__
+from simcore.checkpoint import CheckpointError, Store, read_checkpoint, scene_key
+from simcore.compilation import source_digest
+from simcore.dem.packing import KEEP, KEEP_AND_STOP, Keeper
+from simcore.heartbeat import beat
+from simcore.provenance import digest
+
+DRAWN = 1000  # grains whose draw tells what decides a packing and stands neither in its specification nor its bases
+STOPPING = (signal.SIGTERM, signal.SIGINT)
+
+
+def checkpoint_code() -> str:
+    """What must be the same for a checkpoint to be gone on from: the code that packs, and its arithmetic.
+
+    Asked for before a run starts, it tells what ran, even where files are changed meanwhile.
+    """
+    packing = digest("simcore/scenes.py", "simcore/dem/packing.py", "simcore/sources.py", "config/cases.tsv")
+    return f"{__version__}+{source_digest()}+{packing}+numpy{np.__version__}"
+
+
+def packing_key(specification: dict, setup) -> str:
+    """Key of a packing's checkpoints; see simcore.checkpoint.scene_key."""
+    scene = setup.scene
+    return scene_key(specification, setup.bases, setup.draw(np.arange(min(DRAWN, scene.amount_grains or DRAWN))))
+
+
+class CheckpointKeeper(Keeper):
+    """Keeps a packing in a folder; rank 0 decides when, any rank that gets a signal has it stop."""
+
+    def __init__(self, folder, key: str, code: str, interval: float, report, ranks):
+        """folder: None to keep nothing. interval [s]: of wall-clock time. CheckpointError on all ranks alike."""
+        self.key, self.code, self.interval, self.report, self.ranks = key, code, interval, report, ranks
+        self.kept, self.stopped, self.spent = time.monotonic(), False, 0.0
+        self.store = None
+        if folder is not None:
+            self.store = self._on_first(lambda: Store(folder, key, code, report))
+            for number in STOPPING:
+                signal.signal(number, self._stop)
+
+    def _stop(self, number, frame):
+        self.stopped = True
+
+    def _on_first(self, act):
+        """What `act` returns on rank 0, None elsewhere; its CheckpointError is raised on all ranks."""
+        result, failure = None, None
+        if self.ranks.rank == 0:
+            try:
+                result = act()
+            except CheckpointError as error:
+                failure = str(error)
+        failure = self.ranks.all([failure])[0]
+        if failure is not None:
+            raise CheckpointError(failure)
+        return result
+
+    def wish(self) -> int:
+        if self.ranks.rank == 0:
+            beat()
+        if self.stopped:
+            return KEEP_AND_STOP
+        due = self.store is not None and time.monotonic() > self.kept + self.interval
+        return KEEP if due else 0
+
+    def latest(self):
+        if not self.ranks.add([self.store is not None])[0]:
+            return None
+        found = self._on_first(self.store.latest if self.store else None)
+        path = self.ranks.all([found and str(found[1].path)])[0]
+        if path is None:
+            return None
+        header, sections = found or read_checkpoint(path, self.key, self.code)
+        self.spent = header["cpu_seconds"]
+        return header, lambda: sections
+
+    def keep(self, state, parts):
+        if self.ranks.rank > 0:
+            for _ in parts:
+                pass
+            return
+        try:
+            self.store.save({**state, "cpu_seconds": self.cpu_seconds()}, parts)
+        except CheckpointError as error:
+            self.report(str(error))
+        self.kept = time.monotonic()
+
+    def cpu_seconds(self) -> float:
+        """CPU time [s] of rank 0 on this packing, of runs before too."""
+        return self.spent + time.process_time()
+
+    def done(self) -> None:
+        """The final file is written: no checkpoint is needed any more."""
+        if self.store is not None:
+            self.store.clear()
