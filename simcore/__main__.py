@@ -5,7 +5,6 @@ import json
 import os
 import sys
 import time
-import traceback
 from pathlib import Path
 
 
@@ -59,28 +58,46 @@ def _pack(options):
 
     if not started_by_mpi(os.environ):
         return _pack_on(ONE_RANK, options)
-    from mpi4py import MPI
-
     from simcore.dem.decomposition import ManyRanks
 
     ranks = ManyRanks()
-    try:
+    with ranks.together():
         return _pack_on(ranks, options)
-    except (ValueError, OSError):
-        # The same on every rank, or the others would wait.
-        if ranks.rank == 0:
-            raise
-        return 2
-    except BaseException:
-        traceback.print_exc()
-        MPI.COMM_WORLD.Abort(1)
 
 
 def _pack_on(ranks, options):
-    from simcore.compilation import set_threads
+    """Exit status, the same on all ranks: every error that is caught here is met by all of them."""
+    from simcore.checkpoint import CheckpointError
     from simcore.dem.packing import Interrupted, PackingError, pack
+
+    started = time.monotonic()
+    report = _reporter(options.log) if ranks.rank == 0 else _say_nothing
+    try:
+        specification, setup, keeper = _prepare(ranks, options, report)
+    except (ValueError, OSError) as error:
+        report(f"simcore pack: {error}")
+        return 2
+    try:
+        packed = pack(setup.scene, setup.bases, setup.draw, report, ranks, keeper)
+        ranks.on_first(lambda: _write(packed, specification, setup, keeper, started, ranks, options))
+    except PackingError as error:
+        report(f"failed: {error}")
+        return 1
+    except Interrupted as error:
+        report(str(error))
+        return os.EX_TEMPFAIL
+    except (CheckpointError, OSError) as error:
+        report(f"simcore pack: {error}")
+        return 2
+    report(f"{setup.scene.name}: wrote {options.output} after {time.monotonic() - started:.0f} s")
+    return 0
+
+
+def _prepare(ranks, options, report):
+    """Specification, Setup and keeper of a packing; ValueError or OSError on all ranks where it cannot be run."""
+    from simcore.compilation import set_threads
     from simcore.keeping import CheckpointKeeper, checkpoint_code, packing_key
-    from simcore.packing_io import code_version, packing_dataset, write_packing
+    from simcore.packing_io import code_version
     from simcore.quantity import parse_quantity
     from simcore.scenes import set_up
     from simcore.sources import load_grains
@@ -92,50 +109,28 @@ def _pack_on(ranks, options):
     interval = parse_quantity(options.checkpoint_interval, "s")
     set_threads(options.threads)
     setup = set_up(specification, load_grains)
-    first = ranks.rank == 0
-    _on_first(ranks, lambda: _check_writable(options.output))
-    report = _reporter(options.log) if first else _say_nothing
+    ranks.on_first(lambda: _check_writable(options.output))
     key = packing_key(specification, setup) if options.checkpoints else ""
-    started = time.monotonic()
-    keeper = CheckpointKeeper(options.checkpoints, key, code, interval, report, ranks)
-    try:
-        packed = pack(setup.scene, setup.bases, setup.draw, report, ranks, keeper)
-    except PackingError as error:
-        report(f"failed: {error}")
-        return 1
-    except Interrupted as error:
-        report(str(error))
-        return os.EX_TEMPFAIL
-    if first:
-        packing = packing_dataset(
-            setup.scene,
-            setup.bases,
-            packed,
-            setup.sample(range(len(packed.bodies.mass))),
-            specification,
-            largest_sieve_size=setup.curve.largest,
-            threads=options.threads,
-            ranks=ranks.size,
-            cpu_seconds=keeper.cpu_seconds(),
-            wall_seconds=time.monotonic() - started,
-        )
-        write_packing(options.output, packing)
-        keeper.done()
-        report(f"{setup.scene.name}: wrote {options.output} after {time.monotonic() - started:.0f} s")
-    return 0
+    return specification, setup, CheckpointKeeper(options.checkpoints, key, code, interval, report, ranks)
 
 
-def _on_first(ranks, act):
-    """`act` on rank 0; its OSError is raised on all ranks."""
-    failure = None
-    if ranks.rank == 0:
-        try:
-            act()
-        except OSError as error:
-            failure = str(error)
-    failure = ranks.all([failure])[0]
-    if failure is not None:
-        raise OSError(failure)
+def _write(packed, specification, setup, keeper, started, ranks, options):
+    from simcore.packing_io import packing_dataset, write_packing
+
+    packing = packing_dataset(
+        setup.scene,
+        setup.bases,
+        packed,
+        setup.sample(range(len(packed.bodies.mass))),
+        specification,
+        largest_sieve_size=setup.curve.largest,
+        threads=options.threads,
+        ranks=ranks.size,
+        cpu_seconds=keeper.cpu_seconds(),
+        wall_seconds=time.monotonic() - started,
+    )
+    write_packing(options.output, packing)
+    keeper.done()
 
 
 def _say_nothing(line):

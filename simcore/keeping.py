@@ -40,27 +40,14 @@ class CheckpointKeeper(Keeper):
         self.kept, self.stopped, self.spent = time.monotonic(), False, 0.0
         self.store = None
         if folder is not None:
-            self.store = self._on_first(lambda: Store(folder, key, code, report))
+            self.store = ranks.on_first(lambda: Store(folder, key, code, report), CheckpointError)
             for number in STOPPING:
                 signal.signal(number, self._stop)
 
     def _stop(self, number, frame):
         self.stopped = True
 
-    def _on_first(self, act):
-        """What `act` returns on rank 0, None elsewhere; its CheckpointError is raised on all ranks."""
-        result, failure = None, None
-        if self.ranks.rank == 0:
-            try:
-                result = act()
-            except CheckpointError as error:
-                failure = str(error)
-        failure = self.ranks.all([failure])[0]
-        if failure is not None:
-            raise CheckpointError(failure)
-        return result
-
-    def wish(self) -> int:
+    def wish(self, step) -> int:
         if self.ranks.rank == 0:
             beat()
         if self.stopped:
@@ -71,7 +58,7 @@ class CheckpointKeeper(Keeper):
     def latest(self):
         if not self.ranks.add([self.store is not None])[0]:
             return None
-        found = self._on_first(self.store.latest if self.store else None)
+        found = self.ranks.on_first(self.store.latest if self.store else None, CheckpointError)
         path = self.ranks.all([found and str(found[1].path)])[0]
         if path is None:
             return None
@@ -98,3 +85,8 @@ class CheckpointKeeper(Keeper):
         """The final file is written: no checkpoint is needed any more."""
         if self.store is not None:
             self.store.clear()
+
+    def close(self) -> None:
+        """Leave the checkpoints to another."""
+        if self.store is not None:
+            self.store.close()

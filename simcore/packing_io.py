@@ -91,11 +91,15 @@ def _stability_attributes(stability):
 
 
 def write_packing(path, packing: xr.Dataset) -> None:
-    """Write under a temporary name and rename: half a file never bears the final name."""
+    """Write under a temporary name and rename: half a file never bears the final name. OSError says why it failed."""
     path = Path(path)
     part = path.with_name(path.name + ".part")
-    packing.to_netcdf(part, engine="netcdf4")
-    os.replace(part, path)
+    try:
+        packing.to_netcdf(part, engine="netcdf4")
+        os.replace(part, path)
+    except (OSError, RuntimeError) as error:  # the netCDF library tells of a full disk by a RuntimeError
+        part.unlink(missing_ok=True)
+        raise OSError(f"{path} cannot be written ({error}); see that there is room on its disk") from error
 
 
 def read_packing(path) -> xr.Dataset:
@@ -112,6 +116,29 @@ def read_packing(path) -> xr.Dataset:
     if missing:
         raise ValueError(f"{path} is no packing: {', '.join(sorted(missing))} missing; give a file of `simcore pack`")
     return packing
+
+
+# Attributes in which two runs of one packing differ: how they were run.
+RUN_ATTRIBUTES = ("threads", "ranks", "cpu_seconds", "wall_seconds")
+
+
+def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
+    """What differs between two packings, to the bit, but for RUN_ATTRIBUTES; empty where nothing does."""
+    told = []
+    for name in sorted({*first.variables, *second.variables}, key=str):
+        a, b = (packing.variables.get(name) for packing in (first, second))
+        if a is None or b is None:
+            told.append(f"{name} is in one of them only")
+        elif a.shape != b.shape:
+            told.append(f"{name}: {a.shape} and {b.shape}")
+        elif a.dtype.kind in "OU":
+            told += [name] if list(a.values.ravel()) != list(b.values.ravel()) else []
+        elif a.dtype != b.dtype or a.values.tobytes() != b.values.tobytes():
+            told.append(f"{name}: {np.sum(a.values != b.values)} of {a.size} numbers")
+    for name in sorted({*first.attrs, *second.attrs} - set(RUN_ATTRIBUTES)):
+        if not np.array_equal(first.attrs.get(name), second.attrs.get(name)):
+            told.append(f"attribute {name}: {first.attrs.get(name)} and {second.attrs.get(name)}")
+    return told
 
 
 @functools.cache

@@ -10,6 +10,9 @@ ranks: a ghost, or an own body, is met through each image that is near.
 What a rank does, or which rank does it, decides no bit: see simcore.dem.ranks for what is decided together.
 """
 
+import traceback
+from contextlib import contextmanager
+
 import numpy as np
 from mpi4py import MPI
 
@@ -37,6 +40,15 @@ class ManyRanks(OneRank):
         self.blocks = None
         self.halo = None
         self.bytes_sent = self.steps = 0  # to tell what a step sends
+
+    @contextmanager
+    def together(self):
+        """An exception that one rank alone would meet ends all, who would else wait for it."""
+        try:
+            yield
+        except BaseException:
+            traceback.print_exc()
+            self.comm.Abort(1)
 
     # -- decisions ------------------------------------------------------------------------------------------
 
@@ -265,10 +277,10 @@ class _Halo:
     def send(self, bodies):
         column = 0
         for name in self.fields:
-            field = getattr(bodies, name)
-            field = field.reshape(len(field), -1)
-            self.sending[:, column : column + field.shape[1]] = field[self.sent_rows]
-            column += field.shape[1]
+            sent = getattr(bodies, name)[self.sent_rows]
+            width = int(np.prod(sent.shape[1:]))
+            self.sending[:, column : column + width] = sent.reshape(len(sent), width)
+            column += width
         self.requests = [
             self.comm.Irecv(self.receiving[some], source=rank, tag=0) for rank, some in self.ghost_slices.items()
         ]
@@ -282,7 +294,8 @@ class _Halo:
         for name in self.fields:
             field = getattr(bodies, name)
             width = int(np.prod(field.shape[1:]))
-            field[self.ghost_rows] = self.receiving[:, column : column + width].reshape(-1, *field.shape[1:])
+            received = self.receiving[:, column : column + width]
+            field[self.ghost_rows] = received.reshape(len(received), *field.shape[1:])
             column += width
 
 

@@ -72,7 +72,7 @@ class Interrupted(Exception):
 class Keeper:
     """Keeps nothing, and never wishes to stop; what `pack` asks of one that does (simcore.keeping)."""
 
-    # wish() -> 0 to go on, KEEP, or KEEP_AND_STOP; asked between steps, the greatest of all ranks counts.
+    # wish(step) -> 0 to go on, KEEP, or KEEP_AND_STOP; asked between steps, the greatest of all ranks counts.
     wish = None
 
     def latest(self):
@@ -384,7 +384,8 @@ class Process:
         """Some steps, at most n_steps: (whether the list is stale, wish of the keeper)."""
         drive = drive._replace(list_margin=0.5 * self.skin)
         before, started = self.clock.copy(), time.perf_counter()
-        _, stale, wish = self.ranks.advance(lambda n: self._step(drive, n), self.bodies, n_steps, self.keeper.wish)
+        wish = self.keeper.wish and (lambda: self.keeper.wish(self.step))
+        _, stale, wish = self.ranks.advance(lambda n: self._step(drive, n), self.bodies, n_steps, wish)
         if self.features.timed:
             elapsed, cycles = time.perf_counter() - started, self.clock - before
             for stage, share in zip(STAGES, cycles / cycles.sum(), strict=True):

@@ -6,6 +6,7 @@ has the same methods). Sums of floats depend on their order, and so would every 
 """
 
 import time
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -77,6 +78,24 @@ class OneRank:
             float(np.ldexp(float(sum_), -power)) if np.isfinite(top) else np.nan
             for sum_, power, top in zip(sums, powers, tops, strict=True)
         ]
+
+    @contextmanager
+    def together(self):
+        """Within it, an exception that no rank expects ends all ranks."""
+        yield
+
+    def on_first(self, act, expected=OSError):
+        """What `act` returns on rank 0, None elsewhere; an `expected` exception is raised on all ranks."""
+        result, failure = None, None
+        if self.rank == 0:
+            try:
+                result = act()
+            except expected as error:
+                failure = error
+        failure = self.all([failure])[0]
+        if failure is not None:
+            raise failure
+        return result
 
     # -- who has what ---------------------------------------------------------------------------------------
 

@@ -162,11 +162,11 @@ def test_a_sliding_grain_gains_no_energy_in_the_eyes_of_the_watch(settled):
     near.walls.spring[:] = kept
 
 
-def test_an_overlap_of_half_a_grain_names_both(settled, monkeypatch):
+def test_an_overlap_of_half_a_grain_names_both(settled):
     """As if the grains of a bed at rest were ten thousand times as thin."""
-    monkeypatch.setattr(settled.watch, "thickness", 1e-4 * half_thickness(settled.bodies))
+    thin = 1e-4 * half_thickness(settled.bodies)
     with pytest.raises(PackingError, match=r"grain \d+ and (grain \d+|the wall) overlap by \S+ mm at step") as caught:
-        settled.watch._check_overlap(settled.bodies, settled.near, settled.step)
+        settled.watch._check_overlap(settled.bodies, settled.near, settled.step, thin)
     assert "numerics.contact_time (now 0.001 s" in str(caught.value)
 
 
