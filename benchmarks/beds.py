@@ -160,7 +160,7 @@ def bed_of(process, sieve_size):
 
 
 def start(setup, bed, report=lambda line: None, **options):
-    """A Process of the setup's scene in that bed, with an empty memory of contacts; options go to Process."""
+    """A Process of the setup's scene in that bed, with an empty memory of contacts; options (ranks) go to Process."""
     process = Process(setup.scene, setup.bases, setup.draw, report, **options)
     bodies = make_bodies(
         setup.bases,
@@ -173,7 +173,7 @@ def start(setup, bed, report=lambda line: None, **options):
         density=setup.scene.material.density,
         features=setup.scene.features,
     )
-    process.place(bodies, float(np.mean(bed.sieve_size)))
+    process.place(process.ranks.welcome(None, bodies, process.box), float(np.mean(bed.sieve_size)))
     return process
 
 

@@ -10,6 +10,7 @@ ranks: a ghost, or an own body, is met through each image that is near.
 What a rank does, or which rank does it, decides no bit: see simcore.dem.ranks for what is decided together.
 """
 
+import time
 import traceback
 from contextlib import contextmanager
 
@@ -40,6 +41,7 @@ class ManyRanks(OneRank):
         self.blocks = None
         self.halo = None
         self.bytes_sent = self.steps = 0  # to tell what a step sends
+        self.exchanging = 0.0  # [s], waiting for others included
 
     @contextmanager
     def together(self):
@@ -162,9 +164,11 @@ class ManyRanks(OneRank):
         for done in range(1, n_steps + 1):
             _, flags[0] = step(1)
             flags[1] = 0 if wish is None else wish()
+            began = time.perf_counter()
             self.halo.send(bodies)
             self.comm.Allreduce(flags, found, op=MPI.MAX)
             self.halo.receive(bodies)
+            self.exchanging += time.perf_counter() - began
             self.steps += 1
             self.bytes_sent += self.halo.bytes_sent
             if found.any():

@@ -129,7 +129,8 @@ class Process:
         self.shaking_steps = round(scene.shaking.duration / self.dt)
         self.phase = GENERATING
         self.step = self.listed_step = 0
-        self.looked_at = self.look_at = 0  # steps at which the stretch under way began, and ends
+        self.looked_at = self.look_at = 0  # steps at which the last stretch began, and ends
+        self.under_way = False  # a stretch, which ends with its look
         self.born, self.full = 0, False
         self.patience = 0  # step until which there must be room for a batch
         self.last_birth = self.end = 0  # steps; of the phase
@@ -183,6 +184,7 @@ class Process:
     def place(self, bodies, mean_size):
         """These are the bodies now; mean_size [m]: of their sieve sizes, the measure of the skin."""
         self.bodies, self.mean_size = bodies, mean_size
+        self.born = int(self.ranks.add([len(bodies.own)])[0])
         self.watch.look_again(bodies, self.step)
         self.skin = (SKIN if self.scene.numerics.skin is None else self.scene.numerics.skin) * mean_size
         self.list_near()
@@ -192,12 +194,11 @@ class Process:
     def generate(self):
         """Batches until the amount is reached; returns the step of the last birth."""
         while not self.full:
-            between = self.step < self.look_at  # resumed within a stretch
-            if self.bodies is None or (not between and self._has_room()):
+            if self.bodies is None or (not self.under_way and self._has_room()):
                 self._add_batch()
                 self.patience = self.step + round(2.0 * self._fall_time() / self.dt)
                 continue
-            if not between and self.step >= self.patience:
+            if not self.under_way and self.step >= self.patience:
                 top = self._top() * 1e3
                 raise PackingError(
                     f"{self.scene.name}: after {self.born} grains the bed reaches {top:.0f} mm and "
@@ -210,7 +211,7 @@ class Process:
         return self.step
 
     def shake(self, end):
-        while self.step < end:
+        while self.under_way or self.step < end:
             self.advance(min(self.interval_steps, end - self.step), SHAKING, end)
 
     def settle(self):
@@ -220,7 +221,7 @@ class Process:
         if self.phase != DAMPING:
             self.phase, self.end = DAMPING, self.step + round(scene.damping.max_time / self.dt)
             self.height = observe(self.bodies, self.near, self.ranks).mean_height
-        while self.step < max(self.end, self.look_at):
+        while self.under_way or self.step < self.end:
             seen = self.advance(self.interval_steps, DAMPING, self.end)
             change = abs(seen.mean_height - self.height)
             self.height = seen.mean_height
@@ -328,7 +329,6 @@ class Process:
             self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, self.features
         )
         new.id[:] += born
-        self.born += count
         self.place(self.ranks.welcome(self.bodies, new, self.box), float(np.mean(drawn.sieve_size[:count])))
 
     def _masses(self, drawn):
@@ -354,8 +354,8 @@ class Process:
     def advance(self, n_steps, phase, end=None):
         """A stretch of n_steps, or what is left of the one under way; list anew where needed, look, report."""
         drive = self._drive(phase, self.dt)
-        if self.step >= self.look_at:
-            self.looked_at, self.look_at = self.step, self.step + n_steps
+        if not self.under_way:
+            self.looked_at, self.look_at, self.under_way = self.step, self.step + n_steps, True
         while self.step < self.look_at:
             stale, wish = self._advance(drive, self.look_at - self.step)
             if stale:
@@ -368,6 +368,7 @@ class Process:
                         f"{self.scene.name}: stopped at step {self.step}, t = {self.step * self.dt:.3f} s, as it was "
                         f"asked to; the same command goes on from there"
                     )
+        self.under_way = False
         seen = observe(self.bodies, self.near, self.ranks)
         self.watch.look(self.bodies, self.near, drive, self.step, self.step - self.looked_at)
         self.checks.append((self.step * self.dt, phase, seen))
@@ -422,6 +423,7 @@ _STATE = (
     "listed_step",
     "looked_at",
     "look_at",
+    "under_way",
     "born",
     "full",
     "patience",

@@ -24,6 +24,7 @@ class OneRank:
 
     rank, size = 0, 1
     shared = 0  # near pairs that another rank computes too
+    exchanging, bytes_sent, steps = 0.0, 0, 0  # [s], bytes and steps of what ranks tell each other
 
     def __init__(self):
         self.at_once = 1  # steps, of late, in about HEARS
