@@ -7,6 +7,7 @@ thread. Exit status 1 where a bit differs. --large: 1000 to 4000 grains to rest,
 """
 
 import argparse
+import os
 import subprocess
 import sys
 import tempfile
@@ -112,8 +113,15 @@ def launch(run: Run, folder: Path, scenes, large=False, timeout=None) -> None:
     command += ["--scenes", *scenes] + (["--large"] if large else [])
     if run.ranks > 1 or run.layout is not None:
         command = [str(Path(sys.executable).with_name("mpiexec")), "-n", str(run.ranks), *command]
+    environment = {**os.environ, "NUMBA_NUM_THREADS": str(run.threads)}
     done = subprocess.run(
-        command, cwd=Path(__file__).parents[1], capture_output=True, text=True, timeout=timeout, check=False
+        command,
+        cwd=Path(__file__).parents[1],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
     )
     if done.returncode != 0:
         raise RuntimeError(f"{run}: status {done.returncode}\n{done.stderr[-2000:]}")

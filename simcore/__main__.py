@@ -79,7 +79,8 @@ def _pack_on(ranks, options):
         return 2
     try:
         packed = pack(setup.scene, setup.bases, setup.draw, report, ranks, keeper)
-        ranks.on_first(lambda: _write(packed, specification, setup, keeper, started, ranks, options))
+        cpu_seconds = keeper.cpu_seconds()
+        ranks.on_first(lambda: _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, options))
     except PackingError as error:
         report(f"failed: {error}")
         return 1
@@ -114,7 +115,7 @@ def _prepare(ranks, options, report):
     return specification, setup, CheckpointKeeper(options.checkpoints, key, code, interval, report, ranks)
 
 
-def _write(packed, specification, setup, keeper, started, ranks, options):
+def _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, options):
     from simcore.packing_io import packing_dataset, write_packing
 
     packing = packing_dataset(
@@ -126,7 +127,7 @@ def _write(packed, specification, setup, keeper, started, ranks, options):
         largest_sieve_size=setup.curve.largest,
         threads=options.threads,
         ranks=ranks.size,
-        cpu_seconds=keeper.cpu_seconds(),
+        cpu_seconds=cpu_seconds,
         wall_seconds=time.monotonic() - started,
     )
     write_packing(options.output, packing)

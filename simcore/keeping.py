@@ -8,6 +8,7 @@ import numpy as np
 from simcore import __version__
 from simcore.checkpoint import CheckpointError, Store, read_checkpoint, scene_key
 from simcore.compilation import source_digest
+from simcore.cpu_time import cpu_time
 from simcore.dem.packing import KEEP, KEEP_AND_STOP, Keeper
 from simcore.heartbeat import beat
 from simcore.provenance import digest
@@ -67,19 +68,20 @@ class CheckpointKeeper(Keeper):
         return header, lambda: sections
 
     def keep(self, state, parts):
+        spent = self.cpu_seconds()
         if self.ranks.rank > 0:
             for _ in parts:
                 pass
             return
         try:
-            self.store.save({**state, "cpu_seconds": self.cpu_seconds()}, parts)
+            self.store.save({**state, "cpu_seconds": spent}, parts)
         except CheckpointError as error:
             self.report(str(error))
         self.kept = time.monotonic()
 
     def cpu_seconds(self) -> float:
-        """CPU time [s] of rank 0 on this packing, of runs before too."""
-        return self.spent + time.process_time()
+        """CPU time [s] of all ranks on this packing, of runs before too, less compiling; all ranks must ask."""
+        return self.spent + self.ranks.totals([cpu_time()])[0]
 
     def done(self) -> None:
         """The final file is written: no checkpoint is needed any more."""
