@@ -1,4 +1,4 @@
-"""Command line: `python -m simcore explain SPEC.yaml`, `pack SPEC.yaml OUT.nc` and `porosity OUT.nc`."""
+"""Command line: `python -m simcore explain SPEC.yaml`, `pack SPEC.yaml OUT.nc`, `launch ...` and `porosity OUT.nc`."""
 
 import argparse
 import json
@@ -6,6 +6,8 @@ import os
 import sys
 import time
 from pathlib import Path
+
+from simcore.launch import add_launch_options, launch_packing
 
 
 def main(arguments=None) -> int:
@@ -33,6 +35,9 @@ def _parser():
     pack.add_argument("--threads", type=int, default=1, help="threads; the result does not depend on them")
     pack.add_argument("--log", type=Path, help="file that gets the progress lines too")
     pack.set_defaults(run=_pack)
+    launch = commands.add_parser("launch", help="run one packing on several ranks, under a watchdog")
+    add_launch_options(launch)
+    launch.set_defaults(run=_launch)
     porosity = commands.add_parser("porosity", help="bulk porosity of a packing with its sampling error, as JSON")
     porosity.add_argument("packing", type=Path, help="netCDF file of `pack`")
     porosity.add_argument("--exact", action="store_true", help="slice the grains themselves, not equal spheres")
@@ -85,6 +90,11 @@ def _pack(options):
     write_packing(options.output, packing)
     report(f"{setup.scene.name}: wrote {options.output} after {time.monotonic() - started:.0f} s")
     return 0
+
+
+def _launch(options):
+    _check_writable(options.output)
+    return launch_packing(options, [sys.executable, "-m", "simcore"])
 
 
 def _porosity(options):
