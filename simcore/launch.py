@@ -28,6 +28,7 @@ from simcore.quantity import parse_quantity
 
 MARK = "SCREE_LAUNCH"  # environment variable that all processes of a run share
 INTERRUPTED = 75  # EX_TEMPFAIL: run it again, and it goes on
+INTERRUPTIONS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 POLL = 0.2  # [s]
 LONGEST_WAIT = 60.0  # [s] for another run of the same output, which may be writing its last checkpoint
 PR_SET_PDEATHSIG = 1
@@ -53,33 +54,33 @@ def launch(
     environment. silence [s]: longest time between two heartbeats, startup [s]: until the first, since compiling comes
     before it. grace [s]: between SIGTERM and SIGKILL. with_parent: end as on SIGTERM when the process that started this
     one has ended. go_on: what to do after a kill, in words. SIGTERM, SIGINT and SIGHUP reach all ranks as SIGTERM; the
-    status is then 75 unless they had finished. ValueError where no mpiexec is found or another run writes `output`.
+    status is then 75 unless they had finished; afterwards this process, which has nothing else to do, ignores them.
+    ValueError where no mpiexec is found or another run writes `output`.
     """
     words = _with_mpiexec(command, ranks, mpiexec)
     # An interruption while this waits for the lock counts too.
-    received, before = [], {}
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-        before[number] = signal.signal(number, lambda number, frame: received.append(number))
+    received = []
+    for number in INTERRUPTIONS:
+        signal.signal(number, lambda number, frame: received.append(number))
     parent = os.getppid()
     token = secrets.token_hex(8)
     heartbeat = output.with_name(output.name + ".heartbeat")
+    lock = _claim(heartbeat, output, received)
     try:
-        lock = _claim(heartbeat, output, received)
+        environment = {**os.environ, MARK: token, VARIABLE: str(heartbeat.resolve())}
+        environment["SRUN_CPUS_PER_TASK"] = str(threads)  # srun takes the threads of a rank from nowhere else
+        child = _start(words, environment)
         try:
-            environment = {**os.environ, MARK: token, VARIABLE: str(heartbeat.resolve())}
-            environment["SRUN_CPUS_PER_TASK"] = str(threads)  # srun takes the threads of a rank from nowhere else
-            child = _start(words, environment)
-            try:
-                silent = _watch(child, heartbeat, silence, startup, received, parent if with_parent else None)
-            finally:
-                # Where the ranks ended by themselves there is nothing left to kill.
-                _end(token, child, grace if child.poll() is None else 0.0)
-            heartbeat.unlink(missing_ok=True)
+            silent = _watch(child, heartbeat, silence, startup, received, parent if with_parent else None)
         finally:
-            os.close(lock)
+            # Where the ranks ended by themselves there is nothing left to kill.
+            _end(token, child, grace if child.poll() is None else 0.0)
+        heartbeat.unlink(missing_ok=True)
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        os.close(lock)
+        # What comes now is too late, and must not hide how the run ended.
+        for number in INTERRUPTIONS:
+            signal.signal(number, signal.SIG_IGN)
     if silent:
         _say(f"{output}: {silent}; all its processes were ended; {go_on}")
         return 1

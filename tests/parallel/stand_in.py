@@ -4,17 +4,19 @@
     mpiexec -n N python stand_in.py pack SPEC OUT ...  the ranks
 
 Each rank holds its share of numbers that change from step to step, exchanges one with the next rank at each, and writes
-checkpoints; the result is the same bits on any number of ranks. SPEC is YAML: {numbers: 64, steps: 300, step: "10 ms"}.
-Rank i writes its process id into OUT.pid.i.
+checkpoints; the result, a netCDF file, is the same bits on any number of ranks. SPEC is YAML: {numbers: 64, steps: 300,
+step: 10 ms}. Rank i writes its process id into OUT.pid.i.
 """
 
 import argparse
+import io
 import os
 import signal
 import sys
 import time
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import yaml
 
@@ -39,7 +41,10 @@ def main():
             return launch_packing(options, [sys.executable, __file__])
         return pack(options)
     except (ValueError, OSError) as error:
-        print(f"stand-in: {error}", file=sys.stderr)
+        print(f"simcore stand-in: {error}", file=sys.stderr, flush=True)
+        if "PMI_RANK" in os.environ:
+            # The others wait for this rank: a clean end would wait for them in MPI_Finalize.
+            os._exit(2)
         return 2
 
 
@@ -92,14 +97,14 @@ def pack(options):
         if checkpoint and (stop or due):
             numbers = together(comm, mine, spec["numbers"])
             if comm.rank == 0:
-                write(checkpoint, step, numbers)
+                write_checkpoint(checkpoint, step, numbers)
             written = time.monotonic()
         if stop:
             say(comm, f"interrupted at step {step}, go on by running it again")
             return 75
     numbers = together(comm, mine, spec["numbers"])
     if comm.rank == 0:
-        write(options.output, step, numbers)
+        write_result(options.output, numbers)
         say(comm, f"wrote {options.output}")
     return 0
 
@@ -111,17 +116,35 @@ def together(comm, mine, n):
     return numbers
 
 
-def write(path, step, numbers):
+def write_checkpoint(path, step, numbers):
+    content = io.BytesIO()
+    np.savez(content, step=step, numbers=numbers)
+    write(path, content.getvalue())
+
+
+def write_result(path, numbers):
+    # In memory first: where a disk is full, HDF5 ends with errors of its own.
+    file = netCDF4.Dataset("result", "w", memory=1)
+    file.createDimension("number", len(numbers))
+    file.createVariable("numbers", float, ("number",))[:] = numbers
+    file.cpu_seconds = time.process_time()
+    write(path, file.close())
+
+
+def write(path, content):
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(path.name + ".part")
-    with part.open("wb") as file:
-        np.savez(file, step=step, numbers=numbers)
-    os.replace(part, path)
+    try:
+        part.write_bytes(content)
+        os.replace(part, path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise OSError(f"{path} cannot be written ({error.strerror})") from None
 
 
 def say(comm, line):
     if comm.rank == 0:
-        print(f"stand-in: {line}", file=sys.stderr, flush=True)
+        print(f"simcore stand-in: {line}", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

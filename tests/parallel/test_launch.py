@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import psutil
 import pytest
@@ -24,7 +25,7 @@ PATIENCE = 60.0
 class Run:
     """A launch of the stand-in in a folder, in a process of its own."""
 
-    def __init__(self, folder, ranks=2, steps=LONG, output="bed.npz", silence="30 s", parent=(), more=()):
+    def __init__(self, folder, ranks=2, steps=LONG, output="bed.nc", silence="30 s", parent=(), more=()):
         self.output = folder / output
         specification = folder / "spec.yaml"
         specification.write_text(f"{{numbers: 64, steps: {steps}, step: 10 ms}}")
@@ -98,16 +99,16 @@ def uninterrupted(tmp_path_factory):
 
 
 def numbers(path):
-    with np.load(path) as file:
-        return file["numbers"]
+    with netCDF4.Dataset(path) as file:
+        return np.array(file["numbers"])
 
 
 @pytest.mark.parametrize("ranks", [1, 2, 3])
 def test_a_run_that_nothing_disturbs(tmp_path, ranks):
     run = Run(tmp_path, ranks=ranks, steps=SHORT)
     status, line = run.end()
-    assert (status, line) == (0, f"stand-in: wrote {run.output}")
-    assert {path.name for path in tmp_path.iterdir() if ".pid." not in path.name} <= {"bed.npz", "spec.yaml", "kept"}
+    assert (status, line) == (0, f"simcore stand-in: wrote {run.output}")
+    assert {path.name for path in tmp_path.iterdir() if ".pid." not in path.name} <= {"bed.nc", "spec.yaml", "kept"}
 
 
 @pytest.mark.parametrize(("ranks", "killed"), [(1, [0]), (2, [0]), (2, [1]), (3, [0, 1, 2])])
@@ -161,10 +162,10 @@ def test_an_interruption_reaches_the_ranks(tmp_path, number, ranks, uninterrupte
     family = run.family()
     run.process.send_signal(number)
     status, line = run.end()
-    assert status == 75 and line.startswith("stand-in: interrupted at step ")
+    assert status == 75 and line.startswith("simcore stand-in: interrupted at step ")
     assert_none_left(family)
     with np.load(tmp_path / "kept" / "stand_in.npz") as kept:
-        assert line == f"stand-in: interrupted at step {kept['step']}, go on by running it again"
+        assert line == f"simcore stand-in: interrupted at step {kept['step']}, go on by running it again"
     again = Run(tmp_path, ranks=1, steps=STEPS)
     assert again.end()[0] == 0
     np.testing.assert_array_equal(numbers(again.output), uninterrupted)
@@ -195,7 +196,7 @@ def test_a_run_ends_with_what_started_it_where_asked(tmp_path):
     run.process.kill()
     said, _ = run.process.communicate(timeout=PATIENCE)
     assert "the process that started this one has ended" in said
-    assert "stand-in: interrupted at step" in said
+    assert "simcore stand-in: interrupted at step" in said
     assert_none_left(family)
 
 
@@ -215,7 +216,7 @@ def test_two_runs_do_not_write_one_file(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"output": "file/bed.npz"}, "Not a directory"),
+        ({"output": "file/bed.nc"}, "Not a directory"),
         ({"ranks": 0}, "ranks: 0 asked for; give 1 or more"),
         ({"more": ["--mpiexec", "/nowhere/srun"]}, "/nowhere/srun cannot be started (No such file or directory)"),
         ({"silence": "3 kg"}, "--silence: '3 kg' is a mass"),
@@ -226,7 +227,7 @@ def test_what_cannot_be_started_is_one_clear_line(tmp_path, arguments, message):
     run = Run(tmp_path, **arguments)
     status, line = run.end()
     assert status == 2 and message in line
-    assert not list(tmp_path.rglob("*.npz"))
+    assert not list(tmp_path.rglob("*.nc"))
 
 
 def test_the_command_of_srun(tmp_path):
