@@ -3,11 +3,11 @@
     python -m benchmarks.faults --runs 50 --seed 1
 
 Each run starts `python -m simcore launch` on two ranks, with checkpoints, and does one thing to it (FAULTS) at a moment
-drawn over the time that the undisturbed run took. What must hold: the run ends within --patience; it either finished, or
+drawn over the time that the undisturbed run took. What must hold: the run ends within --patience; it has finished, or
 left no file under the final name and one line that says why; no process of it lives on; and, started again, it ends
 with the bits of the undisturbed run, all variables and attributes but CPU time and the like. A table, one line a run;
 exit status 1 where anything failed. --program and --specification put another program with the same command line in the
-place of simcore (tests/parallel/stand_in.py).
+place of simcore, with absolute paths (tests/parallel/stand_in.py).
 """
 
 import argparse
@@ -41,6 +41,7 @@ PACKING = {
     "shaking": {"duration": "1 s"},
     "numerics": {"contact_time": "1 ms", "progress_interval": "0.5 s"},
 }
+LINE = "{:>3}  {:16}  {:>6}  {:>5} {:>5}  {:>4}  {:>5} {:>5}  {}  | {:.100}"
 # Of how a packing came about, not of what it is.
 NOT_COMPARED = {"cpu_seconds", "wall_seconds", "threads", "ranks"}
 
@@ -149,14 +150,21 @@ def ranks_of(process):
 
 
 def wait_for_ranks(process, number):
-    """As many ranks as there are to be, or fewer where the run ends before."""
-    while process.poll() is None and len(found := ranks_of(process)) < number:
+    """As many ranks as there are to be, or none where the run ends before."""
+    while process.poll() is None:
+        if len(found := ranks_of(process)) >= number:
+            return found
         time.sleep(0.02)
-    return found if process.poll() is None else []
+    return []
+
+
+def one_rank(process, rng, options):
+    ranks = wait_for_ranks(process, options.ranks)
+    return [rng.choice(ranks)] if ranks else []
 
 
 def kill_one(process, rng, options):
-    for each in wait_for_ranks(process, options.ranks)[:1] and [rng.choice(wait_for_ranks(process, options.ranks))]:
+    for each in one_rank(process, rng, options):
         each.kill()
 
 
@@ -170,17 +178,18 @@ def kill_started(process, rng, options):
 
 
 def interrupt(process, rng, options):
-    process.send_signal(rng.choice([signal.SIGTERM, signal.SIGINT]))
+    if wait_for_ranks(process, options.ranks):
+        process.send_signal(rng.choice([signal.SIGTERM, signal.SIGINT]))
 
 
 def stop_one(process, rng, options):
-    for each in wait_for_ranks(process, options.ranks)[:1] and [rng.choice(wait_for_ranks(process, options.ranks))]:
+    for each in one_rank(process, rng, options):
         each.suspend()
 
 
 def fill_disk(process, rng, options):
-    """No file of a rank may grow beyond some bytes from now on."""
-    limit = rng.randrange(1, 2000)
+    """From now on no file of a rank may grow beyond some bytes, fewer than a packing has."""
+    limit = rng.randrange(1, 4000)
     for each in wait_for_ranks(process, options.ranks):
         resource.prlimit(each.pid, resource.RLIMIT_FSIZE, (limit, limit))
 
@@ -310,12 +319,8 @@ def survive(options, folder):
             print(f"the undisturbed run ended with status {undisturbed.status}", file=sys.stderr)
             return 1
     reference = contents(bench.output)
-    print(
-        f"undisturbed: {undisturbed.seconds:.1f} s on {options.ranks} ranks, {len(reference)} variables and attributes"
-    )
-    print(
-        f"{'run':>3}  {'fault':17} {'at [s]':>6}  {'ended':>5} {'[s]':>5}  {'kept':>4}  {'again':>5} {'[s]':>5}  outcome"
-    )
+    print(f"undisturbed: {undisturbed.seconds:.1f} s on {options.ranks} ranks, {len(reference)} variables, attributes")
+    print(LINE.format("run", "fault", "at [s]", "ended", "[s]", "kept", "again", "[s]", "outcome", "what it said"))
     faults = (options.faults * (options.runs // len(options.faults) + 1))[: options.runs]
     rng.shuffle(faults)
     survived = collections.Counter()
@@ -325,11 +330,9 @@ def survive(options, folder):
         seen = run(fault, moment, rng, Bench(folder / f"{number:03d}", options), reference)
         first, again = seen["first"], seen["again"]
         outcome = "; ".join(seen["wrong"]) or "same bits"
-        print(
-            f"{number:3d}  {fault:17} {moment:6.2f}  {first.status!s:>5} {first.seconds:5.1f}  {seen['kept']:4d}  "
-            f"{again.status if again else '':>5} {again.seconds if again else 0.0:5.1f}  {outcome}  | {first.line[:90]}",
-            flush=True,
-        )
+        rerun = (again.status, f"{again.seconds:.1f}") if again else ("", "")
+        shown = (f"{moment:.2f}", str(first.status), f"{first.seconds:.1f}", seen["kept"], *rerun)
+        print(LINE.format(number, fault, *shown, outcome, first.line), flush=True)
         survived[fault] += not seen["wrong"]
     for fault, total in collections.Counter(faults).items():
         print(f"{fault:17} {survived[fault]} of {total}")
