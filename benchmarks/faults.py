@@ -4,10 +4,10 @@
 
 Each run starts `python -m simcore launch` on two ranks, with checkpoints, and does one thing to it (FAULTS) at a moment
 drawn over the time that the undisturbed run took. What must hold: the run ends within --patience; it has finished, or
-left no file under the final name and one line that says why; no process of it lives on; and, started again, it ends
-with the bits of the undisturbed run, all variables and attributes but CPU time and the like. A table, one line a run;
-exit status 1 where anything failed. --program and --specification put another program with the same command line in the
-place of simcore, with absolute paths (tests/parallel/stand_in.py).
+says why in one line, and leaves no half file under the final name; no process of it lives on; and, started again, it
+ends with the bits of the undisturbed run, all variables and attributes but CPU time and the like. A table, one line a
+run; exit status 1 where anything failed. --program and --specification put another program with the same command line
+in the place of simcore, with absolute paths (tests/parallel/stand_in.py).
 """
 
 import argparse
@@ -38,7 +38,7 @@ PACKING = {
     "shapes": {"kind": "sphere"},
     "sizes": {"bounds": ["7 mm", "7.001 mm"], "mass_fractions": [1]},
     "amount": {"grains": 60},
-    "shaking": {"duration": "1 s"},
+    "shaking": {"duration": "2 s"},
     "numerics": {"contact_time": "1 ms", "progress_interval": "0.5 s"},
 }
 LINE = "{:>3}  {:16}  {:>6}  {:>5} {:>5}  {:>4}  {:>5} {:>5}  {}  | {:.100}"
@@ -236,8 +236,9 @@ def run(fault, moment, rng, bench, reference):
     finished = first.status == 0
     if first.status is None:
         wrong.append("hang")
-    if not finished and bench.output.exists():
-        wrong.append("file of a failed run")
+    # A rank may be killed after it wrote the file; then it is whole.
+    if bench.output.exists() and differing(contents(bench.output), reference, fault == "snakemake killed"):
+        wrong.append("half a file")
     if not finished and not silent and not first.line:
         wrong.append("no line that says why")
     if first.traceback:
@@ -265,8 +266,12 @@ def run(fault, moment, rng, bench, reference):
 
 
 def contents(path):
-    """Variables as (dimensions, type, bytes), and attributes, of a netCDF file."""
-    with netCDF4.Dataset(path) as file:
+    """Variables as (dimensions, shape, type, bytes), and attributes, of a netCDF file; nothing where it is none."""
+    try:
+        opened = netCDF4.Dataset(path)
+    except OSError:
+        return {}
+    with opened as file:
         file.set_auto_maskandscale(False)
         found = {}
         for name, variable in file.variables.items():
@@ -310,7 +315,8 @@ def main(arguments=None):
 
 def survive(options, folder):
     rng = random.Random(options.seed)
-    for name in ("compiling", "undisturbed"):  # the second finds everything compiled, and tells how long a run takes
+    lasted = []
+    for name in ("compiling", "undisturbed", "once_more"):  # the last two tell how long a run takes
         bench = Bench(folder / name, options)
         started = time.monotonic()
         undisturbed = bench.finish(bench.launch(), started)
@@ -318,15 +324,17 @@ def survive(options, folder):
             print((bench.folder / "said").read_text(), file=sys.stderr)
             print(f"the undisturbed run ended with status {undisturbed.status}", file=sys.stderr)
             return 1
+        lasted.append(undisturbed.seconds)
     reference = contents(bench.output)
-    print(f"undisturbed: {undisturbed.seconds:.1f} s on {options.ranks} ranks, {len(reference)} variables, attributes")
+    seconds = min(lasted)
+    print(f"undisturbed: {seconds:.1f} s on {options.ranks} ranks, {len(reference)} variables, attributes")
     print(LINE.format("run", "fault", "at [s]", "ended", "[s]", "kept", "again", "[s]", "outcome", "what it said"))
     faults = (options.faults * (options.runs // len(options.faults) + 1))[: options.runs]
     rng.shuffle(faults)
     survived = collections.Counter()
     for number, fault in enumerate(faults):
         # Snakemake takes a while before it starts anything.
-        moment = rng.uniform(0.0, undisturbed.seconds * (2.0 if fault == "snakemake killed" else 1.0))
+        moment = rng.uniform(0.0, seconds * (2.0 if fault == "snakemake killed" else 1.0))
         seen = run(fault, moment, rng, Bench(folder / f"{number:03d}", options), reference)
         first, again = seen["first"], seen["again"]
         outcome = "; ".join(seen["wrong"]) or "same bits"
