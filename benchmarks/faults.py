@@ -42,6 +42,8 @@ PACKING = {
     "numerics": {"contact_time": "1 ms", "progress_interval": "0.5 s"},
 }
 LINE = "{:>3}  {:16}  {:>6}  {:>5} {:>5}  {:>4}  {:>5} {:>5}  {}  | {:.100}"
+# Longest time until the first step [s], with and without compiling.
+COMPILING, STARTING = 600.0, 30.0
 # Of how a packing came about, not of what it is.
 NOT_COMPARED = {"cpu_seconds", "wall_seconds", "threads", "ranks"}
 
@@ -62,12 +64,13 @@ class Bench:
         self.folder, self.options = folder, options
         self.output = folder / "bed.nc"
         self.checkpoints = folder / "checkpoints"
+        self.starts = 0
         folder.mkdir()
 
-    def launch(self, output=None):
+    def launch(self, output=None, startup=STARTING):
         options = self.options
         command = [*options.program, "launch", options.specification, output or self.output, "--ranks", options.ranks]
-        command += ["--silence", f"{options.silence:g} s", "--startup", "300 s", "--grace", "2 s"]
+        command += ["--silence", f"{options.silence:g} s", "--startup", f"{startup:g} s", "--grace", "2 s"]
         command += ["--checkpoints", self.checkpoints, "--checkpoint-interval", "0.5 s"]
         return self._start(command, self.folder)
 
@@ -94,7 +97,8 @@ class Bench:
             "PYTHONPATH": str(ROOT),
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
         }
-        with (self.folder / "said").open("w") as said:
+        self.starts += 1
+        with self.said().open("w") as said:
             return subprocess.Popen(
                 [str(word) for word in command], cwd=folder, env=environment, stdout=said, stderr=subprocess.STDOUT
             )
@@ -111,9 +115,13 @@ class Bench:
                 except psutil.Error:
                     pass
             process.wait()
-        said = (self.folder / "said").read_text()
+        said = self.said().read_text()
         lines = [line for line in said.splitlines() if line.startswith("simcore") or "interrupted" in line]
         return Ended(status, time.monotonic() - started, lines[-1] if lines else "", "Traceback" in said)
+
+    def said(self):
+        """File with all that the run started last said."""
+        return self.folder / f"said_{self.starts}.txt"
 
     def kept(self):
         """Number of checkpoint files."""
@@ -319,9 +327,9 @@ def survive(options, folder):
     for name in ("compiling", "undisturbed", "once_more"):  # the last two tell how long a run takes
         bench = Bench(folder / name, options)
         started = time.monotonic()
-        undisturbed = bench.finish(bench.launch(), started)
+        undisturbed = bench.finish(bench.launch(startup=COMPILING if name == "compiling" else STARTING), started)
         if undisturbed.status != 0:
-            print((bench.folder / "said").read_text(), file=sys.stderr)
+            print(bench.said().read_text(), file=sys.stderr)
             print(f"the undisturbed run ended with status {undisturbed.status}", file=sys.stderr)
             return 1
         lasted.append(undisturbed.seconds)
