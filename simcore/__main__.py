@@ -1,4 +1,4 @@
-"""Command line: `python -m simcore explain SPEC.yaml`, `pack SPEC.yaml OUT.nc` and `porosity OUT.nc`."""
+"""Command line: `python -m simcore explain SPEC.yaml`, `pack SPEC.yaml OUT.nc`, `launch ...` and `porosity OUT.nc`."""
 
 import argparse
 import json
@@ -6,6 +6,8 @@ import os
 import sys
 import time
 from pathlib import Path
+
+from simcore.launch import add_launch_options, launch_packing
 
 
 def main(arguments=None) -> int:
@@ -35,6 +37,9 @@ def _parser():
     pack.add_argument("--checkpoints", type=Path, metavar="FOLDER", help="where to keep what it can go on from")
     pack.add_argument("--checkpoint-interval", default="10 min", metavar="TIME", help="wall-clock time between them")
     pack.set_defaults(run=_pack)
+    launch = commands.add_parser("launch", help="run one packing on several ranks, under a watchdog")
+    add_launch_options(launch)
+    launch.set_defaults(run=_launch)
     porosity = commands.add_parser("porosity", help="bulk porosity of a packing with its sampling error, as JSON")
     porosity.add_argument("packing", type=Path, help="netCDF file of `pack`")
     porosity.add_argument("--exact", action="store_true", help="slice the grains themselves, not equal spheres")
@@ -136,6 +141,11 @@ def _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, op
 
 def _say_nothing(line):
     """Report of a rank that is not the first."""
+
+
+def _launch(options):
+    _check_writable(options.output)
+    return launch_packing(options, [sys.executable, "-m", "simcore"])
 
 
 def _porosity(options):

@@ -4,30 +4,23 @@ from typing import NamedTuple
 
 import numpy as np
 
+from simcore import packing_cost
 from simcore.dem.bodies import make_bodies
 from simcore.dem.contact.patch import make_room
 from simcore.dem.expectation import Expectation, expect, warnings
 from simcore.dem.features import Features
 from simcore.dem.generation import lattice_sites
 from simcore.dem.neighbors import bytes_per_pair
-from simcore.dem.packing import REFILL_HEIGHT, STUDY_FIRST_FILL, extents
+from simcore.dem.packing import extents
 from simcore.dem.scene import Scene, minimum_steps_per_contact_time
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, collect_shapes
+from simcore.packing_cost import SETTLING, SOLID_FRACTION, births
+from simcore.scenes import KINDS as NUMBERS
 from simcore.scenes import Setup
 
-# CPU time of a grain and step in a dense shaken bed [µs], one thread: kind of grain, whether patches are found. The one
-# table of it; measured by `python -m benchmarks.throughput --shape ...`, README, "What a step costs", at a contact time
-# of 0.2 ms. Softer contacts have wider patches, which cost more: 600 pebbles at 2 ms took 5 (benchmarks.settling).
-STEP_COST = {(SPHERE, False): 0.14, (ELLIPSOID, False): 0.76, (CONVEX, False): 1.0, (CONVEX, True): 2.2}
-# Half of the one and half of the other cost the mean of both, to 2 %.
-STEP_COST |= {(MIXED, patch): 0.5 * (STEP_COST[ELLIPSOID, False] + STEP_COST[CONVEX, patch]) for patch in (False, True)}
-# Near pairs that a grain at rest brings into the list; measured in the packings of examples/.
-NEAR_PAIRS = {SPHERE: 5.2, ELLIPSOID: 10.0, CONVEX: 13.4}
-NEAR_PAIRS[MIXED] = 0.5 * (NEAR_PAIRS[ELLIPSOID] + NEAR_PAIRS[CONVEX])
-# ASSUME: solid fraction of a poured bed, to tell how high it stands when the next batch is born.
-SOLID_FRACTION = 0.6
-# ASSUME: time until a shaken bed is at rest; 0.08 to 0.24 s in the packings of examples/.
-SETTLING = 0.2
+# By the number of a kind, as the core has it.
+STEP_COST = {(NUMBERS[kind], bool(patch)): cost for (kind, patch), cost in packing_cost.STEP_COST.items()}
+NEAR_PAIRS = {NUMBERS[kind]: pairs for kind, pairs in packing_cost.NEAR_PAIRS.items()}
 CHUNK = 10_000
 
 # What a scene can have: of Features, what its step does then, and what it does not hold else.
@@ -166,37 +159,27 @@ def _volumes(setup: Setup) -> np.ndarray:
 
 
 def _births(setup: Setup, volumes) -> tuple[list[int], list[int]]:
-    """Grains there are after each batch, and steps until the next; none after the last.
+    """Grains there are after each batch, and steps until the next; none after the last: see packing_cost.births.
 
-    A batch fills its lattice, or each second, third layer where grains stand taller than a layer; the next waits until
-    the last grain of it has fallen below where new ones are born.
+    Where grains stand taller than a layer, a batch fills each second, third layer of its lattice.
     """
     scene = setup.scene
     generation, domain, n = scene.generation, scene.domain, len(volumes)
     some = setup.draw(np.arange(min(n, CHUNK // 10)))
     height = 2.0 * extents(setup.bases, some, generation.orientation == "random")[1].mean()
     stride = int(np.ceil(height / (generation.spacing * np.sqrt(6.0) / 3.0)))
-    g, v = scene.material.effective_gravity, -generation.velocity_z
-    study = generation.fill == "study"
-    born, steps = [], []
-    done = 0
-    while True:
-        bed = float(volumes[:done].sum()) / (SOLID_FRACTION * domain.area)
-        low = (STUDY_FIRST_FILL if done == 0 else REFILL_HEIGHT) * domain.height
-        if not study:
-            low = 0.0 if done == 0 else bed + generation.drop_height
-        # Half a spacing at either end is the grains' own.
-        sites = len(lattice_sites(domain, generation.spacing, low, max(domain.height - generation.spacing, low)))
-        room = done == 0 or low < REFILL_HEIGHT * domain.height or study
-        count = min(sites // stride, n - done) if room else 0
-        if count == 0:  # `pack` will say that the domain is too small, or squeeze the rest in
-            return born + [n], steps + [0]
-        done += count
-        born.append(done)
-        if done == n:
-            return born, steps + [0]
-        fall = (1.0 - REFILL_HEIGHT) * domain.height + (0.0 if study else generation.drop_height)
-        steps.append(round((np.sqrt(v**2 + 2.0 * g * fall) - v) / g / scene.numerics.time_step))
+    return births(
+        n,
+        lambda done: float(volumes[:done].sum()) / (SOLID_FRACTION * domain.area),
+        lambda low, high: len(lattice_sites(domain, generation.spacing, low, high)) // stride,
+        study=generation.fill == "study",
+        height=domain.height,
+        spacing=generation.spacing,
+        drop_height=generation.drop_height,
+        velocity=-generation.velocity_z,
+        gravity=scene.material.effective_gravity,
+        time_step=scene.numerics.time_step,
+    )
 
 
 def _bytes_per_grain(setup: Setup) -> int:

@@ -2,21 +2,17 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
 from simcore.dem.packing import Draw
 from simcore.dem.scene import Convergence, Damping, Domain, Generation, Material, Numerics, Scene, Shaking
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, Base, unit_sphere
 from simcore.grains.mesh import decimate
 from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains
 from simcore.grains.sieve import SieveCurve
-from simcore.sizes import case_spacing, check_top_class, size_curve
+from simcore.sizes import check_top_class, lattice_spacing, size_curve
 from simcore.sources import needs_grains
 
 KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "mesh": CONVEX, "mixed": MIXED}
 BIRTH_STREAM = 1  # random numbers of birth stand apart from those of size and form
-# Upright grains need √(S² + I²) = √2 D across; the rest is clearance.
-UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
 
 
 class Setup(NamedTuple):
@@ -49,7 +45,7 @@ def set_up(specification: dict, load_grains) -> Setup:
     if choice.kind != "mesh":
         bases.append(unit_sphere())
     seed = specification["seed"]
-    spacing = _spacing(specification, curve)
+    spacing = lattice_spacing(specification, curve)
     generation = specification["generation"]
     drop_height = spacing if generation["drop_height"] is None else generation["drop_height"]
     scene = Scene(
@@ -94,19 +90,3 @@ def _chosen(grains, choice):
     if choice.choice != "one":
         return grains
     return [grain for grain in grains if grain.name == choice.grain] or grains
-
-
-def _spacing(specification, curve):
-    """Distance of nearest lattice points [m].
-
-    # ASSUME: without one given, batches just above the bed stand as close as the largest grain allows, but not
-    # farther than the case's own spacing; fill "study" takes that of the case.
-    """
-    spacing = specification["generation"]["spacing"]
-    if spacing is not None:
-        return spacing
-    needed = UPRIGHT_REACH * curve.largest
-    of_case = case_spacing(specification["sizes"])
-    if of_case is None:
-        return needed
-    return of_case if specification["generation"]["fill"] == "study" else min(needed, of_case)

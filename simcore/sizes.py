@@ -6,6 +6,8 @@ from simcore.grains.sieve import SieveCurve, read_cases
 from simcore.specification import SCHEMA_FOLDER
 
 MINIMUM_OF_TOP_CLASS = 5
+# Upright grains need √(S² + I²) = √2 D across; the rest is clearance.
+UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
 
 
 def size_curve(sizes, cases=SCHEMA_FOLDER / "cases.tsv"):
@@ -21,6 +23,22 @@ def size_curve(sizes, cases=SCHEMA_FOLDER / "cases.tsv"):
 def case_spacing(sizes, cases=SCHEMA_FOLDER / "cases.tsv"):
     """Generation spacing [m] of the case of the resolved group `sizes`; None for a sieve curve of one's own."""
     return None if sizes["case"] is None else read_cases(cases)[sizes["case"]].generation_spacing
+
+
+def lattice_spacing(spec, curve):
+    """Distance of nearest lattice points [m] on which grains are born.
+
+    # ASSUME: without one given, batches just above the bed stand as close as the largest grain allows, but not
+    # farther than the case's own spacing; fill "study" takes that of the case.
+    """
+    spacing = spec["generation"]["spacing"]
+    if spacing is not None:
+        return spacing
+    needed = UPRIGHT_REACH * curve.largest
+    of_case = case_spacing(spec["sizes"])
+    if of_case is None:
+        return needed
+    return of_case if spec["generation"]["fill"] == "study" else min(needed, of_case)
 
 
 def check_top_class(spec, where=""):

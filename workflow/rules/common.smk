@@ -1,6 +1,7 @@
 # Validation and tables, before any job.
 from snakemake.exceptions import WorkflowError
 
+from simcore.packing_cost import estimate
 from simcore.provenance import digest
 from simcore.sources import source_files
 from simcore.specification import resolve
@@ -16,6 +17,40 @@ packings["is_first"] = ~packings.study.duplicated()
 all_studies = list(packings.study.unique())
 studies = [name for name in all_studies if campaign["studies"][name]["in_all"]]
 titles = {name: campaign["studies"][name]["title"] or name for name in studies}
+
+
+# What a packing asks of the machine. No result depends on it, so nothing of it may stand in `params`.
+packings["cost"] = packings.specification.map(estimate)
+packings["ranks"] = [
+    cost.ranks(campaign["ranks"], campaign["grains_per_rank"]) for cost in packings.cost
+]
+
+
+def of_packing(wildcards, column):
+    return packings.set_index(["study", "packing"])[column][
+        wildcards.study, wildcards.packing
+    ]
+
+
+def ranks(wildcards):
+    return int(of_packing(wildcards, "ranks"))
+
+
+def cores(wildcards):
+    return ranks(wildcards) * campaign["threads"]
+
+
+def memory_mb(wildcards, attempt):
+    return attempt * of_packing(wildcards, "cost").memory_mb(ranks(wildcards))
+
+
+def minutes(wildcards, attempt):
+    return attempt * of_packing(wildcards, "cost").minutes(cores(wildcards))
+
+
+# One rank needs nothing to start it, and the executor for Slurm refuses to hear of MPI then.
+def mpiexec(wildcards):
+    return campaign["mpiexec"] if ranks(wildcards) > 1 else ""
 
 
 wildcard_constraints:

@@ -59,13 +59,24 @@ rule packing:
         "results/logs/packing/{study}/{packing}.log",
     benchmark:
         "results/benchmarks/packing/{study}/{packing}.tsv"
-    threads: 1
+    # Cores. That there are fewer changes neither ranks nor their threads, which then share them.
+    threads: cores
+    resources:
+        tasks=ranks,
+        cpus_per_task=campaign["threads"],
+        mpi=mpiexec,
+        mem_mb=memory_mb,
+        runtime=minutes,
     params:
         code=digest(
             "simcore/scenes.py", "simcore/dem/packing.py", "simcore/packing_io.py"
         ),
+    # The checkpoints are no output, so that a packing that was interrupted goes on from them. With `exec` the parent of
+    # the packing is Snakemake: where it is killed, the packing ends too, and does not go on beside the next run.
     shell:
-        "python -m simcore pack {input.specification} {output.packing} --threads {threads} > {log} 2>&1"
+        "exec python -m simcore launch {input.specification} {output.packing}"
+        " --ranks {resources.tasks} --threads {resources.cpus_per_task} --mpiexec={resources.mpi:q}"
+        " --checkpoints results/checkpoints --with-parent > {log} 2>&1"
 
 
 rule porosity:

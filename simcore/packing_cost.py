@@ -1,0 +1,132 @@
+"""What a packing costs, from its specification alone: no grain is read or drawn, and no numba is needed.
+
+For a scheduler, which must know cores, memory and time of hundreds of packings before the first of them starts.
+`explanation.py` says it of one packing with its grains at hand, from the same tables.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.sizes import lattice_spacing, size_curve
+
+# CPU time of a grain and step in a dense shaken bed [µs], one thread: kind of grain, whether patches are found. The one
+# table of it; measured by `python -m benchmarks.throughput --shape ...`, README, "What a step costs", at a contact time
+# of 0.2 ms. Softer contacts have wider patches, which cost more: 600 pebbles at 2 ms took 5 (benchmarks.settling).
+STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.76, ("mesh", False): 1.0, ("mesh", True): 2.2}
+# Half of the one and half of the other cost the mean of both, to 2 %.
+STEP_COST |= {("mixed", patch): 0.5 * (STEP_COST["ellipsoid", False] + STEP_COST["mesh", patch]) for patch in (0, 1)}
+# Near pairs that a grain at rest brings into the list; measured in the packings of examples/.
+NEAR_PAIRS = {"sphere": 5.2, "ellipsoid": 10.0, "mesh": 13.4}
+NEAR_PAIRS["mixed"] = 0.5 * (NEAR_PAIRS["ellipsoid"] + NEAR_PAIRS["mesh"])
+# Bytes of a grain with its near pairs, as `explain` says them for examples/, rounded up.
+GRAIN_MEMORY = {"sphere": 1200, "ellipsoid": 2600, "mesh": 4400, "mixed": 4400}
+# ASSUME: solid fraction of a poured bed, to tell how high it stands when the next batch is born.
+SOLID_FRACTION = 0.6
+# ASSUME: time until a shaken bed is at rest; 0.08 to 0.24 s in the packings of examples/.
+SETTLING = 0.2
+# ASSUME: longest axis of a grain that is no sphere over its sieve size; the other two axes make up that size squared.
+LONGEST_AXIS = 1.5
+# Of simcore.dem.packing, where the study's batches begin, relative to the height of the domain.
+STUDY_FIRST_FILL, REFILL_HEIGHT = 0.1, 0.6
+
+# ASSUME: what is asked of a scheduler for a process with numba's compiler; the arrays are there several times while
+# lists are rebuilt and the file is written.
+PROCESS_MEMORY, COPIES = 1000.0e6, 4.0
+# ASSUME: compiling comes first; then the estimate, with a margin for softer contacts and for ranks that wait for each
+# other. What is not done in this time goes on from its last checkpoint.
+START_UP, MARGIN = 900.0, 3.0
+
+
+class PackingCost(NamedTuple):
+    """Estimates for one packing."""
+
+    grains: int
+    steps: int  # until it is expected to rest
+    cpu_seconds: float
+    array_bytes: float
+
+    def memory_mb(self, ranks: int) -> int:
+        """Memory to ask for [MB]."""
+        return int(np.ceil(1e-6 * (ranks * PROCESS_MEMORY + COPIES * self.array_bytes)))
+
+    def minutes(self, cores: int) -> int:
+        """Wall-clock time to ask for [min]."""
+        return int(np.ceil((START_UP + MARGIN * self.cpu_seconds / cores) / 60.0))
+
+    def ranks(self, most: int, grains_per_rank: int) -> int:
+        """Ranks that the packing keeps busy, at most `most`."""
+        return max(min(most, self.grains // grains_per_rank), 1)
+
+
+def estimate(specification: dict) -> PackingCost:
+    """PackingCost of a resolved specification."""
+    kind, numerics = specification["shapes"]["kind"], specification["numerics"]
+    curve = size_curve(specification["sizes"])
+    longer = 1.0 if kind == "sphere" else LONGEST_AXIS
+    volume = longer * float(curve.number_fractions() @ (np.pi / 6.0 * curve.class_diameters**3))
+    height = longer * float(curve.number_fractions() @ curve.class_diameters)
+    grains = specification["amount"]["grains"]
+    if grains is None:
+        grains = int(np.ceil(specification["amount"]["mass"] / (specification["material"]["density"] * volume)))
+    domain, generation = specification["domain"], specification["generation"]
+    spacing = lattice_spacing(specification, curve)
+    layer = spacing * np.sqrt(6.0) / 3.0
+    stride = int(np.ceil(height / layer))
+    area = domain["width"] ** 2 * (1.0 if domain["type"] == "periodic" else 0.25 * np.pi)
+    a_layer = area / (spacing**2 * np.sqrt(0.75))
+    dt = numerics["contact_time"] / numerics["steps_per_contact_time"]
+    born, waits = births(
+        grains,
+        lambda done: done * volume / (SOLID_FRACTION * area),
+        lambda low, high: int(a_layer * np.ceil((high - low) / layer)) // stride,
+        study=generation["fill"] == "study",
+        height=domain["height"],
+        spacing=spacing,
+        drop_height=spacing if generation["drop_height"] is None else generation["drop_height"],
+        velocity=-generation["velocity_z"],
+        gravity=effective_gravity(specification["material"]),
+        time_step=dt,
+    )
+    after = round((specification["shaking"]["duration"] + SETTLING) / dt)
+    grain_steps = sum(count * steps for count, steps in zip(born, waits, strict=True)) + grains * after
+    patch = kind in ("mesh", "mixed") and numerics["contact_region"] == "patch"
+    return PackingCost(
+        grains=grains,
+        steps=sum(waits) + after,
+        cpu_seconds=1e-6 * STEP_COST[kind, patch] * grain_steps,
+        array_bytes=float(grains) * GRAIN_MEMORY[kind],
+    )
+
+
+def effective_gravity(material: dict) -> float:
+    """Gravity less buoyancy [m/s²]."""
+    return material["gravity"] * (1.0 - material["fluid_density"] / material["density"])
+
+
+def births(
+    grains, bed_height, sites, *, study, height, spacing, drop_height, velocity, gravity, time_step
+) -> tuple[list[int], list[int]]:
+    """Grains there are after each batch, and steps until the next; none after the last.
+
+    A batch fills its lattice; the next waits until the last grain of it has fallen below where new ones are born.
+    bed_height(done) [m] of so many grains; sites(low, high): grains that find room between these heights. study: fill
+    as the study does. height: of the domain [m]; velocity: downward at birth [m/s]; gravity: effective [m/s²].
+    """
+    born, steps = [], []
+    done = 0
+    while True:
+        low = (STUDY_FIRST_FILL if done == 0 else REFILL_HEIGHT) * height
+        if not study:
+            low = 0.0 if done == 0 else bed_height(done) + drop_height
+        # Half a spacing at either end is the grains' own.
+        room = done == 0 or low < REFILL_HEIGHT * height or study
+        count = min(sites(low, max(height - spacing, low)), grains - done) if room else 0
+        if count == 0:  # `pack` will say that the domain is too small, or squeeze the rest in
+            return born + [grains], steps + [0]
+        done += count
+        born.append(done)
+        if done == grains:
+            return born, steps + [0]
+        fall = (1.0 - REFILL_HEIGHT) * height + (0.0 if study else drop_height)
+        steps.append(round((np.sqrt(velocity**2 + 2.0 * gravity * fall) - velocity) / gravity / time_step))

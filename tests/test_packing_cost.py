@@ -1,0 +1,65 @@
+"""What a scheduler is told of a packing, against the estimate from its grains themselves."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from simcore import packing_cost
+from simcore.dem import packing
+from simcore.explanation import estimate_cost
+from simcore.scenes import set_up
+from simcore.sources import load_grains
+from simcore.specification import resolve
+
+ROOT = Path(__file__).resolve().parents[1]
+LARGE = {
+    "domain": {"width": "0.2 m", "height": "1 m"},
+    "amount": {"mass": "2 kg"},
+    "sizes": {"case": "U1"},
+    "shapes": {"kind": "ellipsoid"},
+}
+
+
+def example(name):
+    return yaml.safe_load((ROOT / "examples" / f"{name}.yaml").read_text())
+
+
+@pytest.mark.parametrize(
+    "raw",
+    [
+        *map(example, ("spheres", "ellipsoids", "polyhedra", "mixture", "cylinder")),
+        LARGE,
+        {**LARGE, "generation": {"fill": "study"}},
+        {**LARGE, "shapes": {"kind": "sphere"}, "sizes": {"case": "B50", "allow_few_top_grains": True}},
+    ],
+)
+def test_near_the_estimate_from_the_grains(raw):
+    """A mass holds grains by the form of each, known to 1.2 here; the time of waiting for batches adds to that."""
+    specification = resolve(raw)
+    near, exact = packing_cost.estimate(specification), estimate_cost(set_up(specification, load_grains))
+    assert near.grains == pytest.approx(exact.grains, rel=0.0 if exact.grains == raw["amount"].get("grains") else 0.2)
+    assert near.steps == pytest.approx(exact.generating + exact.shaking + exact.damping, rel=0.2)
+    assert near.cpu_seconds == pytest.approx(exact.cpu_seconds, rel=0.3)
+    # Few grains weigh less than their base shapes, which are not counted here; the margin is for more than that.
+    assert exact.memory < packing_cost.COPIES * near.array_bytes
+
+
+def test_batches_begin_where_those_of_the_core_do():
+    assert packing_cost.REFILL_HEIGHT == packing.REFILL_HEIGHT
+    assert packing_cost.STUDY_FIRST_FILL == packing.STUDY_FIRST_FILL
+
+
+def test_ranks_are_kept_busy():
+    cost = packing_cost.estimate(resolve({**LARGE, "amount": {"grains": 2500}}))
+    assert [cost.ranks(most, 1000) for most in (1, 2, 3)] == [1, 2, 2]
+    assert cost.ranks(4, 5000) == 1
+    assert cost.memory_mb(2) > cost.memory_mb(1) and cost.minutes(1) > cost.minutes(8) >= 15
+
+
+def test_no_numba_is_needed():
+    """Snakemake reads this for every job that it starts."""
+    code = "import sys, simcore.packing_cost; sys.exit('numba' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT).returncode == 0

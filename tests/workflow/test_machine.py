@@ -1,0 +1,62 @@
+"""Ranks, threads, memory and time of packings, as Snakemake plans them, here and on a cluster."""
+
+import pytest
+
+from .test_plan import OTHERS
+
+pytestmark = pytest.mark.workflow
+
+CAMPAIGN = f"""
+packing: {{domain: {{width: 45 mm, height: 0.3 m}}, sizes: {{case: U1}}, shapes: {{kind: sphere}}}}
+studies:
+  spheres:
+    varies: {{amount.grains: [500, 5000]}}
+{OTHERS}
+"""
+
+
+@pytest.fixture
+def planned(workplace):
+    """Function that gives the texts of a dry run, those of the packing of 500 grains and of that of 5000."""
+    (workplace.folder / "spheres.yaml").write_text(CAMPAIGN)
+
+    def plan(*arguments):
+        status, said = workplace.run(
+            "--dry-run", "--printshellcmds", "spheres", "--configfile", "spheres.yaml", *arguments
+        )
+        assert status == 0, said
+        jobs = said.split("rule packing:")[1:]
+        return [next(job for job in jobs if f"packing=grains_{grains}\n" in job) for grains in (500, 5000)]
+
+    return plan
+
+
+def asked(job):
+    """Resources of a planned job, as dict of text."""
+    line = next(line for line in job.splitlines() if line.strip().startswith("resources:"))
+    return {key: value for key, _, value in (each.strip().partition("=") for each in line.split(":", 1)[1].split(","))}
+
+
+def test_one_rank_with_one_thread_where_nothing_is_said(planned):
+    for job in planned():
+        assert (asked(job)["tasks"], asked(job)["cpus_per_task"], asked(job)["mpi"]) == ("1", "1", "")
+        assert "threads:" not in job
+        assert "--ranks 1 --threads 1 --mpiexec= --checkpoints results/checkpoints" in job
+
+
+def test_ranks_and_threads_of_the_config_are_accounted(planned):
+    """As many cores as ranks times threads; few grains take fewer ranks."""
+    small, large = planned("--config", "ranks=4", "threads=2", "--cores", "16")
+    assert "threads: 2" in small and "--ranks 1 --threads 2" in small
+    assert "threads: 8" in large and "--ranks 4 --threads 2" in large
+
+
+def test_the_profile_for_slurm_asks_for_tasks_memory_and_time(planned):
+    """One rank is no MPI job: the executor refuses MPI with one task."""
+    small, large = planned("--profile", "profiles/slurm")
+    assert "--ranks 1 --threads 1 --mpiexec= " in small
+    assert "--ranks 5 --threads 1 --mpiexec='srun --mpi=pmi2' " in large
+    few, many = asked(small), asked(large)
+    assert (few["tasks"], few["mpi"], many["tasks"], many["mpi"]) == ("1", "", "5", "srun --mpi=pmi2")
+    assert 1000 <= int(few["mem_mb"]) < 1100 and 5000 <= int(many["mem_mb"]) < 5100
+    assert 15 <= int(few["runtime"]) <= int(many["runtime"]) < 60
