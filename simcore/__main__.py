@@ -84,6 +84,7 @@ def _pack_on(ranks, options):
         return 2
     try:
         packed = pack(setup.scene, setup.bases, setup.draw, report, ranks, keeper)
+        keeper.stepped()
         cpu_seconds = keeper.cpu_seconds()
         ranks.on_first(lambda: _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, options))
     except PackingError as error:
@@ -121,8 +122,10 @@ def _prepare(ranks, options, report):
 
 
 def _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, options):
+    from simcore.heartbeat import beat
     from simcore.packing_io import packing_dataset, write_packing
 
+    beat()
     packing = packing_dataset(
         setup.scene,
         setup.bases,
@@ -135,6 +138,7 @@ def _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, op
         cpu_seconds=cpu_seconds,
         wall_seconds=time.monotonic() - started,
     )
+    beat()
     write_packing(options.output, packing)
     keeper.done()
 

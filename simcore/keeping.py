@@ -40,7 +40,8 @@ class CheckpointKeeper(Keeper):
         self.key, self.code, self.interval, self.report, self.ranks = key, code, interval, report, ranks
         self.kept, self.stopped, self.spent = time.monotonic(), False, 0.0
         self.store = None
-        if folder is not None:
+        self.keeps = folder is not None
+        if self.keeps:
             self.store = ranks.on_first(lambda: Store(folder, key, code, report), CheckpointError)
             for number in STOPPING:
                 signal.signal(number, self._stop)
@@ -57,7 +58,7 @@ class CheckpointKeeper(Keeper):
         return KEEP if due else 0
 
     def latest(self):
-        if not self.ranks.add([self.store is not None])[0]:
+        if not self.keeps:
             return None
         found = self.ranks.on_first(self.store.latest if self.store else None, CheckpointError)
         path = self.ranks.all([found and str(found[1].path)])[0]
@@ -69,6 +70,7 @@ class CheckpointKeeper(Keeper):
 
     def keep(self, state, parts):
         spent = self.cpu_seconds()
+        parts = _with_beats(parts)
         if self.ranks.rank > 0:
             for _ in parts:
                 pass
@@ -78,6 +80,12 @@ class CheckpointKeeper(Keeper):
         except CheckpointError as error:
             self.report(str(error))
         self.kept = time.monotonic()
+
+    def stepped(self) -> None:
+        """No step is left: what remains is not to be interrupted, since nothing would be gained."""
+        if self.keeps:
+            for number in STOPPING:
+                signal.signal(number, signal.SIG_IGN)
 
     def cpu_seconds(self) -> float:
         """CPU time [s] of all ranks on this packing, of runs before too, less compiling; all ranks must ask."""
@@ -92,3 +100,9 @@ class CheckpointKeeper(Keeper):
         """Leave the checkpoints to another."""
         if self.store is not None:
             self.store.close()
+
+
+def _with_beats(parts):
+    for part in parts:
+        beat()
+        yield part
