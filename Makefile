@@ -3,6 +3,8 @@
 VENV ?= .venv
 PYTHON ?= python3
 CORES ?= all
+# Files of tests that run beside each other.
+WORKERS ?= 2
 PYTEST_ARGS ?=
 
 bin := $(abspath $(VENV))/bin
@@ -19,10 +21,11 @@ all: environment
 	@echo "Figures: results/figures/"
 
 test: environment
-	PATH="$(bin):$$PATH" python -m pytest $(PYTEST_ARGS)
+	PATH="$(bin):$$PATH" python -m pytest -n $(WORKERS) --dist loadfile $(PYTEST_ARGS)
 
 verify: environment
 	PATH="$(bin):$$PATH" python -m pytest tests/extremes -m "extremes or not extremes" $(PYTEST_ARGS)
+	PATH="$(bin):$$PATH" python -m pytest tests/dem -m extremes $(PYTEST_ARGS)
 
 environment: $(installed)
 

@@ -20,7 +20,8 @@ sizes: {{case: U1}}
 amount: {{grains: 200}}
 shaking: {{duration: 0.3 s}}
 generation: {{fill: bed}}
-numerics: {{contact_time: 1 ms}}
+numerics: {{contact_time: 2 ms, steps_per_contact_time: 10, dashpot: implicit}}
+convergence: {{max_speed: 5 cm/s, max_unbalanced_force: 0.2}}
 """
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numba
 import numpy as np
+import pytest
 
 from simcore.dem.bodies import make_bodies
 from simcore.dem.contact import query_many
@@ -164,6 +165,7 @@ test_fast_path.follow(conftest.shared(), 3000)
 """
 
 
+@pytest.mark.extremes
 def test_a_broken_check_is_noticed(tmp_path):
     """The comparison above can fail: a check that takes any remembered facet for right does not pass."""
     script = BREAK.format(folder=str(Path(__file__).parent), constant="CHECK_TOLERANCE", value=1.0)
