@@ -3,9 +3,10 @@
     python -m benchmarks.ranks [--shape polyhedron] [--faces 300] [--ranks 1 2] [--runs 5] [--csv FILE]
     python -m benchmarks.ranks --large
 
-A settled periodic bed of 1250 grains is repeated 2 x 2 and 4 x 4 times (strong scaling), and once for each rank (weak);
-runs of different numbers of ranks take turns, each in processes of its own, and medians of wall time are compared.
-One thread a rank. --large: a bed of 1000 polyhedra repeated 10 x 10 times on two ranks, shaken, kept, resumed.
+A settled periodic bed of 1250 grains is repeated 2 x 2 and 4 x 4 times; runs of different numbers of ranks take turns,
+each in processes of its own, and medians of wall time are compared (strong scaling). --weak: a bed of as many times
+1250 grains as there are ranks is repeated 2 x 2 times. One thread a rank. --large: a bed of 1000
+polyhedra repeated 10 x 10 times on two ranks, shaken, kept, resumed.
 """
 
 import argparse
@@ -40,11 +41,12 @@ def main():
     if options.large:
         return large(options)
     rows = []
-    for times in TIMES:
+    for times in TIMES[:1] if options.weak else TIMES:
         found = {ranks: [] for ranks in options.ranks}
         for _ in range(options.runs):
             for ranks in options.ranks:
-                found[ranks].append(call(options, ranks, times))
+                grains = GRAINS * (ranks if options.weak else 1)
+                found[ranks].append(call(options, ranks, times, grains))
         for each in found.values():
             wall = float(np.median([row["wall_us_per_grain_step"] for row in each]))
             first = float(np.median([row["wall_us_per_grain_step"] for row in found[options.ranks[0]]]))
@@ -65,6 +67,7 @@ def parse():
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--csv", metavar="FILE", help="otherwise printed")
     parser.add_argument("--beds", metavar="FOLDER", default=default_beds(), help="where beds are kept")
+    parser.add_argument("--weak", action="store_true", help="as many grains for each rank")
     parser.add_argument("--large", action="store_true", help="the large bed")
     parser.add_argument("--work", nargs=3, metavar=("GRAINS", "TIMES", "KEPT"), help=argparse.SUPPRESS)
     return parser.parse_args()

@@ -7,6 +7,8 @@ Data flow one way: grain -> scene -> packing -> porosity -> model.
     specification    what a user writes, checked against config/*.schema.yaml, in SI units
     scenes           a specification and its grains become a scene of the core
     explanation      what a scene computes, what it will cost, how far its limits are
+    launch           the ranks of a packing under a watchdog outside MPI
+    keeping          when a packing under way is kept; checkpoint: the files it is kept in
     packing_io       a packing and its netCDF file
     porosity         n(z), bulk porosity and its sampling error
     slicing          exact solid volume of grains between horizontal planes
@@ -16,8 +18,8 @@ Data flow one way: grain -> scene -> packing -> porosity -> model.
     regression       form features, cross-validation, fitted porosity models
     figures/         every picture, as functions that return a Figure
 
-`python -m simcore explain SPEC.yaml` says what a packing will do, `pack SPEC.yaml OUT.nc` runs it, `porosity OUT.nc`
-evaluates it.
+`python -m simcore explain SPEC.yaml` says what a packing will do, `pack SPEC.yaml OUT.nc` runs it, `launch` does on
+several ranks, `porosity OUT.nc` evaluates it.
 """
 
 __version__ = "0.1.0"

@@ -7,6 +7,7 @@ so the cache folder carries a digest of all compiled modules: change one, and ev
 import functools
 import hashlib
 import os
+import re
 from pathlib import Path
 
 import numba
@@ -15,16 +16,36 @@ from numba import types
 from numba.extending import intrinsic
 
 _SOURCES = Path(__file__).parent
+_COMPILES = re.compile(r"^from simcore\.compilation import .*(leaf|routine|kernel)", re.MULTILINE)
+_IMPORTS = re.compile(r"^from simcore\.([\w.]+) import ", re.MULTILINE)
 
 
 @functools.cache
 def source_digest() -> str:
-    """Hexadecimal digest (12 digits) of the sources that end in compiled code, as they were when it was loaded."""
+    """Hexadecimal digest (12 digits) of the sources that end in compiled code, as they were when it was loaded.
+
+    Those that compile, and what they import, directly or not: constants of other modules are compiled in.
+    """
+    texts = {path: path.read_text(encoding="utf-8") for path in sorted(_SOURCES.rglob("*.py"))}
+    found = {path for path, text in texts.items() if _COMPILES.search(text)} | {Path(__file__)}
+    todo = list(found)
+    while todo:
+        imported = {path for path in _imports(texts[todo.pop()]) if path in texts} - found
+        found |= imported
+        todo += imported
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in [Path(__file__), *sorted((_SOURCES / "dem").rglob("*.py")), _SOURCES / "slicing.py"]:
-        if path.exists():
-            digest.update(path.name.encode() + path.read_bytes())
+    for path in sorted(found):
+        digest.update(path.relative_to(_SOURCES).as_posix().encode() + texts[path].encode())
     return digest.hexdigest()[:12]
+
+
+def _imports(text):
+    """Files of simcore that `text` imports at its top; of a package all of them."""
+    for name in _IMPORTS.findall(text):
+        path = _SOURCES.joinpath(*name.split("."))
+        yield path.with_suffix(".py")
+        if path.is_dir():
+            yield from path.glob("*.py")
 
 
 def _cache_folder() -> Path:

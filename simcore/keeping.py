@@ -22,7 +22,13 @@ def checkpoint_code() -> str:
 
     Asked for before a run starts, it tells what ran, even where files are changed meanwhile.
     """
-    packing = digest("simcore/scenes.py", "simcore/dem/packing.py", "simcore/sources.py", "config/cases.tsv")
+    packing = digest(
+        "simcore/scenes.py",
+        "simcore/dem/packing.py",
+        "simcore/dem/decomposition.py",
+        "simcore/sources.py",
+        "config/cases.tsv",
+    )
     return f"{__version__}+{source_digest()}+{packing}+numpy{np.__version__}"
 
 
