@@ -25,7 +25,9 @@ from simcore.dem.ranks import OneRank
 from simcore.dem.shapes import ELLIPSOID, MIXED, SPHERE
 
 BINS = 512  # of the histograms from which blocks are cut
-UNEVEN = 1.1  # largest load over the mean from which blocks are cut anew
+UNEVEN = 1.02  # largest load over the mean from which blocks are cut anew
+# What a body's near pairs and contacts cost, as loads; measured shares of a step of polyhedra, roughly.
+BODY, PAIR, CONTACT = 4, 1, 8
 
 
 class ManyRanks(OneRank):
@@ -89,8 +91,8 @@ class ManyRanks(OneRank):
         """Own bodies and ghosts with their Near: as simcore.dem.neighbors.list_near, over all ranks."""
         part = self._migrate(bodies, old, box)
         own = part["body.id"]
-        everyone = [part, *self._ghosts_from_others(part, box, skin)]
-        bodies, old = assemble(everyone, own)
+        ghosts = self._ghosts_from_others(part, box, skin)
+        bodies, old = assemble([part, *ghosts.values()], own)
         pairs = list_pairs(bodies, shapes, box, skin, features, old)
         kept = bodies.moves_here
         kept[pairs[:, :2].ravel()] = True
@@ -99,17 +101,15 @@ class ManyRanks(OneRank):
             bodies, old = assemble([take_part(bodies, old, rows, shared=True)], own)
             pairs[:, :2] = (np.cumsum(kept) - 1)[pairs[:, :2]]
         near = list_contacts(pairs, bodies, shapes, box, skin, features, old)
-        self.halo = _Halo(self.comm, bodies, features, self._sources(everyone, bodies))
+        sources = {rank: each["body.id"] for rank, each in ghosts.items()}
+        self.halo = _Halo(self.comm, bodies, features, sources)
         self.shared = int((~bodies.moves_here[pairs[:, :2]]).any(axis=1).sum())
         return bodies, near
 
     def _migrate(self, bodies, near, box):
         """All that is known of the bodies that this rank moves from now on, as a part."""
         place = _wrapped(bodies.position[bodies.own], box)
-        load = np.ones(len(place))
-        if near is not None:
-            known = np.diff(near.contacts.incident_start)
-            load += np.append(known, np.zeros(len(bodies.mass) - len(known)))[bodies.own]  # newborns have none yet
+        load = _loads(bodies, near)[bodies.own]
         loads = np.array(self.comm.allgather(load.sum()))
         if loads.max() > UNEVEN * loads.mean():
             self.blocks = self._cut([place], [load], box)
@@ -125,7 +125,7 @@ class ManyRanks(OneRank):
         return {name: np.concatenate([each[name] for each in parts]) for name in part}
 
     def _ghosts_from_others(self, part, box, skin):
-        """Parts of other ranks' bodies that may come near; the rank each is from is in `self._from`."""
+        """Parts of other ranks' bodies that may come near, by rank."""
         place, reach = _wrapped(part["body.position"], box), part["body.radius"] + 0.5 * skin
         low, high = place - reach[:, None], place + reach[:, None]
         extent = np.array([low.min(axis=0, initial=np.inf), high.max(axis=0, initial=-np.inf)])
@@ -146,15 +146,7 @@ class ManyRanks(OneRank):
                 )
             rows = np.flatnonzero(near)
             sent[rank] = {name: _if_rows(part, name, rows) for name in part if name.startswith("body.")}
-        received = self.comm.alltoall(sent)
-        self._from = [None if each is None else each["body.id"] for each in received]
-        return [each for each in received if each is not None]
-
-    def _sources(self, parts, bodies):
-        """Ids of the ghosts that stayed, for each rank they are from."""
-        ghosts = bodies.id[bodies.ghosts]
-        none = np.zeros(0, np.int64)
-        return [none if ids is None else np.intersect1d(ids, ghosts) for ids in self._from]
+        return {rank: each for rank, each in enumerate(self.comm.alltoall(sent)) if each is not None}
 
     # -- steps ----------------------------------------------------------------------------------------------
 
@@ -191,36 +183,21 @@ class ManyRanks(OneRank):
 
     def settle(self, sections, box, features: Features) -> tuple[Bodies, Near]:
         """Own bodies, ghosts and Near from the parts of all ranks that were; sections(): iterates over them."""
-        places, loads = [], []
-        for part in sections():
-            places.append(_wrapped(part["body.position"], box))
-            loads.append(np.ones(len(places[-1])))
-        self.blocks = self._cut(places, loads, box, together=False)
-        own, kept = [], []
-        for part in sections():
-            own.append(part["body.id"][self.blocks.rank_of(_wrapped(part["body.position"], box)) == self.rank])
-        own = np.sort(np.concatenate(own))
-        wanted = own
-        for part in sections():
-            rows = np.isin(part["contact.body_a"], own) | np.isin(part["contact.body_b"], own)
-            kept.append(
-                {name: _if_rows(part, name, np.flatnonzero(rows)) for name in part if name.startswith("contact.")}
-                | {
-                    name: _if_rows(part, name, np.flatnonzero(np.isin(part["wall.body"], own)))
-                    for name in part
-                    if name.startswith("wall.")
-                }
-            )
-            wanted = np.union1d(wanted, np.concatenate([kept[-1]["contact.body_a"], kept[-1]["contact.body_b"]]))
-        self._from = [np.zeros(0, np.int64) for _ in range(self.size)]
-        for part in sections():
+        places = [_wrapped(part["body.position"], box) for part in sections()]
+        self.blocks = self._cut(places, [np.ones(len(place)) for place in places], box, together=False)
+        ranks = [self.blocks.rank_of(place) for place in places]
+        own = np.concatenate([part["body.id"][rank == self.rank] for part, rank in zip(sections(), ranks, strict=True)])
+        # Contacts and walls of own bodies; then, now that it is known which they are, these bodies and their partners.
+        kept = [_rows_about(part, own) for part in sections()]
+        wanted = np.concatenate([own, *(part[f"contact.body_{side}"] for part in kept for side in "ab")])
+        sources = {rank: [] for rank in range(self.size)}
+        for part, rank in zip(sections(), ranks, strict=True):
             rows = np.flatnonzero(np.isin(part["body.id"], wanted))
             kept.append({name: _if_rows(part, name, rows) for name in part if name.startswith("body.")})
-            ranks = self.blocks.rank_of(_wrapped(kept[-1]["body.position"], box))
-            for rank in np.unique(ranks):
-                self._from[rank] = np.concatenate([self._from[rank], kept[-1]["body.id"][ranks == rank]])
+            for each, ids in sources.items():
+                ids.append(part["body.id"][rows][rank[rows] == each])
         bodies, near = assemble(kept, own)
-        self.halo = _Halo(self.comm, bodies, features, self._sources(None, bodies))
+        self.halo = _Halo(self.comm, bodies, features, {rank: np.concatenate(ids) for rank, ids in sources.items()})
         return bodies, near
 
     def _cut(self, places, loads, box, together=True):
@@ -262,10 +239,13 @@ class _Halo:
     """Sends what a step changes of own bodies that are ghosts elsewhere, and receives the same of the ghosts here."""
 
     def __init__(self, comm, bodies, features, sources):
-        """sources: for each rank the ids of the ghosts that are from there, sorted."""
+        """sources: ids of bodies of other ranks, by rank; those that are ghosts here are asked for."""
         self.comm = comm
-        wanted = comm.alltoall(sources)
-        sent, received = ([np.searchsorted(bodies.id, ids) for ids in each] for each in (wanted, sources))
+        ghosts = bodies.id[bodies.ghosts]
+        none = np.zeros(0, np.int64)
+        asked = [np.intersect1d(sources.get(rank, none), ghosts) for rank in range(comm.Get_size())]
+        wanted = comm.alltoall(asked)
+        sent, received = ([np.searchsorted(bodies.id, ids) for ids in each] for each in (wanted, asked))
         self.fields = ["position", "velocity", "angular_velocity"]
         self.fields += ["rotation", "turned"] if features.kind != SPHERE else []
         self.fields += ["form_matrix"] if features.kind in (ELLIPSOID, MIXED) else []
@@ -330,6 +310,25 @@ def _slices(rows):
     ends = np.cumsum([len(each) for each in rows])
     return {
         rank: slice(end - len(each), end) for rank, (each, end) in enumerate(zip(rows, ends, strict=True)) if len(each)
+    }
+
+
+def _loads(bodies, near):
+    """What a step of each body costs, (n,) in some unit."""
+    load = np.full(len(bodies.mass), float(BODY))
+    if near is not None:
+        contacts = near.contacts
+        for side in (contacts.body_a, contacts.body_b):
+            load += np.bincount(side, PAIR + CONTACT * contacts.touching, minlength=len(load))
+    return load
+
+
+def _rows_about(part, ids):
+    """Contacts and walls of a part that any of the bodies has."""
+    contacts = np.flatnonzero(np.isin(part["contact.body_a"], ids) | np.isin(part["contact.body_b"], ids))
+    walls = np.flatnonzero(np.isin(part["wall.body"], ids))
+    return {name: _if_rows(part, name, contacts) for name in part if name.startswith("contact.")} | {
+        name: _if_rows(part, name, walls) for name in part if name.startswith("wall.")
     }
 
 
