@@ -2,11 +2,12 @@
 
     python -m benchmarks.ranks_model [--measured results/reference/ranks.csv]
 
-Wall time of a step is the slowest rank's: cost × (own grains + half of the ghosts' share of pairs, which are computed
-twice) + what is exchanged. A rank's block is a rectangle of the bed's footprint; ghosts stand in a layer about it whose
-width is measured. Exchanged are the bytes of the ghosts, at least two messages to each neighbour, and one reduction
-over all ranks, at the stated speed and latency of a network (ASSUME: 10 GB/s and 2 µs, of an ordinary cluster; within
-one machine both are better). Not in it: uneven blocks (up to simcore.dem.decomposition.UNEVEN), neighbour lists, which
+Wall time of a step is the slowest rank's: cost × (own grains + those that pairs across borders are worth, which both
+sides compute) + what is exchanged. A rank's block is a rectangle of the bed's footprint; ghosts stand in a layer about
+it whose width is measured. Exchanged are the bytes of the ghosts, at least two messages to each neighbour, and one
+reduction over all ranks, at the stated speed and latency of a network (ASSUME: 10 GB/s and 2 µs, of an ordinary
+cluster; within one machine both are better). Not in it: waiting for the slower of two ranks, of which two on one machine
+lost 6 to 10 %; uneven blocks (up to simcore.dem.decomposition.UNEVEN), neighbour lists, which
 took 2 to 5 % of a step, and what several ranks on one machine take from each other of the speed of its memory.
 """
 
@@ -57,14 +58,18 @@ def step_time(measured: Measured, grains: float, ranks: int) -> float:
     pairs = 0.25 * measured.twice * width  # layer on each side of a border whose pairs both sides compute
     side = grains ** (1 / 3)
     a, b = side / columns, side / rows
-    wide, deep = (side if n == 1 else side / n for n in (columns, rows))
-    around = lambda w: (wide + (2 * w if columns > 1 else 0)) * (deep + (2 * w if rows > 1 else 0)) - wide * deep  # noqa: E731
     own = a * b * side
-    ghosts, twice = min(around(layer) * side, grains), min(around(pairs) * side, grains)
+
+    def about(thickness):
+        """Grains in a layer about a block, where it has neighbours."""
+        wider, deeper = (2 * thickness if n > 1 else 0.0 for n in (columns, rows))
+        return min(((a + wider) * (b + deeper) - a * b) * side, grains)
+
+    ghosts, twice = about(layer), about(pairs)
     neighbours = min(ranks - 1, 8)
     exchanged = ghosts * measured.bytes_per_ghost / BANDWIDTH + 2 * neighbours * LATENCY
     reduced = 2 * np.ceil(np.log2(ranks)) * LATENCY if ranks > 1 else 0.0
-    return measured.cost * (own + 0.5 * twice) + (exchanged + reduced if ranks > 1 else 0.0)
+    return measured.cost * (own + twice) + (exchanged + reduced if ranks > 1 else 0.0)
 
 
 def _layout(ranks):
