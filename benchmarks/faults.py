@@ -38,7 +38,7 @@ PACKING = {
     "shapes": {"kind": "sphere"},
     "sizes": {"bounds": ["7 mm", "7.001 mm"], "mass_fractions": [1]},
     "amount": {"grains": 60},
-    "shaking": {"duration": "2 s"},
+    "shaking": {"duration": "0.4 s"},
     "numerics": {"contact_time": "1 ms", "progress_interval": "0.5 s"},
 }
 LINE = "{:>3}  {:16}  {:>6}  {:>5} {:>5}  {:>4}  {:>5} {:>5}  {}  | {:.100}"

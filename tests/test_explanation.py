@@ -15,23 +15,10 @@ from simcore.dem.features import Features
 from simcore.dem.packing import Process
 from simcore.dem.shapes import CONVEX, SPHERE
 from simcore.explanation import KINDS, PARTS, STEP_COST, estimate_cost, parts
-from simcore.scenes import set_up
 from simcore.specification import express, read_specification, resolve
+from tests.few import few, set_up_few
 
 ROOT = Path(__file__).resolve().parents[1]
-FEW = {
-    "name": "few",
-    "domain": {"width": "25 mm", "height": "0.2 m"},
-    "shapes": {"kind": "sphere"},
-    "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]},
-    "amount": {"grains": 40},
-    "shaking": {"duration": "0.05 s"},
-    "numerics": {"contact_time": "1 ms"},
-}
-
-
-def few(**changes):
-    return set_up(resolve({**FEW, **changes}), lambda group: [])
 
 
 def test_every_part_is_there_or_left_out():
@@ -69,7 +56,7 @@ def test_every_example_is_explained(example, capsys):
 
 def test_the_specification_of_a_workflow_is_explained(tmp_path, capsys):
     """As rule packing_specification writes it; where its grains are not there yet, that is told as by pack."""
-    specification = resolve(FEW)
+    specification = resolve(few())
     (tmp_path / "packing.yaml").write_text(yaml.safe_dump(express(specification), allow_unicode=True))
     assert main(["explain", str(tmp_path / "packing.yaml")]) == 0
     assert capsys.readouterr().out.startswith("few: 40 grains, ")
@@ -89,7 +76,7 @@ def test_nothing_is_compiled(tmp_path):
 
 
 def test_the_estimate_is_that_of_the_grains_themselves():
-    setup = few()
+    setup = set_up_few()
     cost = estimate_cost(setup)
     process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
     last_birth = process.generate()
@@ -99,13 +86,13 @@ def test_the_estimate_is_that_of_the_grains_themselves():
     # The list has one more start than bodies.
     pairs = len(process.contacts.body_a)
     assert cost.bytes_per_pair * pairs + 8 * 41 == sum(array.nbytes for array in process.contacts)
-    assert cost.shaking == 2000
+    assert cost.shaking == 4000
     steps = cost.shaking + cost.damping
     assert cost.cpu_seconds == pytest.approx(40 * steps * STEP_COST[SPHERE, False] * 1e-6)
 
 
 def test_amounts_by_mass_and_several_batches():
-    setup = few(amount={"mass": "100 g", "grains": None})
+    setup = set_up_few(amount={"mass": "100 g", "grains": None})
     cost = estimate_cost(setup)
     process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
     assert cost.mass >= 0.1
@@ -129,6 +116,6 @@ def test_wrong_input_is_told_as_by_pack(tmp_path, capsys):
 def test_a_warning_of_the_run_is_told_before():
     from simcore.explanation import explain
 
-    told = explain(few(numerics={"contact_time": "1 ms", "steps_per_contact_time": 20}))
+    told = explain(set_up_few(numerics={"contact_time": "1 ms", "steps_per_contact_time": 20}))
     assert "Warning     20 steps per contact time are fewer than the 33.8" in told
-    assert "Warning" not in explain(few())
+    assert "Warning" not in explain(set_up_few())

@@ -8,24 +8,14 @@ import xarray as xr
 
 from simcore.dem.packing import pack
 from simcore.packing_io import packing_dataset, read_packing, write_packing
-from simcore.scenes import set_up
 from simcore.specification import resolve
-
-SPECIFICATION = {
-    "name": "filed",
-    "domain": {"width": "25 mm", "height": "0.2 m"},
-    "shapes": {"kind": "sphere"},
-    "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]},
-    "amount": {"grains": 40},
-    "shaking": {"duration": "0.1 s"},
-    "numerics": {"contact_time": "1 ms"},
-}
+from tests.few import FEW, set_up_few
 
 
 @pytest.fixture(scope="module")
 def made():
-    specification = resolve(SPECIFICATION)
-    setup = set_up(specification, lambda group: [])
+    specification = resolve(FEW)
+    setup = set_up_few()
     packed = pack(setup.scene, setup.bases, setup.draw)
     sample = setup.sample(np.arange(len(packed.bodies.mass)))
     attributes = {"largest_sieve_size": setup.curve.largest}
@@ -55,7 +45,7 @@ def test_the_file_holds_what_was_packed(made, tmp_path):
         np.testing.assert_array_equal(read[name].values, dataset[name].values)
     assert read.attrs["converged"] == 1
     assert read.attrs["seed"] == 1
-    assert json.loads(read.attrs["scene"]) == json.loads(json.dumps(resolve(SPECIFICATION)))
+    assert json.loads(read.attrs["scene"]) == json.loads(json.dumps(resolve(FEW)))
     assert read.attrs["code_version"].startswith("0.")
     assert all("units" in read[name].attrs for name in read.data_vars if read[name].dtype.kind == "f")
 

@@ -9,29 +9,11 @@ import pytest
 
 from simcore.dem.generation import lattice_sites
 from simcore.dem.packing import PackingError, pack
-from simcore.scenes import set_up
-from simcore.specification import resolve
-
-FEW = {
-    "name": "few",
-    "domain": {"width": "25 mm", "height": "0.2 m"},
-    "shapes": {"kind": "sphere"},
-    "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]},
-    "amount": {"grains": 40},
-    "shaking": {"duration": "0.05 s"},
-    "numerics": {"contact_time": "1 ms"},
-}
-
-
-def setup(**changes):
-    specification = dict(FEW)
-    for key, value in changes.items():
-        specification[key] = {**specification.get(key, {}), **value} if isinstance(value, dict) else value
-    return set_up(resolve(specification), lambda group: [])
+from tests.few import set_up_few
 
 
 def run(**changes):
-    made = setup(**changes)
+    made = set_up_few(**changes)
     return pack(made.scene, made.bases, made.draw)
 
 
@@ -146,21 +128,21 @@ def test_two_threads_give_the_bits_of_one():
 
 
 def test_grains_are_drawn_by_id():
-    made = setup()
+    made = set_up_few()
     every, some = made.draw(np.arange(50)), made.draw(np.array([7, 3, 49]))
     for name in every._fields:
         assert (getattr(some, name) == getattr(every, name)[[7, 3, 49]]).all()
 
 
 def test_amount_by_mass_ends_with_the_grain_that_reaches_it():
-    made = setup(amount={"mass": "12 g", "grains": None}, sizes={"allow_few_top_grains": True})
+    made = set_up_few(amount={"mass": "12 g", "grains": None}, sizes={"allow_few_top_grains": True})
     packed = pack(made.scene, made.bases, made.draw)
     mass = packed.bodies.mass
     assert mass.sum() >= 0.012 > mass[:-1].sum()
 
 
 def test_the_fill_of_the_study_makes_whole_batches():
-    made = setup(
+    made = set_up_few(
         amount={"mass": "20 g", "grains": None},
         generation={"fill": "study", "spacing": "12 mm"},
         sizes={"allow_few_top_grains": True},
@@ -187,12 +169,12 @@ def test_a_domain_too_low_says_so():
 
 def test_an_unstable_time_step_is_refused():
     with pytest.raises(ValueError, match=r"numerics.steps_per_contact_time: 5.5 is unstable .* at least 5.89 steps"):
-        setup(numerics={"steps_per_contact_time": 5.5})
+        set_up_few(numerics={"steps_per_contact_time": 5.5})
 
 
 def test_grains_that_float_are_refused():
     with pytest.raises(ValueError, match=r"material.fluid_density: 2700 kg/m3 is not below"):
-        setup(material={"fluid_density": "2700 kg/m3"})
+        set_up_few(material={"fluid_density": "2700 kg/m3"})
 
 
 def spoilt(made, grain, value):
@@ -207,12 +189,12 @@ def spoilt(made, grain, value):
 
 
 def test_a_number_that_is_not_finite_names_grain_and_step():
-    made = setup()
+    made = set_up_few()
     with pytest.raises(PackingError, match=r"few: the position of grain 5 is not finite at step 1; .*time step"):
         pack(made.scene, made.bases, spoilt(made, 5, np.nan))
 
 
 def test_a_grain_that_is_shot_away_names_grain_and_step():
-    made = setup()
+    made = set_up_few()
     with pytest.raises(PackingError, match=r"grain 7 moves at .* m/s at step \d+, more than fall and shaking"):
         pack(made.scene, made.bases, spoilt(made, 7, 1000.0))

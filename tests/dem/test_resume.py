@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from simcore.dem.packing import KEEP, KEEP_AND_STOP, Interrupted, Keeper, pack
-from tests.dem.test_packing import setup
 from tests.dem.test_parts import arrays_of, assert_same
+from tests.few import set_up_few
 
 
 class Memory(Keeper):
@@ -36,7 +36,7 @@ CHANGES = {"numerics": {"steps_per_contact_time": 20, "dashpot": "implicit"}, "a
 
 @pytest.fixture(scope="module")
 def made():
-    return setup(**CHANGES)
+    return set_up_few(**CHANGES)
 
 
 @pytest.fixture(scope="module")

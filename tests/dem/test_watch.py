@@ -8,29 +8,11 @@ import pytest
 from simcore.dem.packing import DAMPING, PackingError, Process, pack
 from simcore.dem.stability import contact_load, stiffest_body
 from simcore.dem.watch import deepest_overlap, half_thickness, spring_energy
-from simcore.scenes import set_up
-from simcore.specification import resolve
-
-FEW = {
-    "name": "few",
-    "domain": {"width": "25 mm", "height": "0.2 m"},
-    "shapes": {"kind": "sphere"},
-    "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]},
-    "amount": {"grains": 40},
-    "shaking": {"duration": "0.1 s"},
-    "numerics": {"contact_time": "1 ms"},
-}
-
-
-def setup(**changes):
-    specification = dict(FEW)
-    for key, value in changes.items():
-        specification[key] = {**specification.get(key, {}), **value} if isinstance(value, dict) else value
-    return set_up(resolve(specification), lambda group: [])
+from tests.few import set_up_few
 
 
 def process(**changes):
-    made = setup(**changes)
+    made = set_up_few(**changes)
     return Process(made.scene, made.bases, made.draw, lambda line: None)
 
 
@@ -44,7 +26,7 @@ def settled():
 
 
 def told_by(**changes):
-    made, lines = setup(**changes), []
+    made, lines = set_up_few(**changes), []
     try:
         return pack(made.scene, made.bases, made.draw, lines.append), lines
     except PackingError as error:
@@ -192,7 +174,7 @@ def test_the_deepest_overlap_is_against_the_thinner_grain(settled):
 
 
 def test_a_deep_impact_is_foreseen():
-    made, lines = setup(numerics={"contact_time": "10 ms"}, domain={"height": "5 m"}), []
+    made, lines = set_up_few(numerics={"contact_time": "10 ms"}, domain={"height": "5 m"}), []
     Process(made.scene, made.bases, made.draw, lines.append).expect()
     (line,) = lines
     assert "sinks" in line and "shorten numerics.contact_time (now 0.01 s)" in line
