@@ -26,6 +26,7 @@ from simcore.dem.shapes import ELLIPSOID, MIXED, SPHERE
 
 BINS = 512  # of the histograms from which blocks are cut
 UNEVEN = 1.02  # largest load over the mean from which blocks are cut anew
+MARGIN = 1e-9  # of the reach; boxes are less than 1e6 grains wide, and rounding 1e-16 of their width
 # What a body's near pairs and contacts cost, as loads; measured shares of a step of polyhedra, roughly.
 BODY, PAIR, CONTACT = 4, 1, 8
 
@@ -126,7 +127,9 @@ class ManyRanks(OneRank):
 
     def _ghosts_from_others(self, part, box, skin):
         """Parts of other ranks' bodies that may come near, by rank."""
-        place, reach = _wrapped(part["body.position"], box), part["body.radius"] + 0.5 * skin
+        place = _wrapped(part["body.position"], box)
+        # Somewhat too far, since places are rounded otherwise than distances in the list.
+        reach = (1.0 + MARGIN) * (part["body.radius"] + 0.5 * skin)
         low, high = place - reach[:, None], place + reach[:, None]
         extent = np.array([low.min(axis=0, initial=np.inf), high.max(axis=0, initial=-np.inf)])
         extents = self.comm.allgather(extent)
@@ -181,7 +184,7 @@ class ManyRanks(OneRank):
             self.comm.send(None, dest=rank, tag=1)
             yield self.comm.recv(source=rank, tag=2)
 
-    def settle(self, sections, box, features: Features) -> tuple[Bodies, Near]:
+    def restore(self, sections, box, features: Features) -> tuple[Bodies, Near]:
         """Own bodies, ghosts and Near from the parts of all ranks that were; sections(): iterates over them."""
         places = [_wrapped(part["body.position"], box) for part in sections()]
         self.blocks = self._cut(places, [np.ones(len(place)) for place in places], box, together=False)

@@ -263,7 +263,7 @@ class Process:
             setattr(self, name, state[name])
         self.watch.resume(state["watch"])
         self.checks = [(time_, phase, Observation(*seen)) for time_, phase, *seen in state["checks"]]
-        self.bodies, self.near = self.ranks.settle(sections, self.box, self.features)
+        self.bodies, self.near = self.ranks.restore(sections, self.box, self.features)
         self.progress.phase(f"goes on from step {self.step}, t = {self.step * self.dt:.3f} s, {self.phase}")
 
     # -- births ---------------------------------------------------------------------------------------------

@@ -128,7 +128,7 @@ class OneRank:
         """The parts (simcore.dem.parts) of all ranks, one after the other, on rank 0."""
         yield take_part(bodies, near, bodies.own)
 
-    def settle(self, sections, box, features):
+    def restore(self, sections, box, features):
         """Bodies and Near from the parts of all ranks that were; sections(): iterates over them."""
         parts = list(sections())
         return assemble(parts, np.concatenate([part["body.id"] for part in parts]))
