@@ -365,7 +365,7 @@ class Process:
                 self.keep()
                 if wish == KEEP_AND_STOP:
                     raise Interrupted(
-                        f"{self.scene.name}: stopped at step {self.step}, t = {self.step * self.dt:.3f} s, as it was "
+                        f"{self.scene.name}: interrupted at step {self.step}, t = {self.step * self.dt:.3f} s, as it was "
                         f"asked to; the same command goes on from there"
                     )
         self.under_way = False
