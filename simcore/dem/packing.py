@@ -365,8 +365,8 @@ class Process:
                 self.keep()
                 if wish == KEEP_AND_STOP:
                     raise Interrupted(
-                        f"{self.scene.name}: interrupted at step {self.step}, t = {self.step * self.dt:.3f} s, as it was "
-                        f"asked to; the same command goes on from there"
+                        f"{self.scene.name}: interrupted at step {self.step}, t = {self.step * self.dt:.3f} s, as it "
+                        f"was asked to; the same command goes on from there"
                     )
         self.under_way = False
         seen = observe(self.bodies, self.near, self.ranks)
