@@ -156,9 +156,12 @@ def levels(options):
 
     def on_one():
         wrapped, shift = _wrap(bed.position, box)
+        moves_here = np.ones(len(radius), np.bool_)
         width = 2.0 * reach.max()
         grid = _sort_into_cells(wrapped, np.arange(len(radius)), width, box)
-        pairs = _search(grid.members, grid, wrapped, shift, radius, skin, width, box.width, True)
+        pairs = _search(
+            grid.members, grid, bed.position, wrapped, shift, moves_here, radius, skin, width, box.width, True
+        )
         return pairs[np.lexsort((pairs[:, 3], pairs[:, 2], pairs[:, 1], pairs[:, 0]))]
 
     reference = None
