@@ -21,7 +21,8 @@ def tabulate(study, rows, evaluations):
     study: its name; rows: dicts {packing, varied} as simcore.studies has them; evaluations: their datasets, as
     from simcore.evaluation. Columns: study, packing, case, what else the study varies, grain (of single forms),
     kind, seed, grains, L, I, S [m] (means), mean and standard deviation of FL, EL, EQ, n and n_std_error (spheres,
-    as in the study), the same from exact slices, coordination_number, spearman_D (trend of size over height), cpu_s.
+    as in the study), the same from exact slices, coordination_number, spearman_D (trend of size over height), steps
+    and cpu_s.
     """
     table = []
     for row, data in zip(rows, evaluations, strict=True):
@@ -48,6 +49,7 @@ def tabulate(study, rows, evaluations):
                 "n_std_error_exact": float(data.n_std_error_exact),
                 "coordination_number": float(data.coordination_number),
                 "spearman_D": trend,
+                "steps": data.attrs["steps"],
                 "cpu_s": float(data.attrs["cpu_seconds"]),
             }
         )
@@ -57,14 +59,19 @@ def tabulate(study, rows, evaluations):
 def summarise(packings, varied):
     """Means over the seeds: DataFrame with one row for each setting of what else is varied.
 
-    packings: as from `tabulate`; varied: the columns that the study varies. n_std: standard deviation over the runs
-    (nan for one); n_std_error: of the mean, from the sampling errors of the runs.
+    packings: as from `tabulate`; varied: the columns that the study varies. n_std: standard deviation over the runs,
+    and n_seed_error: the standard error of their mean (nan for one run); n_std_error: of the mean, from the sampling
+    errors of the runs: few seeds tell their scatter badly, three to half of it. cpu_h: of all runs together.
     """
     settings = dict.fromkeys(["study", "case", *varied, "grain"])
-    groups = packings.groupby([key for key in settings if key in packings and key != "seed"], sort=False)
+    # What a setting has not, such as the grain of a sphere, is no reason to leave it out.
+    keys = [key for key in settings if key in packings and key != "seed"]
+    groups = packings.groupby(keys, sort=False, dropna=False)
     table = groups["n"].agg(runs="size", n="mean", n_std="std")
+    table["n_seed_error"] = table["n_std"] / np.sqrt(table["runs"])
     table["n_std_error"] = np.sqrt(groups["n_std_error"].agg(lambda errors: np.sum(errors**2))) / table["runs"]
     table = table.join(groups[[*FORM, "grains", "n_exact", "coordination_number"]].mean())
+    table["cpu_h"] = groups["cpu_s"].sum() / 3600.0
     return table.reset_index()
 
 
