@@ -32,8 +32,8 @@ def add_reference(table, study, folder=REFERENCE_FOLDER):
     table: as from study_tables.summarise. New columns: study_n, study_n_std (over its runs), study_n_error (standard
     error of study_n), difference (ours less the study's) and z, the difference in standard errors of both; nan where
     the study has no value. For the validation also experiment_n, experiment_n_std, experiment_error_percent of ours
-    and study_error_percent of the study's packings; for the resolution of meshes study_volume_change_percent and
-    study_runtime_h.
+    and study_error_percent of the study's packings; for the resolution of meshes cpu_h_per_run, and the study's
+    study_volume_change_percent and study_runtime_h.
 
     For single forms and mixtures the study gives no table of porosities: there study_n is what its fitted model
     says for the forms of our packing, and study_n_error the error of such a prediction, from the mean absolute error
@@ -99,9 +99,11 @@ def _experiment(table, folder):
 
 
 def _cost_of_faces(table, folder):
-    """Columns of what decimation did to the study's grains, and how long its runs took."""
+    """Columns of what decimation did to the study's grains, and how long its runs and ours took."""
     columns = {"case": "case", "faces": "faces"}
     return {
+        "cpu_h_per_run": table["cpu_h"] / table["runs"],
+    } | {
         f"study_{name}": _look_up(table, "table4_mesh_resolution", columns, name, folder)
         for name in ("volume_change_percent", "runtime_h")
     }

@@ -89,24 +89,37 @@ def tabulate_features(packings, evaluations):
 
 
 def pair_shape_kinds(meshes, ellipsoids):
-    """One row for each case and grain that both studies have: case, grain, EQ, n_mesh, n_ellipsoid (means)."""
+    """One row for each case and grain that both studies have: case, grain, EQ, n_mesh, n_ellipsoid (means).
+
+    n_mesh_error, n_ellipsoid_error: their standard errors, from the sampling errors of the packings.
+    """
     keys = ["case", "grain"]
-    mesh, ellipsoid = (table.groupby(keys, sort=False)[["EQ", "n"]].mean() for table in (meshes, ellipsoids))
-    paired = mesh.rename(columns={"n": "n_mesh"}).join(ellipsoid["n"].rename("n_ellipsoid"), how="inner")
-    return paired.reset_index()
+
+    def mean(table):
+        groups = table.groupby(keys, sort=False)
+        errors = groups["n_std_error"].agg(lambda error: np.sqrt(np.sum(error**2)) / len(error))
+        return groups[["EQ", "n"]].mean().assign(error=errors)
+
+    mesh = mean(meshes).rename(columns={"n": "n_mesh", "error": "n_mesh_error"})
+    ellipsoid = mean(ellipsoids)[["n", "error"]].rename(columns={"n": "n_ellipsoid", "error": "n_ellipsoid_error"})
+    paired = mesh.join(ellipsoid, how="inner").reset_index()
+    return paired[["case", "grain", "EQ", "n_mesh", "n_ellipsoid", "n_mesh_error", "n_ellipsoid_error"]]
 
 
 def compare_predictions(models, name, table):
     """One row a packing: case, simulated, predicted by the model `name` of its case; cases without one are left out.
 
-    models: dict from (name, case) to PorosityModel; table: columns case, n and the features of the models.
+    models: dict from (name, case) to PorosityModel; table: columns case, n and the features of the models. Its columns
+    n_std_error and study_n, where it has them, are kept, the latter as study_predicted.
     """
+    kept = {"n_std_error": "n_std_error", "study_n": "study_predicted"}
+    names = ["case", "simulated", "predicted", *(new for old, new in kept.items() if old in table)]
     parts = [
-        pd.DataFrame({"case": case, "simulated": rows.n, "predicted": models[name, case].predict(rows)})
+        rows.rename(columns={"n": "simulated", **kept}).assign(predicted=models[name, case].predict(rows))[names]
         for case, rows in table.groupby("case", sort=False)
         if (name, case) in models
     ]
-    return pd.concat(parts) if parts else pd.DataFrame(columns=["case", "simulated", "predicted"])
+    return pd.concat(parts) if parts else pd.DataFrame(columns=names)
 
 
 def mark(table, test_only):

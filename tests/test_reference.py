@@ -12,7 +12,7 @@ def beside(study, **columns):
 
 
 def test_faces_stand_for_at_most_so_many():
-    table = beside("mesh_resolution", case=["U7", "B50", "U3"], faces=["original", 300, 300])
+    table = beside("mesh_resolution", case=["U7", "B50", "U3"], faces=["original", 300, 300], cpu_h=1.0, runs=1)
     assert table.study_n.tolist()[:2] == [0.309, 0.278]
     assert np.isnan(table.study_n[2])
 
@@ -78,7 +78,8 @@ def test_the_validation_stands_beside_the_experiment():
 
 
 def test_run_times_of_the_study_stand_beside_ours():
-    table = beside("mesh_resolution", case=["U7", "B50"], faces=[300, 50])
+    table = beside("mesh_resolution", case=["U7", "B50"], faces=[300, 50], cpu_h=6.0, runs=[3, 2])
+    assert table.cpu_h_per_run.tolist() == [2.0, 3.0]
     assert table.study_runtime_h.tolist() == [1.92, 4.04]
     assert table.study_volume_change_percent.tolist() == [-0.2, -3.6]
 

@@ -83,10 +83,16 @@ def test_every_form_is_a_row_of_its_own():
 
 def test_shape_kinds_are_paired_by_case_and_grain():
     meshes = pd.DataFrame({"case": ["U1"] * 3, "grain": ["a", "b", "c"], "EQ": [0.1, 0.2, 0.3], "n": [0.4, 0.5, 0.6]})
-    ellipsoids = pd.DataFrame({"case": ["U1"] * 2, "grain": ["c", "a"], "EQ": [0.3, 0.1], "n": [0.63, 0.41]})
+    ellipsoids = pd.DataFrame(
+        {"case": ["U1"] * 3, "grain": ["c", "a", "a"], "EQ": [0.3, 0.1, 0.1], "n": [0.63, 0.4, 0.42]}
+    )
+    meshes, ellipsoids = (table.assign(n_std_error=0.004) for table in (meshes, ellipsoids))
     pairs = pair_shape_kinds(meshes, ellipsoids).set_index("grain")
     assert sorted(pairs.index) == ["a", "c"]
     assert pairs.loc["c", ["EQ", "n_mesh", "n_ellipsoid"]].tolist() == [0.3, 0.6, 0.63]
+    assert pairs.loc["a", "n_ellipsoid"] == pytest.approx(0.41)
+    # Two packings of the one.
+    assert pairs.loc["a", ["n_mesh_error", "n_ellipsoid_error"]].tolist() == pytest.approx([4e-3, 4e-3 / np.sqrt(2)])
 
 
 def test_predictions_leave_out_cases_without_a_model():
@@ -94,6 +100,13 @@ def test_predictions_leave_out_cases_without_a_model():
     compared = compare_predictions({("m", "U1"): Line()}, "m", table)
     assert compared.simulated.tolist() == [0.4, 0.5]
     assert compared.predicted.tolist() == [0.4, 0.2]
+    assert list(compared) == ["case", "simulated", "predicted"]
+
+
+def test_predictions_keep_the_error_and_what_the_study_predicts():
+    table = pd.DataFrame({"case": ["U1"], "n": [0.4], "x": [0.2], "n_std_error": [0.003], "study_n": [0.35]})
+    row = compare_predictions({("m", "U1"): Line()}, "m", table).iloc[0]
+    assert (row.simulated, row.predicted, row.n_std_error, row.study_predicted) == (0.4, 0.4, 0.003, 0.35)
 
 
 def test_mark_says_test_only_in_every_row():
