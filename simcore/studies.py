@@ -18,6 +18,7 @@ _COLUMNS = {
     "amount.mass": "mass_kg",
     "amount.grains": "grains_asked",
     "shaking.duration": "shaking_s",
+    "shapes.kind": "shape_kind",
     "shapes.flatness.mean": "mean_FL",
     "shapes.flatness.std": "std_FL",
     "shapes.elongation.mean": "mean_EL",

@@ -21,7 +21,8 @@ def tabulate(study, rows, evaluations):
     study: its name; rows: dicts {packing, varied} as simcore.studies has them; evaluations: their datasets, as
     from simcore.evaluation. Columns: study, packing, case, what else the study varies, grain (of single forms),
     kind, seed, grains, L, I, S [m] (means), mean and standard deviation of FL, EL, EQ, n and n_std_error (spheres,
-    as in the study), the same from exact slices, coordination_number, spearman_D (trend of size over height), cpu_s.
+    as in the study), the same from exact slices, coordination_number, spearman_D (trend of size over height), steps
+    and cpu_s.
     """
     table = []
     for row, data in zip(rows, evaluations, strict=True):
@@ -48,6 +49,7 @@ def tabulate(study, rows, evaluations):
                 "n_std_error_exact": float(data.n_std_error_exact),
                 "coordination_number": float(data.coordination_number),
                 "spearman_D": trend,
+                "steps": data.attrs["steps"],
                 "cpu_s": float(data.attrs["cpu_seconds"]),
             }
         )
@@ -57,14 +59,19 @@ def tabulate(study, rows, evaluations):
 def summarise(packings, varied):
     """Means over the seeds: DataFrame with one row for each setting of what else is varied.
 
-    packings: as from `tabulate`; varied: the columns that the study varies. n_std: standard deviation over the runs
-    (nan for one); n_std_error: of the mean, from the sampling errors of the runs.
+    packings: as from `tabulate`; varied: the columns that the study varies. n_std: standard deviation over the runs,
+    and n_seed_error: the standard error of their mean (nan for one run); n_std_error: of the mean, from the sampling
+    errors of the runs: few seeds tell their scatter badly, three to half of it. cpu_h: of all runs together.
     """
     settings = dict.fromkeys(["study", "case", *varied, "grain"])
-    groups = packings.groupby([key for key in settings if key in packings and key != "seed"], sort=False)
+    # What a setting has not, such as the grain of a sphere, is no reason to leave it out.
+    keys = [key for key in settings if key in packings and key != "seed"]
+    groups = packings.groupby(keys, sort=False, dropna=False)
     table = groups["n"].agg(runs="size", n="mean", n_std="std")
+    table["n_seed_error"] = table["n_std"] / np.sqrt(table["runs"])
     table["n_std_error"] = np.sqrt(groups["n_std_error"].agg(lambda errors: np.sum(errors**2))) / table["runs"]
     table = table.join(groups[[*FORM, "grains", "n_exact", "coordination_number"]].mean())
+    table["cpu_h"] = groups["cpu_s"].sum() / 3600.0
     return table.reset_index()
 
 
@@ -82,24 +89,37 @@ def tabulate_features(packings, evaluations):
 
 
 def pair_shape_kinds(meshes, ellipsoids):
-    """One row for each case and grain that both studies have: case, grain, EQ, n_mesh, n_ellipsoid (means)."""
+    """One row for each case and grain that both studies have: case, grain, EQ, n_mesh, n_ellipsoid (means).
+
+    n_mesh_error, n_ellipsoid_error: their standard errors, from the sampling errors of the packings.
+    """
     keys = ["case", "grain"]
-    mesh, ellipsoid = (table.groupby(keys, sort=False)[["EQ", "n"]].mean() for table in (meshes, ellipsoids))
-    paired = mesh.rename(columns={"n": "n_mesh"}).join(ellipsoid["n"].rename("n_ellipsoid"), how="inner")
-    return paired.reset_index()
+
+    def mean(table):
+        groups = table.groupby(keys, sort=False)
+        errors = groups["n_std_error"].agg(lambda error: np.sqrt(np.sum(error**2)) / len(error))
+        return groups[["EQ", "n"]].mean().assign(error=errors)
+
+    mesh = mean(meshes).rename(columns={"n": "n_mesh", "error": "n_mesh_error"})
+    ellipsoid = mean(ellipsoids)[["n", "error"]].rename(columns={"n": "n_ellipsoid", "error": "n_ellipsoid_error"})
+    paired = mesh.join(ellipsoid, how="inner").reset_index()
+    return paired[["case", "grain", "EQ", "n_mesh", "n_ellipsoid", "n_mesh_error", "n_ellipsoid_error"]]
 
 
 def compare_predictions(models, name, table):
     """One row a packing: case, simulated, predicted by the model `name` of its case; cases without one are left out.
 
-    models: dict from (name, case) to PorosityModel; table: columns case, n and the features of the models.
+    models: dict from (name, case) to PorosityModel; table: columns case, n and the features of the models. Its columns
+    n_std_error and study_n, where it has them, are kept, the latter as study_predicted.
     """
+    kept = {"n_std_error": "n_std_error", "study_n": "study_predicted"}
+    names = ["case", "simulated", "predicted", *(new for old, new in kept.items() if old in table)]
     parts = [
-        pd.DataFrame({"case": case, "simulated": rows.n, "predicted": models[name, case].predict(rows)})
+        rows.rename(columns={"n": "simulated", **kept}).assign(predicted=models[name, case].predict(rows))[names]
         for case, rows in table.groupby("case", sort=False)
         if (name, case) in models
     ]
-    return pd.concat(parts) if parts else pd.DataFrame(columns=["case", "simulated", "predicted"])
+    return pd.concat(parts) if parts else pd.DataFrame(columns=names)
 
 
 def mark(table, test_only):

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import yaml
 
 from simcore.forms import choose_form, spread_order
-from simcore.specification import read_presets, resolve
+from simcore.scenes import set_up
+from simcore.specification import SCHEMA_FOLDER, read_presets, resolve
 from simcore.studies import expand
 
 STUDY = {
@@ -161,3 +163,18 @@ def test_spread_covers_more_than_chance():
 
     random = max(smallest(rng.choice(63, 16, replace=False)) for _ in range(200))
     assert smallest(spread_order(*points.T)[:16]) > random
+
+
+def test_near_spheres_are_a_sphere_and_ten_ellipsoids_up_to_twice_as_long_as_thick():
+    """What the default campaign sets beside the ellipsoids of the grains, by the axes of the grains it draws."""
+    config = yaml.safe_load((SCHEMA_FOLDER / "config.yaml").read_text())
+    campaign = resolve({**config, "studies": {"near_spheres": config["studies"]["near_spheres"]}}, "config")
+    specifications = list(expand(campaign).specification)
+    assert [specification["shapes"]["kind"] for specification in specifications] == ["sphere"] + 10 * ["ellipsoid"]
+    ratios = []
+    for specification in specifications:
+        sample = set_up(specification, None).sample(np.arange(3))  # of no grain: none is loaded
+        ratios.append(sample.L / sample.S)
+        np.testing.assert_allclose(sample.L / sample.I, sample.I / sample.S)
+    # The four digits of FL = EL = (L/S)^-1/2 leave L/S within 2 (L/S)^1.5 0.5e-4.
+    np.testing.assert_allclose(ratios, np.repeat(np.linspace(1.0, 2.0, 11)[:, None], 3, axis=1), atol=3e-4)

@@ -5,41 +5,52 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from scipy.stats import norm
 
+from simcore.figures.zingg import draw_fields
+
 # Markers and greys that differ in print without colour.
 _STYLES = [("o", "0.15"), ("^", "0.55"), ("s", "white"), ("x", "0.35")]
 
 
-def zingg_diagram(tables):
-    """EL against FL, the four fields of Zingg at 2/3; tables: dict of label to form_table. Returns Figure."""
-    figure = Figure(figsize=(4.6, 4.4), layout="constrained")
+def zingg_diagram(tables, study=None):
+    """EL against FL in Zingg's diagram; tables: dict of label to form_table. Returns Figure.
+
+    study: a row of table2_form_statistics, mean and standard deviation of its grains, drawn as a cross.
+    """
+    figure = Figure(figsize=(4.8, 4.9), layout="constrained")
     axes = figure.subplots()
+    draw_fields(axes)
     for (label, table), (marker, colour) in zip(tables.items(), _STYLES, strict=False):
         _scatter(axes, table.FL, table.EL, marker, colour, f"{label} (n = {len(table)})")
-    axes.axvline(2 / 3, color="0.6", lw=0.8, zorder=0)
-    axes.axhline(2 / 3, color="0.6", lw=0.8, zorder=0)
-    for x, y, name in ((0.02, 0.98, "oblate"), (0.98, 0.98, "equant"), (0.02, 0.02, "bladed"), (0.98, 0.02, "prolate")):
-        side, base = ("left" if x < 0.5 else "right"), ("bottom" if y < 0.5 else "top")
-        axes.text(x, y, name, ha=side, va=base, color="0.35", style="italic", transform=axes.transAxes)
-    axes.set(xlim=(0.2, 1.02), ylim=(0.2, 1.02), xlabel="flatness FL = S/I [-]", ylabel="elongation EL = I/L [-]")
-    axes.set_aspect("equal")
+    if study is not None:
+        axes.errorbar(
+            study.mu_FL, study.mu_EL, study.sigma_EL, study.sigma_FL, fmt="D", color="#b3541e", mfc="white", ms=6,
+            lw=1.4, capsize=3, zorder=4, label=f"study's {study.n_samples:.0f} grains: mean ± std.",
+        )  # fmt: skip
     figure.legend(frameon=False, fontsize="small", loc="outside upper center", ncols=2)
     return figure
 
 
-def form_histograms(table):
-    """Histograms of FL and EL with the normal density of their mean and standard deviation. Returns Figure."""
-    figure = Figure(figsize=(7, 3), layout="constrained")
+def form_histograms(table, study=None):
+    """Histograms of FL and EL with the normal density of their mean and standard deviation. Returns Figure.
+
+    study: a row of table2_form_statistics, whose normal density is drawn for as many grains.
+    """
+    figure = Figure(figsize=(7, 3.4), layout="constrained")
     for axes, factor, name in zip(
         figure.subplots(1, 2, sharey=True), ("FL", "EL"), ("flatness", "elongation"), strict=True
     ):
         values, edges = table[factor], np.linspace(0.2, 1, 17)
-        axes.hist(values, edges, color="0.8", edgecolor="0.3", lw=0.6)
+        axes.hist(values, edges, color="0.85", edgecolor="0.4", lw=0.6, label="grains of this set")
         x = np.linspace(0.2, 1, 200)
-        density = norm.pdf(x, values.mean(), values.std(ddof=1))
-        axes.plot(x, density * len(values) * (edges[1] - edges[0]), color="k", lw=1.2)
+        grains = len(values) * (edges[1] - edges[0])
+        axes.plot(x, grains * norm.pdf(x, values.mean(), values.std(ddof=1)), "k", lw=1.2, label="its normal")
+        if study is not None:
+            density = norm.pdf(x, study[f"mu_{factor}"], study[f"sigma_{factor}"])
+            axes.plot(x, grains * density, "--", color="#b3541e", lw=1.6, label="normal of the study's grains")
         axes.set_title(f"mean {values.mean():.3f}, std {values.std(ddof=1):.3f}", fontsize="medium")
         axes.set(xlabel=f"{name} {factor} [-]", xlim=(0.2, 1))
     figure.axes[0].set_ylabel("number of grains [-]")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)
     return figure
 
 

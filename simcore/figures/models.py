@@ -1,155 +1,164 @@
-"""Figures of many packings: porosity against form, predicted against simulated, and ours beside the study's."""
+"""Figures of models: porosity against form, predicted against simulated, meshes against ellipsoids."""
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.patches import Ellipse
 
 from simcore.grains.form import features as form_features
 
-# Markers and greys tell the cases apart without colour.
+# Markers and lightness tell the cases apart without colour.
 STYLES = [("o", "#20313b"), ("s", "#b3541e"), ("^", "#7f9aa0"), ("D", "#c9a227"), ("v", "#6b4c7a"), ("P", "#4f7a4f")]
+LINES = ["-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1))]
 FEATURE_LABELS = {
     "EQ_inv": "EQ$^{-1}$ = L/S [-]",
     "JFF_inv": "JFF$^{-1}$ [-]",
     "WFI": "WFI = (L + I)/(2 S) [-]",
     "EL_inv": "EL$^{-1}$ = L/I [-]",
 }
+STUDY_SPHERES = {"U1": 0.36}  # of equal spheres, to which the ellipsoids of its Fig. 10 rise
 
 
-def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), study=None):
-    """Porosity against features of the form with fit lines and Pearson's r, one panel a feature.
+def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), study=None, study_models=None):
+    """Porosity against features of the form with fit lines and Pearson's r, one panel a feature, one row a case.
 
-    packings: columns case, L, I, S, n and, if known, n_std_error; study: correlations.csv, whose r stand beside ours.
+    packings: columns case, L, I, S, n and, if known, n_std_error; study: correlations.csv, whose r stand beside ours;
+    study_models: models.csv, whose single-form model is drawn over EQ^-1, at the mean EL^-1 of our packings. The study
+    gives no line over the other features.
     """
-    figure = Figure(figsize=(3.2 * len(features), 3.4), layout="constrained")
-    grid = figure.subplots(1, len(features), sharey=True, squeeze=False)[0]
-    values = form_features(*(packings[axis].to_numpy() for axis in "LIS")).set_index(packings.index)
-    for axes, feature in zip(grid, features, strict=True):
-        for (case, rows), (marker, color) in zip(packings.groupby("case", sort=False), STYLES, strict=False):
-            x = values.loc[rows.index, feature].to_numpy()
-            label = case
-            if len(rows) > 2 and np.ptp(x) > 0.0:
-                line = np.array([x.min(), x.max()])
-                axes.plot(line, np.polyval(np.polyfit(x, rows["n"], 1), line), color=color, lw=1.2)
-                label += f": r = {np.corrcoef(x, rows['n'])[0, 1]:.3f}" + _study_r(study, case, feature)
-            axes.errorbar(
-                x,
-                rows["n"],
-                rows.get("n_std_error"),
-                fmt=marker,
-                color=color,
-                ms=4,
-                lw=0.6,
-                mec="white",
-                mew=0.4,
-                label=label,
-            )
+    cases = list(packings.groupby("case", sort=False))
+    figure = Figure(figsize=(3.4 * len(features), 0.6 + 2.9 * len(cases)), layout="constrained")
+    grid = figure.subplots(len(cases), len(features), sharey="row", sharex="col", squeeze=False)
+    for row, (case, rows), style in zip(grid, cases, STYLES, strict=False):
+        values = form_features(*(rows[axis].to_numpy() for axis in "LIS"))
+        for axes, feature in zip(row, features, strict=True):
+            _draw_feature(axes, case, values[feature], rows, feature, style, study)
+            if feature == "EQ_inv" and study_models is not None:
+                _draw_study_line(axes, case, values, study_models)
+            axes.legend(frameon=False, fontsize="x-small", loc="upper left")
+        low, high = row[0].get_ylim()
+        row[0].set_ylim(low, high + 0.25 * (high - low))  # room for the legends
+        row[0].set_ylabel(f"{case}: porosity n [-]")
+    for axes, feature in zip(grid[-1], features, strict=True):
         axes.set_xlabel(FEATURE_LABELS.get(feature, f"{feature} [-]"))
-        axes.legend(frameon=False, fontsize="x-small", loc="best")
-    grid[0].set_ylabel("porosity n [-]")
     return figure
+
+
+def _draw_feature(axes, case, x, rows, feature, style, study):
+    """The packings of a case over one feature, with the line of a fit."""
+    (marker, color), n = style, rows["n"].to_numpy()
+    axes.errorbar(
+        x, n, rows.get("n_std_error"), fmt=marker, color=color, ms=5, elinewidth=0.8, mec="white", mew=0.4,
+        label=f"{len(rows)} packings",
+    )  # fmt: skip
+    if len(rows) > 2 and np.ptp(x) > 0.0:
+        line = np.array([x.min(), x.max()])
+        label = f"fit: r = {np.corrcoef(x, n)[0, 1]:.3f}" + _study_r(study, case, feature)
+        axes.plot(line, np.polyval(np.polyfit(x, n, 1), line), color=color, lw=1.2, label=label)
+
+
+def _draw_study_line(axes, case, values, study_models):
+    """The study's model of single forms over EQ^-1."""
+    model = study_models.query("model == 'single_form' and case == @case")
+    if len(model) == 0:
+        return
+    model = model.iloc[0]
+    line = np.array([values["EQ_inv"].min(), values["EQ_inv"].max()])
+    n = model["intercept"] + model["EQ_inv"] * line + model["EL_inv"] * values["EL_inv"].mean()
+    label = f"study, Eq. {model['equation_arxiv']:.0f} at mean EL$^{{-1}}$ = {values['EL_inv'].mean():.2f}"
+    axes.plot(line, n, ls="--", color="0.55", lw=1.6, label=label)
 
 
 def prediction_figure(predictions, models=()):
-    """Predicted against simulated porosity; predictions: columns case, simulated, predicted; models: PorosityModels.
+    """Predicted against simulated porosity: by our models and, beside them, by the study's.
 
-    The models' R² and root mean square error stand in the legend.
+    predictions: columns case, simulated, predicted and, if known, n_std_error of the simulated and study_predicted;
+    models: PorosityModels, whose R² and root mean square error stand in the legend.
     """
-    figure = Figure(figsize=(4.4, 4.4), layout="constrained")
-    axes = figure.subplots()
+    by_study = "study_predicted" in predictions and predictions["study_predicted"].notna().any()
+    panels = {"predicted": "our model"} | ({"study_predicted": "the study's model"} if by_study else {})
+    figure = Figure(figsize=(0.4 + 4.2 * len(panels), 4.6), layout="constrained")
+    grid = figure.subplots(1, len(panels), squeeze=False, sharex=True, sharey=True)[0]
+    both = predictions[["simulated", *panels]].to_numpy()
+    margin = 0.06 * max(np.nanmax(both) - np.nanmin(both), 1e-3)
+    if "n_std_error" in predictions:
+        margin = max(margin, 1.1 * predictions["n_std_error"].max())  # room for the bars
+    ends = np.array([np.nanmin(both) - margin, np.nanmax(both) + margin])
     by_case = {model.case: model for model in models}
-    for (case, rows), (marker, color) in zip(predictions.groupby("case", sort=False), STYLES, strict=False):
-        label = case
-        if case in by_case:
-            label += f": R² = {by_case[case].r_squared:.3f}, RMSE = {by_case[case].rmse:.4f}"
-        axes.plot(rows["simulated"], rows["predicted"], marker, color=color, ms=4.5, mec="white", mew=0.4, label=label)
-    both = predictions[["simulated", "predicted"]].to_numpy()
-    margin = 0.05 * max(np.ptp(both), 1e-3)
-    ends = np.array([both.min() - margin, both.max() + margin])
-    axes.plot(ends, ends, color="0.3", lw=0.8, zorder=0)
-    axes.fill_between(ends, ends - 0.01, ends + 0.01, color="0.92", zorder=-1, label="within 0.01")
-    axes.set(xlim=ends, ylim=ends, aspect="equal", xlabel="simulated porosity n [-]", ylabel="predicted porosity n [-]")
-    axes.legend(frameon=False, fontsize="small")
+    for axes, (column, title) in zip(grid, panels.items(), strict=True):
+        axes.plot(ends, ends, color="0.3", lw=0.8, zorder=0)
+        axes.fill_between(ends, ends - 0.01, ends + 0.01, color="0.92", zorder=-1, label="within 0.01")
+        for (case, rows), (marker, color) in zip(predictions.groupby("case", sort=False), STYLES, strict=False):
+            axes.errorbar(
+                rows["simulated"], rows[column], xerr=rows.get("n_std_error"), fmt=marker, color=color, ms=5,
+                elinewidth=0.8, mec="white", mew=0.4, label=case + _quality(rows, column, by_case.get(case)),
+            )  # fmt: skip
+        axes.set(xlim=ends, ylim=ends, aspect="equal", xlabel="simulated porosity n [-]")
+        axes.set_title(title, fontsize="medium")
+        axes.legend(frameon=False, fontsize="small", loc="upper left")
+    grid[0].set_ylabel("predicted porosity n [-]")
     return figure
 
 
-def shape_kind_figure(pairs):
-    """Porosity of meshes and of their equivalent ellipsoids against EQ^-1; columns case, EQ, n_mesh, n_ellipsoid."""
+def _quality(rows, column, model):
+    """How well the model says the packings, as text."""
+    if column == "predicted":
+        return f": R² = {model.r_squared:.3f}, RMSE = {model.rmse:.4f}" if model else ""
+    error = rows[column] - rows["simulated"]
+    return f": mean error {error.mean():+.4f}, RMS {np.sqrt(np.mean(error**2)):.4f}".replace("-", "−")
+
+
+def shape_kind_figure(pairs, near_spheres=None):
+    """Porosity of meshes and of their equivalent ellipsoids against EQ^-1, one panel a case.
+
+    pairs: columns case, EQ, n_mesh, n_ellipsoid and, if known, n_mesh_error and n_ellipsoid_error. near_spheres: a
+    sphere (EQ 1) and ellipsoids rounder than any grain, columns case, EQ, n, n_std_error.
+    """
     cases = list(pairs.groupby("case", sort=False))
-    figure = Figure(figsize=(4.2 * len(cases), 3.6), layout="constrained")
-    for axes, (case, rows) in zip(figure.subplots(1, len(cases), sharey=True, squeeze=False)[0], cases, strict=True):
+    figure = Figure(figsize=(4.6 * len(cases), 4.2), layout="constrained")
+    grid = figure.subplots(1, len(cases), sharey=True, squeeze=False)[0]
+    bars = {"elinewidth": 0.8, "ms": 5, "ls": "none"}
+    for axes, (case, rows) in zip(grid, cases, strict=True):
         x = 1.0 / rows["EQ"]
-        axes.vlines(x, rows["n_mesh"], rows["n_ellipsoid"], color="0.75", lw=0.8, zorder=0)
-        axes.plot(x, rows["n_mesh"], "o", color="#20313b", ms=5, label="grains (convex hulls)")
-        axes.plot(x, rows["n_ellipsoid"], "o", mfc="white", color="#b3541e", ms=5, label="equivalent ellipsoids")
-        axes.axvline(2.0, color="0.5", lw=0.8, ls=":")
+        axes.vlines(x, rows["n_mesh"], rows["n_ellipsoid"], color="0.8", lw=0.8, zorder=0)
+        axes.errorbar(
+            x,
+            rows["n_mesh"],
+            rows.get("n_mesh_error"),
+            marker="o",
+            color="#20313b",
+            label="grains (convex hulls)",
+            **bars,
+        )
+        axes.errorbar(
+            x, rows["n_ellipsoid"], rows.get("n_ellipsoid_error"), marker="o", mfc="white", color="#b3541e",
+            label="their equivalent ellipsoids", **bars,
+        )  # fmt: skip
+        if near_spheres is not None and (near_spheres["case"] == case).any():
+            _draw_near_spheres(axes, near_spheres[near_spheres["case"] == case], bars)
+            if case in STUDY_SPHERES:
+                n = STUDY_SPHERES[case]
+                axes.plot([1.0, 1.5], [n, n], "--", color="0.4", lw=1.0, zorder=0, label=f"equal spheres, study: {n:g}")
+        axes.axvline(2.0, color="0.6", lw=0.8, ls=":", zorder=0)
         rms = np.sqrt(np.mean((rows["n_mesh"] - rows["n_ellipsoid"]) ** 2))
-        axes.set(xlabel=FEATURE_LABELS["EQ_inv"], ylabel="porosity n [-]", title=f"{case}: rms difference {rms:.4f}")
-        axes.legend(frameon=False, fontsize="small")
+        axes.set(xlabel=FEATURE_LABELS["EQ_inv"], title=f"{case}: rms difference {rms:.4f}", xlim=(0.9, None))
+        axes.title.set_fontsize("medium")
+    grid[0].set_ylabel("porosity n [-]")
+    handles, labels = max((axes.get_legend_handles_labels() for axes in grid), key=lambda pair: len(pair[1]))
+    figure.legend(handles, labels, frameon=False, fontsize="small", loc="outside lower center", ncols=2)
     return figure
 
 
-def study_figure(table, label):
-    """Simulated porosity beside the study's, one line a row of `table`.
-
-    table: columns n, n_std_error, study_n and, if known, n_std and study_n_std; label: column names that name the row.
-    Bars are one standard error of our mean and the study's standard deviation over its runs.
-    """
-    figure = Figure(figsize=(5.6, 1.2 + 0.28 * len(table)), layout="constrained")
-    axes = figure.subplots()
-    y = np.arange(len(table))[::-1]
-    axes.errorbar(
-        table["n"],
-        y + 0.1,
-        xerr=table["n_std_error"],
-        fmt="o",
-        color="#20313b",
-        ms=5,
-        capsize=2,
-        label="simulated (± std. error)",
-    )
-    spread = table["study_n_std"] if "study_n_std" in table else None
-    axes.errorbar(
-        table["study_n"],
-        y - 0.1,
-        xerr=spread,
-        fmt="D",
-        color="#b3541e",
-        mfc="white",
-        ms=5,
-        capsize=2,
-        label="study (± std. over runs)",
-    )
-    names = table[list(label)].map(lambda value: f"{value:g}" if isinstance(value, float) else str(value))
-    axes.set_yticks(y, names.agg(", ".join, axis=1))
-    axes.set(xlabel="porosity n [-]", ylim=(-0.7, len(table) - 0.3), title=", ".join(label))
-    axes.title.set_fontsize("medium")
-    axes.grid(axis="x", color="0.9")
-    axes.set_axisbelow(True)
-    figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")
-    return figure
-
-
-def form_sets_figure(mixtures):
-    """Form mixtures in the Zingg diagram: an ellipse of one standard deviation around each mean.
-
-    mixtures: columns mu_FL, sigma_FL, mu_EL, sigma_EL and n, the porosity that shades the ellipses.
-    """
-    figure = Figure(figsize=(5.0, 4.4), layout="constrained")
-    axes = figure.subplots()
-    low, high = mixtures["n"].min(), mixtures["n"].max()
-    image = axes.scatter(
-        mixtures["mu_FL"], mixtures["mu_EL"], c=mixtures["n"], cmap="cividis", s=22, zorder=3, vmin=low, vmax=high
-    )
-    for _, row in mixtures.iterrows():
-        color = image.cmap(image.norm(row["n"]))
-        size = (2 * row["sigma_FL"], 2 * row["sigma_EL"])
-        axes.add_patch(Ellipse((row["mu_FL"], row["mu_EL"]), *size, fill=False, ec=color, lw=0.7, alpha=0.8, zorder=2))
-    for line in (axes.axvline, axes.axhline):
-        line(2 / 3, color="0.6", lw=0.8, ls=":")
-    axes.set(xlim=(0, 1), ylim=(0, 1), aspect="equal", xlabel="flatness FL = S/I [-]", ylabel="elongation EL = I/L [-]")
-    figure.colorbar(image, ax=axes, label="porosity n [-]")
-    return figure
+def _draw_near_spheres(axes, rows, bars):
+    """The sphere and the ellipsoids near it, from the roundest on."""
+    rows = rows.sort_values("EQ", ascending=False)
+    round_ones = np.isclose(rows["EQ"], 1.0)
+    axes.plot(1.0 / rows["EQ"], rows["n"], color="#7f9aa0", lw=0.8, zorder=1)
+    for mask, marker, label in ((~round_ones, "^", "ellipsoids with FL = EL"), (round_ones, "*", "spheres")):
+        some = rows[mask]
+        size = {"ms": 10} if marker == "*" else {}
+        axes.errorbar(
+            1.0 / some["EQ"], some["n"], some["n_std_error"], marker=marker, color="#7f9aa0", mec="black", mew=0.5,
+            label=label, **(bars | size),
+        )  # fmt: skip
 
 
 def _study_r(study, case, feature):

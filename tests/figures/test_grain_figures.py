@@ -7,6 +7,7 @@ from simcore.figures import grains as figures
 from simcore.grains.report import decimation_summary, decimation_table, factor_correlations, form_table
 from simcore.grains.scan_shapes import scan_ranges, shape_table
 from simcore.grains.synthetic import synthetic_grains
+from simcore.reference import read_study_table
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +35,20 @@ def test_zingg_diagram_holds_every_grain(table, tmp_path):
     np.testing.assert_array_equal(first.get_offsets(), table[["FL", "EL"]])
     assert len(second.get_offsets()) == 5
     check(figure, tmp_path / "f.png")
+
+
+def test_the_studys_grains_stand_beside_ours(table, tmp_path):
+    study = read_study_table("table2_form_statistics").iloc[0]
+    figure = figures.zingg_diagram({"a": table}, study)
+    (cross,) = figure.axes[0].containers
+    np.testing.assert_allclose(cross[0].get_xydata()[0], [0.647, 0.682])
+    assert cross.get_label() == "study's 63 grains: mean ± std."
+    check(figure, tmp_path / "a.png")
+    figure = figures.form_histograms(table, study)
+    for axes, mean in zip(figure.axes, (0.647, 0.682), strict=True):
+        theirs = {line.get_label(): line for line in axes.lines}["normal of the study's grains"]
+        assert abs(theirs.get_xdata()[np.argmax(theirs.get_ydata())] - mean) < 0.8 / 199
+    check(figure, tmp_path / "b.png")
 
 
 def test_histograms_count_every_grain(table, tmp_path):

@@ -14,6 +14,7 @@ STUDIES = {
     "shaking_periodic",
     "single_form",
     "equivalent_ellipsoids",
+    "near_spheres",
     "form_mixtures",
     "application",
 }
@@ -44,6 +45,7 @@ def test_the_campaign_of_the_study_has_its_number_of_packings(workplace):
         "shaking_periodic": 2 * 6,
         "single_form": 3 * 63,
         "equivalent_ellipsoids": 3 * 63,
+        "near_spheres": 3 * 11,
         "form_mixtures": 2 * 52,
         "application": 2 * 2,
     }

@@ -3,6 +3,7 @@ from snakemake.exceptions import WorkflowError
 
 from simcore.packing_cost import estimate
 from simcore.provenance import digest
+from simcore.showpieces import corner_mixtures, showpieces
 from simcore.sources import source_files
 from simcore.specification import resolve
 from simcore.studies import expand

@@ -52,11 +52,11 @@ rule grain_report:
         decimation="results/grains/decimation.csv",
         decimation_summary="results/grains/decimation_summary.csv",
         shapes="results/grains/shapes_against_scans.csv",
-        zingg="results/figures/grains/zingg.png",
-        histograms="results/figures/grains/histograms.png",
-        matrix="results/figures/grains/factor_correlations.png",
-        scans="results/figures/grains/shapes_against_scans.png",
-        changes="results/figures/grains/decimation.png",
+        zingg=multiext("results/figures/grains/zingg", ".png", ".pdf"),
+        histograms=multiext("results/figures/grains/histograms", ".png", ".pdf"),
+        matrix=multiext("results/figures/grains/factor_correlations", ".png", ".pdf"),
+        scans=multiext("results/figures/grains/shapes_against_scans", ".png", ".pdf"),
+        changes=multiext("results/figures/grains/decimation", ".png", ".pdf"),
     log:
         "results/logs/grain_report.log",
     params:

@@ -7,7 +7,11 @@ models, model_figures = [], []
 
 if "single_form" in studies:
     models += ["single_form", "single_form_second_features", "single_form_correlations"]
-    model_figures += ["single_form_features", "single_form_prediction"]
+    model_figures += [
+        "single_form_features",
+        "single_form_zingg",
+        "single_form_prediction",
+    ]
 
     rule single_form_models:
         input:
@@ -17,8 +21,13 @@ if "single_form" in studies:
             correlations="results/models/single_form_correlations.csv",
             second_features="results/models/single_form_second_features.csv",
             dataset="results/models/single_form.nc",
-            features="results/figures/models/single_form_features.png",
-            prediction="results/figures/models/single_form_prediction.png",
+            features=multiext(
+                "results/figures/models/single_form_features", ".png", ".pdf"
+            ),
+            zingg=multiext("results/figures/models/single_form_zingg", ".png", ".pdf"),
+            prediction=multiext(
+                "results/figures/models/single_form_prediction", ".png", ".pdf"
+            ),
         log:
             "results/logs/single_form_models.log",
         params:
@@ -37,6 +46,7 @@ if study_sizes.get("form_mixtures", 0) >= smallest_mixture_study:
     rule form_mixture_models:
         input:
             packings="results/tables/form_mixtures_features.csv",
+            rows="results/tables/form_mixtures_packings.csv",
             application=branch(
                 "application" in studies,
                 then="results/tables/application_features.csv",
@@ -46,8 +56,10 @@ if study_sizes.get("form_mixtures", 0) >= smallest_mixture_study:
             correlations="results/models/form_mixture_correlations.csv",
             feature_sets="results/models/form_mixture_feature_sets.csv",
             dataset="results/models/form_mixture.nc",
-            sets="results/figures/models/form_mixture_sets.png",
-            prediction="results/figures/models/form_mixture_prediction.png",
+            sets=multiext("results/figures/models/form_mixture_sets", ".png", ".pdf"),
+            prediction=multiext(
+                "results/figures/models/form_mixture_prediction", ".png", ".pdf"
+            ),
             application=branch(
                 "application" in studies, then="results/models/application.csv"
             ),
@@ -69,10 +81,13 @@ if {"single_form", "equivalent_ellipsoids"} <= set(studies):
         input:
             meshes="results/tables/single_form_packings.csv",
             ellipsoids="results/tables/equivalent_ellipsoids_packings.csv",
+            near_spheres=branch(
+                "near_spheres" in studies, then="results/tables/near_spheres.csv"
+            ),
         output:
             table="results/models/shape_kinds.csv",
             pairs="results/models/shape_kind_pairs.csv",
-            figure="results/figures/models/shape_kinds.png",
+            figure=multiext("results/figures/models/shape_kinds", ".png", ".pdf"),
         log:
             "results/logs/shape_kinds.log",
         params:

@@ -104,6 +104,7 @@ rule study_table:
     output:
         packings="results/tables/{study}_packings.csv",
         features="results/tables/{study}_features.csv",
+        trends="results/tables/{study}_trends.csv",
         table="results/tables/{study}.csv",
     log:
         "results/logs/study_table/{study}.log",

@@ -18,9 +18,9 @@ rule study_figures:
             ),
         ),
     output:
-        porosities="results/figures/studies/{study}.png",
-        picture="results/figures/packings/{study}.png",
-        profile="results/figures/profiles/{study}.png",
+        porosities=multiext("results/figures/studies/{study}", ".png", ".pdf"),
+        picture=multiext("results/figures/packings/{study}", ".png", ".pdf"),
+        profile=multiext("results/figures/profiles/{study}", ".png", ".pdf"),
     log:
         "results/logs/study_figures/{study}.log",
     params:
@@ -31,8 +31,76 @@ rule study_figures:
         "../scripts/study_figures.py"
 
 
+# What the studies have together: the table of their cost, and of trends over height.
+rule campaign_tables:
+    input:
+        packings=collect("results/tables/{study}_packings.csv", study=studies),
+        trends=collect("results/tables/{study}_trends.csv", study=studies),
+    output:
+        cost="results/campaign/cost.csv",
+        trends="results/campaign/trends.csv",
+        figure=multiext("results/figures/campaign/trends", ".png", ".pdf"),
+    log:
+        "results/logs/campaign_tables.log",
+    params:
+        test_only=campaign["test_only"],
+        code=digest("workflow/scripts/campaign_tables.py"),
+    script:
+        "../scripts/campaign_tables.py"
+
+
+# One packing of each kind of domain, from the side.
+in_report = packings[packings.study.isin(studies)]
+shown = showpieces(in_report)
+
+
+rule domain_pictures:
+    input:
+        packings=collect(
+            "results/packings/{name}.nc", name=shown.study + "/" + shown.packing
+        ),
+    output:
+        figure=multiext("results/figures/campaign/domains", ".png", ".pdf"),
+    log:
+        "results/logs/domain_pictures.log",
+    params:
+        labels=list(shown.study.map(titles) + "\n" + shown.packing),
+        azimuth=-60.0,
+        elevation=22.0,
+        test_only=campaign["test_only"],
+        code=digest("workflow/scripts/packing_pictures.py"),
+    script:
+        "../scripts/packing_pictures.py"
+
+
+campaign_figures = ["domains", "trends"]
+corners = corner_mixtures(in_report[in_report.study == "form_mixtures"])
+
+if len(corners):
+    campaign_figures += ["mixtures"]
+
+    # Four distributions of form, from above.
+    rule mixture_pictures:
+        input:
+            packings=collect(
+                "results/packings/form_mixtures/{packing}.nc", packing=corners.packing
+            ),
+        output:
+            figure=multiext("results/figures/campaign/mixtures", ".png", ".pdf"),
+        log:
+            "results/logs/mixture_pictures.log",
+        params:
+            labels=list(corners.label),
+            azimuth=-90.0,
+            elevation=90.0,
+            test_only=campaign["test_only"],
+            code=digest("workflow/scripts/packing_pictures.py"),
+        script:
+            "../scripts/packing_pictures.py"
+
+
 # Spheres, and ellipsoids of a given form, are made of no grain: then there is none to report.
-has_grains = (packings.grain_set[packings.study.isin(studies)] != "").any()
+has_grains = (in_report.grain_set != "").any()
 
 
 rule report:
@@ -65,6 +133,12 @@ rule report:
         models=collect("results/models/{model}.csv", model=models),
         model_figures=collect(
             "results/figures/models/{figure}.png", figure=model_figures
+        ),
+        campaign_tables=collect(
+            "results/campaign/{table}.csv", table=["cost", "trends"]
+        ),
+        campaign_figures=collect(
+            "results/figures/campaign/{figure}.png", figure=campaign_figures
         ),
         tables=collect("results/tables/{study}.csv", study=studies),
         study_figures=collect("results/figures/studies/{study}.png", study=studies),

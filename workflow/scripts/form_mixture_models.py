@@ -4,10 +4,11 @@ import logging
 
 import pandas as pd
 
-from simcore.figures.models import form_sets_figure, prediction_figure
+from simcore.figures.models import prediction_figure
 from simcore.figures.saving import save_figure
+from simcore.figures.zingg import form_sets_figure
 from simcore.model_tables import application_table, mixture_models, table_dataset
-from simcore.reference import read_study_table
+from simcore.reference import add_reference, read_study_table
 from simcore.study_tables import compare_predictions, mark
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
@@ -28,6 +29,8 @@ for name, table in tables.items():
 dataset = table_dataset(tables["models"], "Models of porosity, packings with a distribution of form")
 dataset.assign_attrs(test_only=int(test_only)).to_netcdf(snakemake.output.dataset)
 
-predictions = compare_predictions(models, "form_mixture", packings)
+rows = add_reference(pd.read_csv(snakemake.input.rows), "form_mixtures")
+table = packings.merge(rows[["packing", "n_std_error", "study_n"]], on="packing")
+predictions = compare_predictions(models, "form_mixture", table)
 save_figure(form_sets_figure(packings), snakemake.output.sets, test_only)
 save_figure(prediction_figure(predictions, list(models.values())), snakemake.output.prediction, test_only)

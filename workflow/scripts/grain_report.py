@@ -21,6 +21,7 @@ grains = read_grains(snakemake.input.grains)
 forms, shapes, decimation = form_table(grains), shape_table(grains), decimation_table(grains)
 correlations, summary = factor_correlations(forms), decimation_summary(decimation)
 study = read_study_table("table2_form_statistics")
+rhine = study.iloc[0]  # the study's own grains
 tables = {
     "forms": forms,
     "statistics": pd.concat([form_statistics(forms).assign(source="this set"), study]).set_index("source"),
@@ -33,8 +34,8 @@ tables = {
 for name, table in tables.items():
     table.to_csv(snakemake.output[name])
 pictures = {
-    "zingg": figures.zingg_diagram({"this set": forms}),
-    "histograms": figures.form_histograms(forms),
+    "zingg": figures.zingg_diagram({"this set": forms}, rhine),
+    "histograms": figures.form_histograms(forms, rhine),
     "matrix": figures.correlation_matrix(correlations),
     "scans": figures.shapes_against_scans({"this set": shapes}, scan_ranges()),
     "changes": figures.decimation_changes(summary),

@@ -11,8 +11,15 @@ LEAD = (
 )
 STUDIES = (
     "n: bulk porosity by volume-equivalent spheres, as in the study; n_exact: by slicing the grains themselves. "
-    "n_std_error: sampling error of the mean. study_n holds for the study's own, larger domains; for single forms and "
-    "mixtures it is what the study's fitted model says for the forms of our packings."
+    "n_std_error: sampling error of the mean; n_seed_error: standard error from the scatter over the seeds; "
+    "difference: ours less the study's; z: the same in standard errors of both. cpu_h: of all runs of a row. "
+    "study_n holds for the study's own, larger domains; for single forms and mixtures it is what the study's fitted "
+    "model says for the forms of our packings."
+)
+CAMPAIGN = (
+    "study_cpu_h: core-hours of the source study's program for as many grains times steps. relative_change: from the "
+    "lower to the upper end of the beds; spearman_z: rank correlation with height in its standard errors; isotropic: "
+    "mean angle of long axes that point anywhere [rad], beside the mean."
 )
 TEST_ONLY = "Test only: these packings are far too small to mean anything."
 
@@ -20,6 +27,7 @@ files, params = snakemake.input, snakemake.params
 # A campaign need not have a model, nor grains of its own.
 sections = [
     ("Models", [*map(picture, files.model_figures), *map(table, files.models)]),
+    ("Campaign", [*map(picture, files.campaign_figures), paragraph(CAMPAIGN), *map(table, files.campaign_tables)]),
     ("Grains", [*map(picture, files.grain_figures), *map(table, files.grain_tables)]),
 ]
 sections = [section for section in sections if section[1]] + [("Studies", [paragraph(STUDIES)])]

@@ -6,19 +6,21 @@ import pandas as pd
 
 from simcore.figures.models import form_figure, prediction_figure
 from simcore.figures.saving import save_figure
+from simcore.figures.zingg import porosity_zingg_figure
 from simcore.grains.form import features
 from simcore.model_tables import single_form_models, table_dataset
-from simcore.reference import read_study_table
+from simcore.reference import add_reference, read_study_table
 from simcore.study_tables import compare_predictions, mark
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
 test_only = snakemake.params.test_only
-packings, correlations = pd.read_csv(snakemake.input.packings), read_study_table("correlations")
+packings = add_reference(pd.read_csv(snakemake.input.packings), "single_form")
+correlations, study_models = read_study_table("correlations"), read_study_table("models")
 tables, models = single_form_models(
     packings,
     correlations,
     read_study_table("table9_second_factor_mae"),
-    read_study_table("models"),
+    study_models,
     seed=snakemake.params.seed,
 )
 for name, table in tables.items():
@@ -26,8 +28,14 @@ for name, table in tables.items():
 dataset = table_dataset(tables["models"], "Models of porosity, packings of one form")
 dataset.assign_attrs(test_only=int(test_only)).to_netcdf(snakemake.output.dataset)
 
-table = pd.concat([packings[["case", "n"]], features(packings.L, packings.I, packings.S)], axis=1)
+columns = ["case", "n", "n_std_error", "study_n"]
+table = pd.concat([packings[columns], features(packings.L, packings.I, packings.S)], axis=1)
 predictions = compare_predictions(models, "single_form", table)
-shown = [model for (name, _), model in models.items() if name == "single_form"]
-save_figure(form_figure(packings, study=correlations), snakemake.output.features, test_only)
-save_figure(prediction_figure(predictions, shown), snakemake.output.prediction, test_only)
+shown = {case: model for (name, case), model in models.items() if name == "single_form"}
+figures = {
+    "features": form_figure(packings, study=correlations, study_models=study_models),
+    "zingg": porosity_zingg_figure(packings, shown),
+    "prediction": prediction_figure(predictions, list(shown.values())),
+}
+for name, figure in figures.items():
+    save_figure(figure, snakemake.output[name], test_only)

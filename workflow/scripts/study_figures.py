@@ -3,16 +3,14 @@
 import pandas as pd
 import xarray as xr
 
-from simcore.figures.models import study_figure
 from simcore.figures.packings import packing_figure, profile_figure
 from simcore.figures.saving import save_figure
+from simcore.figures.studies import porosities_figure
 from simcore.packing_io import read_packing
 
 files, test_only = snakemake.input, snakemake.params.test_only
 table = pd.read_csv(files.table)
-settings = dict.fromkeys(["case", *snakemake.params.rows[0]["varied"], "grain"])
-label = [name for name in settings if name in table and name != "seed"]
-save_figure(study_figure(table, label), snakemake.output.porosities, test_only)
+save_figure(porosities_figure(table, snakemake.params.rows[0]["varied"]), snakemake.output.porosities, test_only)
 
 (packing,), (evaluation,) = files.packing, files.evaluation
 bulk = xr.load_dataset(evaluation)

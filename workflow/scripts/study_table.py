@@ -1,9 +1,10 @@
-"""The packings of a study, their features of form, and means over the seeds beside the source study's values."""
+"""The packings of a study, their forms and trends over height, and means over the seeds beside the study's values."""
 
 import xarray as xr
 
 from simcore.reference import add_reference
 from simcore.study_tables import mark, summarise, tabulate, tabulate_features
+from simcore.trend_tables import tabulate_trends
 
 rows, study = snakemake.params.rows, snakemake.wildcards.study
 evaluations = [xr.load_dataset(path) for path in snakemake.input.evaluations]
@@ -11,6 +12,7 @@ packings = tabulate(study, rows, evaluations)
 tables = {
     "packings": packings,
     "features": tabulate_features(packings, evaluations),
+    "trends": tabulate_trends(study, rows, evaluations),
     "table": add_reference(summarise(packings, rows[0]["varied"]), study),
 }
 for name, table in tables.items():

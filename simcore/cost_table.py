@@ -1,0 +1,35 @@
+"""What the studies of a campaign cost, beside what the source study's program takes for as much."""
+
+import pandas as pd
+
+# A packing of the study, 20 000 grains for 1.5 million steps, takes 230 core-hours (its program; it says 230 to 250).
+STUDY_HOURS, STUDY_GRAINS, STUDY_STEPS = 230.0, 20_000, 1.5e6
+
+
+def cost_table(packings):
+    """CPU time of each study, and of all, DataFrame with one row a study and a last one `all`.
+
+    packings: one row a packing, as from study_tables.tabulate, of all studies. Columns: study, packings, grains (of all
+    packings), cpu_h, cpu_h_per_packing, grain_steps, the sum of grains times steps, cpu_us_per_grain_step [µs], and
+    study_cpu_h, the core-hours of the study's program for as many grain-steps, counted alike: all grains of a packing
+    in all its steps.
+    """
+    of_packing = packings[["study", "grains"]].assign(
+        packings=1,
+        cpu_h=packings["cpu_s"] / 3600.0,
+        grain_steps=packings["grains"].astype(float) * packings["steps"],
+    )
+    by_study = of_packing.groupby("study", sort=False).sum()
+    by_study.loc["all"] = by_study.sum()
+    table = by_study.astype({"grains": int, "packings": int}).rename_axis("study").reset_index()
+    return table[["study", "packings", "grains", "cpu_h"]].assign(
+        cpu_h_per_packing=table["cpu_h"] / table["packings"],
+        grain_steps=table["grain_steps"],
+        cpu_us_per_grain_step=3600.0e6 * table["cpu_h"] / table["grain_steps"],
+        study_cpu_h=STUDY_HOURS * table["grain_steps"] / (STUDY_GRAINS * STUDY_STEPS),
+    )
+
+
+def read_packings(paths):
+    """The tables of packings of several studies as one, in the order of the paths."""
+    return pd.concat([pd.read_csv(path) for path in paths], ignore_index=True)

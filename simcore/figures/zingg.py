@@ -1,0 +1,89 @@
+"""Zingg diagrams, elongation over flatness: their fields, porosity over them, and sets of forms in them."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Ellipse
+from scipy.spatial import Delaunay
+
+from simcore.grains.form import axes_from_form
+
+FLATNESS, ELONGATION = "flatness FL = S/I [-]", "elongation EL = I/L [-]"
+POROSITY = "porosity n [-]"
+# Dark is dense; lightness grows steadily, so that it reads in grey.
+SHADES = "cividis"
+FIELDS = ((0.02, 0.98, "oblate"), (0.98, 0.98, "equant"), (0.02, 0.02, "bladed"), (0.98, 0.02, "prolate"))
+
+
+def draw_fields(axes, lowest=0.2):
+    """The four fields of Zingg, parted at 2/3, with their names in the corners; the axes begin at `lowest`."""
+    axes.axvline(2 / 3, color="0.6", lw=0.8, zorder=0)
+    axes.axhline(2 / 3, color="0.6", lw=0.8, zorder=0)
+    for x, y, name in FIELDS:
+        side, base = ("left" if x < 0.5 else "right"), ("bottom" if y < 0.5 else "top")
+        axes.text(x, y, name, ha=side, va=base, color="0.35", style="italic", transform=axes.transAxes)
+    axes.set(xlim=(lowest, 1.02), ylim=(lowest, 1.02), xlabel=FLATNESS, ylabel=ELONGATION)
+    axes.set_aspect("equal")
+
+
+def porosity_zingg_figure(packings, models=None):
+    """Porosity of packings of one form over the Zingg diagram, one panel a case, all on one scale.
+
+    packings: columns case, FL, EL, n; models: dict from a case to its PorosityModel, whose lines of equal porosity are
+    drawn over the forms it was fitted to.
+    """
+    cases = list(packings.groupby("case", sort=False))
+    figure = Figure(figsize=(1.1 + 3.9 * len(cases), 4.2), layout="constrained")
+    grid = figure.subplots(1, len(cases), squeeze=False)[0]
+    low, high = packings["n"].min(), packings["n"].max()
+    lowest = min(0.2, 0.95 * packings[["FL", "EL"]].min().min())
+    for axes, (case, rows) in zip(grid, cases, strict=True):
+        draw_fields(axes, lowest)
+        if models and case in models:
+            _draw_model(axes, models[case], rows)
+        image = axes.scatter(
+            rows["FL"], rows["EL"], c=rows["n"], cmap=SHADES, vmin=low, vmax=high, s=42, ec="black", lw=0.5, zorder=3
+        )
+        axes.set_title(f"{case}, {len(rows)} packings", fontsize="medium")
+    figure.colorbar(image, ax=grid, label=POROSITY, shrink=0.85)
+    return figure
+
+
+def form_sets_figure(mixtures):
+    """Form mixtures in the Zingg diagram: an ellipse of one standard deviation around each mean.
+
+    mixtures: columns mu_FL, sigma_FL, mu_EL, sigma_EL and n, the porosity that shades them; of several cases, one
+    panel each.
+    """
+    cases = list(mixtures.groupby("case", sort=False)) if "case" in mixtures else [("", mixtures)]
+    figure = Figure(figsize=(1.1 + 3.9 * len(cases), 4.2), layout="constrained")
+    grid = figure.subplots(1, len(cases), squeeze=False)[0]
+    low, high = mixtures["n"].min(), mixtures["n"].max()
+    for axes, (case, rows) in zip(grid, cases, strict=True):
+        draw_fields(axes, 0.1)
+        image = axes.scatter(
+            rows["mu_FL"], rows["mu_EL"], c=rows["n"], cmap=SHADES, vmin=low, vmax=high, s=30, ec="black", lw=0.5,
+            zorder=3,
+        )  # fmt: skip
+        for _, row in rows.iterrows():
+            size = (2 * row["sigma_FL"], 2 * row["sigma_EL"])
+            color = image.cmap(image.norm(row["n"]))
+            axes.add_patch(Ellipse((row["mu_FL"], row["mu_EL"]), *size, fill=False, ec=color, lw=0.9, zorder=2))
+        if case:
+            axes.set_title(f"{case}, {len(rows)} packings", fontsize="medium")
+    figure.colorbar(image, ax=grid, label=POROSITY, shrink=0.85)
+    return figure
+
+
+def _draw_model(axes, model, rows):
+    """Lines of equal porosity of the model among the forms of `rows`, none beyond them."""
+    forms = rows[["FL", "EL"]].to_numpy()
+    if np.linalg.matrix_rank(forms - forms.mean(axis=0), tol=1e-6) < 2:
+        return  # forms on one line have no area between them
+    flatness, elongation = (np.linspace(low, high, 80) for low, high in zip(forms.min(0), forms.max(0), strict=True))
+    x, y = np.meshgrid(flatness, elongation)
+    n = model.predict_form(*axes_from_form(1.0, x.ravel(), y.ravel()))
+    between = Delaunay(forms).find_simplex(np.column_stack([x.ravel(), y.ravel()])) >= 0
+    lines = axes.contour(
+        x, y, np.where(between, n, np.nan).reshape(x.shape), 6, colors="0.45", linewidths=0.8, zorder=1
+    )
+    axes.clabel(lines, fmt="%.3g", fontsize="x-small")

@@ -1,0 +1,15 @@
+"""Of all studies together: what they cost, and whether size, form and orientation change over height."""
+
+import pandas as pd
+
+from simcore.cost_table import cost_table, read_packings
+from simcore.figures.saving import save_figure
+from simcore.figures.studies import trends_figure
+from simcore.study_tables import mark
+from simcore.trend_tables import summarise_trends
+
+files, test_only = snakemake.input, snakemake.params.test_only
+trends = summarise_trends(pd.concat([pd.read_csv(path) for path in files.trends], ignore_index=True))
+mark(cost_table(read_packings(files.packings)), test_only).to_csv(snakemake.output.cost, index=False)
+mark(trends, test_only).to_csv(snakemake.output.trends, index=False)
+save_figure(trends_figure(trends), snakemake.output.figure, test_only)

@@ -1,0 +1,10 @@
+"""Several packings side by side on one scale of sizes."""
+
+from simcore.figures.packings import packings_figure
+from simcore.figures.saving import save_figure
+from simcore.packing_io import read_packing
+
+params = snakemake.params
+packings = [read_packing(path) for path in snakemake.input.packings]
+figure = packings_figure(dict(zip(params.labels, packings, strict=True)), params.azimuth, params.elevation, pixels=900)
+save_figure(figure, snakemake.output.figure, params.test_only)
