@@ -17,7 +17,7 @@ STUDIES = {
     "form_mixtures",
     "application",
 }
-MODELS = {"single_form_models", "form_mixture_models", "shape_kinds"}
+MODELS = {"single_form_models", "form_mixture_models", "unified_model", "shape_kinds"}
 
 
 def test_the_default_campaign_holds_all_studies_and_models(workplace):
