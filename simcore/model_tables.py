@@ -204,6 +204,8 @@ def read_models(path):
         raise ValueError(f"{path}: there is no such file; run the campaign's models first") from None
     if "covariance" not in dataset:
         raise ValueError(f"{path}: these models were written without covariances; run the rule that fits them again")
+    if dataset.sizes["row"] == 0:
+        return {}
     models = {}
     rows = pd.DataFrame({name: dataset[name].values for name in dataset.data_vars if dataset[name].dims == ("row",)})
     for (name, case), part in rows.groupby(["model", "case"], sort=False):

@@ -71,12 +71,12 @@ def summarise(packings, varied):
 def tabulate_features(packings, evaluations):
     """DataFrame with one row a packing: packing, case, sample, kind, n, and the 104 of simcore.mixture_features.
 
-    sample: in words what the study varies besides the seed; equal for packings that differ in their seed alone. kind
+    sample: in words what was packed, but for the seed; equal for packings that differ in their seed alone. kind
     is "discrete" where forms were drawn from the grain set, else "continuous".
     """
     rows = [data.form.to_series() for data in evaluations]
     choices = [json.loads(data.attrs["scene"])["shapes"]["choice"] for data in evaluations]
-    settings = [name for name in packings.loc[:, "case":"kind"] if name not in ("kind", "grain", "seed")]
+    settings = [name for name in packings.loc[:, "case":"grains"] if name not in ("seed", "grains")]
     samples = packings[settings].apply(lambda row: ", ".join(f"{name} {value}" for name, value in row.items()), axis=1)
     table = packings[["packing", "case"]].assign(
         sample=samples,

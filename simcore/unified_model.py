@@ -1,15 +1,15 @@
 """One model of porosity for beds of one form and for beds with a distribution of form.
 
 The study fits the two apart (its Eqs. 17-19 and 23-24), and its model for distributions holds 1/sigma, which has no
-limit as the grains become alike. Here the features become those of one form when the width of the distribution goes to 0:
+limit as the grains become alike. Here the features become those of one form as the distribution's width goes to zero:
 
     n = b0 + b1 / mu_EQ + b2 / mu_EL + b3 (sigma_EQ / mu_EQ)² + b4 (sigma_EL / mu_EL)²
 
-Why squares: if neighbours i, j pack as n_ij, smooth in the two forms and symmetric in them, and meet at random, then the
-mean over all pairs is that of the mean form and, to leading order, a term in the variance; a first power of sigma would
-have a kink at zero. That holds what unlike neighbours add, and that the porosity of single forms is convex in EQ (the mean
-of 1/EQ is 1/mu_EQ (1 + (sigma_EQ/mu_EQ)²) to this order). How the term depends on the mean form is open:
-# ASSUME: it goes with the square of the relative width, with one coefficient. UNIFIED_SETS holds what else was tried.
+Why squares: if neighbours i, j pack as n_ij, smooth in the two forms and symmetric in them, and meet at random, then
+the mean over all pairs is that of the mean form and, to leading order, a term in the variance; a first power of sigma
+would have a kink at zero. That holds what unlike neighbours add, and that the porosity of single forms is convex in EQ
+(the mean of 1/EQ is 1/mu_EQ (1 + (sigma_EQ/mu_EQ)²) to this order). How the term depends on the mean form is open:
+# ASSUME: as the square of the relative width, with one coefficient. UNIFIED_SETS holds what else was tried.
 """
 
 import logging
@@ -62,6 +62,14 @@ def single_form_statistics(L, I, S):  # noqa: E741
     return pd.DataFrame(means | {name.replace("mu", "sigma"): np.zeros(len(L)) for name in means})
 
 
+def fit_unified(single_forms, mixtures, seed=0):
+    """The unified model of each case that both studies have, by ("unified", case); arguments as of unified_models."""
+    return {
+        ("unified", case): fit_and_validate(features[list(UNIFIED)], n, "unified", case, seed, groups)
+        for case, (features, n, groups, _) in _beds(single_forms, mixtures).items()
+    }
+
+
 def unified_models(single_forms, mixtures, study_models=None, seed=0):
     """Tables and models of the unified model, per case that both studies have; returns (tables, models).
 
@@ -75,14 +83,8 @@ def unified_models(single_forms, mixtures, study_models=None, seed=0):
     the beds of each kind, bias (predicted less simulated) and the mean error without it.
     models maps ("unified", case) to PorosityModel. A case with too few beds of either kind is left out with a message.
     """
-    rows, models = [], {}
-    for case, beds in _beds(single_forms, mixtures).items():
-        features, n, groups, mixed = beds
-        if (~mixed).sum() < len(SINGLE_FORM) + 3 or mixed.sum() < len(MIXTURE) + 3:
-            log.warning(
-                "case %s: no unified model, %d beds of one form, %d mixtures", case, (~mixed).sum(), mixed.sum()
-            )
-            continue
+    rows, models = [], fit_unified(single_forms, mixtures, seed)
+    for case, (features, n, groups, mixed) in _beds(single_forms, mixtures).items():
         for columns in UNIFIED_SETS:
             if not set(columns) <= set(features):
                 log.warning("case %s: set %s left out, the packings do not carry it", case, columns)
@@ -92,7 +94,6 @@ def unified_models(single_forms, mixtures, study_models=None, seed=0):
                 {"case": case, "model": "unified", "features": " ".join(columns), "folds": folds}
                 | _errors(predicted, n, mixed)
             )
-        models["unified", case] = fit_and_validate(features[list(UNIFIED)], n, "unified", case, seed, groups)
         separate = _separate(features, n, groups, mixed, seed)
         if separate is not None:
             rows.append(
@@ -116,11 +117,17 @@ def unified_models(single_forms, mixtures, study_models=None, seed=0):
 
 
 def _beds(single_forms, mixtures):
-    """Of each case that both have: features, porosity (n,), groups (n,) and whether a bed is a mixture (n,)."""
+    """Of each case that both have: features, porosity (n,), groups (n,) and whether a bed is a mixture (n,).
+
+    A case with too few of either is left out with a message.
+    """
     beds = {}
     ones, many = over_seeds(single_forms, "grain"), over_seeds(mixtures, "sample")
     for case in ones["case"].unique():
         one, mix = (table[table["case"] == case].reset_index(drop=True) for table in (ones, many))
+        if len(one) < len(SINGLE_FORM) + 3 or len(mix) < len(MIXTURE) + 3:
+            log.warning("case %s: %d beds of one form, %d mixtures: too few for both in one", case, len(one), len(mix))
+            continue
         statistics = single_form_statistics(one["L"], one["I"], one["S"])
         features = [unified_features(table) for table in (statistics, mix)]
         common = [name for name in features[0] if name in features[1]]
