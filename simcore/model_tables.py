@@ -172,7 +172,7 @@ def over_seeds(packings, key):
     """
     if key not in packings:
         return packings
-    return packings.groupby(["case", key], sort=False).mean(numeric_only=True).reset_index()
+    return packings.groupby(["case", key], sort=False).mean(numeric_only=True).copy().reset_index()
 
 
 def models_dataset(models, table, title):

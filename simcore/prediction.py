@@ -43,36 +43,59 @@ class FittedModels:
 def fit_reference_models(folder=ROWS_FOLDER, source=None, seed=0):
     """Models fitted to the packings that are committed with the code: FittedModels.
 
-    folder: single_form.csv and form_mixture.csv, one row a packing, of the largest campaign; where it has neither, the
-    tables of the default campaign in default/ (single_form.csv, form_mixtures.csv). source: of the grains of single
+    folder: single_form.csv and form_mixture.csv, one row a packing, of the largest campaign. A model for which it has
+    no rows, or too few, is fitted to the tables of the default campaign in default/ (single_form.csv,
+    form_mixtures.csv); the unified model takes both kinds of bed from one campaign. source: of the grains of single
     forms, such as "synthetic"; None: all. Beds of ellipsoids are left out: real grains have facets.
     """
-    folder = Path(folder)
-    single, mixture = folder / "single_form.csv", folder / "form_mixture.csv"
-    if not (single.exists() or mixture.exists()):
-        single, mixture = folder / "default" / "single_form.csv", folder / "default" / "form_mixtures.csv"
-    models, behind = {}, {}
-    forms = _read_single_forms(single, source) if single.exists() else None
-    mixtures = _read_mixtures(mixture) if mixture.exists() else None
-    if forms is None and mixtures is None:
+    folder, found = Path(folder), FittedModels({}, {})
+    campaigns = [(folder, "form_mixture.csv"), (folder / "default", "form_mixtures.csv")]
+    forms = {place / "single_form.csv": None for place, _ in campaigns if (place / "single_form.csv").exists()}
+    forms = {path: _read_single_forms(path) for path in forms}
+    sources = {name for table in forms.values() for name in table["source"]}
+    if source is not None and source not in sources:
+        said = ", ".join(sorted(sources - {""})) or "none"
+        raise ValueError(f"{folder}: has no grains of source {source}; there are {said}")
+    for place, name in campaigns:
+        single, mixture = place / "single_form.csv", place / name
+        ones = forms.get(single)
+        if ones is not None and source is not None:
+            ones = ones[ones["source"] == source]
+        many = _read_mixtures(mixture) if mixture.exists() else None
+        models, behind = _fit_campaign(ones, many, seed), {}
+        for kind, case in models:
+            what, table, path = ("forms", ones, single) if kind == "single_form" else ("mixtures", many, mixture)
+            packings = int((table["case"] == case).sum())
+            behind[kind, case] = (
+                f"{_short(single)} and {mixture.name}, {models[kind, case].n_samples} beds"
+                if kind == "unified"
+                else f"{_short(path)}, {models[kind, case].n_samples} {what} in {packings} packings"
+            )
+        for key in models.keys() - found.models.keys():
+            found.models[key], found.behind[key] = models[key], behind[key]
+    if not found.models:
         raise ValueError(f"{folder}: neither it nor its default/ has tables of packings to fit models to")
+    return found
+
+
+def _fit_campaign(forms, mixtures, seed):
+    """Models of a campaign's packings; either table may be None. What too few of them carry is left out."""
+    models = {}
     if forms is not None:
         for case, rows in over_seeds(forms, "grain").groupby("case"):
             if len(rows) >= len(SINGLE_FORM) + 3:
                 features = pd.DataFrame({"EQ_inv": rows.L / rows.S, "EL_inv": rows.L / rows.I})
                 models["single_form", case] = fit_and_validate(features, rows.n, "single_form", case, seed)
-                behind["single_form", case] = f"{len(rows)} forms, {_packings(forms, case)}: {_short(single)}"
     if mixtures is not None:
         for case, rows in over_seeds(mixtures, "sample").groupby("case"):
-            if len(rows) >= len(MIXTURE) + 3:
+            # Sets of one mean form are left out together, as for the unified model: so their errors compare.
+            groups = rows.groupby(["mean_FL", "mean_EL"]).ngroup()
+            if len(rows) - groups.value_counts().max() > len(MIXTURE) + 1 and groups.nunique() > 2:
                 features = unified_features(rows)[list(MIXTURE)]
-                models["form_mixture", case] = fit_and_validate(features, rows.n, "form_mixture", case, seed)
-                behind["form_mixture", case] = f"{len(rows)} mixtures, {_packings(mixtures, case)}: {_short(mixture)}"
+                models["form_mixture", case] = fit_and_validate(features, rows.n, "form_mixture", case, seed, groups)
     if forms is not None and mixtures is not None:
-        for key, model in fit_unified(forms, mixtures, seed).items():
-            models[key] = model
-            behind[key] = f"{model.n_samples} beds, the rows of both models above"
-    return FittedModels(models, behind)
+        models |= fit_unified(forms, mixtures, seed)
+    return models
 
 
 def read_campaign_models(folder):
@@ -265,21 +288,17 @@ def _studys(sample, features, published, folder):
     return [{**row, "outside": outside}]
 
 
-def _read_single_forms(path, source):
-    """Packings of one form each, meshes alone: case, grain (with its source), L, I, S, n."""
+def _read_single_forms(path):
+    """Packings of one form each, meshes alone: case, source ("" if none is named), grain with source, L, I, S, n."""
     table = pd.read_csv(path)
     if "representation" in table:
         table = table[table.representation == "mesh"]
-    if source is not None:
-        there = sorted(table.source.unique()) if "source" in table else []
-        if source not in there:
-            raise ValueError(f"{path}: has no grains of source {source}; there are {', '.join(there) or 'none named'}")
-        table = table[table.source == source]
-    if "source" in table:
-        table = table.assign(grain=table.source + " " + table.grain)
+    if "source" not in table:
+        table = table.assign(source="")
+    table = table.assign(grain=table.source + " " + table.grain)
     if not {"L", "I", "S"} <= set(table):
         table = table.assign(L=1 / table.EL, I=1.0, S=table.FL)
-    return table[["case", "grain", "L", "I", "S", "n"]]
+    return table[["case", "source", "grain", "L", "I", "S", "n"]]
 
 
 def _read_mixtures(path):
@@ -290,10 +309,6 @@ def _read_mixtures(path):
     table = table.rename(columns=_NOMINAL)
     sample = table[list(_NOMINAL.values())].astype(str).agg(" ".join, axis=1)
     return table.assign(sample=sample)[["case", "sample", "n", "mean_FL", "mean_EL", *STATISTICS]]
-
-
-def _packings(table, case):
-    return f"{int((table['case'] == case).sum())} packings"
 
 
 def _short(path):

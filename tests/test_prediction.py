@@ -63,7 +63,7 @@ def test_the_rows_of_a_campaign_are_what_is_fitted(reference):
     np.testing.assert_allclose(
         fitted.models["form_mixture", "U1"].coefficients, [0.31, 0.03, -0.003, 0.02, -0.002], rtol=1e-8
     )
-    assert fitted.behind["single_form", "U1"].startswith("20 forms, 40 packings: ")
+    assert fitted.behind["single_form", "U1"].endswith("single_form.csv, 20 forms in 40 packings")
     assert fitted.models["unified", "U1"].n_samples == 20 + 16
     both = fit_reference_models(reference)
     assert both.models["single_form", "U1"].n_samples == 40
@@ -79,6 +79,26 @@ def test_the_committed_rows_stand_in_until_then():
     assert {("single_form", "U1"), ("form_mixture", "U1"), ("unified", "U1")} <= set(fitted.models)
     for key in fitted.models:
         assert fitted.behind[key]
+
+
+def test_what_a_campaign_has_not_finished_is_taken_from_the_default_one(reference, tmp_path):
+    default = reference / "default"
+    default.mkdir()
+    flatness, elongation = grains(8, seed=3)
+    table = pd.DataFrame({"case": "U1", "grain": [f"G{i}" for i in range(8)], "FL": flatness, "EL": elongation})
+    table.assign(n=0.5 + 1e-6 * flatness).to_csv(default / "single_form.csv", index=False)
+    beds = mixtures(seed=4).rename(columns={"mu_EQ": "EQ", "mu_EL": "EL"})
+    asked = {name: np.arange(16) / 16 for name in ("mean_FL", "std_FL", "mean_EL", "std_EL")}
+    beds.assign(n=0.5 + 1e-6 * beds.EQ, **asked).to_csv(default / "form_mixtures.csv", index=False)
+    assert "default" not in " ".join(fit_reference_models(reference).behind.values())
+    few = pd.read_csv(reference / "form_mixture.csv").head(5)
+    few.to_csv(reference / "form_mixture.csv", index=False)
+    fitted = fit_reference_models(reference)
+    assert "default" not in fitted.behind["single_form", "U1"]
+    assert "default" in fitted.behind["form_mixture", "U1"]
+    assert fitted.models["form_mixture", "U1"].coefficients[0] == pytest.approx(0.5, abs=1e-5)
+    # Both kinds of bed of one campaign: the whole one.
+    assert fitted.models["unified", "U1"].n_samples == 8 + 16
 
 
 def test_one_form_and_a_distribution_take_their_own_models(reference):
@@ -141,6 +161,25 @@ def test_table_2_is_the_studys_and_gives_its_predictions():
         assert {name for name, text in study.outside.items() if text} == {"Kall", "rock aggregate"}
 
 
+def test_the_grains_of_a_bed_give_what_their_statistics_give(reference, tmp_path):
+    """Two samples in one file, and the second again by its means: EQ as of independence, and so its porosity."""
+    rng = np.random.default_rng(0)
+    flatness, elongation = np.meshgrid(rng.uniform(0.4, 0.9, 12), rng.uniform(0.5, 0.9, 12))
+    flatness, elongation = flatness.ravel(), elongation.ravel()  # every pair: independent to the last digit
+    bed = pd.DataFrame({"sample": "mixed", "L [mm]": 7 / elongation, "I [mm]": 7.0, "S [mm]": 7 * flatness})
+    alike = pd.DataFrame({"sample": "alike", "L [mm]": [30.0, 15.0], "I [mm]": [20.0, 10.0], "S [mm]": [10.0, 5.0]})
+    pd.concat([alike, bed]).to_csv(tmp_path / "grains.csv", index=False)
+    means = {"mean_FL": flatness.mean(), "std_FL": flatness.std(), "mean_EL": elongation.mean()}
+    pd.DataFrame([means | {"std_EL": elongation.std()}]).to_csv(tmp_path / "means.csv", index=False)
+    fitted = fit_reference_models(reference)
+    by_grain, by_mean = (
+        predict_samples(read_samples(tmp_path / name), "U1", fitted) for name in ("grains.csv", "means.csv")
+    )
+    assert by_grain.groupby("name", sort=False).grains.first().to_dict() == {"alike": 2, "mixed": 144}
+    np.testing.assert_allclose(by_grain.query("name == 'mixed'").n, by_mean.n, rtol=1e-9)
+    assert by_grain.query("name == 'alike'").model.tolist() == ["single_form", "unified", "single_form"]
+
+
 def test_a_campaigns_models_are_read_from_its_folder(tmp_path):
     flatness, elongation = grains(20)
     packings = pd.DataFrame({"case": "U7", "L": 1 / elongation, "I": 1.0, "S": flatness})
@@ -168,7 +207,7 @@ def test_on_the_command_line(capsys, tmp_path):
     assert main(["predict", "--case", "U1", str(TABLE_2)]) == 0
     text = capsys.readouterr().out
     assert "railway ballast" in text and "* outside what the model was fitted to" in text
-    assert "its Eq. 23" in text and "mixtures, " in text and "results/reference/" in text
+    assert "its Eq. 23" in text and "mixtures in " in text and "results/reference/" in text
     assert main(["predict", "--case", "U1", str(TABLE_2), "--csv"]) == 0
     rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
     assert [(row["sample"], row["by"], row["model"]) for row in rows[:3]] == [

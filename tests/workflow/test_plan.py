@@ -93,6 +93,11 @@ def test_a_target_asks_only_for_its_own_inputs(workplace):
             {"single_form"},
         ),
         (
+            "results/models/unified.csv",
+            evaluated | {"form_order", "study_table", "unified_model"},
+            {"single_form", "form_mixtures"},
+        ),
+        (
             "results/models/application.csv",
             evaluated | {"study_table", "form_mixture_models"},
             {"form_mixtures", "application"},
