@@ -16,10 +16,12 @@ Data flow one way: grain -> scene -> packing -> porosity -> model.
     work_precision   tables of error against run time, their Pareto front
     verification/    the parts of the core against closed forms: error and CPU time
     regression       form features, cross-validation, fitted porosity models
+    unified_model    one model for beds of one form and for distributions of form
+    prediction       porosity of measured grains (measured_forms), without packing them
     figures/         every picture, as functions that return a Figure
 
 `python -m simcore explain SPEC.yaml` says what a packing will do, `pack SPEC.yaml OUT.nc` runs it, `launch` does on
-several ranks, `porosity OUT.nc` evaluates it.
+several ranks, `porosity OUT.nc` evaluates it, `predict FORMS.csv` says what the fitted models make of measured grains.
 """
 
 __version__ = "0.1.0"

@@ -1,4 +1,5 @@
-"""Command line: `python -m simcore explain SPEC.yaml`, `pack SPEC.yaml OUT.nc`, `launch ...` and `porosity OUT.nc`."""
+"""Command line: `python -m simcore explain SPEC.yaml`, `pack SPEC.yaml OUT.nc`, `launch ...`, `porosity OUT.nc` and
+`predict FORMS.csv`."""
 
 import argparse
 import json
@@ -45,6 +46,28 @@ def _parser():
     porosity.add_argument("--exact", action="store_true", help="slice the grains themselves, not equal spheres")
     porosity.add_argument("--cut", type=float, metavar="METRES", help="height left out at both ends of the bed")
     porosity.set_defaults(run=_porosity)
+    predict = commands.add_parser(
+        "predict",
+        help="porosity of a bed of measured grains, by our models and the study's",
+        description="Porosity of a bed of measured grains with its prediction interval, without packing them.",
+    )
+    predict.add_argument(
+        "forms",
+        type=Path,
+        metavar="FORMS.csv",
+        help="columns L, I, S or FL, EL, a row a grain; or mean_FL, std_FL, mean_EL, std_EL, a row a sample",
+    )
+    predict.add_argument("--case", required=True, help="U1, U7, ..., or one-class: any single sieve class, U1's model")
+    predict.add_argument(
+        "--sample", metavar="COLUMN", help='column that tells samples apart; default: "sample", if any'
+    )
+    predict.add_argument("--models", type=Path, metavar="FOLDER", help="results/models of a campaign of yours")
+    predict.add_argument("--source", help="of the committed packings of one form, those of these grains alone")
+    predict.add_argument("--level", type=float, default=0.95, help="of the prediction interval (0.95)")
+    form = predict.add_mutually_exclusive_group()
+    form.add_argument("--csv", action="store_const", dest="form", const="csv", help="a row a sample and model")
+    form.add_argument("--json", action="store_const", dest="form", const="json")
+    predict.set_defaults(run=_predict, form="text")
     return parser
 
 
@@ -160,6 +183,23 @@ def _porosity(options):
     bulk = bulk_porosity(read_packing(options.packing), method=method, cut=options.cut)
     scalars = {name: float(value) for name, value in bulk.data_vars.items() if value.ndim == 0}
     print(json.dumps({"method": method, **scalars}, indent=1))
+    return 0
+
+
+def _predict(options):
+    from simcore.prediction import predict_file
+
+    print(
+        predict_file(
+            options.forms,
+            options.case,
+            models=options.models,
+            source=options.source,
+            column=options.sample,
+            level=options.level,
+            form=options.form,
+        )
+    )
     return 0
 
 

@@ -11,7 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from simcore.grains.form import features as form_features
-from simcore.regression import correlate, cross_validate, fit, screen, usable_features
+from simcore.regression import PorosityModel, correlate, cross_validate, fit_and_validate, screen, usable_features
 
 log = logging.getLogger(__name__)
 
@@ -31,7 +31,8 @@ MIXTURE_SETS = (
 def single_form_models(packings, study_correlations=None, study_errors=None, study_models=None, seed=0):
     """Tables and models of the single-form study, per case.
 
-    packings: one row a packing, columns case, L, I, S [any length] and n. Returns (tables, models): tables is a dict of
+    packings: one row a packing, columns case, L, I, S [any length] and n; where there is a column grain, the packings
+    of a grain are averaged first, so that seeds do not pass for forms. Returns (tables, models): tables is a dict of
     DataFrames `correlations` (all usable features; r_first: their r to EQ_inv; kept: passed the screening),
     `second_features` (cross-validated error of {EQ_inv, X}), `models` (coefficients of n on EQ_inv, and on EQ_inv and
     EL_inv); models maps (name, case) to PorosityModel.
@@ -39,7 +40,7 @@ def single_form_models(packings, study_correlations=None, study_errors=None, stu
     study_*: correlations.csv, table9_second_factor_mae.csv, models.csv.
     """
     correlations, errors, models = [], [], {}
-    for case, rows in _cases(packings, len(SINGLE_FORM) + 3):
+    for case, rows in _cases(over_seeds(packings, "grain"), len(SINGLE_FORM) + 3):
         n = rows["n"].to_numpy()
         features = usable_features(form_features(*(rows[axis].to_numpy() for axis in "LIS")))
         _require(features, SINGLE_FORM, case)
@@ -54,7 +55,7 @@ def single_form_models(packings, study_correlations=None, study_errors=None, stu
             result = cross_validate(features[list(dict.fromkeys(["EQ_inv", name]))], n, seed=seed)
             errors.append({"case": case, "feature": name, **result, "samples": len(n)})
         for name, columns in (("single_form_EQ", SINGLE_FORM[:1]), ("single_form", SINGLE_FORM)):
-            models[name, case] = fit(features[list(columns)], n, name, case)
+            models[name, case] = fit_and_validate(features[list(columns)], n, name, case, seed)
     tables = {
         "correlations": pd.concat(correlations, ignore_index=True),
         "second_features": pd.DataFrame(errors),
@@ -76,13 +77,14 @@ def single_form_models(packings, study_correlations=None, study_errors=None, stu
 def mixture_models(packings, study_correlations=None, study_sets=None, study_models=None, seed=0):
     """Tables and models of the form-mixture study, per case; returns (tables, models) as single_form_models.
 
-    packings: one row a packing, columns case, n and the 104 of mixture_features. Tables: `correlations` of all usable
+    packings: one row a packing, columns case, n and the 104 of mixture_features; where there is a column sample, the
+    packings of a sample are averaged first. Tables: `correlations` of all usable
     features, `feature_sets` (Table 10's sets, cross-validated errors and R² of the fit to all packings), `models`.
     A set with a feature that cannot be used, or with more coefficients than packings, is left out with a message.
     study_*: correlations.csv, table10_form_mixture_features.csv, models.csv.
     """
     correlations, sets, models = [], [], {}
-    for case, rows in packings.groupby("case", sort=False):
+    for case, rows in over_seeds(packings, "sample").groupby("case", sort=False):
         n = rows["n"].to_numpy()
         features = usable_features(rows.drop(columns=["case", "n"]).select_dtypes("number"))
         correlations.append(
@@ -94,7 +96,7 @@ def mixture_models(packings, study_correlations=None, study_sets=None, study_mod
                 continue
             chosen = features[list(columns)]
             flags = {name: int(name in columns) for name in MIXTURE}
-            model = fit(chosen, n, "form_mixture", case)
+            model = fit_and_validate(chosen, n, "form_mixture", case, seed)
             result = cross_validate(chosen, n, seed=seed)
             sets.append({"case": case, **flags, **result, "r_squared": model.r_squared, "samples": len(n)})
             if columns == MIXTURE:
@@ -160,6 +162,75 @@ def shape_kind_table(packings, study=None):
         }
     ).reset_index()
     return table if study is None else _beside(table, study, ["case"], {"rms_difference": "study_rms_difference"})
+
+
+def over_seeds(packings, key):
+    """Means of all numbers over the packings of one case that agree in `key`; as given where there is no such column.
+
+    Rows of one form with other seeds are no samples of their own: a fit would take its error for too small, and
+    cross-validation would see the form it is to predict.
+    """
+    if key not in packings:
+        return packings
+    return packings.groupby(["case", key], sort=False).mean(numeric_only=True).copy().reset_index()
+
+
+def models_dataset(models, table, title):
+    """As table_dataset of the models' table, with the covariance of the coefficients, which has no place in a CSV.
+
+    models: dict from (name, case) to PorosityModel, in the order of the table, one row a coefficient. covariance: of a
+    row's coefficient with each coefficient of its model, in their order; nan beyond the last.
+    """
+    dataset = table_dataset(table, title)
+    covariance = np.full((len(table), max((len(model.terms) for model in models.values()), default=0)), np.nan)
+    at = 0
+    for model in models.values():
+        size = len(model.terms)
+        covariance[at : at + size, :size] = model.covariance
+        at += size
+    attrs = {"units": "1", "long_name": "covariance with the coefficients of the same model, in their order"}
+    return dataset.assign(covariance=(("row", "term_of_model"), covariance, attrs))
+
+
+def read_models(path):
+    """The models of a file from models_dataset: dict from (name, case) to PorosityModel.
+
+    ValueError or OSError if it is none.
+    """
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as dataset:
+            dataset.load()
+    except FileNotFoundError:
+        raise ValueError(f"{path}: there is no such file; run the campaign's models first") from None
+    if "covariance" not in dataset:
+        raise ValueError(f"{path}: these models were written without covariances; run the rule that fits them again")
+    if dataset.sizes["row"] == 0:
+        return {}
+    models = {}
+    rows = pd.DataFrame({name: dataset[name].values for name in dataset.data_vars if dataset[name].dims == ("row",)})
+    for (name, case), part in rows.groupby(["model", "case"], sort=False):
+        size, first = len(part), part.iloc[0]
+        column = {key: tuple(part[key].tolist()) for key in part}
+        models[name, case] = PorosityModel(
+            name=name,
+            case=case,
+            features=column["term"][1:],
+            coefficients=column["coefficient"],
+            std_errors=column["std_error"],
+            lower=column["lower_95"],
+            upper=column["upper_95"],
+            bootstrap_lower=column["bootstrap_lower_95"],
+            bootstrap_upper=column["bootstrap_upper_95"],
+            covariance=tuple(map(tuple, dataset["covariance"].values[part.index, :size].tolist())),
+            minimum=column["feature_min"][1:],
+            maximum=column["feature_max"][1:],
+            n_samples=int(first["samples"]),
+            **{
+                key: float(first[key])
+                for key in ("scatter", "r_squared", "rmse", "mean_absolute_error", "median_absolute_error")
+            },
+        )
+    return models
 
 
 def table_dataset(table, title):

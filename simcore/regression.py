@@ -2,20 +2,22 @@
 """Linear models of porosity from the form of the grains: correlation, screening, cross-validation, fit."""
 
 import logging
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 import pandas as pd
 import statsmodels.api as sm
 import xarray as xr
+from scipy.stats import t as student
 from sklearn.linear_model import LinearRegression
-from sklearn.model_selection import RepeatedKFold
+from sklearn.model_selection import GroupKFold
 
 from simcore.grains.form import features as form_features
 
 log = logging.getLogger(__name__)
 
 FOLDS, REPEATS = 10, 10
+RESAMPLES = 2000  # of the bootstrap: the ends of its 95 % intervals are known to 4 % of a standard error
 CORRELATED = 0.8  # a second feature with |r| above this to the first is dropped (the study)
 
 
@@ -46,41 +48,78 @@ def screen(features, first="EQ_inv", limit=CORRELATED):
     return [first] + [name for name in features.columns if name != first and abs(r[name]) <= limit]
 
 
-def cross_validate(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0):
-    """Errors of a linear regression on samples it has not seen, dict; features (n, m), porosity (n,).
+def predict_unseen(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0, groups=None):
+    """Porosity of each sample by linear regressions that have not seen its group, (repeats, n).
 
     Shuffled k-fold cross-validation, repeated with new shuffles drawn from `seed` so that the result does not hang on
-    one division. With fewer samples than folds there are as many folds as samples, and one repeat, since all are alike.
-    mean_absolute_error and median_absolute_error are over all predictions of all repeats: the study's text says
-    median, its Table 9 says mean, so both are given.
+    one division. groups: (n,), samples that are left out together; None: each by itself. With fewer groups than folds
+    there are as many folds as groups, and one repeat, since all are alike.
+    Returns (predictions, folds used). ValueError where too few samples are left to fit.
     """
     X, y = features.to_numpy(float), np.asarray(porosity, float)
-    folds_used = min(folds, len(y))
-    repeats_used = repeats if folds_used < len(y) else 1
-    if len(y) - int(np.ceil(len(y) / max(folds_used, 1))) < X.shape[1] + 1:
-        raise ValueError(
-            f"cross_validate: {len(y)} samples are too few for {X.shape[1]} features and an intercept with one fold "
-            "left out; simulate more packings or use fewer features"
-        )
-    splits = RepeatedKFold(n_splits=folds_used, n_repeats=repeats_used, random_state=seed)
-    errors = []
-    for train, test in splits.split(X):
-        model = LinearRegression().fit(X[train], y[train])
-        errors.append(np.abs(model.predict(X[test]) - y[test]))
-    errors = np.concatenate(errors)
+    groups = np.arange(len(y)) if groups is None else np.unique(np.asarray(groups), return_inverse=True)[1]
+    n_groups = len(np.unique(groups))
+    folds_used = min(folds, n_groups)
+    repeats_used = repeats if folds_used < n_groups else 1
+    too_few = (
+        f"cross_validate: {len(y)} samples are too few for {X.shape[1]} features and an intercept with one fold left "
+        "out; simulate more packings or use fewer features"
+    )
+    if folds_used < 2:
+        raise ValueError(too_few)
+    predictions = np.full((repeats_used, len(y)), np.nan)
+    for repeat in range(repeats_used):
+        splits = GroupKFold(folds_used, shuffle=True, random_state=seed + repeat)
+        for train, test in splits.split(X, y, groups):
+            if len(train) < X.shape[1] + 1:
+                raise ValueError(too_few)
+            predictions[repeat, test] = LinearRegression().fit(X[train], y[train]).predict(X[test])
+    return predictions, folds_used
+
+
+def cross_validate(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0, groups=None):
+    """Errors of a linear regression on samples it has not seen, dict; features (n, m), porosity (n,).
+
+    Folds, repeats and groups as in predict_unseen. mean_absolute_error and median_absolute_error are over all
+    predictions of all repeats: the study's text says median, its Table 9 says mean, so both are given.
+    """
+    predictions, folds_used = predict_unseen(features, porosity, folds, repeats, seed, groups)
+    errors = np.abs(predictions - np.asarray(porosity, float))
     return {
         "mean_absolute_error": errors.mean(),
         "median_absolute_error": np.median(errors),
         "folds": folds_used,
-        "repeats": repeats_used,
+        "repeats": len(predictions),
     }
+
+
+def bootstrap(features, porosity, resamples=RESAMPLES, seed=0):
+    """Coefficients of fits to samples drawn with replacement, (resamples or fewer, m + 1), the intercept first.
+
+    features (n, m), porosity (n,): one row what is drawn as a whole, such as a form; average over its seeds before. A
+    draw of too few different rows to fit is left out.
+    """
+    # An orthonormal basis: the normal equations are then as well conditioned as a draw can be.
+    Q, R = np.linalg.qr(sm.add_constant(features.to_numpy(float), has_constant="add"))
+    y = np.asarray(porosity, float)
+    rng = np.random.default_rng(seed)
+    drawn = rng.multinomial(len(y), np.full(len(y), 1.0 / len(y)), size=resamples).astype(float)
+    normal = np.einsum("bi,ij,ik->bjk", drawn, Q, Q, optimize=True)
+    # A draw that lacks a direction leaves an eigenvalue of rounding, 1e-16 of the largest.
+    spans = np.linalg.eigvalsh(normal)[:, 0] > 1e-10
+    solved = np.linalg.solve(normal[spans], ((drawn[spans] * y) @ Q)[..., None])[..., 0]
+    return np.linalg.solve(R, solved.T).T
 
 
 @dataclass(frozen=True)
 class PorosityModel:
     """A fitted linear model n = b0 + b1 X1 + ...; arrays (m+1,) start with the intercept.
 
-    lower, upper: 95 % confidence intervals. rmse: root mean square residual over the samples of the fit.
+    lower, upper: 95 % confidence intervals by least squares; bootstrap_lower, bootstrap_upper: by drawing the samples
+    anew. covariance (m+1, m+1): of the coefficients. scatter: standard deviation of the samples about the model, its
+    degrees of freedom taken off; rmse: root mean square residual over the samples of the fit. minimum, maximum (m,): of
+    each feature over these samples. mean_absolute_error, median_absolute_error: cross-validated, nan where that was not
+    asked for.
     """
 
     name: str
@@ -90,9 +129,17 @@ class PorosityModel:
     std_errors: tuple
     lower: tuple
     upper: tuple
+    bootstrap_lower: tuple
+    bootstrap_upper: tuple
+    covariance: tuple
+    scatter: float
+    minimum: tuple
+    maximum: tuple
     r_squared: float
     rmse: float
     n_samples: int
+    mean_absolute_error: float = np.nan
+    median_absolute_error: float = np.nan
 
     @property
     def terms(self):
@@ -101,25 +148,67 @@ class PorosityModel:
 
     def predict(self, features):
         """Porosity (n,) for a feature table (n, m) that holds at least this model's features."""
+        return self._design(features) @ np.array(self.coefficients)
+
+    def predict_interval(self, features, level=0.95):
+        """(porosity, lower, upper), each (n,): the interval holds the porosity of a new sample with chance `level`.
+
+        Of a sample as those of the fit: a new form, its porosity as well known as theirs. By least squares: the
+        uncertainty of the coefficients and the scatter about the model, Student's t.
+        """
+        design = self._design(features)
+        porosity = design @ np.array(self.coefficients)
+        variance = self.scatter**2 + np.einsum("ni,ij,nj->n", design, np.array(self.covariance), design)
+        half = student.ppf(0.5 + 0.5 * level, self.n_samples - len(self.coefficients)) * np.sqrt(variance)
+        return porosity, porosity - half, porosity + half
+
+    def outside(self, features):
+        """For each row of a feature table the features that lie outside those of the fit, a list of (name, value,
+        minimum, maximum); empty where all lie within."""
+        values = self._design(features)[:, 1:]
+        low, high = np.array(self.minimum), np.array(self.maximum)
+        slack = 1e-9 * np.maximum(np.abs(low), np.abs(high))  # a form of the fit itself, written and read again
+        wrong = (values < low - slack) | (values > high + slack)
+        return [
+            [(self.features[i], float(row[i]), float(low[i]), float(high[i])) for i in np.flatnonzero(bad)]
+            for row, bad in zip(values, wrong, strict=True)
+        ]
+
+    def _design(self, features):
         missing = [name for name in self.features if name not in features]
         if missing:
             raise ValueError(f"model {self.name}: the table lacks its feature {', '.join(missing)}; add the column")
-        values = np.column_stack([np.asarray(features[name], float) for name in self.features])
-        return self.coefficients[0] + values @ np.array(self.coefficients[1:])
+        values = [np.asarray(features[name], float) for name in self.features]
+        return np.column_stack([np.ones(len(features)), *values])
 
     def predict_form(self, L, I, S):
         """Porosity (n,) of single-form beds of grains with full axes L >= I >= S, any length unit."""
         return self.predict(form_features(L, I, S))
 
     def to_rows(self):
-        """The model as a table, one row a coefficient."""
-        columns = ("coefficients", "std_errors", "lower", "upper")
-        table = pd.DataFrame({name: getattr(self, name) for name in columns})
-        table.columns = ["coefficient", "std_error", "lower_95", "upper_95"]
+        """The model as a table, one row a coefficient; the range of an intercept is nan."""
+        columns = {
+            "coefficients": "coefficient",
+            "std_errors": "std_error",
+            "lower": "lower_95",
+            "upper": "upper_95",
+            "bootstrap_lower": "bootstrap_lower_95",
+            "bootstrap_upper": "bootstrap_upper_95",
+        }
+        table = pd.DataFrame({column: getattr(self, name) for name, column in columns.items()})
         table.insert(0, "term", self.terms)
         table.insert(0, "case", self.case)
         table.insert(0, "model", self.name)
-        return table.assign(r_squared=self.r_squared, rmse=self.rmse, samples=self.n_samples)
+        return table.assign(
+            feature_min=[np.nan, *self.minimum],
+            feature_max=[np.nan, *self.maximum],
+            r_squared=self.r_squared,
+            rmse=self.rmse,
+            scatter=self.scatter,
+            mean_absolute_error=self.mean_absolute_error,
+            median_absolute_error=self.median_absolute_error,
+            samples=self.n_samples,
+        )
 
     def to_dataset(self):
         """The model as a Dataset over `term`."""
@@ -140,8 +229,11 @@ class PorosityModel:
         return asdict(self)
 
 
-def fit(features, porosity, name="porosity", case=""):
-    """Ordinary least squares of porosity (n,) on all columns of `features` (n, m) and an intercept: a PorosityModel."""
+def fit(features, porosity, name="porosity", case="", seed=0):
+    """Ordinary least squares of porosity (n,) on all columns of `features` (n, m) and an intercept: a PorosityModel.
+
+    seed: of the bootstrap.
+    """
     X, y = features.to_numpy(float), np.asarray(porosity, float)
     if len(y) <= X.shape[1] + 1:
         raise ValueError(
@@ -152,6 +244,7 @@ def fit(features, porosity, name="porosity", case=""):
         raise ValueError(f"fit of model {name}, case {case or '-'}: a value is not finite; see usable_features")
     result = sm.OLS(y, sm.add_constant(X, has_constant="add")).fit()
     lower, upper = result.conf_int(alpha=0.05).T
+    drawn_lower, drawn_upper = np.percentile(bootstrap(features, y, seed=seed), [2.5, 97.5], axis=0)
     return PorosityModel(
         name=name,
         case=case,
@@ -160,7 +253,20 @@ def fit(features, porosity, name="porosity", case=""):
         std_errors=tuple(result.bse.tolist()),
         lower=tuple(lower.tolist()),
         upper=tuple(upper.tolist()),
+        bootstrap_lower=tuple(drawn_lower.tolist()),
+        bootstrap_upper=tuple(drawn_upper.tolist()),
+        covariance=tuple(map(tuple, result.cov_params().tolist())),
+        scatter=float(np.sqrt(result.mse_resid)),
+        minimum=tuple(X.min(axis=0).tolist()),
+        maximum=tuple(X.max(axis=0).tolist()),
         r_squared=float(result.rsquared),
         rmse=float(np.sqrt(np.mean(result.resid**2))),
         n_samples=len(y),
     )
+
+
+def fit_and_validate(features, porosity, name="porosity", case="", seed=0, groups=None):
+    """As `fit`, with the cross-validated errors; groups: as in predict_unseen."""
+    errors = cross_validate(features, porosity, seed=seed, groups=groups)
+    chosen = {key: float(errors[key]) for key in ("mean_absolute_error", "median_absolute_error")}
+    return replace(fit(features, porosity, name, case, seed), **chosen)

@@ -76,14 +76,19 @@ def summarise(packings, varied):
 
 
 def tabulate_features(packings, evaluations):
-    """DataFrame with one row a packing: packing, case, kind, n, and the 104 features of simcore.mixture_features.
+    """DataFrame with one row a packing: packing, case, sample, kind, n, and the 104 of simcore.mixture_features.
 
-    kind is "discrete" where forms were drawn from the grain set, else "continuous".
+    sample: in words what was packed, but for the seed; equal for packings that differ in their seed alone. kind
+    is "discrete" where forms were drawn from the grain set, else "continuous".
     """
     rows = [data.form.to_series() for data in evaluations]
     choices = [json.loads(data.attrs["scene"])["shapes"]["choice"] for data in evaluations]
+    settings = [name for name in packings.loc[:, "case":"grains"] if name not in ("seed", "grains")]
+    samples = packings[settings].apply(lambda row: ", ".join(f"{name} {value}" for name, value in row.items()), axis=1)
     table = packings[["packing", "case"]].assign(
-        kind=["discrete" if choice == "random" else "continuous" for choice in choices], n=packings.n
+        sample=samples,
+        kind=["discrete" if choice == "random" else "continuous" for choice in choices],
+        n=packings.n,
     )
     return pd.concat([table.reset_index(drop=True), pd.DataFrame(rows).reset_index(drop=True)], axis=1)
 

@@ -11,6 +11,9 @@ from simcore.mixture_features import equancy_statistics, mixture_features
 from simcore.model_tables import (
     application_table,
     mixture_models,
+    models_dataset,
+    over_seeds,
+    read_models,
     shape_kind_table,
     single_form_models,
     table_dataset,
@@ -171,3 +174,37 @@ def test_tables_survive_netcdf(tmp_path, single_form_packings):
             column = "r" if name == "correlations" else table.columns[3]
             np.testing.assert_array_equal(dataset[column].values, table[column])
     models["single_form", "U1"].to_dataset().to_netcdf(tmp_path / "model.nc")
+
+
+def test_models_come_back_from_netcdf_whole(tmp_path, single_form_packings):
+    tables, models = single_form_models(single_form_packings)
+    models_dataset(models, tables["models"], "Models").to_netcdf(tmp_path / "models.nc")
+    assert read_models(tmp_path / "models.nc") == models
+    table_dataset(tables["models"], "Models").to_netcdf(tmp_path / "old.nc")
+    with pytest.raises(ValueError, match="old.nc: these models were written without covariances"):
+        read_models(tmp_path / "old.nc")
+
+
+def test_the_table_of_models_holds_intervals_errors_and_ranges(single_form_packings):
+    tables, models = single_form_models(single_form_packings)
+    rows = tables["models"].query("model == 'single_form' and case == 'U1'").set_index("term")
+    assert (rows.bootstrap_lower_95 < rows.coefficient).all() and (rows.coefficient < rows.bootstrap_upper_95).all()
+    u1 = single_form_packings.query("case == 'U1'")
+    assert rows.feature_max["EQ_inv"] == pytest.approx((u1.L / u1.S).max())
+    assert rows.feature_min["EL_inv"] == pytest.approx((u1.L / u1.I).min())
+    assert np.isnan(rows.feature_min["intercept"])
+    errors = tables["second_features"].set_index(["case", "feature"]).loc[("U1", "EL_inv")]
+    assert rows.mean_absolute_error["EQ_inv"] == errors.mean_absolute_error
+    assert rows.median_absolute_error["EQ_inv"] == errors.median_absolute_error
+
+
+def test_seeds_of_a_form_are_no_forms(single_form_packings):
+    once = single_form_packings.assign(grain=[f"G{i % 40}" for i in range(80)])
+    noise = 0.01 * np.random.default_rng(0).normal(size=80)
+    seeds = pd.concat([once.assign(n=once.n + noise), once.assign(n=once.n - noise)])
+    assert len(over_seeds(seeds, "grain")) == 80
+    averaged, plain = single_form_models(seeds)[1], single_form_models(single_form_packings)[1]
+    for key, model in plain.items():
+        assert averaged[key].n_samples == model.n_samples == 40
+        np.testing.assert_allclose(averaged[key].coefficients, model.coefficients, rtol=1e-9)
+        np.testing.assert_allclose(averaged[key].std_errors, model.std_errors, rtol=1e-6)

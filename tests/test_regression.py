@@ -5,9 +5,21 @@ import logging
 import numpy as np
 import pandas as pd
 import pytest
+import statsmodels.api as sm
+from scipy.stats import norm
 
 from simcore.grains.form import features as form_features
-from simcore.regression import correlate, cross_validate, fit, screen, usable_features
+from simcore.regression import (
+    RESAMPLES,
+    bootstrap,
+    correlate,
+    cross_validate,
+    fit,
+    fit_and_validate,
+    predict_unseen,
+    screen,
+    usable_features,
+)
 
 
 def forms(n, seed=0):
@@ -117,3 +129,74 @@ def test_too_few_samples_are_refused(function):
     features = pd.DataFrame({"a": [1.0, 2.0, 3.0], "b": [1.0, 0.0, 2.0]})
     with pytest.raises(ValueError, match="3 samples are too few"):
         function(features, [0.1, 0.2, 0.3])
+
+
+def test_a_prediction_interval_holds_a_new_form_as_often_as_it_says():
+    """Given a fit, the chance that its interval holds a new porosity is known; its mean over fits is the level."""
+    rng = np.random.default_rng(5)
+    truth, noise = np.array([0.278, 0.019, 0.014]), 0.006
+    new = pd.DataFrame({"EQ_inv": [2.0, 8.0], "EL_inv": [1.4, 2.6]})  # amid the forms, and far outside them
+    expected = truth[0] + new.to_numpy() @ truth[1:]
+    features = form_features(*forms(12))[["EQ_inv", "EL_inv"]]
+    for level in (0.8, 0.95):
+        chance = []
+        for _ in range(150):
+            model = fit(features, truth[0] + features.to_numpy() @ truth[1:] + noise * rng.normal(size=12))
+            n, lower, upper = model.predict_interval(new, level)
+            np.testing.assert_allclose((lower + upper) / 2, n, rtol=1e-12)
+            # The mean of two at a time: nothing is lost by the two being of one fit.
+            chance.append(norm.cdf((upper - expected) / noise) - norm.cdf((lower - expected) / noise))
+        amid = np.array(chance)[:, 0]
+        assert amid.mean() == pytest.approx(level, abs=4 * amid.std() / np.sqrt(150))
+    # Far outside the coefficients' own errors count.
+    widths = upper - lower
+    assert widths[1] > 1.2 * widths[0]
+
+
+def test_what_lies_outside_the_fit_is_named():
+    features = form_features(*forms(20))[["EQ_inv", "EL_inv"]]
+    model = fit(features, 0.3 + 0.01 * features["EQ_inv"] + 1e-3 * np.random.default_rng(0).normal(size=20))
+    low, high = features.min(), features.max()
+    assert model.outside(features) == [[]] * 20
+    inside, one, both = model.outside(
+        pd.DataFrame({"EQ_inv": [low["EQ_inv"], 0.5, 50.0], "EL_inv": [high["EL_inv"], high["EL_inv"], 9.0]})
+    )
+    assert inside == []
+    assert one == [("EQ_inv", 0.5, low["EQ_inv"], high["EQ_inv"])]
+    assert [name for name, *_ in both] == ["EQ_inv", "EL_inv"]
+
+
+def test_the_bootstrap_knows_of_scatter_that_grows():
+    """Its deviations are the sandwich estimate's to 1/sqrt(2 RESAMPLES) = 1.6 % and the order of 3/400."""
+    rng = np.random.default_rng(6)
+    features = pd.DataFrame({"a": rng.uniform(1.0, 5.0, 400), "b": rng.normal(size=400)})
+    n = 0.3 + 0.01 * features["a"] + 1e-3 * features["a"] ** 2 * rng.normal(size=400)
+    drawn = bootstrap(features, n, seed=3)
+    assert drawn.shape == (RESAMPLES, 3)
+    ols = sm.OLS(n.to_numpy(), sm.add_constant(features.to_numpy())).fit()
+    np.testing.assert_allclose(drawn.std(axis=0), ols.HC0_se, rtol=4 * 0.016 + 3 / 400)
+    assert ols.HC0_se[1] > 1.1 * ols.bse[1]  # least squares alone does not know
+    np.testing.assert_array_equal(bootstrap(features, n, seed=3), drawn)
+    model = fit(features, n)
+    assert model.bootstrap_upper[1] - model.bootstrap_lower[1] > 1.1 * (model.upper[1] - model.lower[1])
+
+
+def test_draws_that_carry_no_model_are_left_out():
+    """Without the one row that differs there is no slope: (4/5)^5 = 0.328 of the draws, binomial with sd 21."""
+    drawn = bootstrap(pd.DataFrame({"a": [0.0, 0.0, 0.0, 0.0, 1.0]}), [0.3, 0.31, 0.29, 0.3, 0.4])
+    assert abs(len(drawn) - 0.672 * RESAMPLES) < 4 * 21
+    assert np.abs(drawn).max() < 1.0
+
+
+def test_a_group_is_left_out_whole():
+    x = np.repeat([0.0, 1.0, 2.0, 4.0, 5.0], 2) + np.tile([0.0, 0.3], 5)
+    y = np.repeat([0.1, 0.5, 0.2, 0.9, 0.4], 2)
+    groups = np.repeat(list("abcde"), 2)
+    predicted, folds = predict_unseen(pd.DataFrame({"x": x}), y, groups=groups)
+    assert folds == 5 and predicted.shape == (1, 10)
+    for group in "abcde":
+        rest = groups != group
+        np.testing.assert_allclose(predicted[0, ~rest], np.polyval(np.polyfit(x[rest], y[rest], 1), x[~rest]))
+    model = fit_and_validate(pd.DataFrame({"x": x}), y, groups=groups)
+    assert model.mean_absolute_error == pytest.approx(np.abs(predicted[0] - y).mean())
+    assert model.mean_absolute_error > cross_validate(pd.DataFrame({"x": x}), y)["mean_absolute_error"]

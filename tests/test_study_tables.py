@@ -41,6 +41,7 @@ def test_a_row_holds_the_setting_the_form_and_the_result(evaluation):
     assert (row.n, row.n_exact) == (float(evaluation.n), float(evaluation.n_exact))
     features = tabulate_features(table, [evaluation])
     assert (features.mu_EQ[0], features.kind[0], features.n[0]) == (1.0, "continuous", row.n)
+    assert features["sample"][0] == "case U1, shaking_s 1.0, grain G01, kind mesh"
     assert set(mixture_features([2.0, 3.0], [1.0, 1.0], [0.5, 0.6]).index) <= set(features.columns)
 
 

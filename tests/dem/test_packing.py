@@ -121,7 +121,7 @@ def test_two_threads_give_the_bits_of_one():
         env={**os.environ, "NUMBA_NUM_THREADS": "2"},
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=900,  # compiling on a busy machine
     )
     assert done.returncode == 0, done.stderr[-2000:]
     assert [line.split()[0] for line in done.stdout.splitlines()] == ["sphere", "sphere", "ellipsoid", "mesh"]

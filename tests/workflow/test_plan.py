@@ -18,7 +18,7 @@ STUDIES = {
     "form_mixtures",
     "application",
 }
-MODELS = {"single_form_models", "form_mixture_models", "shape_kinds"}
+MODELS = {"single_form_models", "form_mixture_models", "unified_model", "shape_kinds"}
 
 
 def test_the_default_campaign_holds_all_studies_and_models(workplace):
@@ -93,6 +93,11 @@ def test_a_target_asks_only_for_its_own_inputs(workplace):
             "results/models/single_form.csv",
             evaluated | {"form_order", "study_table", "single_form_models"},
             {"single_form"},
+        ),
+        (
+            "results/models/unified.csv",
+            evaluated | {"form_order", "study_table", "unified_model"},
+            {"single_form", "form_mixtures"},
         ),
         (
             "results/models/application.csv",

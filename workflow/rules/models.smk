@@ -95,3 +95,26 @@ if {"single_form", "equivalent_ellipsoids"} <= set(studies):
             code=digest("workflow/scripts/shape_kinds.py"),
         script:
             "../scripts/shape_kinds.py"
+
+
+# Where the one and the other are there: a model that holds for both.
+if {"single_form", "form_mixture"} <= set(models):
+    models += ["unified", "unified_feature_sets"]
+
+    rule unified_model:
+        input:
+            single_forms="results/tables/single_form_packings.csv",
+            mixtures="results/tables/form_mixtures_packings.csv",
+            features="results/tables/form_mixtures_features.csv",
+        output:
+            models="results/models/unified.csv",
+            feature_sets="results/models/unified_feature_sets.csv",
+            dataset="results/models/unified.nc",
+        log:
+            "results/logs/unified_model.log",
+        params:
+            seed=campaign["models"]["seed"],
+            test_only=campaign["test_only"],
+            code=digest("workflow/scripts/unified_model.py"),
+        script:
+            "../scripts/unified_model.py"

@@ -7,7 +7,7 @@ import pandas as pd
 from simcore.figures.models import prediction_figure
 from simcore.figures.saving import save_figure
 from simcore.figures.zingg import form_sets_figure
-from simcore.model_tables import application_table, mixture_models, table_dataset
+from simcore.model_tables import application_table, mixture_models, models_dataset
 from simcore.reference import add_reference, read_study_table
 from simcore.study_tables import compare_predictions, mark
 
@@ -26,7 +26,7 @@ if snakemake.input.application:
     tables["application"] = application_table(models, unseen, read_study_table("table11_application"))
 for name, table in tables.items():
     mark(table, test_only).to_csv(snakemake.output[name], index=False)
-dataset = table_dataset(tables["models"], "Models of porosity, packings with a distribution of form")
+dataset = models_dataset(models, tables["models"], "Models of porosity, packings with a distribution of form")
 dataset.assign_attrs(test_only=int(test_only)).to_netcdf(snakemake.output.dataset)
 
 rows = add_reference(pd.read_csv(snakemake.input.rows), "form_mixtures")

@@ -8,7 +8,7 @@ from simcore.figures.models import form_figure, prediction_figure
 from simcore.figures.saving import save_figure
 from simcore.figures.zingg import porosity_zingg_figure
 from simcore.grains.form import features
-from simcore.model_tables import single_form_models, table_dataset
+from simcore.model_tables import models_dataset, single_form_models
 from simcore.reference import add_reference, read_study_table
 from simcore.study_tables import compare_predictions, mark
 
@@ -25,7 +25,7 @@ tables, models = single_form_models(
 )
 for name, table in tables.items():
     mark(table, test_only).to_csv(snakemake.output[name], index=False)
-dataset = table_dataset(tables["models"], "Models of porosity, packings of one form")
+dataset = models_dataset(models, tables["models"], "Models of porosity, packings of one form")
 dataset.assign_attrs(test_only=int(test_only)).to_netcdf(snakemake.output.dataset)
 
 columns = ["case", "n", "n_std_error", "study_n"]

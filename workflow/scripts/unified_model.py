@@ -1,0 +1,26 @@
+"""The model for beds of one form and for mixtures alike, beside the separate ones, per case."""
+
+import logging
+
+import pandas as pd
+
+from simcore.model_tables import models_dataset
+from simcore.reference import read_study_table
+from simcore.study_tables import mark
+from simcore.unified_model import unified_models
+
+logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
+test_only = snakemake.params.test_only
+means = ["packing", "mean_FL", "mean_EL"]
+varied = pd.read_csv(snakemake.input.mixtures)
+features = pd.read_csv(snakemake.input.features)
+tables, models = unified_models(
+    pd.read_csv(snakemake.input.single_forms),
+    features.merge(varied[means], on="packing") if set(means) <= set(varied) else features,
+    read_study_table("models"),
+    seed=snakemake.params.seed,
+)
+for name, table in tables.items():
+    mark(table, test_only).to_csv(snakemake.output[name], index=False)
+dataset = models_dataset(models, tables["models"], "Models of porosity, for one form and for a distribution of form")
+dataset.assign_attrs(test_only=int(test_only)).to_netcdf(snakemake.output.dataset)
