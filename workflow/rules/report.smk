@@ -57,14 +57,20 @@ shown = showpieces(in_report)
 rule domain_pictures:
     input:
         packings=collect(
-            "results/packings/{name}.nc", name=shown.study + "/" + shown.packing
+            "results/packings/{study}/{packing}.nc",
+            zip,
+            study=shown.study,
+            packing=shown.packing,
         ),
     output:
         figure=multiext("results/figures/campaign/domains", ".png", ".pdf"),
     log:
         "results/logs/domain_pictures.log",
     params:
-        labels=list(shown.study.map(titles) + "\n" + shown.packing),
+        labels=[
+            f"{titles[study]}\n{packing}"
+            for study, packing in zip(shown.study, shown.packing)
+        ],
         azimuth=-60.0,
         elevation=22.0,
         test_only=campaign["test_only"],
