@@ -7,7 +7,7 @@ sides compute) + what is exchanged. A rank's block is a rectangle of the bed's f
 it whose width is measured. Exchanged are the bytes of the ghosts, at least two messages to each neighbour, and one
 reduction over all ranks, at the stated speed and latency of a network (ASSUME: 10 GB/s and 2 µs, of an ordinary
 cluster; within one machine both are better). Not in it: waiting for the slower rank, in which two on one machine lost
-6 to 10 % with what they exchanged; uneven blocks (up to simcore.dem.decomposition.UNEVEN); neighbour lists, 2 % of a
+6 to 11 % with what they exchanged; uneven blocks (up to simcore.dem.decomposition.UNEVEN); neighbour lists, 2 % of a
 step; and what ranks of one machine take from each other of the speed of its memory.
 """
 
