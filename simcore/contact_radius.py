@@ -33,9 +33,18 @@ def equal_volume_radius(packing):
 
 
 def radius_bins(largest):
-    """Edges of the bins from near 0 up to the first beyond `largest`, (k + 1,), and their middles, (k,)."""
-    middles = BIN_WIDTH * np.arange(1, max(int(np.ceil(largest / BIN_WIDTH + 0.5)), 1) + 1)
+    """Edges of the bins from near 0 up to the first not below `largest`, (k + 1,), and their middles, (k,)."""
+    middles = BIN_WIDTH * np.arange(1, max(int(np.ceil(largest / BIN_WIDTH - 0.5)), 1) + 1)
     return np.append(middles - 0.5 * BIN_WIDTH, middles[-1] + 0.5 * BIN_WIDTH), middles
+
+
+def largest_radius(packing, grains):
+    """rho that no point of the surface of these grains (n,), indices, exceeds."""
+    reach = np.ones(packing.sizes["shape"])
+    for shape in np.flatnonzero(packing["shape_kind"].values.astype(str) == "convex"):
+        reach[shape] = np.linalg.norm(_vertices(packing, shape), axis=1).max()
+    reach = reach[packing["shape"].values[grains]] * packing["scale"].values[grains].max(axis=1)
+    return (reach / equal_volume_radius(packing)[grains]).max(initial=0.0)
 
 
 def surface_radii(packing, grains, weights, edges):
@@ -74,14 +83,18 @@ def _ellipsoid(semi_axes):
 
 def _hull(packing, shape, scale):
     """Points (m, 3) on the faces of a scaled hull, and the area each stands for, (m,)."""
-    v, n_vertices = (int(packing[f"shape_vertex_{name}"].values[shape]) for name in ("start", "count"))
-    f, n_faces = (int(packing[f"shape_face_{name}"].values[shape]) for name in ("start", "count"))
-    vertices = packing["shape_vertices"].values[v : v + n_vertices] * scale
-    corners = vertices[packing["shape_faces"].values[f : f + n_faces]]
+    first, number = (int(packing[f"shape_face_{name}"].values[shape]) for name in ("start", "count"))
+    corners = (_vertices(packing, shape) * scale)[packing["shape_faces"].values[first : first + number]]
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     centres = _centres_of_parts()
     points = np.einsum("pc,fcx->fpx", centres, corners).reshape(-1, 3)
     return points, np.repeat(area / len(centres), len(centres))
+
+
+def _vertices(packing, shape):
+    """Vertices of a base hull, (m, 3) [m]."""
+    first, number = (int(packing[f"shape_vertex_{name}"].values[shape]) for name in ("start", "count"))
+    return packing["shape_vertices"].values[first : first + number]
 
 
 def _centres_of_parts():

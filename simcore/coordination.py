@@ -15,9 +15,10 @@ def coordination_number(packing, grains=None, bearing_contacts=BEARING_CONTACTS)
 
     packing: Dataset as in packing_io; grains: (n,) bool, those averaged over, whose contacts with all others count; all
     if None. Contacts of overlap zero or less are memory, not contacts. A pair that touches through two periodic
-    images has two contacts. Rattlers, grains with fewer than bearing_contacts contacts that carry force (whose two
-    bodies push each other apart), are taken out of the whole packing until none is left; without them their contacts do
-    not count either. The standard errors take grains as independent; see simcore.fabric for that over seeds.
+    images has two contacts. Rattlers, those of `grains` with fewer than bearing_contacts contacts that carry force
+    (whose two bodies push each other apart), are taken out until none is left; without them their contacts do not count
+    either. All other grains stay: from a free surface on, a whole bed could be taken down one grain after the other.
+    The standard errors take grains as independent; see simcore.fabric for that over seeds.
     """
     n_grains = packing.sizes["grain"]
     grains = np.ones(n_grains, bool) if grains is None else np.asarray(grains)
@@ -31,8 +32,9 @@ def coordination_number(packing, grains=None, bearing_contacts=BEARING_CONTACTS)
 
     bearing = np.ones(n_grains, bool)
     while True:
-        held = touching & np.all((bodies < 0) | bearing[bodies], axis=1)
-        still = bearing & (_contacts_per_grain(bodies[held & pushing], n_grains) >= bearing_contacts)
+        held = touching & np.all((bodies < 0) | bearing[np.maximum(bodies, 0)], axis=1)
+        enough = _contacts_per_grain(bodies[held & pushing], n_grains) >= bearing_contacts
+        still = bearing & (enough | ~grains)
         if (still == bearing).all():
             break
         bearing = still

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from simcore.bulk import bulk
-from simcore.contact_radius import contact_radii, radius_bins, surface_radii
+from simcore.contact_radius import contact_radii, largest_radius, radius_bins, surface_radii
 from simcore.coordination import BEARING_CONTACTS, coordination_number
 from simcore.directions import (
     FOLDS,
@@ -178,10 +178,9 @@ def _radial(packing, ends):
     contacts, second = np.nonzero(ends)
     rho = contact_radii(packing, contacts, second > 0)
     grains = packing["contact_body"].values[contacts, second]
-    # Where contacts are at one distance, as of spheres, round-off decides about the last bin: keep it clear of that.
-    edges, middles = radius_bins(max(rho.max(initial=0.0), 1.0) * (1.0 + 1e-6))
     number = np.bincount(grains, minlength=packing.sizes["grain"])
     some = np.flatnonzero(number)
+    edges, middles = radius_bins(max(rho.max(initial=0.0), largest_radius(packing, some)))
     surface = surface_radii(packing, some, number[some].astype(float), edges)
     places = np.clip(np.searchsorted(edges, rho, side="right") - 1, 0, len(middles) - 1)
     counts = np.bincount(places, minlength=len(middles))

@@ -34,9 +34,9 @@ def make_packing(
 ):
     """Packing Dataset of one shape: unit spheres times scale, or, with vertices (n, 3), convex polyhedra.
 
-    position (n, 3), scale (n,) or (n, 3) [m]; orientation (n, 4), upright if None; contacts: list of body pairs, images
-    (k, 2): of their second body, 0 if None. Contacts push with 1 N along the line of centres, down at the floor, and lie
-    on it at the first body's largest scale.
+    position (n, 3), scale (n,) or (n, 3) [m]; orientation (n, 4), upright if None; contacts: list of body pairs;
+    images (k, 2): of their second body, 0 if None. Contacts push with 1 N along the line of centres, down at walls, and
+    lie on it at the first body's largest scale.
     """
     position = np.atleast_2d(np.asarray(position, float))
     n = len(position)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simcore.contact_radius import BIN_WIDTH, contact_radii, radius_bins, surface_radii
+from simcore.contact_radius import BIN_WIDTH, contact_radii, largest_radius, radius_bins, surface_radii
 
 
 def test_both_ends_of_a_contact_across_the_border(packings):
@@ -22,9 +22,19 @@ def test_bins_have_one_in_the_middle_and_reach_the_largest():
     for largest in (0.01, 1.0, 1.02, 2.51):
         edges, middles = radius_bins(largest)
         assert edges[-1] >= largest and len(edges) == len(middles) + 1
+        assert edges[-1] < largest + BIN_WIDTH or len(middles) == 1
         np.testing.assert_allclose(np.diff(edges), BIN_WIDTH)
     edges, middles = radius_bins(1.0)
     assert 1.0 in middles.round(12)
+
+
+def test_the_farthest_point_of_the_surface(packings):
+    r = (3 / (4 * np.pi)) ** (1 / 3)
+    assert largest_radius(packings.make(np.zeros((2, 3)), [1.0, 4.0], vertices=packings.cube), [0, 1]) == pytest.approx(
+        np.sqrt(0.75) / r
+    )
+    bed = packings.make(np.zeros((2, 3)), [[1.0, 1.0, 8.0], [1.0, 1.0, 1.0]])
+    assert largest_radius(bed, [0, 1]) == pytest.approx(4.0) and largest_radius(bed, [1]) == pytest.approx(1.0)
 
 
 def test_surface_of_spheres_is_at_one(packings):
@@ -61,7 +71,7 @@ def test_surface_of_a_cube_and_of_a_mixture(packings):
     # Within 0.5 of a face's middle the area is that of a circle: π (rho² r² - 1/4), from the inscribed radius on.
     below = np.flatnonzero(edges * r < np.sqrt(0.5))[-1]
     circle = np.pi * ((edges[below] * r) ** 2 - 0.25)
-    # 2 triangles a face are cut into 16 each: 1/32 of a face, four times where a part of a symmetric set moves in or out.
+    # 2 triangles a face are cut into 16 each: 1/32 of a face, four times where parts move in or out by symmetry.
     assert np.sum(density[:below]) * BIN_WIDTH == pytest.approx(circle, abs=4 / 32)
     assert np.sum(density) * BIN_WIDTH == pytest.approx(1.0)
     weighted = packings.make(np.zeros((2, 3)), [[1.0, 1.0, 1.0], [1.0, 1.0, 2.0]])

@@ -17,8 +17,12 @@ def test_contacts_and_rattlers_are_counted(packings):
     assert float(result["coordination_number_without_rattlers"]) == pytest.approx(2.0)
     upper = coordination_number(bed, grains=[False, False, True, True, False, False])
     assert float(upper["coordination_number"]) == pytest.approx(2.5)
-    assert float(upper["coordination_number_without_rattlers"]) == pytest.approx(2.0)
-    assert float(upper["rattler_fraction"]) == pytest.approx(1 / 2)
+    # Grain 4 is not looked at: it stays and bears 3.
+    assert float(upper["coordination_number_without_rattlers"]) == pytest.approx(2.5)
+    assert float(upper["rattler_fraction"]) == 0.0
+    tail = coordination_number(bed, grains=[False, False, True, True, True, False])
+    assert float(tail["coordination_number_without_rattlers"]) == pytest.approx(2.0)
+    assert float(tail["rattler_fraction"]) == pytest.approx(2 / 3)
     # Two grains with 3 and 2 contacts: the mean's error is half their difference.
     assert float(upper["coordination_number_std_error"]) == pytest.approx(0.5)
 

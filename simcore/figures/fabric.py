@@ -57,7 +57,7 @@ def contact_radius_figure(fabrics):
     """
     _check(fabrics, "contact_radius_figure")
     figure = Figure(figsize=(1.0 + 3.0 * len(fabrics), 3.6), layout="constrained")
-    panels = figure.subplots(1, len(fabrics), sharey=True, squeeze=False)[0]
+    panels = figure.subplots(1, len(fabrics), squeeze=False)[0]
     for axes, (label, fabric) in zip(panels, fabrics.items(), strict=True):
         rho = fabric["radius"].values
         edges = np.append(rho, 2.0 * rho[-1] - rho[-2]) - 0.5 * (rho[1] - rho[0])
@@ -67,9 +67,9 @@ def contact_radius_figure(fabrics):
         axes.stairs(contacts, edges, color=STYLES[0][0], lw=1.3, label=f"contacts ({BAND})")
         some = np.flatnonzero((surface > 0.0) | (contacts > 0.0))
         axes.set(xlim=(edges[some[0]] - 0.1, edges[some[-1] + 1] + 0.1), xlabel="distance from the centre / radius [-]")
+        axes.set_ylim(bottom=0)
         axes.set_title(label, fontsize="medium")
     panels[0].set_ylabel("density [-]")
-    panels[0].set_ylim(bottom=0)
     _legend(figure, panels[:1])
     return figure
 
