@@ -73,8 +73,8 @@ def fabric(packing, cut=None, bearing_contacts=BEARING_CONTACTS, n_bins=N_BINS):
     azimuth_resultant with azimuth_p_value over `fold`. A kind of axes that no grain has is nan.
     contact_radius_density over `radius`: see simcore.contact_radius.
 
-    *_std_error: of this packing alone, with contacts and grains taken as independent, which they are not; that of the
-    solid fraction is of simcore.sampling_error. fabric_over_seeds gives what they really are.
+    *_std_error and p-values: of this packing alone, with contacts and grains taken as independent, which they are not
+    quite; the error of the solid fraction is of simcore.sampling_error. fabric_over_seeds gives what they really are.
     """
     if n_bins < 1:
         raise ValueError(f"fabric: n_bins is {n_bins}, but at least one bin is needed")

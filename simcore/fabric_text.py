@@ -12,7 +12,8 @@ def fabric_text(fabric):
     source = "over seeds" if several else "within the packing, contacts and grains taken as independent"
     lines = [
         f"{bed}{int(fabric['grains'])} grains in the bulk, {1e3 * float(fabric['z_lower']):.1f} to "
-        f"{1e3 * float(fabric['z_upper']):.1f} mm above the floor; ± standard error {source}",
+        f"{1e3 * float(fabric['z_upper']):.1f} mm above the floor",
+        f"± standard error {source}",
         "",
     ]
     for label, name in (

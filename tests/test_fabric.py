@@ -256,5 +256,6 @@ def test_text_says_what_stands_in_the_dataset(packings):
     assert float(lines["<P2> about the vertical"][0]) == pytest.approx(float(normal), abs=5e-5)
     assert max(map(len, text.splitlines())) <= 120
     spheres = fabric_text(fabric(crystal(packings, "fcc")))
+    assert max(map(len, spheres.splitlines())) <= 120
     assert [line.split()[-1] for line in spheres.splitlines() if line.startswith("<P2>")] == ["-"]
     assert "12.0000" in spheres
