@@ -289,8 +289,10 @@ def costs(rng):
                     began = time.process_time()
                     searched = ask(*poses, contacts, ROUNDS, fresh)
                     spent.append((time.process_time() - began) / (2 * ROUNDS * PAIRS) * 1e6)
-                if contacts.touching.any() != (depth > 0.0) or (searched > 0) != (fresh > 1):
-                    raise RuntimeError(f"{form}, {case}, {construction}: not the pairs meant, {searched} searches")
+                # A narrow gap that loses half of itself between the poses is searched again: a pair or two
+                share = searched / (2 * ROUNDS * PAIRS)
+                if contacts.touching.any() != (depth > 0.0) or not (share == 1.0 if fresh > 1 else share < 0.01):
+                    raise RuntimeError(f"{form}, {case}, {construction}: not the pairs meant, {share:.3f} searched")
                 row("cost", form, case, construction, [min(spent)], "us of CPU")
 
 

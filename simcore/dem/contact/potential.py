@@ -13,7 +13,7 @@ iteration climbs to the one root from any start below it, and a start above it f
 the normal: λ = h_near (n·r − h_near) / h_far², which the last step's normal answers to second order. No other memory.
 
 Direction. The contact vector is no normal: as the depth δ goes to zero it tends to δ (n + t), n the common normal, t
-tangential and of the order of the tangent of the angles between n and the lines to the centres; 0 for spheres only. A
+tangential, of the order of the tangents of the angles between n and the lines to the centres, and none for spheres. A
 force along it feeds or eats energy in every oblique impact. The gradients at both points tend to ±n.
 # ASSUME: the paper replaces the direction by the averaged gradients where it deviates from them, by an angle that its
 # text has lost. Here always: the vector deviates by 20 degrees on average in pairs of 1.6 : 1 : 0.6, however shallow.
