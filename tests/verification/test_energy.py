@@ -90,15 +90,15 @@ def test_an_elastic_contact_by_potentials_loses_little_on_average():
     vector, whose impacts gain a tenth and more of all their energy (tests/test_ellipsoid_contact.py).
 
     The overlap is the depth times a factor of the pose, which changes by about the depth over the size as the contact
-    slides: 0.02 here, so gains are some hundredths of the normal energy, and more of that where it is a small part.
+    slides, 0.02 here: so much of the normal energy, times a few where that is a small part of all.
     """
     step = Features(ELLIPSOID, True, potential=True)
     seen = energy.impacts("ellipsoid", step, 1.0, 40, 200)
     by_normal = impacts("ellipsoid", 1.0, 40, 200)
     assert len(seen.gain) > 50
-    least, most = np.sqrt((by_normal.gain**2).mean()), 0.1
-    print(f"by potentials: mean {seen.gain.mean():.1e}, rms {np.sqrt((seen.gain**2).mean()):.1e}, by normal {least:.1e}")
-    assert 2.0 * least < np.sqrt((seen.gain**2).mean()) < most
+    ours, least = (np.sqrt((each.gain**2).mean()) for each in (seen, by_normal))
+    print(f"by potentials: mean {seen.gain.mean():.1e}, rms {ours:.1e}, by normal {least:.1e}")
+    assert 2.0 * least < ours < 0.05
     assert seen.gain.mean() < 0.0
 
 
