@@ -36,6 +36,11 @@ PARTS = (
     (lambda f: f.attractive, "contacts that may pull as they end", "contacts that pull: forces are clamped at zero"),
     (lambda f: f.implicit, "implicit dashpots, by how firmly a grain is held", "implicit dashpots"),
     (lambda f: f.patch, "patches: polyhedra press at the centroid of their overlap", "patches"),
+    (
+        lambda f: f.potential,
+        "potentials: ellipsoids press where each is deepest in the other",
+        "potentials of ellipsoids: their contacts have a common normal",
+    ),
     (lambda f: f.floor, "a floor", "a floor"),
     (lambda f: f.cylinder, "a cylinder's wall", "a cylinder's wall"),
     (lambda f: f.periodic, "periodic images", "periodic images"),

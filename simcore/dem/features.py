@@ -16,3 +16,4 @@ class Features(NamedTuple):
     patch: bool = False  # two polyhedra, or one and a wall, press at the centroid of their overlap
     implicit: bool = False  # the dashpot of a contact sees what the contact does to the velocity within the step
     timed: bool = False  # count the processor's cycles of each part of the step
+    potential: bool = False  # ellipsoids meet where the potential of each is least on the other, not by a common normal

@@ -6,7 +6,7 @@ leave overlap, direction and point in the arrays. Then the force law presses, th
 """
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact import ellipsoid, mixed, polyhedron, sphere
+from simcore.dem.contact import ellipsoid, mixed, polyhedron, potential, sphere
 from simcore.dem.contact.gap import still_apart
 from simcore.dem.contact.wall import forget_springs
 from simcore.dem.force_laws import explicit_dashpot, implicit_dashpot, normal_force, patch_torque, tangential_force
@@ -14,6 +14,7 @@ from simcore.dem.shapes import is_hull
 
 touch_spheres = sphere.touch
 recheck_ellipsoids, search_ellipsoid_contact = ellipsoid.recheck, ellipsoid.search_contact
+recheck_potentials, search_potential_contact = potential.recheck, potential.search_contact
 recheck_polyhedra, search_polyhedron_contact = polyhedron.recheck, polyhedron.search_contact
 recheck_mixed, search_mixed_contact = mixed.recheck, mixed.search_contact
 
@@ -56,6 +57,18 @@ def check_ellipsoids(bodies, contacts, p, width, periodic):
 
 
 @leaf
+def check_potentials(bodies, contacts, p, width, periodic):
+    """Update contact p between ellipsoids by their potentials from its memory, or leave it pending."""
+    i, j = contacts.body_a[p], contacts.body_b[p]
+    rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
+    if contacts.touching[p] != 0 or not still_apart(bodies, contacts, p, i, j, rx, ry, rz):
+        known, overlap, nx, ny, nz, x, y, z = recheck_potentials(bodies, contacts, p, i, j, rx, ry, rz)
+        contacts.pending[p] = not known
+        if known:
+            _note(contacts, p, overlap, nx, ny, nz, x, y, z)
+
+
+@leaf
 def check_polyhedra(shapes, bodies, contacts, p, width, periodic):
     """Update contact p between convex polyhedra from its memory, or leave it pending."""
     i, j = contacts.body_a[p], contacts.body_b[p]
@@ -90,6 +103,17 @@ def search_ellipsoids(bodies, contacts, p, width, periodic):
     """Update pending contact p between ellipsoids."""
     rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
     overlap, nx, ny, nz, x, y, z = search_ellipsoid_contact(
+        bodies, contacts, p, contacts.body_a[p], contacts.body_b[p], rx, ry, rz
+    )
+    contacts.pending[p] = 0
+    _note(contacts, p, overlap, nx, ny, nz, x, y, z)
+
+
+@routine
+def search_potentials(bodies, contacts, p, width, periodic):
+    """Update pending contact p between ellipsoids by their potentials."""
+    rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
+    overlap, nx, ny, nz, x, y, z = search_potential_contact(
         bodies, contacts, p, contacts.body_a[p], contacts.body_b[p], rx, ry, rz
     )
     contacts.pending[p] = 0

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from simcore.dem.features import Features
 from simcore.dem.force_laws import ContactLaw, contact_law, explicit_dashpot, implicit_dashpot, implicit_law
-from simcore.dem.shapes import CONVEX, MIXED
+from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED
 
 # Steps per contact time with which beds of the default material came to rest: `snakemake work_precision`, rest.csv.
 STEPS_FOR_REST = {"explicit": 40, "implicit": 10}
@@ -98,6 +98,7 @@ class Numerics:
     contact_region: str
     skin: float | None
     progress_interval: float
+    ellipsoid_contact: str = "common_normal"
 
     @property
     def time_step(self) -> float:
@@ -135,6 +136,11 @@ class Scene:
                 f"material.fluid_density: {self.material.fluid_density:g} kg/m3 is not below the grains' density of "
                 f"{self.material.density:g} kg/m3, they would not settle"
             )
+        if self.kind == MIXED and self.numerics.ellipsoid_contact == "potential":
+            raise ValueError(
+                "numerics.ellipsoid_contact: potential is for scenes of ellipsoids alone; set it to common_normal, or "
+                "shapes.kind to ellipsoid"
+            )
 
     @property
     def features(self) -> Features:
@@ -149,6 +155,7 @@ class Scene:
             shaken=self.shaking.amplitude > 0.0 and self.shaking.duration > 0.0,
             patch=self.kind in (CONVEX, MIXED) and self.numerics.contact_region == "patch",
             implicit=self.implicit,
+            potential=self.kind == ELLIPSOID and self.numerics.ellipsoid_contact == "potential",
         )
 
     @property

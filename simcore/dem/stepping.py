@@ -35,6 +35,7 @@ from simcore.dem.interaction import (
     check_ellipsoids,
     check_mixed,
     check_polyhedra,
+    check_potentials,
     check_spheres,
     partner_offset,
     press_contact,
@@ -42,6 +43,7 @@ from simcore.dem.interaction import (
     search_ellipsoids,
     search_mixed,
     search_polyhedra,
+    search_potentials,
 )
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, is_hull
 
@@ -72,7 +74,7 @@ def make_advance(features: Features):
 
 
 @cache
-def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken, patch, implicit, timed):
+def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken, patch, implicit, timed, potential):
     walled = floor or cylinder
     patch = patch and (kind == CONVEX or kind == MIXED)
 
@@ -93,6 +95,8 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                         press_contact(
                             bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit
                         )
+                elif kind == ELLIPSOID and potential:
+                    check_potentials(bodies, contacts, p, width, periodic)
                 elif kind == ELLIPSOID:
                     check_ellipsoids(bodies, contacts, p, width, periodic)
                 elif kind == MIXED:
@@ -103,7 +107,9 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
             if kind != SPHERE:
                 for p in prange(n_pairs):
                     if contacts.pending[p] != 0:
-                        if kind == ELLIPSOID:
+                        if kind == ELLIPSOID and potential:
+                            search_potentials(bodies, contacts, p, width, periodic)
+                        elif kind == ELLIPSOID:
                             search_ellipsoids(bodies, contacts, p, width, periodic)
                         elif kind == MIXED:
                             search_mixed(shapes, bodies, contacts, p, width, periodic)

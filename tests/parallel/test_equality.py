@@ -1,4 +1,4 @@
-"""The matrix of benchmarks/equality.py, small: four kinds of scenes, on threads and ranks, stopped and resumed."""
+"""The matrix of benchmarks/equality.py, small: all kinds of scenes, on threads and ranks, stopped and resumed."""
 
 import numpy as np
 import pytest

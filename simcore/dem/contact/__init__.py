@@ -8,6 +8,7 @@ Within a step, from what the last step left:
 
     sphere       closed form
     ellipsoid    Newton iteration for the common normal, from the last normal
+    potential    the same for ellipsoids by each one's least potential on the other's surface (a scene may choose it)
     polyhedron   check of the facet of the Minkowski difference that was found last
     mixed        hull against ellipsoid: climb to the common normal, from the last normal and vertex
     gap          pairs apart: how long a gap once seen is certain
