@@ -32,6 +32,7 @@ if "single_form" in studies:
             "results/logs/single_form_models.log",
         params:
             seed=campaign["models"]["seed"],
+            folds=campaign["models"]["folds"],
             test_only=campaign["test_only"],
             code=digest("workflow/scripts/single_form_models.py"),
         script:
@@ -67,6 +68,7 @@ if study_sizes.get("form_mixtures", 0) >= smallest_mixture_study:
             "results/logs/form_mixture_models.log",
         params:
             seed=campaign["models"]["seed"],
+            folds=campaign["models"]["folds"],
             test_only=campaign["test_only"],
             code=digest("workflow/scripts/form_mixture_models.py"),
         script:
@@ -114,6 +116,7 @@ if {"single_form", "form_mixture"} <= set(models):
             "results/logs/unified_model.log",
         params:
             seed=campaign["models"]["seed"],
+            folds=campaign["models"]["folds"],
             test_only=campaign["test_only"],
             code=digest("workflow/scripts/unified_model.py"),
         script:

@@ -22,6 +22,7 @@ tables, models = single_form_models(
     read_study_table("table9_second_factor_mae"),
     study_models,
     seed=snakemake.params.seed,
+    folds=snakemake.params.folds,
 )
 for name, table in tables.items():
     mark(table, test_only).to_csv(snakemake.output[name], index=False)
