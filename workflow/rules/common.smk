@@ -14,6 +14,8 @@ try:
 except ValueError as error:
     raise WorkflowError(f"config: {error}") from None
 
+# Paths of rules begin with <results>, which Snakemake takes from the same key.
+results = campaign["pathvars"]["results"]
 packings["is_first"] = ~packings.study.duplicated()
 all_studies = list(packings.study.unique())
 studies = [name for name in all_studies if campaign["studies"][name]["in_all"]]

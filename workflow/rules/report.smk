@@ -4,25 +4,25 @@
 # Of each study its porosities beside the source study's, and its first packing.
 rule study_figures:
     input:
-        table="results/tables/{study}.csv",
+        table="<results>/tables/{study}.csv",
         packing=collect(
-            "results/packings/{{study}}/{packing}.nc",
+            "<results>/packings/{{study}}/{packing}.nc",
             packing=lookup(
                 query="study == '{study}' & is_first", within=packings, cols="packing"
             ),
         ),
         evaluation=collect(
-            "results/porosity/{{study}}/{packing}.nc",
+            "<results>/porosity/{{study}}/{packing}.nc",
             packing=lookup(
                 query="study == '{study}' & is_first", within=packings, cols="packing"
             ),
         ),
     output:
-        porosities=multiext("results/figures/studies/{study}", ".png", ".pdf"),
-        picture=multiext("results/figures/packings/{study}", ".png", ".pdf"),
-        profile=multiext("results/figures/profiles/{study}", ".png", ".pdf"),
+        porosities=multiext("<results>/figures/studies/{study}", ".png", ".pdf"),
+        picture=multiext("<results>/figures/packings/{study}", ".png", ".pdf"),
+        profile=multiext("<results>/figures/profiles/{study}", ".png", ".pdf"),
     log:
-        "results/logs/study_figures/{study}.log",
+        "<results>/logs/study_figures/{study}.log",
     params:
         rows=lookup(query="study == '{study}'", within=packings, cols="row"),
         test_only=campaign["test_only"],
@@ -34,14 +34,14 @@ rule study_figures:
 # What the studies have together: the table of their cost, and of trends over height.
 rule campaign_tables:
     input:
-        packings=collect("results/tables/{study}_packings.csv", study=studies),
-        trends=collect("results/tables/{study}_trends.csv", study=studies),
+        packings=collect("<results>/tables/{study}_packings.csv", study=studies),
+        trends=collect("<results>/tables/{study}_trends.csv", study=studies),
     output:
-        cost="results/campaign/cost.csv",
-        trends="results/campaign/trends.csv",
-        figure=multiext("results/figures/campaign/trends", ".png", ".pdf"),
+        cost="<results>/campaign/cost.csv",
+        trends="<results>/campaign/trends.csv",
+        figure=multiext("<results>/figures/campaign/trends", ".png", ".pdf"),
     log:
-        "results/logs/campaign_tables.log",
+        "<results>/logs/campaign_tables.log",
     params:
         test_only=campaign["test_only"],
         code=digest("workflow/scripts/campaign_tables.py"),
@@ -57,15 +57,15 @@ shown = showpieces(in_report)
 rule domain_pictures:
     input:
         packings=collect(
-            "results/packings/{study}/{packing}.nc",
+            "<results>/packings/{study}/{packing}.nc",
             zip,
             study=shown.study,
             packing=shown.packing,
         ),
     output:
-        figure=multiext("results/figures/campaign/domains", ".png", ".pdf"),
+        figure=multiext("<results>/figures/campaign/domains", ".png", ".pdf"),
     log:
-        "results/logs/domain_pictures.log",
+        "<results>/logs/domain_pictures.log",
     params:
         labels=[
             f"{titles[study]}\n{packing}"
@@ -89,12 +89,12 @@ if len(corners):
     rule mixture_pictures:
         input:
             packings=collect(
-                "results/packings/form_mixtures/{packing}.nc", packing=corners.packing
+                "<results>/packings/form_mixtures/{packing}.nc", packing=corners.packing
             ),
         output:
-            figure=multiext("results/figures/campaign/mixtures", ".png", ".pdf"),
+            figure=multiext("<results>/figures/campaign/mixtures", ".png", ".pdf"),
         log:
-            "results/logs/mixture_pictures.log",
+            "<results>/logs/mixture_pictures.log",
         params:
             labels=list(corners.label),
             azimuth=-90.0,
@@ -114,7 +114,7 @@ rule report:
         grain_tables=branch(
             has_grains,
             then=collect(
-                "results/grains/{table}.csv",
+                "<results>/grains/{table}.csv",
                 table=[
                     "form_statistics",
                     "shapes_against_scans",
@@ -126,7 +126,7 @@ rule report:
         grain_figures=branch(
             has_grains,
             then=collect(
-                "results/figures/grains/{figure}.png",
+                "<results>/figures/grains/{figure}.png",
                 figure=[
                     "zingg",
                     "histograms",
@@ -136,24 +136,24 @@ rule report:
                 ],
             ),
         ),
-        models=collect("results/models/{model}.csv", model=models),
+        models=collect("<results>/models/{model}.csv", model=models),
         model_figures=collect(
-            "results/figures/models/{figure}.png", figure=model_figures
+            "<results>/figures/models/{figure}.png", figure=model_figures
         ),
         campaign_tables=collect(
-            "results/campaign/{table}.csv", table=["cost", "trends"]
+            "<results>/campaign/{table}.csv", table=["cost", "trends"]
         ),
         campaign_figures=collect(
-            "results/figures/campaign/{figure}.png", figure=campaign_figures
+            "<results>/figures/campaign/{figure}.png", figure=campaign_figures
         ),
-        tables=collect("results/tables/{study}.csv", study=studies),
-        study_figures=collect("results/figures/studies/{study}.png", study=studies),
-        pictures=collect("results/figures/packings/{study}.png", study=studies),
-        profiles=collect("results/figures/profiles/{study}.png", study=studies),
+        tables=collect("<results>/tables/{study}.csv", study=studies),
+        study_figures=collect("<results>/figures/studies/{study}.png", study=studies),
+        pictures=collect("<results>/figures/packings/{study}.png", study=studies),
+        profiles=collect("<results>/figures/profiles/{study}.png", study=studies),
     output:
-        report="results/report.html",
+        report="<results>/report.html",
     log:
-        "results/logs/report.log",
+        "<results>/logs/report.log",
     params:
         titles=titles,
         test_only=campaign["test_only"],
