@@ -1,6 +1,10 @@
 # Validation and tables, before any job.
+import sys
+
+import numpy as np
 from snakemake.exceptions import WorkflowError
 
+from simcore.campaign_cost import describe_studies, estimate_studies, number_pieces
 from simcore.packing_cost import estimate
 from simcore.provenance import digest
 from simcore.showpieces import corner_mixtures, showpieces
@@ -24,9 +28,26 @@ titles = {name: campaign["studies"][name]["title"] or name for name in studies}
 
 # What a packing asks of the machine. No result depends on it, so nothing of it may stand in `params`.
 packings["cost"] = packings.specification.map(estimate)
+hours = np.array([cost.cpu_seconds / 3600.0 for cost in packings.cost])
+seeds = np.array([specification["seed"] for specification in packings.specification])
+packings["piece"] = 0
+for rows in packings.groupby("study").indices.values():
+    packings.loc[rows, "piece"] = number_pieces(
+        hours[rows], seeds[rows], campaign["piece_hours"]
+    )
 packings["ranks"] = [
     cost.ranks(campaign["ranks"], campaign["grains_per_rank"]) for cost in packings.cost
 ]
+
+
+# A dry run says what the campaign will cost. Snakemake tells no workflow that it is one before all rules are read.
+if {"-n", "--dry-run", "--dryrun"} & set(sys.argv):
+    print(
+        describe_studies(
+            estimate_studies(packings, studies), campaign["piece_hours"]
+        ),
+        file=sys.stderr,
+    )
 
 
 def of_packing(wildcards, column):

@@ -125,3 +125,13 @@ for study in all_studies:
             study
         input:
             f"<results>/tables/{study}.csv",
+
+
+# A study in pieces of some hours; each goes on where it was ended: `snakemake single_form_piece_1`.
+for (study, piece), rows in packings.groupby(["study", "piece"], sort=False):
+
+    rule:
+        name:
+            f"{study}_piece_{piece}"
+        input:
+            [f"<results>/porosity/{study}/{packing}.nc" for packing in rows.packing],
