@@ -39,7 +39,9 @@ def estimate_studies(packings, in_all):
     table = groups[["packings", "grains", "cpu_h"]].sum()
     table = table.assign(longest_h=groups["cpu_h"].max(), pieces=groups["piece"].max())
     inside = table[table.index.isin(in_all)]
-    everything = inside[["packings", "grains", "cpu_h", "pieces"]].sum().to_frame().T.assign(longest_h=inside.longest_h.max())
+    everything = (
+        inside[["packings", "grains", "cpu_h", "pieces"]].sum().to_frame().T.assign(longest_h=inside.longest_h.max())
+    )
     everything.index = ["all"]
     table = pd.concat([inside, everything, table.drop(inside.index)]).rename_axis("study").reset_index()
     return table.astype({"packings": int, "grains": int, "pieces": int})
@@ -53,7 +55,7 @@ def describe_studies(table, piece_hours):
             f"{row.study:<24}{row.packings:>9}{row.grains:>10}{row.cpu_h:>11.2f}{row.longest_h:>9.2f}{row.pieces:>8}"
         )
     lines.append(
-        f"Estimated for one thread, compiling apart; a piece takes at most {piece_hours:g} CPU hours and is a target, such "
-        f"as {table.study.iloc[0]}_piece_1. Below `all`: studies that are made only when they are asked for."
+        f"Estimated for one thread, compiling apart; a piece takes at most {piece_hours:g} CPU hours and is a target, "
+        f"such as {table.study.iloc[0]}_piece_1. Below `all`: studies that are made only when they are asked for."
     )
     return "\n".join(lines)

@@ -11,7 +11,15 @@ import pandas as pd
 import xarray as xr
 
 from simcore.grains.form import features as form_features
-from simcore.regression import FOLDS, PorosityModel, correlate, cross_validate, fit_and_validate, screen, usable_features
+from simcore.regression import (
+    FOLDS,
+    PorosityModel,
+    correlate,
+    cross_validate,
+    fit_and_validate,
+    screen,
+    usable_features,
+)
 
 log = logging.getLogger(__name__)
 

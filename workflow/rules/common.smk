@@ -1,4 +1,5 @@
 # Validation and tables, before any job.
+import os
 import sys
 
 import numpy as np
@@ -20,6 +21,7 @@ except ValueError as error:
 
 # Paths of rules begin with <results>, which Snakemake takes from the same key.
 results = campaign["pathvars"]["results"]
+overlays = [os.path.relpath(path) for path in workflow.overwrite_configfiles]
 packings["is_first"] = ~packings.study.duplicated()
 all_studies = list(packings.study.unique())
 studies = [name for name in all_studies if campaign["studies"][name]["in_all"]]

@@ -135,3 +135,29 @@ for (study, piece), rows in packings.groupby(["study", "piece"], sort=False):
             f"{study}_piece_{piece}"
         input:
             [f"<results>/porosity/{study}/{packing}.nc" for packing in rows.packing],
+
+
+# The finished packings of all studies, as rows of the committed tables; the others may come later. The tables are no
+# outputs: they are there in a clone, and stay when what they were made of is gone.
+rule collect:
+    log:
+        "<results>/logs/collect.log",
+    params:
+        folder=campaign["reference"],
+        test_only=campaign["test_only"],
+        source=campaign["grains"]["source"],
+        evaluations=f"{results}/porosity",
+        command=" ".join(["snakemake --configfile", *overlays]),
+        packings={
+            study: [
+                {
+                    "row": packing.row,
+                    "specification": packing.specification,
+                    "cpu_h": packing.cost.cpu_seconds / 3600.0,
+                }
+                for packing in packings[packings.study == study].itertuples()
+            ]
+            for study in studies
+        },
+    script:
+        "../scripts/collect.py"
