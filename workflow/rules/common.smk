@@ -8,6 +8,7 @@ from snakemake.exceptions import WorkflowError
 from simcore.campaign_cost import describe_studies, estimate_studies, number_pieces
 from simcore.packing_cost import estimate
 from simcore.provenance import digest
+from simcore.reference import ROWS_FOLDER
 from simcore.showpieces import corner_mixtures, showpieces
 from simcore.sources import source_files
 from simcore.specification import resolve
@@ -77,6 +78,17 @@ def minutes(wildcards, attempt):
 # One rank needs nothing to start it, and the executor for Slurm refuses to hear of MPI then.
 def mpiexec(wildcards):
     return campaign["mpiexec"] if ranks(wildcards) > 1 else ""
+
+
+# Packings of one form that stand in for cases which this campaign has not.
+cases_packed = {
+    specification["sizes"]["case"]
+    for specification in packings.specification[
+        packings.study.str.startswith("single_form")
+    ]
+}
+cases_committed = sorted(set(campaign["models"]["committed"]) - cases_packed)
+committed_rows = ROWS_FOLDER / "single_form.csv"
 
 
 wildcard_constraints:

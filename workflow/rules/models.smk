@@ -4,6 +4,7 @@ study_sizes = packings.groupby("study").size()
 smallest_mixture_study = 7
 
 models, model_figures = [], []
+single_form_studies = [name for name in studies if name.startswith("single_form")]
 
 if "single_form" in studies:
     models += ["single_form", "single_form_second_features", "single_form_correlations"]
@@ -15,7 +16,13 @@ if "single_form" in studies:
 
     rule single_form_models:
         input:
-            packings="<results>/tables/single_form_packings.csv",
+            packings=collect(
+                "<results>/tables/{study}_packings.csv", study=single_form_studies
+            ),
+            committed=branch(
+                bool(cases_committed) and committed_rows.exists(),
+                then=str(committed_rows),
+            ),
         output:
             models="<results>/models/single_form.csv",
             correlations="<results>/models/single_form_correlations.csv",
@@ -33,6 +40,7 @@ if "single_form" in studies:
         params:
             seed=campaign["models"]["seed"],
             folds=campaign["models"]["folds"],
+            committed=cases_committed,
             test_only=campaign["test_only"],
             code=digest("workflow/scripts/single_form_models.py"),
         script:
