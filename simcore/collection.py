@@ -121,4 +121,5 @@ def record(folder, entries):
     if path.exists():
         table = pd.concat([pd.read_csv(path), table], ignore_index=True)
     table = table.drop_duplicates(keys, keep="last").sort_values(keys)
+    path.parent.mkdir(parents=True, exist_ok=True)
     table.to_csv(path, index=False, lineterminator="\n")
