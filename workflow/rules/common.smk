@@ -1,4 +1,7 @@
 # Validation and tables, before any job.
+report: "../report/workflow.rst"
+
+
 import os
 import sys
 
@@ -7,7 +10,7 @@ from snakemake.exceptions import WorkflowError
 
 from simcore.campaign_cost import describe_studies, estimate_studies, number_pieces
 from simcore.packing_cost import estimate
-from simcore.provenance import digest
+from simcore.provenance import ROOT, digest
 from simcore.reference import ROWS_FOLDER
 from simcore.showpieces import corner_mixtures, showpieces
 from simcore.sources import source_files
@@ -46,9 +49,7 @@ packings["ranks"] = [
 # A dry run says what the campaign will cost. Snakemake tells no workflow that it is one before all rules are read.
 if {"-n", "--dry-run", "--dryrun"} & set(sys.argv):
     print(
-        describe_studies(
-            estimate_studies(packings, studies), campaign["piece_hours"]
-        ),
+        describe_studies(estimate_studies(packings, studies), campaign["piece_hours"]),
         file=sys.stderr,
     )
 
@@ -89,6 +90,18 @@ cases_packed = {
 }
 cases_committed = sorted(set(campaign["models"]["committed"]) - cases_packed)
 committed_rows = ROWS_FOLDER / "single_form.csv"
+
+
+# A figure as PNG, which Snakemake's report shows under its caption, and as PDF.
+def figure(path, category, caption=None, **labels):
+    caption = caption or "_".join(path.split("/")[-2:])
+    shown = report(
+        f"{path}.png",
+        caption=f"../report/{caption}.rst",
+        category=category,
+        labels={"figure": caption.split("_", 1)[1].replace("_", " "), **labels},
+    )
+    return [shown, f"{path}.pdf"]
 
 
 wildcard_constraints:

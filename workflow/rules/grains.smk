@@ -52,11 +52,11 @@ rule grain_report:
         decimation="<results>/grains/decimation.csv",
         decimation_summary="<results>/grains/decimation_summary.csv",
         shapes="<results>/grains/shapes_against_scans.csv",
-        zingg=multiext("<results>/figures/grains/zingg", ".png", ".pdf"),
-        histograms=multiext("<results>/figures/grains/histograms", ".png", ".pdf"),
-        matrix=multiext("<results>/figures/grains/factor_correlations", ".png", ".pdf"),
-        scans=multiext("<results>/figures/grains/shapes_against_scans", ".png", ".pdf"),
-        changes=multiext("<results>/figures/grains/decimation", ".png", ".pdf"),
+        zingg=figure("<results>/figures/grains/zingg", "Grains"),
+        histograms=figure("<results>/figures/grains/histograms", "Grains"),
+        matrix=figure("<results>/figures/grains/factor_correlations", "Grains"),
+        scans=figure("<results>/figures/grains/shapes_against_scans", "Grains"),
+        changes=figure("<results>/figures/grains/decimation", "Grains"),
     log:
         "<results>/logs/grain_report.log",
     params:

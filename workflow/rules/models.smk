@@ -28,12 +28,10 @@ if "single_form" in studies:
             correlations="<results>/models/single_form_correlations.csv",
             second_features="<results>/models/single_form_second_features.csv",
             dataset="<results>/models/single_form.nc",
-            features=multiext(
-                "<results>/figures/models/single_form_features", ".png", ".pdf"
-            ),
-            zingg=multiext("<results>/figures/models/single_form_zingg", ".png", ".pdf"),
-            prediction=multiext(
-                "<results>/figures/models/single_form_prediction", ".png", ".pdf"
+            features=figure("<results>/figures/models/single_form_features", "Models"),
+            zingg=figure("<results>/figures/models/single_form_zingg", "Models"),
+            prediction=figure(
+                "<results>/figures/models/single_form_prediction", "Models"
             ),
         log:
             "<results>/logs/single_form_models.log",
@@ -65,9 +63,9 @@ if study_sizes.get("form_mixtures", 0) >= smallest_mixture_study:
             correlations="<results>/models/form_mixture_correlations.csv",
             feature_sets="<results>/models/form_mixture_feature_sets.csv",
             dataset="<results>/models/form_mixture.nc",
-            sets=multiext("<results>/figures/models/form_mixture_sets", ".png", ".pdf"),
-            prediction=multiext(
-                "<results>/figures/models/form_mixture_prediction", ".png", ".pdf"
+            sets=figure("<results>/figures/models/form_mixture_sets", "Models"),
+            prediction=figure(
+                "<results>/figures/models/form_mixture_prediction", "Models"
             ),
             application=branch(
                 "application" in studies, then="<results>/models/application.csv"
@@ -97,7 +95,7 @@ if {"single_form", "equivalent_ellipsoids"} <= set(studies):
         output:
             table="<results>/models/shape_kinds.csv",
             pairs="<results>/models/shape_kind_pairs.csv",
-            figure=multiext("<results>/figures/models/shape_kinds", ".png", ".pdf"),
+            figure=figure("<results>/figures/models/shape_kinds", "Models"),
         log:
             "<results>/logs/shape_kinds.log",
         params:

@@ -18,9 +18,24 @@ rule study_figures:
             ),
         ),
     output:
-        porosities=multiext("<results>/figures/studies/{study}", ".png", ".pdf"),
-        picture=multiext("<results>/figures/packings/{study}", ".png", ".pdf"),
-        profile=multiext("<results>/figures/profiles/{study}", ".png", ".pdf"),
+        porosities=figure(
+            "<results>/figures/studies/{study}",
+            "Studies",
+            "study_porosities",
+            study="{study}",
+        ),
+        picture=figure(
+            "<results>/figures/packings/{study}",
+            "Studies",
+            "study_picture",
+            study="{study}",
+        ),
+        profile=figure(
+            "<results>/figures/profiles/{study}",
+            "Studies",
+            "study_profile",
+            study="{study}",
+        ),
     log:
         "<results>/logs/study_figures/{study}.log",
     params:
@@ -39,7 +54,9 @@ rule campaign_tables:
     output:
         cost="<results>/campaign/cost.csv",
         trends="<results>/campaign/trends.csv",
-        figure=multiext("<results>/figures/campaign/trends", ".png", ".pdf"),
+        figure=figure(
+            "<results>/figures/campaign/trends", "Cost, and order in the beds"
+        ),
     log:
         "<results>/logs/campaign_tables.log",
     params:
@@ -63,7 +80,9 @@ rule domain_pictures:
             packing=shown.packing,
         ),
     output:
-        figure=multiext("<results>/figures/campaign/domains", ".png", ".pdf"),
+        figure=figure(
+            "<results>/figures/campaign/domains", "Cost, and order in the beds"
+        ),
     log:
         "<results>/logs/domain_pictures.log",
     params:
@@ -89,10 +108,13 @@ if len(corners):
     rule mixture_pictures:
         input:
             packings=collect(
-                "<results>/packings/form_mixtures/{packing}.nc", packing=corners.packing
+                "<results>/packings/form_mixtures/{packing}.nc",
+                packing=corners.packing,
             ),
         output:
-            figure=multiext("<results>/figures/campaign/mixtures", ".png", ".pdf"),
+            figure=figure(
+                "<results>/figures/campaign/mixtures", "Cost, and order in the beds"
+            ),
         log:
             "<results>/logs/mixture_pictures.log",
         params:
@@ -107,6 +129,11 @@ if len(corners):
 
 # Spheres, and ellipsoids of a given form, are made of no grain: then there is none to report.
 has_grains = (in_report.grain_set != "").any()
+
+
+captions = sorted(
+    f"workflow/report/{path.name}" for path in (ROOT / "workflow/report").iterdir()
+)
 
 
 rule report:
@@ -151,12 +178,16 @@ rule report:
         pictures=collect("<results>/figures/packings/{study}.png", study=studies),
         profiles=collect("<results>/figures/profiles/{study}.png", study=studies),
     output:
-        report="<results>/report.html",
+        report=report(
+            "<results>/report.html",
+            caption="../report/page.rst",
+            category=" The whole report",
+        ),
     log:
         "<results>/logs/report.log",
     params:
         titles=titles,
         test_only=campaign["test_only"],
-        code=digest("workflow/scripts/report.py"),
+        code=digest("workflow/scripts/report.py", *captions),
     script:
         "../scripts/report.py"
