@@ -102,7 +102,7 @@ def gather(folder, name, rows):
             raise ValueError(f"{path}: has the columns {', '.join(there)}, not {', '.join(rows)}; move it away")
         rows = pd.concat([there, rows], ignore_index=True)
     # Numbers of a file and of a specification are one: 300 and "300".
-    spelled = rows[keys].astype(str)
+    spelled = rows[keys].map(str)
     rows = rows[~spelled.duplicated(keep="last")].sort_values(keys, key=_sortable)
     path.parent.mkdir(parents=True, exist_ok=True)
     rows.to_csv(path, index=False, lineterminator="\n")

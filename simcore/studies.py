@@ -51,10 +51,12 @@ def expand_study(name, study, config):
     axes += [_forms(study["forms"], config["grains"], where)] if study["forms"] else []
     fixed = merge(with_presets(config["packing"]), with_presets(study["fixes"]), {"grains": config["grains"]})
     base = _base(fixed)
+    # All that any group of an axis sets: groups that leave a key as it was would else be told apart by nothing.
+    columns = [key for axis in axes for part in axis if not part.get("is_form") for key in part["settings"]]
+    columns = list(dict.fromkeys(columns))
     rows = []
     for combination in itertools.product(*axes):
         settings = {key: value for part in combination for key, value in part["settings"].items()}
-        columns = [key for part in combination if not part.get("is_form") for key in part["settings"]]
         raw = merge(fixed, with_presets({key: value for key, value in settings.items() if "." not in key}))
         for key, value in settings.items():
             _put(raw, key, value, where)

@@ -157,7 +157,8 @@ rule collect:
                 }
                 for packing in packings[packings.study == study].itertuples()
             ]
-            for study in studies
+            for study in all_studies
+            if study in studies or study.startswith("difference_")
         },
     script:
         "../scripts/collect.py"

@@ -117,3 +117,27 @@ rule packing_precision:
         code=digest("workflow/scripts/packing_precision.py"),
     script:
         "../scripts/packing_precision.py"
+
+
+# What in our process and law makes porosity differ from the study's: config/differences.yaml.
+difference_studies = [name for name in all_studies if name.startswith("difference_")]
+
+
+rule differences:
+    input:
+        tables=collect(
+            "<results>/tables/{study}_packings.csv", study=difference_studies
+        ),
+    output:
+        table="<results>/differences.csv",
+    log:
+        "<results>/logs/differences.log",
+    params:
+        varied=[
+            list(packings.row[packings.study == study].iloc[0]["varied"])
+            for study in difference_studies
+        ],
+        test_only=campaign["test_only"],
+        code=digest("workflow/scripts/differences.py"),
+    script:
+        "../scripts/differences.py"
