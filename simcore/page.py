@@ -74,6 +74,11 @@ def picture(path, caption=""):
     )
 
 
+def is_picture(fragment):
+    """Whether a fragment comes from `picture`."""
+    return fragment.startswith("<figure")
+
+
 def _caption(text, path):
     """What is shown, in words, and the file it comes from."""
     return " ".join(filter(None, [escape(text), f'<span class="file">{escape(str(path))}</span>']))

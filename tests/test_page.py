@@ -8,7 +8,7 @@ matplotlib.use("Agg")
 import pytest
 from matplotlib.figure import Figure
 
-from simcore.page import page, paragraph, picture, table
+from simcore.page import is_picture, page, paragraph, picture, table
 from simcore.provenance import ROOT
 
 
@@ -20,6 +20,7 @@ def test_a_picture_is_in_the_page_with_its_caption_in_words(tmp_path, size, wide
     assert base64.b64encode(path.read_bytes()).decode() in html
     assert "<figcaption>Beds &amp; their porosity. <span" in html and str(path) in html
     assert ('<figure class="wide">' in html) == wide
+    assert is_picture(html) and not is_picture(paragraph("text"))
 
 
 def test_a_table_shows_numbers_shortly_and_no_note(tmp_path):

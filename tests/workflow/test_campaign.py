@@ -27,6 +27,9 @@ def test_every_table_and_the_report_say_that_they_are_tests(finished):
     for table in tables:
         assert (pd.read_csv(table).note == "test only").all(), table
     assert "Test only" in (results / "report.html").read_text()
+    # As text of a data URL, base64, Chromium shows it up to 2 MB.
+    assert "Test only" in (results / "tables.html").read_text()
+    assert (results / "tables.html").stat().st_size < 1.4e6
 
 
 def test_a_second_run_has_nothing_to_do(finished):

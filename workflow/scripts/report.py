@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from simcore.page import page, paragraph, picture, table
+from simcore.page import is_picture, page, paragraph, picture, table
 
 TITLE = "Scree: porosity from the form of grains"
 LEAD = (
@@ -55,5 +55,7 @@ kinds = ("study_porosities", "study_picture", "study_profile")
 for path, *pictures in zip(files.tables, files.study_figures, files.pictures, files.profiles, strict=True):
     shown = [picture(file, caption(kind)) for file, kind in zip(pictures, kinds, strict=True)]
     sections.append((params.titles[Path(path).stem], [table(path, caption("study_table")), *shown]))
-text = page(TITLE, LEAD, sections, TEST_ONLY if params.test_only else "")
-Path(snakemake.output.report).write_text(text, encoding="utf-8")
+banner = TEST_ONLY if params.test_only else ""
+Path(snakemake.output.report).write_text(page(TITLE, LEAD, sections, banner), encoding="utf-8")
+without = [(heading, [each for each in fragments if not is_picture(each)]) for heading, fragments in sections]
+Path(snakemake.output.tables).write_text(page(TITLE, LEAD, without, banner), encoding="utf-8")
