@@ -4,9 +4,9 @@
     python -m benchmarks.ranks --large
 
 A settled periodic bed of 1250 grains is repeated 2 x 2 and 4 x 4 times; runs of different numbers of ranks take turns,
-each in processes of its own, and medians of wall time are compared (strong scaling). --weak: a bed of as many times
-1250 grains as there are ranks is repeated 2 x 2 times. One thread a rank. --large: a bed of 1000
-polyhedra repeated 10 x 10 times on two ranks, shaken, kept, resumed.
+each in processes of its own, and medians of wall time are compared (strong scaling). --weak: the bed is repeated so
+often that a rank has about 5000 grains (2 x 2 times on one rank, 3 x 3 on two). One thread a rank. --large: a bed of
+1000 polyhedra repeated 10 x 10 times on two ranks, shaken, kept, resumed.
 """
 
 import argparse
@@ -41,12 +41,13 @@ def main():
     if options.large:
         return large(options)
     rows = []
+    pour(options, GRAINS)
     for times in TIMES[:1] if options.weak else TIMES:
         found = {ranks: [] for ranks in options.ranks}
         for _ in range(options.runs):
             for ranks in options.ranks:
-                grains = GRAINS * (ranks if options.weak else 1)
-                found[ranks].append(call(options, ranks, times, grains))
+                copies = round(times * np.sqrt(ranks)) if options.weak else times
+                found[ranks].append(call(options, ranks, copies))
         for each in found.values():
             wall = float(np.median([row["wall_us_per_grain_step"] for row in each]))
             first = float(np.median([row["wall_us_per_grain_step"] for row in found[options.ranks[0]]]))
@@ -71,6 +72,14 @@ def parse():
     parser.add_argument("--large", action="store_true", help="the large bed")
     parser.add_argument("--work", nargs=3, metavar=("GRAINS", "TIMES", "KEPT"), help=argparse.SUPPRESS)
     return parser.parse_args()
+
+
+def pour(options, grains):
+    """The bed, once, so that no rank does it for itself."""
+    from benchmarks.beds import bed_settings, settled_bed
+
+    settings = bed_settings(options.shape, grains, options.faces)
+    return settings, settled_bed(settings, options.beds, lambda text: print(text, file=sys.stderr, flush=True))
 
 
 def call(options, ranks, times, grains=GRAINS, kept="-"):
@@ -101,12 +110,11 @@ def work(options, grains, times, kept):
 
 
 def run(options, ranks, grains, times, kept):
-    from benchmarks.beds import bed_settings, prepare, settled_bed, start, tile
+    from benchmarks.beds import prepare, start, tile
     from benchmarks.measurement import machine
     from simcore.dem.packing import SHAKING
 
-    settings = bed_settings(options.shape, grains, options.faces)
-    bed = settled_bed(settings, options.beds, lambda text: print(text, file=sys.stderr, flush=True))
+    settings, bed = pour(options, grains)
     setup, bed = tile(prepare(settings), bed, times)
     keeper = _keeper(kept, ranks, settings) if kept else None
     began = time.perf_counter()

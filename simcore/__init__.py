@@ -13,6 +13,7 @@ Data flow one way: grain -> scene -> packing -> porosity -> model.
     porosity         n(z), bulk porosity and its sampling error
     slicing          exact solid volume of grains between horizontal planes
     segregation      size, form and orientation over height
+    fabric           of the bulk, its density, contacts (coordination, contact_radius) and directions
     work_precision   tables of error against run time, their Pareto front
     verification/    the parts of the core against closed forms: error and CPU time
     regression       form features, cross-validation, fitted porosity models
@@ -22,7 +23,8 @@ Data flow one way: grain -> scene -> packing -> porosity -> model.
     figures/         every picture, as functions that return a Figure
 
 `python -m simcore explain SPEC.yaml` says what a packing will do, `pack SPEC.yaml OUT.nc` runs it, `launch` does on
-several ranks, `porosity OUT.nc` evaluates it, `predict FORMS.csv` says what the fitted models make of measured grains.
+several ranks, `porosity OUT.nc` and `fabric OUT.nc ...` evaluate it, `predict FORMS.csv` says what the fitted models
+make of measured grains.
 """
 
 __version__ = "0.1.0"

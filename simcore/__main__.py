@@ -1,5 +1,5 @@
-"""Command line: `python -m simcore explain SPEC.yaml`, `pack SPEC.yaml OUT.nc`, `launch ...`, `porosity OUT.nc` and
-`predict FORMS.csv`."""
+"""Command line: `python -m simcore explain SPEC.yaml`, `pack SPEC.yaml OUT.nc`, `launch ...`, `porosity OUT.nc`,
+`fabric OUT.nc ...` and `predict FORMS.csv`."""
 
 import argparse
 import json
@@ -46,6 +46,17 @@ def _parser():
     porosity.add_argument("--exact", action="store_true", help="slice the grains themselves, not equal spheres")
     porosity.add_argument("--cut", type=float, metavar="METRES", help="height left out at both ends of the bed")
     porosity.set_defaults(run=_porosity)
+    fabric = commands.add_parser(
+        "fabric",
+        help="density, contacts and directions in the bulk of a packing, or of several seeds with their errors",
+        description="Solid fraction, coordination, contact normals and axes of the bulk; of several packings of one "
+        "scene the mean over seeds with its standard error.",
+    )
+    fabric.add_argument("packings", type=Path, nargs="+", metavar="BED.nc", help="netCDF files of `pack`")
+    fabric.add_argument("--cut", type=float, metavar="METRES", help="left out above floor, below surface, beside wall")
+    fabric.add_argument("--bearing-contacts", type=int, metavar="N", help="grains with fewer are rattlers (2)")
+    fabric.add_argument("--out", type=Path, metavar="FABRIC.nc", help="netCDF file that gets all of it")
+    fabric.set_defaults(run=_fabric)
     predict = commands.add_parser(
         "predict",
         help="porosity of a bed of measured grains, by our models and the study's",
@@ -183,6 +194,29 @@ def _porosity(options):
     bulk = bulk_porosity(read_packing(options.packing), method=method, cut=options.cut)
     scalars = {name: float(value) for name, value in bulk.data_vars.items() if value.ndim == 0}
     print(json.dumps({"method": method, **scalars}, indent=1))
+    return 0
+
+
+def _fabric(options):
+    from simcore.coordination import BEARING_CONTACTS
+    from simcore.fabric import fabric, fabric_over_seeds
+    from simcore.fabric_text import fabric_text
+    from simcore.packing_io import read_packing, write_packing
+
+    if options.out is not None:
+        _check_writable(options.out)
+    bearing = BEARING_CONTACTS if options.bearing_contacts is None else options.bearing_contacts
+    fabrics = []
+    for path in options.packings:
+        packing = read_packing(path)
+        try:
+            fabrics.append(fabric(packing, options.cut, bearing))
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+    found = fabrics[0] if len(fabrics) == 1 else fabric_over_seeds(fabrics)
+    if options.out is not None:
+        write_packing(options.out, found)
+    print(fabric_text(found))
     return 0
 
 

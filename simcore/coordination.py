@@ -5,45 +5,55 @@ import xarray as xr
 
 from simcore.porosity import describe
 
-# ASSUME: a grain with fewer contacts than this (floor and wall count) carries nothing. With friction two contacts can
-# hold a grain; without friction three are needed, set it so there.
+# ASSUME: a grain with fewer contacts that carry force than this (floor and wall count) carries nothing. With friction
+# two contacts can hold a grain; without it a grain that bears load needs four (three bear its own weight alone).
 BEARING_CONTACTS = 2
 
 
-def coordination_number(packing, interval=None, bearing_contacts=BEARING_CONTACTS):
-    """Mean number of grain-grain contacts per grain, with and without rattlers, Dataset.
+def coordination_number(packing, grains=None, bearing_contacts=BEARING_CONTACTS):
+    """Mean number of grain-grain contacts per grain, with and without rattlers, and standard errors, Dataset.
 
-    packing: Dataset as in packing_io; interval: heights (low, high) [m] of the centres of the grains averaged over, all
-    grains if None. Contacts of overlap zero or less are memory, not contacts. A pair that touches through two periodic
-    images has two contacts. Rattlers, grains with fewer than bearing_contacts contacts, are taken out until none is
-    left; without them their contacts do not count either.
+    packing: Dataset as in packing_io; grains: (n,) bool, those averaged over, whose contacts with all others count; all
+    if None. Contacts of overlap zero or less are memory, not contacts. A pair that touches through two periodic
+    images has two contacts. Rattlers, those of `grains` with fewer than bearing_contacts contacts that carry force
+    (whose two bodies push each other apart), are taken out until none is left; without them their contacts do not count
+    either. All other grains stay: from a free surface on, a whole bed could be taken down one grain after the other.
+    The standard errors take grains as independent; see simcore.fabric for that over seeds.
     """
-    z = packing["position"].values[:, 2]
-    low, high = (-np.inf, np.inf) if interval is None else interval
-    inside = (z >= low) & (z <= high)
-    if not inside.any():
-        raise ValueError(f"coordination_number: no grain has its centre in {low} m to {high} m; widen the interval")
-    bodies = packing["contact_body"].values[packing["contact_overlap"].values > 0.0]
-    between_grains = (bodies >= 0).all(axis=1)
-    counts = _contacts_per_grain(bodies[between_grains], len(z))
+    n_grains = packing.sizes["grain"]
+    grains = np.ones(n_grains, bool) if grains is None else np.asarray(grains)
+    if not grains.any():
+        raise ValueError("coordination_number: there is no grain to average over; widen what is taken as the bulk")
+    bodies = packing["contact_body"].values
+    touching = packing["contact_overlap"].values > 0.0
+    pushing = np.sum(packing["contact_force"].values * packing["contact_normal"].values, axis=1) > 0.0
+    between_grains = touching & (bodies >= 0).all(axis=1)
+    counts = _contacts_per_grain(bodies[between_grains], n_grains)
 
-    bearing = np.ones(len(z), bool)
+    bearing = np.ones(n_grains, bool)
     while True:
-        held = np.all((bodies < 0) | bearing[bodies], axis=1)
-        still = bearing & (_contacts_per_grain(bodies[held], len(z)) >= bearing_contacts)
+        held = touching & np.all((bodies < 0) | bearing[np.maximum(bodies, 0)], axis=1)
+        enough = _contacts_per_grain(bodies[held & pushing], n_grains) >= bearing_contacts
+        still = bearing & (enough | ~grains)
         if (still == bearing).all():
             break
         bearing = still
-    bearing_counts = _contacts_per_grain(bodies[between_grains & held], len(z))
-    counted = inside & bearing
-    without = bearing_counts[counted].mean() if counted.any() else 0.0
+    bearing_counts = _contacts_per_grain(bodies[between_grains & held], n_grains)
+    data = {}
+    for name, values, text in (
+        ("coordination_number", counts[grains], "mean grain-grain contacts per grain"),
+        (
+            "coordination_number_without_rattlers",
+            bearing_counts[grains & bearing],
+            "mean grain-grain contacts per grain, without rattlers",
+        ),
+        ("rattler_fraction", ~bearing[grains], "share of grains that are rattlers"),
+    ):
+        data[name] = ((), values.mean() if len(values) else 0.0, _number(text))
+        error = values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else np.nan
+        data[f"{name}_std_error"] = ((), error, _number(f"standard error of the {text}"))
     return xr.Dataset(
-        {
-            "coordination_number": ((), counts[inside].mean(), _number("mean grain-grain contacts per grain")),
-            "coordination_number_without_rattlers": ((), without, _number("mean contacts per grain, without rattlers")),
-            "rattler_fraction": ((), 1.0 - bearing[inside].mean(), _number("share of grains that are rattlers")),
-            "contacts": ("grain", counts, _number("grain-grain contacts of each grain")),
-        },
+        data | {"contacts": ("grain", counts, _number("grain-grain contacts of each grain"))},
         attrs=describe(packing, "Coordination number of a grain packing") | {"bearing_contacts": bearing_contacts},
     )
 

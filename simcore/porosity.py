@@ -71,19 +71,21 @@ def bed_top(profile):
 def evaluation_interval(packing, profile, cut=None):
     """Heights (z-, z+) between which bulk porosity is taken [m], from the profile's surface and the cut at both ends.
 
-    cut [m]: None is the study's: the largest sieve size in a periodic box (its h_pd), nothing in a cylinder.
-    ValueError if less than one slice is left.
+    cut [m]: one height for both ends, or a pair for floor and surface; None is the study's: the largest sieve size in a
+    periodic box (its h_pd), nothing in a cylinder. ValueError if less than one slice is left.
     """
     periodic = packing.attrs["domain_shape"] == "periodic"
     if cut is None:
         cut = packing.attrs["largest_sieve_size"] if periodic else 0.0
+    at_floor, at_surface = (float(height) for height in np.broadcast_to(cut, 2))
     top = bed_top(profile)
-    if top - 2.0 * cut < profile.attrs["slice_height"]:
+    if top - at_floor - at_surface < profile.attrs["slice_height"]:
         raise ValueError(
-            f"evaluation_interval: the bed is {1e3 * top:.1f} mm high, too low to cut {1e3 * cut:.1f} mm from both its "
-            "ends; use more grains, a narrower domain, or set a smaller cut"
+            f"evaluation_interval: the bed is {1e3 * top:.1f} mm high, too low to cut {1e3 * at_floor:.1f} mm from its "
+            f"floor and {1e3 * at_surface:.1f} mm from its surface; use more grains, a narrower domain, or set a "
+            "smaller cut"
         )
-    return cut, top - cut
+    return at_floor, top - at_surface
 
 
 def bulk_porosity(packing, method="spheres", cut=None, slice_height=1e-3):

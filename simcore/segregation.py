@@ -5,6 +5,7 @@ import xarray as xr
 from scipy.stats import linregress, spearmanr
 
 from simcore.porosity import describe, evaluation_interval, porosity_profile
+from simcore.slicing import vertical_axes
 
 ISOTROPIC_ANGLE = 1.0  # mean angle of a random line against the vertical [rad]
 
@@ -81,8 +82,7 @@ def height_trends(packing, interval=None, n_layers=5):
 
 def long_axis_angle(orientation):
     """Angle of each grain's long axis (its own z) against the vertical, 0 to pi/2, (n,) [rad]; orientation (n, 4)."""
-    _, x, y, _ = np.asarray(orientation).T
-    return np.arccos(np.clip(np.abs(1.0 - 2.0 * (x * x + y * y)), 0.0, 1.0))
+    return np.arccos(np.clip(np.abs(vertical_axes(np.asarray(orientation))[:, 2]), 0.0, 1.0))
 
 
 def _grain_quantities(packing):

@@ -21,11 +21,22 @@ def hull_faces(vertices):
 
 
 def make_packing(
-    position, scale, orientation=None, vertices=None, width=0.1, domain="periodic", contacts=None, largest=None, **attrs
+    position,
+    scale,
+    orientation=None,
+    vertices=None,
+    width=0.1,
+    domain="periodic",
+    contacts=None,
+    images=None,
+    largest=None,
+    **attrs,
 ):
     """Packing Dataset of one shape: unit spheres times scale, or, with vertices (n, 3), convex polyhedra.
 
-    position (n, 3), scale (n,) or (n, 3) [m]; orientation (n, 4), upright if None; contacts: list of body pairs.
+    position (n, 3), scale (n,) or (n, 3) [m]; orientation (n, 4), upright if None; contacts: list of body pairs;
+    images (k, 2): of their second body, 0 if None. Contacts push with 1 N along the line of centres, down at walls, and
+    lie on it at the first body's largest scale.
     """
     position = np.atleast_2d(np.asarray(position, float))
     n = len(position)
@@ -39,7 +50,9 @@ def make_packing(
     volume = scale.prod(axis=1) * (ConvexHull(base).volume if convex else 4.0 / 3.0 * np.pi)
     axes = np.sort(2.0 * scale, axis=1)
     short, middle, long_axis = axes.T
-    pairs = np.array(contacts or [], int).reshape(-1, 2)
+    pairs = np.array([] if contacts is None else contacts, int).reshape(-1, 2)
+    images = np.zeros_like(pairs) if images is None else np.asarray(images, int).reshape(-1, 2)
+    normal, point = contact_geometry(position, scale, pairs, images, width)
     return xr.Dataset(
         {
             "position": (("grain", "xyz"), position),
@@ -59,7 +72,11 @@ def make_packing(
             "shape_face_count": ("shape", [len(faces)]),
             "shape_faces": (("face", "corner"), faces),
             "contact_body": (("contact", "pair"), pairs),
+            "contact_image": (("contact", "horizontal"), images),
+            "contact_normal": (("contact", "xyz"), normal),
+            "contact_point": (("contact", "xyz"), point),
             "contact_overlap": ("contact", np.full(len(pairs), 1e-8)),
+            "contact_force": (("contact", "xyz"), normal.copy()),
         },
         attrs={
             "domain_shape": domain,
@@ -68,6 +85,30 @@ def make_packing(
             **attrs,
         },
     )
+
+
+def contact_geometry(position, scale, pairs, images, width):
+    """Normals and points of contacts of spheres, (k, 3) each; down, where there is no line of centres."""
+    first, second = pairs.T
+    branch = position[np.maximum(second, 0)] - position[first]
+    branch[:, :2] += images * width
+    branch[second < 0] = [0.0, 0.0, -1.0]
+    branch[~branch.any(axis=1)] = [0.0, 0.0, -1.0]
+    normal = branch / np.linalg.norm(branch, axis=1, keepdims=True)
+    return normal, position[first] + normal * scale[first].max(axis=1, initial=0.0)[:, None]
+
+
+def touching_pairs(centres, width, diameter=1.0):
+    """Pairs of equal spheres that touch in a periodic box, (k, 2), and the images of the second, (k, 2)."""
+    pairs, images = [], []
+    for image in np.ndindex(3, 3):
+        shift = np.array([*image, 1.0]) - 1.0
+        distance = np.linalg.norm(centres[None] + shift * width - centres[:, None], axis=2)
+        a, b = np.nonzero(distance < diameter * (1.0 + 1e-9))
+        keep = (a < b) | ((a == b) & (tuple(shift[:2]) > (0.0, 0.0)))
+        pairs.append(np.column_stack([a, b])[keep])
+        images.append(np.tile(shift[:2].astype(int), (keep.sum(), 1)))
+    return np.concatenate(pairs), np.concatenate(images)
 
 
 def random_orientations(n, seed):
@@ -92,5 +133,10 @@ def lattice(kind, cells, layers):
 def packings():
     """Functions that make packings and their parts."""
     return SimpleNamespace(
-        make=make_packing, orientations=random_orientations, lattice=lattice, faces=hull_faces, cube=CUBE
+        make=make_packing,
+        orientations=random_orientations,
+        lattice=lattice,
+        touching=touching_pairs,
+        faces=hull_faces,
+        cube=CUBE,
     )

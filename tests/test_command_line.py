@@ -4,6 +4,7 @@ import json
 import re
 
 import pytest
+import xarray as xr
 
 from simcore.__main__ import main
 
@@ -51,6 +52,31 @@ def test_pack_then_porosity(folder, capsys):
     bulk = json.loads(capsys.readouterr().out)
     assert 0.3 < bulk["n"] < 0.6
     assert bulk["n_std_error"] >= 0.0 or bulk["n_std_error"] != bulk["n_std_error"]
+
+
+def test_fabric_of_one_packing_and_of_two_seeds(folder, capsys):
+    beds = []
+    for seed in (1, 2):
+        (folder / f"{seed}.yaml").write_text(GOOD + f"seed: {seed}\n")
+        beds.append(str(folder / f"{seed}.nc"))
+        assert main(["pack", str(folder / f"{seed}.yaml"), beds[-1]]) == 0
+    capsys.readouterr()
+    assert main(["fabric", beds[0], "--cut", "0.003"]) == 0
+    assert "standard error within the packing" in capsys.readouterr().out
+    written = folder / "out" / "fabric.nc"
+    assert main(["fabric", *beds, "--cut", "0.003", "--bearing-contacts", "3", "--out", str(written)]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith("2 packings, ") and "rattlers (fewer than 3 contacts)" in told
+    with xr.open_dataset(written) as fabric:
+        assert fabric["seed"].values.tolist() == [1, 2]
+        assert 0.4 < float(fabric["solid_fraction"]) < 0.7 and 3.0 < float(fabric["coordination_number"]) < 12.0
+        assert f"{float(fabric['solid_fraction']):.4f} ± {float(fabric['solid_fraction_std_error']):.4f}" in told
+    # Forty spheres are too low a bed for the rule; the line says which file and what to do.
+    assert main(["fabric", beds[0]]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1 and re.search(r"simcore fabric: .*1\.nc: .*too low to cut .* smaller cut", error)
+    assert main(["fabric", beds[0], beds[0], "--cut", "0.003"]) == 2
+    assert "are not distinct" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ def test_surface_is_the_uppermost_crossing_and_ends_are_cut(packings):
 
 
 def test_a_bed_too_low_says_so(simple_cubic):
-    with pytest.raises(ValueError, match="too low to cut 70.0 mm from both"):
+    with pytest.raises(ValueError, match="too low to cut 70.0 mm from its floor and 70.0 mm from its surface"):
         bulk_porosity(simple_cubic, cut=70e-3)
 
 

@@ -1,0 +1,106 @@
+"""Where on the grains the contacts are: distances of contact points from the grain's centre.
+
+The radial distribution of contacts is the density of rho = |contact point - centre of mass| / r over all contacts of a
+grain, r the radius of the sphere of the grain's volume. Of spheres it is a peak at 1; of ellipsoids it reaches from c/r
+on the flat sides to a/r at the tips. By itself it shows the form of the grain more than anything else. So it stands
+beside the density of the same grains' surface, which contacts would have that were spread evenly over it: above it, a
+part of the surface is preferred.
+"""
+
+import numpy as np
+
+# Bins stand on one grid for all packings, so that their densities can be averaged; 1, where spheres are, is a middle.
+BIN_WIDTH = 0.05
+_QUADRATURE = 64  # points along each angle of an octant
+_SUBDIVISION = 4  # of each edge of a hull's triangles
+
+
+def contact_radii(packing, contacts, second):
+    """rho of ends of contacts, (k,).
+
+    contacts (k,): their indices; second (k,): whether the end is that at the contact's second body.
+    """
+    image = packing["contact_image"].values[contacts] * second[:, None]
+    grains = packing["contact_body"].values[contacts, second.astype(int)]
+    arm = packing["contact_point"].values[contacts] - packing["position"].values[grains]
+    arm[:, :2] -= image * (packing.attrs["domain_width"] if packing.attrs["domain_shape"] == "periodic" else 0.0)
+    return np.linalg.norm(arm, axis=1) / equal_volume_radius(packing)[grains]
+
+
+def equal_volume_radius(packing):
+    """Radius of the sphere of each grain's volume, (n,) [m]."""
+    return np.cbrt(3.0 / (4.0 * np.pi) * packing["volume"].values)
+
+
+def radius_bins(largest):
+    """Edges of the bins from near 0 up to the first not below `largest`, (k + 1,), and their middles, (k,)."""
+    middles = BIN_WIDTH * np.arange(1, max(int(np.ceil(largest / BIN_WIDTH - 0.5)), 1) + 1)
+    return np.append(middles - 0.5 * BIN_WIDTH, middles[-1] + 0.5 * BIN_WIDTH), middles
+
+
+def largest_radius(packing, grains):
+    """rho that no point of the surface of these grains (n,), indices, exceeds."""
+    reach = np.ones(packing.sizes["shape"])
+    for shape in np.flatnonzero(packing["shape_kind"].values.astype(str) == "convex"):
+        reach[shape] = np.linalg.norm(_vertices(packing, shape), axis=1).max()
+    reach = reach[packing["shape"].values[grains]] * packing["scale"].values[grains].max(axis=1)
+    return (reach / equal_volume_radius(packing)[grains]).max(initial=0.0)
+
+
+def surface_radii(packing, grains, weights, edges):
+    """Density over rho of the surface of the grains, (k,), each with its weight however large its surface.
+
+    grains (n,), indices; weights (n,), such as their numbers of contacts; edges (k + 1,) as of radius_bins.
+    """
+    relative = packing["scale"].values[grains] / equal_volume_radius(packing)[grains, None]
+    forms = np.column_stack([packing["shape"].values[grains], np.round(relative, 9)])
+    forms, form = np.unique(forms, axis=0, return_inverse=True)
+    share = np.bincount(form.ravel(), weights, len(forms))
+    kinds = packing["shape_kind"].values.astype(str)
+    density = np.zeros(len(edges) - 1)
+    for (shape, *scale), weight in zip(forms, share, strict=True):
+        if weight == 0.0:
+            continue
+        shape, scale = int(shape), np.array(scale)
+        points, areas = _ellipsoid(scale) if kinds[shape] == "sphere" else _hull(packing, shape, scale)
+        count, _ = np.histogram(np.linalg.norm(points, axis=1), edges, weights=areas)
+        density += weight * count / areas.sum()
+    return density / share.sum() / np.diff(edges) if share.sum() > 0.0 else np.full(len(edges) - 1, np.nan)
+
+
+def _ellipsoid(semi_axes):
+    """Points (m, 3) of an octant of an ellipsoid's surface, and the area each stands for, (m,)."""
+    nodes, weights = np.polynomial.legendre.leggauss(_QUADRATURE)
+    height = 0.5 * (nodes + 1.0)
+    phi = 0.5 * np.pi * (np.arange(_QUADRATURE) + 0.5) / _QUADRATURE
+    across = np.sqrt(1.0 - height**2)
+    unit = np.stack(
+        [np.outer(across, np.cos(phi)), np.outer(across, np.sin(phi)), np.repeat(height[:, None], _QUADRATURE, 1)], -1
+    ).reshape(-1, 3)
+    # An area element of the unit sphere with normal u becomes (a b c) |u / (a, b, c)| times as large.
+    return unit * semi_axes, np.repeat(weights, _QUADRATURE) * np.linalg.norm(unit / semi_axes, axis=1)
+
+
+def _hull(packing, shape, scale):
+    """Points (m, 3) on the faces of a scaled hull, and the area each stands for, (m,)."""
+    first, number = (int(packing[f"shape_face_{name}"].values[shape]) for name in ("start", "count"))
+    corners = (_vertices(packing, shape) * scale)[packing["shape_faces"].values[first : first + number]]
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    centres = _centres_of_parts()
+    points = np.einsum("pc,fcx->fpx", centres, corners).reshape(-1, 3)
+    return points, np.repeat(area / len(centres), len(centres))
+
+
+def _vertices(packing, shape):
+    """Vertices of a base hull, (m, 3) [m]."""
+    first, number = (int(packing[f"shape_vertex_{name}"].values[shape]) for name in ("start", "count"))
+    return packing["shape_vertices"].values[first : first + number]
+
+
+def _centres_of_parts():
+    """Barycentric coordinates of the centres of the equal triangles a triangle is cut into, (s², 3)."""
+    s = _SUBDIVISION
+    upright = [(i + 1 / 3, j + 1 / 3) for i in range(s) for j in range(s - i)]
+    turned = [(i + 2 / 3, j + 2 / 3) for i in range(s) for j in range(s - i - 1)]
+    first, second = np.array(upright + turned).T / s
+    return np.column_stack([first, second, 1.0 - first - second])
