@@ -17,6 +17,7 @@ Data flow one way: grain -> scene -> packing -> porosity -> model.
     work_precision   tables of error against run time, their Pareto front
     verification/    the parts of the core against closed forms: error and CPU time
     regression       form features, cross-validation, fitted porosity models
+    collection       rows of finished packings in committed tables; campaign_cost: hours and pieces of studies
     unified_model    one model for beds of one form and for distributions of form
     prediction       porosity of measured grains (measured_forms), without packing them
     figures/         every picture, as functions that return a Figure

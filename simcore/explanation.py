@@ -14,12 +14,12 @@ from simcore.dem.neighbors import bytes_per_pair
 from simcore.dem.packing import extents
 from simcore.dem.scene import Scene, minimum_steps_per_contact_time
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, collect_shapes
-from simcore.packing_cost import SETTLING, SOLID_FRACTION, births
+from simcore.packing_cost import SETTLING, SOLID_FRACTION, births, step_cost
 from simcore.scenes import KINDS as NUMBERS
 from simcore.scenes import Setup
 
 # By the number of a kind, as the core has it.
-STEP_COST = {(NUMBERS[kind], bool(patch)): cost for (kind, patch), cost in packing_cost.STEP_COST.items()}
+WORDS = {number: kind for kind, number in NUMBERS.items()}
 NEAR_PAIRS = {NUMBERS[kind]: pairs for kind, pairs in packing_cost.NEAR_PAIRS.items()}
 CHUNK = 10_000
 
@@ -95,11 +95,15 @@ def estimate_cost(setup: Setup) -> Cost:
         shaking=shaking,
         damping=damping,
         longest_damping=longest,
-        cpu_seconds=1e-6 * STEP_COST[scene.kind, features.patch] * grain_steps,
+        cpu_seconds=1e-6 * _step_cost(scene) * grain_steps,
         bytes_per_grain=per_grain,
         bytes_per_pair=per_pair,
         memory=fixed + n * (per_grain + NEAR_PAIRS[scene.kind] * per_pair),
     )
+
+
+def _step_cost(scene: Scene) -> float:
+    return step_cost(WORDS[scene.kind], scene.features.patch, scene.numerics.contact_time)
 
 
 def explain(setup: Setup) -> str:
@@ -122,7 +126,7 @@ def explain(setup: Setup) -> str:
         f"  shaking     {cost.shaking}, {scene.shaking.duration:g} s after the last birth",
         f"  damping     about {cost.damping}, until the grains rest; at most {cost.longest_damping}",
         f"Time        {_duration(cost.cpu_seconds)} on one core ({cost.cpu_seconds / 3600:.2g} CPU hours): "
-        f"{STEP_COST[scene.kind, scene.features.patch]:g} µs a grain and step; where it is the first of its kind, "
+        f"{_step_cost(scene):.3g} µs a grain and step; where it is the first of its kind, "
         f"compiling comes on top",
         f"Memory      {_size(cost.memory)} of arrays: {cost.bytes_per_grain} bytes a grain, {cost.bytes_per_pair} a "
         f"near pair, about {NEAR_PAIRS[scene.kind]:g} of them a grain",

@@ -11,7 +11,15 @@ import pandas as pd
 import xarray as xr
 
 from simcore.grains.form import features as form_features
-from simcore.regression import PorosityModel, correlate, cross_validate, fit_and_validate, screen, usable_features
+from simcore.regression import (
+    FOLDS,
+    PorosityModel,
+    correlate,
+    cross_validate,
+    fit_and_validate,
+    screen,
+    usable_features,
+)
 
 log = logging.getLogger(__name__)
 
@@ -28,7 +36,7 @@ MIXTURE_SETS = (
 )
 
 
-def single_form_models(packings, study_correlations=None, study_errors=None, study_models=None, seed=0):
+def single_form_models(packings, study_correlations=None, study_errors=None, study_models=None, seed=0, folds=FOLDS):
     """Tables and models of the single-form study, per case.
 
     packings: one row a packing, columns case, L, I, S [any length] and n; where there is a column grain, the packings
@@ -36,7 +44,7 @@ def single_form_models(packings, study_correlations=None, study_errors=None, stu
     DataFrames `correlations` (all usable features; r_first: their r to EQ_inv; kept: passed the screening),
     `second_features` (cross-validated error of {EQ_inv, X}), `models` (coefficients of n on EQ_inv, and on EQ_inv and
     EL_inv); models maps (name, case) to PorosityModel.
-    A case with too few packings is left out with a message; ValueError if none is left.
+    A case with too few packings is left out with a message; ValueError if none is left. folds: of the cross-validation.
     study_*: correlations.csv, table9_second_factor_mae.csv, models.csv.
     """
     correlations, errors, models = [], [], {}
@@ -52,10 +60,10 @@ def single_form_models(packings, study_correlations=None, study_errors=None, stu
             .assign(case=case, samples=len(n), kept=lambda table, kept=kept: table["feature"].isin(kept))
         )
         for name in kept:
-            result = cross_validate(features[list(dict.fromkeys(["EQ_inv", name]))], n, seed=seed)
+            result = cross_validate(features[list(dict.fromkeys(["EQ_inv", name]))], n, folds, seed=seed)
             errors.append({"case": case, "feature": name, **result, "samples": len(n)})
         for name, columns in (("single_form_EQ", SINGLE_FORM[:1]), ("single_form", SINGLE_FORM)):
-            models[name, case] = fit_and_validate(features[list(columns)], n, name, case, seed)
+            models[name, case] = fit_and_validate(features[list(columns)], n, name, case, seed, folds=folds)
     tables = {
         "correlations": pd.concat(correlations, ignore_index=True),
         "second_features": pd.DataFrame(errors),
@@ -74,13 +82,14 @@ def single_form_models(packings, study_correlations=None, study_errors=None, stu
     return tables, models
 
 
-def mixture_models(packings, study_correlations=None, study_sets=None, study_models=None, seed=0):
+def mixture_models(packings, study_correlations=None, study_sets=None, study_models=None, seed=0, folds=FOLDS):
     """Tables and models of the form-mixture study, per case; returns (tables, models) as single_form_models.
 
     packings: one row a packing, columns case, n and the 104 of mixture_features; where there is a column sample, the
     packings of a sample are averaged first. Tables: `correlations` of all usable
     features, `feature_sets` (Table 10's sets, cross-validated errors and R² of the fit to all packings), `models`.
     A set with a feature that cannot be used, or with more coefficients than packings, is left out with a message.
+    folds: of the cross-validation.
     study_*: correlations.csv, table10_form_mixture_features.csv, models.csv.
     """
     correlations, sets, models = [], [], {}
@@ -96,8 +105,8 @@ def mixture_models(packings, study_correlations=None, study_sets=None, study_mod
                 continue
             chosen = features[list(columns)]
             flags = {name: int(name in columns) for name in MIXTURE}
-            model = fit_and_validate(chosen, n, "form_mixture", case, seed)
-            result = cross_validate(chosen, n, seed=seed)
+            model = fit_and_validate(chosen, n, "form_mixture", case, seed, folds=folds)
+            result = cross_validate(chosen, n, folds, seed=seed)
             sets.append({"case": case, **flags, **result, "r_squared": model.r_squared, "samples": len(n)})
             if columns == MIXTURE:
                 models["form_mixture", case] = model

@@ -12,10 +12,15 @@ from simcore.sizes import lattice_spacing, size_curve
 
 # CPU time of a grain and step in a dense shaken bed [µs], one thread: kind of grain, whether patches are found. The one
 # table of it; measured by `python -m benchmarks.throughput --shape ...`, README, "What a step costs", at a contact time
-# of 0.2 ms. Softer contacts have wider patches, which cost more: 600 pebbles at 2 ms took 5 (benchmarks.settling).
+# of 0.2 ms.
 STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.76, ("mesh", False): 1.0, ("mesh", True): 2.2}
 # Half of the one and half of the other cost the mean of both, to 2 %.
 STEP_COST |= {("mixed", patch): 0.5 * (STEP_COST["ellipsoid", False] + STEP_COST["mesh", patch]) for patch in (0, 1)}
+# What a longer contact time adds, relative to the dearest of the kind, times its square [1/ms²]: overlaps grow so, and
+# with them wide patches and searches that memory does not save. Measured on beds of 600 pebbles at 1, 2 and 4 ms, the
+# deepest point alone at 2 ms (2.9, 4.2 to 4.6, 10 and 4.4 µs, all of their steps counted); for ellipsoids and spheres
+# ASSUME: by the same share of their own cost.
+SOFTER = 0.25
 # Near pairs that a grain at rest brings into the list; measured in the packings of examples/.
 NEAR_PAIRS = {"sphere": 5.2, "ellipsoid": 10.0, "mesh": 13.4}
 NEAR_PAIRS["mixed"] = 0.5 * (NEAR_PAIRS["ellipsoid"] + NEAR_PAIRS["mesh"])
@@ -33,7 +38,7 @@ STUDY_FIRST_FILL, REFILL_HEIGHT = 0.1, 0.6
 # ASSUME: what is asked of a scheduler for a process with numba's compiler; the arrays are there several times while
 # lists are rebuilt and the file is written.
 PROCESS_MEMORY, COPIES = 1000.0e6, 4.0
-# ASSUME: compiling comes first; then the estimate, with a margin for softer contacts and for ranks that wait for each
+# ASSUME: compiling comes first; then the estimate, with a margin for slower machines and for ranks that wait for each
 # other. What is not done in this time goes on from its last checkpoint.
 START_UP, MARGIN = 900.0, 3.0
 
@@ -94,9 +99,15 @@ def estimate(specification: dict) -> PackingCost:
     return PackingCost(
         grains=grains,
         steps=sum(waits) + after,
-        cpu_seconds=1e-6 * STEP_COST[kind, patch] * grain_steps,
+        cpu_seconds=1e-6 * step_cost(kind, patch, numerics["contact_time"]) * grain_steps,
         array_bytes=float(grains) * GRAIN_MEMORY[kind],
     )
+
+
+def step_cost(kind: str, patch: bool, contact_time: float) -> float:
+    """CPU time of a grain and step [µs], one thread, at this contact time [s]."""
+    dearest = STEP_COST[kind, patch or (kind, True) in STEP_COST]
+    return STEP_COST[kind, patch] + SOFTER * dearest * (1e3 * contact_time) ** 2
 
 
 def effective_gravity(material: dict) -> float:

@@ -6,15 +6,19 @@ from pathlib import Path
 
 import pandas as pd
 
+WIDE = 1.6  # width over height of a picture that needs the whole width: two panels and more
+
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 70rem; margin: 2rem auto; padding: 0 1rem; color: #1c2526; }
 h1, h2 { line-height: 1.2; } h2 { margin-top: 2.5rem; border-top: 1px solid #cdd4d5; padding-top: 1rem; }
 .scroll { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.85rem; margin: 0.5rem 0; }
 th, td { padding: 0.2rem 0.7rem; text-align: right; border-bottom: 1px solid #e3e8e8; white-space: nowrap; }
 th { background: #f1f4f4; } td.text, th.text { text-align: left; }
-figure { display: inline-block; margin: 1rem; vertical-align: top; }
-img { max-width: 32rem; width: 100%; }
+figure { display: inline-block; margin: 1rem; vertical-align: top; max-width: 32rem; }
+figure.wide { display: block; max-width: none; }
+img { width: 100%; }
 figcaption, .note { color: #53605f; font-size: 0.9rem; }
+.file { color: #8a9695; font-size: 0.75rem; }
 .banner { background: #ffe9b8; padding: 0.6rem 1rem; font-weight: bold; }
 nav a { margin-right: 1rem; }
 """
@@ -43,22 +47,41 @@ def paragraph(text):
     return f'<p class="note">{escape(text)}</p>'
 
 
-def table(path):
-    """The CSV file at `path` as a table; numbers to four significant digits, nothing where there is no value."""
-    rows = pd.read_csv(path)
+def table(path, caption=""):
+    """The CSV file at `path` as a table under a caption; numbers to four significant digits, nothing where there is no
+    value. A column `note` is left out: the page's banner says it once."""
+    rows = pd.read_csv(path).drop(columns="note", errors="ignore")
     kinds = ["" if pd.api.types.is_numeric_dtype(rows[name]) else ' class="text"' for name in rows]
     head = "".join(f"<th{kind}>{escape(str(name))}</th>" for name, kind in zip(rows, kinds, strict=True))
     body = "\n".join(
         "<tr>" + "".join(f"<td{kind}>{_cell(value)}</td>" for value, kind in zip(row, kinds, strict=True)) + "</tr>"
         for row in rows.itertuples(index=False)
     )
-    return f'{paragraph(str(path))}\n<div class="scroll"><table><tr>{head}</tr>\n{body}</table></div>'
+    said = f'<p class="note">{_caption(caption, path)}</p>'
+    return f'{said}\n<div class="scroll"><table><tr>{head}</tr>\n{body}</table></div>'
 
 
-def picture(path):
-    """The PNG file at `path`, put into the page itself, with its path as caption."""
-    data, name = base64.b64encode(Path(path).read_bytes()).decode(), escape(str(path))
-    return f'<figure><img alt="{name}" src="data:image/png;base64,{data}"><figcaption>{name}</figcaption></figure>'
+def picture(path, caption=""):
+    """The PNG file at `path`, put into the page itself, over a caption; a wide one has the width of the page."""
+    content = Path(path).read_bytes()
+    data, name = base64.b64encode(content).decode(), escape(caption or str(path))
+    # Width and height stand in the first chunk of a PNG file.
+    width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))
+    wide = ' class="wide"' if width > WIDE * height else ""
+    return (
+        f'<figure{wide}><img alt="{name}" src="data:image/png;base64,{data}">'
+        f"<figcaption>{_caption(caption, path)}</figcaption></figure>"
+    )
+
+
+def is_picture(fragment):
+    """Whether a fragment comes from `picture`."""
+    return fragment.startswith("<figure")
+
+
+def _caption(text, path):
+    """What is shown, in words, and the file it comes from."""
+    return " ".join(filter(None, [escape(text), f'<span class="file">{escape(str(path))}</span>']))
 
 
 def _cell(value):

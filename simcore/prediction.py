@@ -10,11 +10,10 @@ import xarray as xr
 
 from simcore.measured_forms import read_samples
 from simcore.model_tables import MIXTURE, SINGLE_FORM, over_seeds, read_models
-from simcore.reference import REFERENCE_FOLDER, read_study_table
+from simcore.reference import REFERENCE_FOLDER, ROWS_FOLDER, read_study_table
 from simcore.regression import fit_and_validate
 from simcore.unified_model import STATISTICS, fit_unified, unified_features
 
-ROWS_FOLDER = REFERENCE_FOLDER.parent
 ONE_CLASS = "one-class"  # any single sieve class
 _OF_ONE_CLASS = "U1"
 # What the table of a study calls the means over the grains, and the reference rows what was asked for.
@@ -51,7 +50,7 @@ def fit_reference_models(folder=ROWS_FOLDER, source=None, seed=0):
     folder, found = Path(folder), FittedModels({}, {})
     campaigns = [(folder, "form_mixture.csv"), (folder / "default", "form_mixtures.csv")]
     forms = {place / "single_form.csv": None for place, _ in campaigns if (place / "single_form.csv").exists()}
-    forms = {path: _read_single_forms(path) for path in forms}
+    forms = {path: read_single_forms(path) for path in forms}
     sources = {name for table in forms.values() for name in table["source"]}
     if source is not None and source not in sources:
         said = ", ".join(sorted(sources - {""})) or "none"
@@ -288,7 +287,7 @@ def _studys(sample, features, published, folder):
     return [{**row, "outside": outside}]
 
 
-def _read_single_forms(path):
+def read_single_forms(path):
     """Packings of one form each, meshes alone: case, source ("" if none is named), grain with source, L, I, S, n."""
     table = pd.read_csv(path)
     if "representation" in table:

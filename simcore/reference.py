@@ -5,7 +5,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-REFERENCE_FOLDER = Path(__file__).resolve().parents[1] / "results" / "reference" / "study"
+# Tables of finished campaigns, one row a packing, and in it the source study's.
+ROWS_FOLDER = Path(__file__).resolve().parents[1] / "results" / "reference"
+REFERENCE_FOLDER = ROWS_FOLDER / "study"
 
 # For each study its table, the names there of our columns, of porosity and of its standard deviation, and its runs.
 # ASSUME: where the study does not say over how many runs a standard deviation is, over three, as in its Table 6.
@@ -46,7 +48,7 @@ def add_reference(table, study, folder=REFERENCE_FOLDER):
     added = {}
     if "case" in table and study in _TABLES:
         value, std, error = _from_table(table, *_TABLES[study], folder)
-    elif "case" in table and study == "single_form":
+    elif "case" in table and study.startswith("single_form"):
         value, error = _from_model(table, "single_form", folder), _single_form_error(table, folder)
     elif "case" in table and study == "form_mixtures":
         value, error = _from_model(table, "form_mixture", folder), _mixture_error(table, folder)

@@ -265,8 +265,8 @@ def fit(features, porosity, name="porosity", case="", seed=0):
     )
 
 
-def fit_and_validate(features, porosity, name="porosity", case="", seed=0, groups=None):
-    """As `fit`, with the cross-validated errors; groups: as in predict_unseen."""
-    errors = cross_validate(features, porosity, seed=seed, groups=groups)
+def fit_and_validate(features, porosity, name="porosity", case="", seed=0, groups=None, folds=FOLDS):
+    """As `fit`, with the cross-validated errors; groups, folds: as in predict_unseen."""
+    errors = cross_validate(features, porosity, folds, seed=seed, groups=groups)
     chosen = {key: float(errors[key]) for key in ("mean_absolute_error", "median_absolute_error")}
     return replace(fit(features, porosity, name, case, seed), **chosen)

@@ -46,15 +46,17 @@ def expand(config):
 
 def expand_study(name, study, config):
     """The rows of one study of `config`; see `expand`."""
-    where = f"studies.{name}"
+    where, folder = f"studies.{name}", config["pathvars"]["results"]
     axes = [_axis(key, values, f"{where}.varies") for key, values in study["varies"].items() if values]
     axes += [_forms(study["forms"], config["grains"], where)] if study["forms"] else []
     fixed = merge(with_presets(config["packing"]), with_presets(study["fixes"]), {"grains": config["grains"]})
     base = _base(fixed)
+    # All that any group of an axis sets: groups that leave a key as it was would else be told apart by nothing.
+    columns = [key for axis in axes for part in axis if not part.get("is_form") for key in part["settings"]]
+    columns = list(dict.fromkeys(columns))
     rows = []
     for combination in itertools.product(*axes):
         settings = {key: value for part in combination for key, value in part["settings"].items()}
-        columns = [key for part in combination if not part.get("is_form") for key in part["settings"]]
         raw = merge(fixed, with_presets({key: value for key, value in settings.items() if "." not in key}))
         for key, value in settings.items():
             _put(raw, key, value, where)
@@ -68,7 +70,7 @@ def expand_study(name, study, config):
                 "packing": packing,
                 "grain_set": grain_set,
                 "form": next((part["form"] for part in combination if "form" in part), 0),
-                "specification": _with_grain_set(spec, f"results/grains/{grain_set}.nc") if grain_set else spec,
+                "specification": _with_grain_set(spec, f"{folder}/grains/{grain_set}.nc") if grain_set else spec,
                 "row": {
                     "packing": packing,
                     "varied": {_column(key): _get(spec, key) for key in columns},

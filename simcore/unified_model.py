@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from simcore.model_tables import MIXTURE, SINGLE_FORM, over_seeds
-from simcore.regression import fit_and_validate, predict_unseen
+from simcore.regression import FOLDS, fit_and_validate, predict_unseen
 
 log = logging.getLogger(__name__)
 
@@ -62,20 +62,20 @@ def single_form_statistics(L, I, S):  # noqa: E741
     return pd.DataFrame(means | {name.replace("mu", "sigma"): np.zeros(len(L)) for name in means})
 
 
-def fit_unified(single_forms, mixtures, seed=0):
+def fit_unified(single_forms, mixtures, seed=0, folds=FOLDS):
     """The unified model of each case that both studies have, by ("unified", case); arguments as of unified_models."""
     return {
-        ("unified", case): fit_and_validate(features[list(UNIFIED)], n, "unified", case, seed, groups)
+        ("unified", case): fit_and_validate(features[list(UNIFIED)], n, "unified", case, seed, groups, folds)
         for case, (features, n, groups, _) in _beds(single_forms, mixtures).items()
     }
 
 
-def unified_models(single_forms, mixtures, study_models=None, seed=0):
+def unified_models(single_forms, mixtures, study_models=None, seed=0, folds=FOLDS):
     """Tables and models of the unified model, per case that both studies have; returns (tables, models).
 
     single_forms: one row a packing, columns case, L, I, S, n, and grain if there are several seeds. mixtures: case, n,
     mu_EQ, sigma_EQ, mu_EL, sigma_EL, and sample if there are several seeds; with mean_FL and mean_EL, sets of one mean
-    form are left out of a fit together. study_models: models.csv.
+    form are left out of a fit together. study_models: models.csv. folds: of the cross-validation.
 
     Tables: `models`, coefficients; `feature_sets`, errors over the same beds of the unified model with each set of
     features, of the separate models (each sees its own kind of bed alone), all cross-validated with the same groups,
@@ -83,18 +83,18 @@ def unified_models(single_forms, mixtures, study_models=None, seed=0):
     the beds of each kind, bias (predicted less simulated) and the mean error without it.
     models maps ("unified", case) to PorosityModel. A case with too few beds of either kind is left out with a message.
     """
-    rows, models = [], fit_unified(single_forms, mixtures, seed)
+    rows, models = [], fit_unified(single_forms, mixtures, seed, folds)
     for case, (features, n, groups, mixed) in _beds(single_forms, mixtures).items():
         for columns in UNIFIED_SETS:
             if not set(columns) <= set(features):
                 log.warning("case %s: set %s left out, the packings do not carry it", case, columns)
                 continue
-            predicted, folds = predict_unseen(features[list(columns)], n, seed=seed, groups=groups)
+            predicted, folds_used = predict_unseen(features[list(columns)], n, folds, seed=seed, groups=groups)
             rows.append(
-                {"case": case, "model": "unified", "features": " ".join(columns), "folds": folds}
+                {"case": case, "model": "unified", "features": " ".join(columns), "folds": folds_used}
                 | _errors(predicted, n, mixed)
             )
-        separate = _separate(features, n, groups, mixed, seed)
+        separate = _separate(features, n, groups, mixed, seed, folds)
         if separate is not None:
             rows.append(
                 {"case": case, "model": "separate", "features": " ".join([*SINGLE_FORM, *MIXTURE])}
@@ -142,12 +142,12 @@ def _beds(single_forms, mixtures):
     return beds
 
 
-def _separate(features, n, groups, mixed, seed):
+def _separate(features, n, groups, mixed, seed, folds):
     """Cross-validated predictions of a model for each kind of bed, (repeats, n), or None where its beds are too few."""
     both = []
     for kind, columns in ((~mixed, ["mu_EQ_inv", "mu_EL_inv"]), (mixed, list(MIXTURE))):
         try:
-            predicted, _ = predict_unseen(features.loc[kind, columns], n[kind], seed=seed, groups=groups[kind])
+            predicted, _ = predict_unseen(features.loc[kind, columns], n[kind], folds, seed=seed, groups=groups[kind])
         except ValueError as error:
             log.warning("no separate models beside the unified one: %s", error)
             return None

@@ -14,7 +14,8 @@ from simcore.__main__ import main
 from simcore.dem.features import Features
 from simcore.dem.packing import Process
 from simcore.dem.shapes import CONVEX, SPHERE
-from simcore.explanation import KINDS, PARTS, STEP_COST, estimate_cost, parts
+from simcore.explanation import KINDS, PARTS, estimate_cost, parts
+from simcore.packing_cost import step_cost
 from simcore.specification import express, read_specification, resolve
 from tests.few import few, set_up_few
 
@@ -88,7 +89,7 @@ def test_the_estimate_is_that_of_the_grains_themselves():
     assert cost.bytes_per_pair * pairs + 8 * 41 == sum(array.nbytes for array in process.contacts)
     assert cost.shaking == 4000
     steps = cost.shaking + cost.damping
-    assert cost.cpu_seconds == pytest.approx(40 * steps * STEP_COST[SPHERE, False] * 1e-6)
+    assert cost.cpu_seconds == pytest.approx(40 * steps * step_cost("sphere", False, 1e-3) * 1e-6)
 
 
 def test_amounts_by_mass_and_several_batches():

@@ -208,3 +208,12 @@ def test_seeds_of_a_form_are_no_forms(single_form_packings):
         assert averaged[key].n_samples == model.n_samples == 40
         np.testing.assert_allclose(averaged[key].coefficients, model.coefficients, rtol=1e-9)
         np.testing.assert_allclose(averaged[key].std_errors, model.std_errors, rtol=1e-6)
+
+
+def test_the_folds_are_those_asked_for(single_form_packings, mixture_packings):
+    for folds in (4, 10):
+        errors = single_form_models(single_form_packings, folds=folds)[0]["second_features"]
+        assert (errors.folds == folds).all()
+        assert (mixture_models(mixture_packings, folds=folds)[0]["feature_sets"].folds == folds).all()
+    few, many = (single_form_models(single_form_packings, folds=folds)[1]["single_form", "U1"] for folds in (2, 10))
+    assert few.coefficients == many.coefficients and few.mean_absolute_error != many.mean_absolute_error

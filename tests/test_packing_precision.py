@@ -4,7 +4,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.verification.packings import cheapest_settings, compare, porosity_errors, work_precision_runs
+from simcore.verification.packings import (
+    cheapest_settings,
+    compare,
+    name_changes,
+    porosity_errors,
+    work_precision_runs,
+)
 from simcore.work_precision import settings_table
 
 
@@ -65,3 +71,11 @@ def test_the_cheapest_settings_share_the_wished_error():
     assert chosen[["steps", "faces"]].to_numpy().tolist() == [["10", "100"], ["20", "100"], ["20", "300"]]
     assert chosen.cpu_ratio.to_numpy() == pytest.approx([0.16, 0.4, 0.5])
     assert chosen.error_bound.to_numpy() == pytest.approx([0.008, 0.003, 0.001])
+
+
+def test_a_change_is_named_by_what_is_otherwise_than_in_the_first():
+    table = packings({"bed": 0.0, "study": 0.003}, (10.0, 5.0), seeds=(1, 2)).rename(columns={"step": "fill"})
+    table["drop_height"] = [np.nan, np.nan, 0.1, 0.1]
+    named = name_changes(table, ["seed", "fill", "drop_height"])
+    assert list(named) == ["ours", "ours", "fill study, drop_height 0.1", "fill study, drop_height 0.1"]
+    assert list(porosity_errors(table.assign(change=named), ["change"]).setting) == ["ours", named.iloc[-1]]

@@ -45,6 +45,15 @@ def test_settings_of_a_group_vary_together():
     ]
 
 
+def test_groups_that_set_different_keys_are_told_apart_by_all_of_them():
+    """Else a mean over the seeds would take them for one."""
+    groups = [{"faces": 300}, {"shapes.kind": "ellipsoid"}, {"generation.fill": "study"}]
+    rows = [row["varied"] for row in expand(campaign(varies={"sizes.case": ["U7"], "change": groups})).row]
+    assert [row["faces"] for row in rows] == [300, 100, 100]
+    assert [row["shape_kind"] for row in rows] == ["mesh", "ellipsoid", "mesh"]
+    assert [row["fill"] for row in rows] == ["bed", "bed", "study"]
+
+
 def test_a_study_goes_over_the_common_settings_and_these_over_the_defaults():
     table = expand(
         campaign(

@@ -114,3 +114,8 @@ def test_a_case_that_lacks_one_kind_is_left_out_with_a_message(beds, caplog):
         tables, _ = unified_models(forms, mixtures[plain])
     assert "the packings do not carry it" in caplog.text
     assert tables["feature_sets"].query("model == 'unified'").shape[0] == 5
+
+
+def test_the_folds_are_those_asked_for(beds):
+    table = unified_models(*beds, folds=4)[0]["feature_sets"]
+    assert (table.folds.dropna() == 4).all()

@@ -47,6 +47,19 @@ def porosity_errors(packings: pd.DataFrame, varied: list[str]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def name_changes(packings: pd.DataFrame, varied: list[str]) -> pd.Series:
+    """In words what each packing has otherwise than the first one, such as "fill study"; "ours" where nothing is."""
+    keys = [key for key in varied if key != "seed"]
+    spelled = packings[keys].map(str)
+    return pd.Series(
+        [
+            ", ".join(f"{key} {row[key]}" for key in keys if row[key] != spelled.iloc[0][key]) or "ours"
+            for _, row in spelled.iterrows()
+        ],
+        index=packings.index,
+    )
+
+
 def compare(runs: pd.Series, reference: pd.Series) -> tuple[float, float]:
     """Mean difference of runs to reference, both with the seed as index, and its standard error.
 

@@ -9,7 +9,7 @@ pytestmark = pytest.mark.workflow
 
 def test_the_models_come_from_the_packings(finished):
     workplace, _ = finished
-    results = workplace.folder / "results"
+    results = workplace.folder / "results" / "smoke"
     packings = pd.read_csv(results / "tables" / "single_form_packings.csv")
     assert len(packings) == 5
     assert packings.n.between(0.2, 0.8).all()
@@ -21,12 +21,15 @@ def test_the_models_come_from_the_packings(finished):
 
 def test_every_table_and_the_report_say_that_they_are_tests(finished):
     workplace, _ = finished
-    results = workplace.folder / "results"
+    results = workplace.folder / "results" / "smoke"
     tables = [*(results / "tables").glob("*.csv"), *(results / "models").glob("*.csv")]
     assert len(tables) > 9
     for table in tables:
         assert (pd.read_csv(table).note == "test only").all(), table
     assert "Test only" in (results / "report.html").read_text()
+    # As text of a data URL, base64, Chromium shows it up to 2 MB.
+    assert "Test only" in (results / "tables.html").read_text()
+    assert (results / "tables.html").stat().st_size < 1.4e6
 
 
 def test_a_second_run_has_nothing_to_do(finished):

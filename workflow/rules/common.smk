@@ -1,8 +1,17 @@
 # Validation and tables, before any job.
+report: "../report/workflow.rst"
+
+
+import os
+import sys
+
+import numpy as np
 from snakemake.exceptions import WorkflowError
 
+from simcore.campaign_cost import describe_studies, estimate_studies, number_pieces
 from simcore.packing_cost import estimate
-from simcore.provenance import digest
+from simcore.provenance import ROOT, digest
+from simcore.reference import ROWS_FOLDER
 from simcore.showpieces import corner_mixtures, showpieces
 from simcore.sources import source_files
 from simcore.specification import resolve
@@ -14,6 +23,9 @@ try:
 except ValueError as error:
     raise WorkflowError(f"config: {error}") from None
 
+# Paths of rules begin with <results>, which Snakemake takes from the same key.
+results = campaign["pathvars"]["results"]
+overlays = [os.path.relpath(path) for path in workflow.overwrite_configfiles]
 packings["is_first"] = ~packings.study.duplicated()
 all_studies = list(packings.study.unique())
 studies = [name for name in all_studies if campaign["studies"][name]["in_all"]]
@@ -22,9 +34,24 @@ titles = {name: campaign["studies"][name]["title"] or name for name in studies}
 
 # What a packing asks of the machine. No result depends on it, so nothing of it may stand in `params`.
 packings["cost"] = packings.specification.map(estimate)
+hours = np.array([cost.cpu_seconds / 3600.0 for cost in packings.cost])
+seeds = np.array([specification["seed"] for specification in packings.specification])
+packings["piece"] = 0
+for rows in packings.groupby("study").indices.values():
+    packings.loc[rows, "piece"] = number_pieces(
+        hours[rows], seeds[rows], campaign["piece_hours"]
+    )
 packings["ranks"] = [
     cost.ranks(campaign["ranks"], campaign["grains_per_rank"]) for cost in packings.cost
 ]
+
+
+# A dry run says what the campaign will cost. Snakemake tells no workflow that it is one before all rules are read.
+if {"-n", "--dry-run", "--dryrun"} & set(sys.argv):
+    print(
+        describe_studies(estimate_studies(packings, studies), campaign["piece_hours"]),
+        file=sys.stderr,
+    )
 
 
 def of_packing(wildcards, column):
@@ -52,6 +79,29 @@ def minutes(wildcards, attempt):
 # One rank needs nothing to start it, and the executor for Slurm refuses to hear of MPI then.
 def mpiexec(wildcards):
     return campaign["mpiexec"] if ranks(wildcards) > 1 else ""
+
+
+# Packings of one form that stand in for cases which this campaign has not.
+cases_packed = {
+    specification["sizes"]["case"]
+    for specification in packings.specification[
+        packings.study.str.startswith("single_form")
+    ]
+}
+cases_committed = sorted(set(campaign["models"]["committed"]) - cases_packed)
+committed_rows = ROWS_FOLDER / "single_form.csv"
+
+
+# A figure as PNG, which Snakemake's report shows under its caption, and as PDF.
+def figure(path, category, caption=None, **labels):
+    caption = caption or "_".join(path.split("/")[-2:])
+    shown = report(
+        f"{path}.png",
+        caption=f"../report/{caption}.rst",
+        category=category,
+        labels={"figure": caption.split("_", 1)[1].replace("_", " "), **labels},
+    )
+    return [shown, f"{path}.pdf"]
 
 
 wildcard_constraints:

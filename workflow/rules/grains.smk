@@ -5,9 +5,9 @@ rule grain_set:
     input:
         source_files(campaign["grains"]),
     output:
-        grains="results/grains/original.nc",
+        grains="<results>/grains/original.nc",
     log:
-        "results/logs/grain_set.log",
+        "<results>/logs/grain_set.log",
     params:
         grains=campaign["grains"],
         code=digest("workflow/scripts/grain_set.py"),
@@ -17,11 +17,11 @@ rule grain_set:
 
 rule decimated_grain_set:
     input:
-        grains="results/grains/original.nc",
+        grains="<results>/grains/original.nc",
     output:
-        grains="results/grains/faces_{faces}.nc",
+        grains="<results>/grains/faces_{faces}.nc",
     log:
-        "results/logs/decimated_grain_set/{faces}.log",
+        "<results>/logs/decimated_grain_set/{faces}.log",
     params:
         code=digest("workflow/scripts/decimated_grain_set.py"),
     script:
@@ -30,11 +30,11 @@ rule decimated_grain_set:
 
 rule form_order:
     input:
-        grains="results/grains/original.nc",
+        grains="<results>/grains/original.nc",
     output:
-        forms="results/grains/forms.csv",
+        forms="<results>/grains/forms.csv",
     log:
-        "results/logs/form_order.log",
+        "<results>/logs/form_order.log",
     params:
         code=digest("workflow/scripts/form_order.py"),
     script:
@@ -43,22 +43,22 @@ rule form_order:
 
 rule grain_report:
     input:
-        grains="results/grains/original.nc",
+        grains="<results>/grains/original.nc",
     output:
-        forms="results/grains/form_factors.csv",
-        statistics="results/grains/form_statistics.csv",
-        correlations="results/grains/factor_correlations.csv",
-        components="results/grains/principal_components.csv",
-        decimation="results/grains/decimation.csv",
-        decimation_summary="results/grains/decimation_summary.csv",
-        shapes="results/grains/shapes_against_scans.csv",
-        zingg=multiext("results/figures/grains/zingg", ".png", ".pdf"),
-        histograms=multiext("results/figures/grains/histograms", ".png", ".pdf"),
-        matrix=multiext("results/figures/grains/factor_correlations", ".png", ".pdf"),
-        scans=multiext("results/figures/grains/shapes_against_scans", ".png", ".pdf"),
-        changes=multiext("results/figures/grains/decimation", ".png", ".pdf"),
+        forms="<results>/grains/form_factors.csv",
+        statistics="<results>/grains/form_statistics.csv",
+        correlations="<results>/grains/factor_correlations.csv",
+        components="<results>/grains/principal_components.csv",
+        decimation="<results>/grains/decimation.csv",
+        decimation_summary="<results>/grains/decimation_summary.csv",
+        shapes="<results>/grains/shapes_against_scans.csv",
+        zingg=figure("<results>/figures/grains/zingg", "Grains"),
+        histograms=figure("<results>/figures/grains/histograms", "Grains"),
+        matrix=figure("<results>/figures/grains/factor_correlations", "Grains"),
+        scans=figure("<results>/figures/grains/shapes_against_scans", "Grains"),
+        changes=figure("<results>/figures/grains/decimation", "Grains"),
     log:
-        "results/logs/grain_report.log",
+        "<results>/logs/grain_report.log",
     params:
         test_only=campaign["test_only"],
         code=digest("workflow/scripts/grain_report.py"),

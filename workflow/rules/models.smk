@@ -4,6 +4,7 @@ study_sizes = packings.groupby("study").size()
 smallest_mixture_study = 7
 
 models, model_figures = [], []
+single_form_studies = [name for name in studies if name.startswith("single_form")]
 
 if "single_form" in studies:
     models += ["single_form", "single_form_second_features", "single_form_correlations"]
@@ -15,23 +16,29 @@ if "single_form" in studies:
 
     rule single_form_models:
         input:
-            packings="results/tables/single_form_packings.csv",
-        output:
-            models="results/models/single_form.csv",
-            correlations="results/models/single_form_correlations.csv",
-            second_features="results/models/single_form_second_features.csv",
-            dataset="results/models/single_form.nc",
-            features=multiext(
-                "results/figures/models/single_form_features", ".png", ".pdf"
+            packings=collect(
+                "<results>/tables/{study}_packings.csv", study=single_form_studies
             ),
-            zingg=multiext("results/figures/models/single_form_zingg", ".png", ".pdf"),
-            prediction=multiext(
-                "results/figures/models/single_form_prediction", ".png", ".pdf"
+            committed=branch(
+                bool(cases_committed) and committed_rows.exists(),
+                then=str(committed_rows),
+            ),
+        output:
+            models="<results>/models/single_form.csv",
+            correlations="<results>/models/single_form_correlations.csv",
+            second_features="<results>/models/single_form_second_features.csv",
+            dataset="<results>/models/single_form.nc",
+            features=figure("<results>/figures/models/single_form_features", "Models"),
+            zingg=figure("<results>/figures/models/single_form_zingg", "Models"),
+            prediction=figure(
+                "<results>/figures/models/single_form_prediction", "Models"
             ),
         log:
-            "results/logs/single_form_models.log",
+            "<results>/logs/single_form_models.log",
         params:
             seed=campaign["models"]["seed"],
+            folds=campaign["models"]["folds"],
+            committed=cases_committed,
             test_only=campaign["test_only"],
             code=digest("workflow/scripts/single_form_models.py"),
         script:
@@ -45,28 +52,29 @@ if study_sizes.get("form_mixtures", 0) >= smallest_mixture_study:
 
     rule form_mixture_models:
         input:
-            packings="results/tables/form_mixtures_features.csv",
-            rows="results/tables/form_mixtures_packings.csv",
+            packings="<results>/tables/form_mixtures_features.csv",
+            rows="<results>/tables/form_mixtures_packings.csv",
             application=branch(
                 "application" in studies,
-                then="results/tables/application_features.csv",
+                then="<results>/tables/application_features.csv",
             ),
         output:
-            models="results/models/form_mixture.csv",
-            correlations="results/models/form_mixture_correlations.csv",
-            feature_sets="results/models/form_mixture_feature_sets.csv",
-            dataset="results/models/form_mixture.nc",
-            sets=multiext("results/figures/models/form_mixture_sets", ".png", ".pdf"),
-            prediction=multiext(
-                "results/figures/models/form_mixture_prediction", ".png", ".pdf"
+            models="<results>/models/form_mixture.csv",
+            correlations="<results>/models/form_mixture_correlations.csv",
+            feature_sets="<results>/models/form_mixture_feature_sets.csv",
+            dataset="<results>/models/form_mixture.nc",
+            sets=figure("<results>/figures/models/form_mixture_sets", "Models"),
+            prediction=figure(
+                "<results>/figures/models/form_mixture_prediction", "Models"
             ),
             application=branch(
-                "application" in studies, then="results/models/application.csv"
+                "application" in studies, then="<results>/models/application.csv"
             ),
         log:
-            "results/logs/form_mixture_models.log",
+            "<results>/logs/form_mixture_models.log",
         params:
             seed=campaign["models"]["seed"],
+            folds=campaign["models"]["folds"],
             test_only=campaign["test_only"],
             code=digest("workflow/scripts/form_mixture_models.py"),
         script:
@@ -79,17 +87,17 @@ if {"single_form", "equivalent_ellipsoids"} <= set(studies):
 
     rule shape_kinds:
         input:
-            meshes="results/tables/single_form_packings.csv",
-            ellipsoids="results/tables/equivalent_ellipsoids_packings.csv",
+            meshes="<results>/tables/single_form_packings.csv",
+            ellipsoids="<results>/tables/equivalent_ellipsoids_packings.csv",
             near_spheres=branch(
-                "near_spheres" in studies, then="results/tables/near_spheres.csv"
+                "near_spheres" in studies, then="<results>/tables/near_spheres.csv"
             ),
         output:
-            table="results/models/shape_kinds.csv",
-            pairs="results/models/shape_kind_pairs.csv",
-            figure=multiext("results/figures/models/shape_kinds", ".png", ".pdf"),
+            table="<results>/models/shape_kinds.csv",
+            pairs="<results>/models/shape_kind_pairs.csv",
+            figure=figure("<results>/figures/models/shape_kinds", "Models"),
         log:
-            "results/logs/shape_kinds.log",
+            "<results>/logs/shape_kinds.log",
         params:
             test_only=campaign["test_only"],
             code=digest("workflow/scripts/shape_kinds.py"),
@@ -103,17 +111,18 @@ if {"single_form", "form_mixture"} <= set(models):
 
     rule unified_model:
         input:
-            single_forms="results/tables/single_form_packings.csv",
-            mixtures="results/tables/form_mixtures_packings.csv",
-            features="results/tables/form_mixtures_features.csv",
+            single_forms="<results>/tables/single_form_packings.csv",
+            mixtures="<results>/tables/form_mixtures_packings.csv",
+            features="<results>/tables/form_mixtures_features.csv",
         output:
-            models="results/models/unified.csv",
-            feature_sets="results/models/unified_feature_sets.csv",
-            dataset="results/models/unified.nc",
+            models="<results>/models/unified.csv",
+            feature_sets="<results>/models/unified_feature_sets.csv",
+            dataset="<results>/models/unified.nc",
         log:
-            "results/logs/unified_model.log",
+            "<results>/logs/unified_model.log",
         params:
             seed=campaign["models"]["seed"],
+            folds=campaign["models"]["folds"],
             test_only=campaign["test_only"],
             code=digest("workflow/scripts/unified_model.py"),
         script:

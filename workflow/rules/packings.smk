@@ -13,12 +13,12 @@ rule packing_specification:
                 within=packings,
                 cols="form",
             ),
-            then="results/grains/forms.csv",
+            then="<results>/grains/forms.csv",
         ),
     output:
-        specification="results/packings/{study}/{packing}.yaml",
+        specification="<results>/packings/{study}/{packing}.yaml",
     log:
-        "results/logs/packing_specification/{study}/{packing}.log",
+        "<results>/logs/packing_specification/{study}/{packing}.log",
     params:
         form=lookup(
             query="study == '{study}' & packing == '{packing}'",
@@ -37,7 +37,7 @@ rule packing_specification:
 
 rule packing:
     input:
-        specification="results/packings/{study}/{packing}.yaml",
+        specification="<results>/packings/{study}/{packing}.yaml",
         grains=branch(
             lookup(
                 query="study == '{study}' & packing == '{packing}' & grain_set != ''",
@@ -45,7 +45,7 @@ rule packing:
                 cols="grain_set",
             ),
             then=collect(
-                "results/grains/{grain_set}.nc",
+                "<results>/grains/{grain_set}.nc",
                 grain_set=lookup(
                     query="study == '{study}' & packing == '{packing}'",
                     within=packings,
@@ -54,11 +54,11 @@ rule packing:
             ),
         ),
     output:
-        packing="results/packings/{study}/{packing}.nc",
+        packing="<results>/packings/{study}/{packing}.nc",
     log:
-        "results/logs/packing/{study}/{packing}.log",
+        "<results>/logs/packing/{study}/{packing}.log",
     benchmark:
-        "results/benchmarks/packing/{study}/{packing}.tsv"
+        "<results>/benchmarks/packing/{study}/{packing}.tsv"
     # Cores. That there are fewer changes neither ranks nor their threads, which then share them.
     threads: cores
     resources:
@@ -71,21 +71,22 @@ rule packing:
         code=digest(
             "simcore/scenes.py", "simcore/dem/packing.py", "simcore/packing_io.py"
         ),
+        checkpoints=f"{results}/checkpoints",
     # The checkpoints are no output, so that a packing that was interrupted goes on from them. With `exec` the parent of
     # the packing is Snakemake: where it is killed, the packing ends too, and does not go on beside the next run.
     shell:
         "exec python -m simcore launch {input.specification} {output.packing}"
         " --ranks {resources.tasks} --threads {resources.cpus_per_task} --mpiexec={resources.mpi:q}"
-        " --checkpoints results/checkpoints --with-parent > {log} 2>&1"
+        " --checkpoints {params.checkpoints:q} --with-parent > {log} 2>&1"
 
 
 rule porosity:
     input:
-        packing="results/packings/{study}/{packing}.nc",
+        packing="<results>/packings/{study}/{packing}.nc",
     output:
-        evaluation="results/porosity/{study}/{packing}.nc",
+        evaluation="<results>/porosity/{study}/{packing}.nc",
     log:
-        "results/logs/porosity/{study}/{packing}.log",
+        "<results>/logs/porosity/{study}/{packing}.log",
     params:
         settings=campaign["porosity"],
         code=digest("workflow/scripts/porosity.py"),
@@ -96,18 +97,18 @@ rule porosity:
 rule study_table:
     input:
         evaluations=collect(
-            "results/porosity/{{study}}/{packing}.nc",
+            "<results>/porosity/{{study}}/{packing}.nc",
             packing=lookup(
                 query="study == '{study}'", within=packings, cols="packing"
             ),
         ),
     output:
-        packings="results/tables/{study}_packings.csv",
-        features="results/tables/{study}_features.csv",
-        trends="results/tables/{study}_trends.csv",
-        table="results/tables/{study}.csv",
+        packings="<results>/tables/{study}_packings.csv",
+        features="<results>/tables/{study}_features.csv",
+        trends="<results>/tables/{study}_trends.csv",
+        table="<results>/tables/{study}.csv",
     log:
-        "results/logs/study_table/{study}.log",
+        "<results>/logs/study_table/{study}.log",
     params:
         rows=lookup(query="study == '{study}'", within=packings, cols="row"),
         test_only=campaign["test_only"],
@@ -123,4 +124,41 @@ for study in all_studies:
         name:
             study
         input:
-            f"results/tables/{study}.csv",
+            f"<results>/tables/{study}.csv",
+
+
+# A study in pieces of some hours; each goes on where it was ended: `snakemake single_form_piece_1`.
+for (study, piece), rows in packings.groupby(["study", "piece"], sort=False):
+
+    rule:
+        name:
+            f"{study}_piece_{piece}"
+        input:
+            [f"<results>/porosity/{study}/{packing}.nc" for packing in rows.packing],
+
+
+# The finished packings of all studies, as rows of the committed tables; the others may come later. The tables are no
+# outputs: they are there in a clone, and stay when what they were made of is gone.
+rule collect:
+    log:
+        "<results>/logs/collect.log",
+    params:
+        folder=campaign["reference"],
+        test_only=campaign["test_only"],
+        source=campaign["grains"]["source"],
+        evaluations=f"{results}/porosity",
+        command=" ".join(["snakemake --configfile", *overlays]),
+        packings={
+            study: [
+                {
+                    "row": packing.row,
+                    "specification": packing.specification,
+                    "cpu_h": packing.cost.cpu_seconds / 3600.0,
+                }
+                for packing in packings[packings.study == study].itertuples()
+            ]
+            for study in all_studies
+            if study in studies or study.startswith("difference_")
+        },
+    script:
+        "../scripts/collect.py"

@@ -4,25 +4,40 @@
 # Of each study its porosities beside the source study's, and its first packing.
 rule study_figures:
     input:
-        table="results/tables/{study}.csv",
+        table="<results>/tables/{study}.csv",
         packing=collect(
-            "results/packings/{{study}}/{packing}.nc",
+            "<results>/packings/{{study}}/{packing}.nc",
             packing=lookup(
                 query="study == '{study}' & is_first", within=packings, cols="packing"
             ),
         ),
         evaluation=collect(
-            "results/porosity/{{study}}/{packing}.nc",
+            "<results>/porosity/{{study}}/{packing}.nc",
             packing=lookup(
                 query="study == '{study}' & is_first", within=packings, cols="packing"
             ),
         ),
     output:
-        porosities=multiext("results/figures/studies/{study}", ".png", ".pdf"),
-        picture=multiext("results/figures/packings/{study}", ".png", ".pdf"),
-        profile=multiext("results/figures/profiles/{study}", ".png", ".pdf"),
+        porosities=figure(
+            "<results>/figures/studies/{study}",
+            "Studies",
+            "study_porosities",
+            study="{study}",
+        ),
+        picture=figure(
+            "<results>/figures/packings/{study}",
+            "Studies",
+            "study_picture",
+            study="{study}",
+        ),
+        profile=figure(
+            "<results>/figures/profiles/{study}",
+            "Studies",
+            "study_profile",
+            study="{study}",
+        ),
     log:
-        "results/logs/study_figures/{study}.log",
+        "<results>/logs/study_figures/{study}.log",
     params:
         rows=lookup(query="study == '{study}'", within=packings, cols="row"),
         test_only=campaign["test_only"],
@@ -34,14 +49,16 @@ rule study_figures:
 # What the studies have together: the table of their cost, and of trends over height.
 rule campaign_tables:
     input:
-        packings=collect("results/tables/{study}_packings.csv", study=studies),
-        trends=collect("results/tables/{study}_trends.csv", study=studies),
+        packings=collect("<results>/tables/{study}_packings.csv", study=studies),
+        trends=collect("<results>/tables/{study}_trends.csv", study=studies),
     output:
-        cost="results/campaign/cost.csv",
-        trends="results/campaign/trends.csv",
-        figure=multiext("results/figures/campaign/trends", ".png", ".pdf"),
+        cost="<results>/campaign/cost.csv",
+        trends="<results>/campaign/trends.csv",
+        figure=figure(
+            "<results>/figures/campaign/trends", "Cost, and order in the beds"
+        ),
     log:
-        "results/logs/campaign_tables.log",
+        "<results>/logs/campaign_tables.log",
     params:
         test_only=campaign["test_only"],
         code=digest("workflow/scripts/campaign_tables.py"),
@@ -57,15 +74,17 @@ shown = showpieces(in_report)
 rule domain_pictures:
     input:
         packings=collect(
-            "results/packings/{study}/{packing}.nc",
+            "<results>/packings/{study}/{packing}.nc",
             zip,
             study=shown.study,
             packing=shown.packing,
         ),
     output:
-        figure=multiext("results/figures/campaign/domains", ".png", ".pdf"),
+        figure=figure(
+            "<results>/figures/campaign/domains", "Cost, and order in the beds"
+        ),
     log:
-        "results/logs/domain_pictures.log",
+        "<results>/logs/domain_pictures.log",
     params:
         labels=[
             f"{titles[study]}\n{packing}"
@@ -89,12 +108,15 @@ if len(corners):
     rule mixture_pictures:
         input:
             packings=collect(
-                "results/packings/form_mixtures/{packing}.nc", packing=corners.packing
+                "<results>/packings/form_mixtures/{packing}.nc",
+                packing=corners.packing,
             ),
         output:
-            figure=multiext("results/figures/campaign/mixtures", ".png", ".pdf"),
+            figure=figure(
+                "<results>/figures/campaign/mixtures", "Cost, and order in the beds"
+            ),
         log:
-            "results/logs/mixture_pictures.log",
+            "<results>/logs/mixture_pictures.log",
         params:
             labels=list(corners.label),
             azimuth=-90.0,
@@ -109,12 +131,17 @@ if len(corners):
 has_grains = (in_report.grain_set != "").any()
 
 
+captions = sorted(
+    f"workflow/report/{path.name}" for path in (ROOT / "workflow/report").iterdir()
+)
+
+
 rule report:
     input:
         grain_tables=branch(
             has_grains,
             then=collect(
-                "results/grains/{table}.csv",
+                "<results>/grains/{table}.csv",
                 table=[
                     "form_statistics",
                     "shapes_against_scans",
@@ -126,7 +153,7 @@ rule report:
         grain_figures=branch(
             has_grains,
             then=collect(
-                "results/figures/grains/{figure}.png",
+                "<results>/figures/grains/{figure}.png",
                 figure=[
                     "zingg",
                     "histograms",
@@ -136,27 +163,34 @@ rule report:
                 ],
             ),
         ),
-        models=collect("results/models/{model}.csv", model=models),
+        models=collect("<results>/models/{model}.csv", model=models),
         model_figures=collect(
-            "results/figures/models/{figure}.png", figure=model_figures
+            "<results>/figures/models/{figure}.png", figure=model_figures
         ),
         campaign_tables=collect(
-            "results/campaign/{table}.csv", table=["cost", "trends"]
+            "<results>/campaign/{table}.csv", table=["cost", "trends"]
         ),
         campaign_figures=collect(
-            "results/figures/campaign/{figure}.png", figure=campaign_figures
+            "<results>/figures/campaign/{figure}.png", figure=campaign_figures
         ),
-        tables=collect("results/tables/{study}.csv", study=studies),
-        study_figures=collect("results/figures/studies/{study}.png", study=studies),
-        pictures=collect("results/figures/packings/{study}.png", study=studies),
-        profiles=collect("results/figures/profiles/{study}.png", study=studies),
+        tables=collect("<results>/tables/{study}.csv", study=studies),
+        study_figures=collect("<results>/figures/studies/{study}.png", study=studies),
+        pictures=collect("<results>/figures/packings/{study}.png", study=studies),
+        profiles=collect("<results>/figures/profiles/{study}.png", study=studies),
     output:
-        report="results/report.html",
+        report="<results>/report.html",
+        # In Snakemake's report, which holds the figures apart: browsers show no frame of more than 2 MB.
+        tables=report(
+            "<results>/tables.html",
+            caption="../report/page.rst",
+            category=" Models and tables",
+            labels={"page": "models, cost, grains and all studies"},
+        ),
     log:
-        "results/logs/report.log",
+        "<results>/logs/report.log",
     params:
         titles=titles,
         test_only=campaign["test_only"],
-        code=digest("workflow/scripts/report.py"),
+        code=digest("workflow/scripts/report.py", *captions),
     script:
         "../scripts/report.py"

@@ -14,17 +14,17 @@ packing_precision_studies = [
 
 rule work_precision:
     input:
-        collect("results/work_precision/{study}.csv", study=precision_studies),
-        collect("results/work_precision/{study}.png", study=precision_studies),
+        collect("<results>/work_precision/{study}.csv", study=precision_studies),
+        collect("<results>/work_precision/{study}.png", study=precision_studies),
 
 
 rule one_contact_precision:
     output:
-        runs="results/work_precision/one_contact.csv",
-        figure="results/work_precision/one_contact.png",
-        vector="results/work_precision/one_contact.pdf",
+        runs="<results>/work_precision/one_contact.csv",
+        figure="<results>/work_precision/one_contact.png",
+        vector="<results>/work_precision/one_contact.pdf",
     log:
-        "results/logs/one_contact_precision.log",
+        "<results>/logs/one_contact_precision.log",
     params:
         code=digest("workflow/scripts/one_contact_precision.py"),
     script:
@@ -33,11 +33,11 @@ rule one_contact_precision:
 
 rule rotation_precision:
     output:
-        runs="results/work_precision/rotation.csv",
-        figure="results/work_precision/rotation.png",
-        vector="results/work_precision/rotation.pdf",
+        runs="<results>/work_precision/rotation.csv",
+        figure="<results>/work_precision/rotation.png",
+        vector="<results>/work_precision/rotation.pdf",
     log:
-        "results/logs/rotation_precision.log",
+        "<results>/logs/rotation_precision.log",
     params:
         code=digest("workflow/scripts/rotation_precision.py"),
     script:
@@ -46,11 +46,11 @@ rule rotation_precision:
 
 rule contact_query_precision:
     output:
-        runs="results/work_precision/contact_query.csv",
-        figure="results/work_precision/contact_query.png",
-        vector="results/work_precision/contact_query.pdf",
+        runs="<results>/work_precision/contact_query.csv",
+        figure="<results>/work_precision/contact_query.png",
+        vector="<results>/work_precision/contact_query.pdf",
     log:
-        "results/logs/contact_query_precision.log",
+        "<results>/logs/contact_query_precision.log",
     params:
         code=digest("workflow/scripts/contact_query_precision.py"),
     script:
@@ -59,11 +59,11 @@ rule contact_query_precision:
 
 rule rest:
     output:
-        table="results/work_precision/rest.csv",
-        figure="results/work_precision/rest.png",
-        vector="results/work_precision/rest.pdf",
+        table="<results>/work_precision/rest.csv",
+        figure="<results>/work_precision/rest.png",
+        vector="<results>/work_precision/rest.pdf",
     log:
-        "results/logs/rest.log",
+        "<results>/logs/rest.log",
     params:
         code=digest("workflow/scripts/rest.py"),
     script:
@@ -74,17 +74,17 @@ rule rest:
 rule evaluation_precision:
     input:
         packings=collect(
-            "results/packings/precision_shaking/{packing}.nc",
+            "<results>/packings/precision_shaking/{packing}.nc",
             packing=lookup(
                 query="study == 'precision_shaking'", within=packings, cols="packing"
             ),
         ),
     output:
-        runs="results/work_precision/evaluation.csv",
-        figure="results/work_precision/evaluation.png",
-        vector="results/work_precision/evaluation.pdf",
+        runs="<results>/work_precision/evaluation.csv",
+        figure="<results>/work_precision/evaluation.png",
+        vector="<results>/work_precision/evaluation.pdf",
     log:
-        "results/logs/evaluation_precision.log",
+        "<results>/logs/evaluation_precision.log",
     params:
         code=digest("workflow/scripts/evaluation_precision.py"),
     script:
@@ -95,15 +95,15 @@ rule evaluation_precision:
 rule packing_precision:
     input:
         tables=collect(
-            "results/tables/{study}_packings.csv", study=packing_precision_studies
+            "<results>/tables/{study}_packings.csv", study=packing_precision_studies
         ),
     output:
-        errors="results/work_precision/packings.csv",
-        settings="results/work_precision/cheapest_settings.csv",
-        figure="results/work_precision/packings.png",
-        vector="results/work_precision/packings.pdf",
+        errors="<results>/work_precision/packings.csv",
+        settings="<results>/work_precision/cheapest_settings.csv",
+        figure="<results>/work_precision/packings.png",
+        vector="<results>/work_precision/packings.pdf",
     log:
-        "results/logs/packing_precision.log",
+        "<results>/logs/packing_precision.log",
     params:
         studies=packing_precision_studies,
         titles={
@@ -117,3 +117,27 @@ rule packing_precision:
         code=digest("workflow/scripts/packing_precision.py"),
     script:
         "../scripts/packing_precision.py"
+
+
+# What in our process and law makes porosity differ from the study's: config/differences.yaml.
+difference_studies = [name for name in all_studies if name.startswith("difference_")]
+
+
+rule differences:
+    input:
+        tables=collect(
+            "<results>/tables/{study}_packings.csv", study=difference_studies
+        ),
+    output:
+        table="<results>/differences.csv",
+    log:
+        "<results>/logs/differences.log",
+    params:
+        varied=[
+            list(packings.row[packings.study == study].iloc[0]["varied"])
+            for study in difference_studies
+        ],
+        test_only=campaign["test_only"],
+        code=digest("workflow/scripts/differences.py"),
+    script:
+        "../scripts/differences.py"

@@ -20,6 +20,7 @@ tables, models = mixture_models(
     read_study_table("table10_form_mixture_features"),
     read_study_table("models"),
     seed=snakemake.params.seed,
+    folds=snakemake.params.folds,
 )
 if snakemake.input.application:
     unseen = pd.read_csv(snakemake.input.application)

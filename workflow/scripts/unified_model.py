@@ -19,6 +19,7 @@ tables, models = unified_models(
     features.merge(varied[means], on="packing") if set(means) <= set(varied) else features,
     read_study_table("models"),
     seed=snakemake.params.seed,
+    folds=snakemake.params.folds,
 )
 for name, table in tables.items():
     mark(table, test_only).to_csv(snakemake.output[name], index=False)

@@ -1,0 +1,125 @@
+"""Rows of finished packings, gathered into the committed tables of a campaign while it still runs.
+
+A table in the reference folder holds one row a packing. Packings that are not finished yet are left out; rows that
+stand there already stay, unless the same packing is gathered again.
+"""
+
+import json
+import logging
+from pathlib import Path
+
+import pandas as pd
+
+from simcore.study_tables import tabulate
+
+log = logging.getLogger(__name__)
+
+RESULT = ["n", "n_error", "grains", "cpu_s"]
+# Of each table the columns that say which packing it is, and what else is known of it.
+COLUMNS = {
+    "single_form": (["source", "case", "grain", "representation", "seed"], ["L", "I", "S"]),
+    "form_mixture": (
+        ["case", "mu_FL_nominal", "sigma_FL_nominal", "mu_EL_nominal", "sigma_EL_nominal", "seed"],
+        ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"],
+    ),
+    "validation": (["case", "run"], []),
+    "application": (["case", "choice", "seed"], ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]),
+}
+# Where the seed stands after what is known of the form.
+ORDER = {
+    "form_mixture": [*COLUMNS["form_mixture"][0][:-1], *COLUMNS["form_mixture"][1], "seed", *RESULT],
+}
+# Studies whose name begins so go into one table; any other study has its own.
+TABLES = {"single_form": "single_form", "equivalent_ellipsoids": "single_form", "form_mixtures": "form_mixture"}
+NAMES = {
+    "kind": "representation",
+    "n_std_error": "n_error",
+    "mean_FL": "mu_FL_nominal",
+    "std_FL": "sigma_FL_nominal",
+    "mean_EL": "mu_EL_nominal",
+    "std_EL": "sigma_EL_nominal",
+    "EQ": "mu_EQ",
+    "EL": "mu_EL",
+}
+DECIMALS = {"n": 6, "n_error": 6, "cpu_s": 1} | dict.fromkeys("LIS", 7)
+DECIMALS |= dict.fromkeys(["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"], 6)
+
+
+def table_of(study):
+    """Name of the table that the packings of a study go into."""
+    return next((table for start, table in TABLES.items() if study.startswith(start)), study)
+
+
+def source_name(source):
+    """What the column `source` calls the grains of a campaign: "synthetic", or the last part of their path."""
+    first = source if isinstance(source, str) else source[0]
+    return Path(first).name
+
+
+def was_packed_so(specification, evaluation):
+    """Whether an evaluation is of a packing of this specification; the grain of a rank in a spread may be any."""
+    return _comparable(specification) == _comparable(json.loads(evaluation.attrs["scene"]))
+
+
+def _comparable(specification):
+    shapes = {key: value for key, value in specification["shapes"].items() if key != "grain"}
+    # What changes no result, and may have changed since.
+    numerics = {key: value for key, value in specification["numerics"].items() if key != "progress_interval"}
+    return json.loads(json.dumps({**specification, "shapes": shapes, "numerics": numerics}))
+
+
+def rows_of(study, rows, evaluations, source):
+    """One row for each evaluated packing of a study, with the columns of its table; arguments as of tabulate.
+
+    L, I, S: means over the grains [m]; n_error: the packing's sampling error; cpu_s [s].
+    """
+    table = tabulate(study, rows, evaluations).assign(source=source)
+    table = table.drop(columns=[name for name in ("mu_EQ", "mu_EL") if name in table])
+    table = table.rename(columns=NAMES).assign(run=table["seed"])
+    name = table_of(study)
+    if name not in COLUMNS:
+        varied = [column for column in rows[0]["varied"] if column not in ("seed", "case")]
+        varied = [NAMES.get(column, column) for column in varied]
+        return table[["case", *dict.fromkeys(varied), *(["grain"] if "grain" in table else []), "seed", *RESULT]]
+    return table[_order(name)]
+
+
+def _order(name):
+    return ORDER.get(name, [*COLUMNS[name][0], *COLUMNS[name][1], *RESULT])
+
+
+def gather(folder, name, rows):
+    """Lay rows over the table `name`.csv in `folder`, sorted; returns how many it holds now.
+
+    ValueError if the table there has other columns.
+    """
+    path = Path(folder) / f"{name}.csv"
+    rows = rows.round({column: places for column, places in DECIMALS.items() if column in rows})
+    keys = COLUMNS[name][0] if name in COLUMNS else [column for column in rows if column not in RESULT]
+    if path.exists():
+        there = pd.read_csv(path)
+        if list(there) != list(rows):
+            raise ValueError(f"{path}: has the columns {', '.join(there)}, not {', '.join(rows)}; move it away")
+        rows = pd.concat([there, rows], ignore_index=True)
+    # Numbers of a file and of a specification are one: 300 and "300".
+    spelled = rows[keys].map(str)
+    rows = rows[~spelled.duplicated(keep="last")].sort_values(keys, key=_sortable)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rows.to_csv(path, index=False, lineterminator="\n")
+    return len(rows)
+
+
+def _sortable(column):
+    return column if pd.api.types.is_numeric_dtype(column) else column.astype(str)
+
+
+def record(folder, entries):
+    """Lay entries, dicts with the keys table, study and source among them, over collected.csv in `folder`: what stands
+    behind its tables."""
+    path, keys = Path(folder) / "collected.csv", ["table", "study", "source"]
+    table = pd.DataFrame(entries)
+    if path.exists():
+        table = pd.concat([pd.read_csv(path), table], ignore_index=True)
+    table = table.drop_duplicates(keys, keep="last").sort_values(keys)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    table.to_csv(path, index=False, lineterminator="\n")

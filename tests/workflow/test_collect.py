@@ -1,0 +1,108 @@
+"""Rows of finished packings in committed tables, while others are missing; the cost that a dry run tells."""
+
+import json
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from simcore.evaluation import evaluate
+from simcore.specification import resolve
+from simcore.studies import expand, merge
+
+from .conftest import ROOT
+from .test_plan import OTHERS
+
+pytestmark = pytest.mark.workflow
+
+CAMPAIGN = f"""
+reference: kept
+pathvars: {{results: results/mine}}
+packing: {{domain: {{width: 45 mm, height: 0.3 m}}, amount: {{grains: 300}}, shapes: {{kind: ellipsoid}}}}
+studies:
+  spheroids:
+    fixes: {{shapes: {{choice: form, elongation: 0.8}}}}
+    varies: {{sizes.case: [U1], shapes.flatness: [0.5, 0.6], seed: [1, 2]}}
+  heights:
+    fixes: {{sizes: {{case: U1}}, shapes: {{choice: form, flatness: 0.6, elongation: 0.8}}}}
+    varies: {{generation.drop_height: [1 cm, 2 cm]}}
+{OTHERS}
+"""
+
+
+@pytest.fixture
+def campaign(workplace, packings):
+    """A campaign of which some beds are there, made up: workplace, arguments, and a function that adds beds."""
+    (workplace.folder / "mine.yaml").write_text(CAMPAIGN)
+    raw = [yaml.safe_load((ROOT / "config" / "config.yaml").read_text()), yaml.safe_load(CAMPAIGN)]
+    plan = expand(resolve(merge(*raw), "config"))
+
+    def add(study, number, **changed):
+        rows = plan[plan.study == study].iloc[:number]
+        for row in rows.itertuples():
+            bed = packings.make(
+                np.random.default_rng(4).uniform(0.005, 0.06, (300, 3)),
+                np.tile([0.0055, 0.0045, 0.0035], (300, 1)),
+                width=0.05,
+                scene=json.dumps({**row.specification, **changed}),
+                seed=row.specification["seed"],
+                cpu_seconds=72.0,
+                steps=100,
+                code_version="0.1.0+test",
+                largest=0.011,
+            )
+            path = workplace.folder / "results" / "mine" / "porosity" / study / f"{row.packing}.nc"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            evaluate(bed).to_netcdf(path)
+
+    return SimpleNamespace(
+        add=add, folder=workplace.folder, run=lambda: workplace.run("--configfile", "mine.yaml", "--", "collect")
+    )
+
+
+def test_half_of_a_campaign_is_gathered_and_the_rest_later(campaign):
+    campaign.add("heights", 1)
+    status, said = campaign.run()
+    assert status == 0, said
+    assert "heights: 1 of 2 packings" in said and "spheroids: 0 of 4 packings" in said
+    kept = campaign.folder / "kept"
+    assert sorted(path.name for path in kept.iterdir()) == ["collected.csv", "heights.csv"]
+    first = pd.read_csv(kept / "heights.csv")
+    assert list(first) == ["case", "drop_height", "seed", "n", "n_error", "grains", "cpu_s"] and len(first) == 1
+    campaign.add("heights", 2)
+    status, said = campaign.run()
+    assert status == 0, said
+    table = pd.read_csv(kept / "heights.csv")
+    assert len(table) == 2 and table.iloc[0].equals(first.iloc[0])
+    behind = pd.read_csv(kept / "collected.csv").set_index("study").loc["heights"]
+    assert (behind.packings, behind.planned, behind.cpu_h, behind.cpu_h_left_estimated) == (2, 2, 0.04, 0.0)
+    assert behind.command == "snakemake --configfile mine.yaml" and behind.code == "0.1.0+test"
+
+
+def test_beds_of_other_settings_and_other_campaigns_are_left_out(campaign, workplace):
+    campaign.add("heights", 2, faces=30)
+    status, said = campaign.run()
+    assert status == 0 and "heights: 0 of 2 packings" in said
+    assert not (campaign.folder / "kept" / "heights.csv").exists()
+    (workplace.folder / "tests.yaml").write_text(f"test_only: true\n{CAMPAIGN}")
+    for arguments, message in (
+        (["--configfile", "tests.yaml"], "its rows are not gathered"),
+        ([], "this campaign is not gathered"),
+    ):
+        status, said = workplace.run(*arguments, "--", "collect")
+        assert status != 0 and message in said
+
+
+def test_a_dry_run_tells_packings_hours_and_pieces(workplace):
+    """Of the study's own sizes: more hours than a machine has, and as many pieces as packings of more than two."""
+    status, said = workplace.run("--dry-run", "--configfile", "config/paper.yaml", "--", "validation_piece_1")
+    assert status == 0, said
+    line = re.search(r"^validation +(\d+) +\d+ +([0-9.]+) +([0-9.]+) +(\d+)$", said, re.MULTILINE)
+    packings, hours, longest, pieces = map(float, line.groups())
+    assert packings == 21 and longest > 2 and 21 * longest > hours > 21
+    assert 1 < pieces <= 21
+    assert re.search(r"^all +624 ", said, re.MULTILINE)
+    assert said.count("rule packing:") in (1, 2)
