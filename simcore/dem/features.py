@@ -16,3 +16,5 @@ class Features(NamedTuple):
     patch: bool = False  # two polyhedra, or one and a wall, press at the centroid of their overlap
     implicit: bool = False  # the dashpot of a contact sees what the contact does to the velocity within the step
     timed: bool = False  # count the processor's cycles of each part of the step
+    hertz: bool = False  # the contact law's coefficients follow from the overlap (simcore.dem.hertz)
+    sliding: int = 0  # of simcore.dem.sliding: NONE, CAPPED or VISCOUS: friction without springs, not `friction`
