@@ -52,6 +52,13 @@ SCENES = {
     "ellipsoids_cylinder": {"shapes": {"kind": "ellipsoid"}, **CYLINDER, "numerics": {"dashpot": "implicit"}},
     "polyhedra": {"shapes": {"kind": "mesh"}},
     "mixed": {"shapes": {"kind": "mixed", "ellipsoid_share": 0.5}},
+    "deposit": {
+        "shapes": {"kind": "sphere"},
+        "sizes": {"bounds": None, "mass_fractions": None, "beta": {"radius": "3.4 mm", "spread": 0.4}},
+        "material": {"law": "hertz", "youngs_modulus": "0.5 MPa", "friction_law": "dynamic"},
+        "generation": {"placement": "random", "batch_grains": 12, "drop_height": "4 mm"},
+        "convergence": {"rule": "settled", "kinetic_energy": 1.0e-2, "compaction": 1.0e-2},
+    },
 }
 LARGE_SCENES = {
     **SCENES,
