@@ -28,8 +28,8 @@ GRAIN_MEMORY = {"sphere": 1200, "ellipsoid": 2600, "mesh": 4400, "mixed": 4400}
 SOLID_FRACTION = 0.6
 # ASSUME: time until a shaken bed is at rest; 0.08 to 0.24 s in the packings of examples/.
 SETTLING = 0.2
-# ASSUME: the same of a bed that creeps, by convergence.rule settled; 150 ellipsoids of examples/deposit.yaml.
-CREEPING = 1.0
+# ASSUME: the same of a bed that creeps, by convergence.rule settled; examples/deposit.yaml takes 1.4 s.
+CREEPING = 1.5
 # ASSUME: longest axis of a grain that is no sphere over its sieve size; the other two axes make up that size squared.
 LONGEST_AXIS = 1.5
 # Of simcore.dem.packing, where the study's batches begin, relative to the height of the domain.

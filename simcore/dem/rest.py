@@ -4,7 +4,10 @@
 without a static spring holds no shear stress, so such a bed flows toward a denser one, ever more slowly, and no speed
 or force vanishes. What a study needs is that the motion of fall and impact is gone (kinetic energy of a mean grain a
 small share of m g d, the energy by which it could climb another), and that the solid fraction has ceased to change
-by more than a stated share within a stated time. Of a given mass it goes with the inverse of the mean height.
+by more than a stated share within a stated time. Of a given mass it goes with the inverse of the mean height. A fixed
+time after the last birth is the other rule that could be stated, but how far a bed has come by then depends on its
+friction: 150 ellipsoids of examples/deposit.yaml reach 5e-4 in 0.1 s after 1.4 s with a sliding time of 10 ms, and
+grow denser by 0.005 of themselves in the two seconds after that; with 1 ms they take more than 4 s.
 """
 
 from typing import NamedTuple

@@ -102,7 +102,7 @@ class Convergence:
     max_unbalanced_force: float
     rule: str = "still"
     window: float = 0.1
-    compaction: float = 1e-4
+    compaction: float = 5e-4
     kinetic_energy: float = 1e-5
 
 
@@ -226,7 +226,7 @@ class Scene:
 
     @property
     def stiffen(self) -> str:
-        """How the user makes contacts stiffer, for messages: what to change, and its value now."""
+        """How the user makes contacts stiffer: the beginning of a sentence with a bracket that the message closes."""
         if self.material.youngs_modulus is not None:
             return f"Raise material.youngs_modulus (now {self.material.youngs_modulus:g} Pa"
         if self.material.overlap_at_rest is not None:

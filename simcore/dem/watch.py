@@ -186,7 +186,7 @@ class Watch:
             return
         self.load, self.stiffest, self.contacts = found.load, found.body, found.contacts
         law, hold = self.scene.continuous_law, found.contacts if self.scene.implicit else None
-        # Of the law where that says it, else of the scene.
+        # Of law hertz the linear one says no contact time: it may be overdamped.
         time = None if firmness is None else self.scene.numerics.contact_time
         self.needed = body_steps(
             bodies, near, self.width, law, self.friction, found.body,

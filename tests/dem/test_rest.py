@@ -38,10 +38,10 @@ def judge(checks, since=1.0):
 
 
 def test_settled_asks_for_a_rate_of_compaction():
-    """1e-4 in 0.1 s is 1e-3 a second; the window is taken whole, to the rounding of the times of the looks."""
-    assert judge(looks(0.99e-3)).at_rest
-    verdict = judge(looks(1.01e-3))
-    assert not verdict.at_rest and "solid fraction changed by 0.0001 of itself in 0.1 s" in verdict.told
+    """5e-4 in 0.1 s is 5e-3 a second; the window is taken whole, to the rounding of the times of the looks."""
+    assert judge(looks(4.95e-3)).at_rest
+    verdict = judge(looks(5.05e-3))
+    assert not verdict.at_rest and "solid fraction changed by 0.00051 of itself in 0.1 s" in verdict.told
 
 
 def test_settled_waits_for_its_window():
@@ -60,4 +60,4 @@ def test_settled_asks_for_kinetic_energy_as_a_share_of_m_g_d():
 
 @pytest.mark.parametrize("missing", ["window", "compaction", "kinetic_energy"])
 def test_measures_are_keys_with_defaults(missing):
-    assert getattr(GOAL, missing) == {"window": 0.1, "compaction": 1e-4, "kinetic_energy": 1e-5}[missing]
+    assert getattr(GOAL, missing) == {"window": 0.1, "compaction": 5e-4, "kinetic_energy": 1e-5}[missing]
