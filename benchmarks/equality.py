@@ -53,6 +53,14 @@ SCENES = {
     "ellipsoids_potential": {"shapes": {"kind": "ellipsoid"}, "numerics": {"ellipsoid_contact": "potential"}},
     "polyhedra": {"shapes": {"kind": "mesh"}},
     "mixed": {"shapes": {"kind": "mixed", "ellipsoid_share": 0.5}},
+    "deposit": {
+        "shapes": {"kind": "sphere"},
+        "sizes": {"case": None, "bounds": None, "mass_fractions": None, "beta": {"radius": "3.4 mm", "spread": 0.4}},
+        "numerics": {"dashpot": "explicit", "steps_per_contact_time": 40},
+        "material": {"law": "hertz", "youngs_modulus": "0.5 MPa", "friction_law": "dynamic"},
+        "generation": {"placement": "random", "batch_grains": 12, "drop_height": "4 mm"},
+        "convergence": {"rule": "settled", "kinetic_energy": 1.0e-2, "compaction": 1.0e-2},
+    },
 }
 LARGE_SCENES = {
     **SCENES,

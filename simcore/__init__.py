@@ -2,7 +2,7 @@
 
 Data flow one way: grain -> scene -> packing -> porosity -> model.
 
-    grains/          what a grain is: scans, hulls, mass-equivalent ellipsoid, form factors, sieve curves
+    grains/          what a grain is: scans, hulls, mass-equivalent ellipsoid, form factors, sieve curves, beta sizes
     dem/             what moves: shapes, contacts, force laws, time steps, the packing process
     specification    what a user writes, checked against config/*.schema.yaml, in SI units
     scenes           a specification and its grains become a scene of the core

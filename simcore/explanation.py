@@ -12,9 +12,10 @@ from simcore.dem.features import Features
 from simcore.dem.generation import lattice_sites
 from simcore.dem.neighbors import bytes_per_pair
 from simcore.dem.packing import extents
-from simcore.dem.scene import Scene, minimum_steps_per_contact_time
+from simcore.dem.scene import Scene
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, collect_shapes
-from simcore.packing_cost import SETTLING, SOLID_FRACTION, births, step_cost
+from simcore.dem.sliding import CAPPED
+from simcore.packing_cost import SOLID_FRACTION, births, releases, settling_time, step_cost
 from simcore.scenes import KINDS as NUMBERS
 from simcore.scenes import Setup
 
@@ -34,6 +35,12 @@ PARTS = (
     (lambda f: f.kind != SPHERE, "orientations and their rotation", "orientations: spheres look alike from all sides"),
     (lambda f: f.friction, "friction, with the history of each contact's tangential spring", "friction and history"),
     (lambda f: f.attractive, "contacts that may pull as they end", "contacts that pull: forces are clamped at zero"),
+    (
+        lambda f: f.hertz,
+        "Hertzian contacts with a viscous term",
+        "Hertzian contacts: they are linear",
+    ),
+    (lambda f: f.sliding, "friction against the sliding velocity, without history", "sliding friction"),
     (lambda f: f.implicit, "implicit dashpots, by how firmly a grain is held", "implicit dashpots"),
     (lambda f: f.patch, "patches: polyhedra press at the centroid of their overlap", "patches"),
     (
@@ -80,7 +87,7 @@ def estimate_cost(setup: Setup) -> Cost:
     born, birth_steps = _births(setup, volumes)
     shaking = round(scene.shaking.duration / dt)
     longest = round(scene.damping.max_time / dt)
-    damping = min(round(SETTLING / dt), longest)
+    damping = min(round(settling_time(scene.convergence.rule) / dt), longest)
     # Grains wait for the next batch: what has been born is stepped until it comes.
     grain_steps = sum(count * steps for count, steps in zip(born, birth_steps, strict=True)) + n * (shaking + damping)
     per_grain = _bytes_per_grain(setup)
@@ -138,12 +145,36 @@ def explain(setup: Setup) -> str:
 
 def _stability_lines(scene: Scene, expected: Expectation) -> list[str]:
     steps, needed = scene.numerics.steps_per_contact_time, expected.stability
-    refused = minimum_steps_per_contact_time(scene.continuous_law, scene.implicit)
     return [
-        f"Stability   {steps:g} steps a contact time: fewer than {refused:.2f} are refused, {needed.expected:.1f} are "
-        f"expected to do (margin {steps / needed.expected:.2f}), {needed.cautious:.1f} leave no mode out (margin "
-        f"{steps / needed.cautious:.2f})"
+        *_hertz_lines(scene),
+        *_sliding_lines(scene),
+        f"Stability   {steps:g} steps a contact time: fewer than {scene.least_steps:.2f} are refused, "
+        f"{needed.expected:.1f} are expected to do (margin {steps / needed.expected:.2f}), {needed.cautious:.1f} leave "
+        f"no mode out (margin {steps / needed.cautious:.2f})",
     ]
+
+
+def _hertz_lines(scene: Scene) -> list[str]:
+    """What follows from the stiffness that was asked for."""
+    found = scene.hertzian
+    if found is None:
+        return []
+    material = scene.material
+    return [
+        f"Contacts    (4/3) E* = {found.modulus:.3g} Pa, damping time {found.damping_time:.3g} s: restitution "
+        f"{material.restitution:g} of two mean grains at {material.restitution_speed:g} m/s, higher below",
+        f"            contact time {found.duration:.3g} s, of the smallest grains after a fall through the domain, "
+        f"{1e3 * found.deepest:.2g} mm deep; gentler ones last longer",
+    ]
+
+
+def _sliding_lines(scene: Scene) -> list[str]:
+    """What friction without history does."""
+    if not scene.features.sliding:
+        return []
+    material = scene.material
+    limit = f"at most {material.friction:g} F_n" if scene.features.sliding == CAPPED else "without limit"
+    return [f"Friction    sliding dies out in {material.sliding_time:g} s, {limit}; nothing is held, beds creep"]
 
 
 def _volumes(setup: Setup) -> np.ndarray:
@@ -175,6 +206,18 @@ def _births(setup: Setup, volumes) -> tuple[list[int], list[int]]:
     scene = setup.scene
     generation, domain, n = scene.generation, scene.domain, len(volumes)
     some = setup.draw(np.arange(min(n, CHUNK // 10)))
+    if generation.placement == "random":
+        return releases(
+            n,
+            generation.batch_grains,
+            generation.batch_interval,
+            extents(setup.bases, some, True)[0],
+            area=domain.area,
+            drop_height=generation.drop_height,
+            velocity=-generation.velocity_z,
+            gravity=scene.material.effective_gravity,
+            time_step=scene.numerics.time_step,
+        )
     height = 2.0 * extents(setup.bases, some, generation.orientation == "random")[1].mean()
     stride = int(np.ceil(height / (generation.spacing * np.sqrt(6.0) / 3.0)))
     return births(

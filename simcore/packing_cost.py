@@ -4,10 +4,13 @@ For a scheduler, which must know cores, memory and time of hundreds of packings 
 `explanation.py` says it of one packing with its grains at hand, from the same tables.
 """
 
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
+from simcore.dem.impact import derive_hertzian, fall_speed
+from simcore.dem.release import fall_time, layer_grains, zone_height
 from simcore.sizes import lattice_spacing, size_curve
 
 # CPU time of a grain and step in a dense shaken bed [µs], one thread: kind of grain, whether patches are found. The one
@@ -30,6 +33,8 @@ GRAIN_MEMORY = {"sphere": 1200, "ellipsoid": 2600, "mesh": 4400, "mixed": 4400}
 SOLID_FRACTION = 0.6
 # ASSUME: time until a shaken bed is at rest; 0.08 to 0.24 s in the packings of examples/.
 SETTLING = 0.2
+# ASSUME: the same of a bed that creeps, by convergence.rule settled; examples/deposit.yaml takes 1.4 s.
+CREEPING = 1.5
 # ASSUME: longest axis of a grain that is no sphere over its sieve size; the other two axes make up that size squared.
 LONGEST_AXIS = 1.5
 # Of simcore.dem.packing, where the study's batches begin, relative to the height of the domain.
@@ -80,20 +85,35 @@ def estimate(specification: dict) -> PackingCost:
     stride = int(np.ceil(height / layer))
     area = domain["width"] ** 2 * (1.0 if domain["type"] == "periodic" else 0.25 * np.pi)
     a_layer = area / (spacing**2 * np.sqrt(0.75))
-    dt = numerics["contact_time"] / numerics["steps_per_contact_time"]
-    born, waits = births(
-        grains,
-        lambda done: done * volume / (SOLID_FRACTION * area),
-        lambda low, high: int(a_layer * np.ceil((high - low) / layer)) // stride,
-        study=generation["fill"] == "study",
-        height=domain["height"],
-        spacing=spacing,
-        drop_height=spacing if generation["drop_height"] is None else generation["drop_height"],
-        velocity=-generation["velocity_z"],
-        gravity=effective_gravity(specification["material"]),
-        time_step=dt,
-    )
-    after = round((specification["shaking"]["duration"] + SETTLING) / dt)
+    gravity = effective_gravity(specification["material"])
+    drop_height = spacing if generation["drop_height"] is None else generation["drop_height"]
+    dt = contact_time(specification, curve) / numerics["steps_per_contact_time"]
+    if generation["placement"] == "random":
+        born, waits = releases(
+            grains,
+            generation["batch_grains"],
+            generation["batch_interval"],
+            np.array([0.5 * height]),
+            area=area,
+            drop_height=drop_height,
+            velocity=-generation["velocity_z"],
+            gravity=gravity,
+            time_step=dt,
+        )
+    else:
+        born, waits = births(
+            grains,
+            lambda done: done * volume / (SOLID_FRACTION * area),
+            lambda low, high: int(a_layer * np.ceil((high - low) / layer)) // stride,
+            study=generation["fill"] == "study",
+            height=domain["height"],
+            spacing=spacing,
+            drop_height=drop_height,
+            velocity=-generation["velocity_z"],
+            gravity=gravity,
+            time_step=dt,
+        )
+    after = round((specification["shaking"]["duration"] + settling_time(specification["convergence"]["rule"])) / dt)
     grain_steps = sum(count * steps for count, steps in zip(born, waits, strict=True)) + grains * after
     patch = kind in ("mesh", "mixed") and numerics["contact_region"] == "patch"
     return PackingCost(
@@ -113,6 +133,39 @@ def step_cost(kind: str, patch: bool, contact_time: float) -> float:
 def effective_gravity(material: dict) -> float:
     """Gravity less buoyancy [m/s²]."""
     return material["gravity"] * (1.0 - material["fluid_density"] / material["density"])
+
+
+def settling_time(rule: str) -> float:
+    """Time [s] until a bed is expected to be at rest by a rule of `convergence`."""
+    return CREEPING if rule == "settled" else SETTLING
+
+
+def contact_time(specification: dict, curve) -> float:
+    """Contact time [s] of a resolved specification; of law hertz as derived from spheres of the curve's sizes."""
+    material, generation = specification["material"], specification["generation"]
+    if material["law"] == "spring_dashpot":
+        return specification["numerics"]["contact_time"]
+    fractions = curve.number_fractions()
+    masses = material["density"] * np.pi / 6.0 * curve.class_diameters**3
+    gravity = effective_gravity(material)
+    speed = fall_speed(SimpleNamespace(**generation), specification["domain"]["height"], gravity)
+    known = SimpleNamespace(**material, effective_gravity=gravity)
+    return derive_hertzian(known, float(fractions @ masses), float(masses[fractions > 0.0].min()), speed).duration
+
+
+def releases(
+    grains, batch, interval, reach, *, area, drop_height, velocity, gravity, time_step
+) -> tuple[list[int], list[int]]:
+    """As births, of batches strewn at random: every `interval` [s], or, where that is None, when one has fallen.
+
+    batch: grains, None as simcore.dem.release has it. reach (k,) [m]: bounding radii of some grains. area: [m²].
+    """
+    batch = layer_grains(reach, area) if batch is None else batch
+    if interval is None:
+        zone = zone_height(np.full(min(batch, grains), np.cbrt(np.mean(reach**3))), area)
+        interval = fall_time(drop_height + zone, velocity, gravity)
+    born = [*range(batch, grains, batch), grains]
+    return born, [round(interval / time_step)] * (len(born) - 1) + [0]
 
 
 def births(

@@ -11,8 +11,9 @@ _UNITS = {
     "s": ((0, 0, 1), Fraction(1)),
     "min": ((0, 0, 1), Fraction(60)),
     "h": ((0, 0, 1), Fraction(3600)),
+    "Pa": ((-1, 1, -2), Fraction(1)),
 }
-_PREFIXES = {"k": 3, "c": -2, "m": -3, "µ": -6, "μ": -6, "u": -6, "n": -9}
+_PREFIXES = {"G": 9, "M": 6, "k": 3, "c": -2, "m": -3, "µ": -6, "μ": -6, "u": -6, "n": -9}
 _UNPREFIXED = {"min", "h"}
 _NAMES = {
     (1, 0, 0): "length",
@@ -23,6 +24,7 @@ _NAMES = {
     (-3, 1, 0): "density",
     (2, 0, 0): "area",
     (3, 0, 0): "volume",
+    (-1, 1, -2): "pressure",
 }
 _EXAMPLES = {
     "m": "'0.2 m'",
@@ -31,6 +33,7 @@ _EXAMPLES = {
     "kg/m3": "'2650 kg/m3'",
     "m/s": "'0.1 m/s'",
     "m/s2": "'9.81 m/s2'",
+    "Pa": "'10 MPa'",
 }
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*([A-Za-zµμ][A-Za-zµμ0-9²³^/]*)\s*")

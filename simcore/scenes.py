@@ -2,9 +2,14 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
+from simcore.dem.expectation import GRAINS
+from simcore.dem.impact import derive_hertzian, fall_speed
 from simcore.dem.packing import Draw
 from simcore.dem.scene import Convergence, Damping, Domain, Generation, Material, Numerics, Scene, Shaking
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, Base, unit_sphere
+from simcore.grains.beta_sizes import BetaSizes
 from simcore.grains.mesh import decimate
 from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains
 from simcore.grains.sieve import SieveCurve
@@ -20,7 +25,7 @@ class Setup(NamedTuple):
 
     scene: Scene
     bases: list
-    curve: SieveCurve
+    curve: SieveCurve | BetaSizes
     sample: object
     draw: object
 
@@ -48,20 +53,6 @@ def set_up(specification: dict, load_grains) -> Setup:
     spacing = lattice_spacing(specification, curve)
     generation = specification["generation"]
     drop_height = spacing if generation["drop_height"] is None else generation["drop_height"]
-    scene = Scene(
-        name=specification["name"],
-        seed=seed,
-        kind=KINDS[choice.kind],
-        amount_mass=specification["amount"]["mass"],
-        amount_grains=specification["amount"]["grains"],
-        domain=Domain(**specification["domain"]),
-        material=Material(**specification["material"]),
-        generation=Generation(**{**generation, "spacing": spacing, "drop_height": drop_height}),
-        shaking=Shaking(**specification["shaking"]),
-        damping=Damping(**specification["damping"]),
-        convergence=Convergence(**specification["convergence"]),
-        numerics=Numerics(**specification["numerics"]),
-    )
 
     def sample(ids):
         return sample_grains(ids, seed, curve, choice, grains)
@@ -70,13 +61,38 @@ def set_up(specification: dict, load_grains) -> Setup:
         drawn = sample(ids)
         return Draw(drawn.shape, drawn.scale, drawn.D, grain_uniforms(ids, seed, stream=BIRTH_STREAM))
 
+    domain, material = Domain(**specification["domain"]), Material(**specification["material"])
+    born = Generation(**{**generation, "spacing": spacing, "drop_height": drop_height})
+    numerics, hertzian = specification["numerics"], None
+    if material.law == "hertz":
+        # As many as `expect` looks at; all of a packing may be a million.
+        volume = sample(np.arange(min(GRAINS, specification["amount"]["grains"] or GRAINS))).volume
+        mass = material.density * volume
+        speed = fall_speed(born, domain.height, material.effective_gravity)
+        hertzian = derive_hertzian(material, float(mass.mean()), float(mass.min()), speed)
+        numerics = {**numerics, "contact_time": hertzian.duration}
+    scene = Scene(
+        name=specification["name"],
+        seed=seed,
+        kind=KINDS[choice.kind],
+        amount_mass=specification["amount"]["mass"],
+        amount_grains=specification["amount"]["grains"],
+        domain=domain,
+        material=material,
+        generation=born,
+        shaking=Shaking(**specification["shaking"]),
+        damping=Damping(**specification["damping"]),
+        convergence=Convergence(**specification["convergence"]),
+        numerics=Numerics(**numerics),
+        hertzian=hertzian,
+    )
     return Setup(scene, bases, curve, sample, draw)
 
 
 def shape_choice(shapes: dict) -> ShapeChoice:
-    """ShapeChoice of the resolved group `shapes`, where a distribution of form is {mean, std}."""
+    """ShapeChoice of the resolved group `shapes`, where a distribution of form or ratios is {mean, std}."""
     settings = {key: shapes[key] for key in ("kind", "choice", "grain", "ellipsoid_share")}
-    for key in ("flatness", "elongation"):
+    for key in ("flatness", "elongation", "eta", "zeta"):
         value = shapes[key]
         if isinstance(value, dict):
             settings |= {key: value["mean"], f"{key}_std": value["std"]}

@@ -1,7 +1,8 @@
-"""The sizes that a specification asks for: sieve curve, lattice spacing of its case, enough grains of the top class."""
+"""The sizes that a specification asks for: sieve curve or beta distribution, lattice spacing, enough top grains."""
 
 import numpy as np
 
+from simcore.grains.beta_sizes import BetaSizes
 from simcore.grains.sieve import SieveCurve, read_cases
 from simcore.specification import SCHEMA_FOLDER
 
@@ -11,7 +12,10 @@ UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
 
 
 def size_curve(sizes, cases=SCHEMA_FOLDER / "cases.tsv"):
-    """The SieveCurve of the resolved group `sizes` of a specification; ValueError if its case is unknown."""
+    """The SieveCurve or BetaSizes of the resolved group `sizes` of a specification; ValueError for an unknown case."""
+    if sizes["beta"] is not None:
+        group = sizes["beta"]
+        return BetaSizes(group["radius"], group["spread"], group["alpha"], group["beta"])
     if sizes["case"] is None:
         return SieveCurve(np.array(sizes["bounds"]), np.array(sizes["mass_fractions"]))
     known = read_cases(cases)
@@ -42,9 +46,14 @@ def lattice_spacing(spec, curve):
 
 
 def check_top_class(spec, where=""):
-    """Refuse a specification of fewer than five grains of its top class, unless it allows that by name."""
+    """Refuse a specification of fewer than five grains of its top class, unless it allows that by name.
+
+    Sizes without classes have none.
+    """
     try:
         curve = size_curve(spec["sizes"])
+        if curve.of_volume:
+            return
         density, mass = spec["material"]["density"], spec["amount"]["mass"]
         if mass is None:
             volumes = np.pi / 6 * curve.class_diameters**3

@@ -31,7 +31,7 @@ def example(name):
 @pytest.mark.parametrize(
     "raw",
     [
-        *map(example, ("spheres", "ellipsoids", "polyhedra", "mixture", "cylinder")),
+        *map(example, ("spheres", "ellipsoids", "polyhedra", "mixture", "cylinder", "deposit")),
         LARGE,
         {**LARGE, "generation": {"fill": "study"}},
         {**LARGE, "shapes": {"kind": "sphere"}, "sizes": {"case": "B50", "allow_few_top_grains": True}},

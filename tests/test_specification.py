@@ -58,6 +58,12 @@ def test_defaults_are_the_parameters_of_the_study():
         "poisson_ratio": 0.22,
         "friction": 0.5,
         "end_of_contact": "attractive",
+        "law": "spring_dashpot",
+        "youngs_modulus": None,
+        "overlap_at_rest": None,
+        "restitution_speed": 1.0,
+        "friction_law": "static",
+        "sliding_time": 0.01,
     }
     assert (spec["shaking"]["amplitude"], spec["shaking"]["period"]) == (3e-4, 0.025)
     assert (spec["damping"]["factor"], spec["convergence"]["height_change"]) == (1e-3, 1e-5)

@@ -5,11 +5,17 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.dem.force_laws import ContactLaw
+from simcore.dem.hertz import linear_law
+from simcore.dem.impact import fall_speed as speed_after
+from simcore.dem.impact import impact_depth, sphere_radius
 from simcore.dem.scene import Scene
 from simcore.dem.shapes import Base
 from simcore.dem.stability import Estimate, contact_time, estimate_steps
 
 GRAINS = 1000  # of the packing, whose forms stand for all
+# ASSUME: force on a grain at the floor over the pressure of the whole bed on its cross-section. Forces scatter about
+# exponentially; few of a grain's contacts carry more than four times the mean.
+UNEVEN_FORCES = 4.0
 DEEP_IMPACT = 0.5  # of the thinnest grain's half thickness: a second grain that falls on the first doubles it
 
 
@@ -25,20 +31,46 @@ class Expectation(NamedTuple):
 def expect(scene: Scene, bases: list[Base], draw) -> Expectation:
     """Expectation from the first GRAINS grains of the packing; draw as `pack` takes it."""
     drawn = draw(np.arange(min(GRAINS, scene.amount_grains or GRAINS)))
-    stability = estimate_steps(
-        scene.continuous_law, scene.features.friction, bases, drawn.shape, drawn.scale, scene.implicit
-    )
+    stability = _estimate_stability(scene, bases, drawn)
     moments = np.array([base.second_moments for base in bases])[drawn.shape] * drawn.scale**2
     speed = fall_speed(scene)
-    return Expectation(
-        stability, speed, relative_depth(scene.continuous_law) * speed, float(np.sqrt(5.0 * moments.min()))
-    )
+    half_thickness = float(np.sqrt(5.0 * moments.min()))
+    least = scene.hertzian.least_mass if scene.hertzian is not None else None
+    return Expectation(stability, speed, float(depth_of_impact(scene, speed, least)), half_thickness)
+
+
+def _estimate_stability(scene, bases, drawn) -> Estimate:
+    """Of law hertz: expected with the contacts of a bed at rest, cautious with all as deep as the deepest impact."""
+    grains = scene.features.friction, bases, drawn.shape, drawn.scale
+    law = scene.continuous_law
+    if scene.hertzian is None:
+        return estimate_steps(law, *grains, scene.implicit)
+    time, least = scene.numerics.contact_time, scene.hertzian.least_mass
+    at_rest = linear_law(scene.law, least, least, overlap_at_rest(scene, bases, drawn))
+    expected = max(estimate_steps(at_rest, *grains, time=time).expected, scene.least_steps)
+    return Estimate(expected, max(estimate_steps(law, *grains, time=time).cautious, expected))
+
+
+def overlap_at_rest(scene: Scene, bases: list[Base], drawn) -> float:
+    """Largest overlap [m] that a contact of law hertz between two of the least grains bears at the floor."""
+    material, least = scene.material, scene.hertzian.least_mass
+    volume = np.array([base.volume for base in bases])[drawn.shape] * drawn.scale.prod(axis=1)
+    mass = scene.amount_mass or scene.amount_grains * material.density * float(volume.mean())
+    radius = sphere_radius(least, material.density)
+    force = UNEVEN_FORCES * mass * material.effective_gravity / scene.domain.area * np.pi * radius**2
+    return float((force / (scene.hertzian.modulus * np.sqrt(0.5 * radius))) ** (2.0 / 3.0))
 
 
 def fall_speed(scene: Scene) -> float:
     """Speed [m/s] of a grain that has fallen through the domain from its birth."""
-    birth = scene.generation.velocity_z**2 + 2.0 * scene.generation.velocity_horizontal**2
-    return float(np.sqrt(birth + 2.0 * scene.material.effective_gravity * scene.domain.height))
+    return speed_after(scene.generation, scene.domain.height, scene.material.effective_gravity)
+
+
+def depth_of_impact(scene: Scene, speed, mass):
+    """Overlap [m] of a grain of that mass [kg], unused by the linear law, that meets the floor at speed."""
+    if scene.hertzian is None:
+        return speed * relative_depth(scene.continuous_law)
+    return impact_depth(scene.hertzian.modulus, mass, sphere_radius(mass, scene.material.density), speed)
 
 
 def relative_depth(law: ContactLaw) -> float:
@@ -62,7 +94,7 @@ def warnings(scene: Scene, expected: Expectation) -> list[str]:
         lines.append(
             f"a grain that falls through the domain arrives at {expected.fall_speed:.2g} m/s and sinks "
             f"{expected.impact_depth * 1e3:.2g} mm into another, where the thinnest grain is "
-            f"{2e3 * expected.half_thickness:.2g} mm thick; shorten numerics.contact_time (now "
-            f"{scene.numerics.contact_time:g} s) or lower the fall"
+            f"{2e3 * expected.half_thickness:.2g} mm thick; {scene.stiffen[0].lower()}{scene.stiffen[1:]}) or lower "
+            f"the fall"
         )
     return lines

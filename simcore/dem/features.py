@@ -17,3 +17,5 @@ class Features(NamedTuple):
     implicit: bool = False  # the dashpot of a contact sees what the contact does to the velocity within the step
     timed: bool = False  # count the processor's cycles of each part of the step
     potential: bool = False  # ellipsoids meet where the potential of each is least on the other, not by a common normal
+    hertz: bool = False  # the contact law's coefficients follow from the overlap (simcore.dem.hertz)
+    sliding: int = 0  # of simcore.dem.sliding: NONE, CAPPED or VISCOUS: friction without springs, not `friction`

@@ -31,6 +31,7 @@ class ContactLaw(NamedTuple):
     root_tangential: float
     friction: float
     step: float = 0.0  # [s], over which an implicit dashpot acts; 0 of an explicit one
+    sliding: float = 0.0  # [1/s], rate of a friction without springs (simcore.dem.sliding)
 
 
 # Inverse effective mass along the tangent times the effective mass: 1 + m r² / I with 5/2 of a sphere.
@@ -38,8 +39,10 @@ class ContactLaw(NamedTuple):
 LEVER = 3.5
 
 
-def contact_law(restitution: float, contact_time: float, poisson_ratio: float, friction: float) -> ContactLaw:
-    """Coefficients from restitution (0, 1], contact time [s], Poisson's ratio and friction coefficient."""
+def contact_law(
+    restitution: float, contact_time: float, poisson_ratio: float, friction: float, sliding: float = 0.0
+) -> ContactLaw:
+    """Coefficients from restitution (0, 1], contact time [s], Poisson's ratio, friction coefficient, sliding rate."""
     logarithm = np.log(restitution)
     ratio = 2.0 * (1.0 - poisson_ratio) / (2.0 - poisson_ratio)
     return ContactLaw(
@@ -48,6 +51,7 @@ def contact_law(restitution: float, contact_time: float, poisson_ratio: float, f
         tangential=ratio,
         root_tangential=np.sqrt(ratio),
         friction=friction,
+        sliding=sliding,
     )
 
 

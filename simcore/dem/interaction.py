@@ -166,13 +166,8 @@ def _end(contacts, p):
 
 
 @leaf
-def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit):
-    """Force of touching contact p on b, torques on both, and its springs."""
-    i, j = contacts.body_a[p], contacts.body_b[p]
-    rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
-    nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
-    px, py, pz = contacts.point[p, 0], contacts.point[p, 1], contacts.point[p, 2]
-    qx, qy, qz = px - rx, py - ry, pz - rz
+def contact_velocity(bodies, i, j, px, py, pz, qx, qy, qz):
+    """Velocity (3) of b against a where they touch; p, q: the point, from the centres of a and of b."""
     ux = bodies.velocity[j, 0] - bodies.velocity[i, 0]
     uy = bodies.velocity[j, 1] - bodies.velocity[i, 1]
     uz = bodies.velocity[j, 2] - bodies.velocity[i, 2]
@@ -182,6 +177,28 @@ def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, per
     ux += (by * qz - bz * qy) - (ay * pz - az * py)
     uy += (bz * qx - bx * qz) - (az * px - ax * pz)
     uz += (bx * qy - by * qx) - (ax * py - ay * px)
+    return ux, uy, uz
+
+
+@leaf
+def wall_velocity(bodies, i, px, py, pz):
+    """Velocity (3) of body i where it touches a wall; p: the point, from its centre."""
+    wx, wy, wz = bodies.angular_velocity[i, 0], bodies.angular_velocity[i, 1], bodies.angular_velocity[i, 2]
+    ux = bodies.velocity[i, 0] + wy * pz - wz * py
+    uy = bodies.velocity[i, 1] + wz * px - wx * pz
+    uz = bodies.velocity[i, 2] + wx * py - wy * px
+    return ux, uy, uz
+
+
+@leaf
+def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit):
+    """Force of touching contact p on b, torques on both, and its springs."""
+    i, j = contacts.body_a[p], contacts.body_b[p]
+    rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
+    nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
+    px, py, pz = contacts.point[p, 0], contacts.point[p, 1], contacts.point[p, 2]
+    qx, qy, qz = px - rx, py - ry, pz - rz
+    ux, uy, uz = contact_velocity(bodies, i, j, px, py, pz, qx, qy, qz)
     mass = bodies.mass[i] * bodies.mass[j] / (bodies.mass[i] + bodies.mass[j])
     if implicit:
         damping, tangential_damping = implicit_dashpot(law, max(1.0, bodies.hold[i], bodies.hold[j]))
@@ -199,6 +216,9 @@ def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, per
     contacts.force[p, 0], contacts.force[p, 1], contacts.force[p, 2] = fx, fy, fz
     mx, my, mz = 0.0, 0.0, 0.0
     if patch:
+        spin = bodies.angular_velocity
+        ax, ay, az = spin[i, 0], spin[i, 1], spin[i, 2]
+        bx, by, bz = spin[j, 0], spin[j, 1], spin[j, 2]
         mx, my, mz = patch_torque(
             law, damping, tangential_damping, mass, push, dt, nx, ny, nz, bx - ax, by - ay, bz - az,
             contacts.spread, contacts.twist, p, friction,
@@ -217,10 +237,7 @@ def press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit)
     i = walls.body[w]
     nx, ny, nz = walls.normal[w, 0], walls.normal[w, 1], walls.normal[w, 2]
     px, py, pz = walls.point[w, 0], walls.point[w, 1], walls.point[w, 2]
-    wx, wy, wz = bodies.angular_velocity[i, 0], bodies.angular_velocity[i, 1], bodies.angular_velocity[i, 2]
-    ux = bodies.velocity[i, 0] + wy * pz - wz * py
-    uy = bodies.velocity[i, 1] + wz * px - wx * pz
-    uz = bodies.velocity[i, 2] + wx * py - wy * px
+    ux, uy, uz = wall_velocity(bodies, i, px, py, pz)
     mass = bodies.mass[i]
     if implicit:
         damping, tangential_damping = implicit_dashpot(law, max(1.0, bodies.hold[i]))
@@ -238,6 +255,7 @@ def press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit)
     walls.force[w, 0], walls.force[w, 1], walls.force[w, 2] = fx, fy, fz
     mx, my, mz = 0.0, 0.0, 0.0
     if patch:
+        wx, wy, wz = bodies.angular_velocity[i, 0], bodies.angular_velocity[i, 1], bodies.angular_velocity[i, 2]
         mx, my, mz = patch_torque(
             law, damping, tangential_damping, mass, push, dt, nx, ny, nz, wx, wy, wz,
             walls.spread, walls.twist, w, friction,

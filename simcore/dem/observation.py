@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.dem.bodies import Bodies
-from simcore.dem.force_laws import ContactLaw
+from simcore.dem.hertz import local_law
 from simcore.dem.neighbors import Near
 from simcore.dem.ranks import ONE_RANK
 
@@ -65,8 +65,8 @@ class Energy(NamedTuple):
         return float(self.motion.sum() + self.height.sum() + self.springs.sum())
 
 
-def mechanical_energy(bodies: Bodies, near: Near, law: ContactLaw, gravity: float, dt: float = 0.0) -> Energy:
-    """Energy of a state whose forces have been evaluated (a step of dt = 0).
+def mechanical_energy(bodies: Bodies, near: Near, law, gravity: float, dt: float = 0.0) -> Energy:
+    """Energy of a state whose forces have been evaluated (a step of dt = 0). law: ContactLaw or HertzLaw.
 
     dt: the step [s]. Semi-implicit Euler is leapfrog whose velocities are known half a step before the positions;
     they are brought up to them, so that the energy is seen at second order. With 0 they are taken as they stand.
@@ -84,11 +84,13 @@ def mechanical_energy(bodies: Bodies, near: Near, law: ContactLaw, gravity: floa
     if len(bodies.rotation):
         momentum = np.einsum("nji,nj->ni", bodies.rotation, momentum)
     mass = bodies.mass[body_a] * bodies.mass[body_b] / (bodies.mass[body_a] + bodies.mass[body_b])
-    stored = 0.5 * law.stiffness * mass * contacts.overlap[touching] ** 2
+    at, share = local_law(law, bodies.mass[body_a], bodies.mass[body_b], contacts.overlap[touching])
+    stored = 0.5 * at.stiffness * mass * (share * contacts.overlap[touching] ** 2)
     springs = np.zeros(n)
     np.add.at(springs, body_a, 0.5 * stored)
     np.add.at(springs, body_b, 0.5 * stored)
-    np.add.at(springs, walled, 0.5 * law.stiffness * bodies.mass[walled] * walls.overlap[wall] ** 2)
+    at, share = local_law(law, bodies.mass[walled], np.full(len(walled), np.inf), walls.overlap[wall])
+    np.add.at(springs, walled, 0.5 * at.stiffness * bodies.mass[walled] * (share * walls.overlap[wall] ** 2))
     return Energy(
         motion=0.5 * bodies.mass * (velocity**2).sum(axis=1) + 0.5 * (momentum**2 / bodies.inertia).sum(axis=1),
         height=bodies.mass * gravity * bodies.position[:, 2],

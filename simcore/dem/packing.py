@@ -20,6 +20,8 @@ from simcore.dem.neighbors import Box, Near
 from simcore.dem.observation import Observation, observe
 from simcore.dem.parts import assemble
 from simcore.dem.ranks import ONE_RANK
+from simcore.dem.release import fall_time, layer_grains, release_places, zone_height
+from simcore.dem.rest import judge_settled, judge_still
 from simcore.dem.scene import Scene
 from simcore.dem.shapes import Base, collect_shapes
 from simcore.dem.stepping import STAGES, Drive, make_advance
@@ -33,6 +35,7 @@ LIST_HOLDS = (100, 1000)
 SKIN_STEP = 1.5
 REFILL_HEIGHT = 0.6  # of the domain: where the study's batches begin
 STUDY_FIRST_FILL = 0.1
+MEAN_REACH = 200  # grains whose size says how many make up a layer
 
 
 class Draw(NamedTuple):
@@ -133,6 +136,7 @@ class Process:
         self.under_way = False  # a stretch, which ends with its look
         self.born, self.full = 0, False
         self.patience = 0  # step until which there must be room for a batch
+        self.next_birth = 0  # step before which no batch is born
         self.last_birth = self.end = 0  # steps; of the phase
         self.mean_size = self.skin = self.height = 0.0  # [m]; height: mean, at the last look while damping
         self.watch = Watch(scene, self.box.width, report, ranks)
@@ -194,9 +198,9 @@ class Process:
     def generate(self):
         """Batches until the amount is reached; returns the step of the last birth."""
         while not self.full:
-            if self.bodies is None or (not self.under_way and self._has_room()):
+            if self.bodies is None or (not self.under_way and self.step >= self.next_birth and self._has_room()):
                 self._add_batch()
-                self.patience = self.step + round(2.0 * self._fall_time() / self.dt)
+                self.patience = max(self.step, self.next_birth) + round(2.0 * self._fall_time() / self.dt)
                 continue
             if not self.under_way and self.step >= self.patience:
                 top = self._top() * 1e3
@@ -217,19 +221,14 @@ class Process:
     def settle(self):
         """Damping until converged; PackingError after damping.max_time."""
         scene = self.scene
-        goal = scene.convergence
         if self.phase != DAMPING:
             self.phase, self.end = DAMPING, self.step + round(scene.damping.max_time / self.dt)
             self.height = observe(self.bodies, self.near, self.ranks).mean_height
         while self.under_way or self.step < self.end:
             seen = self.advance(self.interval_steps, DAMPING, self.end)
-            change = abs(seen.mean_height - self.height)
+            verdict = self._judge(seen)
             self.height = seen.mean_height
-            if (
-                change < goal.height_change
-                and seen.max_speed < goal.max_speed
-                and seen.unbalanced_force < goal.max_unbalanced_force
-            ):
+            if verdict.at_rest:
                 self.progress.phase(
                     f"converged after {self.step} steps: largest speed {seen.max_speed:.2g} m/s, unbalanced force "
                     f"{seen.unbalanced_force:.2g}"
@@ -238,11 +237,23 @@ class Process:
         own = self.bodies.own
         _, fastest = self.ranks.largest((self.bodies.velocity[own] ** 2).sum(axis=1), self.bodies.id[own])
         raise PackingError(
-            f"{scene.name}: not at rest after {scene.damping.max_time:g} s of damping, step {self.step}: mean height "
-            f"changed by {change:.2g} m in {goal.interval:g} s (allowed {goal.height_change:g}), grain {fastest} moves "
-            f"at {seen.max_speed:.2g} m/s (allowed {goal.max_speed:g}), unbalanced force {seen.unbalanced_force:.2g} "
-            f"(allowed {goal.max_unbalanced_force:g}){self.watch.hint()}. Shake or damp longer, or loosen `convergence`"
+            f"{scene.name}: not at rest after {scene.damping.max_time:g} s of damping, step {self.step}: "
+            f"{verdict.told}, grain {fastest} moves at {seen.max_speed:.2g} m/s{self._allowed_speed()}"
+            f"{self.watch.hint()}. Shake or damp longer, or loosen `convergence`"
         )
+
+    def _judge(self, seen):
+        """Verdict on the state just seen, by the scene's rule."""
+        goal = self.scene.convergence
+        if goal.rule == "still":
+            return judge_still(goal, seen, self.height)
+        (mass,) = self.ranks.totals(self.bodies.mass[self.bodies.own])
+        since = self.end * self.dt - self.scene.damping.max_time
+        return judge_settled(goal, self.scene.material, seen, self.checks, since, mass, self.born)
+
+    def _allowed_speed(self):
+        goal = self.scene.convergence
+        return f" (allowed {goal.max_speed:g})" if goal.rule == "still" else ""
 
     # -- kept and resumed -----------------------------------------------------------------------------------
 
@@ -284,6 +295,9 @@ class Process:
 
     def _has_room(self):
         generation, height = self.scene.generation, self.scene.domain.height
+        if generation.placement == "random":
+            _, reach = self._next_to_release()
+            return self._top() + generation.drop_height + zone_height(reach, self.scene.domain.area) <= height
         if generation.fill == "study":
             own = self.bodies.own
             high, radius = self.ranks.most(
@@ -294,6 +308,62 @@ class Process:
 
     def _add_batch(self):
         """One batch of grains, of which every rank draws all and takes its own."""
+        scene, generation, born = self.scene, self.scene.generation, self.born
+        drawn, places = self._release() if generation.placement == "random" else self._fill_lattice()
+        count = len(places)
+        if scene.amount_grains is not None:
+            self.full = born + count >= scene.amount_grains
+        else:
+            before = 0.0 if self.bodies is None else self.ranks.totals(self.bodies.mass[self.bodies.own])[0]
+            mass = before + np.cumsum(self._masses(drawn)[:count])
+            self.full = bool(mass[-1] >= scene.amount_mass)
+            if self.full and generation.fill == "bed":
+                # ASSUME: the study ends with a whole batch and overshoots; a batch just above the bed can be larger
+                # than the packing, so the grain that reaches the mass is the last.
+                count = int(np.searchsorted(mass, scene.amount_mass)) + 1
+        birth = give_birth(generation, places[:count], drawn.sieve_size[:count], drawn.uniforms[:count])
+        new = make_bodies(
+            self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, self.features
+        )
+        new.id[:] += born
+        self.place(self.ranks.welcome(self.bodies, new, self.box), float(np.mean(drawn.sieve_size[:count])))
+
+    def _next_to_release(self):
+        """Ids of the next batch that is strewn at random, and how far each of its grains reaches in all directions."""
+        scene, generation, born = self.scene, self.scene.generation, self.born
+        batch = generation.batch_grains
+        if batch is None:
+            first, _ = extents(self.bases, self.draw(np.arange(MEAN_REACH)), True)
+            batch = layer_grains(first, scene.domain.area)
+        if scene.amount_grains is not None:
+            batch = min(batch, scene.amount_grains - born)
+        ids = np.arange(born, born + batch)
+        return ids, extents(self.bases, self.draw(ids), True)[0]
+
+    def _release(self):
+        """Draw and places (n, 3) of a batch strewn at random; the next is due when it has fallen, or as given."""
+        scene, generation = self.scene, self.scene.generation
+        ids, reach = self._next_to_release()
+        low = self._top() + generation.drop_height
+        height = zone_height(reach, scene.domain.area)
+        if low + height > scene.domain.height:
+            raise PackingError(
+                f"{scene.name}: a batch of {len(ids)} grains is strewn from {low:.3g} m to {low + height:.3g} m, above "
+                f"domain.height {scene.domain.height:g} m; lower generation.batch_grains or make the domain higher"
+            )
+        try:
+            places = release_places(ids, reach, scene.domain, low, scene.seed)
+        except ValueError as error:
+            raise PackingError(f"{scene.name}: {error}") from None
+        interval = generation.batch_interval
+        if interval is None:
+            gravity = scene.material.effective_gravity
+            interval = fall_time(generation.drop_height + height, -generation.velocity_z, gravity)
+        self.next_birth = self.step + round(interval / self.dt)
+        return self.draw(ids), places
+
+    def _fill_lattice(self):
+        """Draw and places (n, 3) of a batch on a lattice, of which there are no more than grains drawn."""
         scene, generation, born = self.scene, self.scene.generation, self.born
         if generation.fill == "study":
             low = (STUDY_FIRST_FILL if born == 0 else REFILL_HEIGHT) * scene.domain.height
@@ -313,23 +383,7 @@ class Process:
                 f"{scene.domain.height:g} m in a {scene.domain.type} domain of width {scene.domain.width:g} m; grains "
                 f"reach {2 * reach.max(initial=0.0):.3g} m across; make the domain larger"
             )
-        count = len(taken)
-        if scene.amount_grains is not None:
-            self.full = born + count >= scene.amount_grains
-        else:
-            before = 0.0 if self.bodies is None else self.ranks.totals(self.bodies.mass[self.bodies.own])[0]
-            mass = before + np.cumsum(self._masses(drawn)[:count])
-            self.full = bool(mass[-1] >= scene.amount_mass)
-            if self.full and generation.fill == "bed":
-                # ASSUME: the study ends with a whole batch and overshoots; a batch just above the bed can be larger
-                # than the packing, so the grain that reaches the mass is the last.
-                count = int(np.searchsorted(mass, scene.amount_mass)) + 1
-        birth = give_birth(generation, sites[taken[:count]], drawn.sieve_size[:count], drawn.uniforms[:count])
-        new = make_bodies(
-            self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, self.features
-        )
-        new.id[:] += born
-        self.place(self.ranks.welcome(self.bodies, new, self.box), float(np.mean(drawn.sieve_size[:count])))
+        return drawn, sites[taken]
 
     def _masses(self, drawn):
         volume = np.array([base.volume for base in self.bases])
@@ -427,6 +481,7 @@ _STATE = (
     "born",
     "full",
     "patience",
+    "next_birth",
     "last_birth",
     "end",
     "mean_size",

@@ -7,7 +7,10 @@ from scipy.optimize import brentq
 
 from simcore.dem.features import Features
 from simcore.dem.force_laws import ContactLaw, contact_law, explicit_dashpot, implicit_dashpot, implicit_law
+from simcore.dem.hertz import HertzLaw, hertz_law, linear_law
+from simcore.dem.impact import Hertzian
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED
+from simcore.dem.sliding import CAPPED, NONE, VISCOUS
 
 # Steps per contact time with which beds of the default material came to rest: `snakemake work_precision`, rest.csv.
 STEPS_FOR_REST = {"explicit": 40, "implicit": 10}
@@ -39,6 +42,12 @@ class Material:
     poisson_ratio: float
     friction: float
     end_of_contact: str
+    law: str = "spring_dashpot"
+    youngs_modulus: float | None = None
+    overlap_at_rest: float | None = None
+    restitution_speed: float = 1.0
+    friction_law: str = "static"
+    sliding_time: float = 1e-2
 
     @property
     def effective_gravity(self) -> float:
@@ -57,6 +66,9 @@ class Generation:
     velocity_horizontal: float
     velocity_angular: float
     orientation: str
+    placement: str = "lattice"
+    batch_grains: int | None = None
+    batch_interval: float | None = None
 
 
 @dataclass(frozen=True)
@@ -88,6 +100,10 @@ class Convergence:
     height_change: float
     max_speed: float
     max_unbalanced_force: float
+    rule: str = "still"
+    window: float = 0.1
+    compaction: float = 5e-4
+    kinetic_energy: float = 1e-5
 
 
 @dataclass(frozen=True)
@@ -121,9 +137,20 @@ class Scene:
     damping: Damping
     convergence: Convergence
     numerics: Numerics
+    hertzian: Hertzian | None = None  # of material.law hertz; numerics.contact_time then is its duration
 
     def __post_init__(self):
-        needed = minimum_steps_per_contact_time(self.continuous_law, self.implicit)
+        if self.hertzian is not None and self.implicit:
+            raise ValueError(
+                "numerics.dashpot: implicit is for material.law spring_dashpot; of law hertz the dashpots of a bed at "
+                "rest are weak, take explicit"
+            )
+        if self.material.friction_law != "static" and self.implicit:
+            raise ValueError(
+                f"numerics.dashpot: implicit is for material.friction_law static, not {self.material.friction_law}; "
+                f"take explicit"
+            )
+        needed = self.least_steps
         if self.numerics.steps_per_contact_time < needed:
             raise ValueError(
                 f"numerics.steps_per_contact_time: {self.numerics.steps_per_contact_time:g} is unstable for a grain "
@@ -147,7 +174,7 @@ class Scene:
         """What the step of this scene is composed of."""
         return Features(
             kind=self.kind,
-            friction=self.material.friction > 0.0,
+            friction=self.material.friction > 0.0 and self.material.friction_law == "static",
             attractive=self.material.end_of_contact == "attractive",
             floor=True,
             cylinder=not self.domain.periodic,
@@ -156,6 +183,8 @@ class Scene:
             patch=self.kind in (CONVEX, MIXED) and self.numerics.contact_region == "patch",
             implicit=self.implicit,
             potential=self.kind == ELLIPSOID and self.numerics.ellipsoid_contact == "potential",
+            hertz=self.hertzian is not None,
+            sliding=self._sliding,
         )
 
     @property
@@ -164,15 +193,59 @@ class Scene:
         return self.numerics.dashpot == "implicit"
 
     @property
-    def law(self) -> ContactLaw:
+    def _sliding(self) -> int:
+        if self.material.friction_law == "dynamic":
+            return CAPPED if self.material.friction > 0.0 else NONE
+        return VISCOUS if self.material.friction_law == "viscous" else NONE
+
+    @property
+    def law(self) -> ContactLaw | HertzLaw:
         """The law as this scene's time step applies it."""
+        if self.hertzian is not None:
+            m = self.material
+            return hertz_law(self.hertzian, m.poisson_ratio, m.friction, m.density, self._sliding_rate)
         return implicit_law(self.continuous_law, self.numerics.time_step) if self.implicit else self.continuous_law
 
     @property
     def continuous_law(self) -> ContactLaw:
-        """The law that it tends to with the time step."""
+        """What it tends to with the time step; of law hertz the linear law of the stiffest expected contact."""
         m = self.material
-        return contact_law(m.restitution, self.numerics.contact_time, m.poisson_ratio, m.friction)
+        if self.hertzian is not None:
+            return linear_law(self.law, self.hertzian.least_mass, self.hertzian.least_mass, self.hertzian.deepest)
+        return contact_law(m.restitution, self.numerics.contact_time, m.poisson_ratio, m.friction, self._sliding_rate)
+
+    @property
+    def _sliding_rate(self) -> float:
+        return 1.0 / self.material.sliding_time if self._sliding != NONE else 0.0
+
+    @property
+    def stiffest_law(self) -> ContactLaw:
+        """The linear law of contacts as stiff as any is expected to become."""
+        return self.law if self.hertzian is None else self.continuous_law
+
+    @property
+    def firmness(self):
+        """Springs and dashpots of contacts over those of continuous_law, see stability.stiffest_body; None: all 1."""
+        if self.hertzian is None:
+            return None
+        law, unit = self.law, self.continuous_law.stiffness
+        return lambda mass, partner, overlap: linear_law(law, mass, partner, overlap).stiffness / unit
+
+    @property
+    def stiffen(self) -> str:
+        """How the user makes contacts stiffer: the beginning of a sentence with a bracket that the message closes."""
+        if self.material.youngs_modulus is not None:
+            return f"Raise material.youngs_modulus (now {self.material.youngs_modulus:g} Pa"
+        if self.material.overlap_at_rest is not None:
+            return f"Lower material.overlap_at_rest (now {self.material.overlap_at_rest:g}"
+        return f"Shorten numerics.contact_time (now {self.numerics.contact_time:g} s"
+
+    @property
+    def least_steps(self) -> float:
+        """Steps per contact time at which a grain pinched between two others is just stable."""
+        if self.hertzian is None:
+            return minimum_steps_per_contact_time(self.continuous_law, self.implicit)
+        return self.numerics.contact_time / longest_stable_step(self.continuous_law, False)
 
 
 def minimum_steps_per_contact_time(law: ContactLaw, implicit: bool = False, **mode: float) -> float:

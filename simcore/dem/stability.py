@@ -45,6 +45,7 @@ class Load(NamedTuple):
     normal: float
     tangential: float  # 0 without friction
     rocking: float  # of a patch, per area: rocking has a dashpot and no spring of its own
+    sliding: float = 0.0  # along the tangent, of a friction that has a dashpot and no spring
 
 
 class Stiffest(NamedTuple):
@@ -77,7 +78,8 @@ def contact_load(law: ContactLaw, dt: float, friction: bool = True, hold: float 
         law = implicit_law(law, dt)
     normal, across = explicit_dashpot.py_func(law) if hold is None else implicit_dashpot.py_func(law, max(hold, 1.0))
     spring, dashpot = law.stiffness * dt**2, 2.0 * normal * dt
-    return Load(spring + dashpot, law.tangential * spring + 2.0 * across * dt if friction else 0.0, dashpot)
+    along = law.tangential * spring + 2.0 * across * dt if friction else 0.0
+    return Load(spring + dashpot, along, dashpot, 2.0 * law.sliding * dt)
 
 
 def contact_time(law: ContactLaw) -> float:
@@ -85,12 +87,14 @@ def contact_time(law: ContactLaw) -> float:
     return float(2.0 * np.pi / np.sqrt(4.0 * law.stiffness - law.damping**2))
 
 
-def steps_needed(law: ContactLaw, friction: bool, load_at, hold: float | None = None) -> float:
+def steps_needed(
+    law: ContactLaw, friction: bool, load_at, hold: float | None = None, time: float | None = None
+) -> float:
     """Least steps per contact time at which load_at(Load) stays below LARGEST_LOAD; it grows with each of Load.
 
-    law, hold: as of contact_load.
+    law, hold: as of contact_load. time [s]: in place of the law's contact time.
     """
-    time = contact_time(law)
+    time = contact_time(law) if time is None else time
     few, many = 1e-3, 1.0
     while load_at(contact_load(law, time / many, friction, hold)) > LARGEST_LOAD:
         few, many = many, 2.0 * many
@@ -104,14 +108,16 @@ def steps_needed(law: ContactLaw, friction: bool, load_at, hold: float | None = 
 
 
 def stiffest_body(
-    bodies: Bodies, near: Near, width: float, load: Load, certain: bool = True, ranks=ONE_RANK
+    bodies: Bodies, near: Near, width: float, load: Load, certain: bool = True, ranks=ONE_RANK, firmness=None
 ) -> Stiffest:
     """The body (its id) of the largest load in its present contacts; body −1 where nothing touches.
 
     width [m]: of the periodic box. certain: with neighbours that stand still, a lower bound of the whole bed's; else
     with shares that make it an upper bound. Looked for among the LOOKED_AT bodies that many or far contacts hold.
+    firmness(mass, partner's, overlap), each (k,) -> (k,): springs and dashpots of contacts over those of `load`, the
+    mass of a wall being inf; None: all have those of `load`.
     """
-    grips = _grips(bodies, near, width, certain)
+    grips = _grips(bodies, near, width, certain, firmness)
     traces, contacts = _traces(bodies, grips, load), np.bincount(grips.body, minlength=len(bodies.mass))
     held = bodies.own[contacts[bodies.own] > 0]
     some = held[np.argsort(-traces[held], kind="stable")[:LOOKED_AT]]
@@ -134,44 +140,51 @@ def body_steps(
     certain: bool = True,
     hold: float | None = None,
     ranks=ONE_RANK,
+    firmness=None,
+    time: float | None = None,
 ) -> float:
     """Least steps per contact time that one body (its id) needs in its present contacts, see `stiffest_body`.
 
-    law, hold: as of contact_load.
+    law, hold: as of contact_load. time: as of steps_needed.
     """
     rows = np.flatnonzero(bodies.id[bodies.own] == body)
-    needed = [_steps_of_row(bodies, near, width, law, friction, bodies.own[row], certain, hold) for row in rows]
+    needed = []
+    for row in bodies.own[rows]:
+        grips = _grips(bodies, near, width, certain, firmness)
+        needed.append(_steps_of_row(bodies, grips, law, friction, row, hold, time))
     return float(ranks.most([max(needed, default=0.0)])[0])
 
 
-def _steps_of_row(bodies, near, width, law, friction, row, certain, hold):
-    grips = _grips(bodies, near, width, certain)
+def _steps_of_row(bodies, grips, law, friction, row, hold, time):
     # The matrix is linear in the load.
-    parts = [_matrices(bodies, grips, Load(*unit), np.array([row]))[0] for unit in np.eye(3)]
+    parts = [_matrices(bodies, grips, Load(*unit), np.array([row]))[0] for unit in np.eye(len(Load._fields))]
 
     def load_at(load):
         return np.linalg.eigvalsh(sum(value * part for value, part in zip(load, parts, strict=True)))[-1]
 
-    return steps_needed(law, friction, load_at, hold)
+    return steps_needed(law, friction, load_at, hold, time)
 
 
 def estimate_steps(
-    law: ContactLaw, friction: bool, bases: list[Base], shape, scale, implicit: bool = False
+    law: ContactLaw, friction: bool, bases: list[Base], shape, scale, implicit: bool = False, time: float | None = None
 ) -> Estimate:
     """Estimate for a bed of grains of shape (n,) and scale (n, 3): that of its form with the largest lever arms.
 
-    A contact is as likely on each part of a grain's surface.
+    A contact is as likely on each part of a grain's surface. time: as of steps_needed.
     """
     some = np.unique(np.linspace(0, len(shape) - 1, min(SAMPLE, len(shape))).astype(int))
     parts = [_all_over(bases[shape[i]], scale[i]) for i in some]
     normal, tangential = (np.array([part[k] for part in parts]) for k in range(2))
 
     def load_at(load):
-        return np.linalg.eigvalsh(load.normal * normal + load.tangential * tangential)[:, -1].max()
+        across = load.tangential + load.sliding
+        return np.linalg.eigvalsh(load.normal * normal + across * tangential)[:, -1].max()
 
     return Estimate(
         *(
-            steps_needed(law, friction, lambda load, count=count: count * load_at(load), count if implicit else None)
+            steps_needed(
+                law, friction, lambda load, count=count: count * load_at(load), count if implicit else None, time
+            )
             for count in (EXPECTED_CONTACTS, CAUTIOUS_CONTACTS)
         )
     )
@@ -209,10 +222,11 @@ class _Grips(NamedTuple):
     share: np.ndarray  # (k,) of the contact's load, in units of the body's mass
     normal: np.ndarray  # (k, 3)
     arm: np.ndarray  # (k, 3) [m], from the body's centre
+    firmness: np.ndarray  # (k,) of its springs and dashpots, in units of the load; not of what slides
     spread: np.ndarray  # (k, 6) [m²], or (0, 6)
 
 
-def _grips(bodies, near, width, certain):
+def _grips(bodies, near, width, certain, firmness=None):
     contacts, walls = near
     p, w = np.flatnonzero(contacts.touching), np.flatnonzero(walls.touching)
     a, b = contacts.body_a[p], contacts.body_b[p]
@@ -223,12 +237,17 @@ def _grips(bodies, near, width, certain):
     share_a, share_b = 1.0 / (1.0 + ratio), ratio / (1.0 + ratio)
     if not certain:
         share_a, share_b = share_a * (1.0 + np.sqrt(ratio)), share_b * (1.0 + np.sqrt(1.0 / ratio))
+    firm, firm_wall = np.ones(len(p)), np.ones(len(w))
+    if firmness is not None:
+        firm = firmness(bodies.mass[a], bodies.mass[b], contacts.overlap[p])
+        firm_wall = firmness(bodies.mass[walls.body[w]], np.full(len(w), np.inf), walls.overlap[w])
     patches = len(contacts.spread) > 0 or len(walls.spread) > 0
     return _Grips(
         np.concatenate([a, b, walls.body[w]]),
         np.concatenate([share_a, share_b, np.ones(len(w))]),
         np.concatenate([contacts.direction[p], contacts.direction[p], walls.normal[w]]),
         np.concatenate([contacts.point[p], contacts.point[p] - offset, walls.point[w]]),
+        np.concatenate([firm, firm, firm_wall]),
         np.concatenate([contacts.spread[p], contacts.spread[p], walls.spread[w]]) if patches else np.zeros((0, 6)),
     )
 
@@ -252,12 +271,14 @@ def _matrices(bodies, grips, load, some):
     n = grips.normal[kept]
     along = np.einsum("kx,ky->kxy", n, n)
     across = np.eye(3) - along
-    added = _quadratic(rows, load.normal * along + load.tangential * across)
+    firm = grips.firmness[kept, None, None]
+    added = _quadratic(rows, firm * (load.normal * along + load.tangential * across) + load.sliding * across)
     if len(grips.spread):
         moments = grips.spread[kept][:, [[0, 3, 4], [3, 1, 5], [4, 5, 2]]]
         moment = np.trace(moments, axis1=1, axis2=2)[:, None, None]
         # Turning about u moves the patch by (u × x) · n: tr C − C in its plane, as the polar moment tr C about n.
-        added += _quadratic(turns, load.rocking * (moment * across - moments) + load.tangential * moment * along)
+        rocking = load.rocking * (moment * across - moments) + load.tangential * moment * along
+        added += _quadratic(turns, firm * rocking)
     matrices = np.zeros((len(some), 6, 6))
     np.add.at(matrices, place[body], grips.share[kept, None, None] * added)
     return matrices
@@ -272,5 +293,6 @@ def _traces(bodies, grips, load):
     body = grips.body
     moments = bodies.inertia.sum(axis=1) / 3.0
     arms = (grips.arm**2).sum(axis=1) * bodies.mass[body] / moments[body]
-    total = load.normal + 2.0 * load.tangential
-    return np.bincount(body, grips.share * (total + load.tangential * 2.0 * arms), minlength=len(bodies.mass))
+    across = grips.firmness * load.tangential + load.sliding
+    total = grips.firmness * load.normal + 2.0 * across
+    return np.bincount(body, grips.share * (total + across * 2.0 * arms), minlength=len(bodies.mass))

@@ -29,7 +29,7 @@ from simcore.dem.contact.wall import (
     floor_sphere,
 )
 from simcore.dem.features import Features
-from simcore.dem.force_laws import ContactLaw
+from simcore.dem.hertz import contact_law_at, wall_law_at
 from simcore.dem.integrators import derive_form_matrix, move, spin_sphere, turn
 from simcore.dem.interaction import (
     check_ellipsoids,
@@ -46,6 +46,7 @@ from simcore.dem.interaction import (
     search_potentials,
 )
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, is_hull
+from simcore.dem.sliding import CAPPED, rub_contact, rub_wall
 
 STAGES = ("contact", "force", "integration")
 
@@ -68,18 +69,21 @@ def make_advance(features: Features):
 
     Steps until n_steps are done or a body has left its listed place by drive.list_margin (also where a position
     ceased to be finite); then the caller lists anew. With dt = 0 forces are evaluated and nothing moves.
+    law: ContactLaw, or HertzLaw where features.hertz.
     clock: (3,) int64, cycles of each of STAGES, added to where features.timed.
     """
     return _make_advance(*(int(value) for value in features))
 
 
 @cache
-def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken, patch, implicit, timed, potential):
+def _make_advance(
+    kind, friction, attractive, floor, cylinder, periodic, shaken, patch, implicit, timed, potential, hertz, sliding
+):
     walled = floor or cylinder
     patch = patch and (kind == CONVEX or kind == MIXED)
 
     @parallel_kernel
-    def advance(bodies, shapes, contacts, walls, room, law: ContactLaw, drive: Drive, clock, first_step, n_steps):
+    def advance(bodies, shapes, contacts, walls, room, law, drive: Drive, clock, first_step, n_steps):
         n_own = len(bodies.own)
         n_pairs, n_walls = len(contacts.body_a), len(walls.body)
         dt, width = drive.dt, drive.width
@@ -92,9 +96,17 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                     # Nothing is ever left pending: pressed at once, what was found is still at hand.
                     check_spheres(bodies, contacts, p, width, periodic)
                     if contacts.touching[p] != 0:
-                        press_contact(
-                            bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit
-                        )
+                        if hertz:
+                            at = contact_law_at(law, bodies, contacts, p)
+                            press_contact(
+                                bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit
+                            )
+                        else:
+                            press_contact(
+                                bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit
+                            )
+                        if sliding:
+                            rub_contact(bodies, contacts, law, width, p, periodic, sliding == CAPPED)
                 elif kind == ELLIPSOID and potential:
                     check_potentials(bodies, contacts, p, width, periodic)
                 elif kind == ELLIPSOID:
@@ -127,9 +139,17 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
             if kind != SPHERE:
                 for p in prange(n_pairs):
                     if contacts.touching[p] != 0:
-                        press_contact(
-                            bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit
-                        )
+                        if hertz:
+                            at = contact_law_at(law, bodies, contacts, p)
+                            press_contact(
+                                bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit
+                            )
+                        else:
+                            press_contact(
+                                bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit
+                            )
+                        if sliding:
+                            rub_contact(bodies, contacts, law, width, p, periodic, sliding == CAPPED)
             if walled:
                 for w in prange(n_walls):
                     if floor and (not cylinder or walls.wall[w] == FLOOR):
@@ -149,7 +169,13 @@ def _make_advance(kind, friction, attractive, floor, cylinder, periodic, shaken,
                             if patch and walls.touching[w] != 0:
                                 cylinder_patch(shapes, bodies, walls, w, drive.wall_radius)
                     if walls.touching[w] != 0:
-                        press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit)
+                        if hertz:
+                            at_wall = wall_law_at(law, bodies, walls, w)
+                            press_wall(bodies, walls, at_wall, dt, w, friction, attractive, patch, implicit)
+                        else:
+                            press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit)
+                        if sliding:
+                            rub_wall(bodies, walls, law, w, sliding == CAPPED)
             if timed:
                 last = cycles()
             push_x = 0.0

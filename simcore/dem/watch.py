@@ -24,7 +24,8 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.dem.bodies import Bodies
-from simcore.dem.expectation import fall_speed, relative_depth
+from simcore.dem.expectation import depth_of_impact, fall_speed
+from simcore.dem.hertz import local_law
 from simcore.dem.neighbors import Near
 from simcore.dem.ranks import ONE_RANK
 from simcore.dem.scene import Scene
@@ -117,14 +118,13 @@ class Watch:
                 f"and shaking can give ({limit:.3g} m/s); the time step is too long for its contacts ({self._longer()})"
                 f" or grains overlapped at birth (raise generation.spacing)"
             )
-        depth = speed * relative_depth(self.scene.continuous_law)
+        depth = depth_of_impact(self.scene, speed, bodies.mass[own])
         relative, grain, speed, depth = self.ranks.largest(depth / thickness[own], bodies.id[own], speed, depth)
         if relative > DEEPEST:
             raise PackingError(
                 f"{self.scene.name}: grain {grain} moves at {speed:.3g} m/s at step "
                 f"{step} and would sink {depth * 1e3:.3g} mm into what it meets, more than half of it is thick. "
-                f"Shorten numerics.contact_time (now {self.scene.numerics.contact_time:g} s; the depth of an impact "
-                f"goes with it) or lower the fall"
+                f"{self.scene.stiffen}; the depth of an impact goes with it) or lower the fall"
             )
 
     def _check_overlap(self, bodies, near, step, thickness):
@@ -138,9 +138,8 @@ class Watch:
             partner = "the wall" if other < 0 else f"grain {other}"
             raise PackingError(
                 f"{self.scene.name}: grain {thin} and {partner} overlap by {overlap * 1e3:.3g} mm at step {step}, more "
-                f"than half of the grain is thick: contacts are too soft for what presses on them. Shorten "
-                f"numerics.contact_time (now {self.scene.numerics.contact_time:g} s; overlaps under weight go with its "
-                f"square, those of impacts with it), lower the fall, or, if it was so from the start, raise "
+                f"than half of the grain is thick: contacts are too soft for what presses on them. "
+                f"{self.scene.stiffen}; overlaps go with it), lower the fall, or, if it was so from the start, raise "
                 f"generation.spacing"
             )
 
@@ -156,7 +155,7 @@ class Watch:
         speed = np.sqrt(2.0 * before.moving / mass)
         push = drive.shaking * min(time, 2.0 / drive.shaking_rate * np.ceil(time * drive.shaking_rate / np.pi))
         allowed = mass * push * (speed + push + drive.gravity * time)
-        slack = ENERGY_SLACK + self.scene.law.stiffness * drive.dt**2
+        slack = ENERGY_SLACK + self.scene.stiffest_law.stiffness * drive.dt**2
         allowed += LIFT * drive.gravity * lift
         allowed += slack * before.moving + ROUNDING * (before.moving + before.distance)
         gained = now.moving + now.height - before.moving - before.height
@@ -181,12 +180,18 @@ class Watch:
         return moving + spring_energy(bodies, near, self.scene.law), height
 
     def _note_stiffest(self, bodies, near, dt, step):
-        found = stiffest_body(bodies, near, self.width, self._load(dt), ranks=self.ranks)
+        firmness = self.scene.firmness
+        found = stiffest_body(bodies, near, self.width, self._load(dt), ranks=self.ranks, firmness=firmness)
         if found.load <= self.load:
             return
         self.load, self.stiffest, self.contacts = found.load, found.body, found.contacts
         law, hold = self.scene.continuous_law, found.contacts if self.scene.implicit else None
-        self.needed = body_steps(bodies, near, self.width, law, self.friction, found.body, hold=hold, ranks=self.ranks)
+        # Of law hertz the linear one says no contact time: it may be overdamped.
+        time = None if firmness is None else self.scene.numerics.contact_time
+        self.needed = body_steps(
+            bodies, near, self.width, law, self.friction, found.body,
+            hold=hold, ranks=self.ranks, firmness=firmness, time=time,
+        )  # fmt: skip
         if self.needed > self.scene.numerics.steps_per_contact_time and not self.told:
             self.told = True
             self.report(
@@ -261,20 +266,24 @@ def spring_energy(bodies: Bodies, near: Near, law) -> np.ndarray:
     p, w = np.flatnonzero(contacts.touching), np.flatnonzero(walls.touching)
     a, b, i = contacts.body_a[p], contacts.body_b[p], walls.body[w]
     mass = bodies.mass[a] * bodies.mass[b] / (bodies.mass[a] + bodies.mass[b])
-    stored = 0.5 * law.stiffness * mass * _stretch(contacts, contacts.direction, mass, p, law)
+    at, share = local_law(law, bodies.mass[a], bodies.mass[b], contacts.overlap[p])
+    stored = 0.5 * at.stiffness * mass * _stretch(contacts, contacts.direction, mass, p, at, share)
     for owner, energies in ((a, 0.5 * stored), (b, 0.5 * stored)):
         energy += np.bincount(owner, energies, minlength=len(energy))
-    stored = 0.5 * law.stiffness * bodies.mass[i] * _stretch(walls, walls.normal, bodies.mass[i], w, law)
+    at, share = local_law(law, bodies.mass[i], np.full(len(w), np.inf), walls.overlap[w])
+    stored = 0.5 * at.stiffness * bodies.mass[i] * _stretch(walls, walls.normal, bodies.mass[i], w, at, share)
     return energy + np.bincount(i, stored, minlength=len(energy))
 
 
-def _stretch(rows, normal, mass, p, law):
+def _stretch(rows, normal, mass, p, law, share):
     """Sum (k,) [m²] of the squares of the springs of rows p, each as stiff as the normal one. mass (k,): effective.
+
+    share: of the square of the overlap, that counts.
 
     Tangential ones count as far as friction can hold them: where a contact slips at u the cut-back leaves d u / k in
     the spring, 1.4 times the energy of that motion at e = 0.1, of which nothing comes back.
     """
-    square = rows.overlap[p] ** 2
+    square = share * rows.overlap[p] ** 2
     if len(rows.spring):
         push = np.abs((rows.force[p] * normal[p]).sum(axis=1))
         held = (law.friction * push / (law.tangential * law.stiffness * mass)) ** 2

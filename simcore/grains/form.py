@@ -45,6 +45,12 @@ def axes_from_form(sieve_size, flatness, elongation):
     return I / elongation, I, flatness * I
 
 
+def sieve_size_of_volume(diameter, flatness, elongation):
+    """Sieve size [m] of the ellipsoid as large as the sphere of that diameter [m], FL = S/I and EL = I/L."""
+    L, I, S = axes_from_form(1.0, flatness, elongation)
+    return diameter / np.cbrt(L * I * S)
+
+
 def ellipsoid_sphericity(L, I, S):
     """Wadell sphericity of the ellipsoid with full axes L, I, S: of all grains of that form about the roundest.
 

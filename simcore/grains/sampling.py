@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from .form import axes_from_form
+from .form import axes_from_form, sieve_size_of_volume
 
 # The study redraws normal FL and EL until they lie in this interval.
 FORM_RANGE = (0.1, 1.0)
+MOST_RATIO = 10.0  # of L/I and I/S, as flatness and elongation are at least 0.1
 _NUMBERS_PER_GRAIN = 8
 _SIZE_CLASS, _SIZE_IN_CLASS, _SHAPE, _FLATNESS, _ELONGATION = range(5)
 # Stream of the numbers that say which grains of a mixture of kinds are ellipsoids: sizes and forms are those of meshes.
@@ -24,7 +25,9 @@ class ShapeChoice:
     place the ellipsoid of the same axes.
     choice: "one" (the grain named `grain`), "random" (each grain of the set equally likely), "form" (given
     flatness and elongation, ellipsoids only), or "form_distribution" (flatness and elongation independent
-    normals, here means, with the two standard deviations, redrawn into FORM_RANGE). Spheres ignore it.
+    normals, here means, with the two standard deviations, redrawn into FORM_RANGE), or "ratios" (eta = L/I and
+    zeta = I/S of ellipsoids, independent normals with their standard deviations, redrawn until at least 1 and at most
+    MOST_RATIO; given ones where a deviation is 0). Spheres ignore it.
     """
 
     kind: str = "mesh"
@@ -35,12 +38,18 @@ class ShapeChoice:
     flatness_std: float | None = None
     elongation_std: float | None = None
     ellipsoid_share: float | None = None
+    eta: float | None = None
+    zeta: float | None = None
+    eta_std: float = 0.0
+    zeta_std: float = 0.0
 
     def __post_init__(self):
         if self.kind not in ("mesh", "ellipsoid", "sphere", "mixed"):
             raise ValueError(f"shapes: kind {self.kind!r} is unknown: use mesh, ellipsoid, sphere or mixed")
-        if self.choice not in ("one", "random", "form", "form_distribution"):
-            raise ValueError(f"shapes: choice {self.choice!r} is unknown: use one, random, form or form_distribution")
+        if self.choice not in ("one", "random", "form", "form_distribution", "ratios"):
+            raise ValueError(
+                f"shapes: choice {self.choice!r} is unknown: use one, random, form, form_distribution or ratios"
+            )
         share = self.ellipsoid_share
         if self.kind == "mixed" and (share is None or not 0.0 <= share <= 1.0):
             raise ValueError(f"shapes: kind mixed needs `ellipsoid_share` from 0 to 1, not {share}")
@@ -52,6 +61,15 @@ class ShapeChoice:
             raise ValueError("shapes: choice `one` needs `grain`, the name of the grain")
         if self.choice == "form" and self.kind != "ellipsoid":
             raise ValueError("shapes: choice `form` is for ellipsoids: use kind ellipsoid or form_distribution")
+        if self.choice == "ratios":
+            if self.kind != "ellipsoid":
+                raise ValueError("shapes: choice `ratios` is for ellipsoids: use kind ellipsoid")
+            for key in ("eta", "zeta"):
+                value, std = getattr(self, key), getattr(self, f"{key}_std")
+                if value is None or not 1.0 <= value <= MOST_RATIO:
+                    raise ValueError(f"shapes: {key} {value} must be given and lie in [1, {MOST_RATIO:g}]")
+                if not std >= 0:
+                    raise ValueError(f"shapes: {key}_std {std} must not be negative")
         if self.choice in ("form", "form_distribution"):
             low, high = FORM_RANGE
             for key in ("flatness", "elongation"):
@@ -97,23 +115,24 @@ def grain_uniforms(grain_ids, seed, stream=0):
 
 
 def sample_sizes(curve, grain_ids, seed):
-    """Sieve sizes D (n,) [m] by number: class with probability M_i / d_i³, inside it uniform in log2 D."""
-    uniforms = grain_uniforms(grain_ids, seed)
-    edges = np.cumsum(curve.number_fractions())
-    index = np.searchsorted(edges / edges[-1], uniforms[:, _SIZE_CLASS], side="left")
-    logs = np.log2(curve.bounds)
-    return 2.0 ** (logs[index] + uniforms[:, _SIZE_IN_CLASS] * np.diff(logs)[index])
+    """Sizes (n,) [m] by number, of a SieveCurve sieve sizes: class with probability M_i / d_i³, in it uniform in log2.
+
+    Of BetaSizes diameters of spheres of the grains' volume.
+    """
+    return curve.sizes(grain_uniforms(grain_ids, seed)[:, [_SIZE_CLASS, _SIZE_IN_CLASS]])
 
 
 def sample_grains(grain_ids, seed, curve, shapes, grains):
     """Draw the grains with these ids: a GrainSample.
 
-    curve: SieveCurve; shapes: ShapeChoice; grains: list of Grain, may be empty where the form is given.
+    curve: SieveCurve or BetaSizes; shapes: ShapeChoice; grains: list of Grain, may be empty where the form is given.
     Random numbers belong to the id (see grain_uniforms). ValueError if the chosen grain is not in the set.
     """
     uniforms = grain_uniforms(grain_ids, seed)
     D = sample_sizes(curve, grain_ids, seed)
     flatness, elongation, index = _forms(shapes, grains, uniforms)
+    if curve.of_volume:
+        D = sieve_size_of_volume(D, flatness, elongation)
     L, I, S = axes_from_form(D, flatness, elongation)
     axes = np.stack([S, I, L], axis=1)
     if shapes.kind in ("ellipsoid", "sphere"):
@@ -149,6 +168,10 @@ def _forms(shapes, grains, uniforms):
         index = (uniforms[:, _SHAPE] * len(grains)).astype(int)
     if shapes.choice == "form":
         return np.full(n, shapes.flatness), np.full(n, shapes.elongation), index
+    if shapes.choice == "ratios":
+        eta = _truncated_normal(uniforms[:, _ELONGATION], shapes.eta, shapes.eta_std, (1.0, MOST_RATIO))
+        zeta = _truncated_normal(uniforms[:, _FLATNESS], shapes.zeta, shapes.zeta_std, (1.0, MOST_RATIO))
+        return 1.0 / zeta, 1.0 / eta, index
     if shapes.choice == "form_distribution":
         return (
             _truncated_normal(uniforms[:, _FLATNESS], shapes.flatness, shapes.flatness_std),
@@ -160,9 +183,9 @@ def _forms(shapes, grains, uniforms):
     return flatness[index], elongation[index], index
 
 
-def _truncated_normal(uniforms, mean, std):
-    """Normals redrawn until in FORM_RANGE, by inversion: the same law from one number per grain."""
+def _truncated_normal(uniforms, mean, std, bounds=FORM_RANGE):
+    """Normals redrawn until within bounds, by inversion: the same law from one number per grain."""
     if std == 0:
         return np.full(len(uniforms), float(mean))
-    low, high = ndtr((np.array(FORM_RANGE) - mean) / std)
-    return np.clip(mean + std * ndtri(low + uniforms * (high - low)), *FORM_RANGE)
+    low, high = ndtr((np.array(bounds) - mean) / std)
+    return np.clip(mean + std * ndtri(low + uniforms * (high - low)), *bounds)

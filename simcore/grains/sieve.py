@@ -15,6 +15,8 @@ class SieveCurve:
     name: of the case, for messages.
     """
 
+    of_volume = False  # sizes are sieve sizes
+
     bounds: np.ndarray
     mass_fractions: np.ndarray
     name: str = "sieve curve"
@@ -49,6 +51,13 @@ class SieveCurve:
         """Share of the grains, by number, in each class (k,): M_i / d_i³, normalised."""
         numbers = self.mass_fractions / self.class_diameters**3
         return numbers / numbers.sum()
+
+    def sizes(self, uniforms):
+        """Sizes (n,) [m] by number from two random numbers each, (n, 2): the class, and within it uniform in log2."""
+        edges = np.cumsum(self.number_fractions())
+        index = np.searchsorted(edges / edges[-1], uniforms[:, 0], side="left")
+        logs = np.log2(self.bounds)
+        return 2.0 ** (logs[index] + uniforms[:, 1] * np.diff(logs)[index])
 
     def expected_numbers(self, mass, density):
         """Expected number of grains in each class (k,) of a packing of mass [kg], solid density [kg/m³]."""

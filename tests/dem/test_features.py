@@ -67,7 +67,7 @@ def bare_and_full():
     base = unit_sphere()
     shapes = collect_shapes([base])
     heaps = [bodies_of(base, SPHERE, np.full(3, 5e-3)) for _ in range(2)]
-    law = LAW._replace(friction=np.nan, tangential=np.nan, root_tangential=np.nan)
+    law = LAW._replace(friction=np.nan, tangential=np.nan, root_tangential=np.nan, sliding=np.nan)
     drive = STILL._replace(shaking=np.nan, shaking_rate=np.nan, width=np.nan, wall_radius=np.nan)
     room = make_room(shapes, numba.get_num_threads())
     bare = run(BARE, heaps[0], poisoned(shapes), room, Box(0.0), law, drive)

@@ -147,3 +147,34 @@ def test_unknown_grain_and_empty_set_are_refused(grains):
         sample_grains([0], 1, CURVE, ShapeChoice("mesh", "one", grain="G99"), grains)
     with pytest.raises(ValueError, match="it is empty"):
         sample_grains([0], 1, CURVE, ShapeChoice(), [])
+
+
+def test_ratios_of_axes_are_given_ones_or_normals_above_one():
+    """The mean of a normal redrawn above 1 is mean + std φ(c) / (1 - Φ(c)), c = (1 - mean) / std."""
+    fixed = sample_grains(IDS[:50], 4, CURVE, ShapeChoice("ellipsoid", "ratios", eta=1.6, zeta=2.0), [])
+    np.testing.assert_allclose(fixed.L / fixed.I, 1.6, rtol=1e-12)
+    np.testing.assert_allclose(fixed.I / fixed.S, 2.0, rtol=1e-12)
+    np.testing.assert_allclose(fixed.D, sample_sizes(CURVE, IDS[:50], 4), rtol=1e-12)
+    spread = ShapeChoice("ellipsoid", "ratios", eta=1.2, zeta=2.0, eta_std=0.3, zeta_std=0.2)
+    drawn = sample_grains(IDS, 4, CURVE, spread, [])
+    eta, zeta = drawn.L / drawn.I, drawn.I / drawn.S
+    assert eta.min() >= 1.0 - 1e-12 and zeta.min() >= 1.0 - 1e-12
+    for found, mean, std in ((eta, 1.2, 0.3), (zeta, 2.0, 0.2)):
+        expected = stats.truncnorm((1.0 - mean) / std, np.inf, mean, std)
+        assert found.mean() == pytest.approx(expected.mean(), abs=4.0 * expected.std() / np.sqrt(len(IDS)))
+        assert found.std() == pytest.approx(expected.std(), rel=4.0 * np.sqrt(1.0 / len(IDS)))
+    assert abs(np.corrcoef(eta, zeta)[0, 1]) < 4.0 / np.sqrt(len(IDS))
+
+
+@pytest.mark.parametrize(
+    "wrong, said",
+    [
+        ({"kind": "mesh", "eta": 1.6, "zeta": 1.6}, "is for ellipsoids"),
+        ({"kind": "ellipsoid", "eta": 0.9, "zeta": 1.6}, "eta 0.9 must be given"),
+        ({"kind": "ellipsoid", "eta": 1.6}, "zeta None must be given"),
+        ({"kind": "ellipsoid", "eta": 1.6, "zeta": 1.6, "eta_std": -1.0}, "eta_std -1.0 must not be negative"),
+    ],
+)
+def test_ratios_that_are_none_are_refused(wrong, said):
+    with pytest.raises(ValueError, match=said):
+        ShapeChoice(choice="ratios", **wrong)

@@ -13,13 +13,14 @@ from simcore.dem.force_laws import contact_law
 from simcore.dem.integrators import derive_form_matrix, derive_rotation
 from simcore.dem.neighbors import Box, list_near
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, collect_shapes, unit_sphere
+from simcore.dem.sliding import NONE
 from simcore.dem.stepping import STAGES, Drive, make_advance
 
 
 class Stage:
-    """Bodies and what acts on them. law: ContactLaw. All variants have friction and a floor; a law without friction
-    coefficient and a floor far below are data, and compile nothing. implicit: the dashpot; the law then is that of
-    the step (implicit_law)."""
+    """Bodies and what acts on them. law: ContactLaw, or HertzLaw with hertz. All variants have a floor and, but for
+    those with sliding, friction; a law without friction coefficient and a floor far below are data, and compile
+    nothing. implicit: the dashpot; the law then is that of the step (implicit_law)."""
 
     def __init__(
         self,
@@ -34,6 +35,9 @@ class Stage:
         attractive=True,
         patch=False,
         implicit=False,
+        friction=True,
+        hertz=False,
+        sliding=NONE,
         **drive,
     ):
         position = np.atleast_2d(np.asarray(position, float))
@@ -55,7 +59,10 @@ class Stage:
         self.law = law
         self.width = drive.pop("width", 0.0)
         self.skin = drive.pop("skin", 0.2) * self.bodies.radius.max()
-        self.features = Features(kind, True, attractive, patch=patch and kind in (CONVEX, MIXED), implicit=implicit)
+        patch = patch and kind in (CONVEX, MIXED)
+        self.features = Features(
+            kind, friction, attractive, patch=patch, implicit=implicit, hertz=hertz, sliding=sliding
+        )
         self.near = None
         self._list()
         self.drive = {
