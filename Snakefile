@@ -10,6 +10,7 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/grains.smk"
 include: "workflow/rules/packings.smk"
 include: "workflow/rules/models.smk"
+include: "workflow/rules/deposits.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/report.smk"
 
