@@ -97,33 +97,39 @@ def sizes_figure(rows):
 
 
 def bridge_figure(rows):
-    """Porosity over L/S of deposits, and of the same forms with the first study's law and process, shaken or not."""
-    figure = Figure(figsize=(6.0, 4.6), layout="constrained")
+    """Porosity over L/S of deposits, and of the same forms with the first study's law and process, shaken or not.
+
+    Shades are the processes, markers the families of forms; lines join the forms of one family, the sphere in all.
+    """
+    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
     axes = figure.subplots()
     of_bridge = means(rows[rows["family"] == "bridge"])
     forms = set(zip(of_bridge["eta"], of_bridge["zeta"], strict=True))
     deposits = plain_means(rows)
-    known = [(row.eta, row.zeta) in forms for row in deposits.itertuples()]
+    deposits = deposits[[form in forms for form in zip(deposits["eta"], deposits["zeta"], strict=True)]]
     shaken = of_bridge["shaking_s"] > 0.0
-    for table, label, color, marker in (
-        (deposits[known], "deposit: Hertz, dynamic friction, not shaken", "#20313b", "o"),
-        (of_bridge[shaken], "first study: static friction, shaken", "#b3541e", "s"),
-        (of_bridge[~shaken], "first study's law, not shaken", "#8f9d9f", "^"),
+    for table, process, shade in (
+        (of_bridge[~shaken], "first study's law: static friction, not shaken", "white"),
+        (of_bridge[shaken], "first study's law and process: shaken", "0.6"),
+        (deposits, "deposit: Hertz, dynamic friction, not shaken", "#20313b"),
     ):
-        axes.errorbar(
-            table["eta"] * table["zeta"], 1.0 - table["solid_fraction"], table["solid_fraction_error"], fmt=marker,
-            color=color, ms=6, capsize=2, lw=1.0, mec="black", mew=0.4, label=f"{label} ({BAR})",
-        )  # fmt: skip
-    # Which form a point is: three can have one L/S.
-    for row in deposits[known].itertuples():
-        word = "η = ζ" if row.eta == row.zeta else "prolate" if row.zeta == 1.0 else "oblate" if row.eta == 1.0 else ""
-        axes.annotate(
-            "sphere" if row.eta == row.zeta == 1.0 else word, (row.eta * row.zeta, 1.0 - row.solid_fraction), (4, -10),
-            textcoords="offset points", fontsize="x-small",
-        )  # fmt: skip
-    axes.set(xlabel="L/S = η ζ [-]", ylabel="porosity n [-]")
+        for on, style in (
+            (table["eta"] == table["zeta"], STYLES["diagonal"]),
+            (table["zeta"] == 1.0, STYLES["prolate"]),
+            (table["eta"] == 1.0, STYLES["oblate"]),
+        ):
+            line = table[on].sort_values(["eta", "zeta"])
+            axes.errorbar(
+                line["eta"] * line["zeta"], 1.0 - line["solid_fraction"], line["solid_fraction_error"],
+                marker=style["marker"], ls=style["ls"], color="#20313b", mfc=shade, ms=6, mew=0.8, lw=0.7, capsize=2,
+            )  # fmt: skip
+        axes.plot([], [], ls="none", marker="D", mec="#20313b", mfc=shade, label=process)
+    for style in STYLES.values():
+        label = style["label"].split(",")[0]
+        axes.plot([], [], color="#20313b", marker=style["marker"], mfc="none", ls=style["ls"], lw=0.7, label=label)
+    axes.set(xlabel="L/S = η ζ [-]", ylabel="porosity n [-], ± std. error over seeds")
     _grid(axes)
-    return _with_legend(figure, [axes], 1)
+    return _with_legend(figure, [axes])
 
 
 def _panels(names):
