@@ -6,37 +6,32 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from .test_plan import OTHERS
-
 pytestmark = pytest.mark.workflow
 
-TINY = f"""
+TINY = """
 reference: kept
-pathvars: {{results: results/tiny}}
+pathvars: {results: results/tiny}
 studies:
   deposit_diagonal:
     in_all: false
     fixes: &deposit
       accuracy: null
-      domain: {{width: 24 mm, height: 0.3 m}}
-      amount: {{grains: 90}}
-      sizes: {{beta: {{radius: 3 mm, spread: 0}}}}
-      shapes: {{kind: sphere, choice: ratios, eta: 1.0, zeta: 1.0}}
+      domain: {width: 24 mm, height: 0.3 m}
+      amount: {grains: 90}
+      sizes: {beta: {radius: 3 mm, spread: 0}}
+      shapes: {kind: sphere, choice: ratios, eta: 1.0, zeta: 1.0}
       material:
-        {{law: hertz, youngs_modulus: 5 MPa, end_of_contact: clamped, restitution: 0.3, friction_law: dynamic}}
-      generation: {{placement: random, orientation: random, drop_height: 5 mm, velocity_z: -2 m/s, batch_grains: 30}}
-      shaking: {{amplitude: 0 mm, duration: 0 s}}
-      damping: {{factor: 1}}
-      convergence: {{rule: settled, kinetic_energy: 1.0e-3, compaction: 5.0e-3}}
-      numerics: {{contact_time: 0.2 ms, steps_per_contact_time: 10, dashpot: explicit}}
-    varies: {{seed: [1, 2]}}
+        {law: hertz, youngs_modulus: 5 MPa, end_of_contact: clamped, restitution: 0.3, friction_law: dynamic}
+      generation: {placement: random, orientation: random, drop_height: 5 mm, velocity_z: -2 m/s, batch_grains: 30}
+      shaking: {amplitude: 0 mm, duration: 0 s}
+      damping: {factor: 1}
+      convergence: {rule: settled, kinetic_energy: 1.0e-3, compaction: 5.0e-3}
+      numerics: {contact_time: 0.2 ms, steps_per_contact_time: 10, dashpot: explicit}
+    varies: {seed: [1, 2]}
   deposit_map:
     in_all: false
     fixes: *deposit
-    varies: {{shapes.zeta: [1.0, 1.2], seed: [3]}}
-  single:
-    fixes: *deposit
-{OTHERS}
+    varies: {shapes.zeta: [1.0, 1.2], seed: [3]}
 """
 
 
@@ -74,14 +69,14 @@ def test_a_tiny_campaign_gives_tables_and_figures(deposited):
     for name in ("map", "forms", "directions", "histograms", "sizes", "bridge"):
         for suffix in ("png", "pdf"):
             assert (results / "figures" / "deposits" / f"{name}.{suffix}").stat().st_size > 1000
-    with xr.open_dataset(results / "fabric" / "deposit_map" / "1.0-seed_3.nc") as fabric:
+    with xr.open_dataset(results / "fabric" / "deposit_map" / "zeta_1.0-seed_3.nc") as fabric:
         assert json.loads(fabric.attrs["scene"])["seed"] == 3
     status, said = deposited.run("--configfile", "tiny.yaml", "--", "deposits")
     assert status == 0 and "Nothing to be done" in said
 
 
 def test_half_of_it_is_gathered(deposited):
-    fabric = deposited.folder / "results" / "tiny" / "fabric" / "deposit_map" / "1.2-seed_3.nc"
+    fabric = deposited.folder / "results" / "tiny" / "fabric" / "deposit_map" / "zeta_1.2-seed_3.nc"
     aside = fabric.with_suffix(".aside")
     fabric.rename(aside)
     try:
