@@ -10,8 +10,10 @@ from simcore.crossing_angle import crossing_angle
 from simcore.deposits import PLAIN, curve, family, plain_means
 from simcore.fabric import fabric_over_seeds
 
-# ASSUME: in ln(ratio) from the highest mean; within it the rise and the fall beside a maximum near 1.6 are parabolas.
+# ASSUME: in ln(ratio) from the highest mean. Density rises faster from the sphere than it falls beyond its maximum; a
+# cubic follows that, where a parabola is drawn to the flat side.
 WINDOW = 0.3
+DEGREE = 3
 RESAMPLED = 2000
 LINES = ("diagonal", "prolate", "oblate")
 
@@ -25,11 +27,12 @@ class Maximum(NamedTuple):
 
 
 def maximum(ratio, value, seed=1):
-    """Maximum of a value over a ratio, both (n,), by a parabola through all packings near the highest mean.
+    """Maximum of a value over a ratio, both (n,), by a cubic through all packings near the highest mean.
 
-    The parabola is in ln(ratio), within WINDOW of the ratio with the highest mean; where it has no maximum inside, the
-    window's end is taken. Standard errors: of RESAMPLED draws of the packings of each ratio, each of which looks for
-    its highest mean anew. ValueError if there are fewer than three ratios in the window.
+    The cubic (of fewer than five ratios a parabola) is in ln(ratio), within WINDOW of the ratio with the highest mean;
+    where it has no maximum inside, the window's end is taken. Standard errors: of RESAMPLED draws of the packings of
+    each ratio, each of which looks for its highest mean anew; nan with one packing each. ValueError if there are fewer
+    than three ratios in the window.
     """
     ratio, value = np.asarray(ratio, float), np.asarray(value, float)
     found = _vertex(ratio, value)
@@ -50,17 +53,23 @@ def maximum(ratio, value, seed=1):
 
 
 def _vertex(ratio, value):
-    """(ratio, value, packings behind it) of the parabola's top; None with fewer than three ratios."""
+    """(ratio, value, packings behind it) of the top of the curve; None with fewer than three ratios."""
     x = np.log(ratio)
     places = np.unique(x)
     highest = places[np.argmax([value[x == place].mean() for place in places])]
     near = np.abs(x - highest) <= WINDOW
     if len(np.unique(x[near])) < 3:
         return None
-    c, b, a = np.polynomial.polynomial.polyfit(x[near] - highest, value[near], 2)
-    low, high = x[near].min() - highest, x[near].max() - highest
-    top = np.clip(-0.5 * b / a, low, high) if a < 0.0 else (low if b < 0.0 else high)
-    return float(np.exp(highest + top)), float(c + b * top + a * top**2), int(near.sum())
+    degree = DEGREE if len(np.unique(x[near])) > DEGREE + 1 else 2
+    fit = np.polynomial.Polynomial.fit(x[near] - highest, value[near], degree)
+    low, high = fit.domain
+    slope = fit.deriv()
+    # Of a parabola, a cubic's leading coefficient is round-off, and spoils the roots.
+    turns = slope.trim(1e-9 * np.abs(slope.coef).max()).roots()
+    turns = np.real(turns[np.abs(np.imag(turns)) < 1e-9])
+    tops = np.concatenate([turns[(turns > low) & (turns < high)], [low, high]])
+    top = tops[np.argmax(fit(tops))]
+    return float(np.exp(highest + top)), float(fit(top)), int(near.sum())
 
 
 def maxima(rows, names=("solid_fraction", "coordination_number")):

@@ -61,7 +61,7 @@ def forms_figure(rows, maxima):
         for top in maxima[maxima["of"] == name].itertuples():
             axes.errorbar(
                 top.ratio, top.value, top.value_error, top.ratio_error, fmt="o", ms=11, mfc="none", capsize=2, lw=0.9,
-                color=STYLES[top.family]["color"], label="maximum of a parabola (± std. error)",
+                color=STYLES[top.family]["color"], label="maximum of a curve fitted near it (± std. error)",
             )  # fmt: skip
     return _with_legend(figure, grid)
 
