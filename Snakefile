@@ -1,5 +1,6 @@
 # Scree: from grains to a model of porosity. This file is the table of contents.
-#   config/      the science: what is packed (config.yaml, work_precision.yaml; overlays such as smoke.yaml, paper.yaml, deposits.yaml)
+#   config/      the science: what is packed (config.yaml, work_precision.yaml; overlays smoke.yaml, paper.yaml,
+#                deposits.yaml and others)
 #   profiles/    the machine: how it is run
 #   workflow/    the rules, and a script for each
 configfile: "config/config.yaml"
