@@ -1,5 +1,6 @@
 # Scree: from grains to a model of porosity. This file is the table of contents.
-#   config/      the science: what is packed (config.yaml, work_precision.yaml; overlays smoke.yaml, paper.yaml)
+#   config/      the science: what is packed (config.yaml, work_precision.yaml; overlays smoke.yaml, paper.yaml,
+#                deposits.yaml and others)
 #   profiles/    the machine: how it is run
 #   workflow/    the rules, and a script for each
 configfile: "config/config.yaml"
@@ -10,6 +11,7 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/grains.smk"
 include: "workflow/rules/packings.smk"
 include: "workflow/rules/models.smk"
+include: "workflow/rules/deposits.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/report.smk"
 

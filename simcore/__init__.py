@@ -14,6 +14,7 @@ Data flow one way: grain -> scene -> packing -> porosity -> model.
     slicing          exact solid volume of grains between horizontal planes
     segregation      size, form and orientation over height
     fabric           of the bulk, its density, contacts (coordination, contact_radius) and directions
+    deposits         fabrics of a study of ellipsoids as tables; deposit_findings: where they are densest
     work_precision   tables of error against run time, their Pareto front
     verification/    the parts of the core against closed forms: error and CPU time
     regression       form features, cross-validation, fitted porosity models

@@ -24,6 +24,7 @@ COLUMNS = {
     ),
     "validation": (["case", "run"], []),
     "application": (["case", "choice", "seed"], ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]),
+    "deposits": (["study", "packing"], []),
 }
 # Where the seed stands after what is known of the form.
 ORDER = {

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 import yaml
 
+from simcore.bulk import FLOOR_LAYER, SURFACE_LAYER
 from simcore.dem.expectation import expect
 from simcore.grains.synthetic import synthetic_grains
 from simcore.packing_cost import estimate
 from simcore.scenes import set_up
+from simcore.sizes import size_curve
 from simcore.specification import read_presets, resolve
 from simcore.studies import expand, merge
 
@@ -66,9 +68,30 @@ def test_real_grains_need_a_path_and_nothing_else(tmp_path):
     assert {s["amount"]["grains"] for s in packings.specification} == {1200}
 
 
+@pytest.mark.parametrize("overlays", [("deposits",), ("deposits", "deposits_large")])
+def test_boxes_of_deposits_are_four_long_axes_wide_and_leave_two_of_bulk(overlays):
+    """Heights from the densest deposit there is, 0.74; the bulk is what simcore.bulk leaves. Long axes: mean by volume,
+    of grains of the mid-range radius; forms that are spread may be a third longer."""
+    packings = campaign(*overlays)
+    deposits = packings[packings.study.str.startswith("deposit_")]
+    assert len(deposits) > 200
+    for row in deposits.itertuples():
+        shapes, sizes = row.specification["shapes"], row.specification["sizes"]
+        eta, zeta = (shapes[k]["mean"] if isinstance(shapes[k], dict) else shapes[k] for k in ("eta", "zeta"))
+        long_axis = 2.0 * sizes["beta"]["radius"] * np.cbrt(eta**2 * zeta)
+        width = row.specification["domain"]["width"]
+        assert width >= 4.0 * long_axis, row.packing
+        curve = size_curve(sizes)
+        volume = float(curve.number_fractions() @ (np.pi / 6.0 * curve.class_diameters**3))
+        grains = row.specification["amount"]["grains"]
+        assert grains >= (3000 if sizes["beta"]["spread"] >= 0.8 else 1000)
+        height = grains * volume / (0.74 * width**2)
+        assert height - (FLOOR_LAYER + SURFACE_LAYER) * long_axis >= 2.0 * long_axis, (row.study, row.packing)
+
+
 def test_campaigns_do_not_write_over_each_other():
     folders = []
-    for name in ("config", "smoke", "workstation", "scans", "paper"):
+    for name in ("config", "smoke", "workstation", "scans", "paper", "deposits", "deposits_large"):
         raw = yaml.safe_load((CONFIG / f"{name}.yaml").read_text())
         folders.append(raw.get("pathvars", {}).get("results", "results"))
     assert len(set(folders)) == len(folders)

@@ -1,0 +1,95 @@
+"""The deposits: a target outside `all`, and a tiny campaign of them run through."""
+
+import json
+
+import pandas as pd
+import pytest
+import xarray as xr
+
+pytestmark = pytest.mark.workflow
+
+TINY = """
+reference: kept
+pathvars: {results: results/tiny}
+studies:
+  deposit_diagonal:
+    in_all: false
+    fixes: &deposit
+      accuracy: null
+      domain: {width: 24 mm, height: 0.3 m}
+      amount: {grains: 90}
+      sizes: {beta: {radius: 3 mm, spread: 0}}
+      shapes: {kind: sphere, choice: ratios, eta: 1.0, zeta: 1.0}
+      material:
+        {law: hertz, youngs_modulus: 5 MPa, end_of_contact: clamped, restitution: 0.3, friction_law: dynamic}
+      generation: {placement: random, orientation: random, drop_height: 5 mm, velocity_z: -2 m/s, batch_grains: 30}
+      shaking: {amplitude: 0 mm, duration: 0 s}
+      damping: {factor: 1}
+      convergence: {rule: settled, kinetic_energy: 1.0e-3, compaction: 5.0e-3}
+      numerics: {contact_time: 0.2 ms, steps_per_contact_time: 10, dashpot: explicit}
+    varies: {seed: [1, 2]}
+  deposit_map:
+    in_all: false
+    fixes: *deposit
+    varies: {shapes.zeta: [1.0, 1.2], seed: [3]}
+"""
+
+
+def test_deposits_are_a_target_of_their_own(workplace):
+    everything = workplace.plan("--configfile", "config/deposits.yaml")
+    assert not {study for _, study in everything if (study or "").startswith("deposit_")}
+    jobs = workplace.plan("--configfile", "config/deposits.yaml", "--", "deposits")
+    packed = [study for rule, study in jobs if rule == "packing"]
+    assert len(packed) == [rule for rule, _ in jobs].count("deposit") > 150
+    assert packed.count("deposit_map") + packed.count("deposit_map_long") == 36
+    assert packed.count("deposit_diagonal") + packed.count("deposit_diagonal_long") == 5 * 12
+    assert {rule for rule, _ in jobs} == {
+        "packing_specification", "packing", "deposit", "deposit_tables", "deposit_figures", "deposits",
+    }  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def deposited(tmp_path_factory):
+    """A workplace in which a tiny campaign of deposits has run; the spheres are said to be of different forms."""
+    from .conftest import Workplace
+
+    workplace = Workplace(tmp_path_factory.mktemp("deposits"))
+    (workplace.folder / "tiny.yaml").write_text(TINY)
+    status, said = workplace.run("--configfile", "tiny.yaml", "--", "deposits")
+    assert status == 0, said
+    return workplace
+
+
+def test_a_tiny_campaign_gives_tables_and_figures(deposited):
+    results = deposited.folder / "results" / "tiny"
+    table = pd.read_csv(results / "deposits" / "packings.csv")
+    assert table.family.tolist() == ["diagonal"] * 2 + ["map"] * 2
+    assert table.solid_fraction.between(0.4, 0.75).all() and (table.steps > 100).all()
+    assert pd.read_csv(results / "deposits" / "means.csv").packings.sum() == 4
+    for name in ("map", "forms", "directions", "histograms", "sizes", "bridge"):
+        for suffix in ("png", "pdf"):
+            assert (results / "figures" / "deposits" / f"{name}.{suffix}").stat().st_size > 1000
+    with xr.open_dataset(results / "fabric" / "deposit_map" / "zeta_1.0-seed_3.nc") as fabric:
+        assert json.loads(fabric.attrs["scene"])["seed"] == 3
+    status, said = deposited.run("--configfile", "tiny.yaml", "--", "deposits")
+    assert status == 0 and "Nothing to be done" in said
+
+
+def test_half_of_it_is_gathered(deposited):
+    fabric = deposited.folder / "results" / "tiny" / "fabric" / "deposit_map" / "zeta_1.2-seed_3.nc"
+    aside = fabric.with_suffix(".aside")
+    fabric.rename(aside)
+    try:
+        status, said = deposited.run("--configfile", "tiny.yaml", "--", "collect_deposits")
+    finally:
+        aside.rename(fabric)
+    assert status == 0, said
+    assert "deposit_map: 1 of 2 packings" in said and "deposit_diagonal: 2 of 2 packings" in said
+    kept = deposited.folder / "kept"
+    first = pd.read_csv(kept / "deposits.csv")
+    assert len(first) == 3 and {"P2_contact_normal", "azimuth_p4_long_axis", "cpu_s"} <= set(first)
+    status, said = deposited.run("--configfile", "tiny.yaml", "--", "collect_deposits")
+    assert status == 0, said
+    assert len(pd.read_csv(kept / "deposits.csv")) == 4
+    behind = pd.read_csv(kept / "collected.csv").set_index("study")
+    assert behind.loc["deposit_map", "planned"] == 2 and behind.loc["deposit_map", "cpu_h_left_estimated"] == 0

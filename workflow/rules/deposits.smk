@@ -1,0 +1,101 @@
+# Deposits of general ellipsoids, a study beside the first: config/deposits.yaml. Not part of `all`: ask for `deposits`.
+# Their packings are made as any (packings.smk); what they are read by, and how they are tabulated, stands here.
+deposit_studies = [name for name in all_studies if name.startswith("deposit_")]
+deposit_packings = packings[packings.study.isin(deposit_studies)]
+deposit_plan = {
+    study: [
+        {
+            "row": packing.row,
+            "specification": packing.specification,
+            "cpu_h": packing.cost.cpu_seconds / 3600.0,
+        }
+        for packing in rows.itertuples()
+    ]
+    for study, rows in deposit_packings.groupby("study", sort=False)
+}
+deposit_tables = ["packings", "means", "maxima", "symmetry", "crossings", "changes"]
+deposit_figures = ["map", "forms", "directions", "histograms", "sizes", "bridge"]
+
+
+rule deposits:
+    input:
+        collect("<results>/deposits/{table}.csv", table=deposit_tables),
+        collect("<results>/figures/deposits/{figure}.png", figure=deposit_figures),
+
+
+# Fabric of the bulk of one deposit.
+rule deposit:
+    input:
+        packing="<results>/packings/{study}/{packing}.nc",
+    output:
+        fabric="<results>/fabric/{study}/{packing}.nc",
+    log:
+        "<results>/logs/deposit/{study}/{packing}.log",
+    # Before the next packing, so that what is finished can be gathered.
+    priority: 1
+    params:
+        code=digest("workflow/scripts/deposit.py"),
+    script:
+        "../scripts/deposit.py"
+
+
+# All rows, their means over seeds, and what they show.
+rule deposit_tables:
+    input:
+        fabrics=collect(
+            "<results>/fabric/{study}/{packing}.nc",
+            zip,
+            study=deposit_packings.study,
+            packing=deposit_packings.packing,
+        ),
+    output:
+        **{name: f"<results>/deposits/{name}.csv" for name in deposit_tables},
+    log:
+        "<results>/logs/deposit_tables.log",
+    params:
+        studies=list(deposit_packings.study),
+        rows=list(deposit_packings.row),
+        test_only=campaign["test_only"],
+        code=digest("workflow/scripts/deposit_tables.py"),
+    script:
+        "../scripts/deposit_tables.py"
+
+
+rule deposit_figures:
+    input:
+        packings="<results>/deposits/packings.csv",
+        crossings="<results>/deposits/crossings.csv",
+        maxima="<results>/deposits/maxima.csv",
+        fabrics=collect(
+            "<results>/fabric/{study}/{packing}.nc",
+            zip,
+            study=deposit_packings.study,
+            packing=deposit_packings.packing,
+        ),
+    output:
+        **{
+            name: multiext(f"<results>/figures/deposits/{name}", ".png", ".pdf")
+            for name in deposit_figures
+        },
+    log:
+        "<results>/logs/deposit_figures.log",
+    params:
+        studies=list(deposit_packings.study),
+        test_only=campaign["test_only"],
+        code=digest("workflow/scripts/deposit_figures.py"),
+    script:
+        "../scripts/deposit_figures.py"
+
+
+# The rows of the deposits that are finished, into the committed table; see `collect`.
+rule collect_deposits:
+    log:
+        "<results>/logs/collect_deposits.log",
+    params:
+        folder=campaign["reference"],
+        test_only=campaign["test_only"],
+        fabrics=f"{results}/fabric",
+        command=" ".join(["snakemake --configfile", *overlays]),
+        packings=deposit_plan,
+    script:
+        "../scripts/collect_deposits.py"
