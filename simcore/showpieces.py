@@ -53,7 +53,6 @@ def corner_mixtures(packings):
 
 
 def _size_span(specification):
-    """Largest over smallest sieve size that has mass."""
+    """Largest over smallest size that has mass."""
     curve = size_curve(specification["sizes"])
-    with_mass = np.flatnonzero(np.asarray(curve.mass_fractions) > 0.0)
-    return float(curve.bounds[with_mass[-1] + 1] / curve.bounds[with_mass[0]])
+    return curve.largest / curve.least

@@ -59,3 +59,10 @@ def test_fewer_mixtures_than_corners_are_shown_once_each(campaign):
     mixtures = table[table.study == "form_mixtures"]
     assert len(corner_mixtures(mixtures[mixtures.packing.str.contains("0.4_0.6")])) == 1
     assert corner_mixtures(table[table.study == "validation"]).empty
+
+
+def test_sizes_without_a_sieve_curve_can_be_the_widest():
+    beta = {"sizes.case": None, "sizes.beta": {"radius": "3 mm", "spread": 0.9}, "shapes.kind": "sphere"}
+    one = {"application": {"varies": {"sizes": [{"sizes.case": "U1"}, beta]}}}
+    shown = showpieces(expand(resolve({"packing": BOX, "studies": one}, "config")))
+    assert [specification["sizes"]["beta"]["spread"] for specification in shown.specification] == [0.9]

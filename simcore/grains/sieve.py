@@ -43,6 +43,11 @@ class SieveCurve:
         return np.sqrt(self.bounds[:-1] * self.bounds[1:])
 
     @property
+    def least(self):
+        """Lower bound of the smallest class that holds mass [m]."""
+        return float(self.bounds[:-1][self.mass_fractions > 0][0])
+
+    @property
     def largest(self):
         """Upper bound of the largest class that holds mass [m]."""
         return float(self.bounds[1:][self.mass_fractions > 0][-1])
