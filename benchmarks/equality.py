@@ -3,7 +3,7 @@
 python -m benchmarks.equality [--large] [--scenes NAME ...] [--runs NAME ...] [--folder FOLDER]
 
 Each run packs all scenes, whole or stopped and resumed, and its files are compared with those of one rank and one
-thread. Exit status 1 where a bit differs. --large: 1000 to 4000 grains to rest, in the background; some hours.
+thread. Exit status 1 where a bit differs. --large: 700 to 4000 grains to rest, in the background; some hours.
 """
 
 import argparse
@@ -65,8 +65,8 @@ SCENES = {
 LARGE_SCENES = {
     **SCENES,
     "spheres": {"shapes": {"kind": "sphere"}, "amount": {"grains": 4000}},
-    "ellipsoids_cylinder": {"shapes": {"kind": "ellipsoid"}, "domain": {"type": "cylinder"}},
-    "polyhedra_cylinder": {"shapes": {"kind": "mesh"}, "domain": {"type": "cylinder"}},
+    "ellipsoids_cylinder": {"shapes": {"kind": "ellipsoid"}, "domain": {"type": "cylinder"}, "amount": {"grains": 700}},
+    "polyhedra_cylinder": {"shapes": {"kind": "mesh"}, "domain": {"type": "cylinder"}, "amount": {"grains": 700}},
 }
 
 
