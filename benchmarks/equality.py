@@ -208,8 +208,8 @@ def compare(folder: Path, runs: dict, scenes, large=False, say=print) -> dict:
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--large", action="store_true")
-    parser.add_argument("--scenes", nargs="+", choices=[*SCENES, *LARGE_SCENES])
-    parser.add_argument("--runs", nargs="+", choices=RUNS)
+    parser.add_argument("--scenes", nargs="+", choices=LARGE_SCENES, metavar="SCENE")
+    parser.add_argument("--runs", nargs="+", choices=RUNS, metavar="RUN")
     parser.add_argument("--folder", type=Path)
     parser.add_argument("--work", help=argparse.SUPPRESS)
     options = parser.parse_args()
