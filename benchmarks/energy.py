@@ -47,13 +47,13 @@ class Bed:
     def list_near(self):
         from simcore.dem.neighbors import list_near
 
-        self.near = list_near(self.bodies, self.shapes, self.box, self.skin, self.features, self.near)
+        self.near = list_near(self.bodies, self.shapes, self.box, 0.5 * self.skin, self.features, self.near)
 
     def advance(self, dt, n_steps):
         """n_steps of dt; with dt = 0 forces of the current positions."""
         from simcore.dem.stepping import Drive
 
-        drive = Drive(dt, self.gravity, 0.0, 0.0, 1.0, self.box.width, np.inf, 0.5 * self.skin)
+        drive = Drive(dt, self.gravity, 0.0, 0.0, 1.0, self.box.width, np.inf)
         while n_steps > 0:
             done, stale = self.advance_steps(
                 self.bodies, self.shapes, *self.near, self.room, self.law, drive, self.clock, self.step, n_steps

@@ -159,14 +159,12 @@ def levels(options):
         moves_here = np.ones(len(radius), np.bool_)
         width = 2.0 * reach.max()
         grid = _sort_into_cells(wrapped, np.arange(len(radius)), width, box)
-        pairs = _search(
-            grid.members, grid, bed.position, wrapped, shift, moves_here, radius, skin, width, box.width, True
-        )
+        pairs = _search(grid.members, grid, bed.position, wrapped, shift, moves_here, reach, width, box.width, True)
         return pairs[np.lexsort((pairs[:, 3], pairs[:, 2], pairs[:, 1], pairs[:, 0]))]
 
     reference = None
     for name, search in (
-        (f"list on {count} levels", lambda: find_pairs(bed.position, radius, box, skin)),
+        (f"list on {count} levels", lambda: find_pairs(bed.position, reach, box)),
         ("list on one level", on_one),
     ):
         pairs = len(search())  # compiled

@@ -212,6 +212,7 @@ def _births(setup: Setup, volumes) -> tuple[list[int], list[int]]:
             generation.batch_grains,
             generation.batch_interval,
             extents(setup.bases, some, True)[0],
+            float(np.mean(volumes)),
             area=domain.area,
             drop_height=generation.drop_height,
             velocity=-generation.velocity_z,

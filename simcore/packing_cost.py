@@ -94,6 +94,7 @@ def estimate(specification: dict) -> PackingCost:
             generation["batch_grains"],
             generation["batch_interval"],
             np.array([0.5 * height]),
+            volume,
             area=area,
             drop_height=drop_height,
             velocity=-generation["velocity_z"],
@@ -154,15 +155,16 @@ def contact_time(specification: dict, curve) -> float:
 
 
 def releases(
-    grains, batch, interval, reach, *, area, drop_height, velocity, gravity, time_step
+    grains, batch, interval, reach, volume, *, area, drop_height, velocity, gravity, time_step
 ) -> tuple[list[int], list[int]]:
     """As births, of batches strewn at random: every `interval` [s], or, where that is None, when one has fallen.
 
-    batch: grains, None as simcore.dem.release has it. reach (k,) [m]: bounding radii of some grains. area: [m²].
+    batch: grains, None as simcore.dem.release has it. reach (k,) [m]: bounding radii of some grains; volume [m³]: of a
+    mean one. area: [m²].
     """
     batch = layer_grains(reach, area) if batch is None else batch
     if interval is None:
-        zone = zone_height(np.full(min(batch, grains), np.cbrt(np.mean(reach**3))), area)
+        zone = zone_height(reach, np.full(min(batch, grains), volume), area)
         interval = fall_time(drop_height + zone, velocity, gravity)
     born = [*range(batch, grains, batch), grains]
     return born, [round(interval / time_step)] * (len(born) - 1) + [0]

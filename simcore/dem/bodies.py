@@ -31,6 +31,7 @@ class Bodies(NamedTuple):
     inertia: np.ndarray  # (n, 3) [kg m²], principal
     radius: np.ndarray  # (n,) [m], of the bounding sphere about the centre
     turned: np.ndarray  # (n,) [m], way no point can have exceeded by turning since the start; not for spheres
+    margin: np.ndarray  # (n,) [m], way that its points may go before neighbours are listed anew
     listed_position: np.ndarray  # (n, 3) [m], where the body was when neighbours were last listed
     listed_turned: np.ndarray  # (n,) [m], `turned` at that time; not for spheres
     rotation: np.ndarray  # (n, 3, 3), derived: matrix of the orientation; not for spheres
@@ -133,6 +134,7 @@ def make_bodies(
         inertia=moments.sum(axis=1, keepdims=True) - moments,
         radius=_bounding_radius(bases, shape, scale),
         turned=np.zeros(n),
+        margin=np.zeros(n),
         listed_position=position.copy(),
         listed_turned=np.zeros(n),
         rotation=rotation_matrix(orientation),

@@ -88,20 +88,21 @@ class ManyRanks(OneRank):
         own = np.concatenate([bodies.own, len(bodies.mass) + np.arange(len(mine))])
         return join_bodies(bodies, new)._replace(own=own)
 
-    def list_near(self, bodies, shapes, box, skin, features: Features, old: Near | None) -> tuple[Bodies, Near]:
+    def list_near(self, bodies, shapes, box, margin, features: Features, old: Near | None) -> tuple[Bodies, Near]:
         """Own bodies and ghosts with their Near: as simcore.dem.neighbors.list_near, over all ranks."""
+        bodies.margin[:] = margin
         part = self._migrate(bodies, old, box)
         own = part["body.id"]
-        ghosts = self._ghosts_from_others(part, box, skin)
+        ghosts = self._ghosts_from_others(part, box)
         bodies, old = assemble([part, *ghosts.values()], own)
-        pairs = list_pairs(bodies, shapes, box, skin, features, old)
+        pairs = list_pairs(bodies, shapes, box, features, old)
         kept = bodies.moves_here
         kept[pairs[:, :2].ravel()] = True
         rows = np.flatnonzero(kept)
         if len(rows) < len(kept):
             bodies, old = assemble([take_part(bodies, old, rows, shared=True)], own)
             pairs[:, :2] = (np.cumsum(kept) - 1)[pairs[:, :2]]
-        near = list_contacts(pairs, bodies, shapes, box, skin, features, old)
+        near = list_contacts(pairs, bodies, shapes, box, features, old)
         sources = {rank: each["body.id"] for rank, each in ghosts.items()}
         self.halo = _Halo(self.comm, bodies, features, sources)
         self.shared = int((~bodies.moves_here[pairs[:, :2]]).any(axis=1).sum())
@@ -125,11 +126,11 @@ class ManyRanks(OneRank):
         parts = [part, *(each for each in self.comm.alltoall(leaving) if each is not None)]
         return {name: np.concatenate([each[name] for each in parts]) for name in part}
 
-    def _ghosts_from_others(self, part, box, skin):
+    def _ghosts_from_others(self, part, box):
         """Parts of other ranks' bodies that may come near, by rank."""
         place = _wrapped(part["body.position"], box)
         # Somewhat too far, since places are rounded otherwise than distances in the list.
-        reach = (1.0 + MARGIN) * (part["body.radius"] + 0.5 * skin)
+        reach = (1.0 + MARGIN) * (part["body.radius"] + part["body.margin"])
         low, high = place - reach[:, None], place + reach[:, None]
         extent = np.array([low.min(axis=0, initial=np.inf), high.max(axis=0, initial=-np.inf)])
         extents = self.comm.allgather(extent)

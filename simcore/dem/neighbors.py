@@ -1,7 +1,8 @@
-"""Near pairs: linked cells on as many levels as the sizes need, a list with a skin, and the memory of pairs.
+"""Near pairs: linked cells on as many levels as the sizes need, a list with margins, and the memory of pairs.
 
+Each body has its own margin, so that a few that are fast make neither all lists rare nor all lists long.
 Of bodies that are not spheres only pairs that can meet before the list is made anew are in it.
-A body lives on the level whose cells are just wider than its bounding sphere with skin; a pair is found from its
+A body lives on the level whose width is just wider than its bounding sphere with margin; a pair is found from its
 finer body. Horizontally periodic boxes wrap cells, and each wrap counts the image, so that a pair close through
 several images, or a grain close to its own, is listed once for each.
 """
@@ -16,6 +17,8 @@ from simcore.dem.contact.ellipsoid_climb import support_height
 from simcore.dem.contact.wall import CYLINDER, FLOOR
 from simcore.dem.features import Features
 from simcore.dem.shapes import CONVEX, MIXED, SPHERE, Shapes, base_direction, climb_from_hint, is_hull
+
+FINEST = 4.0  # cells to the width of a level
 
 
 class Box(NamedTuple):
@@ -32,32 +35,32 @@ class Near(NamedTuple):
     walls: Walls
 
 
-def list_near(
-    bodies: Bodies, shapes: Shapes, box: Box, skin: float, features: Features, old: Near | None = None
-) -> Near:
-    """Pairs that may be closer than the skin [m], and bodies whose bounding sphere is within half of it from a wall.
+def list_near(bodies: Bodies, shapes: Shapes, box: Box, margin, features: Features, old: Near | None = None) -> Near:
+    """Pairs that may be closer than their margins together, and bodies whose bounding sphere is within it from a wall.
 
-    What was near before keeps its memory. Marks where the bodies are: the list holds while no point of a body has
-    moved by half the skin. Pairs are those whose bounding spheres are close, less those that are seen to be apart by
-    more than the skin from what they remember, or along the line between their centres.
+    margin [m], one or (n,): becomes the bodies'. What was near before keeps its memory. Marks where the bodies are: the
+    list holds while no point of a body has moved by its margin. Pairs are those whose bounding spheres are close, less
+    those that are seen to be apart by more than both margins from what they remember, or along the line between their
+    centres.
     """
-    pairs = list_pairs(bodies, shapes, box, skin, features, old)
-    return list_contacts(pairs, bodies, shapes, box, skin, features, old)
+    bodies.margin[:] = margin
+    pairs = list_pairs(bodies, shapes, box, features, old)
+    return list_contacts(pairs, bodies, shapes, box, features, old)
 
 
-def list_pairs(bodies, shapes, box, skin, features, old) -> np.ndarray:
-    """Keys (m, 4) of the near pairs of which a body moves here; see `list_near`."""
-    pairs = find_pairs(bodies.position, bodies.radius, box, skin, bodies.moves_here)
+def list_pairs(bodies, shapes, box, features, old) -> np.ndarray:
+    """Keys (m, 4) of the near pairs of which a body moves here, by the bodies' margins; see `list_near`."""
+    pairs = find_pairs(bodies.position, bodies.radius + bodies.margin, box, bodies.moves_here)
     if features.kind == SPHERE:
         return pairs
     before = empty_contacts(pairs[:0], 0, features) if old is None else old.contacts
-    return pairs[_can_meet(pairs, bodies, shapes, before, box.width, skin)]
+    return pairs[_can_meet(pairs, bodies, shapes, before, box.width)]
 
 
-def list_contacts(pairs, bodies, shapes, box, skin, features, old) -> Near:
+def list_contacts(pairs, bodies, shapes, box, features, old) -> Near:
     """Rows for near pairs, and for bodies near a wall, with their memory; see `list_near`."""
     contacts = empty_contacts(pairs, len(bodies.mass), features)
-    walls = _empty_walls(bodies, shapes, box, 0.5 * skin, features)
+    walls = _empty_walls(bodies, shapes, box, features)
     if old is not None:
         _carry_memory(old.contacts, contacts)
         _carry_wall_memory(old.walls, walls)
@@ -67,18 +70,17 @@ def list_contacts(pairs, bodies, shapes, box, skin, features, old) -> Near:
     return Near(contacts, walls)
 
 
-def find_pairs(position, radius, box: Box, skin: float, moves_here=None) -> np.ndarray:
-    """Pairs (m, 4) of a, b and image, sorted: a < b, or a = b with a positive image.
+def find_pairs(position, reach, box: Box, moves_here=None) -> np.ndarray:
+    """Pairs (m, 4) of a, b and image whose spheres meet, sorted: a < b, or a = b with a positive image.
 
-    The partner is b shifted by image × width. position (n, 3) [m], not wrapped; radius (n,) [m]. moves_here (n,) bool:
-    pairs of which neither does are left out; None: all do.
+    The partner is b shifted by image × width. position (n, 3) [m], not wrapped; reach (n,) [m], of each sphere.
+    moves_here (n,) bool: pairs of which neither does are left out; None: all do.
     """
-    if len(radius) == 0:
+    if len(reach) == 0:
         return np.zeros((0, 4), np.int64)
     if moves_here is None:
-        moves_here = np.ones(len(radius), np.bool_)
+        moves_here = np.ones(len(reach), np.bool_)
     wrapped, shift = _wrap(position, box)
-    reach = radius + 0.5 * skin
     level = np.floor(np.log2(reach / reach.min()) + 1e-12).astype(np.int64)
     cell_width = 2.0 * reach.min() * 2.0 ** (1 + np.arange(level.max() + 1))
     grids = [
@@ -101,8 +103,7 @@ def find_pairs(position, radius, box: Box, skin: float, moves_here=None) -> np.n
                         wrapped,
                         shift,
                         moves_here,
-                        radius,
-                        skin,
+                        reach,
                         span,
                         box.width,
                         fine == coarse,
@@ -135,6 +136,9 @@ def _sort_into_cells(wrapped, members, cell_width, box: Box) -> _Grid:
     extent = wrapped[members].max(axis=0) - low
     if box.width > 0.0:
         low[:2], extent[:2] = 0.0, box.width
+    # Where bounding spheres overlap much, as those of long grains do, finer cells hold fewer that are too far away.
+    crowd = len(members) / np.prod(np.maximum(extent / cell_width, 1.0))
+    cell_width /= np.clip(np.floor(np.cbrt(crowd)), 1.0, FINEST)
     counts = np.maximum(np.floor(extent / cell_width), 1).astype(np.int64)
     # A few grains far above the bed must not make the grid larger than the bed is.
     counts = np.minimum(counts, 4 + 2 * len(members))
@@ -142,13 +146,13 @@ def _sort_into_cells(wrapped, members, cell_width, box: Box) -> _Grid:
     cell = np.clip(((wrapped[members] - low) / widths).astype(np.int64), 0, counts - 1)
     flat = (cell[:, 0] * counts[1] + cell[:, 1]) * counts[2] + cell[:, 2]
     order = np.argsort(flat, kind="stable")
-    start = np.searchsorted(flat[order], np.arange(counts.prod() + 1))
+    start = np.concatenate(([0], np.cumsum(np.bincount(flat, minlength=counts.prod()))))
     return _Grid(members[order], start, counts, low, widths)
 
 
 @kernel
-def _search(members, grid, position, wrapped, shift, moves_here, radius, skin, span, width, same_level):
-    """Pairs of `members` with the bodies of `grid` closer than the skin; on one level each pair once."""
+def _search(members, grid, position, wrapped, shift, moves_here, reach, span, width, same_level):
+    """Pairs of `members` with the bodies of `grid` whose spheres meet; on one level each pair once."""
     found = np.empty((16 * len(members) + 16, 4), np.int64)
     n_found = 0
     low = np.empty(3, np.int64)
@@ -181,7 +185,7 @@ def _search(members, grid, position, wrapped, shift, moves_here, radius, skin, s
                     dx = position[b, 0] - position[a, 0] + image_x * width
                     dy = position[b, 1] - position[a, 1] + image_y * width
                     dz = position[b, 2] - position[a, 2]
-                    range_ = radius[a] + radius[b] + skin
+                    range_ = reach[a] + reach[b]
                     if dx * dx + dy * dy + dz * dz >= range_ * range_:
                         continue
                     if n_found == len(found):
@@ -243,16 +247,14 @@ def list_incident(body_a, body_b, image, n_bodies):
     return start, code[order].astype(np.int32)
 
 
-def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, reach: float, features: Features) -> Walls:
-    """Rows for bodies that come closer than `reach` to a wall of the scene."""
-    n = len(bodies.mass)
+def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, features: Features) -> Walls:
+    """Rows for bodies that are closer to a wall of the scene than their margin."""
+    n, reach = len(bodies.mass), bodies.radius + bodies.margin
     near = np.zeros((n, 2), np.bool_)
     if features.floor:
-        near[:, FLOOR] = bodies.position[:, 2] - bodies.radius < reach
+        near[:, FLOOR] = bodies.position[:, 2] < reach
     if features.cylinder:
-        near[:, CYLINDER] = np.hypot(bodies.position[:, 0], bodies.position[:, 1]) + bodies.radius + reach > (
-            box.wall_radius
-        )
+        near[:, CYLINDER] = np.hypot(bodies.position[:, 0], bodies.position[:, 1]) + reach > box.wall_radius
     near &= bodies.moves_here[:, None]
     body, wall = np.nonzero(near)
     w = len(body)
@@ -281,7 +283,7 @@ def list_walls_of(body, n_bodies):
 
 
 @kernel
-def _can_meet(pairs, bodies, shapes, old, width, skin):
+def _can_meet(pairs, bodies, shapes, old, width):
     """Whether each pair (m, 4) can touch before the next list, as far as is seen at once: (m,) bool."""
     can = np.ones(len(pairs), np.bool_)
     k, n_old = 0, len(old.body_a)
@@ -292,19 +294,20 @@ def _can_meet(pairs, bodies, shapes, old, width, skin):
         rx = bodies.position[j, 0] - bodies.position[i, 0] + pairs[p, 2] * width
         ry = bodies.position[j, 1] - bodies.position[i, 1] + pairs[p, 3] * width
         rz = bodies.position[j, 2] - bodies.position[i, 2]
+        margin = bodies.margin[i] + bodies.margin[j]
         if k < n_old and _same_key(old, k, pairs, p):
             if old.touching[k] != 0:
                 continue
             dx, dy, dz = rx - old.apart_at[k, 0], ry - old.apart_at[k, 1], rz - old.apart_at[k, 2]
             gap = old.safe_until[k] - bodies.turned[i] - bodies.turned[j]
-            can[p] = gap - np.sqrt(dx * dx + dy * dy + dz * dz) <= skin
+            can[p] = gap - np.sqrt(dx * dx + dy * dy + dz * dz) <= margin
             continue
         distance = np.sqrt(rx * rx + ry * ry + rz * rz)
         if distance == 0.0:
             continue
         nx, ny, nz = rx / distance, ry / distance, rz / distance
         reach = _reach(shapes, bodies, i, nx, ny, nz) + _reach(shapes, bodies, j, -nx, -ny, -nz)
-        can[p] = distance - reach <= skin
+        can[p] = distance - reach <= margin
     return can
 
 
@@ -318,7 +321,7 @@ def _reach(shapes, bodies, i, nx, ny, nz):
     return dx * shapes.vertices[v, 0] + dy * shapes.vertices[v, 1] + dz * shapes.vertices[v, 2]
 
 
-@kernel
+@leaf
 def _key_before(old, k, pairs, p):
     """Whether key k of the old list comes before pair p."""
     if old.body_a[k] != pairs[p, 0]:
@@ -332,7 +335,7 @@ def _key_before(old, k, pairs, p):
     return old.image[k, 1] < pairs[p, 3]
 
 
-@kernel
+@leaf
 def _same_key(old, k, pairs, p):
     if old.body_a[k] != pairs[p, 0] or old.body_b[k] != pairs[p, 1]:
         return False
@@ -377,7 +380,7 @@ def _carry_wall_memory(old: Walls, new: Walls) -> None:
             field[to] = getattr(old, name)[kept]
 
 
-@kernel
+@leaf
 def _before(first, k, second, p):
     """Whether key k of the first list comes before key p of the second."""
     if first.body_a[k] != second.body_a[p]:

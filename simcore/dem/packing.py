@@ -16,7 +16,7 @@ from simcore.dem.bodies import Bodies, make_bodies
 from simcore.dem.contact.patch import make_room
 from simcore.dem.expectation import expect, warnings
 from simcore.dem.generation import give_birth, lattice_sites, occupy_sites
-from simcore.dem.neighbors import Box, Near
+from simcore.dem.neighbors import Box, Near, list_near
 from simcore.dem.observation import Observation, observe
 from simcore.dem.parts import assemble
 from simcore.dem.ranks import ONE_RANK
@@ -28,11 +28,11 @@ from simcore.dem.stepping import STAGES, Drive, make_advance
 from simcore.dem.watch import PackingError, Stability, Watch
 
 GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"
-# Of the mean sieve size: the skin at rest, and how far it grows while lists hold for fewer steps than LIST_HOLDS[0],
-# as when grains fall; above LIST_HOLDS[1] it shrinks again. From 0.2 to 0.4 a shaken bed costs the same within 10 %.
-SKIN, WIDEST_SKIN = 0.3, 1.5
-LIST_HOLDS = (100, 1000)
-SKIN_STEP = 1.5
+# Of the mean sieve size: the skin, twice the margin of a body at rest (from 0.2 to 0.4 a shaken bed costs the same
+# within 10 %), and what the way that a body goes in the time of a list adds to its margin at most.
+SKIN, WIDEST_MARGIN = 0.3, 1.0
+LIST_HOLDS = (100, 1000)  # steps: lists that hold for fewer look farther ahead, for more less far
+AHEAD_STEP = 1.5
 REFILL_HEIGHT = 0.6  # of the domain: where the study's batches begin
 STUDY_FIRST_FILL = 0.1
 MEAN_REACH = 200  # grains whose size says how many make up a layer
@@ -139,6 +139,7 @@ class Process:
         self.next_birth = 0  # step before which no batch is born
         self.last_birth = self.end = 0  # steps; of the phase
         self.mean_size = self.skin = self.height = 0.0  # [m]; height: mean, at the last look while damping
+        self.ahead = 0.0  # [s], time for whose way, at its speed, a body gets a margin
         self.watch = Watch(scene, self.box.width, report, ranks)
         self.bodies = None
         self.near = None
@@ -296,8 +297,9 @@ class Process:
     def _has_room(self):
         generation, height = self.scene.generation, self.scene.domain.height
         if generation.placement == "random":
-            _, reach = self._next_to_release()
-            return self._top() + generation.drop_height + zone_height(reach, self.scene.domain.area) <= height
+            _, drawn, reach = self._next_to_release()
+            zone = zone_height(reach, self._volumes(drawn), self.scene.domain.area)
+            return self._top() + generation.drop_height + zone <= height
         if generation.fill == "study":
             own = self.bodies.own
             high, radius = self.ranks.most(
@@ -315,21 +317,26 @@ class Process:
             self.full = born + count >= scene.amount_grains
         else:
             before = 0.0 if self.bodies is None else self.ranks.totals(self.bodies.mass[self.bodies.own])[0]
-            mass = before + np.cumsum(self._masses(drawn)[:count])
+            mass = before + np.cumsum(scene.material.density * self._volumes(drawn)[:count])
             self.full = bool(mass[-1] >= scene.amount_mass)
             if self.full and generation.fill == "bed":
                 # ASSUME: the study ends with a whole batch and overshoots; a batch just above the bed can be larger
                 # than the packing, so the grain that reaches the mass is the last.
                 count = int(np.searchsorted(mass, scene.amount_mass)) + 1
-        birth = give_birth(generation, places[:count], drawn.sieve_size[:count], drawn.uniforms[:count])
-        new = make_bodies(
-            self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, self.features
-        )
+        new = self._newborn(drawn, places, count)
         new.id[:] += born
         self.place(self.ranks.welcome(self.bodies, new, self.box), float(np.mean(drawn.sieve_size[:count])))
 
+    def _newborn(self, drawn, places, count):
+        """Bodies of the first `count` grains drawn, at these places, with ids from 0 on."""
+        scene = self.scene
+        birth = give_birth(scene.generation, places[:count], drawn.sieve_size[:count], drawn.uniforms[:count])
+        return make_bodies(
+            self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, self.features
+        )
+
     def _next_to_release(self):
-        """Ids of the next batch that is strewn at random, and how far each of its grains reaches in all directions."""
+        """Ids, draw and bounding radii [m] of the next batch that is strewn at random."""
         scene, generation, born = self.scene, self.scene.generation, self.born
         batch = generation.batch_grains
         if batch is None:
@@ -338,21 +345,25 @@ class Process:
         if scene.amount_grains is not None:
             batch = min(batch, scene.amount_grains - born)
         ids = np.arange(born, born + batch)
-        return ids, extents(self.bases, self.draw(ids), True)[0]
+        drawn = self.draw(ids)
+        return ids, drawn, extents(self.bases, drawn, True)[0]
 
     def _release(self):
         """Draw and places (n, 3) of a batch strewn at random; the next is due when it has fallen, or as given."""
         scene, generation = self.scene, self.scene.generation
-        ids, reach = self._next_to_release()
+        ids, drawn, reach = self._next_to_release()
         low = self._top() + generation.drop_height
-        height = zone_height(reach, scene.domain.area)
+        height = zone_height(reach, self._volumes(drawn), scene.domain.area)
         if low + height > scene.domain.height:
             raise PackingError(
                 f"{scene.name}: a batch of {len(ids)} grains is strewn from {low:.3g} m to {low + height:.3g} m, above "
                 f"domain.height {scene.domain.height:g} m; lower generation.batch_grains or make the domain higher"
             )
+        bodies = self._newborn(drawn, np.zeros((len(ids), 3)), len(ids))
         try:
-            places = release_places(ids, reach, scene.domain, low, scene.seed)
+            places = release_places(
+                ids, reach, height, scene.domain, low, scene.seed, lambda places: self._touching(bodies, places)
+            )
         except ValueError as error:
             raise PackingError(f"{scene.name}: {error}") from None
         interval = generation.batch_interval
@@ -360,7 +371,17 @@ class Process:
             gravity = scene.material.effective_gravity
             interval = fall_time(generation.drop_height + height, -generation.velocity_z, gravity)
         self.next_birth = self.step + round(interval / self.dt)
-        return self.draw(ids), places
+        return drawn, places
+
+    def _touching(self, bodies, places):
+        """Pairs (m, 2) of the bodies that touch where they are at these places; the step's own contacts tell."""
+        bodies.position[:] = places
+        near = list_near(bodies, self.shapes, self.box, 0.0, self.features)
+        drive = self._drive(GENERATING, 0.0)
+        clock = np.zeros_like(self.clock)
+        self.advance_steps(bodies, self.shapes, *near, self.room, self.scene.law, drive, clock, 0, 1)
+        found = near.contacts
+        return np.column_stack([found.body_a, found.body_b])[found.touching != 0]
 
     def _fill_lattice(self):
         """Draw and places (n, 3) of a batch on a lattice, of which there are no more than grains drawn."""
@@ -385,9 +406,9 @@ class Process:
             )
         return drawn, sites[taken]
 
-    def _masses(self, drawn):
+    def _volumes(self, drawn):
         volume = np.array([base.volume for base in self.bases])
-        return self.scene.material.density * volume[drawn.shape] * drawn.scale.prod(axis=1)
+        return volume[drawn.shape] * drawn.scale.prod(axis=1)
 
     # -- steps ----------------------------------------------------------------------------------------------
 
@@ -402,7 +423,6 @@ class Process:
             damping=damping,
             width=self.box.width,
             wall_radius=0.5 * scene.domain.width,
-            list_margin=np.inf,  # known when the list is
         )
 
     def advance(self, n_steps, phase, end=None):
@@ -437,7 +457,6 @@ class Process:
 
     def _advance(self, drive, n_steps):
         """Some steps, at most n_steps: (whether the list is stale, wish of the keeper)."""
-        drive = drive._replace(list_margin=0.5 * self.skin)
         before, started = self.clock.copy(), time.perf_counter()
         wish = self.keeper.wish and (lambda: self.keeper.wish(self.step))
         _, stale, wish = self.ranks.advance(lambda n: self._step(drive, n), self.bodies, n_steps, wish)
@@ -455,19 +474,25 @@ class Process:
         return done, stale
 
     def list_near(self):
-        """List what can touch, with the skin that the last lists call for."""
+        """List what can touch, looking as far ahead as the last lists call for."""
         started = time.perf_counter()
         held = self.step - self.listed_step
-        if self.scene.numerics.skin is None and held > 0:
-            if held < LIST_HOLDS[0]:
-                self.skin = min(SKIN_STEP * self.skin, WIDEST_SKIN * self.mean_size)
-            elif held > LIST_HOLDS[1]:
-                self.skin = max(self.skin / SKIN_STEP, SKIN * self.mean_size)
+        if 0 < held < LIST_HOLDS[0]:
+            self.ahead = min(max(AHEAD_STEP * self.ahead, held * self.dt), LIST_HOLDS[0] * self.dt)
+        elif held > LIST_HOLDS[1]:
+            self.ahead /= AHEAD_STEP
         self.listed_step = self.step
         self.bodies, self.near = self.ranks.list_near(
-            self.bodies, self.shapes, self.box, self.skin, self.features, self.near
+            self.bodies, self.shapes, self.box, self._margins(), self.features, self.near
         )
         self.seconds["neighbour search"] += time.perf_counter() - started
+
+    def _margins(self):
+        """Way (n,) [m] that the points of each body may go before neighbours are listed anew."""
+        bodies = self.bodies
+        spin = np.sqrt((bodies.angular_velocity**2).sum(axis=1))
+        speed = np.sqrt((bodies.velocity**2).sum(axis=1)) + bodies.radius * spin
+        return 0.5 * self.skin + np.minimum(self.ahead * speed, WIDEST_MARGIN * self.mean_size)
 
 
 # What a process is besides its bodies and their Near.
@@ -486,6 +511,7 @@ _STATE = (
     "end",
     "mean_size",
     "skin",
+    "ahead",
     "height",
 )
 

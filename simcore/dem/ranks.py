@@ -104,9 +104,9 @@ class OneRank:
         """`bodies` (or None) and of the newborn those that move here."""
         return born if bodies is None else join_bodies(bodies, born)
 
-    def list_near(self, bodies, shapes, box, skin, features, old):
+    def list_near(self, bodies, shapes, box, margin, features, old):
         """The bodies that are here now, and their Near; see simcore.dem.neighbors.list_near."""
-        return bodies, list_near(bodies, shapes, box, skin, features, old)
+        return bodies, list_near(bodies, shapes, box, margin, features, old)
 
     def advance(self, step, bodies, n_steps, wish):
         """Steps done, at most n_steps; whether the list is stale; the wish, if any, at which it stopped before.

@@ -1,29 +1,33 @@
-"""Grains born at random places above the bed, one after the other, none touching another.
+"""Grains born at random places and orientations above the bed, none touching another.
 
-A batch is strewn over a zone that begins `drop_height` above all grains there are. Each grain in turn takes the first
-of its own random places at which its bounding sphere is free, so that it may have any orientation. Its places belong
-to (seed, id) alone, and every rank draws the whole batch: ranks, threads and stops change no bit.
+A batch is strewn over a zone that begins `drop_height` above all grains there are. Each grain goes through its own
+random places, one after the other, until it touches no grain of a lower id that found its place: of two that touch, the
+later gives way. A grain's places belong to (seed, id) alone, and every rank draws the whole batch: ranks, threads and
+stops change no bit.
 """
 
 import numpy as np
 
 RELEASE_STREAM = 3  # of the counter-based generator; 0 to 2 are those of size, birth and kind
-# ASSUME: share of the zone that the bounding spheres of a batch take up, far from the 0.38 at which no other finds
-# room: a grain needs few tries, and they meet seldom before they reach the bed.
+# ASSUME: share of the zone that the grains of a batch fill. Spheres find no more room at 0.38 and long grains earlier;
+# at a tenth even ellipsoids of L/S = 6 find theirs in some tens of tries.
 DILUTE = 0.1
 MOST_TRIES = 10_000
 
 
-def zone_height(reach, area: float) -> float:
-    """Height [m] of the zone of that area [m²] over which grains of bounding radii `reach` (n,) [m] are strewn."""
-    reach = np.asarray(reach)
-    return float(2.0 * reach.max() + (4.0 / 3.0 * np.pi * reach**3).sum() / (DILUTE * area))
+def zone_height(reach, volumes, area: float) -> float:
+    """Height [m] of the zone of that area [m²] over which grains are strewn.
+
+    reach (n,) [m]: their bounding radii, volumes (n,) [m³].
+    """
+    return float(2.0 * np.max(reach) + np.sum(volumes) / (DILUTE * area))
 
 
-def release_places(ids, reach, domain, low: float, seed: int) -> np.ndarray:
-    """Centres (n, 3) [m] of grains `ids` (n,) in the zone from `low` [m] up, in the order of the ids.
+def release_places(ids, reach, height: float, domain, low: float, seed: int, touching) -> np.ndarray:
+    """Centres (n, 3) [m] of grains `ids` (n,), in increasing order, in the zone of that height [m] from `low` [m] up.
 
-    reach (n,) [m]: radii of their bounding spheres. domain: of a Scene.
+    reach (n,) [m]: radii of their bounding spheres. domain: of a Scene. touching(places (n, 3)) -> (m, 2) indices of
+    the grains that touch each other there.
     ValueError where a grain finds no free place within MOST_TRIES, or is wider than the domain.
     """
     ids, reach = np.asarray(ids, np.int64), np.asarray(reach, float)
@@ -33,27 +37,29 @@ def release_places(ids, reach, domain, low: float, seed: int) -> np.ndarray:
             f"a grain reaches {2e3 * reach.max():.3g} mm across and meets itself in a domain {1e3 * width:g} mm wide; "
             f"make domain.width larger"
         )
-    height = zone_height(reach, domain.area)
-    places = np.empty((len(ids), 3))
-    for k, (grain, r) in enumerate(zip(ids, reach, strict=True)):
-        # The second word of the counter: room for 2^64 numbers between one grain and the next.
-        numbers = np.random.Generator(np.random.Philox(key=[seed, RELEASE_STREAM], counter=[0, int(grain), 0, 0]))
-        for _ in range(MOST_TRIES):
-            x, y, z = numbers.random(3)
-            place = np.array([width * x, width * y, low + r + (height - 2.0 * r) * z])
-            if not periodic:
-                place[:2] -= 0.5 * width
-                if np.hypot(place[0], place[1]) + r >= 0.5 * width:
-                    continue
-            apart = places[:k] - place
+    # The second word of the counter: room for 2^64 numbers between one grain and the next.
+    streams = [
+        np.random.Generator(np.random.Philox(key=[seed, RELEASE_STREAM], counter=[0, int(grain), 0, 0]))
+        for grain in ids
+    ]
+
+    def next_place(k):
+        while True:
+            x, y, z = streams[k].random(3)
+            place = width * x, width * y, low + reach[k] + (height - 2.0 * reach[k]) * z
             if periodic:
-                apart[:, :2] -= width * np.round(apart[:, :2] / width)
-            if ((apart**2).sum(axis=1) > (reach[:k] + r) ** 2).all():
-                places[k] = place
-                break
-        else:
-            raise ValueError(f"grain {grain} finds no free place; lower generation.batch_grains or widen the domain")
-    return places
+                return place
+            x, y = place[0] - 0.5 * width, place[1] - 0.5 * width
+            if np.hypot(x, y) + reach[k] < 0.5 * width:
+                return x, y, place[2]
+
+    places = np.array([next_place(k) for k in range(len(ids))]).reshape(-1, 3)
+    for _ in range(MOST_TRIES):
+        give_way = np.unique(np.max(touching(places), axis=1, initial=-1))
+        if len(give_way) == 0:
+            return places
+        places[give_way] = [next_place(k) for k in give_way]
+    raise ValueError(f"grain {ids[give_way[0]]} finds no free place; lower generation.batch_grains or widen the domain")
 
 
 def layer_grains(reach, area: float) -> int:

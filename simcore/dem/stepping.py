@@ -61,14 +61,13 @@ class Drive(NamedTuple):
     damping: float  # factor on the velocities after each step; 1 without
     width: float  # [m], of the periodic box; 0 in a cylinder
     wall_radius: float  # [m], of the cylinder
-    list_margin: float  # [m], way of a body's farthest point after which a new list is needed
 
 
 def make_advance(features: Features):
     """advance(bodies, shapes, contacts, walls, room, law, drive, clock, first_step, n_steps) -> (steps done, stale).
 
-    Steps until n_steps are done or a body has left its listed place by drive.list_margin (also where a position
-    ceased to be finite); then the caller lists anew. With dt = 0 forces are evaluated and nothing moves.
+    Steps until n_steps are done or a body has left its listed place by its margin (also where a position ceased to be
+    finite); then the caller lists anew. With dt = 0 forces are evaluated and nothing moves.
     law: ContactLaw, or HertzLaw where features.hertz.
     clock: (3,) int64, cycles of each of STAGES, added to where features.timed.
     """
@@ -198,7 +197,7 @@ def _make_advance(
                         turn(bodies, i, dt, drive.damping)
                         if kind == ELLIPSOID or (kind == MIXED and not is_hull(shapes, bodies, i)):
                             derive_form_matrix(bodies, i)
-                    moved[k] = has_left(bodies, i, drive.list_margin, kind != SPHERE)
+                    moved[k] = has_left(bodies, i, kind != SPHERE)
             if timed:
                 count_cycles(clock, middle - start, last - middle, cycles() - last)
             for k in range(n_own):
@@ -277,8 +276,9 @@ def note_hold(bodies, contacts, walls, i, walled):
 
 
 @leaf
-def has_left(bodies, i, margin, turning):
-    """Whether a point of body i can be farther than `margin` [m] from where it was listed, or is nowhere (nan)."""
+def has_left(bodies, i, turning):
+    """Whether a point of body i can be farther than its margin from where it was listed, or is nowhere (nan)."""
+    margin = bodies.margin[i]
     dx = bodies.position[i, 0] - bodies.listed_position[i, 0]
     dy = bodies.position[i, 1] - bodies.listed_position[i, 1]
     dz = bodies.position[i, 2] - bodies.listed_position[i, 2]

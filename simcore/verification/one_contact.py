@@ -170,7 +170,7 @@ def simulate(dashpot, attractive, steps, phases=PHASES, angle=ANGLE, repeats=1):
     position[:, 0] = 10.0 * RADIUS * np.arange(phases)
     position[:, 2] = RADIUS + (np.arange(phases) + 0.5) / phases * SPEED * dt
     thrown = np.tile([np.tan(angle) * SPEED, 0.0, -SPEED], (phases, 1))
-    drive = Drive(dt, 0.0, 0.0, 0.0, 1.0, 0.0, np.inf, 0.5 * skin)
+    drive = Drive(dt, 0.0, 0.0, 0.0, 1.0, 0.0, np.inf)
     upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (phases, 1)), np.zeros((phases, 3))
     # Until the last has left the floor: attractive contacts last a contact time, clamped ones creep out longer.
     count = int(np.ceil(1.5 * steps)) + 2 if attractive else 3 * steps
@@ -184,7 +184,7 @@ def simulate(dashpot, attractive, steps, phases=PHASES, angle=ANGLE, repeats=1):
                 [base], np.zeros(phases, int), np.full((phases, 3), RADIUS),
                 position, upright, thrown, still, 1.0, features,
             )  # fmt: skip
-            near = list_near(bodies, shapes, box, skin, features, None)
+            near = list_near(bodies, shapes, box, 0.5 * skin, features, None)
             began = time.process_time()
             advance(bodies, shapes, *near, room, law, drive, clock, 0, count)
             elapsed += time.process_time() - began

@@ -89,25 +89,27 @@ def follow(core, end, kind=CONVEX, searching=search_hulls):
     dt = contact_time / 40
     law = contact_law(0.1, contact_time, 0.22, 0.5)
     skin = 1e-3
-    drive = Drive(dt, 6.108, 18.95, 251.3, 1.0, WIDTH, np.inf, 0.5 * skin)
+    drive = Drive(dt, 6.108, 18.95, 251.3, 1.0, WIDTH, np.inf)
     still = drive._replace(dt=0.0)
     features = Features(kind, True, patch=True)
     advance, clock, room = make_advance(features), np.zeros(3, np.int64), make_room(shapes, numba.get_num_threads())
-    near = list_near(bodies, shapes, Box(WIDTH), skin, features)
+    near = list_near(bodies, shapes, Box(WIDTH), 0.5 * skin, features)
     step, touches, others, excess_others = 0, np.zeros(3, int), 0, []
     while step < end:
         # Odd numbers of steps, so that the look falls anywhere between two lists
         done, stale = advance(bodies, shapes, *near, room, law, drive, clock, step, 37)
         step += done
         if stale:
-            near = list_near(bodies, shapes, Box(WIDTH), skin, features, near)
+            near = list_near(bodies, shapes, Box(WIDTH), 0.5 * skin, features, near)
         if step % 10 and step < end - 1000:
             continue
         advance(bodies, shapes, *near, room, law, still, clock, step, 1)
         contacts = near.contacts
-        listed, turned = bodies.listed_position.copy(), bodies.listed_turned.copy()
+        listed, turned, margin = (
+            field.copy() for field in (bodies.listed_position, bodies.listed_turned, bodies.margin)
+        )
         fresh = list_near(bodies, shapes, Box(WIDTH), 0.0, features).contacts
-        bodies.listed_position[:], bodies.listed_turned[:] = listed, turned
+        bodies.listed_position[:], bodies.listed_turned[:], bodies.margin[:] = listed, turned, margin
         search(bodies, fresh)
         remembered = {
             (contacts.body_a[p], contacts.body_b[p], *contacts.image[p]): p for p in range(len(contacts.body_a))

@@ -25,7 +25,6 @@ STILL = Drive(
     damping=1.0,
     width=0.0,
     wall_radius=np.inf,
-    list_margin=np.inf,
 )
 BARE = Features(SPHERE, friction=False, floor=False, cylinder=False, periodic=False, shaken=False)
 FULL = Features(SPHERE, friction=True)

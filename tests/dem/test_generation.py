@@ -74,7 +74,7 @@ def test_no_overlap_at_birth(core, domain, orientation, kind):
     )
     width = domain.width if domain.periodic else 0.0
     shapes = collect_shapes(bases)
-    contacts = list_near(bodies, shapes, Box(width), 0.005, core.features).contacts
+    contacts = list_near(bodies, shapes, Box(width), 0.0025, core.features).contacts
     assert len(contacts.body_a) > 0 or orientation == "random", "nothing was near: the test shows nothing"
     if kind == "ellipsoid":
         core.look_at_ellipsoids(bodies, contacts, width)

@@ -6,6 +6,8 @@ import pytest
 from benchmarks.equality import DISTURBED, RUNS, SCENES, launch
 from simcore.packing_io import differences, read_packing
 
+# Four ranks on two cores are slow: their second layout is for one scene of each kind.
+FEWER = {"ranks_4_columns": ["spheres", "ellipsoids_cylinder", "polyhedra", "mixed"]}
 TIMEOUT = 600  # [s], of one run of all scenes; they take seconds once compiled
 
 
@@ -16,8 +18,8 @@ def folder(tmp_path_factory):
     return folder
 
 
-def packings(folder, name):
-    return {scene: read_packing(folder / name / f"{scene}.nc") for scene in SCENES}
+def packings(folder, name, scenes=SCENES):
+    return {scene: read_packing(folder / name / f"{scene}.nc") for scene in scenes}
 
 
 def test_the_scenes_have_all_there_is_to_get_wrong(folder):
@@ -31,12 +33,13 @@ def test_the_scenes_have_all_there_is_to_get_wrong(folder):
 
 @pytest.mark.parametrize("name", [name for name in RUNS if name != "one"])
 def test_the_same_bits(folder, name):
-    launch(RUNS[name], folder / name, SCENES, timeout=TIMEOUT)
+    scenes = FEWER.get(name, SCENES)
+    launch(RUNS[name], folder / name, scenes, timeout=TIMEOUT)
     if RUNS[name].stop:
         assert not list((folder / name).glob("*.nc"))  # it was stopped
-        launch(RUNS[RUNS[name].then], folder / name, SCENES, timeout=TIMEOUT)
-    first, second = packings(folder, "one"), packings(folder, name)
-    assert {scene: differences(first[scene], second[scene]) for scene in SCENES} == {scene: [] for scene in SCENES}
+        launch(RUNS[RUNS[name].then], folder / name, scenes, timeout=TIMEOUT)
+    first, second = packings(folder, "one"), packings(folder, name, scenes)
+    assert {scene: differences(first[scene], second[scene]) for scene in scenes} == {scene: [] for scene in scenes}
 
 
 def test_a_disturbed_order_is_noticed(folder):

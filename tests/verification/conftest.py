@@ -75,7 +75,7 @@ class Stage:
 
     def advance(self, dt, n_steps):
         """n_steps of dt; with dt = 0 forces of the current positions."""
-        drive = Drive(dt=dt, width=self.width, list_margin=0.5 * self.skin, **self.drive)
+        drive = Drive(dt=dt, width=self.width, **self.drive)
         left = n_steps
         while left > 0:
             done, stale = self._advance(
@@ -87,7 +87,7 @@ class Stage:
                 self._list()
 
     def _list(self):
-        self.near = list_near(self.bodies, self.shapes, Box(self.width), self.skin, self.features, self.near)
+        self.near = list_near(self.bodies, self.shapes, Box(self.width), 0.5 * self.skin, self.features, self.near)
 
     @property
     def contacts(self):
