@@ -492,7 +492,8 @@ class Process:
         bodies = self.bodies
         spin = np.sqrt((bodies.angular_velocity**2).sum(axis=1))
         speed = np.sqrt((bodies.velocity**2).sum(axis=1)) + bodies.radius * spin
-        return 0.5 * self.skin + np.minimum(self.ahead * speed, WIDEST_MARGIN * self.mean_size)
+        # fmin: a speed that is not a number widens nothing; the watch will tell of it.
+        return 0.5 * self.skin + np.fmin(self.ahead * speed, WIDEST_MARGIN * self.mean_size)
 
 
 # What a process is besides its bodies and their Near.
