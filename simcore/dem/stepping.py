@@ -95,15 +95,12 @@ def _make_advance(
                     # Nothing is ever left pending: pressed at once, what was found is still at hand.
                     check_spheres(bodies, contacts, p, width, periodic)
                     if contacts.touching[p] != 0:
+                        at = law
                         if hertz:
                             at = contact_law_at(law, bodies, contacts, p)
-                            press_contact(
-                                bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit
-                            )
-                        else:
-                            press_contact(
-                                bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit
-                            )
+                        press_contact(
+                            bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit
+                        )
                         if sliding:
                             rub_contact(bodies, contacts, law, width, p, periodic, sliding == CAPPED)
                 elif kind == ELLIPSOID and potential:
@@ -138,15 +135,12 @@ def _make_advance(
             if kind != SPHERE:
                 for p in prange(n_pairs):
                     if contacts.touching[p] != 0:
+                        at = law
                         if hertz:
                             at = contact_law_at(law, bodies, contacts, p)
-                            press_contact(
-                                bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit
-                            )
-                        else:
-                            press_contact(
-                                bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit
-                            )
+                        press_contact(
+                            bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit
+                        )
                         if sliding:
                             rub_contact(bodies, contacts, law, width, p, periodic, sliding == CAPPED)
             if walled:
@@ -168,11 +162,10 @@ def _make_advance(
                             if patch and walls.touching[w] != 0:
                                 cylinder_patch(shapes, bodies, walls, w, drive.wall_radius)
                     if walls.touching[w] != 0:
+                        at = law
                         if hertz:
-                            at_wall = wall_law_at(law, bodies, walls, w)
-                            press_wall(bodies, walls, at_wall, dt, w, friction, attractive, patch, implicit)
-                        else:
-                            press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit)
+                            at = wall_law_at(law, bodies, walls, w)
+                        press_wall(bodies, walls, at, dt, w, friction, attractive, patch, implicit)
                         if sliding:
                             rub_wall(bodies, walls, law, w, sliding == CAPPED)
             if timed:
