@@ -3,7 +3,8 @@
 python -m benchmarks.equality [--large] [--scenes NAME ...] [--runs NAME ...] [--folder FOLDER]
 
 Each run packs all scenes, whole or stopped and resumed, and its files are compared with those of one rank and one
-thread. Exit status 1 where a bit differs. --large: 700 to 4000 grains to rest; a scene of polyhedra takes a minute a run.
+thread. Exit status 1 where a bit differs. --large: 700 to 4000 grains to rest; a scene of polyhedra takes a minute
+a run.
 """
 
 import argparse

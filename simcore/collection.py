@@ -9,6 +9,7 @@ import logging
 from pathlib import Path
 
 import pandas as pd
+import xarray as xr
 
 from simcore.study_tables import tabulate
 
@@ -55,6 +56,45 @@ def source_name(source):
     """What the column `source` calls the grains of a campaign: "synthetic", or the last part of their path."""
     first = source if isinstance(source, str) else source[0]
     return Path(first).name
+
+
+def check_gathered(folder, test_only, example):
+    """ValueError unless this campaign's rows are to be gathered. example: a configuration that names a folder."""
+    if not folder:
+        raise ValueError(f"this campaign is not gathered: `reference` names no folder; {example} has one")
+    if test_only:
+        raise ValueError("this campaign is a test only (`test_only`): its rows are not gathered")
+
+
+def finished(folder, study, packings):
+    """What is finished of a study: (rows, their Datasets, what stands behind them, a dict for `record`).
+
+    folder: of the Datasets, `study`/`packing`.nc each, with the scene in its attributes. packings: dicts with row,
+    specification and cpu_h. A Dataset of other settings than the specification's is left out, and that is logged.
+    """
+    rows, found, hours_left = [], [], 0.0
+    for packing in packings:
+        path = Path(folder) / study / f"{packing['row']['packing']}.nc"
+        dataset = xr.load_dataset(path) if path.exists() else None
+        if dataset is not None and was_packed_so(packing["specification"], dataset):
+            rows.append(packing["row"])
+            found.append(dataset)
+        else:
+            hours_left += packing["cpu_h"]
+            if dataset is not None:
+                log.info("%s left out: it was packed by other settings than the campaign's", path)
+    print(f"{study}: {len(rows)} of {len(packings)} packings, about {hours_left:.1f} CPU hours left", flush=True)
+    return (
+        rows,
+        found,
+        {
+            "packings": len(rows),
+            "planned": len(packings),
+            "cpu_h": round(sum(float(each.attrs["cpu_seconds"]) for each in found) / 3600.0, 2),
+            "cpu_h_left_estimated": round(hours_left, 2),
+            "code": " ".join(sorted({each.attrs["code_version"] for each in found})),
+        },
+    )
 
 
 def was_packed_so(specification, evaluation):
