@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from simcore.crossing_angle import crossing_angle
-from simcore.deposits import PLAIN, curve, family, plain_means
+from simcore.deposits import PLAIN, curve, experiment_differences, family, means, plain_means
 from simcore.fabric import fabric_over_seeds
 
 # ASSUME: in ln(ratio) from the highest mean. Density rises faster from the sphere than it falls beyond its maximum; a
@@ -16,6 +16,19 @@ WINDOW = 0.3
 DEGREE = 3
 RESAMPLED = 2000
 LINES = ("diagonal", "prolate", "oblate")
+
+
+def findings(rows):
+    """What rows of deposits show without their packings, dict of DataFrames: means, maxima, symmetry, changes.
+
+    rows: of deposits.deposit_rows, with their family.
+    """
+    return {
+        "means": means(rows),
+        "maxima": maxima(rows),
+        "symmetry": symmetry(rows),
+        "changes": experiment_differences(rows[rows["family"] == "change"]),
+    }
 
 
 class Maximum(NamedTuple):

@@ -22,6 +22,17 @@ SIZE_STYLES = [("#20313b", "o", "-"), ("#b3541e", "s", "--"), ("#7f9aa0", "^", "
 BAR = "± std. error over seeds"
 
 
+def figures_of_rows(rows, maxima):
+    """The figures that need no packings, dict by name. rows: with their family; maxima: of deposit_findings."""
+    return {
+        "map": map_figure(rows),
+        "forms": forms_figure(rows, maxima),
+        "directions": directions_figure(rows),
+        "sizes": sizes_figure(rows),
+        "bridge": bridge_figure(rows),
+    }
+
+
 def map_figure(rows):
     """Solid fraction and contacts per grain over eta and zeta; the numbers stand in the cells, which are equal in size.
 

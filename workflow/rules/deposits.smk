@@ -15,6 +15,9 @@ deposit_plan = {
 }
 deposit_tables = ["packings", "means", "maxima", "symmetry", "crossings", "changes"]
 deposit_figures = ["map", "forms", "directions", "histograms", "sizes", "bridge"]
+# What the rows alone show.
+row_tables = ["means", "maxima", "symmetry", "changes"]
+row_figures = [name for name in deposit_figures if name != "histograms"]
 
 
 rule deposits:
@@ -99,3 +102,23 @@ rule collect_deposits:
         packings=deposit_plan,
     script:
         "../scripts/collect_deposits.py"
+
+
+# Tables and figures of the rows that are committed, in seconds: --configfile config/deposits.yaml -- committed_deposits
+rule committed_deposits:
+    input:
+        rows=f"{campaign['reference']}/deposits.csv",
+    output:
+        **{name: f"<results>/committed_deposits/{name}.csv" for name in row_tables},
+        **{
+            f"{name}_figure": multiext(
+                f"<results>/committed_deposits/{name}", ".png", ".pdf"
+            )
+            for name in row_figures
+        },
+    log:
+        "<results>/logs/committed_deposits.log",
+    params:
+        code=digest("workflow/scripts/committed_deposits.py"),
+    script:
+        "../scripts/committed_deposits.py"

@@ -4,13 +4,7 @@ import pandas as pd
 import xarray as xr
 
 from simcore.deposit_findings import diagonal_fabrics
-from simcore.figures.deposits import (
-    bridge_figure,
-    directions_figure,
-    forms_figure,
-    map_figure,
-    sizes_figure,
-)
+from simcore.figures.deposits import figures_of_rows
 from simcore.figures.fabric import fabric_figure
 from simcore.figures.saving import save_figure
 
@@ -19,13 +13,7 @@ packings = pd.read_csv(files.packings, keep_default_na=False, na_values=["", "na
 maxima, crossings = (pd.read_csv(path).dropna(how="all") for path in (files.maxima, files.crossings))
 fabrics = diagonal_fabrics(p.studies, [xr.load_dataset(path) for path in files.fabrics])
 angles = {row.direction: row.angle for row in crossings.itertuples() if row.angle == row.angle}
-figures = {
-    "map": map_figure(packings),
-    "forms": forms_figure(packings, maxima),
-    "directions": directions_figure(packings),
-    "histograms": fabric_figure(fabrics, ["contact_normal", "long_axis"], crossing=angles),
-    "sizes": sizes_figure(packings),
-    "bridge": bridge_figure(packings),
-}
+figures = figures_of_rows(packings, maxima)
+figures["histograms"] = fabric_figure(fabrics, ["contact_normal", "long_axis"], crossing=angles)
 for name, figure in figures.items():
     save_figure(figure, snakemake.output[name], p.test_only)

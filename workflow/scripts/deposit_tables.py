@@ -3,8 +3,8 @@
 import pandas as pd
 import xarray as xr
 
-from simcore.deposit_findings import crossings, maxima, symmetry
-from simcore.deposits import add_family, deposit_rows, experiment_differences, means
+from simcore.deposit_findings import crossings, findings
+from simcore.deposits import add_family, deposit_rows
 from simcore.study_tables import mark
 
 p = snakemake.params
@@ -15,13 +15,6 @@ for study in dict.fromkeys(p.studies):
     rows = [p.rows[k] for k in some]
     parts.append(deposit_rows(study, rows, [fabrics[k] for k in some], rows[0]))
 packings = add_family(pd.concat(parts, ignore_index=True))
-tables = {
-    "packings": packings,
-    "means": means(packings),
-    "maxima": maxima(packings),
-    "symmetry": symmetry(packings),
-    "crossings": crossings(p.studies, fabrics),
-    "changes": experiment_differences(packings[packings["family"] == "change"]),
-}
+tables = {"packings": packings, "crossings": crossings(p.studies, fabrics)} | findings(packings)
 for name, table in tables.items():
     mark(table, p.test_only).to_csv(snakemake.output[name], index=False)
