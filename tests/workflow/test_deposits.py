@@ -1,12 +1,14 @@
 """The deposits: a target outside `all`, and a tiny campaign of them run through."""
 
 import json
+from pathlib import Path
 
 import pandas as pd
 import pytest
 import xarray as xr
 
 pytestmark = pytest.mark.workflow
+REFERENCE = Path(__file__).parents[2] / "results" / "reference"
 
 TINY = """
 reference: kept
@@ -46,6 +48,22 @@ def test_deposits_are_a_target_of_their_own(workplace):
     assert {rule for rule, _ in jobs} == {
         "packing_specification", "packing", "deposit", "deposit_tables", "deposit_figures", "deposits",
     }  # fmt: skip
+
+
+def test_committed_rows_become_tables_and_figures_without_a_packing(workplace, tmp_path):
+    """Rows of the repository, and those of the diagonal alone: what the others would show is left out."""
+    rows = pd.read_csv(REFERENCE / "deposits.csv")
+    (tmp_path / "deposits.csv").write_text(rows[rows.study == "deposit_diagonal"].to_csv(index=False))
+    for name, folder in (("whole", REFERENCE), ("part", tmp_path)):
+        (workplace.folder / f"{name}.yaml").write_text(f"pathvars: {{results: results/{name}}}\nreference: {folder}\n")
+        config = ("--configfile", "config/deposits.yaml", f"{name}.yaml")
+        assert workplace.plan(*config, "--", "committed_deposits") == [("committed_deposits", None)]
+        status, said = workplace.run(*config, "--", "committed_deposits")
+        assert status == 0, said
+        results = workplace.folder / "results" / name / "committed_deposits"
+        maxima = pd.read_csv(results / "maxima.csv").set_index(["of", "family"])
+        assert 1.2 < maxima.loc[("solid_fraction", "diagonal"), "ratio"] < 1.7
+        assert (results / "bridge.png").stat().st_size > 1000
 
 
 @pytest.fixture(scope="session")
