@@ -1,9 +1,8 @@
 """Grains born at random places and orientations above the bed, none touching another.
 
 A batch is strewn over a zone that begins `drop_height` above all grains there are. Each grain goes through its own
-random places, one after the other, until it touches no grain of a lower id that found its place: of two that touch, the
-later gives way. A grain's places belong to (seed, id) alone, and every rank draws the whole batch: ranks, threads and
-stops change no bit.
+random places: of two that touch the later goes on to its next, round after round, until none touch. A grain's places
+belong to (seed, id) alone, and every rank draws the whole batch: ranks, threads and stops change no bit.
 """
 
 import numpy as np
@@ -44,7 +43,7 @@ def release_places(ids, reach, height: float, domain, low: float, seed: int, tou
     ]
 
     def next_place(k):
-        while True:
+        for _ in range(MOST_TRIES):
             x, y, z = streams[k].random(3)
             place = width * x, width * y, low + reach[k] + (height - 2.0 * reach[k]) * z
             if periodic:
@@ -52,6 +51,10 @@ def release_places(ids, reach, height: float, domain, low: float, seed: int, tou
             x, y = place[0] - 0.5 * width, place[1] - 0.5 * width
             if np.hypot(x, y) + reach[k] < 0.5 * width:
                 return x, y, place[2]
+        raise ValueError(
+            f"grain {ids[k]}, {2e3 * reach[k]:.3g} mm across, finds no place clear of the wall of a cylinder "
+            f"{1e3 * width:g} mm wide; make domain.width larger"
+        )
 
     places = np.array([next_place(k) for k in range(len(ids))]).reshape(-1, 3)
     for _ in range(MOST_TRIES):
