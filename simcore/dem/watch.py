@@ -1,8 +1,8 @@
 """What stops a run that has gone wrong, and what is noted of one that may: looked at whenever convergence is.
 
 - A position that is not finite, or a speed far above what fall and shaking give.
-- A speed with which a grain would sink as deep as half its thickness into the floor. Impacts are over within a contact
-  time, mostly between two looks, so that what is coming has to be seen.
+- A speed with which a grain would sink as deep as half its thickness into one as heavy that lies on the floor. Impacts
+  are over within a contact time, mostly between two looks, so that what is coming has to be seen.
 - An overlap as deep as half a grain is thick: the grain's centre has reached the partner's surface, and beyond that
   the least translation that parts them may lie on the far side.
 - Energy that comes from nowhere. Between two looks contacts only take energy, so the mechanical energy (motion,
@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.dem.bodies import Bodies
-from simcore.dem.expectation import depth_of_impact, fall_speed
+from simcore.dem.expectation import backing, depth_of_impact, fall_speed
 from simcore.dem.hertz import local_law
 from simcore.dem.neighbors import Near
 from simcore.dem.ranks import ONE_RANK
@@ -65,7 +65,7 @@ class Watch:
         self.friction = scene.features.friction
         self.load, self.needed, self.stiffest, self.contacts = 0.0, 0.0, -1, 0
         self.deepest, self.looks, self.told = 0.0, 0, False
-        self.energy = None
+        self.energy, self.backing = None, backing(scene)
 
     def look_again(self, bodies: Bodies, step: int) -> None:
         """The bodies are others now, or were set by hand: what they had is no measure. PackingError as of `look`."""
@@ -118,7 +118,7 @@ class Watch:
                 f"and shaking can give ({limit:.3g} m/s); the time step is too long for its contacts ({self._longer()})"
                 f" or grains overlapped at birth (raise generation.spacing)"
             )
-        depth = depth_of_impact(self.scene, speed, bodies.mass[own])
+        depth = self.backing * depth_of_impact(self.scene, speed, bodies.mass[own])
         relative, grain, speed, depth = self.ranks.largest(depth / thickness[own], bodies.id[own], speed, depth)
         if relative > DEEPEST:
             raise PackingError(
