@@ -27,6 +27,7 @@ RESULTS = (
     "P2_short_axis",
 )
 FORM = ("eta", "zeta", "std_eta", "std_zeta", "spread")
+TABLE, SOURCE = "deposits", "ellipsoids"  # in simcore.collection
 KEYS = ["study", "packing"]  # which packing a row is of
 AS_OTHERS = "none"
 

@@ -12,6 +12,12 @@ LABELS = {
     "P2_contact_normal": "$\\langle P_2\\rangle$ of contact normals [-]",
     "P2_long_axis": "$\\langle P_2\\rangle$ of long axes [-]",
 }
+LEAST_SPAN = {
+    "solid_fraction": 0.02,
+    "coordination_number": 1.0,
+    "P2_contact_normal": 0.2,
+    "P2_long_axis": 0.2,
+}
 # Line, marker and lightness differ: told apart in grey.
 STYLES = {
     "diagonal": {"label": "η = ζ", "color": "#20313b", "marker": "o", "ls": "-"},
@@ -64,12 +70,13 @@ def map_figure(rows):
 def forms_figure(rows, maxima):
     """Solid fraction and contacts per grain along the diagonal and both families of spheroids, with their maxima.
 
-    maxima: of deposit_findings.maxima; a ring with its errors stands at each.
+    maxima: of deposit_findings.maxima; a ring with its errors stands at each that the forms enclose.
     """
+    longest = rows[["eta", "zeta"]].max().max()
     figure, grid = _panels(("solid_fraction", "coordination_number"))
     for axes, name in zip(grid, ("solid_fraction", "coordination_number"), strict=True):
         _draw_lines(axes, rows, name)
-        for top in maxima[maxima["of"] == name].itertuples():
+        for top in maxima[(maxima["of"] == name) & (maxima["ratio"] < longest)].itertuples():
             axes.errorbar(
                 top.ratio, top.value, top.value_error, top.ratio_error, fmt="o", ms=11, mfc="none", capsize=2, lw=0.9,
                 color=STYLES[top.family]["color"], label="maximum of a curve fitted near it (± std. error)",
@@ -101,6 +108,10 @@ def sizes_figure(rows):
                 lw=1.2, label=f"η = {eta:g}, ζ = {zeta:g} ({BAR})",
             )  # fmt: skip
         axes.set_ylabel(LABELS[name])
+        # A panel that shows no more than scatter is not to look like an effect.
+        low, high = axes.get_ylim()
+        wider = max(0.5 * (LEAST_SPAN[name] - (high - low)), 0.0)
+        axes.set_ylim(low - wider, high + wider)
         _grid(axes)
     for axes in grid[-1]:
         axes.set_xlabel("spread of sizes S [-]")
