@@ -1,9 +1,12 @@
 """Rows of finished packings, gathered into the committed tables of a campaign while it still runs.
 
 A table in the reference folder holds one row a packing. Packings that are not finished yet are left out; rows that
-stand there already stay, unless the same packing is gathered again.
+stand there already stay, unless the same packing is gathered again. gathered.csv there names each packing that has a
+row, with a digest of its settings, so that a campaign goes on where its rows end when its packings are gone;
+collected.csv sums it up.
 """
 
+import hashlib
 import json
 import logging
 from pathlib import Path
@@ -67,34 +70,46 @@ def check_gathered(folder, test_only, example):
 
 
 def finished(folder, study, packings):
-    """What is finished of a study: (rows, their Datasets, what stands behind them, a dict for `record`).
+    """What is there of a study: (rows, their Datasets, a table for `record` with packing, settings, cpu_s [s], code).
 
     folder: of the Datasets, `study`/`packing`.nc each, with the scene in its attributes. packings: dicts with row,
     specification and cpu_h. A Dataset of other settings than the specification's is left out, and that is logged.
     """
-    rows, found, hours_left = [], [], 0.0
+    rows, found, made = [], [], []
     for packing in packings:
-        path = Path(folder) / study / f"{packing['row']['packing']}.nc"
-        dataset = xr.load_dataset(path) if path.exists() else None
-        if dataset is not None and was_packed_so(packing["specification"], dataset):
-            rows.append(packing["row"])
-            found.append(dataset)
-        else:
-            hours_left += packing["cpu_h"]
-            if dataset is not None:
-                log.info("%s left out: it was packed by other settings than the campaign's", path)
-    print(f"{study}: {len(rows)} of {len(packings)} packings, about {hours_left:.1f} CPU hours left", flush=True)
-    return (
-        rows,
-        found,
-        {
-            "packings": len(rows),
-            "planned": len(packings),
-            "cpu_h": round(sum(float(each.attrs["cpu_seconds"]) for each in found) / 3600.0, 2),
-            "cpu_h_left_estimated": round(hours_left, 2),
-            "code": " ".join(sorted({each.attrs["code_version"] for each in found})),
-        },
-    )
+        name = packing["row"]["packing"]
+        path = Path(folder) / study / f"{name}.nc"
+        if not path.exists():
+            continue
+        dataset = xr.load_dataset(path)
+        if not was_packed_so(packing["specification"], dataset):
+            log.info("%s left out: it was packed by other settings than the campaign's", path)
+            continue
+        rows.append(packing["row"])
+        found.append(dataset)
+        cpu_s, code = round(float(dataset.attrs["cpu_seconds"]), 1), dataset.attrs["code_version"]
+        made.append((name, settings_of(packing["specification"]), cpu_s, code))
+    return rows, found, pd.DataFrame(made, columns=["packing", "settings", "cpu_s", "code"])
+
+
+def not_gathered(folder, study, source, packings):
+    """Of packings, as of `finished`, those that have no row in the tables of `folder` yet."""
+    there = _ledger(folder)
+    there = there[(there.study == study) & (there.source == source)]
+    there = set(zip(there.packing, there.settings, strict=True))
+    return [each for each in packings if (each["row"]["packing"], settings_of(each["specification"])) not in there]
+
+
+def settings_of(specification):
+    """Digest of what decides a packing."""
+    return hashlib.sha256(json.dumps(_comparable(specification), sort_keys=True).encode()).hexdigest()[:12]
+
+
+def _ledger(folder):
+    path = Path(folder) / "gathered.csv"
+    if not path.exists():
+        return pd.DataFrame(columns=["study", "source", "packing", "settings", "cpu_s", "code"])
+    return pd.read_csv(path, dtype={"packing": str, "settings": str})
 
 
 def was_packed_so(specification, evaluation):
@@ -104,9 +119,10 @@ def was_packed_so(specification, evaluation):
 
 def _comparable(specification):
     shapes = {key: value for key, value in specification["shapes"].items() if key != "grain"}
-    # What changes no result, and may have changed since.
+    # What changes no result, and may have changed since: how often it tells, how long it waits for what came to rest.
     numerics = {key: value for key, value in specification["numerics"].items() if key != "progress_interval"}
-    return json.loads(json.dumps({**specification, "shapes": shapes, "numerics": numerics}))
+    damping = {key: value for key, value in specification["damping"].items() if key != "max_time"}
+    return json.loads(json.dumps({**specification, "shapes": shapes, "numerics": numerics, "damping": damping}))
 
 
 def rows_of(study, rows, evaluations, source):
@@ -145,8 +161,7 @@ def gather(folder, name, rows):
     # Numbers of a file and of a specification are one: 300 and "300".
     spelled = rows[keys].map(str)
     rows = rows[~spelled.duplicated(keep="last")].sort_values(keys, key=_sortable)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    rows.to_csv(path, index=False, lineterminator="\n")
+    _write(rows, path)
     return len(rows)
 
 
@@ -154,13 +169,43 @@ def _sortable(column):
     return column if pd.api.types.is_numeric_dtype(column) else column.astype(str)
 
 
-def record(folder, entries):
-    """Lay entries, dicts with the keys table, study and source among them, over collected.csv in `folder`: what stands
-    behind its tables."""
+def record(folder, table, study, source, packings, made, **behind):
+    """Lay what was `made` over gathered.csv in `folder`, and the study's sum over collected.csv.
+
+    table: name of the one that the rows went into. packings and made: as of `finished`, which does not know those
+    whose files are gone. behind: other columns of collected.csv, of what was made now; where packings are of several
+    machines or commands, all stand there.
+    """
+    key = {"study": study, "source": source}
+    ledger = _ledger(folder)
+    if len(made):
+        ledger = pd.concat([ledger, made.assign(**key)], ignore_index=True) if len(ledger) else made.assign(**key)
+    ledger = ledger.drop_duplicates([*key, "packing"], keep="last").sort_values([*key, "packing"])
+    _write(ledger[[*key, "packing", "settings", "cpu_s", "code"]], Path(folder) / "gathered.csv")
+    left = not_gathered(folder, study, source, packings)
+    hours_left = sum(packing["cpu_h"] for packing in left)
+    names = {packing["row"]["packing"] for packing in packings} - {packing["row"]["packing"] for packing in left}
+    done = ledger[(ledger.study == study) & (ledger.source == source) & ledger.packing.isin(names)]
+    print(f"{study}: {len(done)} of {len(packings)} packings, about {hours_left:.1f} CPU hours left", flush=True)
+    entry = {
+        "table": f"{table}.csv",
+        **key,
+        "packings": len(done),
+        "planned": len(packings),
+        "cpu_h": round(done.cpu_s.sum() / 3600.0, 2),
+        "cpu_h_left_estimated": round(hours_left, 2),
+        "code": " ".join(sorted(set(done.code))),
+    }
     path, keys = Path(folder) / "collected.csv", ["table", "study", "source"]
-    table = pd.DataFrame(entries)
-    if path.exists():
-        table = pd.concat([pd.read_csv(path), table], ignore_index=True)
-    table = table.drop_duplicates(keys, keep="last").sort_values(keys)
+    summary = pd.read_csv(path, keep_default_na=False) if path.exists() else pd.DataFrame(columns=[*keys, *behind])
+    known = summary[(summary[keys] == [entry[name] for name in keys]).all(axis=1)]
+    for name, text in behind.items():
+        texts = [part for before in known[name] for part in before.split("; ") if part]
+        entry[name] = "; ".join(dict.fromkeys([*texts, text] if len(made) else texts))
+    summary = pd.concat([summary, pd.DataFrame([entry])], ignore_index=True) if len(summary) else pd.DataFrame([entry])
+    _write(summary.drop_duplicates(keys, keep="last").sort_values(keys), path)
+
+
+def _write(table, path):
     path.parent.mkdir(parents=True, exist_ok=True)
     table.to_csv(path, index=False, lineterminator="\n")

@@ -6,7 +6,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.collection import gather, record, rows_of, source_name, table_of, was_packed_so
+from simcore.collection import (
+    gather,
+    not_gathered,
+    record,
+    rows_of,
+    settings_of,
+    source_name,
+    table_of,
+    was_packed_so,
+)
 from simcore.evaluation import evaluate
 from simcore.prediction import fit_reference_models
 from simcore.specification import resolve
@@ -107,16 +116,40 @@ def test_a_bed_of_other_settings_is_noticed(evaluated):
     bed = evaluated(specify(choice="one", grain="G02"))
     assert was_packed_so(specify(choice="one", grain="form 3 of the spread"), bed)
     assert not was_packed_so(specify(choice="random"), bed)
+    patient = specify(choice="one", grain="G02")
+    patient["damping"]["max_time"] *= 4.0
+    assert was_packed_so(patient, bed)
     assert not was_packed_so(specify(seed=2, choice="one", grain="G02"), bed)
 
 
-def test_what_stands_behind_a_table_is_kept_by_study(tmp_path):
-    entry = {"table": "single_form.csv", "study": "single_form", "source": "synthetic", "packings": 3}
-    record(tmp_path, [entry, {**entry, "study": "equivalent_ellipsoids"}])
-    record(tmp_path, [{**entry, "packings": 5}])
+def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
+    """Gathered twice, from the packings of two machines: the second has only those that were left."""
+    plan = [{"row": {"packing": f"p{seed}"}, "specification": specify(seed), "cpu_h": 0.5} for seed in (1, 2, 3)]
+
+    def made(*numbers):
+        rows = [(f"p{i}", settings_of(specify(i)), 360.0 * i, f"v{i}") for i in numbers]
+        return pd.DataFrame(rows, columns=["packing", "settings", "cpu_s", "code"])
+
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(1), machine="one")
+    left = not_gathered(tmp_path, "single_form", "synthetic", plan)
+    assert [each["row"]["packing"] for each in left] == ["p2", "p3"]
+    assert not_gathered(tmp_path, "single_form", "scans", plan) == plan
+    record(tmp_path, "single_form", "equivalent_ellipsoids", "synthetic", plan, made(), machine="one")
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(3), machine="two")
     written = pd.read_csv(tmp_path / "collected.csv")
     assert written.study.tolist() == ["equivalent_ellipsoids", "single_form"]
-    assert written.packings.tolist() == [3, 5]
+    assert written.packings.tolist() == [0, 2] and written.planned.tolist() == [3, 3]
+    found = written.iloc[1]
+    assert (found.cpu_h, found.cpu_h_left_estimated, found.code, found.machine) == (0.4, 0.5, "v1 v3", "one; two")
+    assert pd.isna(written.machine[0]), "nothing was packed"
+
+
+def test_a_row_of_other_settings_does_not_stand_for_a_packing(tmp_path):
+    plan = [{"row": {"packing": "p"}, "specification": specify(1), "cpu_h": 0.5}]
+    made = pd.DataFrame([("p", settings_of(specify(2)), 9.0, "v")], columns=["packing", "settings", "cpu_s", "code"])
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made)
+    assert not_gathered(tmp_path, "single_form", "synthetic", plan) == plan
+    assert pd.read_csv(tmp_path / "collected.csv").packings[0] == 0
 
 
 def test_the_source_is_named_by_its_folder():

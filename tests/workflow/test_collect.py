@@ -59,7 +59,9 @@ def campaign(workplace, packings):
             evaluate(bed).to_netcdf(path)
 
     return SimpleNamespace(
-        add=add, folder=workplace.folder, run=lambda: workplace.run("--configfile", "mine.yaml", "--", "collect")
+        add=add,
+        folder=workplace.folder,
+        run=lambda target="collect", *more: workplace.run("--configfile", "mine.yaml", *more, "--", target),
     )
 
 
@@ -69,10 +71,20 @@ def test_half_of_a_campaign_is_gathered_and_the_rest_later(campaign):
     assert status == 0, said
     assert "heights: 1 of 2 packings" in said and "spheroids: 0 of 4 packings" in said
     kept = campaign.folder / "kept"
-    assert sorted(path.name for path in kept.iterdir()) == ["collected.csv", "heights.csv"]
+    assert sorted(path.name for path in kept.iterdir()) == ["collected.csv", "gathered.csv", "heights.csv"]
     first = pd.read_csv(kept / "heights.csv")
+    (first_bed,) = pd.read_csv(kept / "gathered.csv").packing + ".nc"
     assert list(first) == ["case", "drop_height", "seed", "n", "n_error", "grains", "cpu_s"] and len(first) == 1
+    # On another machine, where nothing is: what has a row is not packed again.
+    beds = campaign.folder / "results" / "mine" / "porosity" / "heights"
+    for bed in beds.iterdir():
+        bed.rename(bed.with_suffix(".gone"))
+    status, said = campaign.run("heights_left", "--dry-run")
+    assert status == 0 and re.search(r"^packing +1$", said, re.MULTILINE), said
+    status, said = campaign.run("spheroids_left", "--dry-run")
+    assert status == 0 and re.search(r"^packing +4$", said, re.MULTILINE), said
     campaign.add("heights", 2)
+    (beds / first_bed).unlink()
     status, said = campaign.run()
     assert status == 0, said
     table = pd.read_csv(kept / "heights.csv")

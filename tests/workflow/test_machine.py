@@ -41,7 +41,7 @@ def test_one_rank_with_one_thread_where_nothing_is_said(planned):
     for job in planned():
         assert (asked(job)["tasks"], asked(job)["cpus_per_task"], asked(job)["mpi"]) == ("1", "1", "")
         assert "threads:" not in job
-        assert "--ranks 1 --threads 1 --mpiexec= --checkpoints results/checkpoints" in job
+        assert "--ranks 1 --threads 1 --mpiexec= --checkpoints results/checkpoints/" in job
 
 
 def test_ranks_and_threads_of_the_config_are_accounted(planned):

@@ -8,7 +8,9 @@ import sys
 import numpy as np
 from snakemake.exceptions import WorkflowError
 
+from simcore import deposits
 from simcore.campaign_cost import describe_studies, estimate_studies, number_pieces
+from simcore.collection import not_gathered, source_name
 from simcore.packing_cost import estimate
 from simcore.provenance import ROOT, digest
 from simcore.reference import ROWS_FOLDER
@@ -44,6 +46,28 @@ for rows in packings.groupby("study").indices.values():
 packings["ranks"] = [
     cost.ranks(campaign["ranks"], campaign["grains_per_rank"]) for cost in packings.cost
 ]
+
+
+def plan_of(study):
+    """Packings of a study as simcore.collection takes them."""
+    return [
+        {
+            "row": packing.row,
+            "specification": packing.specification,
+            "cpu_h": packing.cost.cpu_seconds / 3600.0,
+        }
+        for packing in packings[packings.study == study].itertuples()
+    ]
+
+
+def files_left(study):
+    """What is evaluated of those packings of a study that have no row in the committed tables yet."""
+    folder, source = "porosity", source_name(campaign["grains"]["source"])
+    if study.startswith(deposits.PREFIX):
+        folder, source = "fabric", deposits.SOURCE
+    left = not_gathered(campaign["reference"], study, source, plan_of(study))
+    names = [packing["row"]["packing"] for packing in left]
+    return [f"<results>/{folder}/{study}/{name}.nc" for name in names]
 
 
 # A dry run says what the campaign will cost. Snakemake tells no workflow that it is one before all rules are read.

@@ -2,17 +2,7 @@
 # Their packings are made as any (packings.smk); what they are read by, and how they are tabulated, stands here.
 deposit_studies = [name for name in all_studies if name.startswith("deposit_")]
 deposit_packings = packings[packings.study.isin(deposit_studies)]
-deposit_plan = {
-    study: [
-        {
-            "row": packing.row,
-            "specification": packing.specification,
-            "cpu_h": packing.cost.cpu_seconds / 3600.0,
-        }
-        for packing in rows.itertuples()
-    ]
-    for study, rows in deposit_packings.groupby("study", sort=False)
-}
+deposit_plan = {study: plan_of(study) for study in deposit_packings.study.unique()}
 deposit_tables = ["packings", "means", "maxima", "symmetry", "crossings", "changes"]
 deposit_figures = ["map", "forms", "directions", "histograms", "sizes", "bridge"]
 # What the rows alone show.

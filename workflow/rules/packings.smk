@@ -72,12 +72,13 @@ rule packing:
             "simcore/scenes.py", "simcore/dem/packing.py", "simcore/packing_io.py"
         ),
         checkpoints=f"{results}/checkpoints",
-    # The checkpoints are no output, so that a packing that was interrupted goes on from them. With `exec` the parent of
-    # the packing is Snakemake: where it is killed, the packing ends too, and does not go on beside the next run.
+    # The checkpoints are no output, so that a packing that was interrupted goes on from them. Each study has a folder of
+    # them: two may hold the same packing, and a scene is run by one process a folder. With `exec` the parent of the
+    # packing is Snakemake: where it is killed, the packing ends too, and does not go on beside the next run.
     shell:
         "exec python -m simcore launch {input.specification} {output.packing}"
         " --ranks {resources.tasks} --threads {resources.cpus_per_task} --mpiexec={resources.mpi:q}"
-        " --checkpoints {params.checkpoints:q} --with-parent > {log} 2>&1"
+        " --checkpoints {params.checkpoints:q}/{wildcards.study} --with-parent > {log} 2>&1"
 
 
 rule porosity:
@@ -137,6 +138,17 @@ for (study, piece), rows in packings.groupby(["study", "piece"], sort=False):
             [f"<results>/porosity/{study}/{packing}.nc" for packing in rows.packing],
 
 
+# What of a study has no row in the committed tables yet, whether or not its packings are there: `snakemake
+# single_form_left`, then `snakemake collect`. So a campaign goes on where its rows end, on another machine too.
+for study in all_studies if campaign["reference"] else []:
+
+    rule:
+        name:
+            f"{study}_left"
+        input:
+            files_left(study),
+
+
 # The finished packings of all studies, as rows of the committed tables; the others may come later. The tables are no
 # outputs: they are there in a clone, and stay when what they were made of is gone.
 rule collect:
@@ -149,14 +161,7 @@ rule collect:
         evaluations=f"{results}/porosity",
         command=" ".join(["snakemake --configfile", *overlays]),
         packings={
-            study: [
-                {
-                    "row": packing.row,
-                    "specification": packing.specification,
-                    "cpu_h": packing.cost.cpu_seconds / 3600.0,
-                }
-                for packing in packings[packings.study == study].itertuples()
-            ]
+            study: plan_of(study)
             for study in all_studies
             if study in studies or study.startswith("difference_")
         },

@@ -8,11 +8,9 @@ from simcore.verification.machine import describe_machine
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
 p = snakemake.params
 check_gathered(p.folder, p.test_only, "config/workstation.yaml")
-source, machine, entries = source_name(p.source), describe_machine(), []
+source, machine = source_name(p.source), describe_machine()
 for study, packings in p.packings.items():
-    rows, evaluations, behind = finished(p.evaluations, study, packings)
+    rows, evaluations, made = finished(p.evaluations, study, packings)
     if rows:
         gather(p.folder, table_of(study), rows_of(study, rows, evaluations, source))
-    of_study = {"table": f"{table_of(study)}.csv", "study": study, "source": source}
-    entries.append({**of_study, **behind, "command": p.command, "machine": machine})
-record(p.folder, entries)
+    record(p.folder, table_of(study), study, source, packings, made, command=p.command, machine=machine)
