@@ -4,7 +4,6 @@ throughput   one bed, one figure: python -m benchmarks.throughput
 features     what each shape and each feature costs
 scaling      grains from 10^3 to 10^5, one and two threads
 compare      the same bed in other codes (benchmarks/others)
-choices      what choices of the model do to porosity
 
 ellipsoid_contact   two constructions of an ellipsoid contact: depth, energy of impacts, cost of a query
 

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 from simcore.verification.packings import (
+    base_setting,
     cheapest_settings,
     compare,
     name_changes,
@@ -79,3 +80,10 @@ def test_a_change_is_named_by_what_is_otherwise_than_in_the_first():
     named = name_changes(table, ["seed", "fill", "drop_height"])
     assert list(named) == ["ours", "ours", "fill study, drop_height 0.1", "fill study, drop_height 0.1"]
     assert list(porosity_errors(table.assign(change=named), ["change"]).setting) == ["ours", named.iloc[-1]]
+
+
+def test_a_setting_that_is_not_set_is_the_default():
+    """As a table read from a file has it, and as the plan has it."""
+    rows = pd.DataFrame({"study": "s", "seed": [1, 2] * 2, "skin": [np.nan, np.nan, 0.1, 0.1], "n": 0.4, "cpu_s": 9.0})
+    planned = [{"varied": {"skin": 0.1, "seed": 1}, "is_base": False}, {"varied": {"skin": None}, "is_base": True}]
+    assert base_setting(planned) == porosity_errors(rows, ["skin", "seed"]).setting[0] == "not set"

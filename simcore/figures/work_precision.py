@@ -2,10 +2,12 @@
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from simcore.work_precision import settings_table
 
 MOST_COLUMNS = 4
+FEW_DECADES = 40.0  # last over first number of an axis, up to which 2 and 5 are labelled beside 1
 # Lightness, line and marker tell the methods apart, in grey too.
 STYLES = [
     ("black", "-", "o"),
@@ -25,7 +27,8 @@ def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=T
     is added. error_labels: dict from quantity to the label of its axis, with unit. setting_label: what the numbers at
     the first, last and default points of a line are. Methods keep their style across panels. Rings are the Pareto
     front, a star the default, the dotted line above a shade the error of the reference itself. note: such as the
-    machine, in small print. name_all: write the setting beside every point, not only the first, last and default.
+    machine, in small print. name_all: write the setting beside every point, not only the first, last and default, and
+    join none.
     """
     table = settings_table(runs)
     quantities, cases = list(dict.fromkeys(table["quantity"])), list(dict.fromkeys(table["case"]))
@@ -48,6 +51,7 @@ def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=T
             if i == len(quantities) - 1:
                 axes.set_xlabel(f"{cost_label} [{'µs' if micro else 's'}]")
         grid[i, 0].set_ylabel(error_labels[quantity])
+    _tick(grid)
     _explain(figure, handles, setting_label, note)
     return figure
 
@@ -66,8 +70,19 @@ def _panels_in_rows(table, cases, methods, unit, cost_label, error_labels, setti
         axes.set_visible(False)
     for row in grid:
         row[0].set_ylabel(next(iter(error_labels.values())))
+    _tick(grid)
     _explain(figure, handles, setting_label, note)
     return figure
+
+
+def _tick(grid):
+    """Of the logarithmic axes of all panels, once they are drawn: labels of few decades at 1, 2 and 5 only."""
+    for axes in grid.flat:
+        for axis, (low, high) in (axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim()):
+            axis.set_minor_formatter(NullFormatter())
+            if high < FEW_DECADES * low:
+                axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+                axis.set_major_formatter(FuncFormatter(lambda number, _: f"{number:g}"))
 
 
 def _explain(figure, handles, setting_label, note):
@@ -91,7 +106,8 @@ def _draw_panel(axes, points, methods, unit, handles, name_all):
         spread = [x - unit * rows["cpu_least"], unit * rows["cpu_most"] - x]
         bars = axes.errorbar(
             x, y, rows.get("error_std"), spread,
-            color=color, ls=line, lw=1.2, marker=marker, ms=4, elinewidth=0.6, mec="white", mew=0.4, zorder=3,
+            color=color, ls="none" if name_all else line, lw=1.2, marker=marker, ms=4, elinewidth=0.6, mec="white",
+            mew=0.4, zorder=3,
         )  # fmt: skip
         handles.setdefault(method, bars)
         marked = dict.fromkeys(range(len(rows)), "left") if name_all else {0: "left", len(rows) - 1: "right"}

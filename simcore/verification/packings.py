@@ -140,5 +140,10 @@ def cheapest_settings(errors: pd.DataFrame, wished=WISHED) -> pd.DataFrame:
 
 
 def _label(row, keys):
-    """The setting of a packing in words, such as "contact_time 0.001" or "40 explicit"."""
-    return " ".join(f"{row[key]:g}" if isinstance(row[key], float) else str(row[key]) for key in keys)
+    """The setting of a packing in words, such as "0.001" or "40 explicit"; what is not set is left out."""
+    values = [row[key] for key in keys if not _is_unset(row[key])]
+    return " ".join(f"{value:g}" if isinstance(value, float) else str(value) for value in values) or "not set"
+
+
+def _is_unset(value):
+    return value is None or value != value
