@@ -1,5 +1,6 @@
 """Fixture `packings`: packings in memory with the layout of packing_io, from arrays."""
 
+import os
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,6 +8,9 @@ import pytest
 import xarray as xr
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
+
+# Before numba is imported: workers with a pool of threads each take turns at the cores while they wait for each other.
+os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 
