@@ -35,6 +35,7 @@ LIST_HOLDS = (100, 1000)  # steps: lists that hold for fewer look farther ahead,
 AHEAD_STEP = 1.5
 REFILL_HEIGHT = 0.6  # of the domain: where the study's batches begin
 STUDY_FIRST_FILL = 0.1
+LONG_FLIGHT = 50.0  # times to fall through the domain
 MEAN_REACH = 200  # grains whose size says how many make up a layer
 
 
@@ -203,7 +204,7 @@ class Process:
                 self._add_batch()
                 self.patience = max(self.step, self.next_birth) + round(2.0 * self._fall_time() / self.dt)
                 continue
-            if not self.under_way and self.step >= self.patience:
+            if not self.under_way and self.step >= self.patience and not self._may_come_down():
                 top = self._top() * 1e3
                 raise PackingError(
                     f"{self.scene.name}: after {self.born} grains the bed reaches {top:.0f} mm and "
@@ -280,33 +281,57 @@ class Process:
 
     # -- births ---------------------------------------------------------------------------------------------
 
-    def _top(self):
-        """Height below which all grains lie [m]."""
+    def _top(self, lying=False):
+        """Height below which all grains are, or all that touch something [m]."""
         if self.bodies is None:
             return 0.0
-        own = self.bodies.own
-        return float(
-            self.ranks.most([(self.bodies.position[own, 2] + self.bodies.radius[own]).max(initial=-np.inf)])[0]
-        )
+        counted = np.zeros(len(self.bodies.id), bool)
+        counted[self.bodies.own] = True
+        if lying:
+            counted &= self._touches()
+        tops = self.bodies.position[counted, 2] + self.bodies.radius[counted]
+        return float(self.ranks.most([tops.max(initial=-np.inf)])[0])
+
+    def _touches(self):
+        """Whether a body of this rank touches something, as of the last step (n,)."""
+        contacts, walls = self.near
+        touching = np.zeros(len(self.bodies.id), bool)
+        for bodies, touch in (
+            (contacts.body_a, contacts.touching),
+            (contacts.body_b, contacts.touching),
+            (walls.body, walls.touching),
+        ):
+            touching[bodies[touch != 0]] = True
+        return touching
+
+    def _may_come_down(self):
+        """Whether only grains in flight keep the next batch waiting, and not for too long.
+
+        A heavy grain that falls on a light one can throw it higher than where it was born.
+        """
+        waited = self.step - self.patience
+        return waited * self.dt < LONG_FLIGHT * self._fall_time() and self._has_room(self._top(lying=True))
 
     def _fall_time(self):
         """Time to fall through the domain from birth [s]."""
         g, v = self.scene.material.effective_gravity, -self.scene.generation.velocity_z
         return (np.sqrt(v**2 + 2.0 * g * self.scene.domain.height) - v) / g
 
-    def _has_room(self):
+    def _has_room(self, top=None):
+        """Whether a batch finds room above `top` [m], the highest grain's if none is given."""
         generation, height = self.scene.generation, self.scene.domain.height
+        top = self._top() if top is None else top
         if generation.placement == "random":
             _, drawn, reach = self._next_to_release()
             zone = zone_height(reach, self._volumes(drawn), self.scene.domain.area)
-            return self._top() + generation.drop_height + zone <= height
+            return top + generation.drop_height + zone <= height
         if generation.fill == "study":
             own = self.bodies.own
             high, radius = self.ranks.most(
                 [self.bodies.position[own, 2].max(initial=-np.inf), self.bodies.radius[own].max(initial=0.0)]
             )
             return bool(high < REFILL_HEIGHT * height - max(generation.spacing, 2.0 * radius))
-        return self._top() + generation.drop_height < REFILL_HEIGHT * height
+        return top + generation.drop_height < REFILL_HEIGHT * height
 
     def _add_batch(self):
         """One batch of grains, of which every rank draws all and takes its own."""

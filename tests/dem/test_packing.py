@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.generation import lattice_sites
-from simcore.dem.packing import PackingError, pack
+from simcore.dem.packing import GENERATING, PackingError, Process, pack
 from tests.few import set_up_few
 
 
@@ -171,6 +171,42 @@ def test_a_domain_too_low_says_so():
         run(domain={"height": "40 mm"}, amount={"grains": 200})
     with pytest.raises(PackingError, match=r"no grain finds room at birth"):
         run(domain={"height": "9 mm"})
+
+
+def thrown(speed):
+    """A process whose first batch is to throw its highest grain up [m/s]; its domain falls through in 0.14 s."""
+    made = set_up_few(amount={"grains": 120})
+    running = Process(made.scene, made.bases, made.draw, lambda line: None)
+    first = []
+
+    def add_batch():
+        Process._add_batch(running)
+        if not first:
+            first.append(running.born)
+            running.advance(3 * running.interval_steps, GENERATING)
+            running.bodies.velocity[running.bodies.position[:, 2].argmax(), 2] = speed
+            running.watch.look_again(running.bodies, running.step)
+
+    running._add_batch = add_batch
+    return running, first
+
+
+def test_a_batch_waits_for_a_grain_in_flight(monkeypatch):
+    """At 3 m/s it is under way for 0.98 s, and a batch may wait for the room of its predecessor for 0.28 s."""
+    running, first = thrown(3.0)
+    running.generate()
+    assert first[0] < running.born == 120
+    monkeypatch.setattr("simcore.dem.packing.LONG_FLIGHT", 0.0)
+    with pytest.raises(PackingError, match=r"the bed reaches \d{3} mm and leaves no room for another batch"):
+        thrown(3.0)[0].generate()
+
+
+def test_a_bed_that_lies_too_high_is_not_waited_for():
+    made = set_up_few(amount={"grains": 400}, domain={"height": "0.1 m"})
+    running = Process(made.scene, made.bases, made.draw, lambda line: None)
+    with pytest.raises(PackingError, match=r"the bed reaches \d+ mm and leaves no room for another batch"):
+        running.generate()
+    assert (running.step - running.patience) * running.dt < 5.0 * running._fall_time()
 
 
 def test_an_unstable_time_step_is_refused():
