@@ -70,6 +70,8 @@ def fit_reference_models(folder=ROWS_FOLDER, source=None, seed=0):
                 if kind == "unified"
                 else f"{_short(path)}, {models[kind, case].n_samples} {what} in {packings} packings"
             )
+            if kind != "single_form":
+                behind[kind, case] += ", its error that of mean forms left out"
         for key in models.keys() - found.models.keys():
             found.models[key], found.behind[key] = models[key], behind[key]
     if not found.models:
