@@ -4,6 +4,7 @@ import ast
 import functools
 import hashlib
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -14,52 +15,56 @@ def digest(*roots):
     roots: paths of Python files or of any other file, relative to the project. Of Python the syntax tree
     counts, so comments, docstrings and layout do not. Imports inside functions count as well.
     """
-    found, todo = set(), [ROOT / root for root in roots]
+    found, todo = {}, [ROOT / root for root in roots]
     while todo:
         path = todo.pop()
         if path not in found:
-            found.add(path)
-            todo.extend(_imports(path) if path.suffix == ".py" else ())
+            found[path] = read_source(path)
+            todo.extend(found[path].imports)
     total = hashlib.sha256()
     for path in sorted(found):
-        total.update(f"{path.relative_to(ROOT)}\n{_content(path)}\n".encode())
+        total.update(f"{path.relative_to(ROOT)}\n{found[path].content}\n".encode())
     return total.hexdigest()[:16]
 
 
+class Source(NamedTuple):
+    """A file as digests see it."""
+
+    content: str  # of Python its syntax tree without docstrings
+    imports: frozenset  # paths of simcore's files that it imports
+
+
 @functools.cache
-def _tree(path):
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+def read_source(path: Path) -> Source:
+    """The file at `path`, which lies in the project; read once, for many digests hold the same files."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix != ".py":
+        return Source(text, frozenset())
+    tree, imports = ast.parse(text), set()
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list) and body and _is_docstring(body[0]):
             del body[0]
-    return tree
+        imports.update(_imported(node, path))
+    return Source(ast.dump(tree), frozenset(imports))
 
 
 def _is_docstring(node):
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
 
 
-def _content(path):
-    return ast.dump(_tree(path)) if path.suffix == ".py" else path.read_text(encoding="utf-8")
-
-
-@functools.cache
-def _imports(path):
-    """Files of simcore that the file at `path` imports."""
-    package = path.relative_to(ROOT).parent.parts
-    files = set()
-    for node in ast.walk(_tree(path)):
-        if isinstance(node, ast.Import):
-            modules = [alias.name.split(".") for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            above = list(package[: len(package) - node.level + 1]) if node.level else []
-            module = above + (node.module.split(".") if node.module else [])
-            modules = [[*module, alias.name] for alias in node.names]
-        else:
-            continue
-        files.update(filter(None, map(_file, modules)))
-    return files
+def _imported(node, path):
+    """Files of simcore that a statement of the file at `path` imports."""
+    if isinstance(node, ast.Import):
+        modules = [alias.name.split(".") for alias in node.names]
+    elif isinstance(node, ast.ImportFrom):
+        package = path.relative_to(ROOT).parent.parts
+        above = list(package[: len(package) - node.level + 1]) if node.level else []
+        module = above + (node.module.split(".") if node.module else [])
+        modules = [[*module, alias.name] for alias in node.names]
+    else:
+        return ()
+    return filter(None, map(_file, modules))
 
 
 def _file(parts):

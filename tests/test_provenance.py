@@ -20,8 +20,7 @@ def project(tmp_path, monkeypatch):
 
     def change(path, text):
         (tmp_path / path).write_text(text)
-        provenance._tree.cache_clear()
-        provenance._imports.cache_clear()
+        provenance.read_source.cache_clear()
         return provenance.digest("simcore/a.py")
 
     return change
@@ -50,7 +49,7 @@ def test_packings_do_not_depend_on_how_they_are_evaluated():
         path = todo.pop()
         if path not in found:
             found.add(path)
-            todo.extend(provenance._imports(path))
+            todo.extend(provenance.read_source(path).imports)
     names = {path.stem for path in found}
     assert "stepping" in names
     assert not names & {"porosity", "regression", "evaluation", "studies", "study_tables", "models", "page"}
