@@ -469,7 +469,8 @@ class Process:
                     )
         self.under_way = False
         seen = observe(self.bodies, self.near, self.ranks)
-        self.watch.look(self.bodies, self.near, drive, self.step, self.step - self.looked_at)
+        falling = phase != DAMPING and self.step < self.patience
+        self.watch.look(self.bodies, self.near, drive, self.step, self.step - self.looked_at, falling)
         self.checks.append((self.step * self.dt, phase, seen))
         self.progress.line(phase, self.step, self.dt, self.born, seen, end)
         return seen

@@ -4,7 +4,10 @@
 - A speed with which a grain would sink as deep as half its thickness into one as heavy that lies on the floor. Impacts
   are over within a contact time, mostly between two looks, so that what is coming has to be seen.
 - An overlap as deep as half a grain is thick: the grain's centre has reached the partner's surface, and beyond that
-  the least translation that parts them may lie on the far side.
+  the least translation that parts them may lie on the far side. While grains fall, one that touches a PINCHING times
+  heavier one is let pass, with a warning: a pair is as stiff as its lighter grain's mass makes it, so a stone comes
+  down on a pebble sqrt(M / m) times as deep as on its like whatever the time step, and sinks no more than its weight
+  asks when it lies. Then the pebble counts as any other.
 - Energy that comes from nowhere. Between two looks contacts only take energy, so the mechanical energy (motion,
   height, springs) grows by no more than shaking puts in: its work is ∫ a(t) P dt of the momentum P <= M V along it,
   where V, the speed that all energy of motion and springs would make, grows by no more than shaking and fall give,
@@ -35,6 +38,7 @@ from simcore.dem.stepping import Drive
 # Speed that no grain reaches by falling through the domain and shaking, with this margin: then a contact blew up.
 SPEED_MARGIN = 5.0
 DEEPEST = 1.0  # overlap over the thinner grain's half thickness
+PINCHING = 20.0  # of masses: a stone comes down 4.5 times as deep as on its like
 ENERGY_SLACK = 0.1
 LIFT = 0.01
 ROUNDING = 1e-9  # of all energy above the floor
@@ -64,7 +68,7 @@ class Watch:
         self.scene, self.width, self.report, self.ranks = scene, width, report, ranks
         self.friction = scene.features.friction
         self.load, self.needed, self.stiffest, self.contacts = 0.0, 0.0, -1, 0
-        self.deepest, self.looks, self.told = 0.0, 0, False
+        self.deepest, self.looks, self.told, self.pinched = 0.0, 0, False, False
         self.energy, self.backing = None, backing(scene)
 
     def look_again(self, bodies: Bodies, step: int) -> None:
@@ -72,12 +76,15 @@ class Watch:
         self.energy = None
         self._check_speeds(bodies, step, half_thickness(bodies))
 
-    def look(self, bodies: Bodies, near: Near, drive: Drive, step: int, n_steps: int) -> None:
-        """PackingError where something is wrong. drive: of the n_steps since the last look; step: their end."""
+    def look(self, bodies: Bodies, near: Near, drive: Drive, step: int, n_steps: int, falling: bool = False) -> None:
+        """PackingError where something is wrong. drive: of the n_steps since the last look; step: their end.
+
+        falling: whether grains may still be falling from birth.
+        """
         self.check_finite(bodies, step)
         thickness = half_thickness(bodies)
         self._check_speeds(bodies, step, thickness)
-        self._check_overlap(bodies, near, step, thickness)
+        self._check_overlap(bodies, near, step, thickness, falling)
         self._check_energy(bodies, near, drive, step, n_steps * drive.dt, thickness)
         if self.looks % STIFFNESS_LOOKS == 0:
             self._note_stiffest(bodies, near, drive.dt, step)
@@ -127,21 +134,47 @@ class Watch:
                 f"{self.scene.stiffen}; the depth of an impact goes with it) or lower the fall"
             )
 
-    def _check_overlap(self, bodies, near, step, thickness):
-        overlap, (thin, other), relative = deepest_overlap(near, thickness)
-        thin, other = (int(bodies.id[row]) if row >= 0 else -1 for row in (thin, other))
-        # Of several as deep, that of the lowest grains.
-        order = relative, other >= 0, -min(thin, other), -max(thin, other)
-        relative, *_, overlap, thin, other = self.ranks.first((*order, overlap, thin, other), len(order))
-        self.deepest = max(self.deepest, relative)
-        if relative > DEEPEST:
-            partner = "the wall" if other < 0 else f"grain {other}"
+    def _check_overlap(self, bodies, near, step, thickness, falling):
+        deepest = self._deepest(bodies, near, thickness)
+        self.deepest = max(self.deepest, deepest[0])
+        if deepest[0] <= DEEPEST:
+            return
+        if falling:
+            let_pass = self._pinched(bodies, near)
+            if not self.pinched:
+                self.pinched = True
+                self.report(
+                    f"{self.scene.name}: warning: {_overlapping(*deepest[1:])} at step {step}, more than half of the "
+                    f"grain is thick; let pass while grains fall where a stone of {PINCHING:g} times the mass lands "
+                    f"on a grain, and only then"
+                )
+            deepest = self._deepest(bodies, near, thickness, ~let_pass)
+        if deepest[0] > DEEPEST:
             raise PackingError(
-                f"{self.scene.name}: grain {thin} and {partner} overlap by {overlap * 1e3:.3g} mm at step {step}, more "
+                f"{self.scene.name}: {_overlapping(*deepest[1:])} at step {step}, more "
                 f"than half of the grain is thick: contacts are too soft for what presses on them. "
                 f"{self.scene.stiffen}; overlaps go with it), lower the fall, or, if it was so from the start, raise "
                 f"generation.spacing"
             )
+
+    def _deepest(self, bodies, near, thickness, counted=None):
+        """Of all ranks: overlap over the thinner grain's half thickness, overlap [m], ids of the thinner and other."""
+        overlap, (thin, other), relative = deepest_overlap(near, thickness, bodies.id, counted)
+        thin, other = (int(bodies.id[row]) if row >= 0 else -1 for row in (thin, other))
+        # Of several as deep, that of the lowest grains.
+        order = relative, other >= 0, -min(thin, other), -max(thin, other)
+        relative, *_, overlap, thin, other = self.ranks.first((*order, overlap, thin, other), len(order))
+        return relative, overlap, thin, other
+
+    def _pinched(self, bodies, near):
+        """Bodies (n,) that touch a PINCHING times heavier one, and those of other ranks, which these judge."""
+        contacts = near.contacts
+        p = np.flatnonzero(contacts.touching)
+        a, b, mass = contacts.body_a[p], contacts.body_b[p], bodies.mass
+        pinched = ~bodies.moves_here
+        pinched[a[mass[b] > PINCHING * mass[a]]] = True
+        pinched[b[mass[a] > PINCHING * mass[b]]] = True
+        return pinched
 
     def _check_energy(self, bodies, near, drive, step, time, thickness):
         own = bodies.own
@@ -219,7 +252,7 @@ class Watch:
         return f"raise numerics.steps_per_contact_time (now {self.scene.numerics.steps_per_contact_time:g})"
 
 
-_REMEMBERED = ("load", "needed", "stiffest", "contacts", "deepest", "looks", "told", "energy")
+_REMEMBERED = ("load", "needed", "stiffest", "contacts", "deepest", "looks", "told", "pinched", "energy")
 
 
 class _Energy(NamedTuple):
@@ -236,21 +269,31 @@ def half_thickness(bodies: Bodies) -> np.ndarray:
     return np.sqrt(5.0 * moments / bodies.mass)
 
 
-def deepest_overlap(near: Near, thickness):
+def _overlapping(overlap, thin, other):
+    partner = "the wall" if other < 0 else f"grain {other}"
+    return f"grain {thin} and {partner} overlap by {overlap * 1e3:.3g} mm"
+
+
+def deepest_overlap(near: Near, thickness, ids, counted=None):
     """The overlap [m] that is largest against the thinner grain's half thickness: (overlap, (thinner, other), ratio).
 
-    thickness: of each grain, (n,) [m]. A wall stands as grain -1; (0, (-1, -1), 0) where nothing touches.
+    thickness: of each grain, (n,) [m]; ids (n,): of two as thick the lower counts as thinner. counted (n,) bool: of
+    contacts those whose thinner grain is; None: all. A wall stands as grain -1; (0, (-1, -1), 0) where nothing touches.
     """
     contacts, walls = near
+    counted = np.ones(len(thickness), bool) if counted is None else counted
     found = 0.0, (-1, -1), 0.0
     p = np.flatnonzero(contacts.touching)
+    a, b = contacts.body_a[p], contacts.body_b[p]
+    a_thinner = (thickness[a] < thickness[b]) | ((thickness[a] == thickness[b]) & (ids[a] < ids[b]))
+    thin, other = np.where(a_thinner, a, b), np.where(a_thinner, b, a)
+    p, thin, other = p[counted[thin]], thin[counted[thin]], other[counted[thin]]
     if len(p):
-        a, b = contacts.body_a[p], contacts.body_b[p]
-        ratio = contacts.overlap[p] / np.minimum(thickness[a], thickness[b])
+        ratio = contacts.overlap[p] / thickness[thin]
         k = int(np.argmax(ratio))
-        thin, other = (a[k], b[k]) if thickness[a[k]] <= thickness[b[k]] else (b[k], a[k])
-        found = float(contacts.overlap[p[k]]), (int(thin), int(other)), float(ratio[k])
+        found = float(contacts.overlap[p[k]]), (int(thin[k]), int(other[k])), float(ratio[k])
     w = np.flatnonzero(walls.touching)
+    w = w[counted[walls.body[w]]]
     if len(w):
         ratio = walls.overlap[w] / thickness[walls.body[w]]
         k = int(np.argmax(ratio))

@@ -151,7 +151,7 @@ def test_an_overlap_of_half_a_grain_names_both(settled):
     """As if the grains of a bed at rest were ten thousand times as thin."""
     thin = 1e-4 * half_thickness(settled.bodies)
     with pytest.raises(PackingError, match=r"grain \d+ and (grain \d+|the wall) overlap by \S+ mm at step") as caught:
-        settled.watch._check_overlap(settled.bodies, settled.near, settled.step, thin)
+        settled.watch._check_overlap(settled.bodies, settled.near, settled.step, thin, falling=False)
     assert "numerics.contact_time (now 0.001 s" in str(caught.value)
 
 
@@ -168,7 +168,7 @@ def test_an_impact_too_deep_stops_the_run_before_it_is_over():
 def test_the_deepest_overlap_is_against_the_thinner_grain(settled):
     thickness = half_thickness(settled.bodies)
     np.testing.assert_allclose(thickness, settled.bodies.radius, rtol=1e-12)
-    overlap, (thin, other), ratio = deepest_overlap(settled.near, thickness)
+    overlap, (thin, other), ratio = deepest_overlap(settled.near, thickness, settled.bodies.id)
     assert ratio == overlap / thickness[thin]
     assert other == -1 or thickness[thin] <= thickness[other]
     contacts = settled.contacts
@@ -195,6 +195,40 @@ def test_the_stiffest_grain_of_a_bed_is_among_those_looked_at(settled):
         assert stiffest_body(settled.bodies, settled.near, settled.box.width, load) == found
     finally:
         stability.LOOKED_AT = looked_at
+
+
+def pressed(radius, overlap):
+    """A process of a sphere of 1 mm on the floor, and one of radius [m] on it that overlaps by that much [m]."""
+    made, lines = set_up_few(shapes={"kind": "sphere"}), []
+    running = Process(made.scene, made.bases, made.draw, lines.append)
+    size, place = np.array([1e-3, radius]), np.array([[0.0, 0.0, 1e-3], [0.0, 0.0, 2e-3 + radius - overlap]])
+    upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros((2, 3))
+    scale, density = np.outer(size, np.ones(3)), running.scene.material.density
+    bodies = make_bodies(
+        [unit_sphere()], np.zeros(2, int), scale, place, upright, still, still, density, running.scene.features
+    )
+    running.place(bodies, 6e-3)
+    return running, lines
+
+
+def test_a_pebble_under_a_stone_is_let_pass_while_grains_fall():
+    running, lines = pressed(6e-3, 1.5e-3)
+    running.patience = 3
+    running.advance(1, SHAKING)
+    running.advance(1, SHAKING)
+    (line,) = [line for line in lines if "let pass" in line]
+    assert "grain 0 and grain 1 overlap by 1.5 mm at step 1, more than half" in line
+    assert running.watch.deepest == pytest.approx(1.5, rel=0.01)
+    with pytest.raises(PackingError, match=r"grain 0 and grain 1 overlap by 1.\d+ mm at step 3"):
+        running.advance(1, SHAKING)
+
+
+@pytest.mark.parametrize("phase, radius", [(DAMPING, 6e-3), (SHAKING, 2.5e-3)])
+def test_it_is_not_once_beds_are_damped_nor_under_one_of_a_few_times_its_mass(phase, radius):
+    running, _ = pressed(radius, 1.5e-3)
+    running.patience = 3
+    with pytest.raises(PackingError, match=r"grain 0 and grain 1 overlap by 1.\d+ mm at step 1"):
+        running.advance(1, phase)
 
 
 @pytest.mark.parametrize("restitution", [0.1, 0.6, 1.0])
