@@ -110,7 +110,7 @@ def estimate_cost(setup: Setup) -> Cost:
 
 
 def _step_cost(scene: Scene) -> float:
-    return step_cost(WORDS[scene.kind], scene.features.patch, scene.numerics.contact_time)
+    return step_cost(WORDS[scene.kind], scene.features.patch, scene.numerics.contact_time, scene.numerics.time_step)
 
 
 def explain(setup: Setup) -> str:

@@ -13,17 +13,18 @@ from simcore.dem.impact import derive_hertzian, fall_speed
 from simcore.dem.release import fall_time, layer_grains, zone_height
 from simcore.sizes import lattice_spacing, size_curve
 
-# CPU time of a grain and step in a dense shaken bed [µs], one thread: kind of grain, whether patches are found. The one
-# table of it; measured by `python -m benchmarks.throughput --shape ...`, README, "What a step costs", at a contact time
-# of 0.2 ms.
-STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.76, ("mesh", False): 1.0, ("mesh", True): 2.2}
+# CPU time of a grain and step [µs], one thread, at the contact time and step of the study: kind of grain, whether patches
+# are found. The one table of it. Of patches from the nine packings of `paper` in results/reference/accuracy.csv (1.1 to
+# 1.7 on three machines), the others by `python -m benchmarks.throughput --shape ...` (README, "What a step costs").
+STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.65, ("mesh", False): 1.0, ("mesh", True): 1.4}
 # Half of the one and half of the other cost the mean of both, to 2 %.
 STEP_COST |= {("mixed", patch): 0.5 * (STEP_COST["ellipsoid", False] + STEP_COST["mesh", patch]) for patch in (0, 1)}
-# What a longer contact time adds, relative to the dearest of the kind, times its square [1/ms²]: overlaps grow so, and
-# with them wide patches and searches that memory does not save. Measured on beds of 600 pebbles at 1, 2 and 4 ms, the
-# deepest point alone at 2 ms (2.9, 4.2 to 4.6, 10 and 4.4 µs, all of their steps counted); for ellipsoids and spheres
-# ASSUME: by the same share of their own cost.
-SOFTER = 0.25
+# The dearer, the longer the step (memory of a contact holds for less) and the softer the contacts (patches are wide, more
+# pairs touch): powers of both, from the CPU times of results/reference/work_precision/packings.csv, 10 to 80 steps in
+# 2 ms and 0.25 to 2 ms in 10 steps, pebbles with patches; of other grains
+# ASSUME: the same.
+STUDY_STEP, LONGER = 5e-6, 0.12
+STUDY_CONTACT_TIME, SOFTER = 2e-4, 0.25
 # Near pairs that a grain at rest brings into the list; measured in the packings of examples/.
 NEAR_PAIRS = {"sphere": 5.2, "ellipsoid": 10.0, "mesh": 13.4}
 NEAR_PAIRS["mixed"] = 0.5 * (NEAR_PAIRS["ellipsoid"] + NEAR_PAIRS["mesh"])
@@ -120,15 +121,15 @@ def estimate(specification: dict) -> PackingCost:
     return PackingCost(
         grains=grains,
         steps=sum(waits) + after,
-        cpu_seconds=1e-6 * step_cost(kind, patch, numerics["contact_time"]) * grain_steps,
+        cpu_seconds=1e-6 * step_cost(kind, patch, contact_time(specification, curve), dt) * grain_steps,
         array_bytes=float(grains) * GRAIN_MEMORY[kind],
     )
 
 
-def step_cost(kind: str, patch: bool, contact_time: float) -> float:
-    """CPU time of a grain and step [µs], one thread, at this contact time [s]."""
-    dearest = STEP_COST[kind, patch or (kind, True) in STEP_COST]
-    return STEP_COST[kind, patch] + SOFTER * dearest * (1e3 * contact_time) ** 2
+def step_cost(kind: str, patch: bool, contact_time: float, time_step: float) -> float:
+    """CPU time of a grain and step [µs], one thread, at this contact time and step [s]."""
+    slower = (time_step / STUDY_STEP) ** LONGER * (contact_time / STUDY_CONTACT_TIME) ** SOFTER
+    return STEP_COST[kind, patch] * slower
 
 
 def effective_gravity(material: dict) -> float:
