@@ -117,4 +117,5 @@ def test_a_dry_run_tells_packings_hours_and_pieces(workplace):
     assert packings == 21 and longest > 2 and 21 * longest > hours > 21
     assert 1 < pieces <= 21
     assert re.search(r"^all +624 ", said, re.MULTILINE)
-    assert said.count("rule packing:") in (1, 2)
+    # The other pieces have one each at least.
+    assert 1 <= said.count("rule packing:") <= packings - (pieces - 1)
