@@ -13,15 +13,15 @@ from simcore.dem.impact import derive_hertzian, fall_speed
 from simcore.dem.release import fall_time, layer_grains, zone_height
 from simcore.sizes import lattice_spacing, size_curve
 
-# CPU time of a grain and step [µs], one thread, at the study's contact time and step: kind of grain, whether patches are
-# found. The one table of it. Of patches from the packings of `paper` in results/reference/accuracy.csv (1.1 to 1.7 on
-# three machines), the others by `python -m benchmarks.throughput --shape ...` (README, "What a step costs").
+# CPU time of a grain and step [µs], one thread, at the study's contact time and step: kind of grain, whether patches
+# are found. The one table of it. Of patches from the packings of `paper` in results/reference/accuracy.csv (1.1 to 1.7
+# on three machines), the others by `python -m benchmarks.throughput --shape ...` (README, "What a step costs").
 STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.65, ("mesh", False): 1.0, ("mesh", True): 1.4}
 # Half of the one and half of the other cost the mean of both, to 2 %.
 STEP_COST |= {("mixed", patch): 0.5 * (STEP_COST["ellipsoid", False] + STEP_COST["mesh", patch]) for patch in (0, 1)}
 # The dearer, the longer the step (memory of a contact holds for less) and the softer the contacts (patches are wide,
-# more pairs touch): powers of both, from the CPU times of results/reference/work_precision/packings.csv, 10 to 80 steps in
-# 2 ms and 0.25 to 2 ms in 10 steps, pebbles with patches; of other grains
+# more pairs touch): powers of both, from the CPU times of results/reference/work_precision/packings.csv, 10 to 80
+# steps in 2 ms and 0.25 to 2 ms in 10 steps, pebbles with patches; of other grains
 # ASSUME: the same.
 STUDY_STEP, LONGER = 5e-6, 0.12
 STUDY_CONTACT_TIME, SOFTER = 2e-4, 0.25
