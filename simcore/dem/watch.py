@@ -140,15 +140,14 @@ class Watch:
         if deepest[0] <= DEEPEST:
             return
         if falling:
-            let_pass = self._pinched(bodies, near)
-            if not self.pinched:
+            pressed, deepest = deepest, self._deepest(bodies, near, thickness, ~self._pinched(bodies, near))
+            if deepest[0] <= DEEPEST and not self.pinched:
                 self.pinched = True
                 self.report(
-                    f"{self.scene.name}: warning: {_overlapping(*deepest[1:])} at step {step}, more than half of the "
+                    f"{self.scene.name}: warning: {_overlapping(*pressed[1:])} at step {step}, more than half of the "
                     f"grain is thick; let pass while grains fall where a stone of {PINCHING:g} times the mass lands "
                     f"on a grain, and only then"
                 )
-            deepest = self._deepest(bodies, near, thickness, ~let_pass)
         if deepest[0] > DEEPEST:
             raise PackingError(
                 f"{self.scene.name}: {_overlapping(*deepest[1:])} at step {step}, more "
