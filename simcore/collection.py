@@ -29,9 +29,11 @@ COLUMNS = {
     "validation": (["case", "run"], []),
     "application": (["case", "choice", "seed"], ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]),
     "deposits": (["study", "packing"], []),
+    "accuracy": (["accuracy", "case", "seed"], []),
 }
-# Where the seed stands after what is known of the form.
+# Where the seed stands after what is known of the form, or a column is left out.
 ORDER = {
+    "accuracy": [*COLUMNS["accuracy"][0], "grains", "n", "cpu_s"],
     "form_mixture": [*COLUMNS["form_mixture"][0][:-1], *COLUMNS["form_mixture"][1], "seed", *RESULT],
 }
 # Studies whose name begins so go into one table; any other study has its own.

@@ -98,6 +98,15 @@ def test_validation_counts_runs_and_other_studies_keep_what_they_vary(evaluated)
     assert list(table) == ["case", "shaking_s", "seed", "n", "n_error", "grains", "cpu_s"]
 
 
+def test_accuracies_lie_beside_rows_that_no_campaign_has(evaluated, tmp_path):
+    path = tmp_path / "accuracy.csv"
+    path.write_text("accuracy,case,seed,grains,n,cpu_s\npaper,U1,1,600,0.35,900.0\nof old,U1,1,600,0.34,90.0\n")
+    varied = {"case": "U1", "seed": 1, "accuracy": "paper"}
+    rows = rows_of("accuracy", [{"packing": "p", "varied": varied}], [evaluated(specify(), n=0.36)], "synthetic")
+    gather(tmp_path, table_of("accuracy"), rows)
+    assert path.read_text().splitlines()[1:] == ["of old,U1,1,600,0.34,90.0", "paper,U1,1,300,0.36,36.0"]
+
+
 def test_rows_stay_until_the_same_packing_comes_again(tmp_path):
     rows = pd.DataFrame(
         {"case": ["U7", "U1"], "run": [1, 2], "n": [0.3, 0.4], "n_error": 0.01, "grains": 9, "cpu_s": 1.0}

@@ -150,7 +150,8 @@ for study in all_studies if campaign["reference"] else []:
 
 
 # The finished packings of all studies, as rows of the committed tables; the others may come later. The tables are no
-# outputs: they are there in a clone, and stay when what they were made of is gone.
+# outputs: they are there in a clone, and stay when what they were made of is gone. Of studies that are not part of `all`,
+# those of which something was packed here.
 rule collect:
     log:
         "<results>/logs/collect.log",
@@ -163,7 +164,7 @@ rule collect:
         packings={
             study: plan_of(study)
             for study in all_studies
-            if study in studies or study.startswith("difference_")
+            if study in studies or os.path.isdir(f"{results}/porosity/{study}")
         },
     script:
         "../scripts/collect.py"
