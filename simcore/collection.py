@@ -3,7 +3,7 @@
 A table in the reference folder holds one row a packing. Packings that are not finished yet are left out; rows that
 stand there already stay, unless the same packing is gathered again. gathered.csv there names each packing that has a
 row, with a digest of its settings, so that a campaign goes on where its rows end when its packings are gone;
-collected.csv sums it up.
+collected.csv sums it up. trends.csv holds what a packing's porosity does not tell: order over its height.
 """
 
 import hashlib
@@ -14,7 +14,9 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
+from simcore.cost_table import study_hours
 from simcore.study_tables import tabulate
+from simcore.trend_tables import tabulate_trends
 
 log = logging.getLogger(__name__)
 
@@ -30,12 +32,14 @@ COLUMNS = {
     "application": (["case", "choice", "seed"], ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]),
     "deposits": (["study", "packing"], []),
     "accuracy": (["accuracy", "case", "seed"], []),
+    "trends": (["source", "study", "packing", "quantity"], []),
 }
 # Where the seed stands after what is known of the form, or a column is left out.
 ORDER = {
     "accuracy": [*COLUMNS["accuracy"][0], "grains", "n", "cpu_s"],
     "form_mixture": [*COLUMNS["form_mixture"][0][:-1], *COLUMNS["form_mixture"][1], "seed", *RESULT],
 }
+LEDGER = ["study", "source", "packing", "settings", "cpu_s", "grain_steps", "code"]
 # Studies whose name begins so go into one table; any other study has its own.
 TABLES = {"single_form": "single_form", "equivalent_ellipsoids": "single_form", "form_mixtures": "form_mixture"}
 NAMES = {
@@ -72,7 +76,7 @@ def check_gathered(folder, test_only, example):
 
 
 def finished(folder, study, packings):
-    """What is there of a study: (rows, their Datasets, a table for `record` with packing, settings, cpu_s [s], code).
+    """What is there of a study: (rows, their Datasets, a table for `record`: packing and the other columns of LEDGER).
 
     folder: of the Datasets, `study`/`packing`.nc each, with the scene in its attributes. packings: dicts with row,
     specification and cpu_h. A Dataset of other settings than the specification's is left out, and that is logged.
@@ -89,9 +93,17 @@ def finished(folder, study, packings):
             continue
         rows.append(packing["row"])
         found.append(dataset)
-        cpu_s, code = round(float(dataset.attrs["cpu_seconds"]), 1), dataset.attrs["code_version"]
-        made.append((name, settings_of(packing["specification"]), cpu_s, code))
-    return rows, found, pd.DataFrame(made, columns=["packing", "settings", "cpu_s", "code"])
+        attrs = dataset.attrs
+        made.append(
+            {
+                "packing": name,
+                "settings": settings_of(packing["specification"]),
+                "cpu_s": round(float(attrs["cpu_seconds"]), 1),
+                "grain_steps": int(attrs["n_grains"]) * int(attrs["steps"]),
+                "code": attrs["code_version"],
+            }
+        )
+    return rows, found, pd.DataFrame(made, columns=LEDGER[2:])
 
 
 def not_gathered(folder, study, source, packings):
@@ -110,7 +122,7 @@ def settings_of(specification):
 def _ledger(folder):
     path = Path(folder) / "gathered.csv"
     if not path.exists():
-        return pd.DataFrame(columns=["study", "source", "packing", "settings", "cpu_s", "code"])
+        return pd.DataFrame(columns=LEDGER)
     return pd.read_csv(path, dtype={"packing": str, "settings": str})
 
 
@@ -147,6 +159,15 @@ def _order(name):
     return ORDER.get(name, [*COLUMNS[name][0], *COLUMNS[name][1], *RESULT])
 
 
+def trends_of(study, rows, evaluations, source):
+    """Rows of trends.csv; arguments as of `rows_of`. A quantity that all grains of a packing share has none."""
+    table = tabulate_trends(study, rows, evaluations).assign(source=source)
+    table = table[table["spearman_r"].notna()].drop(columns="p_value")
+    numbers = table.select_dtypes("float").columns
+    table[numbers] = table[numbers].map(lambda value: float(f"{value:.4g}"))
+    return table[["source", *table.columns.drop("source")]]
+
+
 def gather(folder, name, rows):
     """Lay rows over the table `name`.csv in `folder`, sorted; returns how many it holds now.
 
@@ -176,14 +197,15 @@ def record(folder, table, study, source, packings, made, **behind):
 
     table: name of the one that the rows went into. packings and made: as of `finished`, which does not know those
     whose files are gone. behind: other columns of collected.csv, of what was made now; where packings are of several
-    machines or commands, all stand there.
+    machines or commands, all stand there. study_cpu_h there: core-hours of the source study's program for as many
+    grain-steps, of packings that state theirs.
     """
     key = {"study": study, "source": source}
     ledger = _ledger(folder)
     if len(made):
         ledger = pd.concat([ledger, made.assign(**key)], ignore_index=True) if len(ledger) else made.assign(**key)
     ledger = ledger.drop_duplicates([*key, "packing"], keep="last").sort_values([*key, "packing"])
-    _write(ledger[[*key, "packing", "settings", "cpu_s", "code"]], Path(folder) / "gathered.csv")
+    _write(ledger[LEDGER].astype({"grain_steps": "Int64"}), Path(folder) / "gathered.csv")
     left = not_gathered(folder, study, source, packings)
     hours_left = sum(packing["cpu_h"] for packing in left)
     names = {packing["row"]["packing"] for packing in packings} - {packing["row"]["packing"] for packing in left}
@@ -195,6 +217,7 @@ def record(folder, table, study, source, packings, made, **behind):
         "packings": len(done),
         "planned": len(packings),
         "cpu_h": round(done.cpu_s.sum() / 3600.0, 2),
+        "study_cpu_h": round(study_hours(done.grain_steps.sum()), 2),
         "cpu_h_left_estimated": round(hours_left, 2),
         "code": " ".join(sorted(set(done.code))),
     }

@@ -26,8 +26,13 @@ def cost_table(packings):
         cpu_h_per_packing=table["cpu_h"] / table["packings"],
         grain_steps=table["grain_steps"],
         cpu_us_per_grain_step=3600.0e6 * table["cpu_h"] / table["grain_steps"],
-        study_cpu_h=STUDY_HOURS * table["grain_steps"] / (STUDY_GRAINS * STUDY_STEPS),
+        study_cpu_h=study_hours(table["grain_steps"]),
     )
+
+
+def study_hours(grain_steps):
+    """Core-hours of the study's program for that many grains times steps."""
+    return STUDY_HOURS * grain_steps / (STUDY_GRAINS * STUDY_STEPS)
 
 
 def read_packings(paths):

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from simcore.collection import (
+    LEDGER,
     gather,
     not_gathered,
     record,
@@ -14,11 +15,13 @@ from simcore.collection import (
     settings_of,
     source_name,
     table_of,
+    trends_of,
     was_packed_so,
 )
 from simcore.evaluation import evaluate
 from simcore.prediction import fit_reference_models
 from simcore.specification import resolve
+from simcore.trend_tables import summarise_trends
 
 SPECIFICATION = {
     "domain": {"width": "0.1 m", "height": "0.3 m"},
@@ -88,6 +91,21 @@ def test_mixtures_have_nominal_and_found_statistics(evaluated, tmp_path):
     assert text[1].startswith("U1,0.4,0.1,0.6,0.2,0.636364,0.0,0.818182,0.0,2,")
 
 
+def test_trends_are_kept_of_what_differs_between_grains(evaluated, tmp_path):
+    rows = [{"packing": name, "varied": {"case": "U1", "seed": 1}} for name in ("a", "b")]
+    bed = evaluated(specify(choice="one", grain="G02"))
+    assert trends_of("single_form", rows[:1], [bed], "synthetic").empty, "all grains of this bed are alike"
+    beds = [bed.assign(spearman_r=bed.spearman_r.where(bed["quantity"] != "angle", 0.123456))] * 2
+    table = trends_of("single_form", rows, beds, "synthetic")
+    assert table.quantity.tolist() == ["angle", "angle"] and (table.spearman_r == 0.1235).all()
+    gather(tmp_path, "trends", table)
+    gather(tmp_path, "trends", trends_of("single_form", rows[1:], beds[1:], "synthetic"))
+    written = pd.read_csv(tmp_path / "trends.csv")
+    assert written.packing.tolist() == ["a", "b"] and list(written)[:3] == ["source", "study", "packing"]
+    summary = summarise_trends(written)
+    assert summary.packings.tolist() == [2] and summary.grains[0] == 2 * written.grains[0]
+
+
 def test_validation_counts_runs_and_other_studies_keep_what_they_vary(evaluated):
     bed = evaluated(specify(seed=3))
     table = rows_of("validation", [{"packing": "p", "varied": {"case": "U1", "seed": 3}}], [bed], "synthetic")
@@ -136,8 +154,8 @@ def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
     plan = [{"row": {"packing": f"p{seed}"}, "specification": specify(seed), "cpu_h": 0.5} for seed in (1, 2, 3)]
 
     def made(*numbers):
-        rows = [(f"p{i}", settings_of(specify(i)), 360.0 * i, f"v{i}") for i in numbers]
-        return pd.DataFrame(rows, columns=["packing", "settings", "cpu_s", "code"])
+        rows = [(f"p{i}", settings_of(specify(i)), 360.0 * i, 10**9 * i, f"v{i}") for i in numbers]
+        return pd.DataFrame(rows, columns=LEDGER[2:])
 
     record(tmp_path, "single_form", "single_form", "synthetic", plan, made(1), machine="one")
     left = not_gathered(tmp_path, "single_form", "synthetic", plan)
@@ -151,11 +169,12 @@ def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
     found = written.iloc[1]
     assert (found.cpu_h, found.cpu_h_left_estimated, found.code, found.machine) == (0.4, 0.5, "v1 v3", "one; two")
     assert pd.isna(written.machine[0]), "nothing was packed"
+    assert found.study_cpu_h == round(4e9 * 230 / (20_000 * 1.5e6), 2)
 
 
 def test_a_row_of_other_settings_does_not_stand_for_a_packing(tmp_path):
     plan = [{"row": {"packing": "p"}, "specification": specify(1), "cpu_h": 0.5}]
-    made = pd.DataFrame([("p", settings_of(specify(2)), 9.0, "v")], columns=["packing", "settings", "cpu_s", "code"])
+    made = pd.DataFrame([("p", settings_of(specify(2)), 9.0, 30_000, "v")], columns=LEDGER[2:])
     record(tmp_path, "single_form", "single_form", "synthetic", plan, made)
     assert not_gathered(tmp_path, "single_form", "synthetic", plan) == plan
     assert pd.read_csv(tmp_path / "collected.csv").packings[0] == 0

@@ -71,7 +71,12 @@ def test_half_of_a_campaign_is_gathered_and_the_rest_later(campaign):
     assert status == 0, said
     assert "heights: 1 of 2 packings" in said and "spheroids: 0 of 4 packings" in said
     kept = campaign.folder / "kept"
-    assert sorted(path.name for path in kept.iterdir()) == ["collected.csv", "gathered.csv", "heights.csv"]
+    assert sorted(path.name for path in kept.iterdir()) == [
+        "collected.csv",
+        "gathered.csv",
+        "heights.csv",
+        "trends.csv",
+    ]
     first = pd.read_csv(kept / "heights.csv")
     (first_bed,) = pd.read_csv(kept / "gathered.csv").packing + ".nc"
     assert list(first) == ["case", "drop_height", "seed", "n", "n_error", "grains", "cpu_s"] and len(first) == 1

@@ -2,7 +2,7 @@
 
 import logging
 
-from simcore.collection import check_gathered, finished, gather, record, rows_of, source_name, table_of
+from simcore.collection import check_gathered, finished, gather, record, rows_of, source_name, table_of, trends_of
 from simcore.verification.machine import describe_machine
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
@@ -13,4 +13,5 @@ for study, packings in p.packings.items():
     rows, evaluations, made = finished(p.evaluations, study, packings)
     if rows:
         gather(p.folder, table_of(study), rows_of(study, rows, evaluations, source))
+        gather(p.folder, "trends", trends_of(study, rows, evaluations, source))
     record(p.folder, table_of(study), study, source, packings, made, command=p.command, machine=machine)
