@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 import yaml
 
 from simcore.evaluation import evaluate
+from simcore.reference import ROWS_FOLDER
 from simcore.specification import resolve
 from simcore.studies import expand, merge
 
@@ -97,6 +99,14 @@ def test_half_of_a_campaign_is_gathered_and_the_rest_later(campaign):
     behind = pd.read_csv(kept / "collected.csv").set_index("study").loc["heights"]
     assert (behind.packings, behind.planned, behind.cpu_h, behind.cpu_h_left_estimated) == (2, 2, 0.04, 0.0)
     assert behind.command == "snakemake --configfile mine.yaml" and behind.code == "0.1.0+test"
+
+
+def test_committed_rows_give_tables_and_figures_without_a_packing(campaign):
+    shutil.copytree(ROWS_FOLDER, campaign.folder / "kept", ignore=shutil.ignore_patterns("[!n]*"))
+    status, said = campaign.run("committed_studies")
+    assert status == 0 and said.count("rule committed_studies:") == 1 and "rule packing:" not in said, said
+    made = campaign.folder / "results" / "mine" / "committed"
+    assert sorted(path.name for path in made.glob("n*")) == [f"near_spheres.{kind}" for kind in ("csv", "pdf", "png")]
 
 
 def test_beds_of_other_settings_and_other_campaigns_are_left_out(campaign, workplace):

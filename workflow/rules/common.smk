@@ -4,6 +4,7 @@ report: "../report/workflow.rst"
 
 import os
 import sys
+from pathlib import Path
 
 import numpy as np
 from snakemake.exceptions import WorkflowError

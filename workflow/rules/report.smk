@@ -194,3 +194,23 @@ rule report:
         code=digest("workflow/scripts/report.py", *captions),
     script:
         "../scripts/report.py"
+
+
+# Tables and figures of the rows that are committed, in a minute: --configfile config/workstation.yaml -- committed_studies
+rule committed_studies:
+    input:
+        rows=branch(
+            bool(campaign["reference"]),
+            then=sorted(map(str, Path(campaign["reference"] or "").glob("*.csv"))),
+        ),
+    output:
+        folder=directory("<results>/committed"),
+    log:
+        "<results>/logs/committed_studies.log",
+    params:
+        folder=campaign["reference"],
+        seed=campaign["models"]["seed"],
+        folds=campaign["models"]["folds"],
+        code=digest("workflow/scripts/committed_studies.py"),
+    script:
+        "../scripts/committed_studies.py"
