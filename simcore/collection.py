@@ -123,7 +123,7 @@ def _ledger(folder):
     path = Path(folder) / "gathered.csv"
     if not path.exists():
         return pd.DataFrame(columns=LEDGER)
-    return pd.read_csv(path, dtype={"packing": str, "settings": str})
+    return pd.read_csv(path, dtype={"packing": str, "settings": str}).reindex(columns=LEDGER)  # older ones lack columns
 
 
 def was_packed_so(specification, evaluation):
@@ -136,7 +136,10 @@ def _comparable(specification):
     # What changes no result, and may have changed since: how often it tells, how long it waits for what came to rest.
     numerics = {key: value for key, value in specification["numerics"].items() if key != "progress_interval"}
     damping = {key: value for key, value in specification["damping"].items() if key != "max_time"}
-    return json.loads(json.dumps({**specification, "shapes": shapes, "numerics": numerics, "damping": damping}))
+    # Where a campaign keeps its results; of which grains it is, `source` says.
+    grains = {**specification["grains"], "source": source_name(specification["grains"]["source"])}
+    changed = {"shapes": shapes, "numerics": numerics, "damping": damping, "grains": grains}
+    return json.loads(json.dumps({**specification, **changed}))
 
 
 def rows_of(study, rows, evaluations, source):
@@ -211,13 +214,14 @@ def record(folder, table, study, source, packings, made, **behind):
     names = {packing["row"]["packing"] for packing in packings} - {packing["row"]["packing"] for packing in left}
     done = ledger[(ledger.study == study) & (ledger.source == source) & ledger.packing.isin(names)]
     print(f"{study}: {len(done)} of {len(packings)} packings, about {hours_left:.1f} CPU hours left", flush=True)
+    steps = done.grain_steps.sum(min_count=1)
     entry = {
         "table": f"{table}.csv",
         **key,
         "packings": len(done),
         "planned": len(packings),
         "cpu_h": round(done.cpu_s.sum() / 3600.0, 2),
-        "study_cpu_h": round(study_hours(done.grain_steps.sum()), 2),
+        "study_cpu_h": round(study_hours(steps), 2) if pd.notna(steps) else "",
         "cpu_h_left_estimated": round(hours_left, 2),
         "code": " ".join(sorted(set(done.code))),
     }
@@ -228,7 +232,7 @@ def record(folder, table, study, source, packings, made, **behind):
         texts = [part for before in known[name] for part in before.split("; ") if part]
         entry[name] = "; ".join(dict.fromkeys([*texts, text] if len(made) else texts))
     summary = pd.concat([summary, pd.DataFrame([entry])], ignore_index=True) if len(summary) else pd.DataFrame([entry])
-    _write(summary.drop_duplicates(keys, keep="last").sort_values(keys), path)
+    _write(summary.drop_duplicates(keys, keep="last").sort_values(keys)[list(entry)], path)
 
 
 def _write(table, path):

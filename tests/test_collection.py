@@ -143,6 +143,9 @@ def test_a_bed_of_other_settings_is_noticed(evaluated):
     bed = evaluated(specify(choice="one", grain="G02"))
     assert was_packed_so(specify(choice="one", grain="form 3 of the spread"), bed)
     assert not was_packed_so(specify(choice="random"), bed)
+    elsewhere = specify(choice="one", grain="G02")
+    elsewhere["grains"]["source"] = f"results/mine/{elsewhere['grains']['source']}"
+    assert was_packed_so(elsewhere, bed)
     patient = specify(choice="one", grain="G02")
     patient["damping"]["max_time"] *= 4.0
     assert was_packed_so(patient, bed)
@@ -170,6 +173,10 @@ def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
     assert (found.cpu_h, found.cpu_h_left_estimated, found.code, found.machine) == (0.4, 0.5, "v1 v3", "one; two")
     assert pd.isna(written.machine[0]), "nothing was packed"
     assert found.study_cpu_h == round(4e9 * 230 / (20_000 * 1.5e6), 2)
+    older = pd.read_csv(tmp_path / "gathered.csv").drop(columns="grain_steps")
+    older.to_csv(tmp_path / "gathered.csv", index=False)
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(2), machine="two")
+    assert pd.read_csv(tmp_path / "gathered.csv").grain_steps.fillna(0).tolist() == [0, 2e9, 0]
 
 
 def test_a_row_of_other_settings_does_not_stand_for_a_packing(tmp_path):

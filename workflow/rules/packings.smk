@@ -81,7 +81,9 @@ rule packing:
         " --checkpoints {params.checkpoints:q}/{wildcards.study} --with-parent > {log} 2>&1"
 
 
+# As soon as its packing is there: a campaign that is ended leaves rows, not packings alone.
 rule porosity:
+    priority: 1
     input:
         packing="<results>/packings/{study}/{packing}.nc",
     output:
