@@ -83,13 +83,13 @@ rule packing:
 
 # As soon as its packing is there: a campaign that is ended leaves rows, not packings alone.
 rule porosity:
-    priority: 1
     input:
         packing="<results>/packings/{study}/{packing}.nc",
     output:
         evaluation="<results>/porosity/{study}/{packing}.nc",
     log:
         "<results>/logs/porosity/{study}/{packing}.log",
+    priority: 1
     params:
         settings=campaign["porosity"],
         code=digest("workflow/scripts/porosity.py"),
