@@ -189,9 +189,10 @@ def births(
         if not study:
             # The batch before has just fallen below the height where this one may begin.
             low = 0.0 if done == 0 else max(bed_height(done) + drop_height, REFILL_HEIGHT * height)
-        # Half a spacing at either end is the grains' own.
-        room = done == 0 or low <= REFILL_HEIGHT * height
-        count = min(sites(low, max(height - spacing, low)), grains - done) if room else 0
+        # Half a spacing at either end is the grains' own. On a bed that is high there is always room for a layer.
+        room = done == 0 or low <= REFILL_HEIGHT * height or (not study and low < height)
+        high = max(height - spacing, low if study or done == 0 else low + 0.5 * spacing)
+        count = min(sites(low, high), grains - done) if room else 0
         if count == 0:  # `pack` will say that the domain is too small, or squeeze the rest in
             return born + [grains], steps + [0]
         done += count

@@ -86,7 +86,24 @@ def set_up(specification: dict, load_grains) -> Setup:
         numerics=Numerics(**numerics),
         hertzian=hertzian,
     )
+    _check_height(scene, sample)
     return Setup(scene, bases, curve, sample, draw)
+
+
+def _check_height(scene, sample):
+    """ValueError where the grains, were they without pores, would stand higher than the domain."""
+    mass = scene.amount_mass
+    if mass is None:
+        some = sample(np.arange(min(GRAINS, scene.amount_grains))).volume
+        mass = scene.material.density * scene.amount_grains * float(some.mean())
+    domain = scene.domain
+    solid = mass / (scene.material.density * domain.area)
+    if solid > domain.height:
+        raise ValueError(
+            f"domain.height: {mass:.3g} kg of grains would fill a {domain.type} domain {domain.width * 1e3:g} mm wide "
+            f"to {solid * 1e3:.0f} mm without a pore, above its {domain.height * 1e3:g} mm; make it higher or "
+            f"wider, or pour less"
+        )
 
 
 def shape_choice(shapes: dict) -> ShapeChoice:

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 import yaml
@@ -60,6 +61,26 @@ def test_near_the_measured_cost_of_the_accuracies(accuracy):
 def test_batches_begin_where_those_of_the_core_do():
     assert packing_cost.REFILL_HEIGHT == packing.REFILL_HEIGHT
     assert packing_cost.STUDY_FIRST_FILL == packing.STUDY_FIRST_FILL
+
+
+def test_a_high_bed_gets_its_last_batches_in_layers():
+    """The bed grows by 0.3 mm a grain; from 0.18 m on batches get what room is left below 0.3 m."""
+    born, waits = packing_cost.births(
+        900,
+        lambda done: 3e-4 * done,
+        lambda low, high: 20 * int(np.ceil((high - low) / 0.01)),
+        study=False,
+        height=0.3,
+        spacing=0.012,
+        drop_height=0.012,
+        velocity=1.0,
+        gravity=6.0,
+        time_step=1e-4,
+    )
+    sizes = np.diff([0, *born])
+    assert born[-1] == 900 and len(waits) == len(born)
+    assert sizes[0] == 580 and sizes[1] == 220 and (sizes[2:] < 220).all()
+    assert min(waits[:-1]) > 0 and waits[-1] == 0
 
 
 def test_ranks_are_kept_busy():

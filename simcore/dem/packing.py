@@ -200,17 +200,10 @@ class Process:
     def generate(self):
         """Batches until the amount is reached; returns the step of the last birth."""
         while not self.full:
-            if self.bodies is None or (not self.under_way and self.step >= self.next_birth and self._has_room()):
+            if self._is_time_for_batch():
                 self._add_batch()
                 self.patience = max(self.step, self.next_birth) + round(2.0 * self._fall_time() / self.dt)
                 continue
-            if not self.under_way and self.step >= self.patience and not self._may_come_down():
-                top = self._top() * 1e3
-                raise PackingError(
-                    f"{self.scene.name}: after {self.born} grains the bed reaches {top:.0f} mm and "
-                    f"leaves no room for another batch below domain.height = "
-                    f"{self.scene.domain.height * 1e3:.0f} mm; make the domain higher or wider, or pour less"
-                )
             self.advance(self.interval_steps, GENERATING)
         (mass,) = self.ranks.totals(self.bodies.mass[self.bodies.own])
         self.progress.phase(f"{self.born} grains born, {mass:.4g} kg")
@@ -304,23 +297,42 @@ class Process:
             touching[bodies[touch != 0]] = True
         return touching
 
-    def _may_come_down(self):
-        """Whether only grains in flight keep the next batch waiting, and not for too long.
-
-        A heavy grain that falls on a light one can throw it higher than where it was born.
-        """
-        waited = self.step - self.patience
-        return waited * self.dt < LONG_FLIGHT * self._fall_time() and self._has_room(self._top(lying=True))
+    def _is_time_for_batch(self):
+        """Whether a batch is born now; PackingError where none ever finds room."""
+        if self.bodies is None:
+            return True
+        if self.under_way or self.step < self.next_birth:
+            return False
+        top = self._top()
+        if self._has_room(top):
+            return True
+        if self.step < self.patience:
+            return False
+        # A heavy grain that falls on a light one can throw it higher than where it was born: it is waited for, not
+        # too long.
+        waits = (self.step - self.patience) * self.dt < LONG_FLIGHT * self._fall_time()
+        lying = self._top(lying=True)
+        if waits and self._has_room(lying):
+            return False
+        # The bed itself has come to where batches begin: what is left of the domain takes the next.
+        if self._has_room(top, last=True):
+            return True
+        if waits and self._has_room(lying, last=True):
+            return False
+        raise PackingError(
+            f"{self.scene.name}: after {self.born} grains the bed reaches {top * 1e3:.0f} mm and leaves no room for "
+            f"another batch below domain.height = {self.scene.domain.height * 1e3:.0f} mm; make the domain higher or "
+            f"wider, or pour less"
+        )
 
     def _fall_time(self):
         """Time to fall through the domain from birth [s]."""
         g, v = self.scene.material.effective_gravity, -self.scene.generation.velocity_z
         return (np.sqrt(v**2 + 2.0 * g * self.scene.domain.height) - v) / g
 
-    def _has_room(self, top=None):
-        """Whether a batch finds room above `top` [m], the highest grain's if none is given."""
+    def _has_room(self, top, last=False):
+        """Whether a batch finds room above `top` [m]; last: be it as little as a layer of its lattice."""
         generation, height = self.scene.generation, self.scene.domain.height
-        top = self._top() if top is None else top
         if generation.placement == "random":
             _, drawn, reach = self._next_to_release()
             zone = zone_height(reach, self._volumes(drawn), self.scene.domain.area)
@@ -331,7 +343,7 @@ class Process:
                 [self.bodies.position[own, 2].max(initial=-np.inf), self.bodies.radius[own].max(initial=0.0)]
             )
             return bool(high < REFILL_HEIGHT * height - max(generation.spacing, 2.0 * radius))
-        return top + generation.drop_height < REFILL_HEIGHT * height
+        return top + generation.drop_height < (1.0 if last else REFILL_HEIGHT) * height
 
     def _add_batch(self):
         """One batch of grains, of which every rank draws all and takes its own."""
@@ -421,7 +433,11 @@ class Process:
         drawn = self.draw(ids)
         reach, half_height = extents(self.bases, drawn, generation.orientation == "random")
         sites[:, 2] += half_height[: len(sites)].max(initial=0.0)
-        sites = sites[sites[:, 2] + half_height.max(initial=0.0) <= scene.domain.height]
+        tallest, ceiling = half_height.max(initial=0.0), scene.domain.height
+        if born > 0 and generation.fill == "bed":
+            # There is no lid: the last layers may stand out of a domain that the bed nearly fills.
+            ceiling = max(ceiling, sites[0, 2] + tallest)
+        sites = sites[sites[:, 2] + tallest <= ceiling]
         taken = occupy_sites(sites, reach, half_height, scene.domain)
         if len(taken) == 0:
             raise PackingError(

@@ -168,9 +168,22 @@ def test_not_at_rest_names_grain_and_step():
 
 def test_a_domain_too_low_says_so():
     with pytest.raises(PackingError, match=r"few: after \d+ grains the bed reaches \d+ mm .*domain.height = 40 mm"):
-        run(domain={"height": "40 mm"}, amount={"grains": 200})
+        run(domain={"height": "40 mm"}, amount={"grains": 120})
     with pytest.raises(PackingError, match=r"no grain finds room at birth"):
-        run(domain={"height": "9 mm"})
+        run(domain={"height": "9 mm"}, amount={"grains": 20})
+
+
+def test_a_bed_higher_than_where_batches_begin_gets_the_rest_in_what_room_is_left():
+    packed = run(amount={"grains": 180}, domain={"height": "0.1 m"})
+    assert len(packed.bodies.mass) == 180
+    assert 0.06 < (packed.bodies.position[:, 2] + packed.bodies.radius).max() < 0.1
+
+
+def test_grains_that_fill_the_domain_without_a_pore_are_refused():
+    with pytest.raises(
+        ValueError, match=r"domain.height: 0.1\d+ kg of grains would fill .* 25 mm wide to \d+ mm without"
+    ):
+        set_up_few(amount={"grains": 400}, domain={"height": "60 mm"})
 
 
 def thrown(speed):
@@ -202,7 +215,7 @@ def test_a_batch_waits_for_a_grain_in_flight(monkeypatch):
 
 
 def test_a_bed_that_lies_too_high_is_not_waited_for():
-    made = set_up_few(amount={"grains": 400}, domain={"height": "0.1 m"})
+    made = set_up_few(amount={"grains": 300}, domain={"height": "0.1 m"})
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     with pytest.raises(PackingError, match=r"the bed reaches \d+ mm and leaves no room for another batch"):
         running.generate()
