@@ -5,8 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from benchmarks import beds, features, measurement, throughput
+from benchmarks import beds, features, height, measurement, throughput
 
 
 @pytest.fixture
@@ -85,3 +86,16 @@ def test_ellipsoids_have_the_axes_promised():
     setup = beds.prepare(beds.bed_settings("ellipsoid", 20))
     scale = setup.draw(np.arange(20)).scale
     np.testing.assert_allclose(scale / scale[:, 2:], [[0.5, 0.75, 1.0]] * 20, rtol=1e-12)
+
+
+def test_height_tells_the_ends_of_a_bed_from_its_middle():
+    """Grains of 1 mm in a bed of 20 mm, 0.02 denser in the upper 3 mm and 0.1 looser in the lowest."""
+    z = 1e-3 * (np.arange(0.0, 22.0, 0.25) + 0.125)
+    n = np.where(z > 17e-3, 0.33, np.where(z < 1e-3, 0.45, 0.35))
+    bed = xr.Dataset(
+        {"profile_exact": ("z", n), "bed_top": 20e-3, "D_mean": ("layer", np.full(3, 1e-3))}, coords={"z": z}
+    )
+    found = height.profile_of(bed).set_index(["end", "grains_from_it"])["difference"]
+    assert found["floor"].to_numpy() == pytest.approx([0.1, *np.zeros(7)])
+    assert found["surface"].to_numpy() == pytest.approx([*np.full(3, -0.02), *np.zeros(5)])
+    assert height.profile_of(bed.assign(bed_top=13e-3)) is None

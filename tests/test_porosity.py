@@ -81,12 +81,32 @@ def test_surface_is_the_uppermost_crossing_and_ends_are_cut(packings):
     )
     profile = porosity_profile(bed, method="exact")
     assert bed_top(profile) == pytest.approx(40e-3)
-    assert evaluation_interval(bed, profile) == pytest.approx((5e-3, 35e-3))
-    n = float(bulk_porosity(bed, "exact")["n"])
+    n = float(bulk_porosity(bed, "exact", cut=5e-3)["n"])
     assert n == pytest.approx(1 - (15 * 0.64 + 10 * 0.16 + 5 * 0.64) / 30, rel=1e-12)
     # A cut inside a slice is exact too, and the mean over slices is the same where it is not.
     n = float(bulk_porosity(bed, "exact", cut=7.3e-3)["n"])
     assert n == pytest.approx(1 - ((20 - 7.3) * 0.64 + 10 * 0.16 + (10 - 7.3) * 0.64) / (40 - 14.6), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("layers", "at_surface"),
+    [(20, 25.0), (10, 50.0 / 3.0), (4, 8.0)],
+    ids=["five median grains", "a third of a low bed", "the largest size in a very low one"],
+)
+def test_what_shaking_packs_closer_at_the_surface_is_no_bulk(packings, layers, at_surface):
+    """Cubes of 5 mm, stacked; the sieve's largest is 8 mm."""
+    heights = 5e-3 * (np.arange(layers) + 0.5)
+    bed = packings.make(
+        np.column_stack([0 * heights, 0 * heights, heights]),
+        np.full((layers, 3), 5e-3),
+        vertices=packings.cube,
+        width=6e-3,
+        largest=8e-3,
+    )
+    bed["D"] = bed["D"] * 0 + 5e-3
+    low, high = evaluation_interval(bed, porosity_profile(bed, method="exact"))
+    assert low == pytest.approx(8e-3)
+    assert 5.0 * layers - 1e3 * high == pytest.approx(at_surface)
 
 
 def test_a_bed_too_low_says_so(simple_cubic):
