@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from simcore.biases import measured_biases
 from simcore.collection import NAMES
 from simcore.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.figures.studies import porosities_figure, trends_figure
@@ -64,6 +65,9 @@ def findings(folder, seed=0, folds=FOLDS):
         tables |= {"unified": unified["models"], "unified_feature_sets": unified["feature_sets"]}
     for study in set(PLAIN_STUDIES) & set(rows):
         tables[study], figures[study] = _beside(rows[study], study)
+    biases = measured_biases(folder)
+    if len(biases):
+        tables["biases"] = biases
     if (folder / "trends.csv").exists():
         tables["trends"] = summarise_trends(pd.read_csv(folder / "trends.csv"))
         figures["trends"] = trends_figure(tables["trends"])

@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks import beds, features, height, measurement, throughput
+from benchmarks import bed_size, beds, features, height, measurement, throughput
+from simcore.dem.packing import pack
+from simcore.packing_io import packing_dataset, read_packing, write_packing
+from simcore.porosity import bulk_porosity
+from simcore.specification import resolve
+from tests.few import few, set_up_few
 
 
 @pytest.fixture
@@ -99,3 +104,24 @@ def test_height_tells_the_ends_of_a_bed_from_its_middle():
     assert found["floor"].to_numpy() == pytest.approx([0.1, *np.zeros(7)])
     assert found["surface"].to_numpy() == pytest.approx([*np.full(3, -0.02), *np.zeros(5)])
     assert height.profile_of(bed.assign(bed_top=13e-3)) is None
+
+
+def packed(path, **changes):
+    setup = set_up_few(**changes)
+    found = pack(setup.scene, setup.bases, setup.draw)
+    sample = setup.sample(np.arange(len(found.bodies.mass)))
+    specification, more = resolve(few(**changes)), {"largest_sieve_size": setup.curve.largest, "cpu_seconds": 1.0}
+    dataset = packing_dataset(setup.scene, setup.bases, found, sample, specification, **more)
+    write_packing(path, dataset)
+    return str(path)
+
+
+def test_bed_size_compares_what_differs_in_size_alone(tmp_path):
+    few_grains = packed(tmp_path / "few.nc")
+    more = packed(tmp_path / "more.nc", amount={"grains": 60}, domain={"width": "30 mm"}, seed=2)
+    rows = bed_size.table([more, few_grains])
+    assert rows[["width_mm", "grains", "seed"]].to_numpy().tolist() == [[25.0, 40, 1], [30.0, 60, 2]]
+    assert rows.n.tolist() == [pytest.approx(float(bulk_porosity(read_packing(path)).n)) for path in (few_grains, more)]
+    smoother = packed(tmp_path / "smoother.nc", material={"friction": 0.1})
+    with pytest.raises(ValueError, match="is of other settings than"):
+        bed_size.table([few_grains, smoother])

@@ -1,4 +1,5 @@
-"""What can be said of a packing before its first step: how long a step its grains bear, how deep impacts go."""
+"""What can be said of a packing before its first step: how long a step its grains bear, how deep impacts go, whether
+grains have room to lie."""
 
 from typing import NamedTuple
 
@@ -29,6 +30,7 @@ class Expectation(NamedTuple):
     fall_speed: float  # [m/s], of a grain through the whole domain
     impact_depth: float  # [m], overlap of a grain of that speed
     half_thickness: float  # [m], of the thinnest grain
+    longest: float  # [m], largest axis of a grain
 
 
 def expect(scene: Scene, bases: list[Base], draw) -> Expectation:
@@ -37,9 +39,10 @@ def expect(scene: Scene, bases: list[Base], draw) -> Expectation:
     stability = _estimate_stability(scene, bases, drawn)
     moments = np.array([base.second_moments for base in bases])[drawn.shape] * drawn.scale**2
     speed = fall_speed(scene)
-    half_thickness = float(np.sqrt(5.0 * moments.min()))
+    half_thickness, half_length = (float(np.sqrt(5.0 * moment)) for moment in (moments.min(), moments.max()))
     least = scene.hertzian.least_mass if scene.hertzian is not None else None
-    return Expectation(stability, speed, float(depth_of_impact(scene, speed, least)), half_thickness)
+    depth = float(depth_of_impact(scene, speed, least))
+    return Expectation(stability, speed, depth, half_thickness, 2.0 * half_length)
 
 
 def _estimate_stability(scene, bases, drawn) -> Estimate:
@@ -121,5 +124,12 @@ def warnings(scene: Scene, expected: Expectation) -> list[str]:
             f"{expected.impact_depth * 1e3:.2g} mm into another, where the thinnest grain is "
             f"{2e3 * expected.half_thickness:.2g} mm thick; {scene.stiffen[0].lower()}{scene.stiffen[1:]}) or lower "
             f"the fall"
+        )
+    width = scene.domain.width
+    if expected.longest > width:
+        beside = "comes to lie beside itself" if scene.domain.type == "periodic" else "cannot lie flat"
+        lines.append(
+            f"the longest grain, {expected.longest * 1e3:.3g} mm, is longer than the domain is wide, "
+            f"{width * 1e3:.3g} mm, and {beside}; widen domain.width"
         )
     return lines

@@ -10,6 +10,7 @@ import numpy as np
 from snakemake.exceptions import WorkflowError
 
 from simcore import deposits
+from simcore.biases import bias_note, measured_biases
 from simcore.campaign_cost import describe_studies, estimate_studies, number_pieces
 from simcore.collection import not_gathered, source_name
 from simcore.packing_cost import estimate
@@ -104,6 +105,15 @@ def minutes(wildcards, attempt):
 # One rank needs nothing to start it, and the executor for Slurm refuses to hear of MPI then.
 def mpiexec(wildcards):
     return campaign["mpiexec"] if ranks(wildcards) > 1 else ""
+
+
+# What is known of how far off the porosities of each study are.
+def bias_notes(names):
+    biases = measured_biases(ROWS_FOLDER)
+    specifications = packings.groupby("study").specification
+    return {
+        name: bias_note(list(specifications.get_group(name)), biases) for name in names
+    }
 
 
 # Packings of one form that stand in for cases which this campaign has not.

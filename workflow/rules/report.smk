@@ -190,6 +190,7 @@ rule report:
         "<results>/logs/report.log",
     params:
         titles=titles,
+        biases=lambda wildcards: bias_notes(studies),
         test_only=campaign["test_only"],
         code=digest("workflow/scripts/report.py", *captions),
     script:

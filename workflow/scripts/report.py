@@ -53,8 +53,10 @@ sections = [
 sections = [section for section in sections if section[1]] + [("Studies", [paragraph(STUDIES)])]
 kinds = ("study_porosities", "study_picture", "study_profile")
 for path, *pictures in zip(files.tables, files.study_figures, files.pictures, files.profiles, strict=True):
+    study = Path(path).stem
     shown = [picture(file, caption(kind)) for file, kind in zip(pictures, kinds, strict=True)]
-    sections.append((params.titles[Path(path).stem], [table(path, caption("study_table")), *shown]))
+    said = [table(path, caption("study_table")), paragraph(params.biases[study])]
+    sections.append((params.titles[study], [*said, *shown]))
 banner = TEST_ONLY if params.test_only else ""
 Path(snakemake.output.report).write_text(page(TITLE, LEAD, sections, banner), encoding="utf-8")
 without = [(heading, [each for each in fragments if not is_picture(each)]) for heading, fragments in sections]

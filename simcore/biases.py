@@ -1,0 +1,143 @@
+"""How far porosities are known to be off for the settings and the size of their beds, as measured on other beds."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from simcore.specification import resolve
+
+COLUMNS = ["of", "setting", "against", "bed", "beds", "difference", "difference_std_error", "source"]
+SETTINGS, SIZE, SHAKING = "settings", "size of the bed", "time of shaking"
+REFERENCE, REFERENCE_BED = "paper", (63.0, 1200)  # the accuracy, and width [mm] and grains, that others stand beside
+LEAST_PAIRS = 3  # of fewer no standard error is told
+CONTACT_TIME, REGION, GATE = "numerics.contact_time", "numerics.contact_region", "convergence.max_unbalanced_force"
+
+
+def measured_biases(folder):
+    """One row a difference that was measured, columns COLUMNS; tables that `folder` does not hold are left out.
+
+    folder: accuracy.csv, beds of each accuracy that share their seeds; bed_size.csv, single forms in beds of several
+    sizes (benchmarks/bed_size.py); work_precision/packings.csv, of which the time of shaking is taken. of: SETTINGS
+    (all that an accuracy stands for, the time step among it, beside `paper`), SIZE (beside 1200 grains in a box of
+    63 mm) or SHAKING (beside the longest). difference: mean over the pairs of beds, with its standard error.
+    """
+    folder = Path(folder)
+    parts = [
+        function(pd.read_csv(folder / name)).assign(source=name)
+        for name, function in (
+            ("accuracy.csv", _of_settings),
+            ("bed_size.csv", _of_size),
+            ("work_precision/packings.csv", _of_shaking),
+        )
+        if (folder / name).exists()
+    ]
+    return pd.concat(parts, ignore_index=True)[COLUMNS] if parts else pd.DataFrame(columns=COLUMNS)
+
+
+def _of_settings(rows):
+    n = rows.pivot(index=["case", "seed"], columns="accuracy", values="n")
+    found = [_mean(name, n[name] - n[REFERENCE]) for name in n if name != REFERENCE]
+    size = f"{rows['grains'].iloc[0]} grains of all forms"
+    return pd.DataFrame(found).assign(of=SETTINGS, against=REFERENCE, bed=size)
+
+
+def _of_size(rows):
+    n = rows.pivot_table(index=["case", "grain"], columns=["width_mm", "grains"], values="n")
+    found = [
+        _mean(describe_bed(*size), n[size] - n[REFERENCE_BED])
+        for size in n
+        if size != REFERENCE_BED and (n[size] - n[REFERENCE_BED]).count() >= LEAST_PAIRS
+    ]
+    return pd.DataFrame(found).assign(of=SIZE, against=describe_bed(*REFERENCE_BED), bed="single forms")
+
+
+def _of_shaking(rows):
+    rows = rows[rows["study"] == "precision_shaking"]
+    seconds = rows["setting"].astype(float)
+    longest = seconds.max()
+    found = rows.assign(setting=[f"{value:g} s" for value in seconds], beds=rows["seeds"])[seconds < longest]
+    return found.assign(of=SHAKING, against=f"{longest:g} s", bed="600 grains of all forms, draft")
+
+
+def _mean(setting, differences):
+    differences = differences.dropna()
+    return {
+        "setting": setting,
+        "beds": len(differences),
+        "difference": differences.mean(),
+        "difference_std_error": differences.sem(),
+    }
+
+
+def describe_bed(width_mm, grains):
+    """Size of a bed in words, as the table of biases has it."""
+    return f"{grains:g} grains in {width_mm:g} mm"
+
+
+def describe_settings(specification):
+    """Name of a packing's settings in the table of biases; None where they differ from its accuracy in more than that.
+
+    That is the contact time, and the deepest point in place of the patch, whose gate of rest may be wider. What is
+    compared is what an accuracy sets, faces apart: ellipsoids have none, and grains may come decimated.
+    """
+    accuracy = specification["accuracy"]
+    if accuracy is None:
+        return None
+    bare = {"name": "any", "domain": {"width": "1 m", "height": "1 m"}, "sizes": {"case": "U1"}}
+    of_accuracy = resolve({**bare, "amount": {"grains": 1}, "accuracy": accuracy})
+    other = {
+        f"{group}.{key}"
+        for group in ("shaking", "numerics", "convergence")
+        for key, value in of_accuracy[group].items()
+        if specification[group][key] != value and key != "progress_interval"
+    }
+    at_point = REGION in other
+    if other - {CONTACT_TIME} - ({REGION, GATE} if at_point else set()):
+        return None
+    words = ["at the deepest point"] if at_point else []
+    if CONTACT_TIME in other:
+        words.append(f"contact time {1e3 * specification['numerics']['contact_time']:g} ms")
+    joined = " and ".join(words)
+    return f"{accuracy} {'' if at_point else 'with '}{joined}" if words else accuracy
+
+
+def bias_note(specifications, biases):
+    """A sentence on the bias of the porosities of a study, for its page.
+
+    specifications: of its packings, resolved; biases: as of measured_biases. What its packings do not share, or was not
+    measured for them, is said to be so.
+    """
+    found = {
+        SETTINGS: {describe_settings(spec) for spec in specifications},
+        SIZE: {_bed_of(spec) for spec in specifications},
+        SHAKING: {f"{spec['shaking']['duration']:g} s" for spec in specifications},
+    }
+    parts = [f"{of}: {_phrase(values, biases[biases['of'] == of])}" for of, values in found.items()]
+    return f"Bias, as measured on other beds, of the {'; of the '.join(parts)}."
+
+
+def _bed_of(spec):
+    if spec["domain"]["type"] != "periodic" or not spec["amount"]["grains"]:
+        return None
+    return describe_bed(round(1e3 * spec["domain"]["width"], 3), spec["amount"]["grains"])
+
+
+def _phrase(values, biases):
+    """What is known of one kind of bias; values: what a study has of it, None where it has no name."""
+    if len(values) > 1:
+        return "not the same throughout"
+    value = next(iter(values))
+    row = biases[biases["setting"] == value]
+    if len(row):
+        row = row.iloc[0]
+        return f"{_number(row)} ({value}, beside {row['against']}; {row['bed']})"
+    if value in set(biases["against"]):
+        others = ", ".join(f"{_number(row)} for {row['setting']}" for _, row in biases.iterrows())
+        return f"{value}, beside which others came out {others}"
+    return "not measured" + (f" for {value}" if value else "")
+
+
+def _number(row):
+    error = row["difference_std_error"]
+    return f"{row['difference']:+.4f}" + (f" ± {error:.4f}" if np.isfinite(error) else "")

@@ -1,0 +1,92 @@
+"""What is known of the bias of a study's porosities, from tables of beds that differ in one thing."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from simcore.biases import SETTINGS, SHAKING, SIZE, bias_note, describe_settings, measured_biases
+from simcore.specification import resolve
+
+RAW = {
+    "name": "bed",
+    "accuracy": "standard",
+    "domain": {"width": "45 mm", "height": "0.4 m"},
+    "sizes": {"case": "U1"},
+    "amount": {"grains": 300},
+}
+
+
+def specification(**changes):
+    return resolve({**RAW, **changes})
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Made-up beds: draft 0.01 looser than paper, 300 grains 0.02 denser than 1200, 6 s of shaking 0.005 looser."""
+    n = 0.35 + 0.001 * np.arange(4)
+    pd.concat(
+        pd.DataFrame({"accuracy": accuracy, "case": "U1", "seed": range(4), "grains": 600, "n": n + more})
+        for accuracy, more in (("paper", 0.0), ("draft", 0.01), ("standard", [0.001, 0.003, 0.001, 0.003]))
+    ).to_csv(tmp_path / "accuracy.csv", index=False)
+    pd.concat(
+        pd.DataFrame(
+            {"case": "U1", "grain": list("abcd")[:forms], "width_mm": width, "grains": grains, "n": n[:forms]}
+        ).assign(n=lambda rows, more=more: rows["n"] + more)
+        for width, grains, forms, more in ((63.0, 1200, 4, 0.0), (45.0, 300, 3, -0.02), (32.0, 300, 2, -0.1))
+    ).to_csv(tmp_path / "bed_size.csv", index=False)
+    (tmp_path / "work_precision").mkdir()
+    shaking = {"study": "precision_shaking", "setting": [12, 6], "seeds": 4, "difference": [0.0, 0.005]}
+    other = {"study": "precision_skin", "setting": ["not set"], "seeds": 2, "difference": [0.0]}
+    rows = pd.concat([pd.DataFrame(shaking), pd.DataFrame(other)]).assign(difference_std_error=0.0003)
+    rows.to_csv(tmp_path / "work_precision/packings.csv", index=False)
+    return tmp_path
+
+
+def test_differences_are_those_of_the_pairs(folder):
+    found = measured_biases(folder).set_index(["of", "setting"])
+    assert found.difference[SETTINGS, "draft"] == pytest.approx(0.01)
+    assert found.difference_std_error[SETTINGS, "draft"] == pytest.approx(0.0, abs=1e-12)
+    assert found.difference[SETTINGS, "standard"] == pytest.approx(0.002)
+    # Four differences 0.001 from their mean: standard deviation 0.001 (4/3)^1/2, of which the half.
+    assert found.difference_std_error[SETTINGS, "standard"] == pytest.approx(0.5e-3 * (4 / 3) ** 0.5)
+    assert found.difference[SIZE, "300 grains in 45 mm"] == pytest.approx(-0.02)
+    assert found.beds[SIZE, "300 grains in 45 mm"] == 3
+    assert (SIZE, "300 grains in 32 mm") not in found.index  # two pairs tell no error
+    assert found.difference[SHAKING, "6 s"] == 0.005 and found.against[SHAKING, "6 s"] == "12 s"
+    assert len(found) == 4
+
+
+def test_without_tables_nothing_is_known(tmp_path):
+    assert measured_biases(tmp_path).empty
+    assert "settings: not measured for standard" in bias_note([specification()], measured_biases(tmp_path))
+
+
+def test_settings_are_known_by_their_accuracy_and_contact_time():
+    assert describe_settings(specification()) == "standard"
+    softer = specification(numerics={"contact_time": "1 ms", "progress_interval": "1 s"})
+    assert describe_settings(softer) == "standard with contact time 1 ms"
+    point = {"contact_time": "1 ms", "contact_region": "point"}
+    wide = {"max_unbalanced_force": 0.5}
+    told = "standard at the deepest point and contact time 1 ms"
+    assert describe_settings(specification(numerics=point, convergence=wide)) == told
+    assert describe_settings(specification(convergence=wide)) is None
+    assert describe_settings(specification(shaking={"duration": "1 s"})) is None
+    assert describe_settings(specification(accuracy=None)) is None
+    # Grains of a campaign come decimated, ellipsoids have no faces.
+    assert describe_settings(specification(faces="original")) == "standard"
+
+
+def test_a_study_is_told_the_bias_of_its_own_beds(folder):
+    biases = measured_biases(folder)
+    note = bias_note([specification(), specification(seed=2)], biases)
+    assert "settings: +0.0020 ± 0.0006 (standard, beside paper; 600 grains of all forms)" in note
+    assert "size of the bed: -0.0200" in note and "beside 1200 grains in 63 mm; single forms)" in note
+    assert "time of shaking: +0.0050 ± 0.0003 (6 s, beside 12 s;" in note
+    reference = {"domain": {"width": "63 mm", "height": "0.4 m"}, "amount": {"grains": 1200}}
+    note = bias_note([specification(**reference)], biases)
+    assert "1200 grains in 63 mm, beside which others came out -0.0200" in note
+    cylinder = {"domain": {"type": "cylinder", "width": "64 mm", "height": "0.5 m"}, "amount": {"mass": "0.3 kg"}}
+    note = bias_note([specification(shaking={"duration": t}, **cylinder) for t in ("1 s", "2 s")], biases)
+    assert note.endswith(
+        "settings: not measured; of the size of the bed: not measured; of the time of shaking: not the same throughout."
+    )
