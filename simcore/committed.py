@@ -19,7 +19,7 @@ from simcore.reference import add_reference, read_study_table
 from simcore.regression import FOLDS
 from simcore.study_tables import FORM, compare_predictions, pair_shape_kinds, summarise
 from simcore.trend_tables import summarise_trends
-from simcore.unified_model import STATISTICS, unified_features, unified_models
+from simcore.unified_model import STATISTICS, UNIFIED, unified_features, unified_models
 
 MESH, ELLIPSOID = "mesh", "ellipsoid"
 # Studies whose rows stand beside a table of the source study's, or by themselves.
@@ -57,12 +57,15 @@ def findings(folder, seed=0, folds=FOLDS):
         models = _single_forms(rows["single_form"], tables, figures, seed, folds)
         _shape_kinds(rows["single_form"], rows.get("near_spheres"), tables, figures)
     if "form_mixture" in rows:
-        models |= _mixtures(rows["form_mixture"], rows.get("application"), tables, figures, seed, folds)
+        models |= _mixtures(rows["form_mixture"], tables, figures, seed, folds)
     if {"single_form", "form_mixture"} <= set(rows):
         forms, mixtures = rows["single_form"], rows["form_mixture"]
         synthetic = forms[(forms["kind"] == MESH) & (forms["source"] == "synthetic")]
-        unified, _ = unified_models(synthetic, _samples(mixtures), read_study_table("models"), seed, folds)
+        unified, fitted = unified_models(synthetic, _samples(mixtures), read_study_table("models"), seed, folds)
         tables |= {"unified": unified["models"], "unified_feature_sets": unified["feature_sets"]}
+        models |= fitted
+    if "application" in rows and any(name == "form_mixture" for name, _ in models):
+        tables["application_predictions"] = _application(rows["application"], models)
     for study in set(PLAIN_STUDIES) & set(rows):
         tables[study], figures[study] = _beside(rows[study], study)
     biases = measured_biases(folder)
@@ -155,8 +158,16 @@ def _shape_kinds(packings, near_spheres, tables, figures):
     figures["shape_kinds"] = shape_kind_figure(pairs, round_ones)
 
 
-def _mixtures(packings, application, tables, figures, seed, folds):
-    """The model of mixtures and what it says of beds that it has not seen; returns the models."""
+def _application(packings, models):
+    """What the models say of beds that they have not seen, over the seeds."""
+    kind = np.where(packings["choice"] == "random", "discrete", "continuous")
+    unseen = pd.concat([packings[["case", "n"]].assign(kind=kind), _statistics(packings)], axis=1)
+    seen = unseen.groupby(["case", "kind"], sort=False).mean().reset_index()
+    return application_table(models, seen, read_study_table("table11_application"))
+
+
+def _mixtures(packings, tables, figures, seed, folds):
+    """The model of mixtures, its tables and figures; returns the models."""
     fitted, models = mixture_models(
         _samples(packings).drop(columns=["mean_FL", "mean_EL"]),
         read_study_table("correlations"),
@@ -174,11 +185,6 @@ def _mixtures(packings, application, tables, figures, seed, folds):
         figures["form_mixture_prediction"] = prediction_figure(predictions, list(models.values()))
     asked_for = means.drop(columns=list(NOMINAL.values()), errors="ignore").rename(columns=NOMINAL)
     figures["form_mixture_sets"] = form_sets_figure(asked_for)
-    if models and application is not None:
-        kind = np.where(application["choice"] == "random", "discrete", "continuous")
-        unseen = pd.concat([application[["case", "n"]].assign(kind=kind), _statistics(application)], axis=1)
-        seen = unseen.groupby(["case", "kind"], sort=False).mean().reset_index()
-        tables["application_predictions"] = application_table(models, seen, read_study_table("table11_application"))
     return models
 
 
@@ -192,7 +198,7 @@ def _samples(packings):
 def _statistics(packings):
     """Features of the models of mixtures, from the statistics over the grains of each packing."""
     renamed = packings.rename(columns={"EQ": "mu_EQ", "EL": "mu_EL"})
-    return unified_features(renamed[list(STATISTICS)])[list(dict.fromkeys([*STATISTICS, *MIXTURE]))]
+    return unified_features(renamed[list(STATISTICS)])[list(dict.fromkeys([*STATISTICS, *MIXTURE, *UNIFIED]))]
 
 
 def _beside(packings, study):

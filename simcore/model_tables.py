@@ -131,14 +131,19 @@ def mixture_models(packings, study_correlations=None, study_sets=None, study_mod
 def application_table(models, packings, study=None):
     """Prediction for packings no model has seen (Table 11), one row each.
 
-    models: dict from (name, case) to PorosityModel; packings: columns case, kind ("continuous" or "discrete"), n and
-    the models' features. study: table11_application.csv.
+    models: dict from (name, case) to PorosityModel, "form_mixture", and "unified" if it is to stand beside; packings:
+    columns case, kind ("continuous" or "discrete"), n and the models' features. study: table11_application.csv.
     """
-    by_case = {case: model for (name, case), model in models.items() if name == "form_mixture"}
-    rows = packings[packings["case"].isin(by_case)]
-    predicted = [float(by_case[case].predict(rows.loc[[index]])[0]) for index, case in rows["case"].items()]
-    table = rows[["case", "kind", "n"]].rename(columns={"n": "simulated"}).assign(predicted=predicted)
-    table["abs_error"] = (table["predicted"] - table["simulated"]).abs()
+    rows = packings[packings["case"].isin({case for name, case in models if name == "form_mixture"})]
+    table = rows[["case", "kind", "n"]].rename(columns={"n": "simulated"})
+    for name, before in (("form_mixture", ""), ("unified", "unified_")):
+        if any(model == name for model, _ in models):
+            predicted = [
+                float(models[name, case].predict(rows.loc[[index]])[0]) if (name, case) in models else np.nan
+                for index, case in rows["case"].items()
+            ]
+            table[f"{before}predicted"] = predicted
+            table[f"{before}abs_error"] = (table[f"{before}predicted"] - table["simulated"]).abs()
     if study is not None:
         parts = [
             pd.DataFrame(

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from simcore.committed import findings, read_rows
+from simcore.unified_model import UNIFIED, unified_features
 
 ROWS = {"n_error": 0.002, "grains": 1200, "cpu_s": 100.0}
 
@@ -77,6 +78,12 @@ def test_mixtures_predict_what_was_not_fitted(folder):
     assert models[list(expected)].to_dict() == pytest.approx(expected, abs=1e-9)
     (row,) = tables["application_predictions"].itertuples()
     assert row.abs_error == pytest.approx(0.004, abs=1e-9) and row.study_simulated == pytest.approx(0.353)
+    unified = tables["unified"].set_index("term").coefficient
+    statistics = pd.DataFrame({"mu_EQ": [0.42], "sigma_EQ": [np.hypot(0.14, 0.12)], "mu_EL": [0.7], "sigma_EL": [0.2]})
+    features = unified_features(statistics).iloc[0]
+    by_hand = unified["intercept"] + sum(unified[name] * features[name] for name in UNIFIED)
+    assert row.unified_predicted == pytest.approx(by_hand, abs=1e-12)
+    assert row.unified_abs_error == pytest.approx(abs(by_hand - row.simulated), abs=1e-12)
     assert set(tables["unified_feature_sets"].model) == {"unified", "separate", "study"}
     assert {"form_mixture_sets", "form_mixture_prediction"} <= set(figures)
 
