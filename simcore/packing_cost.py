@@ -15,7 +15,7 @@ from simcore.sizes import lattice_spacing, size_curve
 
 # CPU time of a grain and step [µs], one thread, at the study's contact time and step: kind of grain, whether patches
 # are found. The one table of it. Of patches from the packings of `paper` in results/reference/accuracy.csv (1.1 to 1.7
-# on three machines), the others by `python -m benchmarks.throughput --shape ...` (README, "What a step costs"), where
+# on three machines), the others by `python -m benchmarks.throughput --shape ...` (docs/cost.md), where
 # ellipsoids had 0.55 and 0.76 on two machines.
 STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.65, ("mesh", False): 1.0, ("mesh", True): 1.4}
 # Half of the one and half of the other cost the mean of both, to 2 %.
