@@ -11,7 +11,7 @@ from simcore.dem.expectation import Expectation, expect, warnings
 from simcore.dem.features import Features
 from simcore.dem.generation import lattice_sites
 from simcore.dem.neighbors import bytes_per_pair
-from simcore.dem.packing import extents
+from simcore.dem.pouring import extents
 from simcore.dem.scene import Scene
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, collect_shapes
 from simcore.dem.sliding import CAPPED

@@ -39,7 +39,7 @@ SETTLING = 0.2
 CREEPING = 1.5
 # ASSUME: longest axis of a grain that is no sphere over its sieve size; the other two axes make up that size squared.
 LONGEST_AXIS = 1.5
-# Of simcore.dem.packing, where the study's batches begin, relative to the height of the domain.
+# Of simcore.dem.pouring, where the study's batches begin, relative to the height of the domain.
 STUDY_FIRST_FILL, REFILL_HEIGHT = 0.1, 0.6
 
 # ASSUME: what is asked of a scheduler for a process with numba's compiler; the arrays are there several times while

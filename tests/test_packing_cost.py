@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from simcore import packing_cost
-from simcore.dem import packing
+from simcore.dem import pouring
 from simcore.explanation import estimate_cost
 from simcore.scenes import set_up
 from simcore.sources import load_grains
@@ -59,8 +59,8 @@ def test_near_the_measured_cost_of_the_accuracies(accuracy):
 
 
 def test_batches_begin_where_those_of_the_core_do():
-    assert packing_cost.REFILL_HEIGHT == packing.REFILL_HEIGHT
-    assert packing_cost.STUDY_FIRST_FILL == packing.STUDY_FIRST_FILL
+    assert packing_cost.REFILL_HEIGHT == pouring.REFILL_HEIGHT
+    assert packing_cost.STUDY_FIRST_FILL == pouring.STUDY_FIRST_FILL
 
 
 def test_a_high_bed_gets_its_last_batches_in_layers():

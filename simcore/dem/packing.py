@@ -15,12 +15,13 @@ from numba import get_num_threads
 from simcore.dem.bodies import Bodies, make_bodies
 from simcore.dem.contact.patch import make_room
 from simcore.dem.expectation import expect, warnings
-from simcore.dem.generation import give_birth, lattice_sites, occupy_sites
+from simcore.dem.generation import give_birth
 from simcore.dem.neighbors import Box, Near, list_near
 from simcore.dem.observation import Observation, observe
 from simcore.dem.parts import assemble
+from simcore.dem.pouring import Pouring
 from simcore.dem.ranks import ONE_RANK
-from simcore.dem.release import fall_time, layer_grains, release_places, zone_height
+from simcore.dem.release import fall_time
 from simcore.dem.rest import judge_settled, judge_still
 from simcore.dem.scene import Scene
 from simcore.dem.shapes import Base, collect_shapes
@@ -33,19 +34,7 @@ GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"
 SKIN, WIDEST_MARGIN = 0.3, 1.0
 LIST_HOLDS = (100, 1000)  # steps: lists that hold for fewer look farther ahead, for more less far
 AHEAD_STEP = 1.5
-REFILL_HEIGHT = 0.6  # of the domain: where the study's batches begin
-STUDY_FIRST_FILL = 0.1
 LONG_FLIGHT = 50.0  # times to fall through the domain
-MEAN_REACH = 200  # grains whose size says how many make up a layer
-
-
-class Draw(NamedTuple):
-    """Grains by id, as the grain room draws them; all (n,) but scale (n, 3) and uniforms (n, 8)."""
-
-    shape: np.ndarray
-    scale: np.ndarray
-    sieve_size: np.ndarray
-    uniforms: np.ndarray
 
 
 class Packed(NamedTuple):
@@ -119,6 +108,7 @@ class Process:
         """timed: count in `seconds` what each part of the steps takes."""
         self.scene, self.bases, self.draw, self.ranks = scene, bases, draw, ranks
         self.keeper = Keeper() if keeper is None else keeper
+        self.pouring = Pouring(scene, bases, draw)
         self.progress = _Progress(scene, report)
         self.shapes = collect_shapes(bases)
         domain = scene.domain
@@ -327,36 +317,32 @@ class Process:
 
     def _fall_time(self):
         """Time to fall through the domain from birth [s]."""
-        g, v = self.scene.material.effective_gravity, -self.scene.generation.velocity_z
-        return (np.sqrt(v**2 + 2.0 * g * self.scene.domain.height) - v) / g
+        scene = self.scene
+        return fall_time(scene.domain.height, -scene.generation.velocity_z, scene.material.effective_gravity)
 
     def _has_room(self, top, last=False):
-        """Whether a batch finds room above `top` [m]; last: be it as little as a layer of its lattice."""
-        generation, height = self.scene.generation, self.scene.domain.height
-        if generation.placement == "random":
-            _, drawn, reach = self._next_to_release()
-            zone = zone_height(reach, self._volumes(drawn), self.scene.domain.area)
-            return top + generation.drop_height + zone <= height
-        if generation.fill == "study":
-            own = self.bodies.own
-            high, radius = self.ranks.most(
-                [self.bodies.position[own, 2].max(initial=-np.inf), self.bodies.radius[own].max(initial=0.0)]
-            )
-            return bool(high < REFILL_HEIGHT * height - max(generation.spacing, 2.0 * radius))
-        return top + generation.drop_height < (1.0 if last else REFILL_HEIGHT) * height
+        return self.pouring.has_room(self.born, top, self._highest, last)
+
+    def _highest(self):
+        """Height of the highest centre and largest bounding radius [m]."""
+        own = self.bodies.own
+        return self.ranks.most(
+            [self.bodies.position[own, 2].max(initial=-np.inf), self.bodies.radius[own].max(initial=0.0)]
+        )
 
     def _add_batch(self):
         """One batch of grains, of which every rank draws all and takes its own."""
-        scene, generation, born = self.scene, self.scene.generation, self.born
-        drawn, places = self._release() if generation.placement == "random" else self._fill_lattice()
+        scene, born = self.scene, self.born
+        drawn, places, interval = self.pouring.batch(born, self._top(), self._touching)
+        self.next_birth = self.step + round(interval / self.dt)
         count = len(places)
         if scene.amount_grains is not None:
             self.full = born + count >= scene.amount_grains
         else:
             before = 0.0 if self.bodies is None else self.ranks.totals(self.bodies.mass[self.bodies.own])[0]
-            mass = before + np.cumsum(scene.material.density * self._volumes(drawn)[:count])
+            mass = before + np.cumsum(scene.material.density * self.pouring.volumes(drawn)[:count])
             self.full = bool(mass[-1] >= scene.amount_mass)
-            if self.full and generation.fill == "bed":
+            if self.full and scene.generation.fill == "bed":
                 # ASSUME: the study ends with a whole batch and overshoots; a batch just above the bed can be larger
                 # than the packing, so the grain that reaches the mass is the last.
                 count = int(np.searchsorted(mass, scene.amount_mass)) + 1
@@ -372,84 +358,15 @@ class Process:
             self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, self.features
         )
 
-    def _next_to_release(self):
-        """Ids, draw and bounding radii [m] of the next batch that is strewn at random."""
-        scene, generation, born = self.scene, self.scene.generation, self.born
-        batch = generation.batch_grains
-        if batch is None:
-            first, _ = extents(self.bases, self.draw(np.arange(MEAN_REACH)), True)
-            batch = layer_grains(first, scene.domain.area)
-        if scene.amount_grains is not None:
-            batch = min(batch, scene.amount_grains - born)
-        ids = np.arange(born, born + batch)
-        drawn = self.draw(ids)
-        return ids, drawn, extents(self.bases, drawn, True)[0]
-
-    def _release(self):
-        """Draw and places (n, 3) of a batch strewn at random; the next is due when it has fallen, or as given."""
-        scene, generation = self.scene, self.scene.generation
-        ids, drawn, reach = self._next_to_release()
-        low = self._top() + generation.drop_height
-        height = zone_height(reach, self._volumes(drawn), scene.domain.area)
-        if low + height > scene.domain.height:
-            raise PackingError(
-                f"{scene.name}: a batch of {len(ids)} grains is strewn from {low:.3g} m to {low + height:.3g} m, above "
-                f"domain.height {scene.domain.height:g} m; lower generation.batch_grains or make the domain higher"
-            )
-        bodies = self._newborn(drawn, np.zeros((len(ids), 3)), len(ids))
-        try:
-            places = release_places(
-                ids, reach, height, scene.domain, low, scene.seed, lambda places: self._touching(bodies, places)
-            )
-        except ValueError as error:
-            raise PackingError(f"{scene.name}: {error}") from None
-        interval = generation.batch_interval
-        if interval is None:
-            gravity = scene.material.effective_gravity
-            interval = fall_time(generation.drop_height + height, -generation.velocity_z, gravity)
-        self.next_birth = self.step + round(interval / self.dt)
-        return drawn, places
-
-    def _touching(self, bodies, places):
-        """Pairs (m, 2) of the bodies that touch where they are at these places; the step's own contacts tell."""
-        bodies.position[:] = places
+    def _touching(self, drawn, places):
+        """Pairs (m, 2) of the grains drawn that touch at these places; the step's own contacts tell."""
+        bodies = self._newborn(drawn, places, len(places))
         near = list_near(bodies, self.shapes, self.box, 0.0, self.features)
         drive = self._drive(GENERATING, 0.0)
         clock = np.zeros_like(self.clock)
         self.advance_steps(bodies, self.shapes, *near, self.room, self.scene.law, drive, clock, 0, 1)
         found = near.contacts
         return np.column_stack([found.body_a, found.body_b])[found.touching != 0]
-
-    def _fill_lattice(self):
-        """Draw and places (n, 3) of a batch on a lattice, of which there are no more than grains drawn."""
-        scene, generation, born = self.scene, self.scene.generation, self.born
-        if generation.fill == "study":
-            low = (STUDY_FIRST_FILL if born == 0 else REFILL_HEIGHT) * scene.domain.height
-        else:
-            low = self._top() + generation.drop_height
-        sites = lattice_sites(scene.domain, generation.spacing, low, scene.domain.height)
-        wanted = len(sites) if scene.amount_grains is None else min(len(sites), scene.amount_grains - born)
-        ids = np.arange(born, born + max(wanted, 1))  # one also where there is no site, so that the error has its size
-        drawn = self.draw(ids)
-        reach, half_height = extents(self.bases, drawn, generation.orientation == "random")
-        sites[:, 2] += half_height[: len(sites)].max(initial=0.0)
-        tallest, ceiling = half_height.max(initial=0.0), scene.domain.height
-        if born > 0 and generation.fill == "bed":
-            # There is no lid: the last layers may stand out of a domain that the bed nearly fills.
-            ceiling = max(ceiling, sites[0, 2] + tallest)
-        sites = sites[sites[:, 2] + tallest <= ceiling]
-        taken = occupy_sites(sites, reach, half_height, scene.domain)
-        if len(taken) == 0:
-            raise PackingError(
-                f"{scene.name}: no grain finds room at birth between {low:.3g} m and domain.height "
-                f"{scene.domain.height:g} m in a {scene.domain.type} domain of width {scene.domain.width:g} m; grains "
-                f"reach {2 * reach.max(initial=0.0):.3g} m across; make the domain larger"
-            )
-        return drawn, sites[taken]
-
-    def _volumes(self, drawn):
-        volume = np.array([base.volume for base in self.bases])
-        return volume[drawn.shape] * drawn.scale.prod(axis=1)
 
     # -- steps ----------------------------------------------------------------------------------------------
 
@@ -557,25 +474,6 @@ _STATE = (
     "ahead",
     "height",
 )
-
-
-def extents(bases: list[Base], drawn: Draw, any_orientation: bool):
-    """How far grains reach horizontally and vertically from their centre at birth, (n,) and (n,) [m]."""
-    if any_orientation:
-        radius = np.zeros(len(drawn.shape))
-    reach = np.zeros(len(drawn.shape))
-    half_height = np.zeros(len(drawn.shape))
-    for k, (shape, scale) in enumerate(zip(drawn.shape, drawn.scale, strict=True)):
-        if len(bases[shape].vertices):
-            corners = np.abs(bases[shape].vertices * scale)
-            reach[k], half_height[k] = np.hypot(corners[:, 0], corners[:, 1]).max(), corners[:, 2].max()
-            if any_orientation:
-                radius[k] = np.sqrt((corners**2).sum(axis=1).max())
-        else:
-            reach[k], half_height[k] = max(scale[0], scale[1]), scale[2]
-            if any_orientation:
-                radius[k] = scale.max()
-    return (radius, radius) if any_orientation else (reach, half_height)
 
 
 class _Progress:

@@ -7,7 +7,7 @@ from scipy.spatial.distance import pdist, squareform
 from simcore.dem.bodies import make_bodies
 from simcore.dem.generation import give_birth, lattice_sites, occupy_sites
 from simcore.dem.neighbors import Box, list_near
-from simcore.dem.packing import Draw, extents
+from simcore.dem.pouring import Draw, extents
 from simcore.dem.scene import Domain, Generation
 from simcore.dem.shapes import collect_shapes, unit_sphere
 
