@@ -195,13 +195,13 @@ def _sortable(column):
     return column if pd.api.types.is_numeric_dtype(column) else column.astype(str)
 
 
-def record(folder, table, study, source, packings, made, **behind):
+def record(folder, table, study, source, packings, made, command, machine):
     """Lay what was `made` over gathered.csv in `folder`, and the study's sum over collected.csv.
 
     table: name of the one that the rows went into. packings and made: as of `finished`, which does not know those
-    whose files are gone. behind: other columns of collected.csv, of what was made now; where packings are of several
-    machines or commands, all stand there. study_cpu_h there: core-hours of the source study's program for as many
-    grain-steps, of packings that state theirs.
+    whose files are gone. command, of the campaign, and machine: where packings are of several, all stand there. What
+    another campaign says of the study stays where this one has no packing of it. study_cpu_h there: core-hours of the
+    source study's program for as many grain-steps, of packings that state theirs.
     """
     key = {"study": study, "source": source}
     ledger = _ledger(folder)
@@ -226,11 +226,18 @@ def record(folder, table, study, source, packings, made, **behind):
         "code": " ".join(sorted(set(done.code))),
     }
     path, keys = Path(folder) / "collected.csv", ["table", "study", "source"]
+    behind = {"command": command, "machine": machine}
     summary = pd.read_csv(path, keep_default_na=False) if path.exists() else pd.DataFrame(columns=[*keys, *behind])
     known = summary[(summary[keys] == [entry[name] for name in keys]).all(axis=1)]
-    for name, text in behind.items():
-        texts = [part for before in known[name] for part in before.split("; ") if part]
-        entry[name] = "; ".join(dict.fromkeys([*texts, text] if len(made) else texts))
+    texts = {name: [part for before in known[name] for part in before.split("; ") if part] for name in behind}
+    if not len(done) and texts["command"] and command not in texts["command"]:
+        return
+    # A campaign that plans a study is told before it has a packing of it, a machine is not.
+    if len(made) or not len(done):
+        texts["command"].append(command)
+    if len(made):
+        texts["machine"].append(machine)
+    entry |= {name: "; ".join(dict.fromkeys(texts[name])) for name in behind}
     summary = pd.concat([summary, pd.DataFrame([entry])], ignore_index=True) if len(summary) else pd.DataFrame([entry])
     _write(summary.drop_duplicates(keys, keep="last").sort_values(keys)[list(entry)], path)
 

@@ -160,12 +160,12 @@ def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
         rows = [(f"p{i}", settings_of(specify(i)), 360.0 * i, 10**9 * i, f"v{i}") for i in numbers]
         return pd.DataFrame(rows, columns=LEDGER[2:])
 
-    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(1), machine="one")
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(1), "a", "one")
     left = not_gathered(tmp_path, "single_form", "synthetic", plan)
     assert [each["row"]["packing"] for each in left] == ["p2", "p3"]
     assert not_gathered(tmp_path, "single_form", "scans", plan) == plan
-    record(tmp_path, "single_form", "equivalent_ellipsoids", "synthetic", plan, made(), machine="one")
-    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(3), machine="two")
+    record(tmp_path, "single_form", "equivalent_ellipsoids", "synthetic", plan, made(), "a", "one")
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(3), "a", "two")
     written = pd.read_csv(tmp_path / "collected.csv")
     assert written.study.tolist() == ["equivalent_ellipsoids", "single_form"]
     assert written.packings.tolist() == [0, 2] and written.planned.tolist() == [3, 3]
@@ -175,16 +175,32 @@ def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
     assert found.study_cpu_h == round(4e9 * 230 / (20_000 * 1.5e6), 2)
     older = pd.read_csv(tmp_path / "gathered.csv").drop(columns="grain_steps")
     older.to_csv(tmp_path / "gathered.csv", index=False)
-    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(2), machine="two")
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(2), "a", "two")
     assert pd.read_csv(tmp_path / "gathered.csv").grain_steps.fillna(0).tolist() == [0, 2e9, 0]
 
 
 def test_a_row_of_other_settings_does_not_stand_for_a_packing(tmp_path):
     plan = [{"row": {"packing": "p"}, "specification": specify(1), "cpu_h": 0.5}]
     made = pd.DataFrame([("p", settings_of(specify(2)), 9.0, 30_000, "v")], columns=LEDGER[2:])
-    record(tmp_path, "single_form", "single_form", "synthetic", plan, made)
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made, "a", "one")
     assert not_gathered(tmp_path, "single_form", "synthetic", plan) == plan
     assert pd.read_csv(tmp_path / "collected.csv").packings[0] == 0
+
+
+def test_a_campaign_leaves_what_another_says_of_a_study(tmp_path):
+    """An overlay holds the studies that it lies over, in other sizes, and gathers none of them."""
+
+    def tell(seed, command, *made):
+        plan = [{"row": {"packing": "p"}, "specification": specify(seed), "cpu_h": 0.5 * seed}]
+        rows = [("p", settings_of(specify(seed)), 9.0, 30_000, "v")] if made else []
+        record(tmp_path, "t", "t", "synthetic", plan, pd.DataFrame(rows, columns=LEDGER[2:]), command, "one")
+        return pd.read_csv(tmp_path / "collected.csv").iloc[0]
+
+    assert tell(1, "a").cpu_h_left_estimated == 0.5
+    assert tell(2, "b").cpu_h_left_estimated == 0.5, "planned by a first"
+    assert tell(3, "a").cpu_h_left_estimated == 1.5, "planned anew"
+    found = tell(2, "b", "made")
+    assert (found.packings, found.command, found.machine) == (1, "a; b", "one")
 
 
 def test_the_source_is_named_by_its_folder():
