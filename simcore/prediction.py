@@ -25,6 +25,10 @@ _NOMINAL = {
 }
 # Means and standard deviations of FL and EL of the mixtures that stand behind Eqs. 23 and 24 (the study, Fig. 11).
 STUDY_MIXTURES = {"mu": (0.4, 0.8), "sigma": (0.1, 0.2)}
+# Share of the least deviation fitted below which a bed is taken for one form by the study's models: 1/sigma of its model
+# for distributions would run to any porosity.
+NEARLY_ONE_FORM = 0.5
+FEW_GRAINS = 30  # whose spread of form is not known well
 
 
 @dataclass(frozen=True)
@@ -124,9 +128,9 @@ def predict_samples(samples, case, fitted, level=0.95, study=REFERENCE_FOLDER):
 
     Columns: the fields of Sample, taken_as ("one form" or "a distribution"), by ("ours" or "study"), model, preferred
     (of ours: the one to take), n, lower, upper (nan for the study, which publishes no covariance), outside (in words,
-    empty where the sample lies within what was fitted). Of a distribution the model of mixtures is preferred where its
-    features lie within what it was fitted to, else the unified one, which holds for narrow distributions too.
-    ValueError where neither has a model of the case.
+    empty where the sample lies within what was fitted). Of a distribution that of our models is preferred whose
+    cross-validated error is smaller, among those that were fitted to such features; where none was, the unified one,
+    which holds for narrow distributions too. ValueError where neither has a model of the case, or for a sample.
     """
     case = _OF_ONE_CLASS if case == ONE_CLASS else case
     published = read_study_table("models", study).query("case == @case").set_index("model")
@@ -137,9 +141,13 @@ def predict_samples(samples, case, fitted, level=0.95, study=REFERENCE_FOLDER):
     for sample in samples:
         statistics = {"taken_as": "one form" if sample.one_form else "a distribution", **vars(sample)}
         features = _features(sample)
-        ours = _ours(sample, features, case, fitted, level)
-        for each in [*ours, *_studys(sample, features, published, study)]:
-            rows.append({**statistics, **each})
+        found = [*_ours(sample, features, case, fitted, level), *_studys(sample, features, published, study)]
+        if not found:
+            raise ValueError(
+                f"case {case}, sample {sample.name}: no model, ours or the study's, was fitted to beds of {case} with a "
+                f"distribution of form, only of one form; give grains one by one, a sample each, or take another case"
+            )
+        rows += [{**statistics, **each} for each in found]
     return pd.DataFrame(rows)
 
 
@@ -151,11 +159,11 @@ def describe(table, case, fitted, level=0.95):
         lines.append("(any one sieve class packs alike whatever its size, for only ratios of sizes matter: U1's model)")
     if of not in fitted.cases():
         lines.append(f"None of our packings is of {of}, only of {', '.join(fitted.cases())}: the study's model alone")
-    shown = [["sample", "grains", "taken as", "FL", "EL", "ours", "by", "unified", "study"]]
+    shown = [["sample", "grains", "taken as", "FL", "EL", "ours", "by", "other of ours", "study"]]
     for _, rows in table.groupby("name", sort=False):
         one = rows.iloc[0]
         taken = rows[rows.preferred]
-        unified, study = rows[rows.model == "unified"], rows[rows.by == "study"]
+        other, study = rows[(rows.by == "ours") & ~rows.preferred], rows[rows.by == "study"]
         shown.append(
             [
                 str(one["name"]),
@@ -165,7 +173,7 @@ def describe(table, case, fitted, level=0.95):
                 f"{one.mu_EL:.3f} ± {one.sigma_EL:.3f}",
                 _cell(taken),
                 taken.model.iloc[0] if len(taken) else "-",
-                _cell(unified),
+                _cell(other),
                 _cell(study),
             ]
         )
@@ -181,6 +189,9 @@ def describe(table, case, fitted, level=0.95):
     lines.append("")
     if (table.grains == 0).any():
         lines.append("From means and deviations alone, FL and EL are taken for independent, as the study does.")
+    few = table[(table.grains > 1) & (table.grains < FEW_GRAINS)].name.unique()
+    if len(few):
+        lines.append(f"Fewer than {FEW_GRAINS} grains do not tell how widely form is spread: {', '.join(few)}.")
     if (table.grains > 0).any() and (table.taken_as != "one form").any():
         lines.append("Intervals do not hold the error of a sample's own statistics, which are those of its grains.")
     lines.append("An interval holds the bed of a new sample, packed as those behind the model; the study has none.")
@@ -256,19 +267,24 @@ def _ours(sample, features, case, fitted, level):
             }
         )
     if rows:
-        narrow = not sample.one_form and rows[0]["outside"] and rows[-1]["model"] == "unified"
-        rows[-1 if narrow else 0]["preferred"] = True
+        chosen = rows[0]
+        if not sample.one_form:
+            inside = [row for row in rows if not row["outside"]] or rows[-1:]
+            chosen = min(inside, key=lambda row: fitted.models[row["model"], case].mean_absolute_error)
+        chosen["preferred"] = True
     return rows
 
 
 def _studys(sample, features, published, folder):
     """The row of the study's model, if it has one for this case and kind of bed."""
-    name = "single_form" if sample.one_form else "form_mixture"
+    least = NEARLY_ONE_FORM * STUDY_MIXTURES["sigma"][0]
+    nearly = not sample.one_form and max(sample.sigma_FL, sample.sigma_EL) < least
+    name = "single_form" if sample.one_form or nearly else "form_mixture"
     if name not in published.index:
         return []
     slopes = published.loc[name].drop(["intercept", "case", "equation_arxiv"]).dropna().astype(float)
     n = published.loc[name, "intercept"] + float(features[slopes.index].to_numpy()[0] @ slopes.to_numpy())
-    if sample.one_form:
+    if name == "single_form":
         # The range is not published; its grains are the first data set of its Table 2.
         grains = read_study_table("table2_form_statistics", folder).iloc[0]
         ranges = {
@@ -285,6 +301,8 @@ def _studys(sample, features, published, folder):
         for key, (low, high) in ranges.items()
         if not low <= getattr(sample, key) <= high
     )
+    if nearly:
+        outside = "; ".join(filter(None, [f"sigma_FL and sigma_EL are below {least:g}: taken for one form", outside]))
     row = {"by": "study", "model": name, "preferred": False, "n": float(n), "lower": np.nan, "upper": np.nan}
     return [{**row, "outside": outside}]
 

@@ -116,7 +116,20 @@ def test_one_form_and_a_distribution_take_their_own_models(reference):
     # The unified model does not jump where the study's runs away.
     unified = table.query("model == 'unified'").set_index("name").n
     assert unified["narrow"] == pytest.approx(unified["one"], abs=1e-3)
-    assert table.query("name == 'narrow' and by == 'study'").n.item() < 0.1
+    study = table.query("name == 'narrow' and by == 'study'").iloc[0]
+    assert study.model == "single_form" and "below 0.05: taken for one form" in study.outside
+    assert study.n == pytest.approx(0.278 + 0.019 / 0.42 + 0.014 / 0.7)
+
+
+def test_of_our_models_the_one_that_errs_less_is_taken(reference):
+    """Of mixtures that scatter about the unified model's truth."""
+    rows = mixtures()
+    rows["n"] = 0.30 + 0.02 / rows.mu_EQ + 0.01 / rows.mu_EL + 0.2 * (rows.sigma_EL / rows.mu_EL) ** 2
+    committed = pd.read_csv(reference / "form_mixture.csv").assign(n=rows.n)
+    committed.to_csv(reference / "form_mixture.csv", index=False)
+    wide = Sample("wide", 50, 0.6, 0.15, 0.7, 0.15, 0.42, 0.12)
+    table = predict_samples([wide], "U1", fit_reference_models(reference, source="synthetic"))
+    assert table[table.preferred].model.tolist() == ["unified"]
 
 
 def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
@@ -126,6 +139,9 @@ def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
     alone = predict_samples(one, "B50", fitted)
     assert alone.by.tolist() == ["study"]
     assert alone.n.item() == pytest.approx(0.217 + 0.014 / 0.42 - 0.006 / 0.7)
+    wide = Sample("wide", 50, 0.6, 0.15, 0.7, 0.15, 0.42, 0.12)
+    with pytest.raises(ValueError, match="case B50, sample wide: no model, ours or the study's, was fitted to beds"):
+        predict_samples([*one, wide], "B50", fitted)
     with pytest.raises(ValueError, match="case B30: no model was fitted to it; there are B50, U1, U7, one-class"):
         predict_samples(one, "B30", fitted)
 
@@ -208,6 +224,9 @@ def test_on_the_command_line(capsys, tmp_path):
     text = capsys.readouterr().out
     assert "railway ballast" in text and "* outside what the model was fitted to" in text
     assert "its Eq. 23" in text and "mixtures in " in text and "results/reference/" in text
+    (tmp_path / "few.csv").write_text("sample,FL,EL\nA,0.6,0.7\nA,0.8,0.5\n")
+    assert main(["predict", "--case", "U1", str(tmp_path / "few.csv")]) == 0
+    assert "Fewer than 30 grains do not tell how widely form is spread: A." in capsys.readouterr().out
     assert main(["predict", "--case", "U1", str(TABLE_2), "--csv"]) == 0
     rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
     assert [(row["sample"], row["by"], row["model"]) for row in rows[:3]] == [
