@@ -125,6 +125,13 @@ def test_work_precision_is_a_target_of_its_own(workplace):
     assert not {study for _, study in everything} & (packed | {"accuracy"})
 
 
+@pytest.mark.parametrize("target", ["differences", "deposits"])
+def test_a_target_whose_studies_are_elsewhere_names_the_overlay(workplace, target):
+    status, said = workplace.run("--dry-run", "--", target)
+    assert status != 0
+    assert f"this campaign has no such study; name one that has: --configfile config/{target}.yaml" in said
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -72,6 +72,19 @@ def files_left(study):
     return [f"<results>/{folder}/{study}/{name}.nc" for name in names]
 
 
+def unless_none(paths, there_are, overlay):
+    """Input function: these paths, or an error that names the overlay where the campaign has none of such studies."""
+
+    def inputs(wildcards):
+        if not there_are:
+            raise WorkflowError(
+                f"this campaign has no such study; name one that has: --configfile {overlay}"
+            )
+        return paths
+
+    return inputs
+
+
 # A dry run says what the campaign will cost. Snakemake tells no workflow that it is one before all rules are read.
 if {"-n", "--dry-run", "--dryrun"} & set(sys.argv):
     print(

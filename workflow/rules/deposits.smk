@@ -12,7 +12,11 @@ row_figures = [name for name in deposit_figures if name != "histograms"]
 
 rule deposits:
     input:
-        collect("<results>/deposits/{table}.csv", table=deposit_tables),
+        unless_none(
+            collect("<results>/deposits/{table}.csv", table=deposit_tables),
+            deposit_studies,
+            "config/deposits.yaml",
+        ),
         collect("<results>/figures/deposits/{figure}.png", figure=deposit_figures),
 
 

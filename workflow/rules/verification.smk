@@ -125,8 +125,10 @@ difference_studies = [name for name in all_studies if name.startswith("differenc
 
 rule differences:
     input:
-        tables=collect(
-            "<results>/tables/{study}_packings.csv", study=difference_studies
+        tables=unless_none(
+            collect("<results>/tables/{study}_packings.csv", study=difference_studies),
+            difference_studies,
+            "config/differences.yaml",
         ),
     output:
         table="<results>/differences.csv",
