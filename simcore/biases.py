@@ -8,7 +8,8 @@ import pandas as pd
 from simcore.specification import resolve
 
 COLUMNS = ["of", "setting", "against", "bed", "beds", "difference", "difference_std_error", "source"]
-SETTINGS, SIZE, SHAKING = "settings", "size of the bed", "time of shaking"
+SETTINGS, SIZE, SHAKING, BIRTHS = "settings", "size of the bed", "time of shaking", "births"
+BORN = {"bed": "just above the bed", "study": "at the study's heights"}  # by generation.fill
 REFERENCE, REFERENCE_BED = "paper", (63.0, 1200)  # the accuracy, and width [mm] and grains, that others stand beside
 LEAST_PAIRS = 3  # of fewer no standard error is told
 CONTACT_TIME, REGION, GATE = "numerics.contact_time", "numerics.contact_region", "convergence.max_unbalanced_force"
@@ -18,9 +19,10 @@ def measured_biases(folder):
     """One row a difference that was measured, columns COLUMNS; tables that `folder` does not hold are left out.
 
     folder: accuracy.csv, beds of each accuracy that share their seeds; bed_size.csv, single forms in beds of several
-    sizes (benchmarks/bed_size.py); work_precision/packings.csv, of which the time of shaking is taken. of: SETTINGS
-    (all that an accuracy stands for, the time step among it, beside `paper`), SIZE (beside 1200 grains in a box of
-    63 mm) or SHAKING (beside the longest). difference: mean over the pairs of beds, with its standard error.
+    sizes (benchmarks/bed_size.py); work_precision/packings.csv, of which the time of shaking is taken;
+    difference_process.csv (config/differences.yaml), of which where grains are born. of: SETTINGS (all that an accuracy
+    stands for, the time step among it, beside `paper`), SIZE (beside 1200 grains in a box of 63 mm), SHAKING (beside
+    the longest) or BIRTHS (beside the study's). difference: mean over the pairs of beds, with its standard error.
     """
     folder = Path(folder)
     parts = [
@@ -29,6 +31,7 @@ def measured_biases(folder):
             ("accuracy.csv", _of_settings),
             ("bed_size.csv", _of_size),
             ("work_precision/packings.csv", _of_shaking),
+            ("difference_process.csv", _of_births),
         )
         if (folder / name).exists()
     ]
@@ -58,6 +61,16 @@ def _of_shaking(rows):
     longest = seconds.max()
     found = rows.assign(setting=[f"{value:g} s" for value in seconds], beds=rows["seeds"])[seconds < longest]
     return found.assign(of=SHAKING, against=f"{longest:g} s", bed="600 grains of all forms, draft")
+
+
+def _of_births(rows):
+    alike = [name for name in rows if name not in ("fill", "n", "n_error", "cpu_s")]
+    # What was left to a case's own value is empty in the table; no number is a group of its own there.
+    n = rows.assign(**rows[alike].map(str)).pivot_table(index=alike, columns="fill", values="n")
+    n = n.reindex(columns=list(BORN))
+    found = pd.DataFrame([_mean(BORN["bed"], n["bed"] - n["study"])])
+    found = found[found["beds"] >= LEAST_PAIRS]
+    return found.assign(of=BIRTHS, against=BORN["study"], bed=f"{rows['grains'].iloc[0]} grains of all forms")
 
 
 def _mean(setting, differences):
@@ -112,6 +125,7 @@ def bias_note(specifications, biases):
         SETTINGS: {describe_settings(spec) for spec in specifications},
         SIZE: {_bed_of(spec) for spec in specifications},
         SHAKING: {f"{spec['shaking']['duration']:g} s" for spec in specifications},
+        BIRTHS: {_births_of(spec["generation"]) for spec in specifications},
     }
     parts = [f"{of}: {_phrase(values, biases[biases['of'] == of])}" for of, values in found.items()]
     return f"Bias, as measured on other beds, of the {'; of the '.join(parts)}."
@@ -121,6 +135,10 @@ def _bed_of(spec):
     if spec["domain"]["type"] != "periodic" or not spec["amount"]["grains"]:
         return None
     return describe_bed(round(1e3 * spec["domain"]["width"], 3), spec["amount"]["grains"])
+
+
+def _births_of(generation):
+    return BORN.get(generation["fill"]) if generation["placement"] == "lattice" else None
 
 
 def _phrase(values, biases):

@@ -34,7 +34,11 @@ KINDS = {
 PARTS = (
     (lambda f: f.kind != SPHERE, "orientations and their rotation", "orientations: spheres look alike from all sides"),
     (lambda f: f.friction, "friction, with the history of each contact's tangential spring", "friction and history"),
-    (lambda f: f.attractive, "contacts that may pull as they end, by their dashpot", "contacts that pull: forces are clamped at zero"),
+    (
+        lambda f: f.attractive,
+        "contacts that may pull as they end, by their dashpot",
+        "contacts that pull: forces are clamped at zero",
+    ),
     (
         lambda f: f.hertz,
         "Hertzian contacts with a viscous term",

@@ -25,8 +25,8 @@ _NOMINAL = {
 }
 # Means and standard deviations of FL and EL of the mixtures that stand behind Eqs. 23 and 24 (the study, Fig. 11).
 STUDY_MIXTURES = {"mu": (0.4, 0.8), "sigma": (0.1, 0.2)}
-# Share of the least deviation fitted below which a bed is taken for one form by the study's models: 1/sigma of its model
-# for distributions would run to any porosity.
+# Share of the least deviation fitted below which a bed is taken for one form by the study's models: 1/sigma of its
+# model for distributions would run to any porosity.
 NEARLY_ONE_FORM = 0.5
 FEW_GRAINS = 30  # whose spread of form is not known well
 
@@ -144,8 +144,8 @@ def predict_samples(samples, case, fitted, level=0.95, study=REFERENCE_FOLDER):
         found = [*_ours(sample, features, case, fitted, level), *_studys(sample, features, published, study)]
         if not found:
             raise ValueError(
-                f"case {case}, sample {sample.name}: no model, ours or the study's, was fitted to beds of {case} with a "
-                f"distribution of form, only of one form; give grains one by one, a sample each, or take another case"
+                f"case {case}, sample {sample.name}: no model, ours or the study's, was fitted to beds of {case} with "
+                f"a distribution of form, only of one form; give grains one by one, a sample each, or take another case"
             )
         rows += [{**statistics, **each} for each in found]
     return pd.DataFrame(rows)

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.biases import SETTINGS, SHAKING, SIZE, bias_note, describe_settings, measured_biases
+from simcore.biases import BIRTHS, SETTINGS, SHAKING, SIZE, bias_note, describe_settings, measured_biases
 from simcore.specification import resolve
 
 RAW = {
@@ -39,6 +39,12 @@ def folder(tmp_path):
     other = {"study": "precision_skin", "setting": ["not set"], "seeds": 2, "difference": [0.0]}
     rows = pd.concat([pd.DataFrame(shaking), pd.DataFrame(other)]).assign(difference_std_error=0.0003)
     rows.to_csv(tmp_path / "work_precision/packings.csv", index=False)
+    # Five seeds, of which one lacks its partner; a row that differs in more is nobody's partner.
+    born = pd.DataFrame({"case": "U1", "fill": "bed", "spacing": np.nan, "seed": range(5), "grains": 600, "n": 0.35})
+    other = born[:4].assign(fill="study", n=0.35 - 0.001 * np.array([8, 10, 8, 10]))
+    pd.concat([born, other, other.assign(spacing=0.016, n=0.2)]).to_csv(
+        tmp_path / "difference_process.csv", index=False
+    )
     return tmp_path
 
 
@@ -53,7 +59,9 @@ def test_differences_are_those_of_the_pairs(folder):
     assert found.beds[SIZE, "300 grains in 45 mm"] == 3
     assert (SIZE, "300 grains in 32 mm") not in found.index  # two pairs tell no error
     assert found.difference[SHAKING, "6 s"] == 0.005 and found.against[SHAKING, "6 s"] == "12 s"
-    assert len(found) == 4
+    assert found.difference[BIRTHS, "just above the bed"] == pytest.approx(0.009)
+    assert found.beds[BIRTHS, "just above the bed"] == 4
+    assert len(found) == 5
 
 
 def test_without_tables_nothing_is_known(tmp_path):
@@ -88,5 +96,8 @@ def test_a_study_is_told_the_bias_of_its_own_beds(folder):
     cylinder = {"domain": {"type": "cylinder", "width": "64 mm", "height": "0.5 m"}, "amount": {"mass": "0.3 kg"}}
     note = bias_note([specification(shaking={"duration": t}, **cylinder) for t in ("1 s", "2 s")], biases)
     assert note.endswith(
-        "settings: not measured; of the size of the bed: not measured; of the time of shaking: not the same throughout."
+        "of the size of the bed: not measured; of the time of shaking: not the same throughout; "
+        "of the births: +0.0090 ± 0.0006 (just above the bed, beside at the study's heights; 600 grains of all forms)."
     )
+    strewn = {"placement": "random", "orientation": "random"}
+    assert bias_note([specification(generation=strewn)], biases).endswith("of the births: not measured.")
