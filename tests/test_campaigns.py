@@ -44,10 +44,14 @@ def test_the_settings_of_the_study_are_those_of_paper():
 def test_the_workstation_has_what_its_tables_are_to_hold():
     packings = campaign("workstation")
     assert set(packings.specification.map(lambda s: s["accuracy"])) == {"standard"}
-    assert packings.specification.map(lambda s: s["numerics"]["contact_time"]).max() == 2e-3
+    assert set(packings.specification.map(lambda s: s["generation"]["fill"])) == {"study"}
+    assert packings.specification.map(lambda s: s["numerics"]["contact_time"]).max() == 1e-3
     # A stone that falls on a pebble of a thousandth of its mass: stiffness goes with the lighter one.
     uneven = [s for s in packings.specification if s["sizes"]["case"] not in ("U1", "U3")]
     assert uneven and {s["numerics"]["contact_time"] for s in uneven} == {2e-4}
+    assert {s["numerics"]["contact_region"] for s in uneven} == {"patch"}, (
+        "at the deepest point pebbles hop between stones"
+    )
     of = {study: rows for study, rows in packings.groupby("study")}
     grains = {study: sum(estimate(s).grains for s in rows.specification) for study, rows in of.items()}
     for study in ("single_form", "equivalent_ellipsoids"):
