@@ -184,8 +184,8 @@ def gather(folder, name, rows):
         if list(there) != list(rows):
             raise ValueError(f"{path}: has the columns {', '.join(there)}, not {', '.join(rows)}; move it away")
         rows = pd.concat([there, rows], ignore_index=True)
-    # Numbers of a file and of a specification are one: 300 and "300".
-    spelled = rows[keys].map(str)
+    # Numbers of a file and of a specification are one, 300 and "300", and so is what neither states.
+    spelled = rows[keys].map(lambda value: "" if pd.isna(value) else str(value))
     rows = rows[~spelled.duplicated(keep="last")].sort_values(keys, key=_sortable)
     _write(rows, path)
     return len(rows)

@@ -139,6 +139,11 @@ def test_rows_stay_until_the_same_packing_comes_again(tmp_path):
         gather(tmp_path, "validation", rows.drop(columns="n_error"))
 
 
+def test_a_key_that_is_left_open_is_the_same_in_a_file(tmp_path):
+    rows = pd.DataFrame({"case": "U1", "spacing": [None, None], "seed": [1, 2], "n": [0.3, 0.4], "grains": 9})
+    assert [gather(tmp_path, "difference_x", rows) for _ in range(2)] == [2, 2]
+
+
 def test_a_bed_of_other_settings_is_noticed(evaluated):
     bed = evaluated(specify(choice="one", grain="G02"))
     assert was_packed_so(specify(choice="one", grain="form 3 of the spread"), bed)
