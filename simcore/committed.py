@@ -38,10 +38,11 @@ _RESULT = ("n", "n_std_error", "grains", "cpu_s")
 _OF_A_PACKING = {name: ours for ours, name in NAMES.items()}
 
 
-def findings(folder, seed=0, folds=FOLDS):
+def findings(folder, seed=0, folds=FOLDS, studies=None):
     """(tables, figures) of the rows in `folder`, dicts by name of DataFrames and matplotlib Figures.
 
-    folder: tables of simcore.collection. seed and folds: of the cross-validation.
+    folder: tables of simcore.collection. seed and folds: of the cross-validation. studies: those whose trends over
+    height are told; None: all.
     """
     folder = Path(folder)
     rows = {
@@ -72,8 +73,11 @@ def findings(folder, seed=0, folds=FOLDS):
     if len(biases):
         tables["biases"] = biases
     if (folder / "trends.csv").exists():
-        tables["trends"] = summarise_trends(pd.read_csv(folder / "trends.csv"))
-        figures["trends"] = trends_figure(tables["trends"])
+        trends = pd.read_csv(folder / "trends.csv")
+        trends = trends if studies is None else trends[trends["study"].isin(studies)]
+        if len(trends):
+            tables["trends"] = summarise_trends(trends)
+            figures["trends"] = trends_figure(tables["trends"])
     return tables, figures
 
 
@@ -98,10 +102,11 @@ def _single_forms(packings, tables, figures, seed, folds):
     """Of grains from each source the models, and what they say of the study's mean form; returns the synthetic's."""
     correlations, study_models = read_study_table("correlations"), read_study_table("models")
     parts, of_synthetic, mean_form = {}, {}, []
-    for source, rows in packings[packings["kind"] == MESH].groupby("source", sort=False):
+    of_sources = packings[packings["kind"] == MESH].groupby("source")
+    for source, rows in sorted(of_sources, key=lambda each: (each[0] != "synthetic", each[0])):
         fitted = pd.concat([cases for _, cases in rows.groupby("case") if cases["grain"].nunique() > 4] or [rows[:0]])
         means = add_reference(summarise(rows, ["case"]), "single_form")
-        parts.setdefault("single_form_porosities", []).append(means.assign(source=source))
+        parts.setdefault("single_form_porosities", []).append(_of_source(means, source))
         if fitted.empty:
             continue
         of_source, models = single_form_models(
@@ -109,8 +114,8 @@ def _single_forms(packings, tables, figures, seed, folds):
         )
         for name, table in of_source.items():
             name = "single_form" if name == "models" else f"single_form_{name}"
-            parts.setdefault(name, []).append(table.assign(source=source))
-        mean_form.append(_at_mean_form(models, study_models).assign(source=source))
+            parts.setdefault(name, []).append(_of_source(table, source))
+        mean_form.append(_of_source(_at_mean_form(models, study_models), source))
         shown = {case: model for (name, case), model in models.items() if name == "single_form"}
         axes = rows.groupby(["case", "grain"])[list("LIS")].mean().reset_index()
         beds = means[means["case"].isin(shown)].merge(axes, on=["case", "grain"]).reset_index(drop=True)
@@ -128,6 +133,11 @@ def _single_forms(packings, tables, figures, seed, folds):
     if mean_form:
         tables["single_form_mean_form"] = pd.concat(mean_form, ignore_index=True)
     return of_synthetic
+
+
+def _of_source(table, source):
+    """The table with its grains' source in front."""
+    return table.assign(source=source)[["source", *table.columns.drop("source", errors="ignore")]]
 
 
 def _at_mean_form(models, study_models):

@@ -197,7 +197,7 @@ rule report:
         "../scripts/report.py"
 
 
-# Tables and figures of the rows that are committed, in a minute: --configfile config/workstation.yaml -- committed_studies
+# Tables, figures and a page of the rows that are committed: --configfile config/workstation.yaml -- committed_studies
 rule committed_studies:
     input:
         rows=branch(
@@ -212,6 +212,8 @@ rule committed_studies:
         folder=campaign["reference"],
         seed=campaign["models"]["seed"],
         folds=campaign["models"]["folds"],
-        code=digest("workflow/scripts/committed_studies.py"),
+        titles=titles,
+        biases=lambda wildcards: bias_notes(studies),
+        code=digest("workflow/scripts/committed_studies.py", *captions),
     script:
         "../scripts/committed_studies.py"

@@ -1,0 +1,43 @@
+"""The page of a campaign's committed rows."""
+
+import re
+
+import pandas as pd
+
+from simcore.provenance import ROOT
+from simcore.report import committed_page
+
+CAPTIONS = ROOT / "workflow" / "report"
+
+
+def test_the_page_holds_every_table_once_under_its_heading(tmp_path):
+    """Models of synthetic grains first; a study's table with its bias; what has no table has no heading."""
+    names = ("single_form", "single_form_mean_form", "unified", "single_form_porosities", "validation", "collected")
+    for name in names:
+        pd.DataFrame({"n": [0.36], "of": [f"this is {name}"]}).to_csv(tmp_path / f"{name}.csv", index=False)
+    titles = {"validation": "Against the experiment", "single_form": "One form", "domain_size": "Width"}
+    html = committed_page(tmp_path, titles, {study: f"off in {study}" for study in titles}, CAPTIONS)
+    told = re.findall(r"<h2[^>]*>([^<]+)|this is (\w+)|(off in \w+)", html)
+    assert ["".join(each) for each in told] == [
+        "Models",
+        "single_form",
+        "single_form_mean_form",
+        "unified",
+        "Cost, and order in the beds",
+        "collected",
+        "Studies",
+        "Against the experiment",
+        "validation",
+        "off in validation",
+        "One form",
+        "single_form_porosities",
+        "off in single_form",
+    ]
+
+
+def test_a_figure_says_of_which_grains_it_is(tmp_path):
+    header = b"\x89PNG\r\n\x1a\n" + bytes(8) + (1).to_bytes(4, "big") + (1).to_bytes(4, "big")
+    for source in ("scans", "synthetic"):
+        (tmp_path / f"single_form_zingg_{source}.png").write_bytes(header)
+    html = committed_page(tmp_path, {}, {}, CAPTIONS)
+    assert re.findall(r"Grains: (\w+)\.", html)[::2] == ["synthetic", "scans"]
