@@ -16,7 +16,6 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 # 2 ∫ dx / √(1 - x^2.5) from 0 to 1 = (4/5) B(2/5, 1/2)
@@ -60,6 +59,7 @@ def restitution(number: float, attractive: bool) -> float:
     attractive: the contact ends where the overlap does and may pull before; else where the force vanishes. 0 where
     the spheres stick, as attractive ones do from some β on.
     """
+    from scipy.integrate import solve_ivp  # here: slow to load, and linear contacts need none of it
 
     def motion(_, state):
         x, v = state

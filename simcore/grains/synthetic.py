@@ -7,7 +7,6 @@ sphericity and the share of surface in large facets lie within those of CT-scann
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from scipy.stats import shapiro
 
 from .directions import spiral_directions
 from .form import axes_from_form, ellipsoid_sphericity
@@ -51,6 +50,8 @@ def synthetic_grains(seed=1, n=63):
 
 def _draw_forms(rng, n):
     """D [m], increasing, FL and EL (n,) with exactly the study's sample statistics."""
+    from scipy.stats import shapiro  # here: slow to load, and packings read grains that are made
+
     classes = np.sort(np.arange(n) % 7)
     logs = np.log2(SIZE_BOUNDS)
     colour = np.linalg.cholesky(CORRELATION)
