@@ -7,17 +7,20 @@ import pandas as pd
 
 from simcore.committed import findings
 from simcore.figures.saving import save_figure
-from simcore.report import committed_page
+from simcore.report import EARLIER, committed_page
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
 p = snakemake.params
 if not p.folder:
     raise ValueError("this campaign is not gathered: `reference` names no folder; config/workstation.yaml has one")
 tables, figures = findings(p.folder, p.seed, p.folds, list(p.titles))
-gathered = Path(p.folder) / "collected.csv"
+biases, gathered = dict(p.biases), Path(p.folder) / "collected.csv"
 if gathered.exists():
     known = pd.read_csv(gathered)
     tables["collected"] = known[known["study"].isin(p.titles)].drop(columns=["table", "code", "command", "machine"])
+    # A bias is told of the settings of today, which rows in the tables need not have.
+    packed = tables["collected"].groupby("study")["packings"].sum()
+    biases |= {study: EARLIER for study, packings in packed.items() if packings == 0}
 folder = Path(snakemake.output.folder)
 folder.mkdir(parents=True)
 for name, table in tables.items():
@@ -25,4 +28,4 @@ for name, table in tables.items():
 for name, figure in figures.items():
     save_figure(figure, [folder / f"{name}{suffix}" for suffix in (".png", ".pdf")])
 captions = Path(snakemake.scriptdir).parent / "report"
-(folder / "report.html").write_text(committed_page(folder, p.titles, p.biases, captions), encoding="utf-8")
+(folder / "report.html").write_text(committed_page(folder, p.titles, biases, captions), encoding="utf-8")
