@@ -4,10 +4,13 @@
 #   profiles/    the machine: how it is run
 #   workflow/    the rules, and a script for each
 
+
 # Snakemake 9.27 looks for jobs to start a second after each look while any wait, and once more for each job that ended:
-# dozens of looks a second after a day. The limit of starts a second is behind it, and is for clusters.
-if workflow.local_exec and workflow.scheduling_settings:
-    workflow.scheduling_settings.max_jobs_per_timespan = None
+# dozens of looks a second after a day. The limit of starts a second is behind it, and is for clusters. Its settings are not
+# there yet when this file is read; the scheduler is, when the first job starts.
+onstart:
+    if workflow.local_exec:
+        workflow.scheduler.job_rate_limiter = None
 
 
 configfile: "config/config.yaml"
