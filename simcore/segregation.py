@@ -2,7 +2,6 @@
 
 import numpy as np
 import xarray as xr
-from scipy.stats import linregress, spearmanr
 
 from simcore.porosity import describe, evaluation_interval, porosity_profile
 from simcore.slicing import vertical_axes
@@ -106,6 +105,8 @@ def _layer_means(values, layer, count):
 
 def _trend(z, values, height):
     """Spearman's r, its p-value, relative change over the height by linear regression and its standard error."""
+    from scipy.stats import linregress, spearmanr  # here: slow to load, and each look at the plan loads this module
+
     if np.ptp(values) <= 1e-9 * np.abs(values).max():  # one form for all, up to round-off: nothing to test
         return np.full(4, np.nan)
     rank = spearmanr(z, values)

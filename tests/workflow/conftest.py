@@ -47,9 +47,13 @@ def workplace(tmp_path):
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory):
-    """A workplace in which a small campaign of three studies has run, and the arguments it was run with."""
+    """A workplace in which a small campaign of three studies has run, and the arguments it was run with.
+
+    What Snakemake said, with its own log, stands in the workplace's said.txt.
+    """
     workplace = Workplace(tmp_path_factory.mktemp("campaign"))
     arguments = ["--configfile", "config/smoke.yaml", str(Path(__file__).with_name("three_studies.yaml"))]
-    status, said = workplace.run(*arguments)
+    status, said = workplace.run(*arguments, "--verbose")
     assert status == 0, said
+    (workplace.folder / "said.txt").write_text(said)
     return workplace, arguments

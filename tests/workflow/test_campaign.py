@@ -32,6 +32,15 @@ def test_every_table_and_the_report_say_that_they_are_tests(finished):
     assert (results / "tables.html").stat().st_size < 1.4e6
 
 
+def test_snakemake_looks_for_jobs_when_one_has_ended(finished):
+    """It looks every second and more else, for as long as jobs wait: the Snakefile takes off its limit of starts."""
+    workplace, _ = finished
+    said = (workplace.folder / "said.txt").read_text()
+    jobs = said.count("Finished jobid:")
+    assert jobs > 20
+    assert 1 <= said.count("Ready jobs:") <= jobs + 1
+
+
 def test_a_second_run_has_nothing_to_do(finished):
     workplace, arguments = finished
     status, said = workplace.run(*arguments)
