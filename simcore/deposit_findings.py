@@ -39,11 +39,11 @@ class Maximum(NamedTuple):
     packings: int  # in the window
 
 
-def maximum(ratio, value, seed=1):
+def maximum(ratio, value, seed=1, resampled=RESAMPLED):
     """Maximum of a value over a ratio, both (n,), by a cubic through all packings near the highest mean.
 
     The cubic (of fewer than five ratios a parabola) is in ln(ratio), within WINDOW of the ratio with the highest mean;
-    where it has no maximum inside, the window's end is taken. Standard errors: of RESAMPLED draws of the packings of
+    where it has no maximum inside, the window's end is taken. Standard errors: of `resampled` draws of the packings of
     each ratio, each of which looks for its highest mean anew; nan with one packing each. ValueError if there are fewer
     than three ratios in the window.
     """
@@ -54,7 +54,7 @@ def maximum(ratio, value, seed=1):
     rng = np.random.default_rng(seed)
     groups = [np.flatnonzero(ratio == each) for each in np.unique(ratio)]
     draws = []
-    for _ in range(RESAMPLED):
+    for _ in range(resampled):
         some = np.concatenate([rng.choice(group, len(group)) for group in groups])
         drawn = _vertex(ratio[some], value[some])
         draws += [] if drawn is None else [drawn[:2]]

@@ -4,10 +4,20 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+class Job(NamedTuple):
+    """A job that Snakemake plans."""
+
+    rule: str
+    study: str | None
+    input: list
+    output: list
 
 
 class Workplace:
@@ -25,18 +35,24 @@ class Workplace:
         done = subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, text=True)
         return done.returncode, done.stdout + done.stderr
 
-    def plan(self, *arguments):
-        """The jobs of a dry run, as a list of (rule, study)."""
+    def jobs(self, *arguments):
+        """The jobs of a dry run, a list of `Job`."""
         status, said = self.run("--dry-run", *arguments)
         assert status == 0, said
-        jobs, rule = [], None
+        jobs = []
         for line in said.splitlines():
+            name, _, rest = line.strip().partition(": ")
             if line.startswith(("rule ", "localrule ")):
-                rule = line.split()[1].rstrip(":")
-                jobs.append((rule, None))
-            elif line.strip().startswith("wildcards:") and "study=" in line:
-                jobs[-1] = (rule, line.split("study=")[1].split(",")[0].strip())
+                jobs.append(Job(line.split()[1].rstrip(":"), None, [], []))
+            elif name in ("input", "output"):
+                getattr(jobs[-1], name).extend(rest.split(", "))
+            elif name == "wildcards" and "study=" in rest:
+                jobs[-1] = jobs[-1]._replace(study=rest.split("study=")[1].split(",")[0])
         return jobs
+
+    def plan(self, *arguments):
+        """The jobs of a dry run, as a list of (rule, study)."""
+        return [(job.rule, job.study) for job in self.jobs(*arguments)]
 
 
 @pytest.fixture

@@ -83,7 +83,7 @@ def test_a_target_asks_only_for_its_own_inputs(workplace):
     """Files of each kind, with all the rules that it takes and no other."""
     packing = {"grain_set", "decimated_grain_set", "packing_specification", "packing"}
     evaluated = packing | {"porosity"}
-    for target, rules, studies in (
+    wanted = (
         ("results/grains/faces_300.nc", {"grain_set", "decimated_grain_set"}, set()),
         ("results/grains/form_factors.csv", {"grain_set", "grain_report"}, set()),
         ("results/packings/domain_size/U1-36mm_0.05kg.yaml", {"packing_specification"}, {"domain_size"}),
@@ -105,10 +105,27 @@ def test_a_target_asks_only_for_its_own_inputs(workplace):
             {"form_mixtures", "application"},
         ),
         ("results/figures/packings/validation.png", evaluated | {"study_table", "study_figures"}, {"validation"}),
-    ):
-        jobs = workplace.plan(target)
-        assert {rule for rule, _ in jobs} - {"all"} == rules, target
-        assert {study for _, study in jobs if study} == studies, target
+    )
+    jobs = workplace.jobs(*(target for target, *_ in wanted))
+    by_file = {file: job for job in jobs for file in job.output}
+    asked = set()
+    for target, rules, studies in wanted:
+        behind = _behind(target, by_file)
+        assert {job.rule for job in behind} == rules, target
+        assert {job.study for job in behind if job.study} == studies, target
+        asked |= {job.output[0] for job in behind}
+    assert asked == {job.output[0] for job in jobs if job.output}
+
+
+def _behind(file, by_file):
+    """The jobs that make a file, and what they read, and so on."""
+    found, ahead = {}, [file]
+    while ahead:
+        file = ahead.pop()
+        if file in by_file and file not in found:
+            found[file] = by_file[file]
+            ahead += by_file[file].input
+    return list(found.values())
 
 
 def test_work_precision_is_a_target_of_its_own(workplace):
