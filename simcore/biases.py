@@ -7,7 +7,7 @@ import pandas as pd
 
 from simcore.specification import resolve
 
-COLUMNS = ["of", "setting", "against", "bed", "beds", "difference", "difference_std_error", "source"]
+COLUMNS = ["of", "setting", "against", "bed", "born", "beds", "difference", "difference_std_error", "source"]
 SETTINGS, SIZE, SHAKING, BIRTHS = "settings", "size of the bed", "time of shaking", "births"
 BORN = {"bed": "just above the bed", "study": "at the study's heights"}  # by generation.fill
 REFERENCE, REFERENCE_BED = "paper", (63.0, 1200)  # the accuracy, and width [mm] and grains, that others stand beside
@@ -18,31 +18,40 @@ CONTACT_TIME, REGION, GATE = "numerics.contact_time", "numerics.contact_region",
 def measured_biases(folder):
     """One row a difference that was measured, columns COLUMNS; tables that `folder` does not hold are left out.
 
-    folder: accuracy.csv, beds of each accuracy that share their seeds; bed_size.csv, single forms in beds of several
-    sizes (benchmarks/bed_size.py); work_precision/packings.csv, of which the time of shaking is taken;
-    difference_process.csv (config/differences.yaml), of which where grains are born. of: SETTINGS (all that an accuracy
-    stands for, the time step among it, beside `paper`), SIZE (beside 1200 grains in a box of 63 mm), SHAKING (beside
-    the longest) or BIRTHS (beside the study's). difference: mean over the pairs of beds, with its standard error.
+    folder: accuracy.csv, beds of each accuracy that share their seeds; accuracy_heights.csv, others that were born at
+    the study's heights; bed_size.csv, single forms in beds of several sizes (benchmarks/bed_size.py);
+    work_precision/packings.csv, of which the time of shaking is taken; difference_process.csv
+    (config/differences.yaml), of which where grains are born. of: SETTINGS (all that an accuracy stands for, the time
+    step among it, beside `paper`), SIZE (beside 1200 grains in a box of 63 mm), SHAKING (beside the longest) or BIRTHS
+    (beside the study's). difference: mean over the pairs of beds, with its standard error. born: where, of SETTINGS.
     """
     folder = Path(folder)
     parts = [
         function(pd.read_csv(folder / name)).assign(source=name)
         for name, function in (
             ("accuracy.csv", _of_settings),
+            ("accuracy_heights.csv", _of_settings_at_heights),
             ("bed_size.csv", _of_size),
             ("work_precision/packings.csv", _of_shaking),
             ("difference_process.csv", _of_births),
         )
         if (folder / name).exists()
     ]
-    return pd.concat(parts, ignore_index=True)[COLUMNS] if parts else pd.DataFrame(columns=COLUMNS)
+    found = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=COLUMNS)
+    return found.reindex(columns=COLUMNS).fillna({"born": ""})
 
 
-def _of_settings(rows):
+def _of_settings(rows, born="bed"):
     n = rows.pivot(index=["case", "seed"], columns="accuracy", values="n")
-    found = [_mean(name, n[name] - n[REFERENCE]) for name in n if name != REFERENCE]
-    size = f"{rows['grains'].iloc[0]} grains of all forms"
-    return pd.DataFrame(found).assign(of=SETTINGS, against=REFERENCE, bed=size)
+    found = [_mean(name, n[name] - n[REFERENCE]) for name in n if name != REFERENCE and REFERENCE in n]
+    bed = f"{rows['grains'].iloc[0]} grains of all forms, born {BORN[born]}"
+    return pd.DataFrame(found).assign(of=SETTINGS, against=REFERENCE, bed=bed, born=BORN[born])
+
+
+def _of_settings_at_heights(rows):
+    settings = zip(rows["accuracy"], rows["contact_region"], rows["contact_time_s"], strict=True)
+    names = [_name_settings(*each) for each in settings]
+    return _of_settings(rows.assign(accuracy=names), "study")
 
 
 def _of_size(rows):
@@ -94,23 +103,33 @@ def describe_settings(specification):
     That is the contact time, and the deepest point in place of the patch, whose gate of rest may be wider. What is
     compared is what an accuracy sets, faces apart: ellipsoids have none, and grains may come decimated.
     """
-    accuracy = specification["accuracy"]
-    if accuracy is None:
+    if specification["accuracy"] is None:
         return None
-    bare = {"name": "any", "domain": {"width": "1 m", "height": "1 m"}, "sizes": {"case": "U1"}}
-    of_accuracy = resolve({**bare, "amount": {"grains": 1}, "accuracy": accuracy})
+    of_accuracy = _settings_of(specification["accuracy"])
     other = {
         f"{group}.{key}"
         for group in ("shaking", "numerics", "convergence")
         for key, value in of_accuracy[group].items()
         if specification[group][key] != value and key != "progress_interval"
     }
-    at_point = REGION in other
-    if other - {CONTACT_TIME} - ({REGION, GATE} if at_point else set()):
+    if other - {CONTACT_TIME} - ({REGION, GATE} if REGION in other else set()):
         return None
+    numerics = specification["numerics"]
+    return _name_settings(specification["accuracy"], numerics["contact_region"], numerics["contact_time"])
+
+
+def _settings_of(accuracy):
+    bare = {"name": "any", "domain": {"width": "1 m", "height": "1 m"}, "sizes": {"case": "U1"}}
+    return resolve({**bare, "amount": {"grains": 1}, "accuracy": accuracy})
+
+
+def _name_settings(accuracy, region, contact_time):
+    """An accuracy, and what of the two is not its own."""
+    its = _settings_of(accuracy)["numerics"]
+    at_point = region != its["contact_region"]
     words = ["at the deepest point"] if at_point else []
-    if CONTACT_TIME in other:
-        words.append(f"contact time {1e3 * specification['numerics']['contact_time']:g} ms")
+    if not np.isclose(contact_time, its["contact_time"], rtol=1e-9, atol=0.0):
+        words.append(f"contact time {1e3 * contact_time:g} ms")
     joined = " and ".join(words)
     return f"{accuracy} {'' if at_point else 'with '}{joined}" if words else accuracy
 
@@ -127,7 +146,10 @@ def bias_note(specifications, biases):
         SHAKING: {f"{spec['shaking']['duration']:g} s" for spec in specifications},
         BIRTHS: {_births_of(spec["generation"]) for spec in specifications},
     }
-    parts = [f"{of}: {_phrase(values, biases[biases['of'] == of])}" for of, values in found.items()]
+    # Settings do to grains that fall far what they need not do to those that are born just above the bed.
+    born = found[BIRTHS] if len(found[BIRTHS]) == 1 else ()
+    known = biases[(biases["of"] != SETTINGS) | biases["born"].isin(born)]
+    parts = [f"{of}: {_phrase(values, known[known['of'] == of])}" for of, values in found.items()]
     return f"Bias, as measured on other beds, of the {'; of the '.join(parts)}."
 
 

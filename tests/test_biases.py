@@ -28,6 +28,18 @@ def folder(tmp_path):
         pd.DataFrame({"accuracy": accuracy, "case": "U1", "seed": range(4), "grains": 600, "n": n + more})
         for accuracy, more in (("paper", 0.0), ("draft", 0.01), ("standard", [0.001, 0.003, 0.001, 0.003]))
     ).to_csv(tmp_path / "accuracy.csv", index=False)
+    # Of grains that fall from the study's heights, with what a packing's row says of its settings.
+    settings = ["accuracy", "contact_region", "contact_time_s"]
+    pd.concat(
+        pd.DataFrame(
+            {"case": "U1", **dict(zip(settings, values, strict=True)), "seed": range(4), "grains": 600}
+        ).assign(n=n - 0.01 + more)
+        for *values, more in (
+            ("paper", "patch", 0.2e-3, 0.0),
+            ("standard", "patch", 2e-3, 0.004),
+            ("standard", "point", 1e-3, -0.003),
+        )
+    ).to_csv(tmp_path / "accuracy_heights.csv", index=False)
     pd.concat(
         pd.DataFrame(
             {"case": "U1", "grain": list("abcd")[:forms], "width_mm": width, "grains": grains, "n": n[:forms]}
@@ -49,7 +61,12 @@ def folder(tmp_path):
 
 
 def test_differences_are_those_of_the_pairs(folder):
-    found = measured_biases(folder).set_index(["of", "setting"])
+    found = measured_biases(folder)
+    heights = found[(found.of == SETTINGS) & (found.born == "at the study's heights")].set_index("setting").difference
+    assert heights.to_dict() == pytest.approx(
+        {"standard": 0.004, "standard at the deepest point and contact time 1 ms": -0.003}
+    )
+    found = found.drop(found.index[found.born == "at the study's heights"]).set_index(["of", "setting"])
     assert found.difference[SETTINGS, "draft"] == pytest.approx(0.01)
     assert found.difference_std_error[SETTINGS, "draft"] == pytest.approx(0.0, abs=1e-12)
     assert found.difference[SETTINGS, "standard"] == pytest.approx(0.002)
@@ -87,9 +104,15 @@ def test_settings_are_known_by_their_accuracy_and_contact_time():
 def test_a_study_is_told_the_bias_of_its_own_beds(folder):
     biases = measured_biases(folder)
     note = bias_note([specification(), specification(seed=2)], biases)
-    assert "settings: +0.0020 ± 0.0006 (standard, beside paper; 600 grains of all forms)" in note
+    assert (
+        "settings: +0.0020 ± 0.0006 (standard, beside paper; 600 grains of all forms, born just above the bed)" in note
+    )
     assert "size of the bed: -0.0200" in note and "beside 1200 grains in 63 mm; single forms)" in note
     assert "time of shaking: +0.0050 ± 0.0003 (6 s, beside 12 s;" in note
+    # The same settings, where grains fall from the study's heights; no bias is told of both.
+    poured = specification(generation={"fill": "study"})
+    assert "settings: +0.0040 ± 0.0000 (standard, beside paper; 600" in bias_note([poured], biases)
+    assert "settings: not measured for standard;" in bias_note([poured, specification()], biases)
     reference = {"domain": {"width": "63 mm", "height": "0.4 m"}, "amount": {"grains": 1200}}
     note = bias_note([specification(**reference)], biases)
     assert "1200 grains in 63 mm, beside which others came out -0.0200" in note
