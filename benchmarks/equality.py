@@ -51,7 +51,11 @@ MANY = {
 SCENES = {
     "spheres": {"shapes": {"kind": "sphere"}, **MANY},
     "ellipsoids_cylinder": {"shapes": {"kind": "ellipsoid"}, **CYLINDER, "numerics": {"dashpot": "implicit"}},
-    "ellipsoids_potential": {"shapes": {"kind": "ellipsoid"}, "numerics": {"ellipsoid_contact": "potential"}},
+    "ellipsoids_potential": {
+        "shapes": {"kind": "ellipsoid"},
+        "numerics": {"ellipsoid_contact": "potential"},
+        "material": {"friction_law": "preloaded"},
+    },
     "polyhedra": {"shapes": {"kind": "mesh"}},
     "mixed": {"shapes": {"kind": "mixed", "ellipsoid_share": 0.5}},
     "deposit": {

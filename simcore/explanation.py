@@ -44,6 +44,11 @@ PARTS = (
         "Hertzian contacts with a viscous term",
         "Hertzian contacts: they are linear",
     ),
+    (
+        lambda f: f.preloaded,
+        "tangential springs that start at the limit of friction, as the source study's program has them",
+        "springs loaded at first touch: they start from zero",
+    ),
     (lambda f: f.sliding, "friction against the sliding velocity, without history", "sliding friction"),
     (lambda f: f.implicit, "implicit dashpots, by how firmly a grain is held", "implicit dashpots"),
     (lambda f: f.patch, "patches: polyhedra press at the centroid of their overlap", "patches"),

@@ -24,12 +24,13 @@ ROOT = Path(__file__).resolve().parents[1]
 
 def test_every_part_is_there_or_left_out():
     """Each feature of the step but its kind and its clock has its words; turning it over moves one line."""
-    rich = Features(CONVEX, True, True, True, True, True, True, True, True, potential=True, hertz=True, sliding=1)
-    bare = Features(SPHERE, False, False, False, False, False, False, False, False)
+    _, *others = Features._fields
+    rich = Features(CONVEX, *(1 if name == "sliding" else True for name in others))
+    bare = Features(SPHERE, *(False for _ in others))
     has, lacks = parts(rich)
     assert len(has) == 1 + len(PARTS) and len(lacks) == len(KINDS) - 1
     assert [len(lines) for lines in parts(bare)] == [1, len(KINDS) - 1 + len(PARTS)]
-    for name in sorted(set(Features._fields) - {"kind", "timed"}):
+    for name in sorted(set(others) - {"timed"}):
         fewer = parts(rich._replace(**{name: False}))
         assert (len(fewer[0]), len(fewer[1])) == (len(has) - 1, len(KINDS)), name
 

@@ -74,6 +74,7 @@ class Contacts(NamedTuple):
     safe_until: np.ndarray  # (m,) [m], memory: apart while |moved since apart_at| + turned_a + turned_b is below
     spring: np.ndarray  # (m, 3) [m], memory: tangential spring; friction
     twist: np.ndarray  # (m,), memory: angle of the spring that holds a patch about its normal; patch with friction
+    stuck: np.ndarray  # (m,) uint8, memory: whether friction held it; preloaded
     overlap: np.ndarray  # (m,) [m], output; of a pair apart: memory, minus the gap that was searched last
     point: np.ndarray  # (m, 3) [m], output: contact point relative to the centre of a
     spread: np.ndarray  # (m, 6) [m²], output: second moments of the patch, xx yy zz xy xz yz, zero of a point; patch
@@ -93,6 +94,7 @@ class Walls(NamedTuple):
     vertex: np.ndarray  # (w,) int32, memory: vertex last found lowest, where a climb to the floor starts
     spring: np.ndarray  # (w, 3) [m], memory; friction
     twist: np.ndarray  # (w,), memory; patch with friction
+    stuck: np.ndarray  # (w,) uint8, memory; preloaded
     overlap: np.ndarray  # (w,) [m], output
     normal: np.ndarray  # (w, 3), output: from the wall into the body
     point: np.ndarray  # (w, 3) [m], output: contact point relative to the centre of the body

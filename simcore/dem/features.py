@@ -19,3 +19,4 @@ class Features(NamedTuple):
     potential: bool = False  # ellipsoids meet where the potential of each is least on the other, not by a common normal
     hertz: bool = False  # the contact law's coefficients follow from the overlap (simcore.dem.hertz)
     sliding: int = 0  # of simcore.dem.sliding: NONE, CAPPED or VISCOUS: friction without springs, not `friction`
+    preloaded: bool = False  # with friction: what begins to be held has its tangential spring loaded to the limit

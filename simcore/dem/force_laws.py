@@ -111,6 +111,29 @@ def tangential_force(law, damping, mass, limit, dt, nx, ny, nz, ux, uy, uz, sx, 
 
 
 @leaf
+def preload(law, damping, mass, limit, nx, ny, nz, ux, uy, uz, tx, ty, tz, sx, sy, sz, stuck, k):
+    """Tangential spring (3) [m] that contact k keeps where what begins to be held is loaded to the limit at once.
+
+    So the source study's program does, at the first touch and where slip ends: the force (t) of that step stands, but
+    from the next on the spring pushes as hard as friction may, whatever little moved. It is no law of friction (a
+    sphere that lands without sliding is thrown aside) and is here to tell what it does to packings. stuck: (m,) uint8,
+    whether each was held in the step before; that of k is set. Others: what `tangential_force` takes, and its results.
+    """
+    force = np.sqrt(tx * tx + ty * ty + tz * tz)
+    held = force < (1.0 - 1e-12) * limit  # a force that was cut back is the limit but for rounding
+    if held and stuck[k] == 0 and force > 0.0:
+        un = ux * nx + uy * ny + uz * nz
+        stiffness = law.tangential * law.stiffness * mass
+        damping = damping * mass
+        full = limit / force
+        sx = -(full * tx + damping * (ux - un * nx)) / stiffness
+        sy = -(full * ty + damping * (uy - un * ny)) / stiffness
+        sz = -(full * tz + damping * (uz - un * nz)) / stiffness
+    stuck[k] = held
+    return sx, sy, sz
+
+
+@leaf
 def normal_force(law, damping, mass, overlap, un, attractive):
     """Normal force on b [N], positive where it pushes. un: velocity of b against a along the normal."""
     push = mass * (law.stiffness * overlap - damping * un)

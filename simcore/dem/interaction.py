@@ -9,7 +9,14 @@ from simcore.compilation import leaf, routine
 from simcore.dem.contact import ellipsoid, mixed, polyhedron, potential, sphere
 from simcore.dem.contact.gap import still_apart
 from simcore.dem.contact.wall import forget_springs
-from simcore.dem.force_laws import explicit_dashpot, implicit_dashpot, normal_force, patch_torque, tangential_force
+from simcore.dem.force_laws import (
+    explicit_dashpot,
+    implicit_dashpot,
+    normal_force,
+    patch_torque,
+    preload,
+    tangential_force,
+)
 from simcore.dem.shapes import is_hull
 
 touch_spheres = sphere.touch
@@ -191,7 +198,7 @@ def wall_velocity(bodies, i, px, py, pz):
 
 
 @leaf
-def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit):
+def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit, preloaded):
     """Force of touching contact p on b, torques on both, and its springs."""
     i, j = contacts.body_a[p], contacts.body_b[p]
     rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
@@ -207,10 +214,15 @@ def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, per
     push = normal_force(law, damping, mass, contacts.overlap[p], ux * nx + uy * ny + uz * nz, attractive)
     fx, fy, fz = push * nx, push * ny, push * nz
     if friction:
+        limit = law.friction * abs(push)
         tx, ty, tz, sx, sy, sz = tangential_force(
-            law, tangential_damping, mass, law.friction * abs(push), dt, nx, ny, nz, ux, uy, uz,
+            law, tangential_damping, mass, limit, dt, nx, ny, nz, ux, uy, uz,
             contacts.spring[p, 0], contacts.spring[p, 1], contacts.spring[p, 2],
         )  # fmt: skip
+        if preloaded:
+            sx, sy, sz = preload(
+                law, tangential_damping, mass, limit, nx, ny, nz, ux, uy, uz, tx, ty, tz, sx, sy, sz, contacts.stuck, p
+            )
         contacts.spring[p, 0], contacts.spring[p, 1], contacts.spring[p, 2] = sx, sy, sz
         fx, fy, fz = fx + tx, fy + ty, fz + tz
     contacts.force[p, 0], contacts.force[p, 1], contacts.force[p, 2] = fx, fy, fz
@@ -232,7 +244,7 @@ def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, per
 
 
 @leaf
-def press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit):
+def press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit, preloaded):
     """Force and torque of touching wall w on its body, and its springs."""
     i = walls.body[w]
     nx, ny, nz = walls.normal[w, 0], walls.normal[w, 1], walls.normal[w, 2]
@@ -246,10 +258,15 @@ def press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit)
     push = normal_force(law, damping, mass, walls.overlap[w], ux * nx + uy * ny + uz * nz, attractive)
     fx, fy, fz = push * nx, push * ny, push * nz
     if friction:
+        limit = law.friction * abs(push)
         tx, ty, tz, sx, sy, sz = tangential_force(
-            law, tangential_damping, mass, law.friction * abs(push), dt, nx, ny, nz, ux, uy, uz,
+            law, tangential_damping, mass, limit, dt, nx, ny, nz, ux, uy, uz,
             walls.spring[w, 0], walls.spring[w, 1], walls.spring[w, 2],
         )  # fmt: skip
+        if preloaded:
+            sx, sy, sz = preload(
+                law, tangential_damping, mass, limit, nx, ny, nz, ux, uy, uz, tx, ty, tz, sx, sy, sz, walls.stuck, w
+            )
         walls.spring[w, 0], walls.spring[w, 1], walls.spring[w, 2] = sx, sy, sz
         fx, fy, fz = fx + tx, fy + ty, fz + tz
     walls.force[w, 0], walls.force[w, 1], walls.force[w, 2] = fx, fy, fz

@@ -211,6 +211,7 @@ def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Cont
     apart = 0 if features.kind == SPHERE else m
     springs = m if features.friction else 0
     patches = m if features.patch else 0
+    preloaded = springs if features.preloaded else 0
     return Contacts(
         body_a=body_a,
         body_b=body_b,
@@ -223,6 +224,7 @@ def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Cont
         safe_until=np.full(apart, -np.inf),
         spring=np.zeros((springs, 3)),
         twist=np.zeros(min(springs, patches)),
+        stuck=np.zeros(preloaded, np.uint8),
         overlap=np.zeros(m),
         point=np.zeros((m, 3)),
         spread=np.zeros((patches, 6)),
@@ -260,6 +262,7 @@ def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, features: Features) -
     w = len(body)
     springs = w if features.friction else 0
     patches = w if features.patch else 0
+    preloaded = springs if features.preloaded else 0
     return Walls(
         body=body.astype(np.int32),
         wall=wall.astype(np.int32),
@@ -267,6 +270,7 @@ def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, features: Features) -
         vertex=shapes.vertex_start[bodies.shape[body]].astype(np.int32),
         spring=np.zeros((springs, 3)),
         twist=np.zeros(min(springs, patches)),
+        stuck=np.zeros(preloaded, np.uint8),
         overlap=np.zeros(w),
         normal=np.zeros((w, 3)),
         point=np.zeros((w, 3)),
@@ -362,6 +366,8 @@ def _carry_memory(old, new):
                 new.spring[p] = old.spring[k]
             if len(new.twist) > 0:
                 new.twist[p] = old.twist[k]
+            if len(new.stuck) > 0:
+                new.stuck[p] = old.stuck[k]
             new.overlap[p] = old.overlap[k]
             new.point[p] = old.point[k]
             if len(new.spread) > 0:

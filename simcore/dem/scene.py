@@ -145,7 +145,7 @@ class Scene:
                 "numerics.dashpot: implicit is for material.law spring_dashpot; of law hertz the dashpots of a bed at "
                 "rest are weak, take explicit"
             )
-        if self.material.friction_law != "static" and self.implicit:
+        if self.material.friction_law in ("dynamic", "viscous") and self.implicit:
             raise ValueError(
                 f"numerics.dashpot: implicit is for material.friction_law static, not {self.material.friction_law}; "
                 f"take explicit"
@@ -174,7 +174,7 @@ class Scene:
         """What the step of this scene is composed of."""
         return Features(
             kind=self.kind,
-            friction=self.material.friction > 0.0 and self.material.friction_law == "static",
+            friction=self._springs,
             attractive=self.material.end_of_contact == "attractive",
             floor=True,
             cylinder=not self.domain.periodic,
@@ -185,12 +185,18 @@ class Scene:
             potential=self.kind == ELLIPSOID and self.numerics.ellipsoid_contact == "potential",
             hertz=self.hertzian is not None,
             sliding=self._sliding,
+            preloaded=self._springs and self.material.friction_law == "preloaded",
         )
 
     @property
     def implicit(self) -> bool:
         """Whether the dashpot is."""
         return self.numerics.dashpot == "implicit"
+
+    @property
+    def _springs(self) -> bool:
+        """Whether friction remembers shear."""
+        return self.material.friction > 0.0 and self.material.friction_law in ("static", "preloaded")
 
     @property
     def _sliding(self) -> int:

@@ -76,8 +76,9 @@ def make_advance(features: Features):
 
 @cache
 def _make_advance(
-    kind, friction, attractive, floor, cylinder, periodic, shaken, patch, implicit, timed, potential, hertz, sliding
-):
+    kind, friction, attractive, floor, cylinder, periodic, shaken, patch, implicit, timed, potential, hertz, sliding,
+    preloaded,
+):  # fmt: skip
     walled = floor or cylinder
     patch = patch and (kind == CONVEX or kind == MIXED)
 
@@ -99,8 +100,9 @@ def _make_advance(
                         if hertz:
                             at = contact_law_at(law, bodies, contacts, p)
                         press_contact(
-                            bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit
-                        )
+                            bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit,
+                            preloaded,
+                        )  # fmt: skip
                         if sliding:
                             rub_contact(bodies, contacts, law, width, p, periodic, sliding == CAPPED)
                 elif kind == ELLIPSOID and potential:
@@ -139,8 +141,9 @@ def _make_advance(
                         if hertz:
                             at = contact_law_at(law, bodies, contacts, p)
                         press_contact(
-                            bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit
-                        )
+                            bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit,
+                            preloaded,
+                        )  # fmt: skip
                         if sliding:
                             rub_contact(bodies, contacts, law, width, p, periodic, sliding == CAPPED)
             if walled:
@@ -165,7 +168,7 @@ def _make_advance(
                         at = law
                         if hertz:
                             at = wall_law_at(law, bodies, walls, w)
-                        press_wall(bodies, walls, at, dt, w, friction, attractive, patch, implicit)
+                        press_wall(bodies, walls, at, dt, w, friction, attractive, patch, implicit, preloaded)
                         if sliding:
                             rub_wall(bodies, walls, law, w, sliding == CAPPED)
             if timed:

@@ -88,7 +88,7 @@ def test_the_bare_scene_has_no_arrays_for_what_it_leaves_out(bare_and_full):
     (bodies, _), (contacts, walls), (rich, _) = bare_and_full
     for name in ("orientation", "turned", "listed_turned", "rotation", "form_matrix"):
         assert len(getattr(bodies, name)) == 0, name
-    for name in ("image", "pending", "facet", "apart_at", "safe_until", "spring", "twist", "spread"):
+    for name in ("image", "pending", "facet", "apart_at", "safe_until", "spring", "twist", "stuck", "spread"):
         assert len(getattr(contacts, name)) == 0, name
     assert len(walls.body) == 0
     assert len(rich.image) == len(rich.spring) == len(rich.body_a) > 0
@@ -125,5 +125,7 @@ def test_polyhedra_at_their_deepest_point_find_no_patch(core):
         results.append((bodies, near))
     np.testing.assert_array_equal(results[0][0].position, results[1][0].position)
     contacts = results[0][1].contacts
-    assert len(contacts.spread) == len(contacts.twist) == 0 and len(contacts.facet) == len(contacts.body_a)
+    assert len(contacts.spread) == len(contacts.twist) == len(contacts.stuck) == 0 and len(contacts.facet) == len(
+        contacts.body_a
+    )
     assert len(results[0][0].form_matrix) == 0

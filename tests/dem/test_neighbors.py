@@ -86,9 +86,12 @@ def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair(core):
     upright = np.tile([1.0, 0, 0, 0], (n, 1))
     bodies = make_bodies([unit_sphere()], np.zeros(n, int), np.full((n, 3), 0.03), position, upright, still, still, 1.0)
     bodies.position[:, 2] += 0.01  # some near the floor, some not
-    first = list_near(bodies, SHAPES, Box(0.3), 0.005, core.features)
+    features = core.features._replace(preloaded=True)
+    first = list_near(bodies, SHAPES, Box(0.3), 0.005, features)
     old = first.contacts
     first.walls.spring[:] = 1.0 + first.walls.body[:, None]
+    first.walls.stuck[:] = 1 + first.walls.body
+    old.stuck[:] = rng.integers(0, 2, len(old.body_a))
     m = len(old.body_a)
     old.touching[:] = rng.integers(0, 2, m)
     old.safe_until[:] = -rng.uniform(size=m)  # no gap is certain, so that none is dropped for it
@@ -98,19 +101,31 @@ def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair(core):
     key = lambda c, p: (c.body_a[p], c.body_b[p], *c.image[p])  # noqa: E731
     remembered = {key(old, p): p for p in range(m)}
     bodies.position[:] += 0.02 * rng.standard_normal((n, 3))
-    second = list_near(bodies, SHAPES, Box(0.3), 0.01, core.features, first)
+    second = list_near(bodies, SHAPES, Box(0.3), 0.01, features, first)
     new = second.contacts
     was_near = np.isin(second.walls.body, first.walls.body)
     assert was_near.any() and not was_near.all()
     assert (second.walls.spring == np.where(was_near, 1.0 + second.walls.body, 0.0)[:, None]).all()
+    assert (second.walls.stuck == np.where(was_near, 1 + second.walls.body, 0)).all()
     kept = 0
     for p in range(len(new.body_a)):
         q = remembered.get(key(new, p))
-        for name in ("touching", "spring", "direction", "facet", "safe_until", "apart_at", "overlap", "point", "force"):
+        for name in (
+            "touching",
+            "spring",
+            "stuck",
+            "direction",
+            "facet",
+            "safe_until",
+            "apart_at",
+            "overlap",
+            "point",
+            "force",
+        ):
             value = getattr(new, name)[p]
             if q is not None:
                 assert (value == getattr(old, name)[q]).all(), name
-            elif name in ("touching", "spring", "direction", "force"):
+            elif name in ("touching", "spring", "stuck", "direction", "force"):
                 assert not np.any(value), f"a new pair has a {name}"
         if q is None:
             assert new.safe_until[p] == -np.inf and (new.facet[p] == -1).all()

@@ -38,6 +38,7 @@ class Stage:
         friction=True,
         hertz=False,
         sliding=NONE,
+        preloaded=False,
         **drive,
     ):
         position = np.atleast_2d(np.asarray(position, float))
@@ -61,7 +62,14 @@ class Stage:
         self.skin = drive.pop("skin", 0.2) * self.bodies.radius.max()
         patch = patch and kind in (CONVEX, MIXED)
         self.features = Features(
-            kind, friction, attractive, patch=patch, implicit=implicit, hertz=hertz, sliding=sliding
+            kind,
+            friction,
+            attractive,
+            patch=patch,
+            implicit=implicit,
+            hertz=hertz,
+            sliding=sliding,
+            preloaded=preloaded,
         )
         self.near = None
         self._list()

@@ -11,7 +11,9 @@ NU = 0.22
 KINDS = pytest.mark.parametrize("attractive", [True, False], ids=["attractive", "clamped"])
 
 
-def impact(stage, attractive, restitution, dt, velocity, start=0.0, friction=0.0, spin=(0.0, 0.0, 0.0), radius=1.0):
+def impact(
+    stage, attractive, restitution, dt, velocity, start=0.0, friction=0.0, spin=(0.0, 0.0, 0.0), radius=1.0, **choices
+):
     """Spheres of one radius thrown at the floor, one for each row of velocity (n, 3), its gap start (n,).
 
     They stand far from each other. Returns the Stage after all have left, with largest overlaps and times of contact.
@@ -22,7 +24,7 @@ def impact(stage, attractive, restitution, dt, velocity, start=0.0, friction=0.0
     position[:, 0] = 10.0 * radius * np.arange(n)
     position[:, 2] = radius + start
     law = contact_law(restitution, T_C, NU, friction)
-    thrown = stage.Stage(stage.SPHERE, law, [radius] * 3, position, velocity, spin, attractive=attractive)
+    thrown = stage.Stage(stage.SPHERE, law, [radius] * 3, position, velocity, spin, attractive=attractive, **choices)
     deepest, steps = np.zeros(n), np.zeros(n)
     for _ in range(round(4.0 * T_C / dt)):
         thrown.advance(dt, 1)
@@ -177,6 +179,26 @@ def test_a_new_contact_starts_with_an_empty_spring(stage):
     assert abs(thrown.bodies.velocity[0, 0]) <= 1e-6
     # Linear law without slip: as at 5 degrees
     assert thrown.bodies.velocity[0, 0] == pytest.approx(0.71036e-6, rel=0.006)
+
+
+def test_preloaded_friction_throws_as_the_studys_program_does(stage):
+    """At the first touch its spring is loaded to the limit against what little slides (study_program.md, defects)."""
+    thrown, _, _ = impact(stage, True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, radius=5e-3, preloaded=True)
+    assert thrown.bodies.velocity[0, 0] == pytest.approx(-1.55e-3, rel=0.01)
+    assert not thrown.walls.stuck.any()
+    straight, _, _ = impact(stage, True, 0.1, T_C / 40, [0.0, 0.0, -0.1], friction=0.5, radius=5e-3, preloaded=True)
+    assert straight.bodies.velocity[0, 0] == 0.0
+
+
+def test_preloaded_friction_differs_only_where_holding_begins(stage):
+    """What slips throughout is the same to the bit; what is held from the first touch is not."""
+    for angle, same in ((85, True), (15, False)):
+        velocity = [np.sin(np.radians(angle)), 0.0, -np.cos(np.radians(angle))]
+        speeds = [
+            impact(stage, False, 0.1, T_C / 40, velocity, friction=0.1, preloaded=it)[0].bodies.velocity[0, 0]
+            for it in (False, True)
+        ]
+        assert (speeds[0] == speeds[1]) == same
 
 
 def test_a_contact_that_ended_leaves_no_spring(stage):

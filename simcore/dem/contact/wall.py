@@ -21,6 +21,8 @@ def forget_springs(touches, k):
         touches.spring[k, 0], touches.spring[k, 1], touches.spring[k, 2] = 0.0, 0.0, 0.0
     if k < len(touches.twist):
         touches.twist[k] = 0.0
+    if k < len(touches.stuck):
+        touches.stuck[k] = 0
 
 
 @leaf
