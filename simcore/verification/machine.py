@@ -11,8 +11,13 @@ from simcore.compilation import source_digest
 
 def describe_machine() -> str:
     """Processor, cores, versions and the digest of the compiled sources, in one line."""
+    return f"{describe_host()}, code {source_digest()}"
+
+
+def describe_host() -> str:
+    """The same without the code: for tables whose rows say the code that made each."""
     versions = f"Python {platform.python_version()}, numba {numba.__version__}, numpy {numpy.__version__}"
-    return f"{_processor()}, {os.cpu_count()} cores, {versions}, code {source_digest()}"
+    return f"{_processor()}, {os.cpu_count()} cores, {versions}"
 
 
 def _processor():

@@ -3,12 +3,12 @@
 import logging
 
 from simcore.collection import check_gathered, finished, gather, record, rows_of, source_name, table_of, trends_of
-from simcore.verification.machine import describe_machine
+from simcore.verification.machine import describe_host
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
 p = snakemake.params
 check_gathered(p.folder, p.test_only, "config/workstation.yaml")
-source, machine = source_name(p.source), describe_machine()
+source, machine = source_name(p.source), describe_host()
 for study, packings in p.packings.items():
     rows, evaluations, made = finished(p.evaluations, study, packings)
     if rows:

@@ -4,12 +4,12 @@ import logging
 
 from simcore.collection import check_gathered, finished, gather, record
 from simcore.deposits import SOURCE, TABLE, deposit_rows
-from simcore.verification.machine import describe_machine
+from simcore.verification.machine import describe_host
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
 p = snakemake.params
 check_gathered(p.folder, p.test_only, "config/deposits.yaml")
-machine = describe_machine()
+machine = describe_host()
 for study, packings in p.packings.items():
     rows, fabrics, made = finished(p.fabrics, study, packings)
     if rows:
