@@ -98,7 +98,7 @@ def theirs(options, seed):
     import numpy as np
 
     from benchmarks.beds import Bed, export_bed, start
-    from simcore.dem.generation import lattice_sites
+    from simcore.dem.domain import lattice_sites
     from simcore.dem.packing import Packed
 
     setup, specification = prepared(options, seed, "paper", {})

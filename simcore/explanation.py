@@ -7,9 +7,9 @@ import numpy as np
 from simcore import packing_cost
 from simcore.dem.bodies import make_bodies
 from simcore.dem.contact.patch import make_room
+from simcore.dem.domain import lattice_sites
 from simcore.dem.expectation import Expectation, expect, warnings
 from simcore.dem.features import Features
-from simcore.dem.generation import lattice_sites
 from simcore.dem.neighbors import bytes_per_pair
 from simcore.dem.pouring import extents
 from simcore.dem.scene import Scene

@@ -4,10 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from simcore.dem.domain import Domain
 from simcore.dem.expectation import GRAINS
 from simcore.dem.impact import derive_hertzian, fall_speed
 from simcore.dem.pouring import Draw
-from simcore.dem.scene import Convergence, Damping, Domain, Generation, Material, Numerics, Scene, Shaking
+from simcore.dem.scene import Convergence, Damping, Generation, Material, Numerics, Scene, Shaking
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, Base, unit_sphere
 from simcore.grains.beta_sizes import BetaSizes
 from simcore.grains.mesh import decimate

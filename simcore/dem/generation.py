@@ -1,11 +1,12 @@
-"""Where and how fast grains are born: batches on a hexagonal close-packed lattice."""
+"""Which sites of a lattice newborn grains take, and how fast they are."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from simcore.compilation import kernel
-from simcore.dem.scene import Domain, Generation
+from simcore.dem.domain import Domain
+from simcore.dem.scene import Generation
 
 
 class Birth(NamedTuple):
@@ -15,33 +16,6 @@ class Birth(NamedTuple):
     orientation: np.ndarray  # (n, 4)
     velocity: np.ndarray  # (n, 3)
     angular_velocity: np.ndarray  # (n, 3)
-
-
-def lattice_sites(domain: Domain, spacing: float, low: float, high: float) -> np.ndarray:
-    """Sites (n, 3) of a hexagonal close-packed lattice with z in [low, high], from below; rows along x.
-
-    In a periodic box the lattice is stretched horizontally until it fits the period. In a cylinder sites farther
-    than width/2 − spacing/2 from the axis are left out.
-    """
-    layers = np.arange(low, high, spacing * np.sqrt(6.0) / 3.0)
-    if domain.periodic:
-        nx = max(int(domain.width / spacing), 1)
-        ny = 2 * int(domain.width / (spacing * np.sqrt(3.0)))
-        dx, dy = domain.width / nx, domain.width / max(ny, 1)
-        origin = np.array([0.5 * dx, 0.5 * dy])
-        ny = max(ny, 1)
-    else:
-        nx = int(np.ceil(domain.width / spacing)) + 1
-        ny = int(np.ceil(domain.width / (spacing * np.sqrt(0.75)))) + 1
-        dx, dy = spacing, spacing * np.sqrt(0.75)
-        origin = -0.5 * np.array([(nx - 1) * dx, (ny - 1) * dy])
-    layer, row, column = np.meshgrid(np.arange(len(layers)), np.arange(ny), np.arange(nx), indexing="ij")
-    x = origin[0] + dx * (column + 0.5 * ((row + layer) % 2))
-    y = origin[1] + dy * (row + (layer % 2) / 3.0)
-    sites = np.stack([x, y, layers[layer]], axis=-1).reshape(-1, 3)
-    if not domain.periodic:
-        sites = sites[np.hypot(sites[:, 0], sites[:, 1]) <= 0.5 * (domain.width - spacing)]
-    return sites
 
 
 def occupy_sites(sites, reach, half_height, domain: Domain) -> np.ndarray:

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from simcore.dem.generation import lattice_sites, occupy_sites
+from simcore.dem.domain import lattice_sites
+from simcore.dem.generation import occupy_sites
 from simcore.dem.release import fall_time, layer_grains, release_places, zone_height
 from simcore.dem.scene import Scene
 from simcore.dem.shapes import Base

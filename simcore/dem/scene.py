@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from simcore.dem.domain import Domain
 from simcore.dem.features import Features
 from simcore.dem.force_laws import ContactLaw, contact_law, explicit_dashpot, implicit_dashpot, implicit_law
 from simcore.dem.hertz import HertzLaw, hertz_law, linear_law
@@ -14,23 +15,6 @@ from simcore.dem.sliding import CAPPED, NONE, VISCOUS
 
 # Steps per contact time with which beds of the default material came to rest: `snakemake work_precision`, rest.csv.
 STEPS_FOR_REST = {"explicit": 40, "implicit": 10}
-
-
-@dataclass(frozen=True)
-class Domain:
-    """Horizontally periodic box of period `width`, or upright cylinder of that diameter; floor at z = 0."""
-
-    type: str
-    width: float
-    height: float
-
-    @property
-    def periodic(self) -> bool:
-        return self.type == "periodic"
-
-    @property
-    def area(self) -> float:
-        return self.width**2 if self.periodic else 0.25 * np.pi * self.width**2
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,11 @@ import pytest
 from scipy.spatial.distance import pdist, squareform
 
 from simcore.dem.bodies import make_bodies
-from simcore.dem.generation import give_birth, lattice_sites, occupy_sites
+from simcore.dem.domain import Domain, lattice_sites
+from simcore.dem.generation import give_birth, occupy_sites
 from simcore.dem.neighbors import Box, list_near
 from simcore.dem.pouring import Draw, extents
-from simcore.dem.scene import Domain, Generation
+from simcore.dem.scene import Generation
 from simcore.dem.shapes import collect_shapes, unit_sphere
 
 BOX, CYLINDER = Domain("periodic", 0.1, 0.3), Domain("cylinder", 0.1, 0.3)

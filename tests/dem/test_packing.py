@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from simcore.dem.generation import lattice_sites
+from simcore.dem.domain import lattice_sites
 from simcore.dem.packing import GENERATING, PackingError, Process, pack
 from tests.few import set_up_few
 

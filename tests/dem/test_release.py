@@ -7,10 +7,10 @@ from scipy import stats
 from benchmarks.equality import load_grains
 from simcore.dem import release
 from simcore.dem.contact.query import query_many
+from simcore.dem.domain import Domain
 from simcore.dem.generation import give_birth
 from simcore.dem.packing import Process
 from simcore.dem.release import DILUTE, fall_time, layer_grains, release_places, zone_height
-from simcore.dem.scene import Domain
 from simcore.dem.shapes import convex, ellipsoid
 from simcore.scenes import set_up
 from simcore.specification import resolve
