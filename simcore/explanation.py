@@ -47,7 +47,7 @@ PARTS = (
     (
         lambda f: f.preloaded,
         "tangential springs that start at the limit of friction, as the source study's program has them",
-        "springs loaded at first touch: they start from zero",
+        "springs that start at the limit of friction",
     ),
     (lambda f: f.sliding, "friction against the sliding velocity, without history", "sliding friction"),
     (lambda f: f.implicit, "implicit dashpots, by how firmly a grain is held", "implicit dashpots"),

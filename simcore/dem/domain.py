@@ -26,7 +26,7 @@ class Domain:
 
 
 def lattice_sites(domain: Domain, spacing: float, low: float, high: float) -> np.ndarray:
-    """Sites (n, 3) of a hexagonal close-packed lattice with z in [low, high], from below; rows along x.
+    """Sites (n, 3) of a hexagonal close-packed lattice with low <= z < high, from below; rows along x.
 
     In a periodic box the lattice is stretched horizontally until it fits the period. In a cylinder sites farther
     than width/2 − spacing/2 from the axis are left out.
@@ -34,10 +34,9 @@ def lattice_sites(domain: Domain, spacing: float, low: float, high: float) -> np
     layers = np.arange(low, high, spacing * np.sqrt(6.0) / 3.0)
     if domain.periodic:
         nx = max(int(domain.width / spacing), 1)
-        ny = 2 * int(domain.width / (spacing * np.sqrt(3.0)))
-        dx, dy = domain.width / nx, domain.width / max(ny, 1)
+        ny = max(2 * int(domain.width / (spacing * np.sqrt(3.0))), 1)
+        dx, dy = domain.width / nx, domain.width / ny
         origin = np.array([0.5 * dx, 0.5 * dy])
-        ny = max(ny, 1)
     else:
         nx = int(np.ceil(domain.width / spacing)) + 1
         ny = int(np.ceil(domain.width / (spacing * np.sqrt(0.75)))) + 1

@@ -115,8 +115,9 @@ def preload(law, damping, mass, limit, nx, ny, nz, ux, uy, uz, tx, ty, tz, sx, s
     """Tangential spring (3) [m] that contact k keeps where what begins to be held is loaded to the limit at once.
 
     So the source study's program does, at the first touch and where slip ends: the force (t) of that step stands, but
-    from the next on the spring pushes as hard as friction may, whatever little moved. It is no law of friction (a
-    sphere that lands without sliding is thrown aside) and is here to tell what it does to packings. stuck: (m,) uint8,
+    from the next on the spring pushes as hard as friction may, whatever little moved. What lands with no tangential
+    force at all is held and stays so. It is no law of friction (a sphere that lands all but straight is thrown aside)
+    and is here to tell what it does to packings. stuck: (m,) uint8,
     whether each was held in the step before; that of k is set. Others: what `tangential_force` takes, and its results.
     """
     force = np.sqrt(tx * tx + ty * ty + tz * tz)

@@ -15,6 +15,7 @@ from simcore.dem.sliding import CAPPED, NONE, VISCOUS
 
 # Steps per contact time with which beds of the default material came to rest: `snakemake work_precision`, rest.csv.
 STEPS_FOR_REST = {"explicit": 40, "implicit": 10}
+SPRUNG = ("static", "preloaded")  # friction laws with a tangential spring
 
 
 @dataclass(frozen=True)
@@ -129,10 +130,10 @@ class Scene:
                 "numerics.dashpot: implicit is for material.law spring_dashpot; of law hertz the dashpots of a bed at "
                 "rest are weak, take explicit"
             )
-        if self.material.friction_law in ("dynamic", "viscous") and self.implicit:
+        if self.material.friction_law not in SPRUNG and self.implicit:
             raise ValueError(
-                f"numerics.dashpot: implicit is for material.friction_law static, not {self.material.friction_law}; "
-                f"take explicit"
+                f"numerics.dashpot: implicit is for material.friction_law {' and '.join(SPRUNG)}, not "
+                f"{self.material.friction_law}; take explicit"
             )
         needed = self.least_steps
         if self.numerics.steps_per_contact_time < needed:
@@ -180,7 +181,7 @@ class Scene:
     @property
     def _springs(self) -> bool:
         """Whether friction remembers shear."""
-        return self.material.friction > 0.0 and self.material.friction_law in ("static", "preloaded")
+        return self.material.friction > 0.0 and self.material.friction_law in SPRUNG
 
     @property
     def _sliding(self) -> int:

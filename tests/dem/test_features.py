@@ -125,7 +125,6 @@ def test_polyhedra_at_their_deepest_point_find_no_patch(core):
         results.append((bodies, near))
     np.testing.assert_array_equal(results[0][0].position, results[1][0].position)
     contacts = results[0][1].contacts
-    assert len(contacts.spread) == len(contacts.twist) == len(contacts.stuck) == 0 and len(contacts.facet) == len(
-        contacts.body_a
-    )
+    assert len(contacts.spread) == len(contacts.twist) == 0 and len(contacts.facet) == len(contacts.body_a)
+    assert len(contacts.stuck) == 0  # without preloaded friction
     assert len(results[0][0].form_matrix) == 0

@@ -64,11 +64,20 @@ def test_a_scene_has_the_friction_that_its_material_names():
         found = set_up_few(material=material).scene.features
         return found.hertz, found.friction, found.sliding
 
+    def preloaded(**changes):
+        found = set_up_few(**changes).scene.features
+        return found.friction, found.preloaded
+
     assert features() == (False, True, NONE)
     assert features(**HERTZ) == (True, True, NONE)
     assert features(**HERTZ, friction_law="dynamic") == (True, False, CAPPED)
     assert features(friction_law="viscous", friction=0) == (False, False, VISCOUS)
     assert features(friction_law="dynamic", friction=0) == (False, False, NONE)
+    law = {"friction_law": "preloaded"}
+    assert preloaded() == (True, False)
+    assert preloaded(material=law) == (True, True)
+    assert preloaded(material=law, numerics={"dashpot": "implicit"}) == (True, True)
+    assert preloaded(material={**law, "friction": 0}) == (False, False)
     assert scene(friction_law="dynamic", sliding_time="2 ms").law.sliding == 500.0
     assert scene().law.sliding == 0.0
 

@@ -190,6 +190,19 @@ def test_preloaded_friction_throws_as_the_studys_program_does(stage):
     assert straight.bodies.velocity[0, 0] == 0.0
 
 
+def test_preloaded_friction_throws_two_grains_as_a_floor_throws_one(stage):
+    """Each of two equal spheres that meet in the plane between them does what one does on a floor there."""
+    floor, _, _ = impact(stage, True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, preloaded=True)
+    velocity = np.array([[-0.1, 0.0, 1e-6], [0.1, 0.0, -1e-6]])
+    place = [[1.0, 0.0, 9.0], [-1.0, 0.0, 9.0]]
+    pair = stage.Stage(stage.SPHERE, contact_law(0.1, T_C, NU, 0.5), [1.0] * 3, place, velocity, preloaded=True)
+    pair.advance(T_C / 40, 160)
+    thrown = pair.bodies.velocity
+    assert floor.bodies.velocity[0, 0] < -1e-3
+    np.testing.assert_allclose(thrown[0, [2, 0]], floor.bodies.velocity[0, [0, 2]], rtol=1e-3)
+    np.testing.assert_array_equal(thrown[1], -thrown[0])
+
+
 def test_preloaded_friction_differs_only_where_holding_begins(stage):
     """What slips throughout is the same to the bit; what is held from the first touch is not."""
     for angle, same in ((85, True), (15, False)):
