@@ -141,13 +141,13 @@ def bias_note(specifications, biases):
     measured for them, is said to be so.
     """
     found = {
-        SETTINGS: {describe_settings(spec) for spec in specifications},
-        SIZE: {_bed_of(spec) for spec in specifications},
-        SHAKING: {f"{spec['shaking']['duration']:g} s" for spec in specifications},
-        BIRTHS: {_births_of(spec["generation"]) for spec in specifications},
+        SETTINGS: [describe_settings(spec) for spec in specifications],
+        SIZE: [_bed_of(spec) for spec in specifications],
+        SHAKING: [f"{spec['shaking']['duration']:g} s" for spec in specifications],
+        BIRTHS: [_births_of(spec["generation"]) for spec in specifications],
     }
     # Settings do to grains that fall far what they need not do to those that are born just above the bed.
-    born = found[BIRTHS] if len(found[BIRTHS]) == 1 else ()
+    born = set(found[BIRTHS]) if len(set(found[BIRTHS])) == 1 else ()
     known = biases[(biases["of"] != SETTINGS) | biases["born"].isin(born)]
     parts = [f"{of}: {_phrase(values, known[known['of'] == of])}" for of, values in found.items()]
     return f"Bias, as measured on other beds, of the {'; of the '.join(parts)}."
@@ -164,8 +164,13 @@ def _births_of(generation):
 
 
 def _phrase(values, biases):
-    """What is known of one kind of bias; values: what a study has of it, None where it has no name."""
-    if len(values) > 1:
+    """What is known of one kind of bias; values: what each packing of a study has of it, None where it has no name."""
+    named = {value for value in values if value is not None}
+    if len(named) == 1 and None in values:
+        count = sum(value is not None for value in values)
+        rest = len(values) - count
+        return f"of {count} packings {_phrase(named, biases)}, of the other {rest} not measured"
+    if len(named) > 1:
         return "not the same throughout"
     value = next(iter(values))
     row = biases[biases["setting"] == value]

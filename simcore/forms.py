@@ -1,6 +1,20 @@
-"""Which of many forms a study of single forms takes."""
+"""Which forms a specification asks for, and which of many a study of single forms takes."""
 
 import numpy as np
+
+from simcore.grains.sampling import ShapeChoice
+
+
+def shape_choice(shapes: dict) -> ShapeChoice:
+    """ShapeChoice of the resolved group `shapes`, where a distribution of form or ratios is {mean, std}."""
+    settings = {key: shapes[key] for key in ("kind", "choice", "grain", "ellipsoid_share")}
+    for key in ("flatness", "elongation", "eta", "zeta"):
+        value = shapes[key]
+        if isinstance(value, dict):
+            settings |= {key: value["mean"], f"{key}_std": value["std"]}
+        else:
+            settings[key] = value
+    return ShapeChoice(**settings)
 
 
 def spread_order(flatness, elongation):

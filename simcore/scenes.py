@@ -10,9 +10,10 @@ from simcore.dem.impact import derive_hertzian, fall_speed
 from simcore.dem.pouring import Draw
 from simcore.dem.scene import Convergence, Damping, Generation, Material, Numerics, Scene, Shaking
 from simcore.dem.shapes import CONVEX, ELLIPSOID, MIXED, SPHERE, Base, unit_sphere
+from simcore.forms import shape_choice
 from simcore.grains.beta_sizes import BetaSizes
 from simcore.grains.mesh import decimate
-from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains
+from simcore.grains.sampling import grain_uniforms, sample_grains
 from simcore.grains.sieve import SieveCurve
 from simcore.sizes import check_top_class, lattice_spacing, size_curve
 from simcore.sources import needs_grains
@@ -105,18 +106,6 @@ def _check_height(scene, sample):
             f"to {solid * 1e3:.0f} mm without a pore, above its {domain.height * 1e3:g} mm; make it higher or "
             f"wider, or pour less"
         )
-
-
-def shape_choice(shapes: dict) -> ShapeChoice:
-    """ShapeChoice of the resolved group `shapes`, where a distribution of form or ratios is {mean, std}."""
-    settings = {key: shapes[key] for key in ("kind", "choice", "grain", "ellipsoid_share")}
-    for key in ("flatness", "elongation", "eta", "zeta"):
-        value = shapes[key]
-        if isinstance(value, dict):
-            settings |= {key: value["mean"], f"{key}_std": value["std"]}
-        else:
-            settings[key] = value
-    return ShapeChoice(**settings)
 
 
 def _chosen(grains, choice):

@@ -122,5 +122,10 @@ def test_a_study_is_told_the_bias_of_its_own_beds(folder):
         "of the size of the bed: not measured; of the time of shaking: not the same throughout; "
         "of the births: +0.0090 ± 0.0006 (just above the bed, beside at the study's heights; 600 grains of all forms)."
     )
+    # One packing of three has shorter steps, of which nothing is known.
+    shorter = specification(numerics={"steps_per_contact_time": 14})
+    note = bias_note([specification(), shorter, specification(seed=2)], biases)
+    assert "settings: of 2 packings +0.0020 ± 0.0006 (standard, beside paper;" in note
+    assert "born just above the bed), of the other 1 not measured; of the size" in note
     strewn = {"placement": "random", "orientation": "random"}
     assert bias_note([specification(generation=strewn)], biases).endswith("of the births: not measured.")

@@ -23,7 +23,8 @@ LARGE = {
     "sizes": {"case": "U1"},
     "shapes": {"kind": "ellipsoid"},
 }
-# The study's own, poured in ten batches.
+LONG = {"flatness": {"mean": 0.8, "std": 0.1}, "elongation": {"mean": 0.4, "std": 0.2}}
+# The study's own, poured in a dozen batches.
 CYLINDER = {
     "domain": {"type": "cylinder", "width": "104 mm", "height": "1 m"},
     "amount": {"mass": "3 kg"},
@@ -46,6 +47,16 @@ def example(name):
         {**LARGE, "generation": {"fill": "study"}},
         {**CYLINDER, "shapes": {"kind": "mesh", "choice": "random"}},
         {**CYLINDER, "shapes": {"kind": "ellipsoid"}, "sizes": {"case": "U7", "allow_few_top_grains": True}},
+        # Long grains, of which a layer of sites holds a third; and what the specification leaves to the set, strewn.
+        {
+            **{**LARGE, "domain": {"width": "63 mm", "height": "0.8 m"}, "amount": {"grains": 1200}},
+            "generation": {"fill": "study"},
+            "shapes": {"kind": "mesh", "choice": "form_distribution", **LONG},
+        },
+        {
+            **{**LARGE, "shapes": {"kind": "mesh", "choice": "random"}, "amount": {"grains": 1200}},
+            "generation": {"placement": "random"},
+        },
         {**LARGE, "shapes": {"kind": "sphere"}, "sizes": {"case": "B50", "allow_few_top_grains": True}},
     ],
 )
