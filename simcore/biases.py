@@ -7,7 +7,8 @@ import pandas as pd
 
 from simcore.specification import resolve
 
-COLUMNS = ["of", "setting", "against", "bed", "born", "beds", "difference", "difference_std_error", "source"]
+COLUMNS = ["of", "setting", "against", "bed", "born", "kind", "beds", "difference", "difference_std_error", "source"]
+GRAINS, ELLIPSOIDS = "grains", "ellipsoids"  # of which SETTINGS are told
 SETTINGS, SIZE, SHAKING, BIRTHS = "settings", "size of the bed", "time of shaking", "births"
 BORN = {"bed": "just above the bed", "study": "at the study's heights"}  # by generation.fill
 REFERENCE, REFERENCE_BED = "paper", (63.0, 1200)  # the accuracy, and width [mm] and grains, that others stand beside
@@ -19,11 +20,14 @@ def measured_biases(folder):
     """One row a difference that was measured, columns COLUMNS; tables that `folder` does not hold are left out.
 
     folder: accuracy.csv, beds of each accuracy that share their seeds; accuracy_heights.csv, others that were born at
-    the study's heights; bed_size.csv, single forms in beds of several sizes (benchmarks/bed_size.py);
+    the study's heights; difference_ellipsoid_steps.csv (config/differences.yaml), ellipsoids as campaigns have them,
+    born so, and with stiffer contacts; bed_size.csv, single forms in beds of several sizes (benchmarks/bed_size.py);
     work_precision/packings.csv, of which the time of shaking is taken; difference_process.csv
-    (config/differences.yaml), of which where grains are born. of: SETTINGS (all that an accuracy stands for, the time
-    step among it, beside `paper`), SIZE (beside 1200 grains in a box of 63 mm), SHAKING (beside the longest) or BIRTHS
-    (beside the study's). difference: mean over the pairs of beds, with its standard error. born: where, of SETTINGS.
+    (config/differences.yaml), of which where grains are born.
+
+    of: SETTINGS (all that an accuracy stands for, the time step among it, beside `paper`, or stiffer contacts), SIZE
+    (beside 1200 grains in a box of 63 mm), SHAKING (beside the longest) or BIRTHS (beside the study's). difference:
+    mean over the pairs of beds, with its standard error. Of SETTINGS, born: where, and kind: GRAINS or ELLIPSOIDS.
     """
     folder = Path(folder)
     parts = [
@@ -31,6 +35,7 @@ def measured_biases(folder):
         for name, function in (
             ("accuracy.csv", _of_settings),
             ("accuracy_heights.csv", _of_settings_at_heights),
+            ("difference_ellipsoid_steps.csv", _of_ellipsoids),
             ("bed_size.csv", _of_size),
             ("work_precision/packings.csv", _of_shaking),
             ("difference_process.csv", _of_births),
@@ -38,20 +43,38 @@ def measured_biases(folder):
         if (folder / name).exists()
     ]
     found = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=COLUMNS)
-    return found.reindex(columns=COLUMNS).fillna({"born": ""})
+    return found.reindex(columns=COLUMNS).fillna({"born": "", "kind": ""})
 
 
 def _of_settings(rows, born="bed"):
     n = rows.pivot(index=["case", "seed"], columns="accuracy", values="n")
     found = [_mean(name, n[name] - n[REFERENCE]) for name in n if name != REFERENCE and REFERENCE in n]
     bed = f"{rows['grains'].iloc[0]} grains of all forms, born {BORN[born]}"
-    return pd.DataFrame(found).assign(of=SETTINGS, against=REFERENCE, bed=bed, born=BORN[born])
+    return pd.DataFrame(found).assign(of=SETTINGS, against=REFERENCE, bed=bed, born=BORN[born], kind=GRAINS)
 
 
 def _of_settings_at_heights(rows):
     settings = zip(rows["accuracy"], rows["contact_region"], rows["contact_time_s"], strict=True)
     names = [_name_settings(*each) for each in settings]
     return _of_settings(rows.assign(accuracy=names), "study")
+
+
+def _of_ellipsoids(rows):
+    """Contacts as soft as campaigns have them beside the stiffest, at the steps of `standard`."""
+    numerics = _settings_of("standard")["numerics"]
+    alike = rows[(rows["dashpot"] == numerics["dashpot"])]
+    alike = alike[alike["steps_per_contact_time"] == numerics["steps_per_contact_time"]]
+    n = alike.pivot(index=["case", "grain", "seed"], columns="contact_time_s", values="n")
+    stiff = n.columns.min()
+    found = [_mean(_name_settings("standard", "point", time), n[time] - n[stiff]) for time in n if time != stiff]
+    forms = rows["grain"].nunique()
+    return pd.DataFrame(found).assign(
+        of=SETTINGS,
+        against=f"a contact time of {1e3 * stiff:g} ms",
+        bed=f"{rows['grains'].iloc[0]} ellipsoids of one of {forms} forms, born {BORN['study']}",
+        born=BORN["study"],
+        kind=ELLIPSOIDS,
+    )
 
 
 def _of_size(rows):
@@ -149,6 +172,11 @@ def bias_note(specifications, biases):
     # Settings do to grains that fall far what they need not do to those that are born just above the bed.
     born = set(found[BIRTHS]) if len(set(found[BIRTHS])) == 1 else ()
     known = biases[(biases["of"] != SETTINGS) | biases["born"].isin(born)]
+    # Ellipsoids have no faces, whose error makes up for others; where nothing is known of them, it is told of grains.
+    smooth = all(spec["shapes"]["kind"] in ("ellipsoid", "sphere") for spec in specifications)
+    of_kind = known["setting"].isin(known["setting"][known["kind"] == ELLIPSOIDS]) & smooth
+    wanted = np.where(of_kind, ELLIPSOIDS, GRAINS)
+    known = known[(known["of"] != SETTINGS) | (known["kind"] == wanted)]
     parts = [f"{of}: {_phrase(values, known[known['of'] == of])}" for of, values in found.items()]
     return f"Bias, as measured on other beds, of the {'; of the '.join(parts)}."
 

@@ -40,6 +40,18 @@ def folder(tmp_path):
             ("standard", "point", 1e-3, -0.003),
         )
     ).to_csv(tmp_path / "accuracy_heights.csv", index=False)
+    # Ellipsoids, 0.005 denser at 1 ms than at 0.2 ms; other steps are not asked for.
+    pd.concat(
+        pd.DataFrame({"case": "U1", "grain": list("abcd"), "seed": 1, "grains": 600, "n": n + more}).assign(
+            dashpot=dashpot, steps_per_contact_time=steps, contact_time_s=time
+        )
+        for dashpot, steps, time, more in (
+            ("implicit", 10.0, 1e-3, 0.0),
+            ("implicit", 10.0, 0.2e-3, 0.005),
+            ("implicit", 40.0, 1e-3, 0.1),
+            ("explicit", 40.0, 1e-3, 0.2),
+        )
+    ).to_csv(tmp_path / "difference_ellipsoid_steps.csv", index=False)
     pd.concat(
         pd.DataFrame(
             {"case": "U1", "grain": list("abcd")[:forms], "width_mm": width, "grains": grains, "n": n[:forms]}
@@ -62,7 +74,10 @@ def folder(tmp_path):
 
 def test_differences_are_those_of_the_pairs(folder):
     found = measured_biases(folder)
-    heights = found[(found.of == SETTINGS) & (found.born == "at the study's heights")].set_index("setting").difference
+    heights = found[(found.of == SETTINGS) & (found.born == "at the study's heights")]
+    smooth = heights[heights.kind == "ellipsoids"]
+    assert smooth.difference.tolist() == pytest.approx([-0.005]) and smooth.beds.tolist() == [4]
+    heights = heights[heights.kind == "grains"].set_index("setting").difference
     assert heights.to_dict() == pytest.approx(
         {"standard": 0.004, "standard at the deepest point and contact time 1 ms": -0.003}
     )
@@ -122,6 +137,15 @@ def test_a_study_is_told_the_bias_of_its_own_beds(folder):
         "of the size of the bed: not measured; of the time of shaking: not the same throughout; "
         "of the births: +0.0090 ± 0.0006 (just above the bed, beside at the study's heights; 600 grains of all forms)."
     )
+    # Ellipsoids have a bias of their own where it was measured, and else that of grains.
+    point = {"numerics": {"contact_time": "1 ms", "contact_region": "point"}, "generation": {"fill": "study"}}
+    note = bias_note([specification(**point)], biases)
+    assert "settings: -0.0030 ± 0.0000 (standard at the deepest point and contact time 1 ms, beside paper; 600" in note
+    note = bias_note([specification(**point, shapes={"kind": "ellipsoid"})], biases)
+    assert "settings: -0.0050 ± 0.0000 (standard at the deepest point and contact time 1 ms, beside a contact" in note
+    assert "time of 0.2 ms; 600 ellipsoids of one of 4 forms, born at the study's heights)" in note
+    poured_ellipsoids = specification(generation={"fill": "study"}, shapes={"kind": "ellipsoid"})
+    assert "settings: +0.0040 ± 0.0000 (standard, beside paper; 600 grains" in bias_note([poured_ellipsoids], biases)
     # One packing of three has shorter steps, of which nothing is known.
     shorter = specification(numerics={"steps_per_contact_time": 14})
     note = bias_note([specification(), shorter, specification(seed=2)], biases)
