@@ -197,8 +197,8 @@ def births(
     """Grains there are after each batch, and steps until the next; none after the last.
 
     A batch fills its lattice; the next waits until the last grain of it has fallen below where new ones are born. Where
-    stones throw pebbles high it waits longer, which is not counted: in the study's cylinder U1 took 1.3 times as many
-    grain-steps, U7 twice as many.
+    stones throw pebbles high it waits longer, which is not counted: in the study's cylinder U1 took 1.1 to 1.3 times
+    as many grain-steps, U7 about twice as many.
     bed_height(done) [m] of so many grains; sites(low, high): grains that find room between these heights. study: fill
     as the study does. height: of the domain [m]; velocity: downward at birth [m/s]; gravity: effective [m/s²].
     """

@@ -117,8 +117,8 @@ def preload(law, damping, mass, limit, nx, ny, nz, ux, uy, uz, tx, ty, tz, sx, s
     So the source study's program does, at the first touch and where slip ends: the force (t) of that step stands, but
     from the next on the spring pushes as hard as friction may, whatever little moved. What lands with no tangential
     force at all is held and stays so. It is no law of friction (a sphere that lands all but straight is thrown aside)
-    and is here to tell what it does to packings. stuck: (m,) uint8,
-    whether each was held in the step before; that of k is set. Others: what `tangential_force` takes, and its results.
+    and is here to tell what it does to packings. stuck: (m,) uint8, whether each was held in the step before; that of k
+    is set. Others: what `tangential_force` takes, and its results.
     """
     force = np.sqrt(tx * tx + ty * ty + tz * tz)
     held = force < (1.0 - 1e-12) * limit  # a force that was cut back is the limit but for rounding
