@@ -159,6 +159,10 @@ def describe(table, case, fitted, level=0.95):
         lines.append("(any one sieve class packs alike whatever its size, for only ratios of sizes matter: U1's model)")
     if of not in fitted.cases():
         lines.append(f"None of our packings is of {of}, only of {', '.join(fitted.cases())}: the study's model alone")
+    else:
+        for kind in table.loc[~table.groupby("name").preferred.transform("any"), "taken_as"].unique():
+            form = kind if kind == "one form" else "a distribution of form"
+            lines.append(f"Too few of our packings of {of} have {form}: the study's model alone for these samples")
     shown = [["sample", "grains", "taken as", "FL", "EL", "ours", "by", "other of ours", "study"]]
     for _, rows in table.groupby("name", sort=False):
         one = rows.iloc[0]

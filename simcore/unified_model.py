@@ -123,7 +123,7 @@ def _beds(single_forms, mixtures):
     """
     beds = {}
     ones, many = over_seeds(single_forms, "grain"), over_seeds(mixtures, "sample")
-    for case in ones["case"].unique():
+    for case in ones["case"][ones["case"].isin(many["case"])].unique():
         one, mix = (table[table["case"] == case].reset_index(drop=True) for table in (ones, many))
         if len(one) < len(SINGLE_FORM) + 3 or len(mix) < len(MIXTURE) + 3:
             log.warning("case %s: %d beds of one form, %d mixtures: too few for both in one", case, len(one), len(mix))

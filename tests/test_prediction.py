@@ -12,7 +12,7 @@ import pytest
 from simcore.__main__ import main
 from simcore.measured_forms import Sample, read_samples
 from simcore.model_tables import mixture_models, models_dataset, single_form_models
-from simcore.prediction import fit_reference_models, predict_samples, read_campaign_models
+from simcore.prediction import describe, fit_reference_models, predict_samples, read_campaign_models
 from simcore.reference import read_study_table
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -144,6 +144,21 @@ def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
         predict_samples([*one, wide], "B50", fitted)
     with pytest.raises(ValueError, match="case B30: no model was fitted to it; there are B50, U1, U7, one-class"):
         predict_samples(one, "B30", fitted)
+
+
+def test_a_case_with_beds_of_one_form_alone_leaves_distributions_to_the_study_and_says_so(reference, caplog):
+    rows = pd.read_csv(reference / "single_form.csv")
+    pd.concat([rows, rows.assign(case="U7", n=rows.n - 0.05)]).to_csv(reference / "single_form.csv", index=False)
+    fitted = fit_reference_models(reference, source="synthetic")
+    assert not caplog.messages
+    one, wide = one_form(0.6, 0.7), Sample("wide", 50, 0.6, 0.15, 0.7, 0.15, 0.42, 0.12)
+    table = predict_samples([one, wide], "U7", fitted)
+    assert table[table.preferred].name.tolist() == ["one"]
+    assert table[table.preferred].n.item() == pytest.approx(single_truth(0.6, 0.7) - 0.05, abs=1e-3)
+    said = "Too few of our packings of U7 have a distribution of form: the study's model alone for these samples"
+    assert said in describe(table, "U7", fitted)
+    assert "Too few" not in describe(table[table.name == "one"], "U7", fitted)
+    assert "Too few" not in describe(predict_samples([wide], "U1", fitted), "U1", fitted)
 
 
 def test_what_lies_outside_is_said_of_ours_and_of_the_studys(reference):
