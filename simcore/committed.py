@@ -192,6 +192,9 @@ def _mixtures(packings, tables, figures, seed, folds):
     if models:
         compared = pd.concat([means[["case", "n", "n_std_error", "study_n"]], _statistics(means)], axis=1)
         predictions = compare_predictions(models, "form_mixture", compared)
+        # Model beside model: what one leaves of its own beds is not told of the study's, which are not published.
+        means["model_n"] = predictions["predicted"]
+        means["model_difference"] = means["model_n"] - means["study_n"]
         figures["form_mixture_prediction"] = prediction_figure(predictions, list(models.values()))
     asked_for = means.drop(columns=list(NOMINAL.values()), errors="ignore").rename(columns=NOMINAL)
     figures["form_mixture_sets"] = form_sets_figure(asked_for)

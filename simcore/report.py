@@ -18,7 +18,8 @@ STUDIES = (
     "n_std_error: sampling error of the mean; n_seed_error: standard error from the scatter over the seeds; "
     "difference: ours less the study's; z: the same in standard errors of both. cpu_h: of all runs of a row. "
     "study_n holds for the study's own, larger domains; for single forms and mixtures it is what the study's fitted "
-    "model says for the forms of our packings."
+    "model says for the forms of our packings; model_n is what ours says, model_difference that less the study's, "
+    "without what either model leaves of its own beds."
 )
 CAMPAIGN = (
     "study_cpu_h: core-hours of the source study's program for as many grains times steps. relative_change: from the "

@@ -76,6 +76,9 @@ def test_mixtures_predict_what_was_not_fitted(folder):
     models = tables["form_mixture"].set_index("term").coefficient
     expected = {"mu_EQ_inv": 0.02, "sigma_EQ_inv": -0.003, "mu_EL_inv": 0.01, "sigma_EL_inv": -0.001}
     assert models[list(expected)].to_dict() == pytest.approx(expected, abs=1e-9)
+    sets = tables["form_mixture_porosities"]
+    np.testing.assert_allclose(sets.model_n, sets.n, atol=1e-9)  # they follow the model's features exactly
+    np.testing.assert_allclose(sets.model_difference, sets.difference, atol=1e-9)
     (row,) = tables["application_predictions"].itertuples()
     assert row.abs_error == pytest.approx(0.004, abs=1e-9) and row.study_simulated == pytest.approx(0.353)
     unified = tables["unified"].set_index("term").coefficient
