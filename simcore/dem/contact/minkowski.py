@@ -56,24 +56,8 @@ def separation(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, slack):
 
 
 @leaf
-def penetration(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz):
-    """Signed facet distance: (overlap, normal (3), facet a0 a1 a2 b0 b1 b2).
-
-    A negative overlap is a certain gap along the normal. n, a, b: direction and vertices to start from.
-    """
-    points, vertices, weights = _take_points(), _take_vertices(), _take_weights()
-    f = frame_of(bodies, i, j, rx, ry, rz)
-    nx, ny, nz = to_body(bodies.rotation, i, nx, ny, nz)
-    overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2, _ = facet_distance(
-        shapes, f, size, bodies.shape[i], bodies.shape[j], a, b, nx, ny, nz, points, vertices, weights, 0
-    )
-    nx, ny, nz = to_world(bodies.rotation, i, nx, ny, nz)
-    return overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2
-
-
-@leaf
 def search_pair(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, slack):
-    """`separation`, and `penetration` from where it ended: (signed distance, normal (3), facet, lead).
+    """`separation`, and where they overlap the facet distance from there: (signed distance, normal (3), facet, lead).
 
     facet: a0 a1 a2 b0 b1 b2. lead: how much more overlap the other facets show, as far as is known. The gap is certain
     and not less than (1 − slack) of the distance; with it comes, instead of the facet, the simplex of M next to the
@@ -100,7 +84,11 @@ def search_pair(shapes, bodies, i, j, rx, ry, rz, size, a, b, nx, ny, nz, slack)
 
 @routine
 def facet_distance(shapes, f, size, shape_a, shape_b, a, b, nx, ny, nz, points, vertices, weights, n):
-    """EPA, and all facets where it gives up: as `penetration` with the lead, in the axes of a."""
+    """Signed facet distance by EPA, and by all facets where it gives up: (overlap, normal (3), facet, lead).
+
+    A negative overlap is a certain gap along the normal. Direction, in the axes of a as the normal is, and vertices a,
+    b are where it starts; n: points of the simplex that GJK left, 0 for none. Facet and lead as in `search_pair`.
+    """
     found, overlap, ex, ey, ez, a0, a1, a2, b0, b1, b2, lead = expand(
         shapes, f, size, a, b, nx, ny, nz, points, vertices, n
     )
