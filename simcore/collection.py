@@ -32,6 +32,7 @@ COLUMNS = {
     "application": (["case", "choice", "seed"], ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]),
     "deposits": (["study", "packing"], []),
     "accuracy": (["accuracy", "case", "seed"], []),
+    "difference_long_stones": (["source", "case", "faces", "seed"], []),
     "trends": (["source", "study", "packing", "quantity"], []),
 }
 # Where the seed stands after what is known of the form, or a column is left out.
