@@ -4,6 +4,7 @@
 import argparse
 import json
 import os
+import signal
 import sys
 import time
 from pathlib import Path
@@ -12,13 +13,22 @@ from simcore.launch import add_launch_options, launch_packing
 
 
 def main(arguments=None) -> int:
-    """Exit status: 0 done; 2 the input is wrong, with one line that says what; 1 the packing failed."""
+    """Exit status: 0 done; 2 the input is wrong, with one line that says what; 1 the packing failed.
+
+    141, as a shell has it, where who reads the output wants no more of it, such as `| head`.
+    """
     options = _parser().parse_args(arguments)
     # Numba reads its number of threads when it is imported, and must not see another one later.
     if getattr(options, "threads", None) and "numba" not in sys.modules:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(max(options.threads, 1)))
     try:
-        return options.run(options)
+        status = options.run(options)
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:
+        # What is left in the buffer would be complained of at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 128 + signal.SIGPIPE
     except (ValueError, OSError) as error:
         print(f"simcore {options.command}: {error}", file=sys.stderr)
         return 2

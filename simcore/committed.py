@@ -14,9 +14,11 @@ from simcore.figures.models import form_figure, prediction_figure, shape_kind_fi
 from simcore.figures.studies import porosities_figure, trends_figure
 from simcore.figures.zingg import form_sets_figure, porosity_zingg_figure
 from simcore.grains.form import features as form_features
+from simcore.grains.sieve import read_cases
 from simcore.model_tables import MIXTURE, application_table, mixture_models, shape_kind_table, single_form_models
 from simcore.reference import add_reference, read_study_table
 from simcore.regression import FOLDS
+from simcore.specification import SCHEMA_FOLDER
 from simcore.study_tables import FORM, compare_predictions, pair_shape_kinds, summarise
 from simcore.trend_tables import summarise_trends
 from simcore.unified_model import STATISTICS, UNIFIED, unified_features, unified_models
@@ -85,9 +87,12 @@ def read_rows(path):
     """One of the committed tables as study_tables.tabulate has them, what it does not hold as nan.
 
     Statistics over the grains of a bed: from L, I, S where it holds these, else from its columns mu_EQ to sigma_EL.
+    Cases are in the order of config/cases.tsv, others behind.
     """
     table = pd.read_csv(path)
     table = table.rename(columns={**_OF_A_PACKING, "run": "seed"})
+    place = {case: i for i, case in enumerate(read_cases(SCHEMA_FOLDER / "cases.tsv"))}
+    table = table.sort_values("case", key=lambda case: case.map(place), kind="stable", ignore_index=True)
     if "L" in table:
         table = table.assign(EQ=table["S"] / table["L"], EL=table["I"] / table["L"], FL=table["S"] / table["I"])
         table = table.assign(sigma_EQ=0.0, sigma_EL=0.0, sigma_FL=0.0)

@@ -99,6 +99,12 @@ def test_other_studies_stand_beside_the_studys_values(folder):
     assert "validation" in figures and "mesh_resolution" not in tables
 
 
+def test_cases_come_in_the_order_of_their_table(tmp_path):
+    cases = [{"case": case, "run": 1, "n": 0.3, **ROWS} for case in ("B30", "mine", "U1", "U7", "B50")]
+    pd.DataFrame(cases).to_csv(tmp_path / "validation.csv", index=False)
+    assert read_rows(tmp_path / "validation.csv").case.tolist() == ["U1", "U7", "B30", "B50", "mine"]
+
+
 def test_a_folder_without_rows_is_refused(tmp_path):
     with pytest.raises(ValueError, match="has no table of packings; gather some first"):
         findings(tmp_path)

@@ -3,6 +3,8 @@
 import csv
 import io
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -262,3 +264,11 @@ def test_on_the_command_line(capsys, tmp_path):
     assert told.startswith("simcore predict: ") and told.count("\n") == 1 and "bad.csv, row 2" in told
     assert main(["predict", "--case", "U1", str(TABLE_2), "--level", "95"]) == 2
     assert "level 95: a number between 0 and 1" in capsys.readouterr().err
+
+
+def test_a_reader_that_has_seen_enough_is_no_error():
+    words = [sys.executable, "-m", "simcore", "predict", "--case", "U1", str(TABLE_2)]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT) as run:
+        run.stdout.close()
+        assert run.stderr.read() == b""
+    assert run.returncode == 141
