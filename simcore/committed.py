@@ -109,7 +109,7 @@ def _single_forms(packings, tables, figures, seed, folds):
     parts, of_synthetic, mean_form = {}, {}, []
     of_sources = packings[packings["kind"] == MESH].groupby("source")
     for source, rows in sorted(of_sources, key=lambda each: (each[0] != "synthetic", each[0])):
-        fitted = pd.concat([cases for _, cases in rows.groupby("case") if cases["grain"].nunique() > 4] or [rows[:0]])
+        fitted = rows.groupby("case", sort=False).filter(lambda cases: cases["grain"].nunique() > 4)
         means = add_reference(summarise(rows, ["case"]), "single_form")
         parts.setdefault("single_form_porosities", []).append(_of_source(means, source))
         if fitted.empty:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pandas as pd
 
-WIDE = 1.6  # width over height of a picture that needs the whole width: two panels and more
+# A picture of two panels and more needs the whole width: by width over height, or, where they stand in rows, by pixels.
+WIDE, WIDE_PIXELS = 1.6, 1200
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 70rem; margin: 2rem auto; padding: 0 1rem; color: #1c2526; }
@@ -67,7 +68,7 @@ def picture(path, caption=""):
     data, name = base64.b64encode(content).decode(), escape(caption or str(path))
     # Width and height stand in the first chunk of a PNG file.
     width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))
-    wide = ' class="wide"' if width > WIDE * height else ""
+    wide = ' class="wide"' if width > min(WIDE * height, WIDE_PIXELS) else ""
     return (
         f'<figure{wide}><img alt="{name}" src="data:image/png;base64,{data}">'
         f"<figcaption>{_caption(caption, path)}</figcaption></figure>"

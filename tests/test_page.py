@@ -12,7 +12,7 @@ from simcore.page import is_picture, page, paragraph, picture, table
 from simcore.provenance import ROOT
 
 
-@pytest.mark.parametrize(("size", "wide"), [((4, 4), False), ((6, 4), False), ((8, 4), True)])
+@pytest.mark.parametrize(("size", "wide"), [((4, 4), False), ((6, 4), False), ((8, 4), True), ((13, 12), True)])
 def test_a_picture_is_in_the_page_with_its_caption_in_words(tmp_path, size, wide):
     path = tmp_path / "beds.png"
     Figure(figsize=size).savefig(path)
