@@ -231,7 +231,8 @@ def record(folder, table, study, source, packings, made, command, machine):
     summary = pd.read_csv(path, keep_default_na=False) if path.exists() else pd.DataFrame(columns=[*keys, *behind])
     known = summary[(summary[keys] == [entry[name] for name in keys]).all(axis=1)]
     texts = {name: [part for before in known[name] for part in before.split("; ") if part] for name in behind}
-    if not len(done) and texts["command"] and command not in texts["command"]:
+    of_others = texts["command"] if len(known) else list(summary.command[summary.study == study])
+    if not len(done) and of_others and command not in texts["command"]:
         return
     # A campaign that plans a study is told before it has a packing of it, a machine is not.
     if len(made) or not len(done):

@@ -195,17 +195,20 @@ def test_a_row_of_other_settings_does_not_stand_for_a_packing(tmp_path):
 def test_a_campaign_leaves_what_another_says_of_a_study(tmp_path):
     """An overlay holds the studies that it lies over, in other sizes, and gathers none of them."""
 
-    def tell(seed, command, *made):
+    def tell(seed, command, *made, source="synthetic"):
         plan = [{"row": {"packing": "p"}, "specification": specify(seed), "cpu_h": 0.5 * seed}]
         rows = [("p", settings_of(specify(seed)), 9.0, 30_000, "v")] if made else []
-        record(tmp_path, "t", "t", "synthetic", plan, pd.DataFrame(rows, columns=LEDGER[2:]), command, "one")
-        return pd.read_csv(tmp_path / "collected.csv").iloc[0]
+        record(tmp_path, "t", "t", source, plan, pd.DataFrame(rows, columns=LEDGER[2:]), command, "one")
+        return pd.read_csv(tmp_path / "collected.csv").set_index("source").loc[source]
 
     assert tell(1, "a").cpu_h_left_estimated == 0.5
     assert tell(2, "b").cpu_h_left_estimated == 0.5, "planned by a first"
     assert tell(3, "a").cpu_h_left_estimated == 1.5, "planned anew"
     found = tell(2, "b", "made")
     assert (found.packings, found.command, found.machine) == (1, "a; b", "one")
+    with pytest.raises(KeyError, match="rhine"):
+        tell(4, "a", source="rhine")
+    assert tell(4, "a", "made", source="rhine").packings == 1
 
 
 def test_the_source_is_named_by_its_folder():
