@@ -137,6 +137,8 @@ def describe_settings(specification):
     }
     if other - {CONTACT_TIME} - ({REGION, GATE} if REGION in other else set()):
         return None
+    if specification["numerics"]["contact_region"] == "inflated":
+        return None
     numerics = specification["numerics"]
     return _name_settings(specification["accuracy"], numerics["contact_region"], numerics["contact_time"])
 

@@ -53,6 +53,11 @@ PARTS = (
     (lambda f: f.implicit, "implicit dashpots, by how firmly a grain is held", "implicit dashpots"),
     (lambda f: f.patch, "patches: polyhedra press at the centroid of their overlap", "patches"),
     (
+        lambda f: f.inflated,
+        "contacts of polyhedra as the source study's program finds them",
+        "the contact search of the source study's program",
+    ),
+    (
         lambda f: f.potential,
         "potentials: ellipsoids press where each is deepest in the other",
         "potentials of ellipsoids: their contacts have a common normal",
@@ -119,7 +124,8 @@ def estimate_cost(setup: Setup) -> Cost:
 
 
 def _step_cost(scene: Scene) -> float:
-    return step_cost(WORDS[scene.kind], scene.features.patch, scene.numerics.contact_time, scene.numerics.time_step)
+    region = scene.numerics.contact_region
+    return step_cost(WORDS[scene.kind], region, scene.numerics.contact_time, scene.numerics.time_step)
 
 
 def explain(setup: Setup) -> str:

@@ -22,6 +22,9 @@ from simcore.sizes import lattice_spacing, size_curve
 # on three machines), the others by `python -m benchmarks.throughput --shape ...` (docs/cost.md), where
 # ellipsoids had 0.55 and 0.76 on two machines.
 STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.65, ("mesh", False): 1.0, ("mesh", True): 1.4}
+# What searching each contact anew adds, as the study's program does (numerics.contact_region inflated): two contacts a
+# grain, 6 to 7 µs each by `python -m benchmarks.inflated`.
+INFLATED_COST = 13.0
 # Half of the one and half of the other cost the mean of both, to 2 %.
 STEP_COST |= {("mixed", patch): 0.5 * (STEP_COST["ellipsoid", False] + STEP_COST["mesh", patch]) for patch in (0, 1)}
 # The dearer, the longer the step (memory of a contact holds for less) and the softer the contacts (patches are wide,
@@ -124,11 +127,11 @@ def estimate(specification: dict) -> PackingCost:
         )
     after = round((specification["shaking"]["duration"] + settling_time(specification["convergence"]["rule"])) / dt)
     grain_steps = sum(count * steps for count, steps in zip(born, waits, strict=True)) + grains * after
-    patch = kind in ("mesh", "mixed") and numerics["contact_region"] == "patch"
+    cost = step_cost(kind, numerics["contact_region"], contact_time(specification, curve), dt)
     return PackingCost(
         grains=grains,
         steps=sum(waits) + after,
-        cpu_seconds=1e-6 * step_cost(kind, patch, contact_time(specification, curve), dt) * grain_steps,
+        cpu_seconds=1e-6 * cost * grain_steps,
         array_bytes=float(grains) * GRAIN_MEMORY[kind],
     )
 
@@ -146,10 +149,15 @@ def _form_factors(specification, curve) -> tuple[float, float]:
     return float(bulkier), float((sample.L / size).mean()) * HULL_LENGTH[kind]
 
 
-def step_cost(kind: str, patch: bool, contact_time: float, time_step: float) -> float:
-    """CPU time of a grain and step [µs], one thread, at this contact time and step [s]."""
+def step_cost(kind: str, region: str, contact_time: float, time_step: float) -> float:
+    """CPU time of a grain and step [µs], one thread, at this contact time and step [s].
+
+    region: where polyhedra press, numerics.contact_region.
+    """
+    patch = kind in ("mesh", "mixed") and region == "patch"
+    searched = INFLATED_COST if region == "inflated" else 0.0
     slower = (time_step / STUDY_STEP) ** LONGER * (contact_time / STUDY_CONTACT_TIME) ** SOFTER
-    return STEP_COST[kind, patch] * slower
+    return STEP_COST[kind, patch] * slower + searched
 
 
 def effective_gravity(material: dict) -> float:

@@ -92,7 +92,7 @@ def test_the_estimate_is_that_of_the_grains_themselves():
     assert cost.bytes_per_pair * pairs + 8 * 41 == sum(array.nbytes for array in process.contacts)
     assert cost.shaking == 4000
     steps = cost.shaking + cost.damping
-    assert cost.cpu_seconds == pytest.approx(40 * steps * step_cost("sphere", False, 1e-3, 2.5e-5) * 1e-6)
+    assert cost.cpu_seconds == pytest.approx(40 * steps * step_cost("sphere", "patch", 1e-3, 2.5e-5) * 1e-6)
 
 
 def test_amounts_by_mass_and_several_batches():

@@ -20,3 +20,4 @@ class Features(NamedTuple):
     hertz: bool = False  # the contact law's coefficients follow from the overlap (simcore.dem.hertz)
     sliding: int = 0  # of simcore.dem.sliding: NONE, CAPPED or VISCOUS: friction without springs, not `friction`
     preloaded: bool = False  # with friction: what begins to be held has its tangential spring loaded to the limit
+    inflated: bool = False  # polyhedra meet as the source study's program finds it (simcore.dem.contact.inflated)

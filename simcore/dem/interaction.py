@@ -7,7 +7,8 @@ leave overlap, direction and point in the arrays. Then the force law presses, th
 
 from simcore.compilation import leaf, routine
 from simcore.dem.contact import ellipsoid, mixed, polyhedron, potential, sphere
-from simcore.dem.contact.gap import still_apart
+from simcore.dem.contact.gap import remember_apart, still_apart
+from simcore.dem.contact.inflated import search_inflated
 from simcore.dem.contact.wall import forget_springs
 from simcore.dem.force_laws import (
     explicit_dashpot,
@@ -152,6 +153,22 @@ def search_mixed(shapes, bodies, contacts, p, width, periodic):
         _note(contacts, p, overlap, nx, ny, nz, x, y, z)
     else:
         search_ellipsoids(bodies, contacts, p, width, periodic)
+
+
+@routine
+def find_inflated(shapes, bodies, contacts, p, width, periodic):
+    """Touching contact p between convex polyhedra as the source study's program finds it.
+
+    Where it loses it the contact has ended: its springs are gone, and the next step searches it from nothing.
+    """
+    i, j = contacts.body_a[p], contacts.body_b[p]
+    rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
+    found, overlap, nx, ny, nz, x, y, z = search_inflated(shapes, bodies, i, j, rx, ry, rz)
+    if found:
+        _note(contacts, p, overlap, nx, ny, nz, x, y, z)
+    else:
+        _end(contacts, p)
+        remember_apart(bodies, contacts, p, i, j, rx, ry, rz, 0.0)
 
 
 @leaf

@@ -153,6 +153,11 @@ class Scene:
                 "numerics.ellipsoid_contact: potential is for scenes of ellipsoids alone; set it to common_normal, or "
                 "shapes.kind to ellipsoid"
             )
+        if self.kind != CONVEX and self.numerics.contact_region == "inflated":
+            raise ValueError(
+                "numerics.contact_region: inflated is for scenes of polyhedra alone; set it to patch or point, or "
+                "shapes.kind to mesh"
+            )
 
     @property
     def features(self) -> Features:
@@ -171,6 +176,7 @@ class Scene:
             hertz=self.hertzian is not None,
             sliding=self._sliding,
             preloaded=self._springs and self.material.friction_law == "preloaded",
+            inflated=self.numerics.contact_region == "inflated",
         )
 
     @property

@@ -37,6 +37,7 @@ from simcore.dem.interaction import (
     check_polyhedra,
     check_potentials,
     check_spheres,
+    find_inflated,
     partner_offset,
     press_contact,
     press_wall,
@@ -77,7 +78,7 @@ def make_advance(features: Features):
 @cache
 def _make_advance(
     kind, friction, attractive, floor, cylinder, periodic, shaken, patch, implicit, timed, potential, hertz, sliding,
-    preloaded,
+    preloaded, inflated,
 ):  # fmt: skip
     walled = floor or cylinder
     patch = patch and (kind == CONVEX or kind == MIXED)
@@ -125,6 +126,10 @@ def _make_advance(
                             search_mixed(shapes, bodies, contacts, p, width, periodic)
                         else:
                             search_polyhedra(shapes, bodies, contacts, p, width, periodic)
+            if inflated:
+                for p in prange(n_pairs):
+                    if contacts.touching[p] != 0:
+                        find_inflated(shapes, bodies, contacts, p, width, periodic)
             if patch:
                 for p in prange(n_pairs):
                     if contacts.touching[p] != 0:

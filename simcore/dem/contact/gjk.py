@@ -98,7 +98,7 @@ def triangle_weights(points, p, q, s):
 
 
 @routine
-def _nearest_on_simplex(points, n, weights):
+def nearest_on_simplex(points, n, weights):
     """Fill the weights of the simplex point next to the origin; True where a tetrahedron contains the origin."""
     weights[0], weights[1], weights[2], weights[3] = 0.0, 0.0, 0.0, 0.0
     if n == 1:
@@ -207,7 +207,7 @@ def walk_to_origin(shapes, f, size, a, b, nx, ny, nz, slack, points, vertices, w
         if repeated:
             break
         points[n, 0], points[n, 1], points[n, 2], vertices[n, 0], vertices[n, 1] = x, y, z, a, b
-        if _nearest_on_simplex(points, n + 1, fresh):
+        if nearest_on_simplex(points, n + 1, fresh):
             n, distance = 4, 0.0
             break
         x, y, z = 0.0, 0.0, 0.0
