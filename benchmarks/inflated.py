@@ -1,6 +1,6 @@
 """What the contact search of the source study's program makes of touching polyhedra, by size and form.
 
-    python -m benchmarks.inflated [--pairs 4000] [--overlap 1e-7] > results/reference/inflated.csv
+    python -m benchmarks.inflated [--pairs 2000] [--overlap 1e-7] > results/reference/inflated.csv
 
 Random pairs of synthetic grains of 300 faces, turned at random, that overlap by exactly this much [m]; the study's beds
 at rest have 1e-7 m on average. One CSV row a kind of pair: sieve sizes of both [m], what their lengths are times those
@@ -108,7 +108,7 @@ def measure(grains, size_a, size_b, longer, pairs, overlap):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--pairs", type=int, default=4000)
+    parser.add_argument("--pairs", type=int, default=2000)
     parser.add_argument("--overlap", type=float, default=1e-7, help="[m]")
     options = parser.parse_args()
     grains = [decimate(grain, FACES) for grain in synthetic_grains(seed=1, n=GRAINS)]

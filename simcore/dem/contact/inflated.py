@@ -3,8 +3,8 @@
 Its GJK and EPA (waLBerla: `GeneralContactDetection.h`, `EPA.cpp`) blow up both bodies by MARGIN, an absolute length, so
 that the Minkowski difference M has rounded edges and corners, and make at most MAX_FACES faces, those given up since
 counted too. Where these do not suffice, the face of the polytope next to the origin is what is found. It lies inside M:
-it shows less overlap than there is, along another normal, or none at all. The margin is no less for large stones, and
-long ones are reached last: `python -m benchmarks.inflated` says how often and how much.
+it shows less overlap than there is, along another normal, or none at all, the oftener the longer the grains are:
+`python -m benchmarks.inflated`, results/reference/inflated.csv.
 """
 
 import numpy as np
