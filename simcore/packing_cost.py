@@ -22,8 +22,8 @@ from simcore.sizes import lattice_spacing, size_curve
 # on three machines), the others by `python -m benchmarks.throughput --shape ...` (docs/cost.md), where
 # ellipsoids had 0.55 and 0.76 on two machines.
 STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.65, ("mesh", False): 1.0, ("mesh", True): 1.4}
-# What searching each contact anew adds, as the study's program does (numerics.contact_region inflated): 6 to 8 µs a search
-# (`python -m benchmarks.inflated`), 4 and 7 µs a grain and step in the first two beds of difference_search.
+# What searching each contact anew adds, as the study's program does (numerics.contact_region inflated): 6 to 8 µs a
+# search (`python -m benchmarks.inflated`), 4 and 7 µs a grain and step in the first two beds of difference_search.
 INFLATED_COST = 6.0
 # Half of the one and half of the other cost the mean of both, to 2 %.
 STEP_COST |= {("mixed", patch): 0.5 * (STEP_COST["ellipsoid", False] + STEP_COST["mesh", patch]) for patch in (0, 1)}
