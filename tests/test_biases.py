@@ -110,6 +110,7 @@ def test_settings_are_known_by_their_accuracy_and_contact_time():
     told = "standard at the deepest point and contact time 1 ms"
     assert describe_settings(specification(numerics=point, convergence=wide)) == told
     assert describe_settings(specification(convergence=wide)) is None
+    assert describe_settings(specification(numerics={"contact_region": "inflated"})) is None
     assert describe_settings(specification(shaking={"duration": "1 s"})) is None
     assert describe_settings(specification(accuracy=None)) is None
     # Grains of a campaign come decimated, ellipsoids have no faces.

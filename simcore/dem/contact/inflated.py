@@ -19,7 +19,7 @@ from simcore.dem.contact.scratch import scratch
 MARGIN = 1e-4  # [m], of each body
 MAX_FACES = 100  # made in all
 TOLERANCE = 1e-6  # of the distance from the origin to the rounded M
-GJK_ITERATIONS = 64  # touching hulls need 3 to 12
+GJK_ITERATIONS = 64  # a bound, not a budget
 
 _VERTICES = 4 + MAX_FACES // 3
 _FACES = 2 * MAX_FACES  # in use: the last insertion is made whole, and counted then

@@ -175,11 +175,17 @@ def test_a_lost_contact_forgets_its_springs_and_is_looked_for_again(core, pebble
     # Positions of bodies on a grid are rounded, to 1e-16 m, and so is their difference.
     np.testing.assert_allclose(contacts.overlap, OVERLAP, rtol=1e-6)
     contacts.spring[:] = 1e-9
+    exact = contacts.point.copy()
     lost = step(shapes, bodies, contacts)
     gone = contacts.touching == 0
     assert lost == gone.sum() > 0
     np.testing.assert_array_equal(gone, pebbles[5] == 0.0)
     assert (contacts.spring[gone] == 0.0).all() and (contacts.spring[~gone] != 0.0).all()
+    # Where the overlap is found, so is the point, but for what the normal's angle does over 2 MARGIN; an angle α costs
+    # 2 MARGIN α² / 2 of depth.
+    right = contacts.overlap > OVERLAP - 4.0 * MARGIN * TOLERANCE
+    off = np.linalg.norm(contacts.point - exact, axis=1)[right]
+    assert right.sum() > 20 and off.max() < 2.0 * MARGIN * np.sqrt(8.0 * TOLERANCE)
     # Nothing has moved: the next step finds the same, and the exact search all of them.
     assert step(shapes, bodies, contacts) == lost
     np.testing.assert_array_equal(contacts.touching == 0, gone)
