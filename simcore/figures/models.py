@@ -47,7 +47,7 @@ def _draw_feature(axes, case, x, rows, feature, style, study):
     (marker, color), n = style, rows["n"].to_numpy()
     axes.errorbar(
         x, n, rows.get("n_std_error"), fmt=marker, color=color, ms=5, elinewidth=0.8, mec="white", mew=0.4,
-        label=f"{len(rows)} beds",
+        label=f"{len(rows)} forms",
     )  # fmt: skip
     if len(rows) > 2 and np.ptp(x) > 0.0:
         line = np.array([x.min(), x.max()])

@@ -43,7 +43,7 @@ def porosity_zingg_figure(packings, models=None):
         image = axes.scatter(
             rows["FL"], rows["EL"], c=rows["n"], cmap=SHADES, vmin=low, vmax=high, s=42, ec="black", lw=0.5, zorder=3
         )
-        axes.set_title(f"{case}, {len(rows)} beds", fontsize="medium")
+        axes.set_title(f"{case}, {len(rows)} forms", fontsize="medium")
     figure.colorbar(image, ax=grid, label=POROSITY, shrink=0.85)
     return figure
 
@@ -69,7 +69,7 @@ def form_sets_figure(mixtures):
             color = image.cmap(image.norm(row["n"]))
             axes.add_patch(Ellipse((row["mu_FL"], row["mu_EL"]), *size, fill=False, ec=color, lw=0.9, zorder=2))
         if case:
-            axes.set_title(f"{case}, {len(rows)} beds", fontsize="medium")
+            axes.set_title(f"{case}, {len(rows)} mixtures", fontsize="medium")
     figure.colorbar(image, ax=grid, label=POROSITY, shrink=0.85)
     return figure
 

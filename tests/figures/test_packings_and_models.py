@@ -83,17 +83,17 @@ def test_form_figure_has_a_fit_for_each_case_and_feature(forms, study, tmp_path)
         "EQ$^{-1}$ = L/S [-]", "JFF$^{-1}$ [-]", "WFI = (L + I)/(2 S) [-]",
     ]  # fmt: skip
     assert set(legend(figure.axes[0])) == {
-        "6 beds", "fit: r = 1.000 (study 0.964)",
+        "6 forms", "fit: r = 1.000 (study 0.964)",
         f"study, Eq. 17 at mean EL$^{{-1}}$ = {forms.L[:6].mean():.2f}",
     }  # fmt: skip
-    assert set(legend(figure.axes[3])) == {"6 beds", "fit: r = 1.000"}
+    assert set(legend(figure.axes[3])) == {"6 forms", "fit: r = 1.000"}
     lines = {line.get_label(): line.get_xydata() for line in figure.axes[0].lines}
     # The forms were made with n = 0.3 + 0.02 L/S.
     fit_line = lines["fit: r = 1.000 (study 0.964)"]
     np.testing.assert_allclose(fit_line[:, 1], 0.3 + 0.02 * fit_line[:, 0])
     (theirs,) = (line for label, line in lines.items() if label.startswith("study"))
     np.testing.assert_allclose(theirs[:, 1], 0.278 + 0.019 * theirs[:, 0] + 0.014 * forms.L[:6].mean())
-    assert len(bars(figure.axes[0])["6 beds"]) == 6
+    assert len(bars(figure.axes[0])["6 forms"]) == 6
 
 
 def test_prediction_figure_holds_every_packing(forms, tmp_path):
