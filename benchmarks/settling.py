@@ -47,7 +47,7 @@ def main(arguments=None):
 def rows(options):
     for seed in range(options.first_seed, options.first_seed + options.seeds):
         for accuracy in options.accuracies:
-            for change in ({}, {"shaking": {"duration": "0 s"}}):
+            for change in ({}, {"shaking": {"amplitude": "0 m", "duration": "0 s"}}):
                 yield ours(options, seed, accuracy, change)
         if options.python:
             yield theirs(options, seed)

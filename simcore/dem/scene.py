@@ -169,7 +169,7 @@ class Scene:
             floor=True,
             cylinder=not self.domain.periodic,
             periodic=self.domain.periodic,
-            shaken=self.shaking.amplitude > 0.0 and self.shaking.duration > 0.0,
+            shaken=self.shaking.amplitude > 0.0,
             patch=self.kind in (CONVEX, MIXED) and self.numerics.contact_region == "patch",
             implicit=self.implicit,
             potential=self.kind == ELLIPSOID and self.numerics.ellipsoid_contact == "potential",

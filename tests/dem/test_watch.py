@@ -236,7 +236,7 @@ def test_it_is_not_once_beds_are_damped_nor_under_one_of_a_few_times_its_mass(ph
 def test_an_impact_on_a_grain_that_lies_on_the_floor_goes_as_deep_as_expected(restitution):
     """Two spheres of 6 mm, the upper at 0.5 m/s: its deepest overlap, looked at every step; first order in it."""
     changes = {"shapes": {"kind": "sphere"}, "numerics": {"contact_time": "0.2 ms", "steps_per_contact_time": 1000}}
-    running = process(**changes, material={"restitution": restitution}, shaking={"duration": "0 s"})
+    running = process(**changes, material={"restitution": restitution}, shaking={"amplitude": "0 m", "duration": "0 s"})
     radius, place = np.full(2, 3e-3), np.array([[0.0, 0.0, 3e-3], [0.0, 0.0, 9e-3]])
     speed, still = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -0.5]]), np.zeros((2, 3))
     upright, scale = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.outer(radius, np.ones(3))

@@ -68,3 +68,14 @@ def test_shaking_of_a_free_grain(stage):
     # The sum of sin at the start of each step is that of the midpoint rule shifted: second order here.
     assert errors[0] < amplitude * rate * 2e-5
     assert errors[1] < 0.55 * errors[0]
+
+
+def test_grains_are_shaken_from_the_first_on_though_shaking_ends_with_the_last():
+    """As the study has it: t_s, also 0, counts after the last birth. What is not shaken at all has no amplitude."""
+
+    def shaken(**shaking):
+        specification = resolve({"domain": {"width": "25 mm", "height": "0.2 m"}, "amount": {"grains": 30}}, shaking)
+        return set_up(specification, synthetic_grains).scene.features.shaken
+
+    assert shaken(duration="0 s") and shaken(duration="1 s")
+    assert not shaken(duration="0 s", amplitude="0 m") and not shaken(duration="1 s", amplitude="0 m")
