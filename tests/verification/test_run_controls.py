@@ -5,6 +5,8 @@ import pytest
 
 from simcore.dem.force_laws import contact_law
 from simcore.dem.scene import Material, Shaking
+from simcore.scenes import set_up
+from simcore.specification import resolve
 
 DT = 5e-6
 LAW = contact_law(0.1, 2e-4, 0.22, 0.5)
@@ -74,8 +76,13 @@ def test_grains_are_shaken_from_the_first_on_though_shaking_ends_with_the_last()
     """As the study has it: t_s, also 0, counts after the last birth. What is not shaken at all has no amplitude."""
 
     def shaken(**shaking):
-        specification = resolve({"domain": {"width": "25 mm", "height": "0.2 m"}, "amount": {"grains": 30}}, shaking)
-        return set_up(specification, synthetic_grains).scene.features.shaken
+        spheres = {
+            "domain": {"width": "25 mm", "height": "0.2 m"},
+            "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]},
+            "shapes": {"kind": "sphere"},
+            "amount": {"grains": 30},
+        }
+        return set_up(resolve({**spheres, "shaking": shaking}), None).scene.features.shaken
 
     assert shaken(duration="0 s") and shaken(duration="1 s")
     assert not shaken(duration="0 s", amplitude="0 m") and not shaken(duration="1 s", amplitude="0 m")
