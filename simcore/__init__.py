@@ -21,7 +21,7 @@ Data flow one way: grain -> scene -> packing -> porosity -> model.
     collection       rows of finished packings in committed tables; campaign_cost: hours and pieces of studies
     unified_model    one model for beds of one form and for distributions of form
     prediction       porosity of measured grains (measured_forms), without packing them
-    report           the page of a campaign, of its packings or of committed rows alone
+    report           the page of a campaign, of its packings or of committed rows alone; formulas: its models in short
     figures/         every picture, as functions that return a Figure
 
 `python -m simcore explain SPEC.yaml` says what a packing will do, `pack SPEC.yaml OUT.nc` runs it, `launch` does on

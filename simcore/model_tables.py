@@ -41,9 +41,9 @@ def single_form_models(packings, study_correlations=None, study_errors=None, stu
 
     packings: one row a packing, columns case, L, I, S [any length] and n; where there is a column grain, the packings
     of a grain are averaged first, so that seeds do not pass for forms. Returns (tables, models): tables is a dict of
-    DataFrames `correlations` (all usable features; r_first: their r to EQ_inv; kept: passed the screening),
-    `second_features` (cross-validated error of {EQ_inv, X}), `models` (coefficients of n on EQ_inv, and on EQ_inv and
-    EL_inv); models maps (name, case) to PorosityModel.
+    DataFrames `correlations` (all usable features, the closest first; r_first: their r to EQ_inv; kept: passed the
+    screening), `second_features` (cross-validated error of {EQ_inv, X}), `models` (coefficients of n on EQ_inv, and on
+    EQ_inv and EL_inv); models maps (name, case) to PorosityModel.
     A case with too few packings is left out with a message; ValueError if none is left. folds: of the cross-validation.
     study_*: correlations.csv, table9_second_factor_mae.csv, models.csv.
     """
@@ -58,6 +58,7 @@ def single_form_models(packings, study_correlations=None, study_errors=None, stu
             .rename_axis("feature")
             .reset_index()
             .assign(case=case, samples=len(n), kept=lambda table, kept=kept: table["feature"].isin(kept))
+            .sort_values("r", key=np.abs, ascending=False, kind="stable")
         )
         for name in kept:
             result = cross_validate(features[list(dict.fromkeys(["EQ_inv", name]))], n, folds, seed=seed)
@@ -86,8 +87,8 @@ def mixture_models(packings, study_correlations=None, study_sets=None, study_mod
     """Tables and models of the form-mixture study, per case; returns (tables, models) as single_form_models.
 
     packings: one row a packing, columns case, n and the 104 of mixture_features; where there is a column sample, the
-    packings of a sample are averaged first. Tables: `correlations` of all usable
-    features, `feature_sets` (Table 10's sets, cross-validated errors and R² of the fit to all packings), `models`.
+    packings of a sample are averaged first. Tables: `correlations` of all usable features, the closest first,
+    `feature_sets` (Table 10's sets, cross-validated errors and R² of the fit to all packings), `models`.
     A set with a feature that cannot be used, or with more coefficients than packings, is left out with a message.
     folds: of the cross-validation.
     study_*: correlations.csv, table10_form_mixture_features.csv, models.csv.
@@ -97,7 +98,11 @@ def mixture_models(packings, study_correlations=None, study_sets=None, study_mod
         n = rows["n"].to_numpy()
         features = usable_features(rows.drop(columns=["case", "n"]).select_dtypes("number"))
         correlations.append(
-            correlate(features, n).rename_axis("feature").reset_index().assign(case=case, samples=len(n))
+            correlate(features, n)
+            .rename_axis("feature")
+            .reset_index()
+            .assign(case=case, samples=len(n))
+            .sort_values("r", key=np.abs, ascending=False, kind="stable")
         )
         for columns in MIXTURE_SETS:
             if not set(columns) <= set(features) or len(n) <= len(columns) + 2:

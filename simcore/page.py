@@ -8,13 +8,18 @@ import pandas as pd
 
 # A picture of two panels and more needs the whole width: by width over height, or, where they stand in rows, by pixels.
 WIDE, WIDE_PIXELS = 1.6, 1200
+# Text of more letters than this is broken into lines.
+LONG_TEXT = 28
+# Longer tables are folded, so that the page can be read through.
+ROWS_SHOWN = 24
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 70rem; margin: 2rem auto; padding: 0 1rem; color: #1c2526; }
 h1, h2 { line-height: 1.2; } h2 { margin-top: 2.5rem; border-top: 1px solid #cdd4d5; padding-top: 1rem; }
 .scroll { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.85rem; margin: 0.5rem 0; }
 th, td { padding: 0.2rem 0.7rem; text-align: right; border-bottom: 1px solid #e3e8e8; white-space: nowrap; }
-th { background: #f1f4f4; } td.text, th.text { text-align: left; }
+th { background: #f1f4f4; white-space: normal; vertical-align: bottom; } td.text, th.text { text-align: left; }
+td.long { white-space: normal; min-width: 11rem; max-width: 22rem; } summary { cursor: pointer; font-size: 0.9rem; }
 figure { display: inline-block; margin: 1rem; vertical-align: top; max-width: 32rem; }
 figure.wide { display: block; max-width: none; }
 img { width: 100%; }
@@ -48,18 +53,27 @@ def paragraph(text):
     return f'<p class="note">{escape(text)}</p>'
 
 
-def table(path, caption=""):
-    """The CSV file at `path` as a table under a caption; numbers to four significant digits, nothing where there is no
-    value. A column `note` is left out: the page's banner says it once."""
+def table(path, caption="", behind=()):
+    """The CSV file at `path` as a table under a caption, as of `rows_table`. A column `note` is left out: the page's
+    banner says it once. behind: columns that stand behind all others, for what is read first to be in sight."""
     rows = pd.read_csv(path).drop(columns="note", errors="ignore")
-    kinds = ["" if pd.api.types.is_numeric_dtype(rows[name]) else ' class="text"' for name in rows]
-    head = "".join(f"<th{kind}>{escape(str(name))}</th>" for name, kind in zip(rows, kinds, strict=True))
+    rows = rows[[*rows.columns.difference(behind, sort=False), *(name for name in behind if name in rows)]]
+    return f'<p class="note">{_caption(caption, path)}</p>\n{rows_table(rows)}'
+
+
+def rows_table(rows):
+    """A DataFrame as a table: numbers to four significant digits, nothing where there is no value; columns without any
+    are left out. More than ROWS_SHOWN rows are folded."""
+    rows = rows.dropna(axis="columns", how="all") if len(rows) else rows
+    texts = [not pd.api.types.is_numeric_dtype(rows[name]) for name in rows]
+    # Names may be broken behind an underline.
+    head = "".join(_element("th", name, text).replace("_", "_<wbr>") for name, text in zip(rows, texts, strict=True))
     body = "\n".join(
-        "<tr>" + "".join(f"<td{kind}>{_cell(value)}</td>" for value, kind in zip(row, kinds, strict=True)) + "</tr>"
+        "<tr>" + "".join(_element("td", value, text) for value, text in zip(row, texts, strict=True)) + "</tr>"
         for row in rows.itertuples(index=False)
     )
-    said = f'<p class="note">{_caption(caption, path)}</p>'
-    return f'{said}\n<div class="scroll"><table><tr>{head}</tr>\n{body}</table></div>'
+    shown = f'<div class="scroll"><table><tr>{head}</tr>\n{body}</table></div>'
+    return shown if len(rows) <= ROWS_SHOWN else f"<details><summary>{len(rows)} rows</summary>\n{shown}</details>"
 
 
 def picture(path, caption=""):
@@ -85,10 +99,19 @@ def _caption(text, path):
     return " ".join(filter(None, [escape(text), f'<span class="file">{escape(str(path))}</span>']))
 
 
+def _element(tag, value, text):
+    """A cell of a table; text: whether its column has words, not numbers."""
+    shown = _cell(value)
+    kinds = " ".join(["text"] * text + ["long"] * (text and len(shown) > LONG_TEXT))
+    return f'<{tag} class="{kinds}">{shown}</{tag}>' if kinds else f"<{tag}>{shown}</{tag}>"
+
+
 def _cell(value):
     if pd.isna(value):
         return ""
-    return f"{value:.4g}" if isinstance(value, float) else escape(str(value))
+    if not isinstance(value, float):
+        return escape(str(value))
+    return f"{value:.0f}" if 1000 <= abs(value) < 1e9 else f"{value:.4g}"
 
 
 def _anchor(heading):

@@ -2,7 +2,11 @@
 
 from pathlib import Path
 
-from simcore.page import page, paragraph, picture, table
+import pandas as pd
+
+from simcore.formulas import BEDS, formulas
+from simcore.page import page, paragraph, picture, rows_table, table
+from simcore.study_tables import FORM
 
 TITLE = "Scree: porosity from the form of grains"
 LEAD = (
@@ -25,6 +29,11 @@ CAMPAIGN = (
     "study_cpu_h: core-hours of the source study's program for as many grains times steps. relative_change: from the "
     "lower to the upper end of the beds; spearman_z: rank correlation with height in its standard errors; isotropic: "
     "mean angle of long axes that point anywhere [rad], beside the mean."
+)
+IN_SHORT = (
+    "The fitted models: beds of clean gravel, poured and shaken. error: mean absolute one in porosity, of beds the "
+    "model was not fitted to (cross-validated); range: of the forms fitted; µ, σ: mean and standard deviation "
+    "over the grains of a bed; case: sieve curve, U1 a single sieve class. The study's own formula stands beside."
 )
 COLLECTED = (
     "What was packed of each study, of how many packings planned, and how long the rest would take. Rows of earlier "
@@ -57,12 +66,37 @@ OF_A_STUDY = {
     "form_mixtures": "form_mixture_porosities",
     "equivalent_ellipsoids": "shape_kind_pairs",
 }
+# Columns of a study's or a model's table that stand behind those a reader asks for first.
+BEHIND = (
+    "n_std",
+    "n_seed_error",
+    *FORM,
+    "study_n_std",
+    "study_n_error",
+    "grains",
+    "n_exact",
+    "coordination_number",
+    "bootstrap_lower_95",
+    "bootstrap_upper_95",
+    "feature_min",
+    "feature_max",
+    "r_squared",
+    "rmse",
+    "scatter",
+)
 _CAPTIONS = {"application_predictions": "models_application"}
 
 
 def read_caption(folder, name):
     """The text `name`.rst in the folder of captions, which Snakemake's own report has for this file too."""
     return " ".join((Path(folder) / f"{name}.rst").read_text(encoding="utf-8").split())
+
+
+def in_short(paths):
+    """Fragments that give the formulas of the models whose tables of coefficients are among the CSV files `paths`."""
+    of_models = {Path(path).stem: path for path in paths}
+    known = [formulas(pd.read_csv(of_models[name])) for name in BEDS if name in of_models]
+    return [paragraph(IN_SHORT), rows_table(pd.concat(known, ignore_index=True))] if known else []
 
 
 def committed_page(folder, titles, biases, captions):
@@ -80,25 +114,33 @@ def committed_page(folder, titles, biases, captions):
         taken.sort(key=lambda name: (_place(name), not name.endswith("_synthetic"), name))
         return [(paths[name], _model_caption(captions, name)) for name in taken]
 
+    def fragment(path, caption):
+        return picture(path, caption) if path.suffix == ".png" else table(path, caption, BEHIND)
+
     def said(name):
         return read_caption(captions, name)
 
     cost = [paragraph(CAMPAIGN)]
     if "trends" in figures:
-        cost.append(picture(figures["trends"], said("campaign_trends")))
-    for name, caption in (("collected", COLLECTED), ("biases", BIASES), ("trends", said("campaign_trends"))):
-        cost += [table(tables[name], caption)] if name in tables else []
+        cost.append(fragment(figures["trends"], said("campaign_trends")))
+    told = (
+        ("collected", COLLECTED, ()),
+        ("biases", BIASES, ("born", "kind", "source")),
+        ("trends", said("campaign_trends"), ()),
+    )
+    cost += [table(tables[name], *what) for name, *what in told if name in tables]
     sections = [
-        ("Models", [*(picture(*each) for each in of_models(figures)), *(table(*each) for each in of_models(tables))]),
+        ("In short", in_short(tables.values())),
+        ("Models", [fragment(*each) for each in (*of_models(figures), *of_models(tables))]),
         ("Cost, and order in the beds", cost),
         ("Studies", [paragraph(STUDIES)]),
     ]
     for study, name in of_a_study.items():
         if name in tables:
-            shown = [picture(figures[name], said("study_porosities"))] if name in figures else []
+            shown = [fragment(figures[name], said("study_porosities"))] if name in figures else []
             caption = said("models_shape_kinds" if name == "shape_kind_pairs" else "study_table")
-            sections.append((titles[study], [table(tables[name], caption), paragraph(biases[study]), *shown]))
-    return page(TITLE, LEAD.format(grains=""), sections)
+            sections.append((titles[study], [fragment(tables[name], caption), paragraph(biases[study]), *shown]))
+    return page(TITLE, LEAD.format(grains=""), [section for section in sections if section[1]])
 
 
 def _place(name):

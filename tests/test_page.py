@@ -1,14 +1,16 @@
 """The page of tables and pictures."""
 
 import base64
+import re
 
 import matplotlib
+import pandas as pd
 
 matplotlib.use("Agg")
 import pytest
 from matplotlib.figure import Figure
 
-from simcore.page import is_picture, page, paragraph, picture, table
+from simcore.page import ROWS_SHOWN, is_picture, page, paragraph, picture, rows_table, table
 from simcore.provenance import ROOT
 
 
@@ -30,6 +32,20 @@ def test_a_table_shows_numbers_shortly_and_no_note(tmp_path):
     assert "Porosity." in html and "test only" not in html and "note<" not in html
     assert "<td>0.3761</td>" in html and "<td>300</td>" in html and "<td></td>" in html
     assert "&lt;b&gt;" in html and "<b>" not in html
+
+
+def test_what_is_read_first_stands_first_and_what_has_no_value_is_left_out(tmp_path):
+    path = tmp_path / "n.csv"
+    path.write_text("study,n,grains,n_exact,study_n\nvalidation,0.38,11805.5,,0.37\n")
+    html = table(path, behind=("grains", "study", "absent"))
+    assert re.findall("<th[^>]*>(.+?)</th>", html) == ["n", "study_<wbr>n", "grains", "study"]
+    assert re.findall("<td[^>]*>([^<]+)", html) == ["0.38", "0.37", "11806", "validation"]
+
+
+def test_a_long_table_is_folded():
+    rows = pd.DataFrame({"n": range(ROWS_SHOWN + 1)})
+    assert f"<summary>{ROWS_SHOWN + 1} rows</summary>" in rows_table(rows)
+    assert "<details>" not in rows_table(rows[1:])
 
 
 def test_the_page_links_its_sections():

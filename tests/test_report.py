@@ -4,6 +4,7 @@ import re
 
 import pandas as pd
 
+from simcore.formulas import BEDS
 from simcore.provenance import ROOT
 from simcore.report import committed_page
 
@@ -14,11 +15,13 @@ def test_the_page_holds_every_table_once_under_its_heading(tmp_path):
     """Models of synthetic grains first; a study's table with its bias; what has no table has no heading."""
     names = ("single_form", "single_form_mean_form", "unified", "single_form_porosities", "validation", "collected")
     for name in names:
-        pd.DataFrame({"n": [0.36], "of": [f"this is {name}"]}).to_csv(tmp_path / f"{name}.csv", index=False)
+        rows = pd.DataFrame({"n": [0.36], "of": [f"this is {name}"]})
+        (rows.assign(**_model(name)) if name in BEDS else rows).to_csv(tmp_path / f"{name}.csv", index=False)
     titles = {"validation": "Against the experiment", "single_form": "One form", "domain_size": "Width"}
     html = committed_page(tmp_path, titles, {study: f"off in {study}" for study in titles}, CAPTIONS)
     told = re.findall(r"<h2[^>]*>([^<]+)|this is (\w+)|(off in \w+)", html)
     assert ["".join(each) for each in told] == [
+        "In short",
         "Models",
         "single_form",
         "single_form_mean_form",
@@ -33,6 +36,14 @@ def test_the_page_holds_every_table_once_under_its_heading(tmp_path):
         "single_form_porosities",
         "off in single_form",
     ]
+    assert all(f"n = {beds}" in html for beds in ("0.111", "0.333"))
+
+
+def _model(name):
+    """Of a table of coefficients what its formula is made of."""
+    known = {"intercept": {"single_form": 0.111, "unified": 0.333}[name], "mean_absolute_error": 0.005, "samples": 9}
+    columns = {"model": name, "case": "U1", "term": "intercept", "coefficient": known.pop("intercept")}
+    return columns | known | {"feature_min": float("nan"), "feature_max": float("nan")}
 
 
 def test_a_figure_says_of_which_grains_it_is(tmp_path):

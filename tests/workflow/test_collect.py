@@ -107,9 +107,9 @@ def test_committed_rows_give_tables_and_figures_without_a_packing(campaign):
     assert status == 0 and said.count("rule committed_studies:") == 1 and "rule packing:" not in said, said
     made = campaign.folder / "results" / "mine" / "committed"
     assert sorted(path.name for path in made.glob("n*")) == [f"near_spheres.{kind}" for kind in ("csv", "pdf", "png")]
-    # Of this campaign's own studies there is no row.
+    # Of this campaign's own studies there is no row, of models neither.
     headings = re.findall("<h2[^>]*>([^<]+)", (made / "report.html").read_text())
-    assert headings == ["Models", "Cost, and order in the beds", "Studies"]
+    assert headings == ["Cost, and order in the beds", "Studies"]
 
 
 def test_beds_of_other_settings_and_other_campaigns_are_left_out(campaign, workplace):

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from simcore.page import is_picture, page, paragraph, picture, table
-from simcore.report import CAMPAIGN, LEAD, STUDIES, TITLE, read_caption
+from simcore.report import BEHIND, CAMPAIGN, LEAD, STUDIES, TITLE, in_short, read_caption
 
 TEST_ONLY = "Test only: these packings are far too small to mean anything."
 
@@ -14,6 +14,10 @@ def caption(name):
     return read_caption(Path(snakemake.scriptdir).parent / "report", name)
 
 
+def shown_table(path, text):
+    return table(path, text, BEHIND)
+
+
 def captioned(show, paths):
     """Fragments of figures or tables that lie in folders named as their captions."""
     return [show(path, caption(f"{Path(path).parent.name}_{Path(path).stem}")) for path in paths]
@@ -21,10 +25,15 @@ def captioned(show, paths):
 
 # A campaign need not have a model, nor grains of its own.
 sections = [
-    ("Models", [*captioned(picture, files.model_figures), *captioned(table, files.models)]),
+    ("In short", in_short(files.models)),
+    ("Models", [*captioned(picture, files.model_figures), *captioned(shown_table, files.models)]),
     (
         "Cost, and order in the beds",
-        [*captioned(picture, files.campaign_figures), paragraph(CAMPAIGN), *captioned(table, files.campaign_tables)],
+        [
+            *captioned(picture, files.campaign_figures),
+            paragraph(CAMPAIGN),
+            *captioned(table, files.campaign_tables),
+        ],
     ),
     ("Grains", [*captioned(picture, files.grain_figures), *captioned(table, files.grain_tables)]),
 ]
@@ -33,7 +42,7 @@ kinds = ("study_porosities", "study_picture", "study_profile")
 for path, *pictures in zip(files.tables, files.study_figures, files.pictures, files.profiles, strict=True):
     study = Path(path).stem
     shown = [picture(file, caption(kind)) for file, kind in zip(pictures, kinds, strict=True)]
-    said = [table(path, caption("study_table")), paragraph(params.biases[study])]
+    said = [shown_table(path, caption("study_table")), paragraph(params.biases[study])]
     sections.append((params.titles[study], [*said, *shown]))
 lead = LEAD.format(grains="the grains, ")
 banner = TEST_ONLY if params.test_only else ""
