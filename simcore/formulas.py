@@ -25,8 +25,8 @@ def formulas(rows):
 
     rows: as from PorosityModel.to_rows, several models after each other; with columns source (of the grains) and
     study_coefficient these are told too. Models that BEDS does not name are left out. Returns a DataFrame with columns
-    beds, case, source, porosity, error (cross-validated, mean absolute), samples, range and study, "" where nothing is
-    known.
+    beds, case, source, porosity, error (cross-validated, mean absolute), samples, range and study, None where nothing
+    is known.
     """
     keys = [key for key in ("model", "source", "case") if key in rows]
     table = []
@@ -38,7 +38,7 @@ def formulas(rows):
             {
                 "beds": BEDS[said["model"]],
                 "case": said["case"],
-                "source": said.get("source", ""),
+                "source": said.get("source"),
                 "porosity": _formula(terms, "coefficient"),
                 "error": terms["mean_absolute_error"].iloc[0],
                 "samples": terms["samples"].iloc[0],
@@ -47,17 +47,17 @@ def formulas(rows):
                     for row in terms.itertuples()
                     if row.term in ("EQ_inv", "EL_inv", "mu_EQ_inv", "mu_EL_inv")
                 ),
-                "study": _formula(terms, "study_coefficient") if "study_coefficient" in terms else "",
+                "study": _formula(terms, "study_coefficient") if "study_coefficient" in terms else None,
             }
         )
     return pd.DataFrame(table)
 
 
 def _formula(terms, column):
-    """n = 0.265 + 0.0233 L/S − ..., terms without a value left out; "" without an intercept."""
+    """n = 0.265 + 0.0233 L/S − ..., terms without a value left out; None without an intercept."""
     known = terms[terms[column].notna()].set_index("term")[column]
     if "intercept" not in known:
-        return ""
+        return None
     parts = [f"{known['intercept']:.3f}"]
     for term, value in known.drop("intercept").items():
         parts.append(f"{'−' if value < 0 else '+'} {abs(value):.3g} {_symbol(term)}")

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from simcore.formulas import BEDS, formulas
@@ -97,7 +96,7 @@ def in_short(paths):
     """Fragments that give the formulas of the models whose tables of coefficients are among the CSV files `paths`."""
     of_models = {Path(path).stem: path for path in paths}
     known = [formulas(pd.read_csv(of_models[name])) for name in BEDS if name in of_models]
-    return [paragraph(IN_SHORT), rows_table(pd.concat(known, ignore_index=True).replace("", np.nan))] if known else []
+    return [paragraph(IN_SHORT), rows_table(pd.concat(known, ignore_index=True))] if known else []
 
 
 def committed_page(folder, titles, biases, captions):

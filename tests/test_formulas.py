@@ -14,7 +14,7 @@ def test_the_formula_is_that_of_the_fit():
     n = 0.27 + 0.02 * features["EQ_inv"] - 0.015 * features["EL_inv"] + rng.normal(0.0, 0.002, 30)
     model = fit_and_validate(features, n.to_numpy(), "single_form", "U1", seed=1)
     told = formulas(model.to_rows().assign(source="scans")).iloc[0]
-    assert list(told[["beds", "case", "source", "samples", "study"]]) == ["of one form", "U1", "scans", 30, ""]
+    assert list(told[["beds", "case", "source", "samples", "study"]]) == ["of one form", "U1", "scans", 30, None]
     text = told["porosity"].removeprefix("n = ").replace("−", "-").replace("L/S", "* EQ_inv").replace("L/I", "* EL_inv")
     np.testing.assert_allclose(features.eval(text), model.predict(features), atol=1e-3)
     assert told["error"] == model.mean_absolute_error
@@ -41,4 +41,4 @@ def test_the_study_stands_beside_and_helpers_of_the_fit_do_not():
     told = formulas(rows)
     assert list(told["porosity"]) == ["n = 0.287 + 0.0278 µ_EQ⁻¹ − 0.00266 σ_EL⁻¹"]
     assert list(told["study"]) == ["n = 0.287 + 0.032 µ_EQ⁻¹"]
-    assert list(told["source"]) == [""]
+    assert list(told["source"]) == [None]

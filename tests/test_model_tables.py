@@ -65,6 +65,8 @@ def test_single_form_tables_stand_beside_the_studys(single_form_packings):
         model = models["single_form", case]
         np.testing.assert_allclose(model.coefficients, truth, atol=5e-4)
         assert np.all(np.abs(np.subtract(model.coefficients, truth)) < 4 * np.array(model.std_errors))
+    for _, of_case in tables["correlations"].groupby("case"):
+        assert of_case["r"].abs().is_monotonic_decreasing
     r = tables["correlations"].set_index(["case", "feature"])
     assert r.loc[("U1", "EQ_inv"), "study_r"] == 0.964 and r.loc[("U1", "EQ_inv"), "kept"]
     assert np.isnan(r.loc[("B50", "EQ_inv"), "study_r"]) and not r.loc[("U1", "EQ"), "kept"]

@@ -10,7 +10,7 @@ matplotlib.use("Agg")
 import pytest
 from matplotlib.figure import Figure
 
-from simcore.page import ROWS_SHOWN, is_picture, page, paragraph, picture, rows_table, table
+from simcore.page import LONG_TEXT, ROWS_SHOWN, is_picture, page, paragraph, picture, rows_table, table
 from simcore.provenance import ROOT
 
 
@@ -40,6 +40,11 @@ def test_what_is_read_first_stands_first_and_what_has_no_value_is_left_out(tmp_p
     html = table(path, behind=("grains", "study", "absent"))
     assert re.findall("<th[^>]*>(.+?)</th>", html) == ["n", "study_<wbr>n", "grains", "study"]
     assert re.findall("<td[^>]*>([^<]+)", html) == ["0.38", "0.37", "11806", "validation"]
+
+
+def test_long_text_is_broken_into_lines_and_numbers_are_not():
+    html = rows_table(pd.DataFrame({"bed": ["x" * LONG_TEXT, "x" * (LONG_TEXT + 1)], "n": [0.3612345, 0.38]}))
+    assert re.findall("<td([^>]*)>", html) == [' class="text"', "", ' class="text long"', ""]
 
 
 def test_a_long_table_is_folded():

@@ -37,6 +37,16 @@ def test_the_page_holds_every_table_once_under_its_heading(tmp_path):
         "off in single_form",
     ]
     assert all(f"n = {beds}" in html for beds in ("0.111", "0.333"))
+    # Nothing is known of the grains' source and of the study.
+    assert re.findall("<th[^>]*>([^<]+)", html)[:6] == ["beds", "case", "porosity", "error", "samples", "range"]
+
+
+def test_a_study_shows_its_difference_before_its_details(tmp_path):
+    row = {"case": "U1", "n": 0.384, "n_std": 0.001, "grains": 4700, "study_n": 0.383, "difference": 0.001}
+    pd.DataFrame([row]).to_csv(tmp_path / "validation.csv", index=False)
+    html = committed_page(tmp_path, {"validation": "Against the experiment"}, {"validation": ""}, CAPTIONS)
+    names = [name.replace("<wbr>", "") for name in re.findall("<th[^>]*>(.+?)</th>", html)]
+    assert names == ["case", "n", "study_n", "difference", "n_std", "grains"]
 
 
 def _model(name):
