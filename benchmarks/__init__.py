@@ -1,11 +1,8 @@
-"""Cost of a step: throughput, features, scaling, and other codes on the same bed. Run from the repository root.
+"""Measurements, as figures and never as tests. Run from the repository root, such as python -m benchmarks.speed.throughput.
 
-throughput   one bed, one figure: python -m benchmarks.throughput
-features     what each shape and each feature costs
-scaling      grains from 10^3 to 10^5, one and two threads
-compare      the same bed in other codes (benchmarks/others)
-
-ellipsoid_contact   two constructions of an ellipsoid contact: depth, energy of impacts, cost of a query
+speed/        what the code costs: one bed, each feature, over sizes and ranks, beside other programs
+correctness/  that results are right: the same bits on any ranks, exact contacts, faults that are met
+studies/      measurements that constants and statements of the documentation rest on
 
 beds makes and keeps the beds, measurement steps them.
 """

@@ -14,13 +14,13 @@ from typing import NamedTuple
 import numpy as np
 import yaml
 
+from simcore.campaign.studies import merge
 from simcore.compilation import source_digest
-from simcore.dem.bodies import make_bodies
-from simcore.dem.packing import SHAKING, Process
-from simcore.scenes import set_up
-from simcore.sources import load_grains
-from simcore.specification import resolve
-from simcore.studies import merge
+from simcore.dem.state.bodies import make_bodies
+from simcore.grains.sources import load_grains
+from simcore.packing.process import SHAKING, Process
+from simcore.scene.setup import set_up
+from simcore.scene.specification import resolve
 
 FORMAT = 1  # of the file; a bed of another one is not read
 SHAPES = {"sphere": "sphere", "ellipsoid": "ellipsoid", "polyhedron": "mesh"}

@@ -9,9 +9,9 @@ import numpy as np
 
 from benchmarks.beds import Bed, start
 from simcore.compilation import source_digest
-from simcore.dem.packing import SHAKING, Packed
-from simcore.packing_io import packing_dataset
-from simcore.porosity import porosity_profile
+from simcore.evaluation.porosity import porosity_profile
+from simcore.packing.file import packing_dataset
+from simcore.packing.process import SHAKING, Packed
 
 FIRST_STEPS = 3
 REMEMBERING = 0.005  # [s] of steps before the measurement, in which contacts find their springs and facets
@@ -91,8 +91,8 @@ def measure_shares(setup, bed, duration):
 def solid_fraction(setup, process, specification):
     """Solid fraction of the middle of the bed, slices of 1 mm between the quartiles of the grains' heights.
 
-    Grains are sliced exactly. Unlike simcore.porosity.bulk_porosity it asks for no surface, which a shaken or a narrow
-    bed may not have.
+    Grains are sliced exactly. Unlike simcore.evaluation.porosity.bulk_porosity it asks for no surface, which a shaken
+    or a narrow bed may not have.
     """
     process.evaluate()
     packed = Packed(

@@ -9,7 +9,7 @@ import sys
 import time
 from pathlib import Path
 
-from simcore.launch import add_launch_options, launch_packing
+from simcore.packing.launch import add_launch_options, launch_packing
 
 
 def main(arguments=None) -> int:
@@ -93,21 +93,21 @@ def _parser():
 
 
 def _explain(options):
-    from simcore.explanation import explain
-    from simcore.scenes import set_up
-    from simcore.sources import load_grains
-    from simcore.specification import read_specification
+    from simcore.grains.sources import load_grains
+    from simcore.packing.explanation import explain
+    from simcore.scene.setup import set_up
+    from simcore.scene.specification import read_specification
 
     print(explain(set_up(read_specification(options.specification), load_grains)))
     return 0
 
 
 def _pack(options):
-    from simcore.dem.ranks import ONE_RANK, started_by_mpi
+    from simcore.dem.ranks.one_rank import ONE_RANK, started_by_mpi
 
     if not started_by_mpi(os.environ):
         return _pack_on(ONE_RANK, options)
-    from simcore.dem.decomposition import ManyRanks
+    from simcore.dem.ranks.many_ranks import ManyRanks
 
     ranks = ManyRanks()
     with ranks.together():
@@ -116,8 +116,8 @@ def _pack(options):
 
 def _pack_on(ranks, options):
     """Exit status, the same on all ranks: every error that is caught here is met by all of them."""
-    from simcore.checkpoint import CheckpointError
-    from simcore.dem.packing import Interrupted, PackingError, pack
+    from simcore.packing.checkpoints.file import CheckpointError
+    from simcore.packing.process import Interrupted, PackingError, pack
 
     started = time.monotonic()
     report = _reporter(options.log) if ranks.rank == 0 else _say_nothing
@@ -147,12 +147,12 @@ def _pack_on(ranks, options):
 def _prepare(ranks, options, report):
     """Specification, Setup and keeper of a packing; ValueError or OSError on all ranks where it cannot be run."""
     from simcore.compilation import set_threads
-    from simcore.keeping import CheckpointKeeper, checkpoint_code, packing_key
-    from simcore.packing_io import code_version
-    from simcore.quantity import parse_quantity
-    from simcore.scenes import set_up
-    from simcore.sources import load_grains
-    from simcore.specification import read_specification
+    from simcore.grains.sources import load_grains
+    from simcore.packing.checkpoints.keeper import CheckpointKeeper, checkpoint_code, packing_key
+    from simcore.packing.file import code_version
+    from simcore.scene.quantity import parse_quantity
+    from simcore.scene.setup import set_up
+    from simcore.scene.specification import read_specification
 
     code_version()
     code = checkpoint_code() if options.checkpoints else ""
@@ -166,8 +166,8 @@ def _prepare(ranks, options, report):
 
 
 def _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, options):
-    from simcore.heartbeat import beat
-    from simcore.packing_io import packing_dataset, write_packing
+    from simcore.packing.file import packing_dataset, write_packing
+    from simcore.packing.heartbeat import beat
 
     beat()
     packing = packing_dataset(
@@ -197,8 +197,8 @@ def _launch(options):
 
 
 def _porosity(options):
-    from simcore.packing_io import read_packing
-    from simcore.porosity import bulk_porosity
+    from simcore.evaluation.porosity import bulk_porosity
+    from simcore.packing.file import read_packing
 
     method = "exact" if options.exact else "spheres"
     bulk = bulk_porosity(read_packing(options.packing), method=method, cut=options.cut)
@@ -208,10 +208,10 @@ def _porosity(options):
 
 
 def _fabric(options):
-    from simcore.coordination import BEARING_CONTACTS
-    from simcore.fabric import fabric, fabric_over_seeds
-    from simcore.fabric_text import fabric_text
-    from simcore.packing_io import read_packing, write_packing
+    from simcore.evaluation.coordination import BEARING_CONTACTS
+    from simcore.evaluation.fabric import fabric, fabric_over_seeds
+    from simcore.evaluation.fabric_text import fabric_text
+    from simcore.packing.file import read_packing, write_packing
 
     if options.out is not None:
         _check_writable(options.out)
@@ -231,7 +231,7 @@ def _fabric(options):
 
 
 def _predict(options):
-    from simcore.prediction import predict_file
+    from simcore.models.prediction import predict_file
 
     print(
         predict_file(

@@ -28,12 +28,12 @@ def sources(tmp_path, monkeypatch):
     "path",
     [
         "compilation.py",
-        "slicing.py",
-        "dem/stepping.py",
-        "dem/contact/epa.py",
-        "dem/contact/scratch.py",
-        "dem/features.py",
-        "dem/bodies.py",
+        "evaluation/slicing.py",
+        "dem/step/step.py",
+        "dem/contact/search/epa.py",
+        "dem/contact/search/scratch.py",
+        "dem/state/features.py",
+        "dem/state/bodies.py",
     ],
 )
 def test_what_is_compiled_or_compiled_in_counts(sources, path):
@@ -41,7 +41,14 @@ def test_what_is_compiled_or_compiled_in_counts(sources, path):
 
 
 @pytest.mark.parametrize(
-    "path", ["dem/packing.py", "dem/decomposition.py", "dem/watch.py", "checkpoint.py", "grains/mesh.py"]
+    "path",
+    [
+        "packing/process.py",
+        "dem/ranks/many_ranks.py",
+        "packing/watch.py",
+        "packing/checkpoints/file.py",
+        "grains/mesh.py",
+    ],
 )
 def test_what_is_not_does_not(sources, path):
     assert not sources(path)

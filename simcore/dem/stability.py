@@ -20,11 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from simcore.dem.bodies import Bodies
-from simcore.dem.force_laws import ContactLaw, explicit_dashpot, implicit_dashpot, implicit_law
-from simcore.dem.neighbors import Near
-from simcore.dem.ranks import ONE_RANK
-from simcore.dem.shapes import Base
+from simcore.dem.forces.spring_dashpot import ContactLaw, explicit_dashpot, implicit_dashpot, implicit_law
+from simcore.dem.ranks.one_rank import ONE_RANK
+from simcore.dem.shapes.hulls import Base
+from simcore.dem.state.bodies import Bodies
+from simcore.dem.step.near_pairs import Near
 
 LARGEST_LOAD = 4.0  # eigenvalue at which a mode alternates undamped
 LOOKED_AT = 32  # bodies whose eigenvalues are found, of all; the others are taken by the sums of theirs

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from .mesh import Grain
+from simcore.grains.mesh import Grain
 
 _MEASURES = {
     "L": ("m", "longest axis of the mass-equivalent ellipsoid"),

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import trimesh
 
-from .form import mass_equivalent_axes, sieve_size
-from .polyhedron import convex_hull, face_areas, facet_areas, third_moments, volume_moments
+from simcore.grains.form import mass_equivalent_axes, sieve_size
+from simcore.grains.polyhedron import convex_hull, face_areas, facet_areas, third_moments, volume_moments
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,10 +6,10 @@ from zipfile import BadZipFile
 import numpy as np
 import trimesh
 
-from .mesh import make_grain
-from .polyhedron import volume_moments
-from .spherical_harmonics import read_coefficients, surface_points
-from .voxels import mask_surface
+from simcore.grains.mesh import make_grain
+from simcore.grains.polyhedron import volume_moments
+from simcore.grains.spherical_harmonics import read_coefficients, surface_points
+from simcore.grains.voxels import mask_surface
 
 UNITS = {"m": 1.0, "mm": 1e-3}
 # Sieve sizes [m] that a grain may have. Sizes from 2 to 50 mm in the wrong one of the two units fall outside.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from .form import axes_from_form, sieve_size_of_volume
+from simcore.grains.form import axes_from_form, sieve_size_of_volume
 
 # The study redraws normal FL and EL until they lie in this interval.
 FORM_RANGE = (0.1, 1.0)

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from .directions import spiral_directions
-from .form import ellipsoid_sphericity
-from .mesh import decimate, make_grain
+from simcore.grains.form import ellipsoid_sphericity
+from simcore.grains.mesh import decimate, make_grain
+from simcore.grains.spiral import spiral_directions
 
 # Face count at which shapes are compared: the share in facets depends on it, and the Rhine meshes have <= 300.
 COMPARED_FACES = 300

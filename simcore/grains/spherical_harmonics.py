@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from scipy.special import sph_harm_y
 
-from .directions import spiral_directions
+from simcore.grains.spiral import spiral_directions
 
 
 def read_coefficients(path):

@@ -8,10 +8,10 @@ sphericity and the share of surface in large facets lie within those of CT-scann
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .directions import spiral_directions
-from .form import axes_from_form, ellipsoid_sphericity
-from .mesh import make_grain
-from .scan_shapes import scan_ranges, shape_measures
+from simcore.grains.form import axes_from_form, ellipsoid_sphericity
+from simcore.grains.mesh import make_grain
+from simcore.grains.scan_shapes import scan_ranges, shape_measures
+from simcore.grains.spiral import spiral_directions
 
 # Rettinger et al. 2022, Table 2 and text. ASSUME: the standard deviations are those of a sample (n - 1, ddof 1).
 FLATNESS_MEAN, FLATNESS_STD = 0.647, 0.175

@@ -17,13 +17,13 @@ import numpy as np
 import pandas as pd
 from scipy.spatial import ConvexHull
 
-from simcore.dem.bodies import make_bodies, rotation_matrix
-from simcore.dem.contact import brute
+from simcore.dem.contact.finding import check_ellipsoids, check_polyhedra, search_ellipsoids, search_polyhedra
 from simcore.dem.contact.query import _table, place, query_many, query_pairs
-from simcore.dem.features import Features
-from simcore.dem.interaction import check_ellipsoids, check_polyhedra, search_ellipsoids, search_polyhedra
-from simcore.dem.neighbors import Box, list_near
-from simcore.dem.shapes import CONVEX, ELLIPSOID, Base, collect_shapes, convex, ellipsoid, unit_sphere
+from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, Base, collect_shapes, convex, ellipsoid, unit_sphere
+from simcore.dem.state.bodies import make_bodies, rotation_matrix
+from simcore.dem.state.features import Features
+from simcore.dem.step.near_pairs import Box, list_near
+from simcore.verification import brute_force as brute
 
 SEMI_AXES = np.array([1.0, 0.75, 0.5])  # [m]
 DEPTH, MOTION = 1e-3, 1e-4  # of the pair's size
@@ -40,7 +40,7 @@ _compiled = numba.njit(error_model="numpy")
 class Pairs(NamedTuple):
     """n pairs of one kind. shapes: those of the bodies a and b by turns; poses: of the pair's two poses."""
 
-    kind: int  # of simcore.dem.shapes
+    kind: int  # of simcore.dem.shapes.hulls
     shapes: tuple  # (2 n)
     scale: np.ndarray  # (2 n, 3) [m]; ones of hulls
     size: np.ndarray  # (n,) [m], sum of the radii

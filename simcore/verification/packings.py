@@ -75,7 +75,7 @@ def compare(runs: pd.Series, reference: pd.Series) -> tuple[float, float]:
 
 
 def work_precision_runs(errors: pd.DataFrame, titles: dict[str, str], defaults: dict[str, str]) -> pd.DataFrame:
-    """Rows of `porosity_errors` as a table of simcore.work_precision, each study a case.
+    """Rows of `porosity_errors` as a table of simcore.verification.work_precision, each study a case.
 
     titles: of the studies. defaults: the setting of each that the other studies hold to. The reference's own error is
     the noise of the seeds: the median standard error of the study's differences. The reference has no error but that.
@@ -103,7 +103,8 @@ def work_precision_runs(errors: pd.DataFrame, titles: dict[str, str], defaults: 
 
 
 def base_setting(rows: list[dict]) -> str:
-    """The setting of a study that the other studies hold to. rows: dicts {varied, is_base} as simcore.studies has them.
+    """The setting of a study that the other studies hold to. rows: dicts {varied, is_base} as simcore.campaign.studies
+    has them.
 
     "" where the study has none.
     """

@@ -4,7 +4,7 @@ import time
 
 import pandas as pd
 
-from simcore.porosity import bulk_porosity
+from simcore.evaluation.porosity import bulk_porosity
 
 SLICE_HEIGHTS = (4e-3, 2e-3, 1e-3, 0.5e-3, 0.25e-3)  # [m]
 REFERENCE_HEIGHT = 0.1e-3  # [m], exact
@@ -12,7 +12,7 @@ DEFAULT = ("spheres", 1e-3)  # the study's
 
 
 def study(packings, slice_heights=SLICE_HEIGHTS, reference_height=REFERENCE_HEIGHT) -> pd.DataFrame:
-    """Runs for simcore.work_precision: each packing is a repeat, the setting the slice height [mm].
+    """Runs for simcore.verification.work_precision: each packing is a repeat, the setting the slice height [mm].
 
     packings: sequence of Datasets as in packing_io. The error is that of the bulk porosity to exact slices of
     reference_height [m]; the reference's own error is what halving its slices changed at most.

@@ -10,12 +10,12 @@ import time
 import numpy as np
 import pandas as pd
 
-from simcore.dem.bodies import make_bodies
-from simcore.dem.packing import DAMPING, SHAKING, PackingError, Process
-from simcore.dem.scene import minimum_steps_per_contact_time
-from simcore.scenes import set_up
-from simcore.sources import load_grains
-from simcore.specification import resolve
+from simcore.dem.state.bodies import make_bodies
+from simcore.grains.sources import load_grains
+from simcore.packing.process import DAMPING, SHAKING, PackingError, Process
+from simcore.scene.scene import minimum_steps_per_contact_time
+from simcore.scene.setup import set_up
+from simcore.scene.specification import resolve
 
 STEPS = (40, 20, 14, 10, 8, 6)
 SHAPES = ("sphere", "mesh")

@@ -20,7 +20,7 @@ import pandas as pd
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj
 
-from simcore.dem.integrators import rotate_free
+from simcore.dem.step.motion import rotate_free
 
 REPEATS = 5
 TIMED_STEPS = 20_000  # at least, of one measurement of CPU time: some milliseconds

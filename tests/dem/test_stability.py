@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.bodies import make_bodies
-from simcore.dem.features import Features
-from simcore.dem.force_laws import contact_law
-from simcore.dem.scene import minimum_steps_per_contact_time
-from simcore.dem.shapes import ELLIPSOID, SPHERE, Base, unit_sphere
+from simcore.dem.forces.spring_dashpot import contact_law
+from simcore.dem.shapes.hulls import ELLIPSOID, SPHERE, Base, unit_sphere
 from simcore.dem.stability import (
     Load,
     body_steps,
@@ -20,6 +17,9 @@ from simcore.dem.stability import (
     steps_needed,
     stiffest_body,
 )
+from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.features import Features
+from simcore.scene.scene import minimum_steps_per_contact_time
 
 T_C = 1e-3
 STUDY = contact_law(0.1, T_C, 0.22, 0.5)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from simcore.grains.directions import spiral_directions
 from simcore.grains.mesh import make_grain
 from simcore.grains.spherical_harmonics import radius, read_coefficients, surface_points
+from simcore.grains.spiral import spiral_directions
 
 # r = 10 + 2 z + 1.5 x - 0.8 y + 0.7 (x² - y²) on the unit sphere, written in orthonormal Y_nm by hand:
 # Y_00 = 1/sqrt(4 pi), Y_10 = sqrt(3/4pi) z, Y_11 = -sqrt(3/8pi) (x + iy), Y_22 = sqrt(15/32pi) (x + iy)²

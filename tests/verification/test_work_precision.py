@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from simcore.dem.shapes import CONVEX, ELLIPSOID
+from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID
 from simcore.verification import contact_query, one_contact, rotation
-from simcore.work_precision import observed_order, settings_table
+from simcore.verification.work_precision import observed_order, settings_table
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 import yaml
 
-from simcore.evaluation import evaluate
-from simcore.reference import ROWS_FOLDER
-from simcore.specification import resolve
-from simcore.studies import expand, merge
+from simcore.campaign.studies import expand, merge
+from simcore.evaluation.evaluate import evaluate
+from simcore.paths import REFERENCE
+from simcore.scene.specification import resolve
 
 from .conftest import ROOT
 from .test_plan import OTHERS
@@ -102,7 +102,7 @@ def test_half_of_a_campaign_is_gathered_and_the_rest_later(campaign):
 
 
 def test_committed_rows_give_tables_and_figures_without_a_packing(campaign):
-    shutil.copytree(ROWS_FOLDER, campaign.folder / "kept", ignore=shutil.ignore_patterns("[!n]*"))
+    shutil.copytree(REFERENCE, campaign.folder / "kept", ignore=shutil.ignore_patterns("[!n]*"))
     status, said = campaign.run("committed_studies")
     assert status == 0 and said.count("rule committed_studies:") == 1 and "rule packing:" not in said, said
     made = campaign.folder / "results" / "mine" / "committed"

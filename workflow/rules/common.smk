@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 from snakemake.exceptions import WorkflowError
 
-from simcore import deposits
-from simcore.biases import bias_note, measured_biases
-from simcore.campaign_cost import describe_studies, estimate_studies, number_pieces
-from simcore.collection import not_gathered, source_name
-from simcore.packing_cost import estimate
-from simcore.provenance import ROOT, digest
-from simcore.reference import ROWS_FOLDER
-from simcore.showpieces import corner_mixtures, showpieces
-from simcore.sources import source_files
-from simcore.specification import resolve
-from simcore.studies import expand
+from simcore.campaign import deposits
+from simcore.campaign.biases import bias_note, measured_biases
+from simcore.campaign.plan import describe_studies, estimate_studies, number_pieces
+from simcore.campaign.gathering import not_gathered, source_name
+from simcore.packing.cost import estimate
+from simcore.paths import REFERENCE, ROOT
+from simcore.provenance.digest import digest
+from simcore.campaign.showpieces import corner_mixtures, showpieces
+from simcore.grains.sources import source_files
+from simcore.scene.specification import resolve
+from simcore.campaign.studies import expand
 
 try:
     campaign = resolve(config, "config")
@@ -51,7 +51,7 @@ packings["ranks"] = [
 
 
 def plan_of(study):
-    """Packings of a study as simcore.collection takes them."""
+    """Packings of a study as simcore.campaign.gathering takes them."""
     return [
         {
             "row": packing.row,
@@ -122,7 +122,7 @@ def mpiexec(wildcards):
 
 # What is known of how far off the porosities of each study are.
 def bias_notes(names):
-    biases = measured_biases(ROWS_FOLDER)
+    biases = measured_biases(REFERENCE)
     specifications = packings.groupby("study").specification
     return {
         name: bias_note(list(specifications.get_group(name)), biases) for name in names
@@ -137,7 +137,7 @@ cases_packed = {
     ]
 }
 cases_committed = sorted(set(campaign["models"]["committed"]) - cases_packed)
-committed_rows = ROWS_FOLDER / "single_form.csv"
+committed_rows = REFERENCE / "single_form.csv"
 
 
 # A figure as PNG, which Snakemake's report shows under its caption, and as PDF.

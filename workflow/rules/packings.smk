@@ -69,7 +69,9 @@ rule packing:
         runtime=minutes,
     params:
         code=digest(
-            "simcore/scenes.py", "simcore/dem/packing.py", "simcore/packing_io.py"
+            "simcore/scene/setup.py",
+            "simcore/packing/process.py",
+            "simcore/packing/file.py",
         ),
         checkpoints=f"{results}/checkpoints",
     # The checkpoints are no output, so that a packing that was interrupted goes on from them. Each study has a folder of

@@ -2,11 +2,11 @@
 
 import pandas as pd
 
-from simcore.cost_table import cost_table, read_packings
-from simcore.figures.saving import save_figure
-from simcore.figures.studies import trends_figure
-from simcore.study_tables import mark
-from simcore.trend_tables import summarise_trends
+from simcore.campaign.cost_table import cost_table, read_packings
+from simcore.campaign.study_tables import mark
+from simcore.campaign.trend_tables import summarise_trends
+from simcore.report.figures.saving import save_figure
+from simcore.report.figures.studies import trends_figure
 
 files, test_only = snakemake.input, snakemake.params.test_only
 trends = summarise_trends(pd.concat([pd.read_csv(path) for path in files.trends], ignore_index=True))

@@ -2,10 +2,10 @@
 
 import pandas as pd
 
-from simcore.deposit_findings import findings
-from simcore.deposits import add_family
-from simcore.figures.deposits import figures_of_rows
-from simcore.figures.saving import save_figure
+from simcore.campaign.deposit_findings import findings
+from simcore.campaign.deposits import add_family
+from simcore.report.figures.deposits import figures_of_rows
+from simcore.report.figures.saving import save_figure
 
 rows = add_family(pd.read_csv(snakemake.input.rows, keep_default_na=False, na_values=["", "nan"]))
 rows["change"] = rows["change"].fillna("")

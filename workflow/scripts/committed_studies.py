@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from simcore.committed import findings
-from simcore.figures.saving import save_figure
-from simcore.report import EARLIER, committed_page
+from simcore.report.committed import findings
+from simcore.report.figures.saving import save_figure
+from simcore.report.sections import EARLIER, committed_page
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
 p = snakemake.params

@@ -3,10 +3,10 @@
 import pandas as pd
 import xarray as xr
 
-from simcore.deposit_findings import diagonal_fabrics
-from simcore.figures.deposits import figures_of_rows
-from simcore.figures.fabric import fabric_figure
-from simcore.figures.saving import save_figure
+from simcore.campaign.deposit_findings import diagonal_fabrics
+from simcore.report.figures.deposits import figures_of_rows
+from simcore.report.figures.fabric import fabric_figure
+from simcore.report.figures.saving import save_figure
 
 files, p = snakemake.input, snakemake.params
 packings = pd.read_csv(files.packings, keep_default_na=False, na_values=["", "nan"])

@@ -3,9 +3,9 @@
 import pandas as pd
 import xarray as xr
 
-from simcore.deposit_findings import crossings, findings
-from simcore.deposits import add_family, deposit_rows
-from simcore.study_tables import mark
+from simcore.campaign.deposit_findings import crossings, findings
+from simcore.campaign.deposits import add_family, deposit_rows
+from simcore.campaign.study_tables import mark
 
 p = snakemake.params
 fabrics = [xr.load_dataset(path) for path in snakemake.input.fabrics]

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from simcore.study_tables import mark
+from simcore.campaign.study_tables import mark
 from simcore.verification.packings import name_changes, porosity_errors
 
 p = snakemake.params

@@ -4,12 +4,12 @@ import logging
 
 import pandas as pd
 
-from simcore.figures.models import prediction_figure
-from simcore.figures.saving import save_figure
-from simcore.figures.zingg import form_sets_figure
-from simcore.model_tables import application_table, mixture_models, models_dataset
-from simcore.reference import add_reference, read_study_table
-from simcore.study_tables import compare_predictions, mark
+from simcore.campaign.study_tables import compare_predictions, mark
+from simcore.models.tables import application_table, mixture_models, models_dataset
+from simcore.reference.r22_tables import add_reference, read_study_table
+from simcore.report.figures.models import prediction_figure
+from simcore.report.figures.saving import save_figure
+from simcore.report.figures.zingg import form_sets_figure
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
 test_only = snakemake.params.test_only

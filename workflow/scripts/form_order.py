@@ -2,8 +2,8 @@
 
 import pandas as pd
 
-from simcore.forms import spread_order
 from simcore.grains.grain_set import read_grains
+from simcore.grains.spread import spread_order
 
 grains = read_grains(snakemake.input.grains)
 table = pd.DataFrame(

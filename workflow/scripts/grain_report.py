@@ -2,10 +2,9 @@
 
 import pandas as pd
 
-from simcore.figures import grains as figures
-from simcore.figures.saving import save_figure
 from simcore.grains.grain_set import read_grains
-from simcore.grains.report import (
+from simcore.grains.scan_shapes import scan_ranges, shape_table
+from simcore.grains.tables import (
     decimation_summary,
     decimation_table,
     factor_correlations,
@@ -14,8 +13,9 @@ from simcore.grains.report import (
     principal_components,
     shape_comparison,
 )
-from simcore.grains.scan_shapes import scan_ranges, shape_table
-from simcore.reference import read_study_table
+from simcore.reference.r22_tables import read_study_table
+from simcore.report.figures import grains as figures
+from simcore.report.figures.saving import save_figure
 
 grains = read_grains(snakemake.input.grains)
 forms, shapes, decimation = form_table(grains), shape_table(grains), decimation_table(grains)

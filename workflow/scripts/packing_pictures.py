@@ -1,8 +1,8 @@
 """Several packings side by side on one scale of sizes."""
 
-from simcore.figures.packings import packings_figure
-from simcore.figures.saving import save_figure
-from simcore.packing_io import read_packing
+from simcore.packing.file import read_packing
+from simcore.report.figures.packings import packings_figure
+from simcore.report.figures.saving import save_figure
 
 params = snakemake.params
 packings = [read_packing(path) for path in snakemake.input.packings]

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import yaml
 
-from simcore.forms import choose_form
-from simcore.specification import express
+from simcore.grains.spread import choose_form
+from simcore.scene.specification import express
 
 (specification,), (form,) = snakemake.params.specification, snakemake.params.form
 names = []

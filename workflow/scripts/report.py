@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from simcore.page import is_picture, page, paragraph, picture, table
-from simcore.report import BEHIND, CAMPAIGN, LEAD, STUDIES, TITLE, in_short, read_caption
+from simcore.report.page import is_picture, page, paragraph, picture, table
+from simcore.report.sections import BEHIND, CAMPAIGN, LEAD, STUDIES, TITLE, in_short, read_caption
 
 TEST_ONLY = "Test only: these packings are far too small to mean anything."
 

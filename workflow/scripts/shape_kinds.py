@@ -2,11 +2,11 @@
 
 import pandas as pd
 
-from simcore.figures.models import shape_kind_figure
-from simcore.figures.saving import save_figure
-from simcore.model_tables import shape_kind_table
-from simcore.reference import read_study_table
-from simcore.study_tables import mark, pair_shape_kinds
+from simcore.campaign.study_tables import mark, pair_shape_kinds
+from simcore.models.tables import shape_kind_table
+from simcore.reference.r22_tables import read_study_table
+from simcore.report.figures.models import shape_kind_figure
+from simcore.report.figures.saving import save_figure
 
 test_only = snakemake.params.test_only
 meshes, ellipsoids = (pd.read_csv(path) for path in (snakemake.input.meshes, snakemake.input.ellipsoids))

@@ -4,14 +4,14 @@ import logging
 
 import pandas as pd
 
-from simcore.figures.models import form_figure, prediction_figure
-from simcore.figures.saving import save_figure
-from simcore.figures.zingg import porosity_zingg_figure
+from simcore.campaign.study_tables import compare_predictions, mark
 from simcore.grains.form import features
-from simcore.model_tables import models_dataset, single_form_models
-from simcore.prediction import read_single_forms
-from simcore.reference import add_reference, read_study_table
-from simcore.study_tables import compare_predictions, mark
+from simcore.models.prediction import read_single_forms
+from simcore.models.tables import models_dataset, single_form_models
+from simcore.reference.r22_tables import add_reference, read_study_table
+from simcore.report.figures.models import form_figure, prediction_figure
+from simcore.report.figures.saving import save_figure
+from simcore.report.figures.zingg import porosity_zingg_figure
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
 test_only = snakemake.params.test_only

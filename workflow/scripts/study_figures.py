@@ -3,10 +3,10 @@
 import pandas as pd
 import xarray as xr
 
-from simcore.figures.packings import packing_figure, profile_figure
-from simcore.figures.saving import save_figure
-from simcore.figures.studies import porosities_figure
-from simcore.packing_io import read_packing
+from simcore.packing.file import read_packing
+from simcore.report.figures.packings import packing_figure, profile_figure
+from simcore.report.figures.saving import save_figure
+from simcore.report.figures.studies import porosities_figure
 
 files, test_only = snakemake.input, snakemake.params.test_only
 table = pd.read_csv(files.table)

@@ -4,10 +4,10 @@ import logging
 
 import pandas as pd
 
-from simcore.model_tables import models_dataset
-from simcore.reference import read_study_table
-from simcore.study_tables import mark
-from simcore.unified_model import unified_models
+from simcore.campaign.study_tables import mark
+from simcore.models.tables import models_dataset
+from simcore.models.unified import unified_models
+from simcore.reference.r22_tables import read_study_table
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
 test_only = snakemake.params.test_only

@@ -16,15 +16,15 @@ import numpy as np
 from numba import types
 
 from simcore.compilation import kernel, leaf, routine
-from simcore.dem.bodies import rotation_matrix
-from simcore.dem.contact.convex_pair import query_hulls
-from simcore.dem.contact.ellipsoid import search_normal
-from simcore.dem.contact.ellipsoid_climb import gap_along, image, settle_normal
-from simcore.dem.contact.facets import facet_at
-from simcore.dem.contact.frame import climb_a, frame_of, to_body, to_world, vertex_a
-from simcore.dem.contact.mixed import search_normal as search_mixed_normal
-from simcore.dem.contact.scratch import scratch
-from simcore.dem.shapes import CONVEX, ELLIPSOID, HINT_CELLS, SPHERE, Shape, Shapes, collect_shapes
+from simcore.dem.contact.pairs.ellipsoids import search_normal
+from simcore.dem.contact.pairs.polyhedron_ellipsoid import search_normal as search_mixed_normal
+from simcore.dem.contact.search.ellipsoid_climb import gap_along, image, settle_normal
+from simcore.dem.contact.search.exact_polyhedra import query_hulls
+from simcore.dem.contact.search.facets import facet_at
+from simcore.dem.contact.search.pair_frame import climb_a, frame_of, to_body, to_world, vertex_a
+from simcore.dem.contact.search.scratch import scratch
+from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, HINT_CELLS, SPHERE, Shape, Shapes, collect_shapes
+from simcore.dem.state.bodies import rotation_matrix
 
 BESIDE = 1e-12  # of the pair's size: tangential distance of the two points that is left as it is
 
@@ -54,7 +54,7 @@ class Solids(NamedTuple):
 
 
 def query(shape_a: Shape, pose_a, shape_b: Shape, pose_b) -> ContactQuery:
-    """Signed distance [m], normal and closest (or deepest) points of two shapes of `simcore.dem.shapes`.
+    """Signed distance [m], normal and closest (or deepest) points of two shapes of `simcore.dem.shapes.hulls`.
 
     pose: position (3,) [m] and quaternion (4,) (w, x, y, z), of any length but zero, from the shape's frame to the
     world's. ValueError for a pose that is not finite or has a zero quaternion.

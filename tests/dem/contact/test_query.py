@@ -6,7 +6,7 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact import query, query_many
-from simcore.dem.shapes import convex, ellipsoid, sphere
+from simcore.dem.shapes.hulls import convex, ellipsoid, sphere
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 ORIGIN = ((0.0, 0.0, 0.0), IDENTITY)

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-SCRIPT = Path(__file__).parents[3] / "benchmarks" / "exactness.py"
+SCRIPT = Path(__file__).parents[3] / "benchmarks" / "correctness" / "exactness.py"
 SPEC = importlib.util.spec_from_file_location("exactness", SCRIPT)
 exactness = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(exactness)

@@ -1,0 +1,362 @@
+"""Kills a small packing at random moments, and compares what it comes to with an undisturbed run.
+
+    python -m benchmarks.correctness.faults --runs 50 --seed 1
+
+Each run starts `python -m simcore launch` on two ranks, with checkpoints, and does one thing to it (FAULTS) at a moment
+drawn over the time that the undisturbed run took. What must hold: the run ends within --patience; it has finished, or
+says why in one line, and leaves no half file under the final name; no process of it lives on; and, started again, it
+ends with the bits of the undisturbed run, all variables and attributes but CPU time and the like. A table, one line a
+run; exit status 1 where anything failed. --program and --specification put another program with the same command line
+in the place of simcore, with absolute paths (tests/packing/stand_in.py).
+"""
+
+import argparse
+import collections
+import os
+import random
+import resource
+import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import netCDF4
+import numpy as np
+import psutil
+import yaml
+
+from simcore.packing.launch import INTERRUPTED, MARK
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKING = {
+    "name": "faults",
+    "domain": {"width": "42 mm", "height": "0.3 m"},
+    "shapes": {"kind": "sphere"},
+    "sizes": {"bounds": ["7 mm", "7.001 mm"], "mass_fractions": [1]},
+    "amount": {"grains": 60},
+    "shaking": {"duration": "0.4 s"},
+    "numerics": {"contact_time": "1 ms", "progress_interval": "0.5 s"},
+}
+LINE = "{:>3}  {:16}  {:>6}  {:>5} {:>5}  {:>4}  {:>5} {:>5}  {}  | {:.100}"
+# Longest time until the first step [s], with and without compiling.
+COMPILING, STARTING = 600.0, 30.0
+# Of how a packing came about, not of what it is.
+NOT_COMPARED = {"cpu_seconds", "wall_seconds", "threads", "ranks"}
+
+
+class Ended(NamedTuple):
+    """How a run ended."""
+
+    status: int | None  # None: it did not, and was killed here
+    seconds: float
+    line: str  # the last that simcore said of it
+    traceback: bool
+
+
+class Bench:
+    """A folder for one run, and the ways to start it there."""
+
+    def __init__(self, folder, options):
+        self.folder, self.options = folder, options
+        self.output = folder / "bed.nc"
+        self.checkpoints = folder / "checkpoints"
+        self.starts = 0
+        folder.mkdir()
+
+    def launch(self, output=None, startup=STARTING):
+        options = self.options
+        command = [*options.program, "launch", options.specification, output or self.output, "--ranks", options.ranks]
+        command += ["--silence", f"{options.silence:g} s", "--startup", f"{startup:g} s", "--grace", "2 s"]
+        command += ["--checkpoints", self.checkpoints, "--checkpoint-interval", "0.5 s"]
+        return self._start(command, self.folder)
+
+    def snakemake(self):
+        """A campaign of that one packing; what simcore says stands in its log."""
+        for name in ("Snakefile", "workflow", "config", "profiles"):
+            if not (self.folder / name).exists():
+                (self.folder / name).symlink_to(ROOT / name)
+        shipped = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())["studies"]
+        shipped |= yaml.safe_load((ROOT / "config" / "work_precision.yaml").read_text()).get("studies", {})
+        settings = {key: value for key, value in PACKING.items() if key != "name"}
+        studies = {**dict.fromkeys(shipped), "faults": {"fixes": settings}}
+        # What the shipped campaign sets by its accuracy would be another packing.
+        campaign = {"packing": {"accuracy": None}, "studies": studies}
+        campaign |= {"ranks": self.options.ranks, "grains_per_rank": 10}
+        (self.folder / "campaign.yaml").write_text(yaml.safe_dump(campaign))
+        target = "results/packings/faults/faults.nc"
+        self.output = self.folder / target
+        self.checkpoints = self.folder / "results" / "checkpoints"
+        command = [sys.executable, "-m", "snakemake", "--cores", "2", "--nolock", "--nocolor", target]
+        return self._start([*command, "--configfile", "campaign.yaml"], self.folder)
+
+    def _start(self, command, folder):
+        environment = {
+            **os.environ,
+            "PYTHONPATH": str(ROOT),
+            "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
+        }
+        self.starts += 1
+        with self.said().open("w") as said:
+            return subprocess.Popen(
+                [str(word) for word in command], cwd=folder, env=environment, stdout=said, stderr=subprocess.STDOUT
+            )
+
+    def finish(self, process, started):
+        """Ended of a started process, for which this waits."""
+        try:
+            status = process.wait(max(started + self.options.patience - time.monotonic(), 1.0))
+        except subprocess.TimeoutExpired:
+            status = None
+            for each in [psutil.Process(process.pid), *family(process)]:
+                try:
+                    each.kill()
+                except psutil.Error:
+                    pass
+            process.wait()
+        said = self.said().read_text()
+        lines = [line for line in said.splitlines() if line.startswith("simcore") or "interrupted" in line]
+        return Ended(status, time.monotonic() - started, lines[-1] if lines else "", "Traceback" in said)
+
+    def said(self):
+        """File with all that the run started last said."""
+        return self.folder / f"said_{self.starts}.txt"
+
+    def kept(self):
+        """Number of checkpoint files."""
+        return sum(path.is_file() for path in self.checkpoints.rglob("*")) if self.checkpoints.exists() else 0
+
+
+def family(process):
+    """All living processes of a run: the started one's, and those with the marks of these, whoever their parent is."""
+    try:
+        below = psutil.Process(process.pid).children(recursive=True)
+    except psutil.Error:
+        return []
+    marks = {mark(each) for each in below} - {None}
+    return below + [each for each in psutil.process_iter() if each not in below and mark(each) in marks]
+
+
+def mark(process):
+    try:
+        return process.environ().get(MARK)
+    except (psutil.Error, OSError):
+        return None
+
+
+def ranks_of(process):
+    """Ranks of a run that is started: marked processes that run Python."""
+    found = []
+    for each in family(process):
+        try:
+            if mark(each) and Path(each.exe()).name.startswith("python"):
+                found.append(each)
+        except (psutil.Error, OSError):
+            pass
+    return sorted(found, key=lambda each: each.pid)
+
+
+def wait_for_ranks(process, number):
+    """As many ranks as there are to be, or none where the run ends before."""
+    while process.poll() is None:
+        if len(found := ranks_of(process)) >= number:
+            return found
+        time.sleep(0.02)
+    return []
+
+
+def one_rank(process, rng, options):
+    ranks = wait_for_ranks(process, options.ranks)
+    return [rng.choice(ranks)] if ranks else []
+
+
+def kill_one(process, rng, options):
+    for each in one_rank(process, rng, options):
+        each.kill()
+
+
+def kill_all(process, rng, options):
+    for each in wait_for_ranks(process, options.ranks):
+        each.kill()
+
+
+def kill_started(process, rng, options):
+    process.kill()
+
+
+def interrupt(process, rng, options):
+    if wait_for_ranks(process, options.ranks):
+        process.send_signal(rng.choice([signal.SIGTERM, signal.SIGINT]))
+
+
+def stop_one(process, rng, options):
+    for each in one_rank(process, rng, options):
+        each.suspend()
+
+
+def fill_disk(process, rng, options):
+    """From now on no file of a rank may grow beyond some bytes, fewer than a packing has."""
+    limit = rng.randrange(1, 4000)
+    for each in wait_for_ranks(process, options.ranks):
+        resource.prlimit(each.pid, resource.RLIMIT_FSIZE, (limit, limit))
+
+
+def nothing(process, rng, options):
+    pass
+
+
+# What is done, and whether the run may end without a word: nothing can speak after its own SIGKILL.
+FAULTS = {
+    "one rank killed": (kill_one, False),
+    "all ranks killed": (kill_all, False),
+    "one rank stopped": (stop_one, False),
+    "launcher killed": (kill_started, True),
+    "interrupted": (interrupt, False),
+    "disk full": (fill_disk, False),
+    "output path bad": (nothing, False),
+    "snakemake killed": (kill_started, True),
+}
+
+
+def run(fault, moment, rng, bench, reference):
+    """One run with one fault: dict of what was seen; "wrong" says what must not be, empty if nothing."""
+    act, silent = FAULTS[fault]
+    start = bench.snakemake if fault == "snakemake killed" else bench.launch
+    wrong = []
+    started = time.monotonic()
+    if fault == "output path bad":
+        (bench.folder / "file").touch()
+        process = bench.launch(bench.folder / "file" / "bed.nc")
+    else:
+        process = start()
+    relatives = []
+    while time.monotonic() < started + moment and process.poll() is None:
+        time.sleep(0.01)
+    try:
+        if process.poll() is None:
+            relatives = family(process)
+            act(process, rng, bench.options)
+            relatives = list({*relatives, *family(process)})
+    except psutil.NoSuchProcess:
+        pass  # it ended at that very moment
+    first = bench.finish(process, started)
+    finished = first.status == 0
+    if first.status is None:
+        wrong.append("hang")
+    # A rank may be killed after it wrote the file; then it is whole.
+    if bench.output.exists() and differing(contents(bench.output), reference, fault == "snakemake killed"):
+        wrong.append("half a file")
+    if not finished and not silent and not first.line:
+        wrong.append("no line that says why")
+    if first.traceback:
+        wrong.append("traceback")
+    if fault == "interrupted" and first.status not in (0, INTERRUPTED):
+        wrong.append(f"status {first.status} for {INTERRUPTED}")
+    # A packing whose Snakemake was killed may write a last checkpoint.
+    _, alive = psutil.wait_procs(relatives, timeout=30.0)
+    alive = [each for each in alive if each.is_running() and each.status() != psutil.STATUS_ZOMBIE]
+    if alive:
+        wrong.append(f"{len(alive)} processes live on")
+        for each in alive:
+            each.kill()
+    kept, again = bench.kept(), None
+    if not finished:
+        began = time.monotonic()
+        again = bench.finish(start(), began)
+        if again.status != 0:
+            wrong.append(f"run again: status {again.status}: {again.line}")
+    if not bench.output.exists():
+        wrong.append("no file")
+    elif differences := differing(contents(bench.output), reference, fault == "snakemake killed"):
+        wrong.append(f"differs in {', '.join(differences)}")
+    return {"first": first, "kept": kept, "again": again, "wrong": wrong}
+
+
+def contents(path):
+    """Variables as (dimensions, shape, type, bytes), and attributes, of a netCDF file; nothing where it is none."""
+    try:
+        opened = netCDF4.Dataset(path)
+    except OSError:
+        return {}
+    with opened as file:
+        file.set_auto_maskandscale(False)
+        found = {}
+        for name, variable in file.variables.items():
+            values = np.asarray(variable[:])
+            content = repr(values.tolist()) if values.dtype == object else values.tobytes()
+            found[name] = (variable.dimensions, values.shape, str(values.dtype), content)
+        return found | {f":{name}": repr(file.getncattr(name)) for name in file.ncattrs() if name not in NOT_COMPARED}
+
+
+def differing(found, expected, by_campaign=False):
+    """Names of what differs; the specification of a campaign is written out, so that its text may be another."""
+    names = {*found, *expected} - ({":scene"} if by_campaign else set())
+    return sorted(name for name in names if found.get(name) != expected.get(name))
+
+
+def parse(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=50)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--ranks", type=int, default=2)
+    parser.add_argument("--faults", nargs="+", choices=FAULTS, default=list(FAULTS), metavar="FAULT")
+    parser.add_argument("--silence", type=float, default=5.0, help="of the watchdog [s]")
+    parser.add_argument("--patience", type=float, default=300.0, help="a run that takes longer hangs [s]")
+    parser.add_argument("--program", type=shlex.split, default=[sys.executable, "-m", "simcore"])
+    parser.add_argument("--specification", type=Path, help="of the packing; not of the campaign of Snakemake")
+    parser.add_argument("--folder", type=Path, help="where the runs stand and stay; by default they do not stay")
+    return parser.parse_args(arguments)
+
+
+def main(arguments=None):
+    options = parse(arguments)
+    with tempfile.TemporaryDirectory(prefix="scree-faults-") as temporary:
+        folder = options.folder or Path(temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        if options.specification is None:
+            options.specification = folder / "packing.yaml"
+            options.specification.write_text(yaml.safe_dump(PACKING))
+        options.specification = options.specification.resolve()
+        return survive(options, folder.resolve())
+
+
+def survive(options, folder):
+    rng = random.Random(options.seed)
+    lasted = []
+    for name in ("compiling", "undisturbed", "once_more"):  # the last two tell how long a run takes
+        bench = Bench(folder / name, options)
+        started = time.monotonic()
+        undisturbed = bench.finish(bench.launch(startup=COMPILING if name == "compiling" else STARTING), started)
+        if undisturbed.status != 0:
+            print(bench.said().read_text(), file=sys.stderr)
+            print(f"the undisturbed run ended with status {undisturbed.status}", file=sys.stderr)
+            return 1
+        lasted.append(undisturbed.seconds)
+    reference = contents(bench.output)
+    seconds = min(lasted)
+    print(f"undisturbed: {seconds:.1f} s on {options.ranks} ranks, {len(reference)} variables, attributes")
+    print(LINE.format("run", "fault", "at [s]", "ended", "[s]", "kept", "again", "[s]", "outcome", "what it said"))
+    faults = (options.faults * (options.runs // len(options.faults) + 1))[: options.runs]
+    rng.shuffle(faults)
+    survived = collections.Counter()
+    for number, fault in enumerate(faults):
+        # Snakemake takes a while before it starts anything.
+        moment = rng.uniform(0.0, seconds * (2.0 if fault == "snakemake killed" else 1.0))
+        seen = run(fault, moment, rng, Bench(folder / f"{number:03d}", options), reference)
+        first, again = seen["first"], seen["again"]
+        outcome = "; ".join(seen["wrong"]) or "same bits"
+        rerun = (again.status, f"{again.seconds:.1f}") if again else ("", "")
+        shown = (f"{moment:.2f}", str(first.status), f"{first.seconds:.1f}", seen["kept"], *rerun)
+        print(LINE.format(number, fault, *shown, outcome, first.line), flush=True)
+        survived[fault] += not seen["wrong"]
+    for fault, total in collections.Counter(faults).items():
+        print(f"{fault:17} {survived[fault]} of {total}")
+    print(f"{survived.total()} of {options.runs} survived")
+    return 0 if survived.total() == options.runs else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,146 @@
+"""The same beds in other codes: python -m benchmarks.speed.compare --python OTHERS/bin/python [--csv FILE]
+
+Ours and theirs in one go, one thread each, CPU time; ratio is theirs over ours. Spheres go to LAMMPS (and LIGGGHTS),
+polyhedra to MuJoCo (YADE only where named), touching pairs of hulls to coal. OTHERS is an environment with what
+benchmarks/speed/others/environment.txt lists; codes that are not there are told and left out. What differs in spite of
+the same bed stands in the column not_comparable.
+"""
+
+import argparse
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+os.environ["NUMBA_NUM_THREADS"] = "1"
+
+from benchmarks.speed.throughput import default_beds, face_count  # noqa: E402  before numba
+
+OTHERS = Path(__file__).parent / "others"
+SPHERES = {"lammps": "lammps_spheres.py", "liggghts": "liggghts_spheres.py"}
+POLYHEDRA = {"mujoco": "mujoco_polyhedra.py", "yade": "yade_polyhedra.py"}
+PAIRS = {"coal": "coal_pairs.py"}
+# Crashes at 300 faces (Debian 12's 2023.02a): name it, with --faces 20.
+NOT_BY_DEFAULT = {"yade"}
+PROGRAMS = {"liggghts", "yade"}  # a program on the PATH; the others are modules of OTHERS
+COLUMNS = (
+    "what", "code", "version", "grains", "cpu_us", "ratio", "cpu_us_per_contact", "ratio_per_contact",
+    "contacts_per_grain", "kinetic_energy_per_grain", "steps", "settings", "not_comparable", "digest",
+)  # fmt: skip
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--python", required=True, help="interpreter of the environment of the other codes")
+    parser.add_argument("--codes", nargs="+", choices=[*SPHERES, *POLYHEDRA, *PAIRS], help="default: all but YADE")
+    parser.add_argument("--spheres", type=int, default=2000)
+    parser.add_argument("--polyhedra", type=int, default=500)
+    parser.add_argument("--faces", type=face_count, default=300)
+    parser.add_argument("--duration", type=float, default=0.05, help="simulated time measured [s]; slow codes: less")
+    parser.add_argument("--csv", metavar="FILE", help="otherwise printed")
+    parser.add_argument("--beds", metavar="FOLDER", default=default_beds(), help="where beds are kept")
+    options = parser.parse_args(arguments)
+    by_default = [code for code in (*SPHERES, *POLYHEDRA, *PAIRS) if code not in NOT_BY_DEFAULT]
+    codes = [code for code in options.codes or by_default if is_there(code, options.python)]
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for shape, grains, scripts in (
+            ("sphere", options.spheres, SPHERES),
+            ("polyhedron", options.polyhedra, POLYHEDRA),
+        ):
+            chosen = [code for code in codes if code in scripts]
+            if chosen:
+                rows += compare_beds(shape, grains, [(code, scripts[code]) for code in chosen], options, folder)
+        if "coal" in codes:
+            rows += compare_pairs(options, folder)
+    with open(options.csv, "w", newline="", encoding="utf-8") if options.csv else sys.stdout as file:
+        writer = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator=os.linesep)
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def is_there(code, python):
+    if code in PROGRAMS:
+        there = shutil.which(code) is not None
+    else:
+        there = subprocess.run([python, "-c", f"import importlib.util as u; assert u.find_spec({code!r})"],
+                               capture_output=True).returncode == 0  # fmt: skip
+    if not there:
+        print(f"{code}: not installed, left out", file=sys.stderr)
+    return there
+
+
+def compare_beds(shape, grains, scripts, options, folder):
+    """Rows of one bed, ours first; a code that fails is told and left out."""
+    from benchmarks.beds import bed_settings, export_bed, prepare, settled_bed
+    from benchmarks.measurement import measure
+    from simcore import __version__
+    from simcore.compilation import source_digest
+
+    settings = bed_settings(shape, grains, options.faces)
+    bed = settled_bed(settings, options.beds, lambda text: print(text, file=sys.stderr, flush=True))
+    setup = prepare(settings)
+    path = Path(folder) / f"{shape}.npz"
+    export_bed(path, setup, bed, steps=round(options.duration / setup.scene.numerics.time_step))
+    figures, _ = measure(setup, bed, options.duration)
+    ours = figures | {"code": "Scree", "version": __version__, "digest": source_digest()}
+    theirs = [answer for code, script in scripts if (answer := call(options.python, script, path, code))]
+    rows = []
+    for result in (ours, *theirs):
+        cpu, contacts = result["cpu_us_per_grain_step"], result["contacts_per_grain"]
+        per_contact = cpu / contacts if contacts else None
+        rows.append(
+            result
+            | {
+                "what": f"{shape}, per grain and step",
+                "grains": grains,
+                "cpu_us": cpu,
+                "ratio": cpu / ours["cpu_us_per_grain_step"],
+                "cpu_us_per_contact": per_contact,
+                "ratio_per_contact": per_contact and per_contact / ours["cpu_us_per_contact_step"],
+                "not_comparable": "; ".join(result.get("not_comparable", ())),
+            }
+        )
+    return rows
+
+
+def compare_pairs(options, folder):
+    """Rows of cold and warm queries for touching pairs, ours first."""
+    from benchmarks.speed.pairs import run
+    from simcore import __version__
+
+    path = Path(folder) / "pairs.npz"
+    ours = run(export_to=path)
+    ours |= {"version": __version__, "digest": ours["machine"]["digest"]}
+    theirs = call(options.python, PAIRS["coal"], path, "coal")
+    return [
+        result
+        | {
+            "what": f"touching pair of 152-vertex hulls, {query} query",
+            "cpu_us": result[f"{query}_us"],
+            "ratio": result[f"{query}_us"] / ours[f"{query}_us"],
+            "not_comparable": "; ".join(result.get("not_comparable", ())),
+        }
+        for query in ("cold", "warm")
+        for result in filter(None, (ours, theirs))
+    ]
+
+
+def call(python, script, path, code):
+    """The JSON that a script of benchmarks/others prints; None, and why, where it fails."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    environment.pop("PYTHONPATH", None)
+    program = ["yade", "-n", "-x", "-j1", "-f1"] if code == "yade" else [python]
+    done = subprocess.run([*program, OTHERS / script, path], capture_output=True, text=True, env=environment)
+    if done.returncode:
+        print(f"{code} failed:\n{done.stdout[-1000:]}{done.stderr[-2000:]}", file=sys.stderr)
+        return None
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,88 @@
+"""Microseconds of a cold contact query in the compiled loop: hulls that touch, lie apart, overlap deeply.
+
+    python -m benchmarks.speed.queries [--vertices 20 152 1300]
+
+Pebble-like hulls at random orientations, 300 pairs, least of five runs. `query`: distance to the last digits with
+points; `search`: what a step needs, the facet or a certain gap (`minkowski.search_pair`).
+"""
+
+import argparse
+import time
+
+import numpy as np
+
+from simcore.compilation import kernel
+from simcore.dem.contact.query import _table, place, query_pairs
+from simcore.dem.contact.search.polyhedra import search_pair
+from simcore.dem.shapes.hulls import convex
+from simcore.dem.state.bodies import rotation_matrix
+
+PAIRS = 300
+
+
+@kernel
+def search_pairs(shapes, solids, offset, distance):
+    for k in range(len(offset)):
+        i, j = 2 * k, 2 * k + 1
+        rx, ry, rz = offset[k, 0], offset[k, 1], offset[k, 2]
+        length = np.sqrt(rx * rx + ry * ry + rz * rz)
+        a, b = shapes.vertex_start[solids.shape[i]], shapes.vertex_start[solids.shape[j]]
+        size = solids.radius[i] + solids.radius[j]
+        distance[k] = search_pair(
+            shapes, solids, i, j, rx, ry, rz, size, a, b, rx / length, ry / length, rz / length, 0.1
+        )[0]  # fmt: skip
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--vertices", type=int, nargs="*", default=[20, 152, 1300])
+    options = parser.parse_args()
+    print("vertices,pairs,query_us,search_us")
+    for n in options.vertices:
+        for name, query_us, search_us in measure(n):
+            print(f"{n},{name},{query_us:.2f},{search_us:.2f}", flush=True)
+
+
+def measure(n_vertices):
+    rng = np.random.default_rng(0)
+    shapes = []
+    for _ in range(10):
+        points = rng.standard_normal((n_vertices, 3))
+        shapes.append(convex(points / np.linalg.norm(points, axis=1, keepdims=True) * [1.0, 0.75, 0.5]))
+    table, _ = _table(tuple(shapes))
+    turns = rng.standard_normal((2 * PAIRS, 4))
+    rotation = rotation_matrix(turns / np.linalg.norm(turns, axis=1, keepdims=True))
+    solids = place(tuple(shapes), rng.integers(10, size=2 * PAIRS), rotation)
+    unit = rng.standard_normal((PAIRS, 3))
+    unit /= np.linalg.norm(unit, axis=1, keepdims=True)
+    out = np.empty(PAIRS), np.empty((PAIRS, 3)), np.empty((PAIRS, 3)), np.empty((PAIRS, 3))
+    reach, wanted = np.full(PAIRS, 1.5), -2.0 * 10.0 ** rng.uniform(-4, -3, PAIRS)
+    for _ in range(60):  # until they touch: by 1e-4 to 1e-3 of the pair's size
+        query_pairs(table, solids, unit * reach[:, None], *out)
+        reach -= (out[0] - wanted) / np.maximum((out[1] * unit).sum(axis=1), 0.3)
+    for name, distance in (
+        ("touching", reach), ("apart by 0.3", reach + 0.3), ("apart by 2", reach + 2.0),
+        ("deep", 0.5 * reach), ("concentric", np.full(PAIRS, 1e-9)),
+    ):  # fmt: skip
+        offset = unit * distance[:, None]
+        yield (
+            name,
+            least_time(lambda offset=offset: query_pairs(table, solids, offset, *out)),
+            least_time(lambda offset=offset: search_pairs(table, solids, offset, out[0])),
+        )
+
+
+def least_time(run):
+    """Least CPU time of five runs of ten [µs per pair]."""
+    run()
+    times = []
+    for _ in range(5):
+        started = time.process_time()
+        for _ in range(10):
+            run()
+        times.append(time.process_time() - started)
+    return min(times) / 10 / PAIRS * 1e6
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Measurements that constants and statements of the documentation rest on."""

@@ -1,0 +1,369 @@
+"""How well elastic, frictionless beds keep their energy, against the time step; and what a single contact gains.
+
+    python benchmarks/studies/energy.py [--time 2.5] [--steps 20,40,80,160] > results/reference/energy.csv
+    python benchmarks/studies/energy.py --impacts > results/reference/impacts.csv
+
+Beds: 64 grains in a periodic box jump on a floor under gravity without loss for the given time [s] (10^5 steps at 40
+steps a contact time of 1 ms). One CSV row a kind of grain and step: relative error of the energy, root mean square and
+largest, its drift (mean of the last tenth less that of the first), contacts met, microseconds of CPU per grain and
+step. Impacts: pairs and grains on the floor that meet once, in random poses; one row a kind, step and restitution.
+"""
+
+import argparse
+import os
+import time
+from typing import NamedTuple
+
+import numpy as np
+
+CONTACT_TIME = 1e-3
+GRAVITY = 9.81
+SIZE = 0.01  # [m], mean radius
+
+
+class Bed:
+    """Bodies in a periodic box, or in the open (width 0), above a floor, stepped by the compiled step itself."""
+
+    def __init__(self, features, law, bases, shape, scale, position, orientation, velocity, spin, gravity, width=0.0):
+        from numba import get_num_threads
+
+        from simcore.dem.contact.patch.patch import make_room
+        from simcore.dem.shapes.hulls import collect_shapes
+        from simcore.dem.state.bodies import make_bodies
+        from simcore.dem.step.near_pairs import Box
+        from simcore.dem.step.step import STAGES, make_advance
+
+        self.features, self.law, self.gravity = features, law, gravity
+        self.shapes = collect_shapes(bases)
+        self.bodies = make_bodies(
+            bases, shape, scale, position, orientation, velocity, spin, density=2650.0, features=features
+        )
+        self.box, self.skin, self.near = Box(width), 0.6 * SIZE, None
+        self.list_near()
+        self.advance_steps = make_advance(features)
+        self.room = make_room(self.shapes, get_num_threads())
+        self.clock, self.step = np.zeros(len(STAGES), np.int64), 0
+
+    def list_near(self):
+        from simcore.dem.step.near_pairs import list_near
+
+        self.near = list_near(self.bodies, self.shapes, self.box, 0.5 * self.skin, self.features, self.near)
+
+    def advance(self, dt, n_steps):
+        """n_steps of dt; with dt = 0 forces of the current positions."""
+        from simcore.dem.step.step import Drive
+
+        drive = Drive(dt, self.gravity, 0.0, 0.0, 1.0, self.box.width, np.inf)
+        while n_steps > 0:
+            done, stale = self.advance_steps(
+                self.bodies, self.shapes, *self.near, self.room, self.law, drive, self.clock, self.step, n_steps
+            )
+            n_steps -= done
+            self.step += done
+            if stale:
+                self.list_near()
+
+    def energy(self, dt):
+        """Energy (an Energy) of the current positions; dt as in mechanical_energy."""
+        from simcore.packing.observation import mechanical_energy
+
+        self.advance(0.0, 1)
+        return mechanical_energy(self.bodies, self.near, self.law, self.gravity, dt)
+
+
+def pebble(seed, n_points=40):
+    """Hull of random points on an ellipsoid 1 : 0.8 : 0.6 of the size of the unit sphere."""
+    from simcore.dem.shapes.hulls import Base
+    from simcore.grains.mesh import make_grain
+
+    points = np.random.default_rng(seed).standard_normal((n_points, 3))
+    points *= np.array([1.25, 1.0, 0.8]) / np.linalg.norm(points, axis=1, keepdims=True)
+    grain = make_grain(f"P{seed}", points)
+    size = (4.0 / 3.0 * np.pi / grain.volume) ** (1.0 / 3.0)
+    return Base(grain.name, size * grain.vertices, grain.faces, size**3 * grain.volume, size**2 * grain.second_moments)
+
+
+def block(a, b, c):
+    """Cuboid of these edges."""
+    from simcore.dem.shapes.hulls import Base, convex
+
+    corners = np.array([[x, y, z] for x in (-a, a) for y in (-b, b) for z in (-c, c)]) / 2.0
+    hull = convex(corners).base
+    return Base(f"{a}:{b}:{c}", hull.vertices, hull.faces, a * b * c, np.array([a * a, b * b, c * c]) / 12.0)
+
+
+def random_turns(n, rng):
+    turns = rng.standard_normal((n, 4))
+    return turns / np.linalg.norm(turns, axis=1, keepdims=True)
+
+
+def jumping_bed(kind, features, restitution=1.0, n_layers=4, seed=1):
+    """A Bed of 16 n_layers grains, turned at random, that starts a little apart with random velocities and spins.
+
+    kind: sphere, ellipsoid or polyhedron. features: of the step; friction is off in the law in any case.
+    """
+    from simcore.dem.forces.spring_dashpot import contact_law
+    from simcore.dem.shapes.hulls import unit_sphere
+
+    rng = np.random.default_rng(seed)
+    bases = [pebble(k) for k in range(4)] if kind == "polyhedron" else [unit_sphere()]
+    form = {"sphere": (1.0, 1.0, 1.0), "ellipsoid": (1.25, 1.0, 0.8), "polyhedron": (1.0, 1.0, 1.0)}[kind]
+    n, spacing = 16 * n_layers, 2.0 * SIZE * (1.02 if kind == "sphere" else 1.3)
+    place = np.stack(np.unravel_index(np.arange(n), (n_layers, 4, 4))[::-1], axis=-1)
+    position = spacing * (place + [0.5, 0.5, 0.55])
+    size = SIZE * rng.uniform(0.8, 1.0, (n, 1))
+    law = contact_law(restitution, CONTACT_TIME, 0.22, 0.0)
+    return Bed(
+        features, law, bases, rng.integers(len(bases), size=n), size * form, position, random_turns(n, rng),
+        0.1 * rng.standard_normal((n, 3)), 5.0 * rng.standard_normal((n, 3)), GRAVITY, 4.0 * spacing,
+    )  # fmt: skip
+
+
+class Record(NamedTuple):
+    """What a run tells, at even times; in units of its mean energy of motion."""
+
+    error: np.ndarray  # change of the energy since the start, velocities brought up to the positions
+    raw: np.ndarray  # with velocities as they stand, half a step behind
+    springs: np.ndarray  # energy in the springs
+    contacts: float  # touching, on average, floor included
+
+    @property
+    def rms(self):
+        return float(np.sqrt((self.error**2).mean()))
+
+    @property
+    def drift(self):
+        tenth = len(self.error) // 10
+        return float(self.error[-tenth:].mean() - self.error[:tenth].mean())
+
+
+def follow(bed, duration, steps, samples):
+    """Record of `duration` [s] with `steps` steps a contact time."""
+    dt = CONTACT_TIME / steps
+    every = round(duration / dt / samples)
+    start = bed.energy(dt).total
+    error, raw, springs, motion, contacts = [], [], [], [], 0
+    for _ in range(samples):
+        bed.advance(dt, every)
+        energy = bed.energy(dt)
+        error.append(energy.total - start)
+        raw.append(bed.energy(0.0).total - start)
+        springs.append(energy.springs.sum())
+        motion.append(energy.motion.sum())
+        contacts += (bed.near.contacts.touching > 0).sum() + (bed.near.walls.touching > 0).sum()
+    unit = np.mean(motion)
+    return Record(np.array(error) / unit, np.array(raw) / unit, np.array(springs) / unit, contacts / samples)
+
+
+class Impacts(NamedTuple):
+    """Contacts from their first touch to their end, one by one (n,)."""
+
+    gain: np.ndarray  # of energy over the contact, in units of what its normal motion brought
+    lever: np.ndarray  # s: stiffness and damping against the normal motion, over those of a central contact
+    switched: np.ndarray  # most that changes of the vertex or face that is deepest can have done to `gain`
+
+    @property
+    def restitution(self):
+        return np.sqrt(np.maximum(1.0 + self.gain, 0.0))
+
+    def band(self, steps):
+        """Largest `gain` of elastic contacts that the step allows.
+
+        Leapfrog keeps v²/2 + ω² x² (1 − (ω dt)²/4) / 2 within the contact. A contact that starts at a share φ of a
+        step loses (ω dt)² φ (1 − φ) of v²/2 against that, and gets it back with another φ at its end: at most
+        (ω dt)²/4, with ω² = s (π/T_c)². (Central contacts end as they started where T_c/dt is a whole number, so that
+        verification.md 1.3 has a third order.)
+        """
+        return 0.25 * self.lever * (np.pi / steps) ** 2
+
+
+FORMS = {
+    "sphere": ("sphere", (1.0, 1.0, 1.0)),
+    "ellipsoid": ("ellipsoid", (1.25, 1.0, 0.8)),
+    "needle": ("ellipsoid", (3.0, 0.6, 0.6)),
+    "pebble": ("polyhedron", lambda: [pebble(k) for k in range(4)]),
+    "block": ("polyhedron", lambda: [block(1.8, 1.6, 1.4)]),
+    "rod": ("polyhedron", lambda: [block(6.0, 1.0, 0.8)]),
+}
+
+
+def scatter(form, features, restitution, steps, n, floor, eccentric, speed, rng):
+    """A Bed without gravity of n pairs that are about to meet, far from other pairs, or n grains above the floor."""
+    from simcore.dem.forces.spring_dashpot import contact_law
+    from simcore.dem.shapes.hulls import unit_sphere
+    from simcore.dem.state.bodies import make_bodies
+
+    _, given = FORMS[form]
+    bases, axes = (given(), 1.0) if callable(given) else ([unit_sphere()], given)
+    bodies = n if floor else 2 * n
+    shape = rng.integers(len(bases), size=bodies)
+    scale = SIZE * rng.uniform(0.5, 1.0, (bodies, 1)) * np.broadcast_to(axes, 3)
+    still = np.zeros((bodies, 3))
+    radius = make_bodies(bases, shape, scale, still, np.ones((bodies, 4)), still, still, 1.0).radius
+    reach = (radius if floor else radius[0::2] + radius[1::2])[:, None]
+    toward = np.array([[0.0, 0.0, 1.0]]) if floor else rng.standard_normal((n, 3))
+    toward = np.broadcast_to(toward / np.linalg.norm(toward, axis=1, keepdims=True), (n, 3))
+    aside = np.cross(toward, rng.standard_normal((n, 3)))
+    aside *= eccentric * 0.99 * np.sqrt(rng.uniform(0.0, 1.0, (n, 1))) / np.linalg.norm(aside, axis=1, keepdims=True)
+    ahead = 1.0 if floor else np.sqrt(1.0 - (aside**2).sum(axis=1, keepdims=True))
+    # 0.001 apart, and at any phase of the first touch
+    start = (1.001 * ahead * reach + rng.uniform(0.0, speed * CONTACT_TIME / steps, (n, 1))) * toward
+    places = 30.0 * SIZE * np.stack([np.arange(n), np.zeros(n), np.full(n, 0.0 if floor else 4.0)], axis=-1)
+    if floor:
+        position, velocity = places + start, speed * (aside - toward)
+    else:
+        position = np.stack([places, places + start + reach * aside], axis=1).reshape(-1, 3)
+        velocity = np.stack([np.zeros((n, 3)), -speed * toward], axis=1).reshape(-1, 3)
+    spin = eccentric * 0.5 * speed / radius[:, None] * rng.standard_normal((bodies, 3))
+    law = contact_law(restitution, CONTACT_TIME, 0.22, 0.0)
+    return Bed(features, law, bases, shape, scale, position, random_turns(bodies, rng), velocity, spin, 0.0)
+
+
+def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, speed=0.5, seed=1):
+    """Impacts of n pairs, or of n grains on the floor, in random poses, until they are past.
+
+    form: of FORMS. eccentric: at random offsets or angles and with spin; otherwise with neither.
+    """
+    bed = scatter(form, features, restitution, steps, n, floor, eccentric, speed, np.random.default_rng([seed, steps]))
+    b, dt = bed.bodies, CONTACT_TIME / steps
+    unit = np.arange(n) if floor else np.arange(2 * n) // 2
+    found = []
+    # Of each unit: whether it touches, and of that contact what it brought, its lever, energy before, most in the
+    # spring, force and speed of approach in the last step, and the speed that the force takes in a step
+    touched = np.zeros(n, bool)
+    brought, lever, before, most, switched, push, speeds, braking = np.zeros((8, n))
+    energy = motion(b, unit, n)
+    for _ in range(round(2.5 * (1.0 if floor else 2.0) * b.radius.max() / speed / dt)):
+        x, v, w, rotation = b.position.copy(), b.velocity.copy(), b.angular_velocity.copy(), b.rotation.copy()
+        bed.advance(dt, 1)
+        touches = bed.near.walls if floor else bed.near.contacts
+        on = np.flatnonzero(touches.touching > 0)
+        i = touches.body[on] if floor else touches.body_a[on]
+        k = unit[i]
+        touching = np.zeros(n, bool)
+        touching[k] = True
+        # A contact that ended did so a step ago, so the energy is that of free flight.
+        found += _results(np.flatnonzero(touched & ~touching), energy, before, brought, most, lever, switched)
+        normal = touches.normal[on] if floor else -touches.direction[on]  # into a
+        inverse, approach = _normal_motion(b, rotation, i, touches.point[on], normal, v, w)
+        mass = b.mass[i]
+        if not floor:
+            j = touches.body_b[on]
+            other = _normal_motion(b, rotation, j, touches.point[on] + x[i] - x[j], -normal, v, w)
+            inverse, approach = inverse + other[0], approach + other[1]
+            mass = mass * b.mass[j] / (mass + b.mass[j])
+        # Old contacts: a change of the deepest feature shows as a jump of the speed of approach beyond the force's
+        old = touched[k]
+        o = k[old]
+        jump = np.abs(approach[old] - speeds[o] + braking[o])
+        stiffness = bed.law.stiffness * mass
+        force = stiffness * touches.overlap[on]
+        switched[o] += 0.5 * dt * np.maximum(push[o], force[old]) * jump
+        new = k[~old]
+        brought[new] = (0.5 * approach**2 / inverse)[~old]
+        lever[new], before[new], most[new], switched[new] = (mass * inverse)[~old], energy[new], 0.0, 0.0
+        most[k] = np.maximum(most[k], 0.5 * force * touches.overlap[on])
+        lever[k] = np.maximum(lever[k], mass * inverse)
+        push[k], speeds[k], braking[k] = force, approach, dt * force * inverse
+        touched, energy = touching, motion(b, unit, n)
+    # Overdamped contacts never end: they are at rest.
+    found += _results(np.flatnonzero(touched), energy, before, brought, most, lever, switched)
+    return Impacts(*np.array(found).T)
+
+
+def motion(b, unit, n):
+    """Energy of motion of each of n units of bodies [J]."""
+    each = 0.5 * b.mass * (b.velocity**2).sum(axis=1) + 0.5 * (b.angular_momentum * b.angular_velocity).sum(axis=1)
+    return np.bincount(unit, each, n)
+
+
+def _results(ended, energy, before, brought, most, lever, switched):
+    unit = np.maximum(brought, most)
+    return [((energy[k] - before[k]) / unit[k], lever[k], switched[k] / unit[k]) for k in ended]
+
+
+def _normal_motion(b, rotation, i, point, normal, v, w):
+    """Of bodies i (m,) at points (m, 3) from their centres: (inverse mass along the normal, speed against it)."""
+    arm = np.cross(point, normal)
+    turned = np.einsum("kji,kj->ki", rotation[i], arm) if len(rotation) else arm
+    inverse = 1.0 / b.mass[i] + (turned**2 / b.inertia[i]).sum(axis=1)
+    return inverse, -((v[i] + np.cross(w[i], point)) * normal).sum(axis=1)
+
+
+def bed_features(kind, patch):
+    from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE
+    from simcore.dem.state.features import Features
+
+    number = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": CONVEX}[kind]
+    return Features(number, friction=False, shaken=False, patch=patch)
+
+
+BEDS = [("sphere", False), ("ellipsoid", False), ("polyhedron", False), ("polyhedron", True)]
+
+
+def beds(duration, all_steps):
+    from simcore.compilation import source_digest
+
+    print("kind,region,grains,steps_per_contact_time,steps,rms_error,largest_error,largest_raw_error,drift,"
+          "energy_in_springs,contacts,us_per_grain_and_step,digest")  # fmt: skip
+    for kind, patch in BEDS:
+        features = bed_features(kind, patch)
+        jumping_bed(kind, features).advance(1e-6, 2)  # compile
+        for steps in all_steps:
+            bed = jumping_bed(kind, features)
+            n = len(bed.bodies.mass)
+            started = time.process_time()
+            seen = follow(bed, duration, steps, 1000)
+            cost = (time.process_time() - started) * 1e6 / n / bed.step
+            region = ("patch" if patch else "deepest point") if kind == "polyhedron" else ""
+            figures = (
+                f"{seen.rms:.3e},{np.abs(seen.error).max():.3e},{np.abs(seen.raw).max():.3e},{seen.drift:.3e},"
+                f"{seen.springs.mean():.4f},{seen.contacts:.1f},{cost:.3f},{source_digest()}"
+            )
+            print(f"{kind},{region},{n},{steps},{round(duration / CONTACT_TIME * steps)},{figures}", flush=True)
+
+
+def single_contacts(all_steps, n=300):
+    from simcore.compilation import source_digest
+
+    print("form,region,against,restitution,steps_per_contact_time,contacts,largest_gain,mean_gain,mean_std_error,"
+          "std_gain,largest_share_of_band,largest_share_of_band_and_switches,digest")  # fmt: skip
+    for form, (kind, _) in FORMS.items():
+        for patch in (False, True) if kind == "polyhedron" else (False,):
+            features = bed_features(kind, patch)
+            for restitution in (1.0, 0.1):
+                for steps in all_steps:
+                    for floor in (False, True):
+                        seen = impacts(form, features, restitution, steps, n, floor)
+                        band = seen.band(steps)
+                        region = ("patch" if patch else "deepest point") if kind == "polyhedron" else ""
+                        shares = ","
+                        if restitution == 1.0:
+                            gain = np.abs(seen.gain)
+                            shares = f"{(gain / band).max():.3f},{(gain / (band + seen.switched)).max():.3f}"
+                        figures = (
+                            f"{len(seen.gain)},{seen.gain.max():.3e},{seen.gain.mean():.3e},"
+                            f"{seen.gain.std() / len(seen.gain) ** 0.5:.1e},{seen.gain.std():.3e},{shares}"
+                        )
+                        against = "floor" if floor else "grain"
+                        print(
+                            f"{form},{region},{against},{restitution},{steps},{figures},{source_digest()}", flush=True
+                        )
+
+
+def main():
+    os.environ.setdefault("NUMBA_NUM_THREADS", "1")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--time", type=float, default=2.5)
+    parser.add_argument("--steps", default="20,40,80,160")
+    parser.add_argument("--impacts", action="store_true")
+    options = parser.parse_args()
+    all_steps = [int(steps) for steps in options.steps.split(",")]
+    if options.impacts:
+        single_contacts(all_steps)
+    else:
+        beds(options.time, all_steps)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,251 @@
+"""What is stable: small scenes over two settings each, and what becomes of every one of them.
+
+    python -m benchmarks.studies.stability [--map steps ...] > results/reference/stability.csv
+    python -m benchmarks.studies.stability --figure results/reference/stability.csv docs/stability.png
+
+Maps: steps per contact time against contact time, restitution and size ratio, in a bed that is packed as any other;
+contact time against how much heavier than itself a grain carries, and against the speed of an impact, at 40 steps.
+One CSV row a cell: map, x, y, outcome, largest overlap over the smaller grain's diameter where it was looked at, CPU
+seconds, and the message of what was refused or stopped. Outcomes:
+
+    stable   ended, and right: at rest where it lay 0.02 s of free motion later, or with the impact's closed form
+    soft     the same, but grains overlap by more than SOFT of the smaller one: what comes out shows the springs
+    refused  an error before the first step
+    stopped  an error while running
+    wrong    ended without an error, and is not right
+"""
+
+import argparse
+import dataclasses
+import os
+import sys
+import time
+from pathlib import Path
+
+os.environ.setdefault("NUMBA_NUM_THREADS", "1")
+
+import numpy as np
+
+SOFT, DEEP = 0.05, 0.5  # of the smaller grain's diameter; deeper than half of it, springs may push to the far side
+GRAVITY = 9.81
+REST = 5e-3  # [m/s]: the packing's own gate of rest
+FREE = 0.02  # [s] of motion without shaking and damping, in which a bed at rest must stay
+LOOKS = 20  # in it
+BED = {
+    "name": "cell",
+    "domain": {"width": "18 mm", "height": "0.2 m"},
+    "shapes": {"kind": "sphere"},
+    "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0], "allow_few_top_grains": True},
+    "amount": {"grains": 16},
+    "material": {"fluid_density": "0 kg/m3"},
+    "generation": {"velocity_z": "-0.2 m/s"},
+    "shaking": {"duration": "0.02 s"},
+    "damping": {"max_time": "0.5 s"},
+    "numerics": {"contact_time": "1 ms", "progress_interval": "1000 s"},
+}
+STEPS = (5, 6, 8, 12, 16, 20, 30, 40, 80)
+CONTACT_TIMES = (2e-6, 2e-5, 2e-4, 1e-3, 2e-3, 1e-2)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--map", nargs="+", choices=MAPS, default=list(MAPS), help="these only")
+    parser.add_argument("--figure", nargs=2, metavar=("CSV", "PNG"), help="draw the maps of a file, run nothing")
+    options = parser.parse_args()
+    if options.figure:
+        draw(*options.figure)
+        return
+    print("map,x,y,outcome,overlap,cpu_s,message")
+    for name in options.map:
+        cell, xs, ys = MAPS[name]
+        for x in xs:
+            for y in ys:
+                started = time.process_time()
+                outcome, overlap, message = cell(x, y)
+                message = " ".join(message.replace('"', "'").split())
+                cpu = time.process_time() - started
+                print(f'{name},{x:g},{y:g},{outcome},{overlap:.3g},{cpu:.2f},"{message}"', flush=True)
+
+
+def packed_bed(changes):
+    """(outcome, overlap, message) of BED with `changes` laid over it, packed, and then left free."""
+    from simcore.campaign.studies import merge
+    from simcore.packing.process import SHAKING, PackingError, Process
+    from simcore.scene.setup import set_up
+    from simcore.scene.specification import resolve
+
+    try:
+        setup = set_up(resolve(merge(BED, changes)), lambda group: [])
+        process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
+    except ValueError as error:
+        return "refused", np.nan, str(error)
+    try:
+        process.run()
+        deepest = deepest_overlap(process)
+        lay = process.bodies.position.copy()
+        still = dataclasses.replace(setup.scene.shaking, amplitude=0.0)
+        process.scene = dataclasses.replace(setup.scene, shaking=still)  # the compiled step stays that with shaking
+        carried = []
+        for _ in range(LOOKS):
+            process.advance(round(FREE / LOOKS / process.dt), SHAKING)
+            process.evaluate()
+            carried.append(process.walls.force[process.walls.touching > 0, 2].sum())
+    except PackingError as error:
+        return "stopped", np.nan, str(error)
+    smallest = 2.0 * process.bodies.radius.min()
+    sunk = abs((process.bodies.position - lay)[:, 2].mean())
+    weight = setup.scene.material.effective_gravity * process.bodies.mass.sum()
+    carried = np.mean(carried)  # over time: a grain that rolls a little and meets another presses for a moment
+    reasons = []
+    speed = np.sqrt((process.bodies.velocity**2).sum(axis=1).mean())  # of all: one that rolls away is no fault
+    if speed > REST:
+        reasons.append(f"it moves at {speed:.2g} m/s when left free, root mean square")
+    if sunk > 0.01 * smallest:
+        reasons.append(f"the bed's height changes by {sunk:.2g} m when left free")
+    if abs(carried / weight - 1.0) > 0.05:
+        reasons.append(f"the floor carries {carried / weight:.2f} of the weight")
+    return judge(max(deepest, deepest_overlap(process)), reasons)
+
+
+def judge(overlap, reasons):
+    """Outcome of what ended without an error. overlap: over the smaller grain's diameter."""
+    if overlap > DEEP:
+        reasons = [*reasons, f"grains overlap by {overlap:.2g} of the smaller one's diameter"]
+    if reasons:
+        return "wrong", overlap, "; ".join(reasons)
+    return ("soft" if overlap > SOFT else "stable"), overlap, ""
+
+
+def deepest_overlap(process):
+    """Largest overlap of a pair, or of a grain and the floor, over the smaller grain's diameter."""
+    radius, contacts, walls = process.bodies.radius, process.contacts, process.walls
+    smaller = np.minimum(radius[contacts.body_a], radius[contacts.body_b])
+    pairs = np.where(contacts.touching > 0, contacts.overlap, 0.0) / (2.0 * smaller)
+    floors = np.where(walls.touching > 0, walls.overlap, 0.0) / (2.0 * radius[walls.body])
+    return float(max(pairs.max(initial=0.0), floors.max(initial=0.0)))
+
+
+def steps_and_contact_time(contact_time, steps):
+    return packed_bed({"numerics": {"contact_time": f"{contact_time!r} s", "steps_per_contact_time": steps}})
+
+
+def steps_and_restitution(restitution, steps):
+    """Given the default of 5 s to come to rest: elastic beds need it."""
+    changes = {"material": {"restitution": restitution}, "numerics": {"steps_per_contact_time": steps}}
+    return packed_bed({**changes, "damping": {"max_time": "5 s"}})
+
+
+def steps_and_size_ratio(ratio, steps):
+    """Four small grains for each large one, by number; at the study's contact time."""
+    large, few = 8e-3, 1.001
+    small = large / ratio
+    bounds = [small, few * small, large, few * large]
+    fractions = [4.0 / (4.0 + ratio**3), 0.0, ratio**3 / (4.0 + ratio**3)]
+    if ratio == 1.0:
+        bounds, fractions = bounds[2:], [1.0]
+    return packed_bed(
+        {
+            "sizes": {"bounds": [f"{bound!r} m" for bound in bounds], "mass_fractions": fractions},
+            "amount": {"grains": 40},
+            "numerics": {"contact_time": "0.2 ms", "steps_per_contact_time": steps},
+        }
+    )
+
+
+def placed(contact_time, radius, position, velocity=0.0):
+    """Process of spheres (n,) above each other; the upper one falls at `velocity` [m/s]."""
+    from simcore.campaign.studies import merge
+    from simcore.dem.shapes.hulls import unit_sphere
+    from simcore.dem.state.bodies import make_bodies
+    from simcore.packing.process import Process
+    from simcore.scene.setup import set_up
+    from simcore.scene.specification import resolve
+
+    height = max(velocity**2 / (2.0 * GRAVITY), 0.2)  # a fall that gives such a speed
+    changes = {"domain": {"width": f"{8.0 * float(radius.max())!r} m", "height": f"{float(height)!r} m"}}
+    changes["numerics"] = {"contact_time": f"{contact_time!r} s"}
+    setup = set_up(resolve(merge(BED, changes)), lambda group: [])
+    process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
+    n = len(radius)
+    speed, still = np.zeros((n, 3)), np.zeros((n, 3))
+    speed[-1, 2] = -velocity
+    place = np.column_stack([np.zeros(n), np.zeros(n), position])
+    scale = np.outer(radius, np.ones(3))
+    density = setup.scene.material.density
+    upright = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
+    process.place(
+        make_bodies(
+            [unit_sphere()], np.zeros(n, int), scale, place, upright, speed, still, density, setup.scene.features
+        ),
+        2.0 * float(radius.mean()),
+    )
+    return process
+
+
+def run_and_look(make, duration, end=lambda process: []):
+    """(outcome, overlap, message) of `duration` [s] of a Process made by `make`.
+
+    It runs as a packing does, looked at every convergence interval. A second one, looked at some 200 times, tells how
+    deep grains were in each other between. end(process): what is wrong with how it ended, (texts).
+    """
+    from simcore.packing.process import DAMPING, PackingError
+
+    try:
+        process, close = make(), make()
+    except (ValueError, PackingError) as error:
+        return "refused", np.nan, str(error)
+    try:
+        for _ in range(-(-round(duration / process.dt) // process.interval_steps)):
+            process.advance(process.interval_steps, DAMPING)
+    except PackingError as error:
+        return "stopped", np.nan, str(error)
+    deepest, reasons = 0.0, end(process)
+    try:
+        for _ in range(200):
+            close.advance(max(round(duration / process.dt / 200), 1), DAMPING)
+            deepest = max(deepest, deepest_overlap(close))
+    except PackingError as error:
+        return "wrong", deepest, f"not seen at the packing's own interval: {error}"
+    return judge(deepest, reasons)
+
+
+def weight_and_contact_time(ratio, contact_time):
+    """A grain of 1 mm under one that is heavier by `ratio`, for four periods: static overlap 2 M g / (k m)."""
+    light = 5e-4
+    radius = light * np.array([1.0, ratio ** (1.0 / 3.0)])
+    return run_and_look(
+        lambda: placed(contact_time, radius, [light, 2.0 * light + radius[1]]), 8.0 * contact_time * np.sqrt(ratio)
+    )
+
+
+def impact_and_contact_time(speed, contact_time):
+    """A sphere of 6 mm that meets one on the floor at `speed`: overlap 0.129 v T_c, and more by the floor."""
+
+    def end(process):
+        through = process.bodies.position[1, 2] < process.bodies.position[0, 2]
+        return ["the upper sphere fell through the lower one"] if through else []
+
+    return run_and_look(lambda: placed(contact_time, np.full(2, 3e-3), [3e-3, 9e-3], speed), 4.0 * contact_time, end)
+
+
+MAPS = {
+    "steps and contact time": (steps_and_contact_time, CONTACT_TIMES[1:], STEPS),
+    "steps and restitution": (steps_and_restitution, (0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 1.0), STEPS),
+    "steps and size ratio": (steps_and_size_ratio, (1.0, 2.0, 4.0, 8.0, 16.0), STEPS),
+    "weight and contact time": (weight_and_contact_time, (1, 10, 100, 1e3, 1e4, 1e5, 1e6), CONTACT_TIMES),
+    "impact and contact time": (impact_and_contact_time, (0.1, 0.3, 1.0, 3.0, 10.0, 14.0, 30.0), CONTACT_TIMES),
+}
+
+
+def draw(table, path):
+    """The figure of a table of cells."""
+    import pandas as pd
+
+    from simcore.report.figures.saving import save_figure
+    from simcore.report.figures.stability import stability_figure
+
+    save_figure(stability_figure(pd.read_csv(table)), Path(path))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Many packings: studies, their cost, their tables and the committed rows."""

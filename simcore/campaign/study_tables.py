@@ -1,0 +1,135 @@
+"""The table of a study: one row a packing, then means over the seeds."""
+
+import json
+
+import numpy as np
+import pandas as pd
+
+FORM = {
+    "FL": "mu_FL",
+    "EL": "mu_EL",
+    "EQ": "mu_EQ",
+    "sigma_FL": "sigma_FL",
+    "sigma_EL": "sigma_EL",
+    "sigma_EQ": "sigma_EQ",
+}
+
+
+def tabulate(study, rows, evaluations):
+    """DataFrame with one row a packing.
+
+    study: its name; rows: dicts {packing, varied} as simcore.campaign.studies has them; evaluations: their datasets, as
+    from simcore.evaluation.evaluate. Columns: study, packing, case, what else the study varies, grain (of single
+    forms), kind, seed, grains, L, I, S [m] (means), mean and standard deviation of FL, EL, EQ, n and n_std_error
+    (spheres, as in the study), the same from exact slices, coordination_number, spearman_D (trend of size over height),
+    steps and cpu_s.
+    """
+    table = []
+    for row, data in zip(rows, evaluations, strict=True):
+        scene = json.loads(data.attrs["scene"])
+        shapes = scene["shapes"]
+        single = shapes["choice"] == "one" and shapes["kind"] != "sphere"
+        form = data.form.to_series()
+        trend = float(data.spearman_r.sel(quantity="D")) if "spearman_r" in data else np.nan
+        table.append(
+            {
+                "study": study,
+                "packing": row["packing"],
+                "case": scene["sizes"]["case"] or "own",
+                **row["varied"],
+                **({"grain": shapes["grain"]} if single else {}),
+                "kind": shapes["kind"],
+                "seed": data.attrs["seed"],
+                "grains": data.attrs["n_grains"],
+                **data.axes.to_series(),
+                **{name: form[feature] for name, feature in FORM.items()},
+                "n": float(data.n),
+                "n_std_error": float(data.n_std_error),
+                "n_exact": float(data.n_exact),
+                "n_std_error_exact": float(data.n_std_error_exact),
+                "coordination_number": float(data.coordination_number),
+                "spearman_D": trend,
+                "steps": data.attrs["steps"],
+                "cpu_s": float(data.attrs["cpu_seconds"]),
+            }
+        )
+    return pd.DataFrame(table)
+
+
+def summarise(packings, varied):
+    """Means over the seeds: DataFrame with one row for each setting of what else is varied.
+
+    packings: as from `tabulate`; varied: the columns that the study varies. n_std: standard deviation over the runs,
+    and n_seed_error: the standard error of their mean (nan for one run); n_std_error: of the mean, from the sampling
+    errors of the runs: few seeds tell their scatter badly, three to half of it. cpu_h: of all runs together.
+    """
+    settings = dict.fromkeys(["study", "case", *varied, "grain"])
+    # What a setting has not, such as the grain of a sphere, is no reason to leave it out.
+    keys = [key for key in settings if key in packings and key != "seed"]
+    groups = packings.groupby(keys, sort=False, dropna=False)
+    table = groups["n"].agg(runs="size", n="mean", n_std="std")
+    table["n_seed_error"] = table["n_std"] / np.sqrt(table["runs"])
+    table["n_std_error"] = np.sqrt(groups["n_std_error"].agg(lambda errors: np.sum(errors**2))) / table["runs"]
+    table = table.join(groups[[*FORM, "grains", "n_exact", "coordination_number"]].mean())
+    table["cpu_h"] = groups["cpu_s"].sum() / 3600.0
+    return table.reset_index()
+
+
+def tabulate_features(packings, evaluations):
+    """DataFrame with one row a packing: packing, case, sample, kind, n, and the 104 of simcore.grains.statistics.
+
+    sample: in words what was packed, but for the seed; equal for packings that differ in their seed alone. kind
+    is "discrete" where forms were drawn from the grain set, else "continuous".
+    """
+    rows = [data.form.to_series() for data in evaluations]
+    choices = [json.loads(data.attrs["scene"])["shapes"]["choice"] for data in evaluations]
+    settings = [name for name in packings.loc[:, "case":"grains"] if name not in ("seed", "grains")]
+    samples = packings[settings].apply(lambda row: ", ".join(f"{name} {value}" for name, value in row.items()), axis=1)
+    table = packings[["packing", "case"]].assign(
+        sample=samples,
+        kind=["discrete" if choice == "random" else "continuous" for choice in choices],
+        n=packings.n,
+    )
+    return pd.concat([table.reset_index(drop=True), pd.DataFrame(rows).reset_index(drop=True)], axis=1)
+
+
+def pair_shape_kinds(meshes, ellipsoids):
+    """One row for each case and grain that both studies have: case, grain, EQ, n_mesh, n_ellipsoid (means).
+
+    n_mesh_error, n_ellipsoid_error: their standard errors, from the sampling errors of the packings.
+    """
+    keys = ["case", "grain"]
+
+    def mean(table):
+        groups = table.groupby(keys, sort=False)
+        errors = groups["n_std_error"].agg(lambda error: np.sqrt(np.sum(error**2)) / len(error))
+        return groups[["EQ", "n"]].mean().assign(error=errors)
+
+    mesh = mean(meshes).rename(columns={"n": "n_mesh", "error": "n_mesh_error"})
+    ellipsoid = mean(ellipsoids)[["n", "error"]].rename(columns={"n": "n_ellipsoid", "error": "n_ellipsoid_error"})
+    paired = mesh.join(ellipsoid, how="inner").reset_index()
+    return paired[["case", "grain", "EQ", "n_mesh", "n_ellipsoid", "n_mesh_error", "n_ellipsoid_error"]]
+
+
+def compare_predictions(models, name, table):
+    """One row a packing: case, simulated, predicted by the model `name` of its case; cases without one are left out.
+
+    models: dict from (name, case) to PorosityModel; table: columns case, n and the features of the models. Its columns
+    n_std_error and study_n, where it has them, are kept, the latter as study_predicted.
+    """
+    kept = {"n_std_error": "n_std_error", "study_n": "study_predicted"}
+    names = ["case", "simulated", "predicted", *(new for old, new in kept.items() if old in table)]
+    parts = [
+        rows.rename(columns={"n": "simulated", **kept}).assign(predicted=models[name, case].predict(rows))[names]
+        for case, rows in table.groupby("case", sort=False)
+        if (name, case) in models
+    ]
+    return pd.concat(parts) if parts else pd.DataFrame(columns=names)
+
+
+def mark(table, test_only):
+    """The table, and if `test_only` a first column that says so in every row."""
+    marked = table.copy()
+    if test_only:
+        marked.insert(0, "note", "test only")
+    return marked

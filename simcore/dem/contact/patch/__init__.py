@@ -1,0 +1,1 @@
+"""The region in which two polyhedra overlap."""

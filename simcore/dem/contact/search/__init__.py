@@ -1,0 +1,1 @@
+"""Contact of two grains found from nothing: distance and overlap of convex shapes."""

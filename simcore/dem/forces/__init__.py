@@ -1,0 +1,1 @@
+"""Force laws of contacts, one module each."""

@@ -1,0 +1,192 @@
+"""Bodies and contacts: structures of arrays that hold all state that can influence a later bit.
+
+Bodies stand in order of their id. Where one rank has them all, the id is the index; else a rank holds the bodies it
+moves and, between them, ghosts: copies of those of other ranks that they may touch. Centres are not wrapped into a
+periodic box: a pair is met through an integer image, so that its relative position never depends on who looks at it.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.dem.shapes.hulls import CONVEX, SPHERE, Base
+
+
+class Bodies(NamedTuple):
+    """n bodies. What is derived from other fields is marked; it is kept so that a step computes it once.
+
+    Fields marked with a kind are empty, (0, ...), in scenes of other kinds. Scenes of mixed kinds have all fields; the
+    form matrix of hulls is not kept up there.
+    """
+
+    id: np.ndarray  # (n,) int64, in the whole packing
+    own: np.ndarray  # (k,) int64, rows of the bodies that move here; the others are ghosts
+    shape: np.ndarray  # (n,) int64, index of the base
+    scale: np.ndarray  # (n, 3)
+    position: np.ndarray  # (n, 3) [m], not wrapped
+    orientation: np.ndarray  # (n, 4) unit quaternion (w, x, y, z), body to world; not for spheres
+    velocity: np.ndarray  # (n, 3) [m/s]
+    angular_momentum: np.ndarray  # (n, 3) [kg m²/s], world axes
+    mass: np.ndarray  # (n,) [kg]
+    inertia: np.ndarray  # (n, 3) [kg m²], principal
+    radius: np.ndarray  # (n,) [m], of the bounding sphere about the centre
+    turned: np.ndarray  # (n,) [m], way no point can have exceeded by turning since the start; not for spheres
+    margin: np.ndarray  # (n,) [m], way that its points may go before neighbours are listed anew
+    listed_position: np.ndarray  # (n, 3) [m], where the body was when neighbours were last listed
+    listed_turned: np.ndarray  # (n,) [m], `turned` at that time; not for spheres
+    rotation: np.ndarray  # (n, 3, 3), derived: matrix of the orientation; not for spheres
+    angular_velocity: np.ndarray  # (n, 3) [1/s], derived, world axes
+    form_matrix: np.ndarray  # (n, 6) [m²], derived: R diag(s²) Rᵀ as xx, yy, zz, xy, xz, yz; of ellipsoids
+    net_force: np.ndarray  # (n, 3) [N], output: of contacts and gravity, without shaking
+    hold: np.ndarray  # (n,), memory: contacts of the last step, each as far as it moves this body; implicit dashpot
+
+    @property
+    def ghosts(self) -> np.ndarray:
+        """Rows (n − k,) of the bodies that other ranks move."""
+        return np.flatnonzero(~self.moves_here)
+
+    @property
+    def moves_here(self) -> np.ndarray:
+        """(n,) bool."""
+        here = np.zeros(len(self.mass), np.bool_)
+        here[self.own] = True
+        return here
+
+
+class Contacts(NamedTuple):
+    """Near pairs in the order of their key (a, b, image), a < b or a = b with a positive image.
+
+    Memory: what the last step found. Output: what the current step gives to the bodies. Fields marked with a
+    feature are empty in scenes without it. The facet of two hulls is that of the Minkowski difference along the normal
+    where the pair touches, the simplex next to the origin where it is apart; of a hull and an ellipsoid the hull's
+    corner, edge or face, a0 a1 a2. Apart at and safe until also tell, of polyhedra that touch, how long no other facet
+    can have become the nearest.
+    """
+
+    body_a: np.ndarray  # (m,) int32
+    body_b: np.ndarray  # (m,) int32
+    image: np.ndarray  # (m, 2) int32: the partner is body b shifted by image × width; periodic
+    touching: np.ndarray  # (m,) uint8
+    pending: np.ndarray  # (m,) uint8, within a step: the memory did not answer, the pair must be searched
+    direction: np.ndarray  # (m, 3), memory: last normal or separating direction; zero where nothing is known
+    facet: np.ndarray  # (m, 6) int32, memory: vertices a0 a1 a2 b0 b1 b2; -1 unknown; convex, mixed
+    apart_at: np.ndarray  # (m, 3) [m], memory: relative position where a gap was last seen; not for spheres
+    safe_until: np.ndarray  # (m,) [m], memory: apart while |moved since apart_at| + turned_a + turned_b is below
+    spring: np.ndarray  # (m, 3) [m], memory: tangential spring; friction
+    twist: np.ndarray  # (m,), memory: angle of the spring that holds a patch about its normal; patch with friction
+    stuck: np.ndarray  # (m,) uint8, memory: whether friction held it; preloaded
+    overlap: np.ndarray  # (m,) [m], output; of a pair apart: memory, minus the gap that was searched last
+    point: np.ndarray  # (m, 3) [m], output: contact point relative to the centre of a
+    spread: np.ndarray  # (m, 6) [m²], output: second moments of the patch, xx yy zz xy xz yz, zero of a point; patch
+    force: np.ndarray  # (m, 3) [N], output: on b; a gets the opposite
+    torque_a: np.ndarray  # (m, 3) [N m], output
+    torque_b: np.ndarray  # (m, 3) [N m], output
+    incident_start: np.ndarray  # (n + 1,) int64: contacts of body i, in order of (partner, image)
+    incident: np.ndarray  # (2 m,) int32: 2 × contact, + 1 where the body is b
+
+
+class Walls(NamedTuple):
+    """Bodies near a wall, in order of (body, wall): what Contacts is for pairs."""
+
+    body: np.ndarray  # (w,) int32
+    wall: np.ndarray  # (w,) int32: FLOOR or CYLINDER of simcore.dem.contact.walls
+    touching: np.ndarray  # (w,) uint8
+    vertex: np.ndarray  # (w,) int32, memory: vertex last found lowest, where a climb to the floor starts
+    spring: np.ndarray  # (w, 3) [m], memory; friction
+    twist: np.ndarray  # (w,), memory; patch with friction
+    stuck: np.ndarray  # (w,) uint8, memory; preloaded
+    overlap: np.ndarray  # (w,) [m], output
+    normal: np.ndarray  # (w, 3), output: from the wall into the body
+    point: np.ndarray  # (w, 3) [m], output: contact point relative to the centre of the body
+    spread: np.ndarray  # (w, 6) [m²], output; patch
+    force: np.ndarray  # (w, 3) [N], output: on the body
+    torque: np.ndarray  # (w, 3) [N m], output
+    start: np.ndarray  # (n + 1,) int64: walls of body i
+
+
+def make_bodies(
+    bases: list[Base], shape, scale, position, orientation, velocity, angular_velocity, density, features=None
+) -> Bodies:
+    """Bodies of the given density [kg/m³] that have turned nowhere yet.
+
+    shape (n,), scale (n, 3), position (n, 3), orientation (n, 4), velocity (n, 3), angular_velocity (n, 3), SI.
+    features: of the scene; fields that it does not need stay empty. None: all fields.
+    """
+    shape = np.asarray(shape, np.int64)
+    # C order whatever is given: another layout would be another type, and compile the step anew.
+    scale, position, orientation, velocity, angular_velocity = (
+        np.array(field, np.float64, order="C") for field in (scale, position, orientation, velocity, angular_velocity)
+    )
+    n = len(shape)
+    base_volume = np.array([base.volume for base in bases])
+    base_moments = np.array([base.second_moments for base in bases]).reshape(-1, 3)
+    mass = density * base_volume[shape] * scale.prod(axis=1)
+    moments = mass[:, None] * base_moments[shape] * scale**2
+    orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
+    bodies = Bodies(
+        id=np.arange(n),
+        own=np.arange(n),
+        shape=shape,
+        scale=scale,
+        position=position,
+        orientation=orientation,
+        velocity=velocity,
+        angular_momentum=np.zeros((n, 3)),
+        mass=mass,
+        inertia=moments.sum(axis=1, keepdims=True) - moments,
+        radius=_bounding_radius(bases, shape, scale),
+        turned=np.zeros(n),
+        margin=np.zeros(n),
+        listed_position=position.copy(),
+        listed_turned=np.zeros(n),
+        rotation=rotation_matrix(orientation),
+        angular_velocity=angular_velocity,
+        form_matrix=np.zeros((n, 6)),
+        net_force=np.zeros((n, 3)),
+        hold=np.zeros(n),
+    )
+    spin = np.einsum("nji,nj->ni", bodies.rotation, bodies.angular_velocity)
+    bodies.angular_momentum[:] = np.einsum("nij,nj->ni", bodies.rotation, bodies.inertia * spin)
+    full = np.einsum("nij,nj,nkj->nik", bodies.rotation, scale**2, bodies.rotation)
+    bodies.form_matrix[:] = full[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    if features is None:
+        return bodies
+    if not features.implicit:
+        bodies = without(bodies, "hold")
+    if features.kind == SPHERE:
+        return without(bodies, "orientation", "turned", "listed_turned", "rotation", "form_matrix")
+    if features.kind == CONVEX:
+        return without(bodies, "form_matrix")
+    return bodies
+
+
+def without(group, *names):
+    """A copy of a NamedTuple of arrays in which the named ones have no rows: the compiled types stay the same."""
+    return group._replace(**{name: getattr(group, name)[:0].copy() for name in names})
+
+
+def join_bodies(first: Bodies, second: Bodies) -> Bodies:
+    """Bodies of both, all of which move here: those of the second after those of the first, as their ids are."""
+    both = Bodies(*(np.concatenate(fields) for fields in zip(first, second, strict=True)))
+    return both._replace(own=np.arange(len(both.mass)))
+
+
+def rotation_matrix(orientation) -> np.ndarray:
+    """Matrices (n, 3, 3), body to world, of unit quaternions (n, 4)."""
+    w, x, y, z = np.asarray(orientation).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.ascontiguousarray(np.moveaxis(np.array(rows), -1, 0))
+
+
+def _bounding_radius(bases: list[Base], shape: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    radius = scale.max(axis=1)
+    for index, base in enumerate(bases):
+        rows = np.flatnonzero(shape == index)
+        if len(base.vertices):
+            for row in rows:
+                radius[row] = np.sqrt(((base.vertices * scale[row]) ** 2).sum(axis=1).max())
+    return radius

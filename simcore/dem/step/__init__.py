@@ -1,0 +1,1 @@
+"""One time step: candidate pairs, forces, motion."""

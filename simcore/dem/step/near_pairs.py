@@ -1,0 +1,400 @@
+"""Near pairs: linked cells on as many levels as the sizes need, a list with margins, and the memory of pairs.
+
+Each body has its own margin, so that a few that are fast make neither all lists rare nor all lists long.
+Of bodies that are not spheres only pairs that can meet before the list is made anew are in it.
+A body lives on the level whose width is just wider than its bounding sphere with margin; a pair is found from its
+finer body. Horizontally periodic boxes wrap cells, and each wrap counts the image, so that a pair close through
+several images, or a grain close to its own, is listed once for each.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.compilation import kernel, leaf
+from simcore.dem.contact.search.ellipsoid_climb import support_height
+from simcore.dem.contact.walls import CYLINDER, FLOOR
+from simcore.dem.shapes.hulls import CONVEX, MIXED, SPHERE, Shapes, base_direction, climb_from_hint, is_hull
+from simcore.dem.state.bodies import Bodies, Contacts, Walls
+from simcore.dem.state.features import Features
+
+FINEST = 4.0  # cells to the width of a level
+
+
+class Box(NamedTuple):
+    """Horizontal extent [m]: periodic with width, or open (width 0), then perhaps within a cylinder."""
+
+    width: float
+    wall_radius: float = np.inf
+
+
+class Near(NamedTuple):
+    """What can touch until the list is made anew."""
+
+    contacts: Contacts
+    walls: Walls
+
+
+def list_near(bodies: Bodies, shapes: Shapes, box: Box, margin, features: Features, old: Near | None = None) -> Near:
+    """Pairs that may be closer than their margins together, and bodies whose bounding sphere is within it from a wall.
+
+    margin [m], one or (n,): becomes the bodies'. What was near before keeps its memory. Marks where the bodies are: the
+    list holds while no point of a body has moved by its margin. Pairs are those whose bounding spheres are close, less
+    those that are seen to be apart by more than both margins from what they remember, or along the line between their
+    centres.
+    """
+    bodies.margin[:] = margin
+    pairs = list_pairs(bodies, shapes, box, features, old)
+    return list_contacts(pairs, bodies, shapes, box, features, old)
+
+
+def list_pairs(bodies, shapes, box, features, old) -> np.ndarray:
+    """Keys (m, 4) of the near pairs of which a body moves here, by the bodies' margins; see `list_near`."""
+    pairs = find_pairs(bodies.position, bodies.radius + bodies.margin, box, bodies.moves_here)
+    if features.kind == SPHERE:
+        return pairs
+    before = empty_contacts(pairs[:0], 0, features) if old is None else old.contacts
+    return pairs[_can_meet(pairs, bodies, shapes, before, box.width)]
+
+
+def list_contacts(pairs, bodies, shapes, box, features, old) -> Near:
+    """Rows for near pairs, and for bodies near a wall, with their memory; see `list_near`."""
+    contacts = empty_contacts(pairs, len(bodies.mass), features)
+    walls = _empty_walls(bodies, shapes, box, features)
+    if old is not None:
+        _carry_memory(old.contacts, contacts)
+        _carry_wall_memory(old.walls, walls)
+    bodies.listed_position[:] = bodies.position
+    if features.kind != SPHERE:
+        bodies.listed_turned[:] = bodies.turned
+    return Near(contacts, walls)
+
+
+def find_pairs(position, reach, box: Box, moves_here=None) -> np.ndarray:
+    """Pairs (m, 4) of a, b and image whose spheres meet, sorted: a < b, or a = b with a positive image.
+
+    The partner is b shifted by image × width. position (n, 3) [m], not wrapped; reach (n,) [m], of each sphere.
+    moves_here (n,) bool: pairs of which neither does are left out; None: all do.
+    """
+    if len(reach) == 0:
+        return np.zeros((0, 4), np.int64)
+    if moves_here is None:
+        moves_here = np.ones(len(reach), np.bool_)
+    wrapped, shift = _wrap(position, box)
+    level = np.floor(np.log2(reach / reach.min()) + 1e-12).astype(np.int64)
+    cell_width = 2.0 * reach.min() * 2.0 ** (1 + np.arange(level.max() + 1))
+    grids = [
+        _sort_into_cells(wrapped, np.flatnonzero(level == k), cell_width[k], box) if np.any(level == k) else None
+        for k in range(len(cell_width))
+    ]
+    found = []
+    for fine, grid in enumerate(grids):
+        if grid is None:
+            continue
+        for coarse in range(fine, len(grids)):
+            if grids[coarse] is not None:
+                # The pair's range is at most the mean of the two cell widths.
+                span = 0.5 * (cell_width[fine] + cell_width[coarse])
+                found.append(
+                    _search(
+                        grid.members,
+                        grids[coarse],
+                        position,
+                        wrapped,
+                        shift,
+                        moves_here,
+                        reach,
+                        span,
+                        box.width,
+                        fine == coarse,
+                    )
+                )
+    pairs = np.concatenate(found)
+    return pairs[np.lexsort((pairs[:, 3], pairs[:, 2], pairs[:, 1], pairs[:, 0]))]
+
+
+class _Grid(NamedTuple):
+    members: np.ndarray  # (k,) bodies in order of their cell
+    cell_start: np.ndarray  # (nx * ny * nz + 1,)
+    counts: np.ndarray  # (3,) number of cells along each axis
+    origin: np.ndarray  # (3,)
+    widths: np.ndarray  # (3,)
+
+
+def _wrap(position, box: Box):
+    """Positions in [0, width) horizontally and how many widths (n, 2) they were away from there."""
+    wrapped = position.copy()
+    shift = np.zeros((len(position), 2), np.int64)
+    if box.width > 0.0:
+        shift[:] = np.floor(position[:, :2] / box.width)
+        wrapped[:, :2] = position[:, :2] - shift * box.width
+    return wrapped, shift
+
+
+def _sort_into_cells(wrapped, members, cell_width, box: Box) -> _Grid:
+    low = wrapped[members].min(axis=0)
+    extent = wrapped[members].max(axis=0) - low
+    if box.width > 0.0:
+        low[:2], extent[:2] = 0.0, box.width
+    # Where bounding spheres overlap much, as those of long grains do, finer cells hold fewer that are too far away.
+    crowd = len(members) / np.prod(np.maximum(extent / cell_width, 1.0))
+    cell_width /= np.clip(np.floor(np.cbrt(crowd)), 1.0, FINEST)
+    counts = np.maximum(np.floor(extent / cell_width), 1).astype(np.int64)
+    # A few grains far above the bed must not make the grid larger than the bed is.
+    counts = np.minimum(counts, 4 + 2 * len(members))
+    widths = np.where(extent > 0.0, extent / counts, cell_width)
+    cell = np.clip(((wrapped[members] - low) / widths).astype(np.int64), 0, counts - 1)
+    flat = (cell[:, 0] * counts[1] + cell[:, 1]) * counts[2] + cell[:, 2]
+    order = np.argsort(flat, kind="stable")
+    start = np.concatenate(([0], np.cumsum(np.bincount(flat, minlength=counts.prod()))))
+    return _Grid(members[order], start, counts, low, widths)
+
+
+@kernel
+def _search(members, grid, position, wrapped, shift, moves_here, reach, span, width, same_level):
+    """Pairs of `members` with the bodies of `grid` whose spheres meet; on one level each pair once."""
+    found = np.empty((16 * len(members) + 16, 4), np.int64)
+    n_found = 0
+    low = np.empty(3, np.int64)
+    high = np.empty(3, np.int64)
+    for i in members:
+        for axis in range(3):
+            periodic = width > 0.0 and axis < 2
+            place = wrapped[i, axis] - grid.origin[axis]
+            low[axis] = int(np.floor((place - span) / grid.widths[axis]))
+            high[axis] = int(np.floor((place + span) / grid.widths[axis]))
+            if not periodic:
+                low[axis] = min(max(low[axis], 0), grid.counts[axis] - 1)
+                high[axis] = min(max(high[axis], 0), grid.counts[axis] - 1)
+        for cx in range(low[0], high[0] + 1):
+            ix = cx // grid.counts[0]
+            for cy in range(low[1], high[1] + 1):
+                iy = cy // grid.counts[1]
+                column = ((cx - ix * grid.counts[0]) * grid.counts[1] + cy - iy * grid.counts[1]) * grid.counts[2]
+                for k in range(grid.cell_start[column + low[2]], grid.cell_start[column + high[2] + 1]):
+                    j = grid.members[k]
+                    if same_level and (j < i or (j == i and (ix < 0 or (ix == 0 and iy <= 0)))):
+                        continue
+                    if not (moves_here[i] or moves_here[j]):
+                        continue
+                    a, b = i, j
+                    image_x, image_y = ix - shift[j, 0] + shift[i, 0], iy - shift[j, 1] + shift[i, 1]
+                    if i > j:
+                        a, b, image_x, image_y = j, i, -image_x, -image_y
+                    # Rounded the same from whichever side, on whichever rank, it is found.
+                    dx = position[b, 0] - position[a, 0] + image_x * width
+                    dy = position[b, 1] - position[a, 1] + image_y * width
+                    dz = position[b, 2] - position[a, 2]
+                    range_ = reach[a] + reach[b]
+                    if dx * dx + dy * dy + dz * dz >= range_ * range_:
+                        continue
+                    if n_found == len(found):
+                        longer = np.empty((2 * n_found, 4), np.int64)
+                        longer[:n_found] = found
+                        found = longer
+                    found[n_found, 0], found[n_found, 1] = a, b
+                    found[n_found, 2], found[n_found, 3] = image_x, image_y
+                    n_found += 1
+    return found[:n_found].copy()
+
+
+def bytes_per_pair(features: Features) -> int:
+    """Memory of a near pair of a scene with these features."""
+    return sum(array.nbytes for array in empty_contacts(np.zeros((1, 4), np.int64), 0, features)) - 8
+
+
+def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Contacts:
+    """Contacts of the given keys (m, 4) of which nothing is known."""
+    m = len(pairs)
+    body_a, body_b, image = pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:].astype(np.int32)
+    start, incident = list_incident(body_a, body_b, image, n_bodies)
+    apart = 0 if features.kind == SPHERE else m
+    springs = m if features.friction else 0
+    patches = m if features.patch else 0
+    preloaded = springs if features.preloaded else 0
+    return Contacts(
+        body_a=body_a,
+        body_b=body_b,
+        image=image if features.periodic else image[:0].copy(),
+        touching=np.zeros(m, np.uint8),
+        pending=np.zeros(apart, np.uint8),
+        direction=np.zeros((m, 3)),
+        facet=np.full((m if features.kind in (CONVEX, MIXED) else 0, 6), -1, np.int32),
+        apart_at=np.zeros((apart, 3)),
+        safe_until=np.full(apart, -np.inf),
+        spring=np.zeros((springs, 3)),
+        twist=np.zeros(min(springs, patches)),
+        stuck=np.zeros(preloaded, np.uint8),
+        overlap=np.zeros(m),
+        point=np.zeros((m, 3)),
+        spread=np.zeros((patches, 6)),
+        force=np.zeros((m, 3)),
+        torque_a=np.zeros((m, 3)),
+        torque_b=np.zeros((m, 3)),
+        incident_start=start,
+        incident=incident,
+    )
+
+
+def list_incident(body_a, body_b, image, n_bodies):
+    """incident_start and incident of Contacts with these keys."""
+    m = len(body_a)
+    # Contacts of a body in order of (partner, image). Sides of one self pair differ in the sign of the image.
+    owner = np.concatenate([body_a, body_b])
+    partner = np.concatenate([body_b, body_a])
+    seen_image = np.concatenate([image, -image])
+    code = np.concatenate([2 * np.arange(m), 2 * np.arange(m) + 1])
+    order = np.lexsort((seen_image[:, 1], seen_image[:, 0], partner, owner))
+    start = np.concatenate(([0], np.cumsum(np.bincount(owner, minlength=n_bodies)))).astype(np.int64)
+    return start, code[order].astype(np.int32)
+
+
+def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, features: Features) -> Walls:
+    """Rows for bodies that are closer to a wall of the scene than their margin."""
+    n, reach = len(bodies.mass), bodies.radius + bodies.margin
+    near = np.zeros((n, 2), np.bool_)
+    if features.floor:
+        near[:, FLOOR] = bodies.position[:, 2] < reach
+    if features.cylinder:
+        near[:, CYLINDER] = np.hypot(bodies.position[:, 0], bodies.position[:, 1]) + reach > box.wall_radius
+    near &= bodies.moves_here[:, None]
+    body, wall = np.nonzero(near)
+    w = len(body)
+    springs = w if features.friction else 0
+    patches = w if features.patch else 0
+    preloaded = springs if features.preloaded else 0
+    return Walls(
+        body=body.astype(np.int32),
+        wall=wall.astype(np.int32),
+        touching=np.zeros(w, np.uint8),
+        vertex=shapes.vertex_start[bodies.shape[body]].astype(np.int32),
+        spring=np.zeros((springs, 3)),
+        twist=np.zeros(min(springs, patches)),
+        stuck=np.zeros(preloaded, np.uint8),
+        overlap=np.zeros(w),
+        normal=np.zeros((w, 3)),
+        point=np.zeros((w, 3)),
+        spread=np.zeros((patches, 6)),
+        force=np.zeros((w, 3)),
+        torque=np.zeros((w, 3)),
+        start=list_walls_of(body, n),
+    )
+
+
+def list_walls_of(body, n_bodies):
+    """start of Walls of these bodies, in order."""
+    return np.concatenate(([0], np.cumsum(np.bincount(body, minlength=n_bodies)))).astype(np.int64)
+
+
+@kernel
+def _can_meet(pairs, bodies, shapes, old, width):
+    """Whether each pair (m, 4) can touch before the next list, as far as is seen at once: (m,) bool."""
+    can = np.ones(len(pairs), np.bool_)
+    k, n_old = 0, len(old.body_a)
+    for p in range(len(pairs)):
+        i, j = pairs[p, 0], pairs[p, 1]
+        while k < n_old and _key_before(old, k, pairs, p):
+            k += 1
+        rx = bodies.position[j, 0] - bodies.position[i, 0] + pairs[p, 2] * width
+        ry = bodies.position[j, 1] - bodies.position[i, 1] + pairs[p, 3] * width
+        rz = bodies.position[j, 2] - bodies.position[i, 2]
+        margin = bodies.margin[i] + bodies.margin[j]
+        if k < n_old and _same_key(old, k, pairs, p):
+            if old.touching[k] != 0:
+                continue
+            dx, dy, dz = rx - old.apart_at[k, 0], ry - old.apart_at[k, 1], rz - old.apart_at[k, 2]
+            gap = old.safe_until[k] - bodies.turned[i] - bodies.turned[j]
+            can[p] = gap - np.sqrt(dx * dx + dy * dy + dz * dz) <= margin
+            continue
+        distance = np.sqrt(rx * rx + ry * ry + rz * rz)
+        if distance == 0.0:
+            continue
+        nx, ny, nz = rx / distance, ry / distance, rz / distance
+        reach = _reach(shapes, bodies, i, nx, ny, nz) + _reach(shapes, bodies, j, -nx, -ny, -nz)
+        can[p] = distance - reach <= margin
+    return can
+
+
+@leaf
+def _reach(shapes, bodies, i, nx, ny, nz):
+    """How far body i, a hull or an ellipsoid, reaches along n from its centre."""
+    if not is_hull(shapes, bodies, i):
+        return support_height(bodies.form_matrix, i, nx, ny, nz)
+    dx, dy, dz = base_direction(bodies, i, nx, ny, nz)
+    v = climb_from_hint(shapes, bodies.shape[i], dx, dy, dz)
+    return dx * shapes.vertices[v, 0] + dy * shapes.vertices[v, 1] + dz * shapes.vertices[v, 2]
+
+
+@leaf
+def _key_before(old, k, pairs, p):
+    """Whether key k of the old list comes before pair p."""
+    if old.body_a[k] != pairs[p, 0]:
+        return old.body_a[k] < pairs[p, 0]
+    if old.body_b[k] != pairs[p, 1]:
+        return old.body_b[k] < pairs[p, 1]
+    if len(old.image) == 0:
+        return False
+    if old.image[k, 0] != pairs[p, 2]:
+        return old.image[k, 0] < pairs[p, 2]
+    return old.image[k, 1] < pairs[p, 3]
+
+
+@leaf
+def _same_key(old, k, pairs, p):
+    if old.body_a[k] != pairs[p, 0] or old.body_b[k] != pairs[p, 1]:
+        return False
+    return len(old.image) == 0 or (old.image[k, 0] == pairs[p, 2] and old.image[k, 1] == pairs[p, 3])
+
+
+@kernel
+def _carry_memory(old, new):
+    """Copy memory and output of pairs that are in both lists; both are sorted by their key."""
+    k = 0
+    n_old = len(old.body_a)
+    for p in range(len(new.body_a)):
+        while k < n_old and _before(old, k, new, p):
+            k += 1
+        if k < n_old and not _before(new, p, old, k):
+            new.touching[p] = old.touching[k]
+            new.direction[p] = old.direction[k]
+            if len(new.facet) > 0:
+                new.facet[p] = old.facet[k]
+            if len(new.apart_at) > 0:
+                new.apart_at[p] = old.apart_at[k]
+                new.safe_until[p] = old.safe_until[k]
+            if len(new.spring) > 0:
+                new.spring[p] = old.spring[k]
+            if len(new.twist) > 0:
+                new.twist[p] = old.twist[k]
+            if len(new.stuck) > 0:
+                new.stuck[p] = old.stuck[k]
+            new.overlap[p] = old.overlap[k]
+            new.point[p] = old.point[k]
+            if len(new.spread) > 0:
+                new.spread[p] = old.spread[k]
+            new.force[p] = old.force[k]
+            new.torque_a[p] = old.torque_a[k]
+            new.torque_b[p] = old.torque_b[k]
+
+
+def _carry_wall_memory(old: Walls, new: Walls) -> None:
+    """Copy memory and output of the rows that are in both lists; (body, wall) is unique in each."""
+    _, to, kept = np.intersect1d(2 * new.body + new.wall, 2 * old.body + old.wall, return_indices=True)
+    for name in Walls._fields:
+        field = getattr(new, name)
+        if name not in ("body", "wall", "start") and len(field):
+            field[to] = getattr(old, name)[kept]
+
+
+@leaf
+def _before(first, k, second, p):
+    """Whether key k of the first list comes before key p of the second."""
+    if first.body_a[k] != second.body_a[p]:
+        return first.body_a[k] < second.body_a[p]
+    if first.body_b[k] != second.body_b[p]:
+        return first.body_b[k] < second.body_b[p]
+    if len(first.image) == 0:
+        return False
+    if first.image[k, 0] != second.image[p, 0]:
+        return first.image[k, 0] < second.image[p, 0]
+    return first.image[k, 1] < second.image[p, 1]

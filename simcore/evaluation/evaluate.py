@@ -1,0 +1,60 @@
+"""All that is asked of one finished packing, in one dataset."""
+
+import xarray as xr
+
+from simcore.evaluation.coordination import coordination_number
+from simcore.evaluation.height_trends import height_trends
+from simcore.evaluation.porosity import bulk_porosity, porosity_profile
+from simcore.grains.statistics import mixture_features
+
+
+def evaluate(packing, slice_height=1e-3, cut=None):
+    """Porosity, its profile, coordination, trends over height and form of a packing, as one Dataset.
+
+    packing: Dataset as in packing_io; slice_height, cut [m]: see simcore.evaluation.porosity. What ends in _exact comes
+    from slicing the grains themselves, the rest from volume-equivalent spheres as in the study. profile is n(z) over
+    z; form holds the 104 features of simcore.grains.statistics; axes the mean L, I, S. The trends stand over layer
+    and quantity; if the bed is too low for them, the attribute height_trends says so instead.
+    """
+    bulk = bulk_porosity(packing, "spheres", cut, slice_height)
+    exact = bulk_porosity(packing, "exact", cut, slice_height)[["n", "n_std_error"]]
+    parts = [
+        bulk,
+        exact.rename(n="n_exact", n_std_error="n_std_error_exact"),
+        _profile(packing, slice_height, "spheres", "profile"),
+        _profile(packing, slice_height, "exact", "profile_exact"),
+        coordination_number(packing).drop_vars("contacts"),
+        _form(packing),
+    ]
+    notes = {"slice_height": slice_height, "n_grains": packing.sizes["grain"]}
+    try:
+        parts.append(_trends(packing, bulk))
+    except ValueError as error:
+        notes["height_trends"] = f"left out: {error}"
+    merged = xr.merge(parts, join="outer", compat="override", combine_attrs="override")
+    title = {"Conventions": "CF-1.11", "title": "Evaluation of a grain packing"}
+    return merged.assign_attrs(packing.attrs | title | notes)
+
+
+def _profile(packing, slice_height, method, name):
+    return porosity_profile(packing, slice_height, method)[["porosity"]].rename(porosity=name)
+
+
+def _form(packing):
+    statistics = mixture_features(*(packing[axis].values for axis in "LIS"))
+    axes = [float(packing[axis].mean()) for axis in "LIS"]
+    return xr.Dataset(
+        {
+            "form": ("feature", statistics.to_numpy(float), {"units": "1", "long_name": "statistics of form"}),
+            "axes": ("axis", axes, {"units": "m", "long_name": "mean of the full axes over the grains"}),
+        },
+        {"feature": list(statistics.index), "axis": list("LIS")},
+    )
+
+
+def _trends(packing, bulk):
+    # On the floor of a cylinder large grains have higher centres; the default interval leaves that layer out.
+    periodic = packing.attrs["domain_shape"] == "periodic"
+    interval = (float(bulk.z_lower), float(bulk.z_upper)) if periodic else None
+    trends = height_trends(packing, interval)
+    return trends.rename(z="layer", z_bounds="layer_bounds")

@@ -1,0 +1,57 @@
+"""A fabric as a small table to read."""
+
+import numpy as np
+
+LABELS = {"contact_normal": "contact normals", "long_axis": "long axes", "short_axis": "short axes"}
+
+
+def fabric_text(fabric):
+    """Text of a Dataset of simcore.evaluation.fabric, of one packing or of several."""
+    several = "packings" in fabric.attrs
+    bed = f"{fabric.attrs['packings']} packings, " if several else ""
+    source = "over seeds" if several else "within the packing, contacts and grains taken as independent"
+    lines = [
+        f"{bed}{int(fabric['grains'])} grains in the bulk, {1e3 * float(fabric['z_lower']):.1f} to "
+        f"{1e3 * float(fabric['z_upper']):.1f} mm above the floor",
+        f"± standard error {source}",
+        "",
+    ]
+    for label, name in (
+        ("solid fraction", "solid_fraction"),
+        ("contacts per grain", "coordination_number"),
+        ("  without rattlers", "coordination_number_without_rattlers"),
+        (f"rattlers (fewer than {fabric.attrs['bearing_contacts']} contacts)", "rattler_fraction"),
+        ("distance of contacts / radius", "contact_radius"),
+    ):
+        lines.append(f"{label:34}{_with_error(fabric, name)}")
+    lines += ["", " " * 26 + "".join(f"{LABELS[name]:>20}" for name in fabric["direction"].values)]
+    each = [fabric.sel(direction=name) for name in fabric["direction"].values]
+    rows = [("number", [f"{int(one['vectors'])}" for one in each])]
+    rows += [
+        (f"<P{order}> about the vertical", [_with_error(one.sel(order=order), "legendre", "+") for one in each])
+        for order in fabric["order"].values
+    ]
+    rows += [
+        (f"eigenvalue {rank + 1}", [_with_error(one.isel(rank=rank), "eigenvalues") for one in each])
+        for rank in range(3)
+    ]
+    rows.append(("anisotropy of the tensor", [_with_error(one, "anisotropy") for one in each]))
+    for fold in fabric["fold"].values:
+        rows.append((f"azimuth, {fold}-fold", [_azimuth(one.sel(fold=fold)) for one in each]))
+    lines += [f"{label:26}" + "".join(f"{text:>20}" for text in texts) for label, texts in rows]
+    return "\n".join(lines)
+
+
+def _azimuth(fabric):
+    """Resultant and p-value of one fold of one direction; - where there is none."""
+    resultant, p_value = (float(fabric[f"azimuth_{name}"]) for name in ("resultant", "p_value"))
+    return "-" if np.isnan(resultant) else f"{resultant:.3f}, p {p_value:.3f}"
+
+
+def _with_error(fabric, name, sign=""):
+    """Value ± its standard error, if it has one; - where there is none."""
+    value = float(fabric[name])
+    if np.isnan(value):
+        return "-"
+    error = float(fabric[f"{name}_std_error"]) if f"{name}_std_error" in fabric else np.nan
+    return f"{value:{sign}.4f}" + ("" if np.isnan(error) else f" ± {error:.4f}")

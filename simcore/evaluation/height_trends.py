@@ -1,0 +1,114 @@
+"""Size, form and orientation of the grains over height, and whether they change with it."""
+
+import numpy as np
+import xarray as xr
+
+from simcore.evaluation.porosity import describe, evaluation_interval, porosity_profile
+from simcore.evaluation.slicing import vertical_axes
+
+ISOTROPIC_ANGLE = 1.0  # mean angle of a random line against the vertical [rad]
+
+# name: (units, long_name)
+QUANTITIES = {
+    "D": ("m", "sieve size"),
+    "FL": ("1", "flatness S/I"),
+    "EL": ("1", "elongation I/L"),
+    "angle": ("rad", "angle of the long axis against the vertical"),
+}
+
+
+def height_trends(packing, interval=None, n_layers=5):
+    """Number-based mean of D, FL, EL and the long axis' angle in layers, with a test for trend over height, Dataset.
+
+    packing: Dataset as in packing_io; interval: heights (low, high) [m] of the centres of the grains taken; None cuts
+    the largest sieve size from both ends of the bed in both kinds of domain, since on a floor large grains have their
+    centres higher than small ones. n_layers: equal layers of the profile; the test does not depend on them.
+
+    The test is Spearman's rank correlation of the quantity with height over single grains: spearman_r and p_value (two
+    sided; four quantities are tested, so compare p with 0.05/4). relative_change is what linear regression gives from
+    the interval's lower to its upper end, divided by the mean. A quantity that is the same for all grains has no trend:
+    nan. Isotropic long axes have a mean angle of 1 rad.
+    """
+    if interval is None:
+        profile = porosity_profile(packing)
+        interval = evaluation_interval(packing, profile, cut=packing.attrs["largest_sieve_size"])
+    low, high = interval
+    z = packing["position"].values[:, 2]
+    inside = (z >= low) & (z <= high)
+    if inside.sum() < 4:
+        raise ValueError(
+            f"height_trends: {inside.sum()} grains have their centre between {low:.4g} m and {high:.4g} m, too few for "
+            "a trend; widen the interval or use more grains"
+        )
+    z = z[inside]
+    edges = np.linspace(low, high, n_layers + 1)
+    layer = np.minimum(np.searchsorted(edges, z, side="right") - 1, n_layers - 1)
+    count = np.bincount(layer, minlength=n_layers)
+
+    data = {
+        "grain_count": ("z", count, {"units": "1", "long_name": "number of grains in the layer"}),
+        "z_bounds": (("z", "bound"), np.stack([edges[:-1], edges[1:]], axis=1)),
+    }
+    trends = []
+    for name, values in _grain_quantities(packing).items():
+        values = values[inside]
+        units, text = QUANTITIES[name]
+        mean, error = _layer_means(values, layer, count)
+        data[f"{name}_mean"] = ("z", mean, {"units": units, "long_name": f"mean {text}"})
+        data[f"{name}_std_error"] = ("z", error, {"units": units, "long_name": f"standard error of the mean {text}"})
+        trends.append(_trend(z, values, high - low))
+    columns = zip(
+        ("spearman_r", "p_value", "relative_change", "relative_change_std_error"),
+        (
+            "Spearman's rank correlation with height",
+            "two-sided p-value of no trend over height",
+            "change from the lower to the upper end by linear regression, divided by the mean",
+            "standard error of the relative change",
+        ),
+        np.transpose(trends),
+        strict=True,
+    )
+    for name, text, values in columns:
+        data[name] = ("quantity", values, {"units": "1", "long_name": text})
+    height = {"units": "m", "long_name": "height above the floor", "axis": "Z", "positive": "up", "bounds": "z_bounds"}
+    return xr.Dataset(
+        data,
+        coords={"z": ("z", 0.5 * (edges[1:] + edges[:-1]), height), "quantity": list(QUANTITIES)},
+        attrs=describe(packing, "Size, form and orientation of the grains over height")
+        | {"n_grains": int(inside.sum())},
+    )
+
+
+def long_axis_angle(orientation):
+    """Angle of each grain's long axis (its own z) against the vertical, 0 to pi/2, (n,) [rad]; orientation (n, 4)."""
+    return np.arccos(np.clip(np.abs(vertical_axes(np.asarray(orientation))[:, 2]), 0.0, 1.0))
+
+
+def _grain_quantities(packing):
+    """The quantities of QUANTITIES for every grain, dict of (n,)."""
+    long_axis, middle, short = (packing[name].values for name in ("L", "I", "S"))
+    return {
+        "D": packing["D"].values,
+        "FL": short / middle,
+        "EL": middle / long_axis,
+        "angle": long_axis_angle(packing["orientation"].values),
+    }
+
+
+def _layer_means(values, layer, count):
+    """Mean and its standard error in each layer; nan where there are too few grains."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = np.bincount(layer, values, len(count)) / count
+        squares = np.bincount(layer, (values - mean[layer]) ** 2, len(count))
+        return mean, np.sqrt(squares / (count - 1) / count)
+
+
+def _trend(z, values, height):
+    """Spearman's r, its p-value, relative change over the height by linear regression and its standard error."""
+    from scipy.stats import linregress, spearmanr  # here: slow to load, and each look at the plan loads this module
+
+    if np.ptp(values) <= 1e-9 * np.abs(values).max():  # one form for all, up to round-off: nothing to test
+        return np.full(4, np.nan)
+    rank = spearmanr(z, values)
+    line = linregress(z, values)
+    return rank.statistic, rank.pvalue, line.slope * height / values.mean(), line.stderr * height / values.mean()

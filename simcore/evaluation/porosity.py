@@ -1,0 +1,138 @@
+"""Porosity of a packing: profile over height, and bulk value with its sampling error over the study's interval."""
+
+import numpy as np
+import xarray as xr
+
+from simcore.evaluation.sampling_error import sampling_error
+from simcore.evaluation.slicing import slab_volumes, vertical_extent
+
+CUT_OFF = 0.5  # porosity at the top of the bed (the study)
+# Shaking packs the uppermost grains closer: 46 single forms of U1 by up to 0.026 next to the surface, by 0.003 and less
+# five grains below; at the floor by 0.004 (results/reference/height.csv). The study cuts 31.5 mm from both ends, in U1
+# as much. Of a low bed a third is cut: what is left would be too little.
+SURFACE_GRAINS, SURFACE_SHARE = 5.0, 1.0 / 3.0
+ORIGIN = ("scene", "seed", "code_version", "converged", "domain_shape", "domain_width", "largest_sieve_size")
+
+
+def domain_area(packing):
+    """Horizontal area of the periodic box or of the cylinder [m²]."""
+    width = packing.attrs["domain_width"]
+    if packing.attrs["domain_shape"] == "periodic":
+        return width**2
+    return 0.25 * np.pi * width**2
+
+
+def porosity_profile(packing, slice_height=1e-3, method="spheres"):
+    """n(z) in horizontal slices from the floor to above the bed, Dataset over `z`, the slices' middles [m].
+
+    packing: Dataset as in packing_io; slice_height [m]; method: "spheres" slices volume-equivalent spheres in exact
+    segments (the study), "exact" the polyhedra and ellipsoids themselves. The sphere that stands for a flat grain on
+    the floor reaches below it; what lies there is in no slice and given as solid_volume_below_floor.
+    """
+    if not slice_height > 0.0:
+        raise ValueError(f"porosity_profile: slice_height is {slice_height} m, it must be positive")
+    if packing.sizes["grain"] == 0:
+        raise ValueError("porosity_profile: the packing holds no grain; check its amount and its log")
+    low, high = vertical_extent(packing, method)
+    n_slices = int(np.ceil(max(high.max(), slice_height) / slice_height)) + 1  # the topmost slice is empty
+    edges = np.arange(n_slices + 1) * slice_height
+    solid = slab_volumes(packing, edges, method)
+    below = slab_volumes(packing, [min(low.min(), 0.0) - slice_height, 0.0], method)[0]
+    slice_volume = domain_area(packing) * slice_height
+    return xr.Dataset(
+        {
+            "porosity": ("z", 1.0 - solid / slice_volume, {"units": "1", "long_name": "porosity of the slice"}),
+            "solid_volume": ("z", solid, {"units": "m3", "long_name": "volume of grains in the slice"}),
+            "solid_volume_below_floor": (
+                (),
+                below,
+                {"units": "m3", "long_name": "volume of the grains as sliced below z = 0"},
+            ),
+            "z_bounds": (("z", "bound"), np.stack([edges[:-1], edges[1:]], axis=1)),
+        },
+        coords={"z": ("z", 0.5 * (edges[1:] + edges[:-1]), _HEIGHT | {"bounds": "z_bounds"})},
+        attrs=describe(packing, "Porosity profile of a grain packing")
+        | {"slice_height": slice_height, "method": method},
+    )
+
+
+def bed_top(profile):
+    """Height of the bed's surface z+ [m]: from the top, the first slice at most half solid above one at least so.
+
+    ASSUME: z+ is the plane between the two, without interpolation, so that the half-empty slice is left out; the
+    study's program is known to take a slice, not a point between slices.
+    """
+    solid = 1.0 - profile["porosity"].values
+    surface = (solid[1:] <= 1.0 - CUT_OFF) & (solid[:-1] >= 1.0 - CUT_OFF)
+    if not surface.any():
+        raise ValueError(
+            f"bed_top: no slice of the packing is {CUT_OFF:g} solid (most: {solid.max():.3f}), so the bed has no "
+            "surface; use more grains or a narrower domain, or check that the packing has settled"
+        )
+    return float(profile["z_bounds"].values[np.flatnonzero(surface)[-1], 1])
+
+
+def evaluation_interval(packing, profile, cut=None):
+    """Heights (z-, z+) between which bulk porosity is taken [m], from the profile's surface and the cut at both ends.
+
+    cut [m]: one height for both ends, or a pair for floor and surface. None is nothing in a cylinder, as in the study;
+    in a periodic box the largest sieve size at the floor, and at the surface SURFACE_GRAINS median grains, at most
+    SURFACE_SHARE of the bed and at least the largest sieve size. ValueError if less than one slice is left.
+    """
+    top = bed_top(profile)
+    if cut is None and packing.attrs["domain_shape"] == "periodic":
+        largest = packing.attrs["largest_sieve_size"]
+        disturbed = min(SURFACE_GRAINS * median_sieve_size(packing), SURFACE_SHARE * top)
+        cut = (largest, max(largest, disturbed))
+    at_floor, at_surface = (float(height) for height in np.broadcast_to(0.0 if cut is None else cut, 2))
+    if top - at_floor - at_surface < profile.attrs["slice_height"]:
+        raise ValueError(
+            f"evaluation_interval: the bed is {1e3 * top:.1f} mm high, too low to cut {1e3 * at_floor:.1f} mm from its "
+            f"floor and {1e3 * at_surface:.1f} mm from its surface; use more grains, a narrower domain, or set a "
+            "smaller cut"
+        )
+    return at_floor, top - at_surface
+
+
+def median_sieve_size(packing):
+    """Sieve size that half of the grains' volume stays below [m]."""
+    order = np.argsort(packing["D"].values)
+    passing = np.cumsum(packing["volume"].values[order])
+    return float(packing["D"].values[order][np.searchsorted(passing, 0.5 * passing[-1])])
+
+
+def bulk_porosity(packing, method="spheres", cut=None, slice_height=1e-3):
+    """Mean porosity over the evaluation interval with its sampling error, Dataset of scalars.
+
+    packing: Dataset as in packing_io; method, slice_height [m] as in porosity_profile; cut [m] as in
+    evaluation_interval. n is the mean of n(z) over the interval, exact also where z- or z+ lies inside a slice.
+    n_std_error: see simcore.evaluation.sampling_error; it is the scatter to expect over seeds, not the bias of method
+    or model.
+    """
+    profile = porosity_profile(packing, slice_height, method)
+    z_lower, z_upper = evaluation_interval(packing, profile, cut)
+    solid = slab_volumes(packing, [z_lower, z_upper], method)[0]
+    error = sampling_error(packing, z_lower, z_upper, method)
+    values = {
+        "n": (1.0 - solid / (domain_area(packing) * (z_upper - z_lower)), "1", "bulk porosity"),
+        "n_std_error": (error["n_std_error"], "1", "sampling standard error of the bulk porosity"),
+        "n_contrasts": (error["n_contrasts"], "1", "number of block contrasts behind the standard error"),
+        "block_size": (error["block_size"], "m", "size of the smallest blocks behind the standard error"),
+        "correlation_length": (error["correlation_length"], "m", "cube root of the integral range of the solid field"),
+        "z_lower": (z_lower, "m", "lower end of the evaluation interval"),
+        "z_upper": (z_upper, "m", "upper end of the evaluation interval"),
+        "bed_top": (bed_top(profile), "m", "height of the bed's surface"),
+    }
+    data = {name: ((), value, {"units": units, "long_name": text}) for name, (value, units, text) in values.items()}
+    data["n"][2]["ancillary_variables"] = "n_std_error"
+    attrs = describe(packing, "Bulk porosity of a grain packing") | {"slice_height": slice_height, "method": method}
+    return xr.Dataset(data, attrs=attrs)
+
+
+_HEIGHT = {"units": "m", "long_name": "height above the floor", "axis": "Z", "positive": "up"}
+
+
+def describe(packing, title):
+    """Global attributes of a result: CF version, title, and the packing it comes from."""
+    origin = {name: packing.attrs[name] for name in ORIGIN if name in packing.attrs}
+    return {"Conventions": "CF-1.11", "title": title} | origin

@@ -1,0 +1,117 @@
+"""Tables about a set of grains: the study's statistics of form, its factors' structure, what decimation costs."""
+
+import numpy as np
+import pandas as pd
+from scipy.stats import shapiro
+from sklearn.decomposition import PCA
+from sklearn.preprocessing import StandardScaler
+
+from simcore.grains.form import FORM_FACTORS, form_factors
+from simcore.grains.mesh import coarsen
+from simcore.grains.scan_shapes import scan_ranges
+
+FACE_TARGETS = (300, 200, 100, 50)
+
+
+def form_table(grains):
+    """One row per grain, indexed by name: L, I, S, D [mm], volume [mm³], faces, sphericity, 13 form factors."""
+    table = pd.DataFrame(
+        {
+            "L_mm": [grain.L * 1e3 for grain in grains],
+            "I_mm": [grain.I * 1e3 for grain in grains],
+            "S_mm": [grain.S * 1e3 for grain in grains],
+            "D_mm": [grain.sieve_size * 1e3 for grain in grains],
+            "volume_mm3": [grain.volume * 1e9 for grain in grains],
+            "faces": [len(grain.faces) for grain in grains],
+            "sphericity": [grain.sphericity for grain in grains],
+        },
+    )
+    table = pd.concat([table, form_factors(table.L_mm, table.I_mm, table.S_mm)], axis=1)
+    return table.set_index(pd.Index([grain.name for grain in grains], name="grain"))
+
+
+def form_statistics(table):
+    """The set's row for the study's Table 2, and more, as a DataFrame with one row.
+
+    table: of form_table, at least three grains. Standard deviations are those of a sample (n - 1). shapiro_*:
+    W and p of the Shapiro-Wilk test; the study keeps a factor as normal at p > 0.05. r_*: Pearson correlations,
+    of size with its logarithm.
+    """
+    if len(table) < 3:
+        raise ValueError(f"form statistics need at least three grains, the set has {len(table)}")
+    row = {"size_min_mm": table.D_mm.min(), "size_max_mm": table.D_mm.max(), "n_samples": len(table)}
+    for factor in ("FL", "EL"):
+        row |= {f"mu_{factor}": table[factor].mean(), f"sigma_{factor}": table[factor].std(ddof=1)}
+    for factor in ("FL", "EL"):
+        test = shapiro(table[factor])
+        row |= {f"shapiro_W_{factor}": test.statistic, f"shapiro_p_{factor}": test.pvalue}
+    columns = table[["FL", "EL"]].assign(size=np.log(table.D_mm)).corr()
+    row |= {"r_FL_EL": columns.loc["FL", "EL"]}
+    row |= {f"r_size_{factor}": columns.loc["size", factor] for factor in ("FL", "EL")}
+    return pd.DataFrame([row])
+
+
+def factor_correlations(table):
+    """Pearson correlations of the 13 form factors, DataFrame (13, 13), over grains for which all are finite."""
+    return _finite_factors(table).corr()
+
+
+def principal_components(table):
+    """Principal components of the standardised form factors, DataFrame with one row per component.
+
+    Columns: explained (share of the variance), cumulative, then the 13 loadings, the largest one positive. Over
+    grains for which all factors are finite.
+    """
+    factors = _finite_factors(table)
+    pca = PCA().fit(StandardScaler().fit_transform(factors))
+    loadings = pca.components_
+    largest = loadings[np.arange(len(loadings)), np.abs(loadings).argmax(axis=1)]
+    shares = pca.explained_variance_ratio_
+    result = pd.DataFrame(loadings * np.sign(largest)[:, None], columns=factors.columns)
+    result.insert(0, "explained", shares)
+    result.insert(1, "cumulative", np.cumsum(shares))
+    return result.set_index(pd.Index([f"PC{i + 1}" for i in range(len(result))], name="component"))
+
+
+def _finite_factors(table):
+    factors = table[list(FORM_FACTORS)].replace([np.inf, -np.inf], np.nan).dropna()
+    if len(factors) < 3:
+        raise ValueError(f"{len(factors)} grains have all 13 form factors finite: at least three are needed")
+    return factors
+
+
+def decimation_table(grains, targets=FACE_TARGETS):
+    """What decimation changes, one row per grain and face target: columns grain, target, faces and changes [%].
+
+    volume: before it is restored; FL, EL, sphericity: relative to the grain's own. A grain that has no more
+    faces than the target is not changed, and stands with zeros, as in the study's averages.
+    """
+    rows = []
+    for target in targets:
+        for grain in grains:
+            coarse = coarsen(grain, target)
+            row = {"grain": grain.name, "target": target, "faces": len(coarse.faces)}
+            for name in ("volume", "flatness", "elongation", "sphericity"):
+                row[f"{name}_change_percent"] = 100 * (getattr(coarse, name) / getattr(grain, name) - 1)
+            rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def decimation_summary(table):
+    """Mean, and largest absolute, change [%] of the set for each face target; table: of decimation_table."""
+    changes = table.drop(columns=["grain", "faces"]).groupby("target", sort=False)
+    mean, largest = changes.mean(), changes.agg(lambda column: column.abs().max())
+    return mean.join(largest.add_suffix("_largest"))
+
+
+def shape_comparison(shapes):
+    """Shapes of a set beside those of the scans: DataFrame, one row per measure.
+
+    shapes: of shape_table. Columns min, max, mean, std, the same of 65 scanned grains with prefix scans_, and
+    within: whether all grains lie in the scans' range. Measures *_300 compare at like face counts; the others
+    at each grain's own.
+    """
+    ours = shapes.agg(["min", "max", "mean", "std"]).T
+    scans = scan_ranges().loc[ours.index, ["min", "max", "mean", "std"]]
+    within = (ours["min"] >= scans["min"]) & (ours["max"] <= scans["max"])
+    return ours.join(scans.add_prefix("scans_")).assign(within=within).rename_axis("measure")

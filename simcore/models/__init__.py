@@ -1,0 +1,1 @@
+"""Porosity models: regression, cross-validation, prediction."""

@@ -1,0 +1,1 @@
+"""One packing, from its specification to its netCDF file."""

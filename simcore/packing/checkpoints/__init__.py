@@ -1,0 +1,1 @@
+"""Files that an interrupted packing goes on from."""

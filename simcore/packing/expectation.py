@@ -1,0 +1,135 @@
+"""What can be said of a packing before its first step: how long a step its grains bear, how deep impacts go, whether
+grains have room to lie."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import expm
+
+from simcore.dem.forces.hertz import linear_law
+from simcore.dem.forces.spring_dashpot import ContactLaw
+from simcore.dem.shapes.hulls import Base
+from simcore.dem.stability import Estimate, contact_time, estimate_steps
+from simcore.scene.impact import fall_speed as speed_after
+from simcore.scene.impact import impact_depth, sphere_radius
+from simcore.scene.scene import Scene
+
+GRAINS = 1000  # of the packing, whose forms stand for all
+# ASSUME: force on a grain at the floor over the pressure of the whole bed on its cross-section. Forces scatter about
+# exponentially; few of a grain's contacts carry more than four times the mean.
+UNEVEN_FORCES = 4.0
+DEEP_IMPACT = 0.5  # of the thinnest grain's half thickness: a second grain that falls on the first doubles it
+
+BACKING_STEPS = 400  # in a contact time
+
+
+class Expectation(NamedTuple):
+    """Of a scene with its grains."""
+
+    stability: Estimate
+    fall_speed: float  # [m/s], of a grain through the whole domain
+    impact_depth: float  # [m], overlap of a grain of that speed
+    half_thickness: float  # [m], of the thinnest grain
+    longest: float  # [m], largest axis of a grain
+
+
+def expect(scene: Scene, bases: list[Base], draw) -> Expectation:
+    """Expectation from the first GRAINS grains of the packing; draw as `pack` takes it."""
+    drawn = draw(np.arange(min(GRAINS, scene.amount_grains or GRAINS)))
+    stability = _estimate_stability(scene, bases, drawn)
+    moments = np.array([base.second_moments for base in bases])[drawn.shape] * drawn.scale**2
+    speed = fall_speed(scene)
+    half_thickness, half_length = (float(np.sqrt(5.0 * moment)) for moment in (moments.min(), moments.max()))
+    least = scene.hertzian.least_mass if scene.hertzian is not None else None
+    depth = float(depth_of_impact(scene, speed, least))
+    return Expectation(stability, speed, depth, half_thickness, 2.0 * half_length)
+
+
+def _estimate_stability(scene, bases, drawn) -> Estimate:
+    """Of law hertz: expected with the contacts of a bed at rest, cautious with all as deep as the deepest impact."""
+    grains = scene.features.friction, bases, drawn.shape, drawn.scale
+    law = scene.continuous_law
+    if scene.hertzian is None:
+        return estimate_steps(law, *grains, scene.implicit)
+    time, least = scene.numerics.contact_time, scene.hertzian.least_mass
+    at_rest = linear_law(scene.law, least, least, overlap_at_rest(scene, bases, drawn))
+    expected = max(estimate_steps(at_rest, *grains, time=time).expected, scene.least_steps)
+    return Estimate(expected, max(estimate_steps(law, *grains, time=time).cautious, expected))
+
+
+def overlap_at_rest(scene: Scene, bases: list[Base], drawn) -> float:
+    """Largest overlap [m] that a contact of law hertz between two of the least grains bears at the floor."""
+    material, least = scene.material, scene.hertzian.least_mass
+    volume = np.array([base.volume for base in bases])[drawn.shape] * drawn.scale.prod(axis=1)
+    mass = scene.amount_mass or scene.amount_grains * material.density * float(volume.mean())
+    radius = sphere_radius(least, material.density)
+    force = UNEVEN_FORCES * mass * material.effective_gravity / scene.domain.area * np.pi * radius**2
+    return float((force / (scene.hertzian.modulus * np.sqrt(0.5 * radius))) ** (2.0 / 3.0))
+
+
+def fall_speed(scene: Scene) -> float:
+    """Speed [m/s] of a grain that has fallen through the domain from its birth."""
+    return speed_after(scene.generation, scene.domain.height, scene.material.effective_gravity)
+
+
+def depth_of_impact(scene: Scene, speed, mass):
+    """Overlap [m] of a grain of that mass [kg], unused by the linear law, that meets the floor at speed."""
+    if scene.hertzian is None:
+        return speed * relative_depth(scene.continuous_law)
+    return impact_depth(scene.hertzian.modulus, mass, sphere_radius(mass, scene.material.density), speed)
+
+
+def relative_depth(law: ContactLaw) -> float:
+    """Largest overlap of an impact over its speed [s]: exp(-β t) sin(ω t) / ω at tan(ω t) = ω / β."""
+    rate, beta = np.pi / contact_time(law), 0.5 * law.damping
+    phase = np.arctan2(rate, beta)
+    return float(np.exp(-beta / rate * phase) * np.sin(phase) / rate)
+
+
+def backing(scene: Scene) -> float:
+    """Overlap of an impact on a grain as heavy that lies on the floor, over that on a free one (`depth_of_impact`).
+
+    Of law hertz 1: its impact on the floor is already 2^(1/5) times deeper than one between two such grains.
+    """
+    if scene.hertzian is not None:
+        return 1.0
+    law = scene.continuous_law
+    stiffness, damping = law.stiffness, law.damping
+    # Ways down of the upper and the lower grain and their speeds; between the two half a grain's mass is effective.
+    rates = np.zeros((4, 4))
+    rates[:2, 2:] = np.eye(2)
+    rates[2:, :2] = stiffness * np.array([[-0.5, 0.5], [0.5, -1.5]])
+    rates[2:, 2:] = damping * np.array([[-0.5, 0.5], [0.5, -1.5]])
+    advance = expm(rates * contact_time(law) / BACKING_STEPS)
+    state, deepest = np.array([0.0, 0.0, 1.0, 0.0]), 0.0
+    for _ in range(2 * BACKING_STEPS):
+        state = advance @ state
+        deepest = max(deepest, state[0] - state[1])
+    return float(deepest / relative_depth(law))
+
+
+def warnings(scene: Scene, expected: Expectation) -> list[str]:
+    """One line for each thing that may go wrong."""
+    lines = []
+    steps, needed = scene.numerics.steps_per_contact_time, expected.stability
+    if needed.expected > steps:
+        lines.append(
+            f"{steps:g} steps per contact time are fewer than the {needed.expected:.1f} that a bed of such grains is "
+            f"expected to need: grains with many contacts would jitter in them and take up energy until they slip or "
+            f"part, and the bed may not come to rest. Raise numerics.steps_per_contact_time"
+        )
+    if expected.impact_depth > DEEP_IMPACT * expected.half_thickness:
+        lines.append(
+            f"a grain that falls through the domain arrives at {expected.fall_speed:.2g} m/s and sinks "
+            f"{expected.impact_depth * 1e3:.2g} mm into another, where the thinnest grain is "
+            f"{2e3 * expected.half_thickness:.2g} mm thick; {scene.stiffen[0].lower()}{scene.stiffen[1:]}) or lower "
+            f"the fall"
+        )
+    width = scene.domain.width
+    if expected.longest > width:
+        beside = "comes to lie beside itself" if scene.domain.type == "periodic" else "cannot lie flat"
+        lines.append(
+            f"the longest grain, {expected.longest * 1e3:.3g} mm, is longer than the domain is wide, "
+            f"{width * 1e3:.3g} mm, and {beside}; widen domain.width"
+        )
+    return lines

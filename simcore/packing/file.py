@@ -1,0 +1,249 @@
+"""A packing and its netCDF file (CF conventions): positions, shapes, contacts, and where it comes from."""
+
+import functools
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from simcore import __version__
+from simcore.compilation import source_digest
+from simcore.dem.contact.walls import CYLINDER, FLOOR
+from simcore.dem.shapes.hulls import Base
+from simcore.packing.process import Packed
+from simcore.paths import ROOT
+from simcore.scene.scene import Scene
+
+FLOOR_PARTNER, CYLINDER_PARTNER = -1, -2  # stand where a contact has a wall as second body
+
+
+def packing_dataset(scene: Scene, bases: list[Base], packed: Packed, sample, specification: dict, **attributes):
+    """Packing as an xarray Dataset, all there is to evaluate it and to know how it came about.
+
+    sample: the GrainSample of all its grains. specification: resolved, of which `scene` was made. attributes: further
+    ones, such as cpu_seconds. Centres are wrapped into the periodic box, and images with them.
+    """
+    bodies = packed.bodies
+    width = scene.domain.width if scene.domain.periodic else 0.0
+    shift = np.zeros((len(bodies.mass), 2), np.int64)
+    if scene.domain.periodic:
+        shift[:] = np.floor(bodies.position[:, :2] / width)
+    position = bodies.position.copy()
+    position[:, :2] -= shift * width
+    # Spheres carry none
+    orientation = bodies.orientation if len(bodies.orientation) else np.tile([1.0, 0.0, 0.0, 0.0], (len(shift), 1))
+    grain, xyz = "grain", ("grain", "xyz")
+    data = {
+        "position": (xyz, position, _m("centre of mass")),
+        "orientation": (("grain", "wxyz"), orientation, _one("unit quaternion, body to world")),
+        "scale": (xyz, bodies.scale, _one("factor on the base shape along its axes; semi-axes [m] of a unit sphere")),
+        "shape": (grain, bodies.shape, _one("index of the base shape")),
+        "velocity": (xyz, bodies.velocity, {"units": "m s-1", "long_name": "velocity of the centre"}),
+        "L": (grain, sample.L, _m("longest axis of the mass-equivalent ellipsoid")),
+        "I": (grain, sample.I, _m("intermediate axis of the mass-equivalent ellipsoid")),
+        "S": (grain, sample.S, _m("shortest axis of the mass-equivalent ellipsoid")),
+        "D": (grain, sample.D, _m("sieve size")),
+        "volume": (grain, sample.volume, {"units": "m3", "long_name": "volume"}),
+    }
+    data |= _shape_variables(bases) | _contact_variables(packed, shift, width) | _history_variables(packed)
+    seen = packed.observation
+    attrs = {
+        "Conventions": "CF-1.11",
+        "title": f"Packing {scene.name}",
+        "source": f"Scree {__version__}",
+        "code_version": code_version(),
+        "scene": json.dumps(specification, sort_keys=True),
+        "seed": scene.seed,
+        "domain_shape": scene.domain.type,
+        "domain_width": scene.domain.width,
+        "domain_height": scene.domain.height,
+        "density": scene.material.density,
+        "fluid_density": scene.material.fluid_density,
+        "gravity": scene.material.gravity,
+        "converged": 1,
+        "steps": packed.steps,
+        "time": packed.time,
+        "last_birth": packed.last_birth,
+        "max_speed": seen.max_speed,
+        "unbalanced_force": seen.unbalanced_force,
+        "kinetic_energy": seen.kinetic_energy,
+        **_stability_attributes(packed.stability),
+        **attributes,
+    }
+    return xr.Dataset(data, attrs=attrs)
+
+
+def _stability_attributes(stability):
+    """How far the time step was from what the grains bear; a margin below 1 is beyond the limit."""
+    if stability is None:
+        return {}
+    return {
+        "steps_per_contact_time": stability.steps,
+        "stability_margin_expected": stability.steps / stability.expected.expected,
+        "stability_margin_cautious": stability.steps / stability.expected.cautious,
+        "stability_margin_sampled": stability.steps / stability.needed if stability.needed > 0.0 else np.inf,
+        "stiffest_grain": stability.grain,
+        "stiffest_grain_contacts": stability.contacts,
+        "deepest_overlap_in_half_thicknesses": stability.deepest,
+    }
+
+
+def write_packing(path, packing: xr.Dataset) -> None:
+    """Write under a temporary name and rename: half a file never bears the final name. OSError says why it failed."""
+    path = Path(path)
+    part = path.with_name(path.name + ".part")
+    try:
+        packing.to_netcdf(part, engine="netcdf4")
+        os.replace(part, path)
+    except (OSError, RuntimeError) as error:  # the netCDF library tells of a full disk by a RuntimeError
+        part.unlink(missing_ok=True)
+        raise OSError(f"{path} cannot be written ({error}); see that there is room on its disk") from error
+
+
+def read_packing(path) -> xr.Dataset:
+    """The packing in memory. ValueError where the file is missing, truncated, or no packing."""
+    path = Path(path)
+    if not path.is_file():
+        raise ValueError(f"{path}: there is no such file; make it with `python -m simcore pack SPEC.yaml {path}`")
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as packing:
+            packing.load()
+    except (OSError, RuntimeError, ValueError) as error:
+        raise ValueError(f"{path} cannot be read as netCDF, it may be truncated ({error}); make it anew") from None
+    missing = {"position", "orientation", "scale", "shape", "shape_vertices", "contact_body"} - set(packing.variables)
+    if missing:
+        raise ValueError(f"{path} is no packing: {', '.join(sorted(missing))} missing; give a file of `simcore pack`")
+    return packing
+
+
+# Attributes in which two runs of one packing differ: how they were run.
+RUN_ATTRIBUTES = ("threads", "ranks", "cpu_seconds", "wall_seconds")
+
+
+def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
+    """What differs between two packings, to the bit, but for RUN_ATTRIBUTES; empty where nothing does."""
+    told = []
+    for name in sorted({*first.variables, *second.variables}, key=str):
+        a, b = (packing.variables.get(name) for packing in (first, second))
+        if a is None or b is None:
+            told.append(f"{name} is in one of them only")
+        elif a.shape != b.shape:
+            told.append(f"{name}: {a.shape} and {b.shape}")
+        elif a.dtype.kind in "OU":
+            told += [name] if list(a.values.ravel()) != list(b.values.ravel()) else []
+        elif a.dtype != b.dtype or a.values.tobytes() != b.values.tobytes():
+            told.append(f"{name}: {np.sum(a.values != b.values)} of {a.size} numbers")
+    for name in sorted({*first.attrs, *second.attrs} - set(RUN_ATTRIBUTES)):
+        if not np.array_equal(first.attrs.get(name), second.attrs.get(name)):
+            told.append(f"attribute {name}: {first.attrs.get(name)} and {second.attrs.get(name)}")
+    return told
+
+
+@functools.cache
+def code_version() -> str:
+    """Version, digest of the compiled sources, and, in a git checkout, its commit (+ where it was changed).
+
+    Asked for the first time before a run starts, it tells what ran, even where files are changed meanwhile.
+    """
+    version = f"{__version__}+{source_digest()}"
+    if not (ROOT / ".git").exists():
+        return version
+    try:
+        told = subprocess.run(
+            ["git", "describe", "--always", "--dirty=+"], cwd=ROOT, capture_output=True, text=True, check=True
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return version
+    return f"{version} ({told.stdout.strip()})"
+
+
+def _m(long_name):
+    return {"units": "m", "long_name": long_name}
+
+
+def _one(long_name):
+    return {"units": "1", "long_name": long_name}
+
+
+def _shape_variables(bases):
+    vertices, faces = [base.vertices for base in bases], [base.faces for base in bases]
+    starts = {}
+    for name, arrays in (("vertex", vertices), ("face", faces)):
+        counts = np.array([len(array) for array in arrays])
+        starts[f"shape_{name}_start"] = ("shape", np.cumsum(counts) - counts, _one(f"first {name} of the base shape"))
+        starts[f"shape_{name}_count"] = ("shape", counts, _one(f"number of {name}s of the base shape"))
+    kinds = ["convex" if len(array) else "sphere" for array in vertices]
+    return starts | {
+        "shape_name": ("shape", [base.name for base in bases]),
+        "shape_kind": ("shape", kinds, {"long_name": "unit sphere or convex hull"}),
+        "shape_vertices": (("vertex", "xyz"), np.concatenate(vertices), _m("vertices of the hulls, principal axes")),
+        "shape_faces": (
+            ("face", "corner"),
+            np.concatenate(faces).reshape(-1, 3).astype(np.int64),
+            _one("corners, outward, counted from the shape's first vertex"),
+        ),
+    }
+
+
+def _contact_variables(packed, shift, width):
+    """Contacts between grains in the order of their key, then those with the walls in the order of grains."""
+    bodies, contacts, walls = packed.bodies, packed.near.contacts, packed.near.walls
+    p = np.flatnonzero(contacts.touching)
+    a, b = contacts.body_a[p], contacts.body_b[p]
+    # Of unwrapped centres image i is that of wrapped ones shifted by what the wrapping took from each.
+    image = shift[b] - shift[a]
+    if len(contacts.image):
+        image = image + contacts.image[p]
+    point = bodies.position[a] + contacts.point[p]
+    point[:, :2] -= shift[a] * width
+    body, images = [np.column_stack([a, b])], [image]
+    normals, points = [contacts.direction[p]], [point]
+    overlaps, forces = [contacts.overlap[p]], [contacts.force[p]]
+    for wall, partner in ((FLOOR, FLOOR_PARTNER), (CYLINDER, CYLINDER_PARTNER)):
+        w = np.flatnonzero((walls.touching > 0) & (walls.wall == wall))
+        i = walls.body[w]
+        point = bodies.position[i] + walls.point[w]
+        point[:, :2] -= shift[i] * width
+        body.append(np.column_stack([i, np.full(len(i), partner)]))
+        images.append(np.zeros((len(i), 2), np.int64))
+        normals.append(-walls.normal[w])
+        points.append(point)
+        overlaps.append(walls.overlap[w])
+        forces.append(-walls.force[w])
+    vector = ("contact", "xyz")
+    return {
+        "contact_body": (("contact", "pair"), np.concatenate(body), _one("grains; second: -1 floor, -2 cylinder")),
+        "contact_image": (("contact", "horizontal"), np.concatenate(images), _one("periods added to the second")),
+        "contact_normal": (vector, np.concatenate(normals), _one("unit normal, first to second body")),
+        "contact_point": (vector, np.concatenate(points), _m("point where the force acts")),
+        "contact_overlap": ("contact", np.concatenate(overlaps), _m("overlap")),
+        "contact_force": (vector, np.concatenate(forces), {"units": "N", "long_name": "force on the second body"}),
+    }
+
+
+def _history_variables(packed):
+    """What was observed at every convergence check."""
+    phases = ["generating", "shaking", "damping"]
+    series = {
+        "kinetic_energy": "J",
+        "max_speed": "m s-1",
+        "mean_height": "m",
+        "mean_overlap": "m",
+        "unbalanced_force": "1",
+        "coordination": "1",
+    }
+    history = {
+        "history_time": ("check", [time for time, _, _ in packed.checks], {"units": "s", "long_name": "time"}),
+        "history_phase": (
+            "check",
+            [phases.index(phase) for _, phase, _ in packed.checks],
+            {"units": "1", "flag_values": [0, 1, 2], "flag_meanings": " ".join(phases)},
+        ),
+    }
+    for name, units in series.items():
+        values = [getattr(seen, name) for _, _, seen in packed.checks]
+        history[f"history_{name}"] = ("check", values, {"units": units, "long_name": name.replace("_", " ")})
+    return history

@@ -1,0 +1,84 @@
+"""Which sites of a lattice newborn grains take, and how fast they are."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.compilation import kernel
+from simcore.scene.domain import Domain
+from simcore.scene.scene import Generation
+
+
+class Birth(NamedTuple):
+    """State of n newborn grains; SI units."""
+
+    position: np.ndarray  # (n, 3)
+    orientation: np.ndarray  # (n, 4)
+    velocity: np.ndarray  # (n, 3)
+    angular_velocity: np.ndarray  # (n, 3)
+
+
+def occupy_sites(sites, reach, half_height, domain: Domain) -> np.ndarray:
+    """Indices of the sites that grains take one after the other, (n,), n <= len(reach).
+
+    reach (k,): horizontal distance from its centre within which a grain stays; half_height (k,): vertical; [m].
+    # ASSUME: a site where a grain would touch one placed before it stays empty, and the grain takes the next that
+    # is free. (The study's lattice lets large grains overlap at birth.)
+    """
+    if len(sites) == 0 or len(reach) == 0:
+        return np.zeros(0, np.int64)
+    width = domain.width if domain.periodic else 0.0
+    limit = np.inf if domain.periodic else 0.5 * domain.width
+    return _occupy(sites, np.asarray(reach), np.asarray(half_height), width, limit)
+
+
+@kernel
+def _occupy(sites, reach, half_height, width, limit):
+    taken = np.empty(len(sites), np.int64)
+    n = 0
+    tallest = half_height.max()
+    for site in range(len(sites)):
+        if n == len(reach):
+            break
+        x, y, z = sites[site, 0], sites[site, 1], sites[site, 2]
+        if width > 0.0:
+            free = 2.0 * reach[n] < width  # else it would be born into its own image
+        else:
+            free = np.sqrt(x * x + y * y) + reach[n] < limit
+        k = n - 1
+        while free and k >= 0:
+            other = taken[k]
+            if z - sites[other, 2] > tallest + half_height[n]:
+                break
+            dx, dy = x - sites[other, 0], y - sites[other, 1]
+            if width > 0.0:
+                dx -= width * np.round(dx / width)
+                dy -= width * np.round(dy / width)
+            apart = reach[n] + reach[k]
+            if dx * dx + dy * dy < apart * apart and z - sites[other, 2] < half_height[n] + half_height[k]:
+                free = False
+            k -= 1
+        if free:
+            taken[n] = site
+            n += 1
+    return taken[:n].copy()
+
+
+def give_birth(generation: Generation, position, sieve_size, uniforms) -> Birth:
+    """Orientations and velocities of grains at `position` (n, 3).
+
+    sieve_size (n,) [m]. uniforms (n, 8): random numbers of the grains in (0, 1): five for the velocities, three
+    for a random orientation (Shoemake 1992).
+    """
+    signed = 2.0 * uniforms - 1.0
+    velocity = np.column_stack([generation.velocity_horizontal * signed[:, :2], np.full(len(position), 0.0)])
+    velocity[:, 2] = generation.velocity_z
+    angular = generation.velocity_angular * signed[:, 2:5] / np.asarray(sieve_size)[:, None]
+    if generation.orientation == "random":
+        u, v, w = uniforms[:, 5:8].T
+        a, b = np.sqrt(1.0 - u), np.sqrt(u)
+        v, w = 2.0 * np.pi * v, 2.0 * np.pi * w
+        orientation = np.column_stack([b * np.cos(w), a * np.sin(v), a * np.cos(v), b * np.sin(w)])
+    else:
+        orientation = np.tile([1.0, 0.0, 0.0, 0.0], (len(position), 1))
+    return Birth(position, orientation, velocity, angular)

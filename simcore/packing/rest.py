@@ -1,0 +1,58 @@
+"""When a packing is at rest: rules from which a scene chooses one.
+
+"still": every grain is, for what static friction holds comes to a stand. "settled": for beds that creep. Friction
+without a static spring holds no shear stress, so such a bed flows toward a denser one, ever more slowly, and no speed
+or force vanishes. What a study needs is that the motion of fall and impact is gone (kinetic energy of a mean grain a
+small share of m g d, the energy by which it could climb another), and that the solid fraction has ceased to change
+by more than a stated share within a stated time. Of a given mass it goes with the inverse of the mean height. A fixed
+time after the last birth is the other rule that could be stated, but how far a bed has come by then depends on its
+friction: 150 ellipsoids of examples/deposit.yaml reach 5e-4 in 0.1 s after 1.4 s with a sliding time of 10 ms, and
+grow denser by 0.005 of themselves in the two seconds after that; with 1 ms they take more than 4 s.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.packing.observation import Observation
+from simcore.scene.impact import sphere_radius
+from simcore.scene.scene import Convergence, Material
+
+
+class Verdict(NamedTuple):
+    """Whether a packing is at rest, and by how much of each measure, for messages."""
+
+    at_rest: bool
+    told: str
+
+
+def judge_still(goal: Convergence, seen: Observation, before: float) -> Verdict:
+    """By rule "still". before [m]: mean height one interval ago."""
+    change = abs(seen.mean_height - before)
+    return Verdict(
+        change < goal.height_change
+        and seen.max_speed < goal.max_speed
+        and seen.unbalanced_force < goal.max_unbalanced_force,
+        f"mean height changed by {change:.2g} m in {goal.interval:g} s (allowed {goal.height_change:g}), unbalanced "
+        f"force {seen.unbalanced_force:.2g} (allowed {goal.max_unbalanced_force:g})",
+    )
+
+
+def judge_settled(goal: Convergence, material: Material, seen: Observation, checks, since, mass, grains) -> Verdict:
+    """By rule "settled".
+
+    checks: (time [s], phase, Observation) of all looks, the last being now. since [s]: the earliest time that counts.
+    mass [kg], grains: of the packing.
+    """
+    now = checks[-1][0]
+    size = 2.0 * float(sphere_radius(mass / grains, material.density))
+    share = seen.kinetic_energy / (mass * material.effective_gravity * size)
+    begin = now - goal.window
+    # Half an interval for the rounding of times that are whole numbers of steps.
+    earlier = [look.mean_height for time, _, look in checks if since <= time <= begin + 0.5 * goal.interval]
+    compaction = abs(earlier[-1] / seen.mean_height - 1.0) if earlier else np.inf
+    return Verdict(
+        share < goal.kinetic_energy and compaction < goal.compaction,
+        f"kinetic energy {share:.2g} m g d per grain (allowed {goal.kinetic_energy:g}), solid fraction changed by "
+        f"{compaction:.2g} of itself in {goal.window:g} s (allowed {goal.compaction:g})",
+    )

@@ -1,0 +1,1 @@
+"""Which code, which machine and how much CPU time a result comes from."""

@@ -1,0 +1,154 @@
+"""What the source study reports for a packing, to stand beside ours: its tables, or its fitted models."""
+
+import numpy as np
+import pandas as pd
+
+from simcore.paths import R22_TABLES
+
+# For each study its table, the names there of our columns, of porosity and of its standard deviation, and its runs.
+# ASSUME: where the study does not say over how many runs a standard deviation is, over three, as in its Table 6.
+_TABLES = {
+    "mesh_resolution": ("table4_mesh_resolution", {"case": "case", "faces": "faces"}, "n", None, 3),
+    "shaking_cylinder": ("table5_shaking_cylinder", {"case": "case", "t_s": "shaking_s"}, "n", "n_std", 3),
+    "validation": ("table6_validation", {"case": "case"}, "mean", "std", 3),
+    "domain_size": ("table7_domain_size", {"case": "case", "width_m": "width_m"}, "n", "n_std", 3),
+    "shaking_periodic": ("table8_shaking_periodic", {"case": "case", "t_s": "shaking_s"}, "n", None, 1),
+}
+ROUNDING = 1e-3 / np.sqrt(12.0)  # standard deviation of what three printed decimals leave open
+# Of normal errors the standard deviation is this much larger than the mean magnitude.
+_STD_OF_MAE = np.sqrt(0.5 * np.pi)
+
+
+def read_study_table(name, folder=R22_TABLES):
+    """The source study's table of that name, as a DataFrame."""
+    return pd.read_csv(folder / f"{name}.csv")
+
+
+def add_reference(table, study, folder=R22_TABLES):
+    """The summarised table of a study beside the source study's values, and how far the two are apart.
+
+    table: as from study_tables.summarise. New columns: study_n, study_n_std (over its runs), study_n_error (standard
+    error of study_n), difference (ours less the study's) and z, the difference in standard errors of both; nan where
+    the study has no value. For the validation also experiment_n, experiment_n_std, experiment_error_percent of ours
+    and study_error_percent of the study's packings; for the resolution of meshes cpu_h_per_run, and the study's
+    study_volume_change_percent and study_runtime_h.
+
+    For single forms and mixtures the study gives no table of porosities: there study_n is what its fitted model
+    says for the forms of our packing, and study_n_error the error of such a prediction, from the mean absolute error
+    of its cross-validation. Elsewhere study_n_error is its standard deviation over the square root of its runs less one
+    (it divides by the number of runs: see the three of Table 6) and the rounding to three decimals; where it states no
+    deviation it is the rounding alone, and z is too large. Its values hold for its own sizes of domain, not for
+    smaller ones.
+    """
+    value, std, error = (np.full(len(table), np.nan) for _ in range(3))
+    added = {}
+    if "case" in table and study in _TABLES:
+        value, std, error = _from_table(table, *_TABLES[study], folder)
+    elif "case" in table and study.startswith("single_form"):
+        value, error = _from_model(table, "single_form", folder), _single_form_error(table, folder)
+    elif "case" in table and study == "form_mixtures":
+        value, error = _from_model(table, "form_mixture", folder), _mixture_error(table, folder)
+    elif "case" in table and study == "application":
+        value, error = _application(table, folder), np.full(len(table), ROUNDING)
+    if "case" in table and study == "validation":
+        added = _experiment(table, folder)
+    if "case" in table and study == "mesh_resolution":
+        added = _cost_of_faces(table, folder)
+    difference = table["n"] - value
+    return table.assign(
+        study_n=value,
+        study_n_std=std,
+        study_n_error=np.where(np.isnan(value), np.nan, error),
+        difference=difference,
+        z=difference / np.hypot(table["n_std_error"], error),
+        **added,
+    )
+
+
+def _from_table(table, file, columns, value, std, runs, folder):
+    """Values, their standard deviations over the runs and their standard errors."""
+    values, deviations = (_look_up(table, file, columns, name, folder) for name in (value, std))
+    of_mean = np.nan_to_num(deviations) / np.sqrt(max(runs - 1, 1))
+    return values, deviations, np.hypot(of_mean, ROUNDING)
+
+
+def _look_up(table, file, columns, name, folder):
+    """The column `name` of the study's table `file`, where `columns` of both agree, (n,); nan elsewhere."""
+    theirs = read_study_table(file, folder).rename(columns=columns)
+    keys = list(columns.values())
+    if name is None or not set(keys) <= set(table.columns):
+        return np.full(len(table), np.nan)
+    # "<=300" faces there is a target of 300 here
+    known = {tuple(_plain(row[key]) for key in keys): row[name] for _, row in theirs.iterrows()}
+    found = [known.get(tuple(_plain(row[key]) for key in keys), np.nan) for _, row in table.iterrows()]
+    return np.array(found, float)
+
+
+def _experiment(table, folder):
+    """Columns of the measured porosities of the cases."""
+    measured, std = (_look_up(table, "table3_cases", {"case": "case"}, name, folder) for name in ("n_exp", "n_exp_std"))
+    theirs = _look_up(table, "table6_validation", {"case": "case"}, "relative_error_percent", folder)
+    return {
+        "experiment_n": measured,
+        "experiment_n_std": std,
+        "experiment_error_percent": 100.0 * (table["n"] / measured - 1.0),
+        "study_error_percent": theirs,
+    }
+
+
+def _cost_of_faces(table, folder):
+    """Columns of what decimation did to the study's grains, and how long its runs and ours took."""
+    columns = {"case": "case", "faces": "faces"}
+    return {
+        "cpu_h_per_run": table["cpu_h"] / table["runs"],
+    } | {
+        f"study_{name}": _look_up(table, "table4_mesh_resolution", columns, name, folder)
+        for name in ("volume_change_percent", "runtime_h")
+    }
+
+
+def _single_form_error(table, folder):
+    """Standard deviation of the error of the study's {EQ^-1, EL^-1} model for one packing."""
+    errors = read_study_table("table9_second_factor_mae", folder).set_index("case")["EL_inv"]
+    return 1e-3 * _STD_OF_MAE * errors.reindex(table["case"]).to_numpy()
+
+
+def _mixture_error(table, folder):
+    """The same of its model of form mixtures, which has four features."""
+    sets = read_study_table("table10_form_mixture_features", folder)
+    full = sets[(sets.filter(regex="_inv$") == 1).all(axis=1)].iloc[0]
+    errors = [full.get(f"{case}_mae_1e-3", np.nan) for case in table["case"]]
+    return 1e-3 * _STD_OF_MAE * np.array(errors, float)
+
+
+def _plain(value):
+    """One spelling of a key: 300, 300.0, "300" and "<=300" are the same."""
+    try:
+        return round(float(str(value).removeprefix("<=")), 9)
+    except ValueError:
+        return str(value)
+
+
+def _from_model(table, model, folder):
+    """What the study's linear model says for the mean and standard deviation of EQ and EL over the grains."""
+    models = read_study_table("models", folder).query("model == @model").set_index("case")
+    features = {
+        "EQ_inv": 1 / table.EQ,
+        "EL_inv": 1 / table.EL,
+        "mu_EQ_inv": 1 / table.EQ,
+        "sigma_EQ_inv": 1 / table.sigma_EQ.where(table.sigma_EQ > 0),
+        "mu_EL_inv": 1 / table.EL,
+        "sigma_EL_inv": 1 / table.sigma_EL.where(table.sigma_EL > 0),
+    }
+    coefficients = models.reindex(table.case)
+    total = coefficients.intercept.to_numpy()
+    for name, feature in features.items():
+        slope = coefficients[name].to_numpy()
+        total = total + np.where(np.isnan(slope), 0.0, np.nan_to_num(slope) * feature.to_numpy())
+    return total
+
+
+def _application(table, folder):
+    theirs = read_study_table("table11_application", folder).set_index("case").reindex(table.case)
+    drawn = (table.get("choice", pd.Series("random", table.index)) == "random").to_numpy()
+    return np.where(drawn, theirs.discrete_simulated, theirs.continuous_simulated)

@@ -1,0 +1,227 @@
+"""The source study's tables and figures from rows that are committed: no packing is made, and none need be there.
+
+What a folder such as results/reference has no rows of is left out.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from simcore.campaign.biases import measured_biases
+from simcore.campaign.gathering import NAMES
+from simcore.campaign.study_tables import FORM, compare_predictions, pair_shape_kinds, summarise
+from simcore.campaign.trend_tables import summarise_trends
+from simcore.grains.form import features as form_features
+from simcore.grains.sieve import read_cases
+from simcore.models.regression import FOLDS
+from simcore.models.tables import MIXTURE, application_table, mixture_models, shape_kind_table, single_form_models
+from simcore.models.unified import STATISTICS, UNIFIED, unified_features, unified_models
+from simcore.paths import CONFIG
+from simcore.reference.r22_tables import add_reference, read_study_table
+from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
+from simcore.report.figures.studies import porosities_figure, trends_figure
+from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
+
+MESH, ELLIPSOID = "mesh", "ellipsoid"
+# Studies whose rows stand beside a table of the source study's, or by themselves.
+PLAIN_STUDIES = (
+    "mesh_resolution",
+    "shaking_cylinder",
+    "validation",
+    "domain_size",
+    "shaking_periodic",
+    "near_spheres",
+    "application",
+)
+# Of a mixture what was asked for, and what the diagram of its statistics calls that.
+NOMINAL = {"mean_FL": "mu_FL", "mean_EL": "mu_EL", "std_FL": "sigma_FL", "std_EL": "sigma_EL"}
+_RESULT = ("n", "n_std_error", "grains", "cpu_s")
+_OF_A_PACKING = {name: ours for ours, name in NAMES.items()}
+
+
+def findings(folder, seed=0, folds=FOLDS, studies=None):
+    """(tables, figures) of the rows in `folder`, dicts by name of DataFrames and matplotlib Figures.
+
+    folder: tables of simcore.campaign.gathering. seed and folds: of the cross-validation. studies: those whose trends
+    over height are told; None: all.
+    """
+    folder = Path(folder)
+    rows = {
+        name: read_rows(folder / f"{name}.csv")
+        for name in ("single_form", "form_mixture", *PLAIN_STUDIES)
+        if (folder / f"{name}.csv").exists()
+    }
+    if not rows:
+        raise ValueError(f"{folder}: has no table of packings; gather some first: snakemake collect")
+    tables, figures = {}, {}
+    models = {}
+    if "single_form" in rows:
+        models = _single_forms(rows["single_form"], tables, figures, seed, folds)
+        _shape_kinds(rows["single_form"], rows.get("near_spheres"), tables, figures)
+    if "form_mixture" in rows:
+        models |= _mixtures(rows["form_mixture"], tables, figures, seed, folds)
+    if {"single_form", "form_mixture"} <= set(rows):
+        forms, mixtures = rows["single_form"], rows["form_mixture"]
+        synthetic = forms[(forms["kind"] == MESH) & (forms["source"] == "synthetic")]
+        unified, fitted = unified_models(synthetic, _samples(mixtures), read_study_table("models"), seed, folds)
+        tables |= {"unified": unified["models"], "unified_feature_sets": unified["feature_sets"]}
+        models |= fitted
+    if "application" in rows and any(name == "form_mixture" for name, _ in models):
+        tables["application_predictions"] = _application(rows["application"], models)
+    for study in set(PLAIN_STUDIES) & set(rows):
+        tables[study], figures[study] = _beside(rows[study], study)
+    biases = measured_biases(folder)
+    if len(biases):
+        tables["biases"] = biases
+    if (folder / "trends.csv").exists():
+        trends = pd.read_csv(folder / "trends.csv")
+        trends = trends if studies is None else trends[trends["study"].isin(studies)]
+        if len(trends):
+            tables["trends"] = summarise_trends(trends)
+            figures["trends"] = trends_figure(tables["trends"])
+    return tables, figures
+
+
+def read_rows(path):
+    """One of the committed tables as study_tables.tabulate has them, what it does not hold as nan.
+
+    Statistics over the grains of a bed: from L, I, S where it holds these, else from its columns mu_EQ to sigma_EL.
+    Cases are in the order of config/cases.tsv, others behind.
+    """
+    table = pd.read_csv(path)
+    table = table.rename(columns={**_OF_A_PACKING, "run": "seed"})
+    place = {case: i for i, case in enumerate(read_cases(CONFIG / "cases.tsv"))}
+    table = table.sort_values("case", key=lambda case: case.map(place), kind="stable", ignore_index=True)
+    if "L" in table:
+        table = table.assign(EQ=table["S"] / table["L"], EL=table["I"] / table["L"], FL=table["S"] / table["I"])
+        table = table.assign(sigma_EQ=0.0, sigma_EL=0.0, sigma_FL=0.0)
+    elif {"flatness", "elongation"} <= set(table):
+        flatness, elongation = (table[name].fillna(1.0) for name in ("flatness", "elongation"))  # a sphere has none
+        table = table.assign(FL=flatness, EL=elongation, EQ=flatness * elongation)
+    missing = [name for name in (*FORM, "n_exact", "coordination_number") if name not in table]
+    return table.assign(**dict.fromkeys(missing, np.nan), study=Path(path).stem)
+
+
+def _single_forms(packings, tables, figures, seed, folds):
+    """Of grains from each source the models, and what they say of the study's mean form; returns the synthetic's."""
+    correlations, study_models = read_study_table("correlations"), read_study_table("models")
+    parts, of_synthetic, mean_form = {}, {}, []
+    of_sources = packings[packings["kind"] == MESH].groupby("source")
+    for source, rows in sorted(of_sources, key=lambda each: (each[0] != "synthetic", each[0])):
+        fitted = rows.groupby("case", sort=False).filter(lambda cases: cases["grain"].nunique() > 4)
+        means = add_reference(summarise(rows, ["case"]), "single_form")
+        parts.setdefault("single_form_porosities", []).append(_of_source(means, source))
+        if fitted.empty:
+            continue
+        of_source, models = single_form_models(
+            fitted, correlations, read_study_table("table9_second_factor_mae"), study_models, seed, folds
+        )
+        for name, table in of_source.items():
+            name = "single_form" if name == "models" else f"single_form_{name}"
+            parts.setdefault(name, []).append(_of_source(table, source))
+        mean_form.append(_of_source(_at_mean_form(models, study_models), source))
+        shown = {case: model for (name, case), model in models.items() if name == "single_form"}
+        axes = rows.groupby(["case", "grain"])[list("LIS")].mean().reset_index()
+        beds = means[means["case"].isin(shown)].merge(axes, on=["case", "grain"]).reset_index(drop=True)
+        features = form_features(*(beds[axis] for axis in "LIS"))
+        compared = pd.concat([beds[["case", "n", "n_std_error", "study_n"]], features], axis=1)
+        figures |= {
+            f"single_form_features_{source}": form_figure(beds, study=correlations, study_models=study_models),
+            f"single_form_zingg_{source}": porosity_zingg_figure(beds, shown),
+            f"single_form_prediction_{source}": prediction_figure(
+                compare_predictions(models, "single_form", compared), list(shown.values())
+            ),
+        }
+        of_synthetic = models if source == "synthetic" else of_synthetic
+    tables |= {name: pd.concat(each, ignore_index=True) for name, each in parts.items()}
+    if mean_form:
+        tables["single_form_mean_form"] = pd.concat(mean_form, ignore_index=True)
+    return of_synthetic
+
+
+def _of_source(table, source):
+    """The table with its grains' source in front."""
+    return table.assign(source=source)[["source", *table.columns.drop("source", errors="ignore")]]
+
+
+def _at_mean_form(models, study_models):
+    """Porosity of beds of the study's mean form, by our models and by its own: one row a case."""
+    form = read_study_table("table2_form_statistics").iloc[0]
+    features = pd.DataFrame({"EQ_inv": [1.0 / (form["mu_FL"] * form["mu_EL"])], "EL_inv": [1.0 / form["mu_EL"]]})
+    rows = []
+    for (name, case), model in models.items():
+        if name == "single_form":
+            n, lower, upper = (value[0] for value in model.predict_interval(features))
+            published = study_models.query("model == 'single_form' and case == @case").iloc[:1]
+            study_n = published["intercept"] + sum(published[each] * features[each][0] for each in features)
+            row = {"case": case, "FL": form["mu_FL"], "EL": form["mu_EL"], "n": n, "lower_95": lower, "upper_95": upper}
+            rows.append(row | {"study_n": study_n.iloc[0] if len(study_n) else np.nan})
+    table = pd.DataFrame(rows)
+    return table.assign(difference=table["n"] - table["study_n"])
+
+
+def _shape_kinds(packings, near_spheres, tables, figures):
+    """Grains beside their equivalent ellipsoids, and ellipsoids that are rounder than any."""
+    own = packings[packings["source"] == "synthetic"]
+    pairs = pair_shape_kinds(own[own["kind"] == MESH], own[own["kind"] == ELLIPSOID])
+    if pairs.empty:
+        return
+    tables["shape_kind_pairs"] = pairs
+    tables["shape_kinds"] = shape_kind_table(pairs, read_study_table("mesh_ellipsoid_difference"))
+    round_ones = None if near_spheres is None else _beside(near_spheres, "near_spheres")[0]
+    figures["shape_kinds"] = shape_kind_figure(pairs, round_ones)
+
+
+def _application(packings, models):
+    """What the models say of beds that they have not seen, over the seeds."""
+    kind = np.where(packings["choice"] == "random", "discrete", "continuous")
+    unseen = pd.concat([packings[["case", "n"]].assign(kind=kind), _statistics(packings)], axis=1)
+    seen = unseen.groupby(["case", "kind"], sort=False).mean().reset_index()
+    return application_table(models, seen, read_study_table("table11_application"))
+
+
+def _mixtures(packings, tables, figures, seed, folds):
+    """The model of mixtures, its tables and figures; returns the models."""
+    fitted, models = mixture_models(
+        _samples(packings).drop(columns=["mean_FL", "mean_EL"]),
+        read_study_table("correlations"),
+        read_study_table("table10_form_mixture_features"),
+        read_study_table("models"),
+        seed,
+        folds,
+    )
+    tables |= {("form_mixture" if name == "models" else f"form_mixture_{name}"): part for name, part in fitted.items()}
+    means = add_reference(summarise(packings, list(NOMINAL)), "form_mixtures")
+    tables["form_mixture_porosities"] = means
+    if models:
+        compared = pd.concat([means[["case", "n", "n_std_error", "study_n"]], _statistics(means)], axis=1)
+        predictions = compare_predictions(models, "form_mixture", compared)
+        # Model beside model: what one leaves of its own beds is not told of the study's, which are not published.
+        means["model_n"] = predictions["predicted"]
+        means["model_difference"] = means["model_n"] - means["study_n"]
+        figures["form_mixture_prediction"] = prediction_figure(predictions, list(models.values()))
+    asked_for = means.drop(columns=list(NOMINAL.values()), errors="ignore").rename(columns=NOMINAL)
+    figures["form_mixture_sets"] = form_sets_figure(asked_for)
+    return models
+
+
+def _samples(packings):
+    """Mixtures as the models take them; packings that differ in their seed alone are of one sample."""
+    sample = packings[list(NOMINAL)].astype(str).agg(" ".join, axis=1)
+    beds = packings[["case", "n", "mean_FL", "mean_EL"]].assign(sample=sample)
+    return pd.concat([beds, _statistics(packings)], axis=1)
+
+
+def _statistics(packings):
+    """Features of the models of mixtures, from the statistics over the grains of each packing."""
+    renamed = packings.rename(columns={"EQ": "mu_EQ", "EL": "mu_EL"})
+    return unified_features(renamed[list(STATISTICS)])[list(dict.fromkeys([*STATISTICS, *MIXTURE, *UNIFIED]))]
+
+
+def _beside(packings, study):
+    """Means over the seeds beside the source study's values, and their figure."""
+    known = {"study", "seed", *_RESULT, *FORM, "n_exact", "coordination_number", "case"}
+    varied = [name for name in packings if name not in known]
+    table = add_reference(summarise(packings, varied), study)
+    return table, porosities_figure(table, ["case", *varied])

@@ -1,0 +1,120 @@
+"""Figures about grains: Zingg diagram, histograms, correlations of the form factors, shapes against scans."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from scipy.stats import norm
+
+from simcore.report.figures.zingg import draw_fields
+
+# Markers and greys that differ in print without colour.
+_STYLES = [("o", "0.15"), ("^", "0.55"), ("s", "white"), ("x", "0.35")]
+
+
+def zingg_diagram(tables, study=None):
+    """EL against FL in Zingg's diagram; tables: dict of label to form_table. Returns Figure.
+
+    study: a row of table2_form_statistics, mean and standard deviation of its grains, drawn as a cross.
+    """
+    figure = Figure(figsize=(4.8, 4.9), layout="constrained")
+    axes = figure.subplots()
+    draw_fields(axes)
+    for (label, table), (marker, colour) in zip(tables.items(), _STYLES, strict=False):
+        _scatter(axes, table.FL, table.EL, marker, colour, f"{label} (n = {len(table)})")
+    if study is not None:
+        axes.errorbar(
+            study.mu_FL, study.mu_EL, study.sigma_EL, study.sigma_FL, fmt="D", color="#b3541e", mfc="white", ms=6,
+            lw=1.4, capsize=3, zorder=4, label=f"study's {study.n_samples:.0f} grains: mean ± std.",
+        )  # fmt: skip
+    figure.legend(frameon=False, fontsize="small", loc="outside upper center", ncols=2)
+    return figure
+
+
+def form_histograms(table, study=None):
+    """Histograms of FL and EL with the normal density of their mean and standard deviation. Returns Figure.
+
+    study: a row of table2_form_statistics, whose normal density is drawn for as many grains.
+    """
+    figure = Figure(figsize=(7, 3.4), layout="constrained")
+    for axes, factor, name in zip(
+        figure.subplots(1, 2, sharey=True), ("FL", "EL"), ("flatness", "elongation"), strict=True
+    ):
+        values, edges = table[factor], np.linspace(0.2, 1, 17)
+        axes.hist(values, edges, color="0.85", edgecolor="0.4", lw=0.6, label="grains of this set")
+        x = np.linspace(0.2, 1, 200)
+        grains = len(values) * (edges[1] - edges[0])
+        axes.plot(x, grains * norm.pdf(x, values.mean(), values.std(ddof=1)), "k", lw=1.2, label="its normal")
+        if study is not None:
+            density = norm.pdf(x, study[f"mu_{factor}"], study[f"sigma_{factor}"])
+            axes.plot(x, grains * density, "--", color="#b3541e", lw=1.6, label="normal of the study's grains")
+        axes.set_title(f"mean {values.mean():.3f}, std {values.std(ddof=1):.3f}", fontsize="medium")
+        axes.set(xlabel=f"{name} {factor} [-]", xlim=(0.2, 1))
+    figure.axes[0].set_ylabel("number of grains [-]")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)
+    return figure
+
+
+def correlation_matrix(correlations):
+    """The correlations of the form factors as a matrix of shades with their numbers. Returns Figure."""
+    names = list(correlations.columns)
+    figure = Figure(figsize=(6.6, 5.6), layout="constrained")
+    axes = figure.subplots()
+    image = axes.imshow(correlations.abs(), cmap="Greys", vmin=0, vmax=1)
+    for (row, column), value in np.ndenumerate(correlations.to_numpy()):
+        colour = "white" if abs(value) > 0.6 else "black"
+        axes.text(column, row, f"{value:.2f}".replace("-", "−"), ha="center", va="center", color=colour, fontsize=7)
+    axes.set_xticks(range(len(names)), names, rotation=60)
+    axes.set_yticks(range(len(names)), names)
+    axes.set(xlabel="form factor", ylabel="form factor")
+    figure.colorbar(image, ax=axes, label="magnitude of Pearson's r [-] (its sign: see the numbers)", shrink=0.85)
+    return figure
+
+
+def shapes_against_scans(tables, ranges):
+    """Share in facets and sphericity against the scans' range, at like face counts. Returns Figure.
+
+    tables: dict of label to shape_table; ranges: of scan_ranges. Left as they are, right free of the form.
+    """
+    figure = Figure(figsize=(8.4, 3.9), layout="constrained")
+    share = ranges.loc["facet_share_300"]
+    panels = [("sphericity_300", "sphericity [-]"), ("relative_sphericity", "sphericity over its ellipsoid's [-]")]
+    for axes, (measure, name) in zip(figure.subplots(1, 2, sharey=True), panels, strict=True):
+        low, high = ranges.loc[measure, ["min", "max"]]
+        box = Rectangle((low, share["min"]), high - low, share["max"] - share["min"], fc="0.92", ec="0.4", ls="--")
+        axes.add_patch(box).set_label("range of 65 scanned grains")
+        axes.errorbar(
+            ranges.loc[measure, "mean"],
+            share["mean"],
+            share["std"],
+            ranges.loc[measure, "std"],
+            color="0.4",
+            capsize=3,
+            label="mean ± standard deviation of these 65",
+        )
+        for (label, table), (marker, colour) in zip(tables.items(), _STYLES, strict=False):
+            _scatter(axes, table[measure], table.facet_share_300, marker, colour, label)
+        axes.set_xlabel(name)
+    figure.axes[0].set_ylabel("share of surface in the ten largest\nfacets, at most 300 faces [-]")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=2, frameon=False)
+    return figure
+
+
+def decimation_changes(summary):
+    """Mean change of volume, FL, EL and sphericity over the face target; summary: of decimation_summary."""
+    figure = Figure(figsize=(5, 3.4), layout="constrained")
+    axes = figure.subplots()
+    styles = {"volume": "o-", "flatness": "^--", "elongation": "s-.", "sphericity": "x:"}
+    for name, style in styles.items():
+        axes.plot(summary.index, summary[f"{name}_change_percent"], style, color="0.2", mfc="white", label=name)
+    axes.axhline(0, color="0.6", lw=0.8, zorder=0)
+    axes.set_xscale("log")
+    axes.set_xticks(list(summary.index), [str(target) for target in summary.index])
+    axes.minorticks_off()
+    axes.set(xlabel="face target [-]", ylabel="mean change [%]")
+    axes.legend(frameon=False)
+    return figure
+
+
+def _scatter(axes, x, y, marker, colour, label):
+    edge = {} if marker == "x" else {"edgecolors": "k", "linewidths": 0.5}
+    axes.scatter(x, y, s=22, marker=marker, color=colour, label=label, **edge)

@@ -1,0 +1,106 @@
+"""Figures of single packings: porosity over height, and the packing itself."""
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
+
+from simcore.report.figures.rendering import project, render
+
+MM = 1e3
+# From dark slate to sand: lightness grows steadily, so that it reads in grey.
+STONES = LinearSegmentedColormap.from_list("stones", ["#2f4858", "#5f7f86", "#a9a68c", "#e0bf86", "#f7ead0"])
+
+
+def profile_figure(profiles, bulk, title=""):
+    """Porosity over height with the evaluation interval.
+
+    profiles: dict from a label to a DataArray n(z) [z in m], at most four; bulk: Dataset as from bulk_porosity.
+    """
+    figure = Figure(figsize=(4.6, 5.2), layout="constrained")
+    axes = figure.subplots()
+    low, high = float(bulk["z_lower"]), float(bulk["z_upper"])
+    axes.axhspan(low * MM, high * MM, color="0.92", zorder=0, label="evaluation interval")
+    styles = [("black", "-", 1.4), ("#b3541e", "--", 1.2), ("0.5", "-.", 1.2), ("#2f6f8f", ":", 1.4)]
+    for (label, profile), (color, style, width) in zip(profiles.items(), styles, strict=False):
+        axes.plot(profile, profile["z"] * MM, style, color=color, lw=width, label=label)
+    n, error = float(bulk["n"]), float(bulk["n_std_error"])
+    axes.plot([n, n], [low * MM, high * MM], color="black", lw=0.8, label=f"bulk n = {n:.4f} ± {error:.4f}")
+    axes.axhline(float(bulk["bed_top"]) * MM, color="black", lw=0.8, ls=(0, (1, 3)), label="surface of the bed")
+    axes.set(xlim=(0, 1), ylim=(0, None), xlabel="porosity n [-]", ylabel="height above the floor z [mm]", title=title)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.02 if not title else 1.08), frameon=False, fontsize="small")
+    return figure
+
+
+def packing_figure(packing, azimuth=-60.0, elevation=22.0, title="", pixels=900):
+    """The packing as it lies, grains coloured by sieve size, with a scale bar; elevation 90 is from above."""
+    figure = Figure(layout="constrained")
+    axes = figure.subplots()
+    norm = size_norm(MM * packing["D"].values)
+    draw_packing(axes, packing, norm, azimuth, elevation, pixels)
+    width, height = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
+    figure.set_size_inches(5.4 * width / max(width, height) + 1.2, 5.4 * height / max(width, height) + 0.4)
+    axes.set_title(title)
+    bar = figure.colorbar(ScalarMappable(norm, STONES), ax=axes, shrink=0.6, pad=0.02)
+    bar.set_label("sieve size D [mm]")
+    return figure
+
+
+def packings_figure(packings, azimuth=-90.0, elevation=90.0, pixels=600):
+    """Several packings side by side on one colour scale; packings: dict from a label to a Dataset."""
+    columns = min(len(packings), 2)
+    rows = -(-len(packings) // columns)
+    figure = Figure(figsize=(1.0 + 3.2 * columns, 3.3 * rows), layout="constrained")
+    grid = figure.subplots(rows, columns, squeeze=False)
+    norm = size_norm(np.concatenate([MM * packing["D"].values for packing in packings.values()]))
+    for axes in grid.flat:
+        axes.set_axis_off()
+    for axes, (label, packing) in zip(grid.flat, packings.items(), strict=False):
+        draw_packing(axes, packing, norm, azimuth, elevation, pixels)
+        axes.set_title(label, fontsize="medium")
+    bar = figure.colorbar(ScalarMappable(norm, STONES), ax=grid, shrink=0.6, pad=0.02)
+    bar.set_label("sieve size D [mm]")
+    return figure
+
+
+def draw_packing(axes, packing, norm, azimuth, elevation, pixels):
+    """Draw a packing, the outline of its floor and a scale bar into `axes`, [mm]."""
+    image, extent = render(packing, STONES(norm(MM * packing["D"].values))[:, :3], azimuth, elevation, pixels)
+    floor = MM * project(_floor_outline(packing), azimuth, elevation)
+    axes.plot(*floor.T, color="0.6", lw=0.8, zorder=1)
+    axes.imshow(image, extent=[MM * edge for edge in extent], zorder=2, interpolation="antialiased")
+    low = np.minimum(floor.min(axis=0), MM * np.array([extent[0], extent[2]]))
+    high = np.maximum(floor.max(axis=0), MM * np.array([extent[1], extent[3]]))
+    length = _round_length(0.25 * (high - low)[0])
+    y = low[1] - 0.04 * (high - low)[1]
+    axes.plot([low[0], low[0] + length], [y, y], color="black", lw=2.5, solid_capstyle="butt")
+    axes.annotate(
+        f"{length:g} mm", (low[0] + 0.5 * length, y), (0, -4), textcoords="offset points", ha="center", va="top"
+    )
+    margin = 0.03 * (high - low).max()
+    axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(y - 4 * margin, high[1] + margin), aspect="equal")
+    axes.set_axis_off()
+
+
+def size_norm(sizes):
+    """Colour scale over sizes; widened around a single size so that it stays in the middle."""
+    low, high = float(np.min(sizes)), float(np.max(sizes))
+    spread = max(0.5 * (high - low), 0.05 * high)
+    return Normalize(0.5 * (low + high) - spread, 0.5 * (low + high) + spread)
+
+
+def _floor_outline(packing):
+    """Closed line around the floor, (n, 3) [m]."""
+    width = packing.attrs["domain_width"]
+    if packing.attrs["domain_shape"] == "periodic":
+        corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]) * width
+    else:
+        angle = np.linspace(0, 2 * np.pi, 181)
+        corners = 0.5 * width * np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.column_stack([corners, np.zeros(len(corners))])
+
+
+def _round_length(length):
+    """The largest of 1, 2, 5 times a power of ten that is at most `length`."""
+    power = 10.0 ** np.floor(np.log10(length))
+    return max(step * power for step in (1, 2, 5) if step * power <= length)

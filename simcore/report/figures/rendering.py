@@ -1,0 +1,181 @@
+"""Picture of a packing: every grain's surface in an orthographic depth buffer, shaded by its slope and its depth."""
+
+import numpy as np
+import trimesh
+from scipy.ndimage import gaussian_filter
+
+from simcore.compilation import kernel
+from simcore.evaluation.slicing import world_vertices
+
+LIGHT = np.array([-0.45, 0.55, 0.70])  # direction to the light seen from the camera: from the upper left
+AMBIENT = 0.35
+OVERSAMPLING = 2  # the picture is made this much finer and averaged
+
+
+def render(packing, colors, azimuth=-60.0, elevation=22.0, pixels=900):
+    """Orthographic picture of all grains: image (rows, columns, 4) in [0, 1], transparent beside them, and its extent.
+
+    packing: Dataset as in packing_io; colors (n, 3): RGB of each grain; azimuth, elevation [degree] of the camera,
+    elevation 90 is from above; pixels: of the longer side. extent: (left, right, bottom, top) [m] in the coordinates
+    of `project`.
+    """
+    grain, depth, normal, extent = _depth_buffer(packing, camera_axes(azimuth, elevation), pixels * OVERSAMPLING)
+    seen = grain >= 0
+    size = max(extent[1] - extent[0], extent[3] - extent[2])
+    slope = np.clip(normal @ (LIGHT / np.linalg.norm(LIGHT)), 0.0, 1.0)
+    shade = (AMBIENT + (1.0 - AMBIENT) * slope) * _crevices(depth, seen, size) * _outlines(grain)
+    image = np.zeros((*grain.shape, 4))
+    image[seen, :3] = np.clip(np.asarray(colors)[grain[seen]] * shade[seen, None], 0.0, 1.0)
+    image[seen, 3] = 1.0
+    return _crop(_average(image), extent)
+
+
+def camera_axes(azimuth, elevation):
+    """Rows: the camera's right, up and backward direction in the world, (3, 3); angles [degree]."""
+    a, e = np.radians([azimuth, elevation])
+    back = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    return np.stack([right, np.cross(back, right), back])
+
+
+def project(points, azimuth, elevation):
+    """Picture coordinates (n, 2) [m] of world points (n, 3) [m]."""
+    return np.asarray(points) @ camera_axes(azimuth, elevation)[:2].T
+
+
+def _depth_buffer(packing, camera, pixels):
+    """Grain index (-1: none), depth [m] and normal (camera axes) of what each pixel sees, and the picture's extent."""
+    surfaces = _surfaces(packing)
+    farthest = np.maximum.reduceat(np.linalg.norm(surfaces[6], axis=1), surfaces[4])  # of each shape
+    reach = (packing["scale"].values.max(axis=1) * farthest[surfaces[3]])[:, None]
+    centres = packing["position"].values @ camera[:2].T
+    low, high = (centres - reach).min(axis=0), (centres + reach).max(axis=0)
+    pixel = (high - low).max() / pixels
+    columns, rows = np.ceil((high - low) / pixel).astype(int) // OVERSAMPLING * OVERSAMPLING + OVERSAMPLING
+    grain = np.full((rows, columns), -1, np.int64)
+    depth = np.full((rows, columns), -np.inf)
+    normal = np.zeros((rows, columns, 3))
+    _draw(grain, depth, normal, low, pixel, camera, *surfaces)
+    return grain[::-1], depth[::-1], normal[::-1], (low[0], low[0] + columns * pixel, low[1], low[1] + rows * pixel)
+
+
+def _surfaces(packing):
+    """The packing's geometry as slicing's kernels take it, with a fine mesh in place of the unit sphere."""
+    sphere = trimesh.creation.icosphere(subdivisions=4)
+    vertices, faces = [], []
+    for s, kind in enumerate(packing["shape_kind"].values.astype(str)):
+        convex = kind == "convex"
+        vertices.append(_part(packing, "vertex", "shape_vertices", s) if convex else sphere.vertices)
+        faces.append(_part(packing, "face", "shape_faces", s) if convex else sphere.faces)
+    counts = [np.array([len(part) for part in parts]) for parts in (vertices, faces)]
+    starts = [np.cumsum(count) - count for count in counts]
+    return (
+        packing["position"].values,
+        packing["orientation"].values,
+        packing["scale"].values,
+        packing["shape"].values.astype(np.int64),
+        starts[0],
+        counts[0],
+        np.concatenate(vertices),
+        starts[1],
+        counts[1],
+        np.concatenate(faces).astype(np.int64),
+    )
+
+
+def _part(packing, name, values, shape):
+    """The vertices or the faces of one shape."""
+    start, count = int(packing[f"shape_{name}_start"][shape]), int(packing[f"shape_{name}_count"][shape])
+    return packing[values].values[start : start + count]
+
+
+@kernel
+def _draw(
+    grain,
+    depth,
+    normal,
+    low,
+    pixel,
+    camera,
+    position,
+    orientation,
+    scale,
+    shape,
+    v_start,
+    v_count,
+    vertices,
+    f_start,
+    f_count,
+    faces,
+):
+    """Draw the faces that look at the camera; a pixel keeps the nearest."""
+    points = np.empty((np.max(v_count), 3))
+    seen = np.empty((np.max(v_count), 3))
+    rows, columns = grain.shape
+    for g in range(len(position)):
+        s = shape[g]
+        world_vertices(points, g, orientation, scale, v_start[s], v_count[s], vertices)
+        for i in range(v_count[s]):
+            for a in range(3):
+                seen[i, a] = 0.0
+                for b in range(3):
+                    seen[i, a] += camera[a, b] * (points[i, b] + position[g, b])
+            seen[i, 0] = (seen[i, 0] - low[0]) / pixel
+            seen[i, 1] = (seen[i, 1] - low[1]) / pixel
+        for f in range(f_start[s], f_start[s] + f_count[s]):
+            p, q, r = seen[faces[f, 0]], seen[faces[f, 1]], seen[faces[f, 2]]
+            area = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1])
+            if area <= 0.0:
+                continue
+            # Depth is in metres, the other two in pixels: bring the face's normal to one unit.
+            nx = ((q[1] - p[1]) * (r[2] - p[2]) - (r[1] - p[1]) * (q[2] - p[2])) / pixel
+            ny = ((q[2] - p[2]) * (r[0] - p[0]) - (r[2] - p[2]) * (q[0] - p[0])) / pixel
+            norm = np.sqrt(nx * nx + ny * ny + area * area)
+            for j in range(max(int(min(p[1], q[1], r[1])), 0), min(int(max(p[1], q[1], r[1])) + 1, rows)):
+                for i in range(max(int(min(p[0], q[0], r[0])), 0), min(int(max(p[0], q[0], r[0])) + 1, columns)):
+                    x, y = i + 0.5, j + 0.5
+                    u = ((q[0] - x) * (r[1] - y) - (r[0] - x) * (q[1] - y)) / area
+                    v = ((r[0] - x) * (p[1] - y) - (p[0] - x) * (r[1] - y)) / area
+                    w = 1.0 - u - v
+                    if u < 0.0 or v < 0.0 or w < 0.0:
+                        continue
+                    d = u * p[2] + v * q[2] + w * r[2]
+                    if d > depth[j, i]:
+                        depth[j, i], grain[j, i] = d, g
+                        normal[j, i, 0], normal[j, i, 1], normal[j, i, 2] = nx / norm, ny / norm, area / norm
+
+
+def _crevices(depth, seen, size):
+    """Darkening of what lies deeper than its surroundings, (rows, columns) in (0.4, 1]."""
+    width = 0.012 * max(depth.shape)
+    weight = gaussian_filter(seen.astype(float), width)
+    around = gaussian_filter(np.where(seen, depth, 0.0), width) / np.maximum(weight, 1e-9)
+    hollow = np.where(seen, np.clip(around - depth, 0.0, None), 0.0) / size
+    return 0.4 + 0.6 * np.exp(-40.0 * hollow)
+
+
+def _outlines(grain):
+    """Darkening of the pixels where one grain ends before another, (rows, columns)."""
+    edge = np.zeros(grain.shape, bool)
+    edge[:-1] |= grain[:-1] != grain[1:]
+    edge[:, :-1] |= grain[:, :-1] != grain[:, 1:]
+    return np.where(edge, 0.45, 1.0)
+
+
+def _average(image):
+    """The image at the final resolution; colours are averaged with their opacity as weight."""
+    rows, columns, _ = image.shape
+    k = OVERSAMPLING
+    blocks = image.reshape(rows // k, k, columns // k, k, 4)
+    opacity = blocks[..., 3].mean(axis=(1, 3))
+    color = blocks[..., :3].sum(axis=(1, 3)) / np.maximum(opacity * k * k, 1e-9)[..., None]
+    return np.concatenate([np.clip(color, 0, 1), opacity[..., None]], axis=2)
+
+
+def _crop(image, extent):
+    """The part of the image that shows something, and its extent."""
+    rows, columns = (np.flatnonzero(image[..., 3].any(axis=axis)) for axis in (1, 0))
+    pixel = (extent[1] - extent[0]) / image.shape[1]
+    left, top = extent[0] + columns[0] * pixel, extent[3] - rows[0] * pixel
+    cropped = image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    return cropped, (left, left + cropped.shape[1] * pixel, top - cropped.shape[0] * pixel, top)

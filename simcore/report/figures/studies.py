@@ -1,0 +1,182 @@
+"""Figures of a study's porosities beside the source study's, and of the trends over height of all packings."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from simcore.report.figures.models import FEATURE_LABELS, LINES, STYLES
+
+OURS, THEIRS = {"color": "#20313b", "fmt": "o"}, {"color": "#b3541e", "fmt": "D", "mfc": "white"}
+# What is drawn as an axis of its own: column, label, factor to the label's unit.
+SWEEPS = {
+    "shaking_s": ("time of shaking [s]", 1.0),
+    "width_m": ("width of the domain [mm]", 1e3),
+    "faces": ("most faces of a grain [-]", None),
+}
+FORM_COLUMNS = ("grain", "flatness", "elongation", "mean_FL", "mean_EL")
+TREND_LIMIT = 2.7  # P(|z| > 2.7) = 0.0069, four times that is 1/36
+TREND_LABELS = {
+    "D": "sieve size D",
+    "FL": "flatness FL",
+    "EL": "elongation EL",
+    "angle": "angle of the long axis\nagainst the vertical",
+}
+
+
+def porosities_figure(table, varied):
+    """The figure that suits what a study varies: over its one quantity, over form, or a list of its settings.
+
+    table: as from reference.add_reference; varied: the columns that the study varies.
+    """
+    sweep = [name for name in SWEEPS if name in varied]
+    if any(name in table for name in FORM_COLUMNS) and len(table) > 1:
+        return equancy_figure(table)
+    if len(sweep) == 1 and table[sweep[0]].nunique() > 1:
+        return sweep_figure(table, sweep[0])
+    settings = dict.fromkeys(["case", *varied])
+    return study_figure(table, [name for name in settings if name in table and name != "seed"])
+
+
+def study_figure(table, label):
+    """Simulated porosity beside the study's and, where it was measured, the experiment's, one line a row of `table`.
+
+    table: columns n, n_std_error, study_n and, if known, n_std, study_n_std, experiment_n, experiment_n_std; label:
+    column names that name the row. Bars are one standard error of our mean and standard deviations over runs.
+    """
+    figure = Figure(figsize=(6.0, 1.5 + 0.36 * len(table)), layout="constrained")
+    axes = figure.subplots()
+    y = np.arange(len(table))[::-1]
+    axes.errorbar(
+        table["n"], y + 0.17, xerr=table["n_std_error"], ms=5, capsize=2, label="simulated (± std. error)", **OURS
+    )
+    if table["study_n"].notna().any():
+        std = table.get("study_n_std")
+        axes.errorbar(table["study_n"], y, xerr=std, ms=5, capsize=2, label="study" + _bars(std), **THEIRS)
+    if "experiment_n" in table:
+        axes.errorbar(
+            table["experiment_n"], y - 0.17, xerr=table["experiment_n_std"], fmt="s", color="0.55", ms=5, capsize=2,
+            label="experiment (± std.)",
+        )  # fmt: skip
+    names = table[list(label)].map(lambda value: f"{value:g}" if isinstance(value, float) else str(value))
+    axes.set_yticks(y, names.agg(", ".join, axis=1))
+    axes.set(xlabel="porosity n [-]", ylim=(-0.7, len(table) - 0.3), title=", ".join(label))
+    axes.title.set_fontsize("medium")
+    axes.grid(axis="x", color="0.9")
+    axes.set_axisbelow(True)
+    figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")
+    return figure
+
+
+def sweep_figure(table, column):
+    """Porosity over the one quantity a study varies, a line a case, with the study's points.
+
+    table: as of study_figure, and `column`, one of SWEEPS; settings in words, such as "original", stand at the end.
+    """
+    name, factor = SWEEPS[column]
+    settings = _in_order(table[column])
+    position = {str(value): k if factor is None else factor * float(value) for k, value in enumerate(settings)}
+    figure = Figure(figsize=(5.0, 4.2), layout="constrained")
+    axes = figure.subplots()
+    for (case, rows), (marker, color), line in zip(table.groupby("case", sort=False), STYLES, LINES, strict=False):
+        x = rows[column].map(lambda value: position[str(value)])
+        order = np.argsort(x.to_numpy(), kind="stable")
+        rows, x = rows.iloc[order], x.to_numpy()[order]
+        axes.errorbar(
+            x, rows["n"], rows["n_std_error"], marker=marker, color=color, ls=line, ms=5, lw=1.2, capsize=2,
+            label=f"{case}, simulated (± std. error)",
+        )  # fmt: skip
+        if rows["study_n"].notna().any():
+            axes.errorbar(
+                x, rows["study_n"], rows.get("study_n_std"), marker=marker, color=color, mfc="white", ls=line, ms=6,
+                lw=0.6, capsize=2, label=f"{case}, study" + _bars(rows.get("study_n_std")),
+            )  # fmt: skip
+    if factor is None:
+        axes.set_xticks(range(len(settings)), [str(value) for value in settings])
+    axes.set(xlabel=name, ylabel="porosity n [-]")
+    axes.margins(x=0.08)
+    axes.grid(color="0.93", lw=0.6)
+    axes.set_axisbelow(True)
+    figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")
+    return figure
+
+
+def equancy_figure(table):
+    """Porosity of packings of given forms over EQ^-1 of their mean, one panel a case, with what the study's model says.
+
+    table: columns case, EQ, n, n_std_error, study_n and, if known, study_n_error.
+    """
+    cases = list(table.groupby("case", sort=False))
+    figure = Figure(figsize=(0.6 + 3.9 * len(cases), 3.9), layout="constrained")
+    grid = figure.subplots(1, len(cases), sharey=True, squeeze=False)[0]
+    for axes, (case, rows) in zip(grid, cases, strict=True):
+        x = 1.0 / rows["EQ"]
+        axes.errorbar(x, rows["n"], rows["n_std_error"], ms=5, elinewidth=0.8, label="simulated (± std. error)", **OURS)
+        if rows["study_n"].notna().any():
+            axes.errorbar(
+                x, rows["study_n"], rows.get("study_n_error"), ms=5, elinewidth=0.8,
+                label="the study's model for these forms (± its error)", **THEIRS,
+            )  # fmt: skip
+        axes.set(xlabel=FEATURE_LABELS["EQ_inv"].replace("EQ", "mean EQ"), title=case)
+        axes.title.set_fontsize("medium")
+        axes.grid(color="0.93", lw=0.6)
+        axes.set_axisbelow(True)
+    grid[0].set_ylabel("porosity n [-]")
+    handles, labels = max((axes.get_legend_handles_labels() for axes in grid), key=lambda pair: len(pair[1]))
+    figure.legend(handles, labels, loc="outside lower center", ncols=1, frameon=False, fontsize="small")
+    return figure
+
+
+def trends_figure(trends):
+    """Change of size, form and orientation from the lower to the upper end of the beds, one panel a quantity.
+
+    trends: of trend_tables.summarise_trends. Bars are two standard errors; filled points lie beyond 2.7 standard
+    errors of the rank correlation, which one of four quantities without trends does in one study of 36.
+    """
+    studies = list(dict.fromkeys(zip(trends["study"], trends["case"], trends["kind"], strict=True)))
+    figure = Figure(figsize=(10.0, 1.8 + 0.3 * len(studies)), layout="constrained")
+    grid = figure.subplots(1, len(TREND_LABELS), sharey=True)
+    place = {study: y for y, study in enumerate(reversed(studies))}
+    for axes, (quantity, label) in zip(grid, TREND_LABELS.items(), strict=True):
+        rows = trends[trends["quantity"] == quantity]
+        y = [place[key] for key in zip(rows["study"], rows["case"], rows["kind"], strict=True)]
+        x, error = 100.0 * rows["relative_change"], 200.0 * rows["relative_change_std_error"]
+        axes.axvline(0.0, color="0.6", lw=0.8, zorder=0)
+        axes.errorbar(x, y, xerr=error, fmt="none", color="#20313b", lw=0.9, capsize=2)
+        shades = np.where(rows["spearman_z"].abs() > TREND_LIMIT, "#20313b", "white")
+        axes.scatter(x, y, s=26, c=list(shades), ec="#20313b", lw=0.9, zorder=3)
+        axes.set(title=label, xlabel="change over height [%]")
+        axes.title.set_fontsize("medium")
+        axes.grid(axis="y", color="0.93", lw=0.6)
+        axes.set_axisbelow(True)
+    names = [f"{study.replace('_', ' ')}, {case}, {kind}" for study, case, kind in place]
+    grid[0].set_yticks(list(place.values()), names)
+    grid[0].set_ylim(-0.7, max(len(studies), 1) - 0.3)
+    points = [
+        Line2D([], [], ls="none", marker="o", mfc=shade, mec="#20313b", label=label)
+        for shade, label in (
+            ("white", "no trend"),
+            ("#20313b", f"rank correlation beyond {TREND_LIMIT} standard errors"),
+        )
+    ]
+    bar = Line2D([], [], color="#20313b", lw=0.9, label="± 2 standard errors")
+    figure.legend(handles=[*points, bar], loc="outside lower center", ncols=3, frameon=False, fontsize="small")
+    return figure
+
+
+def _bars(std):
+    """What the bars of the study's points are; nothing where none are known."""
+    return "" if std is None or std.isna().all() else " (± std. over runs)"
+
+
+def _in_order(values):
+    """The distinct settings: numbers ascending, then words, once each."""
+    numbers = {float(value): value for value in values if _is_number(value)}
+    words = [value for value in dict.fromkeys(values) if not _is_number(value)]
+    return [numbers[key] for key in sorted(numbers)] + words
+
+
+def _is_number(value):
+    try:
+        return np.isfinite(float(value))
+    except ValueError:
+        return False

@@ -1,0 +1,51 @@
+"""The domain, and the lattice on which grains are born in it.
+
+No numba is needed: a plan counts sites too (simcore.packing.cost).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Horizontally periodic box of period `width`, or upright cylinder of that diameter; floor at z = 0."""
+
+    type: str
+    width: float
+    height: float
+
+    @property
+    def periodic(self) -> bool:
+        return self.type == "periodic"
+
+    @property
+    def area(self) -> float:
+        return self.width**2 if self.periodic else 0.25 * np.pi * self.width**2
+
+
+def lattice_sites(domain: Domain, spacing: float, low: float, high: float) -> np.ndarray:
+    """Sites (n, 3) of a hexagonal close-packed lattice with low <= z < high, from below; rows along x.
+
+    In a periodic box the lattice is stretched horizontally until it fits the period. In a cylinder sites farther
+    than width/2 − spacing/2 from the axis are left out.
+    """
+    layers = np.arange(low, high, spacing * np.sqrt(6.0) / 3.0)
+    if domain.periodic:
+        nx = max(int(domain.width / spacing), 1)
+        ny = max(2 * int(domain.width / (spacing * np.sqrt(3.0))), 1)
+        dx, dy = domain.width / nx, domain.width / ny
+        origin = np.array([0.5 * dx, 0.5 * dy])
+    else:
+        nx = int(np.ceil(domain.width / spacing)) + 1
+        ny = int(np.ceil(domain.width / (spacing * np.sqrt(0.75)))) + 1
+        dx, dy = spacing, spacing * np.sqrt(0.75)
+        origin = -0.5 * np.array([(nx - 1) * dx, (ny - 1) * dy])
+    layer, row, column = np.meshgrid(np.arange(len(layers)), np.arange(ny), np.arange(nx), indexing="ij")
+    x = origin[0] + dx * (column + 0.5 * ((row + layer) % 2))
+    y = origin[1] + dy * (row + (layer % 2) / 3.0)
+    sites = np.stack([x, y, layers[layer]], axis=-1).reshape(-1, 3)
+    if not domain.periodic:
+        sites = sites[np.hypot(sites[:, 0], sites[:, 1]) <= 0.5 * (domain.width - spacing)]
+    return sites

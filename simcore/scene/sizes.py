@@ -1,0 +1,64 @@
+"""The sizes that a specification asks for: sieve curve or beta distribution, lattice spacing, enough top grains."""
+
+import numpy as np
+
+from simcore.grains.beta_sizes import BetaSizes
+from simcore.grains.sieve import SieveCurve, read_cases
+from simcore.paths import CONFIG
+
+MINIMUM_OF_TOP_CLASS = 5
+# Upright grains need √(S² + I²) = √2 D across; the rest is clearance.
+UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
+
+
+def size_curve(sizes, cases=CONFIG / "cases.tsv"):
+    """The SieveCurve or BetaSizes of the resolved group `sizes` of a specification; ValueError for an unknown case."""
+    if sizes["beta"] is not None:
+        group = sizes["beta"]
+        return BetaSizes(group["radius"], group["spread"], group["alpha"], group["beta"])
+    if sizes["case"] is None:
+        return SieveCurve(np.array(sizes["bounds"]), np.array(sizes["mass_fractions"]))
+    known = read_cases(cases)
+    if sizes["case"] not in known:
+        raise ValueError(f"sizes.case: '{sizes['case']}' is unknown; the cases are {', '.join(known)}")
+    return known[sizes["case"]].curve
+
+
+def case_spacing(sizes, cases=CONFIG / "cases.tsv"):
+    """Generation spacing [m] of the case of the resolved group `sizes`; None for a sieve curve of one's own."""
+    return None if sizes["case"] is None else read_cases(cases)[sizes["case"]].generation_spacing
+
+
+def lattice_spacing(spec, curve):
+    """Distance of nearest lattice points [m] on which grains are born.
+
+    # ASSUME: without one given, batches just above the bed stand as close as the largest grain allows, but not
+    # farther than the case's own spacing; fill "study" takes that of the case.
+    """
+    spacing = spec["generation"]["spacing"]
+    if spacing is not None:
+        return spacing
+    needed = UPRIGHT_REACH * curve.largest
+    of_case = case_spacing(spec["sizes"])
+    if of_case is None:
+        return needed
+    return of_case if spec["generation"]["fill"] == "study" else min(needed, of_case)
+
+
+def check_top_class(spec, where=""):
+    """Refuse a specification of fewer than five grains of its top class, unless it allows that by name.
+
+    Sizes without classes have none.
+    """
+    try:
+        curve = size_curve(spec["sizes"])
+        if curve.of_volume:
+            return
+        density, mass = spec["material"]["density"], spec["amount"]["mass"]
+        if mass is None:
+            volumes = np.pi / 6 * curve.class_diameters**3
+            mass = spec["amount"]["grains"] * density * float(curve.number_fractions() @ volumes)
+        if not spec["sizes"]["allow_few_top_grains"]:
+            curve.check_top_class(mass, density, MINIMUM_OF_TOP_CLASS)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}" if where else str(error)) from None

@@ -1,0 +1,252 @@
+"""Specifications: what a YAML file asks for, checked against its schema and turned into SI numbers.
+
+The schema (config/<name>.schema.yaml, JSON Schema with three keywords of our own) is the only place that says
+which keys there are, with unit, bounds, default and meaning. `x-unit` marks a quantity: text with a unit
+outside, a float in SI inside. Bounds hold in SI. `x-error` replaces the message of a rule that reads badly.
+`x-presets` marks a key at the top that stands for settings: the file it names has a group of them for each choice,
+which are laid under what is given.
+"""
+
+import difflib
+import functools
+import math
+import re
+from pathlib import Path
+
+import jsonschema
+import yaml
+
+from simcore.paths import CONFIG
+from simcore.scene.quantity import NUMBER, describe_quantity, parse_quantity
+
+
+def resolve(raw, schema="packing", where=""):
+    """The specification `raw` with every key checked, defaults filled and quantities as floats in SI.
+
+    raw: nested dict as read from YAML; it is not changed. schema: "packing", "config", or the path of a
+    schema. where: prefix of the path in messages, such as "studies.single_form". Raises ValueError at the
+    first key that is unknown, missing, of the wrong type or unit, out of bounds or not finite, with its path.
+    """
+    raw = with_presets(raw, schema)
+    schema = read_schema(schema)
+    resolved = _convert(raw, schema, where)
+    _check_rules(resolved, schema, where)
+    return resolved
+
+
+def express(resolved, schema="packing"):
+    """The resolved specification as it would stand in YAML, quantities as text; the inverse of `resolve`."""
+    return _express(resolved, read_schema(schema))
+
+
+def read_specification(path, schema="packing"):
+    """Resolved specification of the YAML file at `path`; ValueError names the file and the key."""
+    path = Path(path)
+    if not path.is_file():
+        raise ValueError(f"{path}: there is no such file")
+    try:
+        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path} is not valid YAML: {' '.join(str(error).split())}") from None
+    try:
+        return resolve(raw if raw is not None else {}, schema)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def read_schema(schema):
+    """The schema called `schema` (or at that path) as a dict, references to other schema files put in."""
+    path = Path(schema)
+    if path.suffix != ".yaml":
+        path = CONFIG / f"{schema}.schema.yaml"
+    return _load(path.resolve())
+
+
+@functools.cache
+def _load(path):
+    return _inline(yaml.safe_load(path.read_text(encoding="utf-8")), path.parent)
+
+
+def _inline(node, folder):
+    """Replace {$ref: file#/a/b, ...} by what stands there, with the keys beside $ref laid over it."""
+    if isinstance(node, list):
+        return [_inline(item, folder) for item in node]
+    if not isinstance(node, dict):
+        return node
+    node = {key: _inline(value, folder) for key, value in node.items()}
+    if "$ref" not in node:
+        return node
+    file, _, pointer = node.pop("$ref").partition("#")
+    target = _load((folder / file).resolve())
+    for key in filter(None, pointer.split("/")):
+        target = target[key]
+    return {**target, **node}
+
+
+def read_presets(key, schema="packing"):
+    """Settings of every choice of a key marked x-presets, as a dict from choice to nested dict."""
+    return _load((CONFIG / read_schema(schema)["properties"][key]["x-presets"]).resolve())
+
+
+def with_presets(raw, schema="packing"):
+    """`raw` over what its choices (`x-presets`) stand for, a new dict; what is no choice is left to the checks."""
+    if not isinstance(raw, dict):
+        return raw
+    for key, sub in read_schema(schema).get("properties", {}).items():
+        if "x-presets" in sub and isinstance(raw.get(key), str):
+            raw = _laid_over(_load((CONFIG / sub["x-presets"]).resolve()).get(raw[key], {}), raw)
+    return raw
+
+
+def _laid_over(below, above):
+    if not (isinstance(below, dict) and isinstance(above, dict)):
+        return above
+    return {**below, **{key: _laid_over(below.get(key), value) for key, value in above.items()}}
+
+
+def _convert(value, schema, path):
+    """Check keys and types, parse quantities and fill defaults, below `path`; bounds come later, in SI."""
+    types = _types(schema)
+    if value is None:
+        free = not ({"type", "enum", "x-unit"} & schema.keys())
+        if free or "null" in types or None in schema.get("enum", ()):
+            return None
+        raise ValueError(f"{_shown(path)} is empty; {_wanted(schema)}")
+    if "x-unit" in schema:
+        try:
+            return parse_quantity(value, schema["x-unit"])
+        except ValueError as error:
+            raise ValueError(f"{_shown(path)}: {error}") from None
+    if isinstance(value, dict) and ("object" in types or not types):
+        return _convert_object(value, schema, path)
+    if isinstance(value, list) and ("array" in types or not types):
+        items = schema.get("items", {})
+        return [_convert(item, items, f"{path}[{number}]") for number, item in enumerate(value)]
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"{_shown(path)}: {value} is not a finite number")
+    if types and not any(_is_type(value, name) for name in types):
+        hint = ""
+        if isinstance(value, str) and re.fullmatch(NUMBER, value):
+            hint = (
+                f" (YAML reads it as text: write {yaml.safe_dump(float(value)).split()[0]})"
+                if "number" in types
+                else ""
+            )
+        raise ValueError(f"{_shown(path)}: {value!r} is wrong{hint}; {_wanted(schema)}")
+    return float(value) if "number" in types and _is_type(value, "number") else value
+
+
+def _convert_object(value, schema, path):
+    properties, others = schema.get("properties", {}), schema.get("additionalProperties", True)
+    for key in value:
+        if not isinstance(key, str):
+            raise ValueError(f"{_shown(path)}: the key {key!r} must be text")
+        if key not in properties and others is False:
+            raise ValueError(f"{_join(path, key)}: unknown key{_guess(key, properties)}")
+    converted = {}
+    for key, sub in properties.items():
+        if key in value:
+            converted[key] = _convert(value[key], sub, _join(path, key))
+        elif key in schema.get("required", ()):
+            raise ValueError(f"{_join(path, key)} is missing; {_wanted(sub)}")
+        elif "default" in sub:
+            converted[key] = _convert(sub["default"], sub, _join(path, key))
+    for key in value.keys() - properties.keys():
+        sub = others if isinstance(others, dict) else {}
+        converted[key] = _convert(value[key], sub, _join(path, key))
+    return {key: converted[key] for key in [*properties, *value] if key in converted}
+
+
+def _check_rules(resolved, schema, where):
+    """Bounds, choices and rules between keys, by JSON Schema on the SI values."""
+    errors = jsonschema.Draft202012Validator(schema).iter_errors(resolved)
+    error = min(errors, key=lambda error: [str(part) for part in error.absolute_path], default=None)
+    if error is None:
+        return
+    path = where
+    for part in error.absolute_path:
+        path = f"{path}[{part}]" if isinstance(part, int) else _join(path, part)
+    raise ValueError(f"{_shown(path)}: {_explain(error)}")
+
+
+def _explain(error):
+    rule, bound, value, schema = error.validator, error.validator_value, error.instance, error.schema
+    if "x-error" in schema and rule in ("oneOf", "const", "type"):
+        return schema["x-error"]
+    unit = f" {schema['x-unit']}" if "x-unit" in schema else ""
+    bounds = {
+        "minimum": "at least",
+        "maximum": "at most",
+        "exclusiveMinimum": "more than",
+        "exclusiveMaximum": "less than",
+    }
+    if rule in bounds:
+        return f"{value}{unit} is out of bounds; it must be {bounds[rule]} {bound}{unit}"
+    if rule == "enum":
+        return f"{value!r} is not a choice; choose one of {_listed(bound)}"
+    if rule == "pattern":
+        return f"{value!r} is wrong; {_wanted(schema)}"
+    return error.message
+
+
+def _express(value, schema):
+    if "x-unit" in schema and value is not None:
+        return f"{value!r} {schema['x-unit']}"
+    if isinstance(value, dict):
+        properties, others = schema.get("properties", {}), schema.get("additionalProperties")
+        others = others if isinstance(others, dict) else {}
+        return {key: _express(item, properties.get(key, others)) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_express(item, schema.get("items", {})) for item in value]
+    return value
+
+
+def _types(schema):
+    types = schema.get("type", ())
+    return (types,) if isinstance(types, str) else tuple(types)
+
+
+def _is_type(value, name):
+    kinds = {
+        "string": str,
+        "integer": int,
+        "number": (int, float),
+        "boolean": bool,
+        "object": dict,
+        "array": list,
+    }
+    if isinstance(value, bool):
+        return name == "boolean"
+    return name in kinds and isinstance(value, kinds[name])
+
+
+def _wanted(schema):
+    """What a key should hold, in words."""
+    if "x-unit" in schema:
+        return describe_quantity(schema["x-unit"])
+    if "enum" in schema:
+        return f"choose one of {_listed(schema['enum'])}"
+    words = {"string": "text", "integer": "a whole number", "number": "a number", "boolean": "true or false"}
+    words |= {"object": "a group of keys", "array": "a list", "null": "null"}
+    wanted = " or ".join(words[name] for name in _types(schema)) or "a value"
+    description = schema.get("description")
+    return f"{wanted} is needed" + (f": {description.rstrip('.')}" if description else "")
+
+
+def _guess(word, known):
+    close = difflib.get_close_matches(str(word), [str(item) for item in known if item is not None], n=1)
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    return f"; known here: {_listed(known)}" if isinstance(known, dict) else ""
+
+
+def _listed(items):
+    return ", ".join("null" if item is None else str(item) for item in items)
+
+
+def _join(path, key):
+    return f"{path}.{key}" if path else key
+
+
+def _shown(path):
+    return path or "the specification"

@@ -1,0 +1,131 @@
+"""The campaigns of config/, as they are laid over each other."""
+
+import functools
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from simcore.campaign.studies import expand, merge
+from simcore.evaluation.bulk import FLOOR_LAYER, SURFACE_LAYER
+from simcore.grains.synthetic import synthetic_grains
+from simcore.packing.cost import estimate
+from simcore.packing.expectation import expect
+from simcore.scene.setup import set_up
+from simcore.scene.sizes import size_curve
+from simcore.scene.specification import read_presets, resolve
+
+# Means and deviations of flatness that draw the thinnest grains; the first is a mixture's, the last the application's.
+THIN = [(0.4, 0.2), (0.647, 0.175)]
+CONFIG = Path(__file__).resolve().parents[2] / "config"
+
+
+@functools.cache
+def campaign(*overlays):
+    """All packings of config.yaml with overlays over it, as Snakemake lays them."""
+    raw = [yaml.safe_load((CONFIG / f"{name}.yaml").read_text()) for name in ("config", *overlays)]
+    return expand(resolve(merge(*raw), "config"))
+
+
+def test_the_settings_of_the_study_are_those_of_paper():
+    """Nothing that the default campaign states for its own sizes may leak through."""
+    paper = read_presets("accuracy")["paper"]
+    for row in campaign("paper").itertuples():
+        numerics = row.specification["numerics"]
+        assert numerics["contact_time"] == 2e-4 and numerics["steps_per_contact_time"] == 40, row.packing
+        assert numerics["dashpot"] == paper["numerics"]["dashpot"]
+        assert row.specification["convergence"]["max_unbalanced_force"] == 0.02
+        assert row.specification["generation"]["fill"] == "study"
+        if row.study not in ("mesh_resolution", "near_spheres"):
+            assert row.grain_set == "faces_300", row.packing
+
+
+def test_the_workstation_has_what_its_tables_are_to_hold():
+    packings = campaign("workstation")
+    assert set(packings.specification.map(lambda s: s["accuracy"])) == {"standard"}
+    assert set(packings.specification.map(lambda s: s["generation"]["fill"])) == {"study"}
+    assert packings.specification.map(lambda s: s["numerics"]["contact_time"]).max() == 1e-3
+    # A stone that falls on a pebble of a thousandth of its mass: stiffness goes with the lighter one.
+    uneven = [s for s in packings.specification if s["sizes"]["case"] not in ("U1", "U3")]
+    assert uneven and {s["numerics"]["contact_time"] for s in uneven} == {2e-4}
+    assert {s["numerics"]["contact_region"] for s in uneven} == {"patch"}, (
+        "at the deepest point pebbles hop between stones"
+    )
+    of = {study: rows for study, rows in packings.groupby("study")}
+    grains = {study: sum(estimate(s).grains for s in rows.specification) for study, rows in of.items()}
+    for study in ("single_form", "equivalent_ellipsoids"):
+        assert of[study].form.nunique() == 63 and grains[study] >= 63 * 2400
+    assert grains["form_mixtures"] >= 52 * 2400
+    wide = of["single_form_wide"].specification
+    masses = {case: {s["amount"]["mass"] for s in wide if s["sizes"]["case"] == case} for case in ("U7", "B50")}
+    assert masses["U7"] == {4.0} and min(masses["B50"]) >= 1.7 and len(wide) == 12
+    for specification in of["validation"].specification:
+        assert (specification["domain"]["width"], specification["amount"]["mass"]) == (0.104, 3.0)
+        assert specification["domain"]["type"] == "cylinder" and specification["shaking"]["duration"] == 1.0
+    assert of["validation"].specification.map(lambda s: (s["sizes"]["case"], s["seed"])).nunique() == 14
+
+
+def test_real_grains_need_a_path_and_nothing_else(tmp_path):
+    with pytest.raises(ValueError, match="grains.source: 'FOLDER' does not exist"):
+        campaign("workstation", "scans")
+    raw = [yaml.safe_load((CONFIG / f"{name}.yaml").read_text()) for name in ("config", "workstation", "scans")]
+    packings = expand(resolve(merge(*raw, {"grains": {"source": str(tmp_path)}}), "config"))
+    assert set(packings.study) == {"single_form"} and len(packings) == 63
+    assert {s["amount"]["grains"] for s in packings.specification} == {1200}
+
+
+@pytest.mark.parametrize("overlays", [("deposits",), ("deposits", "deposits_large")])
+def test_boxes_of_deposits_are_four_long_axes_wide_and_leave_two_of_bulk(overlays):
+    """Heights from the densest deposit there is, 0.74; the bulk is what simcore.evaluation.bulk leaves. Long axes: mean
+    by volume, of grains of the mid-range radius; forms that are spread may be a third longer."""
+    packings = campaign(*overlays)
+    deposits = packings[packings.study.str.startswith("deposit_")]
+    assert len(deposits) > 200
+    for row in deposits.itertuples():
+        shapes, sizes = row.specification["shapes"], row.specification["sizes"]
+        eta, zeta = (shapes[k]["mean"] if isinstance(shapes[k], dict) else shapes[k] for k in ("eta", "zeta"))
+        long_axis = 2.0 * sizes["beta"]["radius"] * np.cbrt(eta**2 * zeta)
+        width = row.specification["domain"]["width"]
+        assert width >= 4.0 * long_axis, row.packing
+        curve = size_curve(sizes)
+        volume = float(curve.number_fractions() @ (np.pi / 6.0 * curve.class_diameters**3))
+        grains = row.specification["amount"]["grains"]
+        assert grains >= (3000 if sizes["beta"]["spread"] >= 0.8 else 1000)
+        height = grains * volume / (0.74 * width**2)
+        assert height - (FLOOR_LAYER + SURFACE_LAYER) * long_axis >= 2.0 * long_axis, (row.study, row.packing)
+
+
+def test_campaigns_do_not_write_over_each_other():
+    folders = []
+    for name in ("config", "smoke", "workstation", "scans", "paper", "deposits", "deposits_large"):
+        raw = yaml.safe_load((CONFIG / f"{name}.yaml").read_text())
+        folders.append(raw.get("pathvars", {}).get("results", "results"))
+    assert len(set(folders)) == len(folders)
+    assert campaign("smoke").specification[0]["grains"]["source"].startswith("results/smoke/grains/")
+
+
+@pytest.mark.parametrize("overlays", [(), ("workstation",)])
+def test_no_impact_goes_through_a_grain(overlays):
+    """A packing is ended where an overlap is as deep as half a grain is thick. What falls through the whole domain into
+    the thinnest of a thousand grains stays below that; beds of 600 pebbles expected at 0.57 had 0.35 to 0.55 as their
+    deepest (those behind results/reference/accuracy.csv), mixtures of 1200 expected at 0.86 had 0.59 to 0.89."""
+    grains = synthetic_grains(seed=1, n=63)
+    flattest = min(grains, key=lambda grain: grain.flatness).name
+    seen = set()
+    for specification in campaign(*overlays).specification:
+        shapes, flatness = dict(specification["shapes"]), specification["shapes"]["flatness"]
+        # The thinnest: the flattest grain, and of the mixtures the flattest and widest. Ellipsoids are as thick.
+        if shapes["kind"] != "mesh" or (isinstance(flatness, dict) and (flatness["mean"], flatness["std"]) not in THIN):
+            continue
+        if shapes["choice"] == "one":
+            shapes["grain"] = flattest
+        kind = (specification["sizes"]["case"], specification["domain"]["height"], shapes["choice"], str(flatness))
+        kind += (specification["numerics"]["contact_time"],)
+        if kind in seen:
+            continue
+        seen.add(kind)
+        setup = set_up({**specification, "shapes": shapes}, lambda _: grains)
+        expected = expect(setup.scene, setup.bases, setup.draw)
+        assert expected.impact_depth <= 0.9 * expected.half_thickness, (kind, expected)
+    assert len(seen) > 3 and np.isfinite(expected.impact_depth)

@@ -1,0 +1,180 @@
+"""Deposits as tables and what they show, of made-up rows whose maximum, differences and symmetry are known."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from simcore.campaign.deposit_findings import crossings, diagonal_fabrics, maxima, maximum, symmetry
+from simcore.campaign.deposits import (
+    RESULTS,
+    add_family,
+    curve,
+    deposit,
+    deposit_rows,
+    experiment_differences,
+    family,
+    means,
+)
+
+PEAK = 1.6
+
+
+def made_up(eta, zeta, seed, study="deposit_map", change="", noise=0.0, **other):
+    """A row whose density is greatest at eta = zeta = PEAK, a parabola in the logarithms; contacts go with it."""
+    x, y = np.log(eta / PEAK), np.log(zeta / PEAK)
+    value = 0.72 - 0.2 * (x**2 + y**2) + noise
+    row = {"study": study, "packing": f"{eta}_{zeta}-seed_{seed}", "eta": eta, "zeta": zeta, "seed": seed}
+    row |= {"std_eta": 0.0, "std_zeta": 0.0, "spread": 0.0, "law": "hertz", "shaking_s": 0.0, "change": change}
+    row |= {name: 0.0 for name in RESULTS} | {"solid_fraction": value, "coordination_number": 10.0 * value}
+    return row | {"mean_overlap": 1e-3, "time_s": 1.0, "steps": 10, "grains": 1000, "cpu_s": 60.0} | other
+
+
+def campaign(noise=0.0):
+    """All families, five seeds, as a table with its families; noise: standard deviation over seeds."""
+    rng = np.random.default_rng(3)
+    ratios = [1.0, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0, 2.5]
+    rows = []
+    for seed in range(1, 6):
+        for r in ratios:
+            for study, eta, zeta in (("diagonal", r, r), ("prolate", r, 1.0), ("oblate", 1.0, r)):
+                rows.append(made_up(eta, zeta, seed, f"deposit_{study}", noise=noise * rng.normal()))
+    rows += [made_up(eta, zeta, 6, noise=noise * rng.normal()) for eta in ratios[::3] for zeta in ratios[::3]]
+    return add_family(pd.DataFrame(rows))
+
+
+def test_the_maximum_of_a_parabola_is_found_exactly():
+    table = campaign()
+    line = curve(table, "diagonal")
+    top = maximum(line["ratio"], line["solid_fraction"])
+    # Round-off: of values near 1 fitted over 0.6 in ln(ratio).
+    assert top.ratio == pytest.approx(PEAK, abs=1e-9) and top.value == pytest.approx(0.72, abs=1e-12)
+    assert top.ratio_error < 1e-9
+    found = maxima(table).set_index(["of", "family"])
+    # Of spheroids the other ratio stays 1: they lose by 0.2 ln² of the peak.
+    assert found.loc[("solid_fraction", "prolate"), "value"] == pytest.approx(0.72 - 0.2 * np.log(PEAK) ** 2, abs=1e-9)
+    assert found.loc[("coordination_number", "diagonal"), "value"] == pytest.approx(7.2, abs=1e-9)
+
+
+def test_a_lopsided_maximum_is_found_where_it_is():
+    """Morse's curve, which rises by 0.08 from the sphere to 1.4 and falls by 0.02 to 2.5, as deposits do; a parabola
+    through the same window lies 0.07 off."""
+    ratio = np.array([1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0, 2.5])
+    steep = 2.5
+    value = 0.725 - 0.0458 * (1.0 - np.exp(-steep * np.log(ratio / 1.4))) ** 2
+    assert maximum(ratio, value).ratio == pytest.approx(1.4, abs=0.02)
+    near = np.abs(np.log(ratio / 1.4)) <= 0.3
+    b, a = np.polynomial.polynomial.polyfit(np.log(ratio[near]), value[near], 2)[1:]
+    assert abs(np.exp(-0.5 * b / a) - 1.4) > 0.05
+
+
+def test_errors_of_the_maximum_are_those_of_repeated_campaigns():
+    """The standard errors that are told, against the scatter of 60 campaigns: equal within three errors of either."""
+    rng = np.random.default_rng(5)
+    ratio = np.repeat([1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0], 5)
+    exact = 0.72 - 0.4 * np.log(ratio / PEAK) ** 2
+    # 400 draws know an error to 1/√800, and differ from campaign to campaign.
+    found = [maximum(ratio, exact + 0.001 * rng.normal(size=len(ratio)), seed, 400) for seed in range(60)]
+    for value, error in ((0, 1), (2, 3)):
+        scatter = np.std([top[value] for top in found], ddof=1)
+        told = np.sqrt(np.mean([top[error] ** 2 for top in found]))
+        # A standard deviation from 60 is known to 1/√118; the told one from a few ratios of five to about 1/√40.
+        assert told == pytest.approx(scatter, rel=3.0 * np.hypot(1 / np.sqrt(118), 1 / np.sqrt(40)))
+    assert np.mean([top.ratio for top in found]) == pytest.approx(
+        PEAK, abs=4 * found[0].ratio_error / np.sqrt(60) + 0.01
+    )
+
+
+def test_too_few_forms_have_no_maximum():
+    with pytest.raises(ValueError, match="fewer than three ratios"):
+        maximum([1.0, 1.2, 1.0, 1.2], [0.6, 0.7, 0.6, 0.7])
+    assert maxima(campaign().query("eta == 1.0 and zeta == 1.0")).empty
+
+
+def test_the_diagonal_above_the_spheroids_in_standard_errors():
+    found = maxima(campaign(noise=0.002)).set_index(["of", "family"])
+    top, other = (found.loc[("solid_fraction", name)] for name in ("diagonal", "prolate"))
+    z = (top.value - other.value) / np.hypot(top.value_error, other.value_error)
+    assert top.above_prolate == pytest.approx(z) and z > 5.0
+    assert np.isnan(other.above_prolate)
+
+
+def test_symmetry_tells_a_lean_from_scatter():
+    table = campaign(noise=0.002)
+    even = symmetry(table).set_index("of").loc["solid_fraction"]
+    # Spheroids of nine ratios, and the forms of the map (4 x 4) that are none of them.
+    assert even.pairs == 9 + 3
+    assert abs(even["mean"]) < 3.0 * even.mean_error
+    assert even.rms == pytest.approx(even.expected_rms, rel=3.0 / np.sqrt(2 * even.pairs))
+    leaning = table.assign(solid_fraction=table.solid_fraction + 0.02 * (table.eta > table.zeta))
+    assert symmetry(leaning).set_index("of").loc["solid_fraction", "mean"] == pytest.approx(even["mean"] + 0.02)
+
+
+def test_means_over_seeds_and_changes_paired_by_seed():
+    rows = [
+        made_up(1.6, 1.6, seed, "deposit_change", change, noise=0.001 * seed + effect * (1 + 0.1 * seed))
+        for change, effect in (("none", 0.0), ("friction_law static", -0.02))
+        for seed in (1, 2, 3)
+    ]
+    table = add_family(pd.DataFrame(rows))
+    mean = means(table).set_index("change")
+    assert mean.loc["none", "solid_fraction"] == pytest.approx(0.722)
+    assert mean.loc["none", "solid_fraction_error"] == pytest.approx(0.001 / np.sqrt(3))
+    assert mean.loc["none", "cpu_s"] == 180.0
+    (change,) = experiment_differences(table).itertuples()
+    assert (change.change, change.pairs) == ("friction_law static", 3)
+    assert change.solid_fraction == pytest.approx(-0.02 * 1.2)
+    assert change.solid_fraction_error == pytest.approx(0.002 / np.sqrt(3))
+
+
+def test_names_of_studies_say_how_they_are_read():
+    assert family("deposit_map_long") == "map"
+    with pytest.raises(ValueError, match="studies.deposit_moon: .* names of deposits begin with deposit_map"):
+        family("deposit_moon")
+
+
+@pytest.fixture
+def found(packings):
+    """deposit() of a lattice of touching spheres, packed as if eta = zeta = 1.3; a function of the seed."""
+
+    def make(seed):
+        centres, width = packings.lattice("sc", 4, 9)
+        pairs, images = packings.touching(centres, width)
+        scene = {
+            "seed": seed,
+            "shapes": {"eta": 1.3, "zeta": 1.3},
+            "sizes": {"beta": {"radius": 0.5, "spread": 0.0}},
+            "material": {"law": "hertz"},
+            "shaking": {"duration": 0.0},
+        }
+        attrs = dict(scene=json.dumps(scene), seed=seed, steps=7, time=0.5, last_birth=0.2, cpu_seconds=3.0)
+        bed = packings.make(centres, 0.5, width=width, contacts=pairs, images=images, **attrs)
+        bed["contact_overlap"] = ("contact", np.full(bed.sizes["contact"], 2e-3))
+        return deposit(bed)
+
+    return make
+
+
+def test_a_row_says_what_the_deposit_is(found):
+    rows = [
+        {"packing": f"p{seed}", "varied": {"eta": 1.3, "seed": seed, "width_m": width}}
+        for seed, width in ((1, 4.0), (2, 8.0))
+    ]
+    table = deposit_rows("deposit_change", rows, [found(1), found(2)], rows[0])
+    row = table.iloc[0]
+    assert (row.eta, row.zeta, row.spread, row.seed, row.grains, row.steps, row.cpu_s) == (1.3, 1.3, 0, 1, 144, 7, 3.0)
+    assert row.solid_fraction == pytest.approx(np.pi / 6, rel=0.02) and row.coordination_number == 6
+    # Normals of a simple cubic lattice: one of three upright.
+    assert row.P2_contact_normal == pytest.approx(0.0, abs=1e-12) and np.isnan(row.P2_long_axis)
+    # Overlap over the diameter of 1.
+    assert row.mean_overlap == pytest.approx(2e-3)
+    assert list(table.change) == ["none", "width_m 8"]
+    assert set(deposit_rows("deposit_diagonal", rows, [found(1), found(2)], rows[0]).change) == {""}
+
+
+def test_fabrics_of_the_diagonal_are_means_over_seeds(found):
+    studies = ["deposit_diagonal", "deposit_diagonal", "deposit_map"]
+    fabrics = diagonal_fabrics(studies, [found(1), found(2), found(3)])
+    assert list(fabrics) == ["η = ζ = 1.3"] and fabrics["η = ζ = 1.3"].attrs["packings"] == 2
+    assert crossings(studies, [found(1), found(2), found(3)]).angle.isna().all()

@@ -1,0 +1,228 @@
+"""Rows of finished packings in the committed tables."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from simcore.campaign.gathering import (
+    LEDGER,
+    gather,
+    not_gathered,
+    record,
+    rows_of,
+    settings_of,
+    source_name,
+    table_of,
+    trends_of,
+    was_packed_so,
+)
+from simcore.campaign.trend_tables import summarise_trends
+from simcore.evaluation.evaluate import evaluate
+from simcore.models.prediction import fit_reference_models
+from simcore.scene.specification import resolve
+
+SPECIFICATION = {
+    "domain": {"width": "0.1 m", "height": "0.3 m"},
+    "sizes": {"case": "U1"},
+    "amount": {"grains": 300},
+}
+
+
+def specify(seed=1, **shapes):
+    return resolve({**SPECIFICATION, "seed": seed, "shapes": shapes})
+
+
+@pytest.fixture
+def evaluated(packings):
+    """Function that gives the evaluation of a bed of 300 grains at random places, as if packed by a specification."""
+
+    def evaluation(specification, axes=(0.011, 0.009, 0.007), n=None):
+        packing = packings.make(
+            np.random.default_rng(4).uniform(0.005, 0.06, (300, 3)),
+            np.tile(0.5 * np.array(axes), (300, 1)),
+            width=0.05,
+            scene=json.dumps(specification),
+            seed=specification["seed"],
+            cpu_seconds=36.04,
+            steps=100,
+            largest=0.011,
+        )
+        bed = evaluate(packing)
+        return bed if n is None else bed.assign(n=n)
+
+    return evaluation
+
+
+def test_single_forms_have_the_columns_of_their_table(evaluated, tmp_path):
+    rows, beds = [], []
+    for grain in ("G02", "G01"):
+        rows.append({"packing": grain, "varied": {"case": "U1", "seed": 1}})
+        beds.append(evaluated(specify(choice="one", grain=grain)))
+    table = rows_of("single_form_wide", rows, beds, "synthetic")
+    assert gather(tmp_path, table_of("single_form_wide"), table) == 2
+    ellipsoids = rows_of(
+        "equivalent_ellipsoids",
+        rows[:1],
+        [evaluated(specify(kind="ellipsoid", choice="one", grain="G02"))],
+        "synthetic",
+    )
+    assert gather(tmp_path, table_of("equivalent_ellipsoids"), ellipsoids) == 3
+    written = pd.read_csv(tmp_path / "single_form.csv")
+    assert ",".join(written) == "source,case,grain,representation,seed,L,I,S,n,n_error,grains,cpu_s"
+    assert written.grain.tolist() == ["G01", "G02", "G02"]
+    assert written.representation.tolist() == ["mesh", "ellipsoid", "mesh"]
+    first = written.iloc[0]
+    assert (first.L, first.I, first.S, first.grains, first.cpu_s) == (0.011, 0.009, 0.007, 300, 36.0)
+    assert first.n == pytest.approx(float(beds[1].n), abs=5e-7)
+
+
+def test_mixtures_have_nominal_and_found_statistics(evaluated, tmp_path):
+    varied = {"case": "U1", "mean_FL": 0.4, "mean_EL": 0.6, "std_FL": 0.1, "std_EL": 0.2, "seed": 2}
+    form = {"flatness": {"mean": 0.4, "std": 0.1}, "elongation": {"mean": 0.6, "std": 0.2}}
+    bed = evaluated(specify(seed=2, choice="form_distribution", **form))
+    gather(tmp_path, "form_mixture", rows_of("form_mixtures", [{"packing": "p", "varied": varied}], [bed], "synthetic"))
+    text = (tmp_path / "form_mixture.csv").read_text().splitlines()
+    assert text[0] == (
+        "case,mu_FL_nominal,sigma_FL_nominal,mu_EL_nominal,sigma_EL_nominal,mu_EQ,sigma_EQ,mu_EL,sigma_EL,seed,"
+        "n,n_error,grains,cpu_s"
+    )
+    assert text[1].startswith("U1,0.4,0.1,0.6,0.2,0.636364,0.0,0.818182,0.0,2,")
+
+
+def test_trends_are_kept_of_what_differs_between_grains(evaluated, tmp_path):
+    rows = [{"packing": name, "varied": {"case": "U1", "seed": 1}} for name in ("a", "b")]
+    bed = evaluated(specify(choice="one", grain="G02"))
+    assert trends_of("single_form", rows[:1], [bed], "synthetic").empty, "all grains of this bed are alike"
+    beds = [bed.assign(spearman_r=bed.spearman_r.where(bed["quantity"] != "angle", 0.123456))] * 2
+    table = trends_of("single_form", rows, beds, "synthetic")
+    assert table.quantity.tolist() == ["angle", "angle"] and (table.spearman_r == 0.1235).all()
+    gather(tmp_path, "trends", table)
+    gather(tmp_path, "trends", trends_of("single_form", rows[1:], beds[1:], "synthetic"))
+    written = pd.read_csv(tmp_path / "trends.csv")
+    assert written.packing.tolist() == ["a", "b"] and list(written)[:3] == ["source", "study", "packing"]
+    summary = summarise_trends(written)
+    assert summary.packings.tolist() == [2] and summary.grains[0] == 2 * written.grains[0]
+
+
+def test_validation_counts_runs_and_other_studies_keep_what_they_vary(evaluated):
+    bed = evaluated(specify(seed=3))
+    table = rows_of("validation", [{"packing": "p", "varied": {"case": "U1", "seed": 3}}], [bed], "synthetic")
+    assert list(table) == ["case", "run", "n", "n_error", "grains", "cpu_s"] and table.run[0] == 3
+    table = rows_of(
+        "shaking_cylinder", [{"packing": "p", "varied": {"case": "U1", "shaking_s": 2.0, "seed": 3}}], [bed], "x"
+    )
+    assert list(table) == ["case", "shaking_s", "seed", "n", "n_error", "grains", "cpu_s"]
+
+
+def test_accuracies_lie_beside_rows_that_no_campaign_has(evaluated, tmp_path):
+    path = tmp_path / "accuracy.csv"
+    path.write_text("accuracy,case,seed,grains,n,cpu_s\npaper,U1,1,600,0.35,900.0\nof old,U1,1,600,0.34,90.0\n")
+    varied = {"case": "U1", "seed": 1, "accuracy": "paper"}
+    rows = rows_of("accuracy", [{"packing": "p", "varied": varied}], [evaluated(specify(), n=0.36)], "synthetic")
+    gather(tmp_path, table_of("accuracy"), rows)
+    assert path.read_text().splitlines()[1:] == ["of old,U1,1,600,0.34,90.0", "paper,U1,1,300,0.36,36.0"]
+
+
+def test_rows_stay_until_the_same_packing_comes_again(tmp_path):
+    rows = pd.DataFrame(
+        {"case": ["U7", "U1"], "run": [1, 2], "n": [0.3, 0.4], "n_error": 0.01, "grains": 9, "cpu_s": 1.0}
+    )
+    assert gather(tmp_path, "validation", rows) == 2
+    before = (tmp_path / "validation.csv").read_bytes()
+    assert gather(tmp_path, "validation", rows[:1]) == 2
+    assert (tmp_path / "validation.csv").read_bytes() == before
+    assert gather(tmp_path, "validation", rows[:1].assign(n=0.31)) == 2
+    assert pd.read_csv(tmp_path / "validation.csv").n.tolist() == [0.4, 0.31]
+    with pytest.raises(ValueError, match="has the columns case, run, n"):
+        gather(tmp_path, "validation", rows.drop(columns="n_error"))
+
+
+def test_a_key_that_is_left_open_is_the_same_in_a_file(tmp_path):
+    rows = pd.DataFrame({"case": "U1", "spacing": [None, None], "seed": [1, 2], "n": [0.3, 0.4], "grains": 9})
+    assert [gather(tmp_path, "difference_x", rows) for _ in range(2)] == [2, 2]
+
+
+def test_a_bed_of_other_settings_is_noticed(evaluated):
+    bed = evaluated(specify(choice="one", grain="G02"))
+    assert was_packed_so(specify(choice="one", grain="form 3 of the spread"), bed)
+    assert not was_packed_so(specify(choice="random"), bed)
+    elsewhere = specify(choice="one", grain="G02")
+    elsewhere["grains"]["source"] = f"results/mine/{elsewhere['grains']['source']}"
+    assert was_packed_so(elsewhere, bed)
+    patient = specify(choice="one", grain="G02")
+    patient["damping"]["max_time"] *= 4.0
+    assert was_packed_so(patient, bed)
+    assert not was_packed_so(specify(seed=2, choice="one", grain="G02"), bed)
+
+
+def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
+    """Gathered twice, from the packings of two machines: the second has only those that were left."""
+    plan = [{"row": {"packing": f"p{seed}"}, "specification": specify(seed), "cpu_h": 0.5} for seed in (1, 2, 3)]
+
+    def made(*numbers):
+        rows = [(f"p{i}", settings_of(specify(i)), 360.0 * i, 10**9 * i, f"v{i}") for i in numbers]
+        return pd.DataFrame(rows, columns=LEDGER[2:])
+
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(1), "a", "one")
+    left = not_gathered(tmp_path, "single_form", "synthetic", plan)
+    assert [each["row"]["packing"] for each in left] == ["p2", "p3"]
+    assert not_gathered(tmp_path, "single_form", "scans", plan) == plan
+    record(tmp_path, "single_form", "equivalent_ellipsoids", "synthetic", plan, made(), "a", "one")
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(3), "a", "two")
+    written = pd.read_csv(tmp_path / "collected.csv")
+    assert written.study.tolist() == ["equivalent_ellipsoids", "single_form"]
+    assert written.packings.tolist() == [0, 2] and written.planned.tolist() == [3, 3]
+    found = written.iloc[1]
+    assert (found.cpu_h, found.cpu_h_left_estimated, found.code, found.machine) == (0.4, 0.5, "v1 v3", "one; two")
+    assert pd.isna(written.machine[0]), "nothing was packed"
+    assert found.study_cpu_h == round(4e9 * 230 / (20_000 * 1.5e6), 2)
+    older = pd.read_csv(tmp_path / "gathered.csv").drop(columns="grain_steps")
+    older.to_csv(tmp_path / "gathered.csv", index=False)
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made(2), "a", "two")
+    assert pd.read_csv(tmp_path / "gathered.csv").grain_steps.fillna(0).tolist() == [0, 2e9, 0]
+
+
+def test_a_row_of_other_settings_does_not_stand_for_a_packing(tmp_path):
+    plan = [{"row": {"packing": "p"}, "specification": specify(1), "cpu_h": 0.5}]
+    made = pd.DataFrame([("p", settings_of(specify(2)), 9.0, 30_000, "v")], columns=LEDGER[2:])
+    record(tmp_path, "single_form", "single_form", "synthetic", plan, made, "a", "one")
+    assert not_gathered(tmp_path, "single_form", "synthetic", plan) == plan
+    assert pd.read_csv(tmp_path / "collected.csv").packings[0] == 0
+
+
+def test_a_campaign_leaves_what_another_says_of_a_study(tmp_path):
+    """An overlay holds the studies that it lies over, in other sizes, and gathers none of them."""
+
+    def tell(seed, command, *made, source="synthetic"):
+        plan = [{"row": {"packing": "p"}, "specification": specify(seed), "cpu_h": 0.5 * seed}]
+        rows = [("p", settings_of(specify(seed)), 9.0, 30_000, "v")] if made else []
+        record(tmp_path, "t", "t", source, plan, pd.DataFrame(rows, columns=LEDGER[2:]), command, "one")
+        return pd.read_csv(tmp_path / "collected.csv").set_index("source").loc[source]
+
+    assert tell(1, "a").cpu_h_left_estimated == 0.5
+    assert tell(2, "b").cpu_h_left_estimated == 0.5, "planned by a first"
+    assert tell(3, "a").cpu_h_left_estimated == 1.5, "planned anew"
+    found = tell(2, "b", "made")
+    assert (found.packings, found.command, found.machine) == (1, "a; b", "one")
+    with pytest.raises(KeyError, match="rhine"):
+        tell(4, "a", source="rhine")
+    assert tell(4, "a", "made", source="rhine").packings == 1
+
+
+def test_the_source_is_named_by_its_folder():
+    assert [source_name(s) for s in ("synthetic", "/data/scans", ["a/b.stl"])] == ["synthetic", "scans", "b.stl"]
+
+
+def test_the_models_are_fitted_to_gathered_rows(evaluated, tmp_path):
+    """Half of a study is enough; `predict` reads the table as it is."""
+    rows, beds = [], []
+    for number, longest in enumerate((0.009, 0.010, 0.012, 0.013, 0.015, 0.016)):
+        rows.append({"packing": str(number), "varied": {"case": "U1", "seed": 1}})
+        shortest = 0.005 + 0.001 * (number % 3)
+        n = 0.25 + 0.02 * longest / shortest + 0.01 * longest / 0.009
+        beds.append(evaluated(specify(choice="one", grain=f"G{number}"), (longest, 0.009, shortest), n))
+    gather(tmp_path, "single_form", rows_of("single_form", rows, beds, "synthetic"))
+    fitted = fit_reference_models(tmp_path)
+    assert fitted.models["single_form", "U1"].coefficients == pytest.approx((0.25, 0.02, 0.01), abs=1e-4)

@@ -1,0 +1,203 @@
+"""Ellipsoids against known pairs, against many directions, and against the conditions of a common normal."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from simcore.dem.contact.pairs.ellipsoids import TOLERANCE
+
+IDENTITY = [1.0, 0.0, 0.0, 0.0]
+PHI = 0.5 * (1.0 + np.sqrt(5.0))
+GOLDEN = (PHI, 1.0, 1.0 / PHI)
+NEEDLE, DISC = (100.0, 1.0, 1.0), (100.0, 100.0, 1.0)
+
+
+def about(axis, angle):
+    axis = np.asarray(axis, float)
+    return Rotation.from_rotvec(angle * axis / np.linalg.norm(axis)).as_quat(scalar_first=True)
+
+
+Z90, X90, Z30 = about([0, 0, 1], np.pi / 2), about([1, 0, 0], np.pi / 2), about([0, 0, 1], np.pi / 6)
+SLANTED = about([1, 1, 1], 1.0)
+SPHERE, HALF = (1.0,) * 3, (0.5,) * 3
+# verification.md 3.2: semi-axes of A and B, orientation of B, centre of B, signed distance
+KNOWN = {
+    "spheres apart": (SPHERE, SPHERE, IDENTITY, (2.5, 0, 0), 0.5),
+    "spheres": (SPHERE, SPHERE, IDENTITY, (1.9, 0, 0), -0.1),
+    "triaxial apart": ((3, 2, 1), (1, 2, 3), IDENTITY, (4.2, 0, 0), 0.2),
+    "triaxial": ((3, 2, 1), (1, 2, 3), IDENTITY, (3.9, 0, 0), -0.1),
+    "parallel apart": ((2, 1, 0.5), (2, 1, 0.5), IDENTITY, (3, 1.5, 0.7), 0.474311020117),
+    "parallel": ((2, 1, 0.5), (2, 1, 0.5), IDENTITY, (2, 1, 0.5), -0.191232822332),
+    "golden, tangent": (GOLDEN, GOLDEN, IDENTITY, (1, 1, 1), 0.0),
+    "golden, turned": (GOLDEN, GOLDEN, Z90, (2.5, 0.3, 0.2), -0.066910098505),
+    "golden, slanted": (GOLDEN, GOLDEN, SLANTED, (2, 0.4, 0.3), -0.333256337445),
+    "flat, slanted": ((1.25, 1, 0.8), (1.25, 1, 0.8), about([1, 2, 3], 0.7), (2, 0.1, -0.2), -0.379003101929),
+    "needles crossed, apart": (NEEDLE, NEEDLE, Z90, (0, 0, 2.01), 0.01),
+    "needles crossed": (NEEDLE, NEEDLE, Z90, (0, 0, 1.99), -0.01),
+    "needles far": (NEEDLE, NEEDLE, Z30, (190, 25, 0), 22.910655128466),
+    "disc rims": (DISC, DISC, IDENTITY, (199.9, 0, 0), -0.059994665896),
+    "disc on rim": (DISC, DISC, X90, (0, 0, 100.9), -0.1),
+    "concentric": ((3, 2, 1), (3, 2, 1), IDENTITY, (0, 0, 0), -2.0),
+    "sphere on the flat side": ((3, 2, 1), HALF, IDENTITY, (0, 0, 1.4), -0.1),
+    "sphere at the tip": ((3, 2, 1), HALF, IDENTITY, (2.9, 0, 0), -0.6),
+    "sphere beside": ((3, 2, 1), HALF, IDENTITY, (2.5, 1, 0.2), -0.518207879616),
+}
+
+
+def look(core, semi_a, semi_b, turn_a, turn_b, offsets, size=1.0, common=0.0):
+    """Bodies and contacts of pairs, searched from nothing; all arguments (n, ...) or one pair's."""
+    offsets = np.atleast_2d(offsets)
+    n = len(offsets)
+    scale, turns = np.empty((2 * n, 3)), np.empty((2 * n, 4))
+    scale[0::2], scale[1::2], turns[0::2], turns[1::2] = semi_a, semi_b, turn_a, turn_b
+    bodies, _, contacts = core.place_pairs([core.sphere] * (2 * n), scale, turns, offsets, size, common)
+    core.look_at_ellipsoids(bodies, contacts, 0.0)
+    return bodies, contacts
+
+
+def support_points(bodies, rows, normals):
+    """Points (n, 3) of bodies farthest along normals, relative to the centres."""
+    r = bodies.rotation[rows]
+    matrix = np.einsum("nij,nj,nkj->nik", r, bodies.scale[rows] ** 2, r)
+    image = np.einsum("nij,nj->ni", matrix, normals)
+    return image / np.sqrt((image * normals).sum(axis=1, keepdims=True))
+
+
+def residual(bodies, contacts):
+    """How far the line between the surface points of touching pairs is from their normal, and their depth (n,)."""
+    rows = np.flatnonzero(contacts.touching)
+    a, b, n = 2 * rows, 2 * rows + 1, contacts.direction[rows]
+    # The surface point of b along −n is minus that along n.
+    across = bodies.position[b] - bodies.position[a] - support_points(bodies, a, n) - support_points(bodies, b, n)
+    along = (across * n).sum(axis=1)
+    return np.linalg.norm(across - along[:, None] * n, axis=1), -along
+
+
+@pytest.mark.parametrize("name", KNOWN)
+@pytest.mark.parametrize("size", [1.0, 1e-6, 1e3])
+def test_known_pairs(core, name, size):
+    semi_a, semi_b, turn, centre, distance = KNOWN[name]
+    bodies, contacts = look(core, semi_a, semi_b, IDENTITY, turn, centre, size)
+    extent = (bodies.radius.sum()) / size
+    if distance >= 0.0 and contacts.touching[0] == 0:
+        # A gap wider than 2 % of the size needs no more than a certain bound
+        gap = core.gap(contacts, 0) / size
+        assert gap <= distance + 1e-12 * extent
+        assert gap >= min(distance - 1e-12 * extent, 0.02 * extent)
+    else:
+        assert contacts.touching[0] == 1
+        # The references have 12 digits
+        assert contacts.overlap[0] / size == pytest.approx(-distance, abs=1e-12 * max(extent, 1.0) + 1e-12)
+    if name == "golden, tangent":
+        np.testing.assert_allclose(contacts.direction[0], (0.135045, 0.353553, 0.925615), atol=1e-6)
+
+
+def random_pairs(rng, n, flattest):
+    semi = np.exp(rng.uniform(np.log(flattest), 0.0, (2, n, 3)))
+    turns = Rotation.random(2 * n, rng=rng).as_quat(scalar_first=True).reshape(2, n, 4)
+    offsets = rng.standard_normal((n, 3))
+    offsets /= np.linalg.norm(offsets, axis=1, keepdims=True)
+    return semi, turns, offsets * rng.uniform(0.0, 1.6, (n, 1))
+
+
+@pytest.mark.parametrize("flattest", [0.3, 0.02])
+def test_no_direction_shows_less_overlap_and_the_normal_is_common(core, flattest):
+    """The distance is the maximum of f(n): 20 000 directions and as many surface normals of each body stay below."""
+    rng = np.random.default_rng(1)
+    n = 250
+    semi, turns, offsets = random_pairs(rng, n, flattest)
+    bodies, contacts = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
+    size = bodies.radius[0::2] + bodies.radius[1::2]
+    rows = np.flatnonzero(contacts.touching)
+    assert 0.2 * n < len(rows) < 0.9 * n
+    off, depth = residual(bodies, contacts)
+    assert (off <= 2.0 * TOLERANCE * size[rows] + 1e-14).all()
+    np.testing.assert_allclose(depth, contacts.overlap[rows], atol=1e-14)
+
+    u = rng.standard_normal((3000, 3))
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    missed = 0
+    for k in range(n):
+        matrices = [bodies.rotation[i] * bodies.scale[i] for i in (2 * k, 2 * k + 1)]  # columns are semi-axes
+        normals = [u] + [(u / bodies.scale[i]) @ bodies.rotation[i].T for i in (2 * k, 2 * k + 1)]
+        normals = np.concatenate(normals)
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        f = normals @ offsets[k] - sum(np.linalg.norm(normals @ matrix, axis=1) for matrix in matrices)
+        if contacts.touching[k]:
+            missed += f.max() > -contacts.overlap[k] + 1e-12
+        else:
+            # A certain gap: never wider than the true one, which no direction shows less of than this one
+            n_k, gap = contacts.direction[k], core.gap(contacts, k)
+            f_k = n_k @ offsets[k] - sum(np.linalg.norm(n_k @ matrix) for matrix in matrices)
+            assert 0.0 < gap <= f_k + 1e-14
+    assert missed == 0
+
+
+def test_a_sphere_beside_an_ellipsoid_and_two_spheres_are_special_cases(core):
+    rng = np.random.default_rng(2)
+    n = 100
+    radii = rng.uniform(0.5, 1.5, (2, n))
+    offsets = rng.standard_normal((n, 3))
+    turns = Rotation.random(2 * n, rng=rng).as_quat(scalar_first=True).reshape(2, n, 4)
+    semi = np.repeat(radii[:, :, None], 3, axis=2)
+    bodies, contacts = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
+    distance = np.linalg.norm(offsets, axis=1)
+    overlap = radii.sum(axis=0) - distance
+    assert ((overlap > 0.0) == (contacts.touching > 0)).all()
+    rows = overlap > 0.0
+    np.testing.assert_allclose(contacts.overlap[rows], overlap[rows], atol=1e-14)
+    np.testing.assert_allclose(contacts.direction[rows], (offsets / distance[:, None])[rows], atol=1e-10)
+    middle = (radii[0] - 0.5 * overlap)[:, None] * offsets / distance[:, None]
+    np.testing.assert_allclose(contacts.point[rows], middle[rows], atol=1e-10)
+
+
+def test_a_pair_seen_from_the_other_body_and_from_elsewhere(core):
+    rng = np.random.default_rng(3)
+    n = 200
+    semi, turns, offsets = random_pairs(rng, n, 0.3)
+    offsets *= 0.5 + 0.5 / np.maximum(np.linalg.norm(offsets, axis=1, keepdims=True), 0.5)  # not too deep
+    _, one = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
+    _, other = look(core, semi[1], semi[0], turns[1], turns[0], -offsets)
+    turn = Rotation.random(rng=rng)
+    moved = [(turn * Rotation.from_quat(q, scalar_first=True)).as_quat(scalar_first=True) for q in turns]
+    _, there = look(core, semi[0], semi[1], *moved, turn.apply(offsets), common=100.0)
+    rows = one.touching > 0
+    assert rows.sum() > 0.3 * n
+    for seen in (other, there):
+        assert (seen.touching == one.touching).all()
+        # The depth is stationary in the normal, so it is known to rounding; 100 eps by the common offset.
+        np.testing.assert_allclose(seen.overlap[rows], one.overlap[rows], atol=1e-12)
+    # The normal is known to TOLERANCE / curvature radius of the flattest side, 0.09 here
+    np.testing.assert_allclose(other.direction[rows], -one.direction[rows], atol=1e-8)
+    np.testing.assert_allclose(other.point[rows] + offsets[rows], one.point[rows], atol=1e-8)
+    np.testing.assert_allclose(there.direction[rows], turn.apply(one.direction[rows]), atol=1e-8)
+
+
+def test_the_last_normal_answers_as_a_search_does(core):
+    """Pairs that come together from a gap and turn: the climb from the last normal finds what a search finds."""
+    rng = np.random.default_rng(4)
+    n = 200
+    semi, turns, offsets = random_pairs(rng, n, 0.3)
+    unit = offsets / np.linalg.norm(offsets, axis=1, keepdims=True)
+    offsets = 1.7 * unit
+    scale = np.stack([semi[0], semi[1]], axis=1).reshape(-1, 3)
+    bases = [core.sphere] * (2 * n)
+    bodies, _, contacts = core.place_pairs(bases, scale, np.stack(turns, axis=1).reshape(-1, 4), offsets)
+    searched, compared = 0, 0
+    for _ in range(200):
+        size = bodies.radius[0::2] + bodies.radius[1::2]
+        deep = (contacts.touching > 0) & (contacts.overlap > 5e-3 * size)
+        step = np.where(deep[:, None], 0.0, -1e-2 * unit) + 1e-3 * rng.standard_normal((n, 3))
+        bodies.position[1::2] += step
+        searched += core.look_at_ellipsoids(bodies, contacts, 0.0)
+        offsets = bodies.position[1::2] - bodies.position[0::2]
+        _, fresh = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
+        differ = contacts.touching != fresh.touching
+        overlap = np.where(contacts.touching > 0, contacts.overlap, fresh.overlap)
+        assert (overlap[differ] <= 1e-14).all()
+        rows = (contacts.touching > 0) & (fresh.touching > 0)
+        np.testing.assert_allclose(contacts.overlap[rows], fresh.overlap[rows], atol=1e-12)
+        np.testing.assert_allclose(contacts.direction[rows], fresh.direction[rows], atol=1e-8)
+        compared += rows.sum()
+    assert compared > 50 * n
+    assert searched < 2 * n

@@ -1,0 +1,189 @@
+"""Floor and cylinder: the deepest point against vertices and against the surface itself."""
+
+import numba
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from scipy.spatial.transform import Rotation
+
+from simcore.dem.contact.walls import (
+    CYLINDER,
+    FLOOR,
+    cylinder_convex,
+    cylinder_ellipsoid,
+    cylinder_sphere,
+    floor_convex,
+    floor_ellipsoid,
+    floor_sphere,
+)
+from simcore.dem.shapes.hulls import CONVEX, collect_shapes
+from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.features import Features
+from simcore.dem.step.near_pairs import Box, list_near
+
+WALL = 1.5  # radius of the cylinder
+
+
+@numba.njit(error_model="numpy")
+def meet_walls(shapes, bodies, walls, wall_radius, kind):
+    for w in range(len(walls.body)):
+        floor = walls.wall[w] == FLOOR
+        if kind == 0:
+            if floor:
+                floor_sphere(bodies, walls, w)
+            else:
+                cylinder_sphere(bodies, walls, w, wall_radius)
+        elif kind == 1:
+            if floor:
+                floor_ellipsoid(bodies, walls, w)
+            else:
+                cylinder_ellipsoid(bodies, walls, w, wall_radius)
+        elif floor:
+            floor_convex(shapes, bodies, walls, w)
+        else:
+            cylinder_convex(shapes, bodies, walls, w, wall_radius)
+
+
+def place(bases, kind, scale, position, orientation, shape=None):
+    n = len(position)
+    still = np.zeros((n, 3))
+    shape = np.zeros(n, int) if shape is None else shape
+    bodies = make_bodies(bases, shape, scale, position, orientation, still, still, density=1.0)
+    shapes = collect_shapes(bases)
+    features = Features(CONVEX, True, cylinder=True, periodic=False, patch=True)
+    walls = list_near(bodies, shapes, Box(0.0, WALL), 100.0, features).walls
+    meet_walls(shapes, bodies, walls, WALL, kind)
+    return bodies, Met(walls)
+
+
+class Met:
+    """What bodies found at each wall: overlap (n, 2), 0 where apart, and deepest point relative to the centre."""
+
+    def __init__(self, walls):
+        assert len(walls.body) == 2 * (walls.body.max() + 1)  # with a wide skin every body is near both walls
+        self.overlap = walls.overlap.reshape(-1, 2)
+        self.point = (walls.point - 0.5 * walls.overlap[:, None] * walls.normal).reshape(-1, 2, 3)
+
+
+def random_places(rng, n):
+    position = rng.uniform(-1.2, 1.2, (n, 3))
+    position[::9, :2] = 0.0
+    return position, Rotation.random(n, rng=rng).as_quat(scalar_first=True)
+
+
+def check_points(placed, wall, true):
+    """Overlaps where positive, and points that are that deep and belong to the overlap; rows that touch."""
+    bodies, met = placed
+    overlap = met.overlap[:, wall]
+    rows = np.flatnonzero(true > 1e-12)
+    assert (overlap[true < -1e-12] <= 0.0).all()
+    np.testing.assert_allclose(overlap[rows], true[rows], atol=1e-12)
+    point = bodies.position + met.point[:, wall]
+    depth = -point[:, 2] if wall == FLOOR else np.hypot(point[:, 0], point[:, 1]) - WALL
+    np.testing.assert_allclose(depth[rows], true[rows], atol=1e-12)
+    assert len(rows) > 20
+    return rows
+
+
+def test_spheres(core):
+    rng = np.random.default_rng(1)
+    position, orientation = random_places(rng, 200)
+    radius = rng.uniform(0.2, 0.8, 200)
+    placed = place([core.sphere], 0, np.repeat(radius[:, None], 3, axis=1), position, orientation)
+    check_points(placed, FLOOR, radius - position[:, 2])
+    check_points(placed, CYLINDER, np.hypot(position[:, 0], position[:, 1]) + radius - WALL)
+
+
+def test_a_sphere_wider_than_the_cylinder_on_its_axis(core):
+    _, met = place([core.sphere], 0, [[1.6] * 3], [[0.0, 0.0, 5.0]], [[1.0, 0, 0, 0]])
+    assert met.overlap[0, CYLINDER] == pytest.approx(0.1)
+    assert np.hypot(*met.point[0, CYLINDER, :2]) == pytest.approx(1.6)
+
+
+def test_hulls_against_all_their_vertices(core):
+    rng = np.random.default_rng(2)
+    bases = [core.make_pebble(seed, n=40) for seed in range(5)]
+    n = 200
+    position, orientation = random_places(rng, n)
+    shape, scale = rng.integers(0, 5, n), rng.uniform(0.4, 1.6, (n, 3))
+    placed = place(bases, 2, scale, position, orientation, shape)
+    corners = [position[i] + (bases[shape[i]].vertices * scale[i]) @ placed[0].rotation[i].T for i in range(n)]
+    check_points(placed, FLOOR, np.array([-c[:, 2].min() for c in corners]))
+    check_points(placed, CYLINDER, np.array([np.hypot(c[:, 0], c[:, 1]).max() for c in corners]) - WALL)
+
+
+def deepest_in_cylinder(scale, rotation, position):
+    """Brute force: the farthest of many surface points from the axis, polished."""
+    u = np.random.default_rng(0).standard_normal((2000, 3))
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+
+    def shortfall(v):
+        v = v / np.linalg.norm(v)
+        point = position + rotation @ (scale * v)
+        return -np.hypot(point[0], point[1])
+
+    distance = np.hypot(*(position + (u * scale) @ rotation.T)[:, :2].T)
+    best = max(
+        -minimize(shortfall, u[k], method="BFGS", options={"gtol": 1e-12}).fun for k in np.argsort(distance)[-3:]
+    )
+    return max(best, distance.max()) - WALL
+
+
+@pytest.mark.parametrize("flattest", [0.4, 0.03])
+def test_ellipsoids_against_their_surface(core, flattest):
+    rng = np.random.default_rng(3)
+    n = 120
+    position, orientation = random_places(rng, n)
+    scale = 1.4 * np.exp(rng.uniform(np.log(flattest), 0.0, (n, 3)))
+    placed = bodies, met = place([core.sphere], 1, scale, position, orientation)
+    # Lowest point in closed form: the support height along −z
+    check_points(placed, FLOOR, np.linalg.norm(bodies.rotation[:, 2] * scale, axis=1) - position[:, 2])
+    true = np.array([deepest_in_cylinder(scale[i], bodies.rotation[i], position[i]) for i in range(n)])
+    # The polished brute force is short by what the minimiser leaves, second order in 1e-7.
+    overlap = met.overlap[:, CYLINDER]
+    assert ((overlap > 1e-9) == (true > 1e-9)).all()
+    rows = np.flatnonzero(true > 1e-9)
+    np.testing.assert_allclose(overlap[rows], true[rows], atol=1e-9)
+    point = bodies.position[rows] + met.point[rows, CYLINDER]
+    np.testing.assert_allclose(np.hypot(point[:, 0], point[:, 1]) - WALL, overlap[rows], atol=1e-12)
+    local = np.einsum("nji,nj->ni", bodies.rotation[rows], met.point[rows, CYLINDER]) / scale[rows]
+    np.testing.assert_allclose(np.linalg.norm(local, axis=1), 1.0, atol=1e-12)  # on the surface
+    assert len(rows) > 20
+
+
+def test_hard_case_the_grain_lies_across_the_cylinder(core):
+    """No offset along the longer axis of the shadow: both ends are as deep, and offsets near zero agree."""
+    upright = [1.0, 0.0, 0.0, 0.0]
+    for y in (0.0, 1e-14, 1e-9, 0.05):
+        # Shadow 1.6 x 0.4, centre off its short axis: λ stays at the longer eigenvalue while y p2 < p1 − p2
+        _, met = place([core.sphere], 1, [[1.6, 0.4, 0.3]], [[0.0, y, 5.0]], [upright])
+        t = np.linspace(0.0, 2.0 * np.pi, 400001)
+        true = np.hypot(1.6 * np.cos(t), y + 0.4 * np.sin(t)).max() - WALL
+        assert met.overlap[0, CYLINDER] == pytest.approx(true, abs=1e-10)
+    for x in (1e-15, 1e-12, -1e-10, 1e-8):
+        near = place([core.sphere], 1, [[1.6, 0.4, 0.3]], [[x, 0.02, 5.0]], [upright])[1].overlap[0, CYLINDER]
+        exact = place([core.sphere], 1, [[1.6, 0.4, 0.3]], [[0.0, 0.02, 5.0]], [upright])[1].overlap[0, CYLINDER]
+        # To first order the farthest point moves along: by the cosine of its direction. The rest is rounding.
+        height = 0.02 * 0.16 / (1.6**2 - 0.16)
+        cosine = 1.6 * np.sqrt(1.0 - (height / 0.4) ** 2) / (exact + WALL)
+        assert near == pytest.approx(exact + abs(x) * cosine, abs=1e-13)
+    # A round shadow on the axis: every direction is as deep.
+    _, met = place([core.sphere], 1, [[1.6, 1.6, 0.3]], [[0.0, 0.0, 5.0]], [upright])
+    assert met.overlap[0, CYLINDER] == pytest.approx(0.1)
+    assert np.hypot(*met.point[0, CYLINDER, :2]) == pytest.approx(1.6)
+
+
+def test_a_tilted_needle_touches_with_its_end(core):
+    """Not only the point in the radial direction of the centre: that misses 27 µm of the study's long grains."""
+    tilt = Rotation.from_euler("y", 60, degrees=True).as_quat(scalar_first=True)
+    bodies, met = place([core.sphere], 1, [[0.05, 0.05, 1.5]], [[0.0, 0.6, 5.0]], [tilt])
+    true = deepest_in_cylinder(np.array([0.05, 0.05, 1.5]), bodies.rotation[0], bodies.position[0])
+    radial = np.linalg.norm(bodies.rotation[0, 1] * bodies.scale[0]) + 0.6 - WALL
+    assert radial < -0.5
+    assert true > -0.1
+    assert met.overlap[0, CYLINDER] == pytest.approx(max(true, 0.0), abs=1e-9) or true < 0.0
+    nearer, nearer_met = place([core.sphere], 1, [[0.05, 0.05, 1.5]], [[0.3, 0.6, 5.0]], [tilt])
+    assert nearer_met.overlap[0, CYLINDER] == pytest.approx(
+        deepest_in_cylinder(np.array([0.05, 0.05, 1.5]), bodies.rotation[0], np.array([0.3, 0.6, 5.0])), abs=1e-9
+    )
+    assert nearer_met.overlap[0, CYLINDER] > 0.0

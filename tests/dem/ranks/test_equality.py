@@ -1,0 +1,50 @@
+"""The matrix of the benchmark `equality`, small: all kinds of scenes, on threads and ranks, stopped and resumed."""
+
+import numpy as np
+import pytest
+
+from benchmarks.correctness.equality import DISTURBED, RUNS, SCENES, launch
+from simcore.packing.file import differences, read_packing
+
+# Four ranks on two cores are slow: their second layout is for one scene of each kind.
+FEWER = {"ranks_4_columns": ["spheres", "ellipsoids_cylinder", "polyhedra", "mixed"]}
+TIMEOUT = 600  # [s], of one run of all scenes; they take seconds once compiled
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("equality")
+    launch(RUNS["one"], folder / "one", SCENES, timeout=TIMEOUT)
+    return folder
+
+
+def packings(folder, name, scenes=SCENES):
+    return {scene: read_packing(folder / name / f"{scene}.nc") for scene in scenes}
+
+
+def test_the_scenes_have_all_there_is_to_get_wrong(folder):
+    """Grains that cross the box's sides and pairs through images; contacts; more than one batch."""
+    for scene, packing in packings(folder, "one").items():
+        assert len(packing["contact_overlap"]) > 40, scene
+        assert set(packing["history_phase"].values) == {0, 1, 2}, scene
+        if packing.attrs["domain_shape"] == "periodic":
+            assert np.any(packing["contact_image"].values != 0), scene
+
+
+@pytest.mark.parametrize("name", [name for name in RUNS if name != "one"])
+def test_the_same_bits(folder, name):
+    scenes = FEWER.get(name, SCENES)
+    launch(RUNS[name], folder / name, scenes, timeout=TIMEOUT)
+    if RUNS[name].stop:
+        assert not list((folder / name).glob("*.nc"))  # it was stopped
+        launch(RUNS[RUNS[name].then], folder / name, scenes, timeout=TIMEOUT)
+    first, second = packings(folder, "one"), packings(folder, name, scenes)
+    assert {scene: differences(first[scene], second[scene]) for scene in scenes} == {scene: [] for scene in scenes}
+
+
+def test_a_disturbed_order_is_noticed(folder):
+    launch(DISTURBED, folder / "disturbed", ["spheres", "polyhedra"], timeout=TIMEOUT)
+    for scene in ("spheres", "polyhedra"):
+        disturbed = read_packing(folder / "disturbed" / f"{scene}.nc")
+        told = differences(read_packing(folder / "one" / f"{scene}.nc"), disturbed)
+        assert any(line.startswith("position: ") for line in told)

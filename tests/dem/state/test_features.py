@@ -1,0 +1,130 @@
+"""A scene computes nothing for what it does not have: what such code would read is not there, or is not a number.
+
+What is left out: orientation, friction and its history, floor and wall, shaking, patches, periodic images, hulls.
+Damping is a factor on velocities that every packing ends with, so every step has it; 1 until then.
+"""
+
+import numba
+import numpy as np
+import pytest
+
+from simcore.dem.contact.patch.patch import make_room
+from simcore.dem.forces.spring_dashpot import contact_law
+from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE, collect_shapes, unit_sphere
+from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.features import Features
+from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.step import STAGES, Drive, make_advance
+
+LAW = contact_law(0.5, 1e-3, 0.22, 0.0)  # friction 0: the same as none, to the bit
+STILL = Drive(
+    dt=2.5e-5,
+    gravity=0.0,
+    shaking=0.0,
+    shaking_rate=1.0,
+    damping=1.0,
+    width=0.0,
+    wall_radius=np.inf,
+)
+BARE = Features(SPHERE, friction=False, floor=False, cylinder=False, periodic=False, shaken=False)
+FULL = Features(SPHERE, friction=True)
+N = 20
+
+
+def bodies_of(base, kind, scale):
+    """A loose heap that flies together."""
+    rng = np.random.default_rng(3)
+    position = 1.2e-2 * np.stack(np.unravel_index(np.arange(N), (3, 3, 3)), axis=-1) + [0.0, 0.0, 10.0]
+    velocity = 30.0 * (position.mean(axis=0) - position) + 0.1 * rng.standard_normal((N, 3))
+    upright = np.tile([1.0, 0.0, 0.0, 0.0], (N, 1))
+    spin = 5.0 * rng.standard_normal((N, 3))
+    shape = np.zeros(N, int)
+    return make_bodies(
+        [base], shape, np.tile(scale, (N, 1)), position, upright, velocity, spin, 2650.0, Features(kind, True)
+    )
+
+
+def run(features, bodies, shapes, room, box, law, drive, steps=800):
+    """Near pairs, all listed from the start, after some steps."""
+    near = list_near(bodies, shapes, box, 1.0, features)
+    clock = np.zeros(len(STAGES), np.int64)
+    done, _ = make_advance(features)(bodies, shapes, *near, room, law, drive, clock, 0, steps)
+    assert done == steps
+    return near
+
+
+def poisoned(group):
+    """A copy in which no number is one: arrays of floats of nan, of integers of the least there is."""
+    return type(group)(
+        *(np.full_like(array, np.nan if array.dtype.kind == "f" else np.iinfo(array.dtype).min) for array in group)
+    )
+
+
+@pytest.fixture(scope="module")
+def bare_and_full():
+    """The same spheres by a step with nothing, on poisoned numbers, and by one with all, on numbers that do nothing."""
+    base = unit_sphere()
+    shapes = collect_shapes([base])
+    heaps = [bodies_of(base, SPHERE, np.full(3, 5e-3)) for _ in range(2)]
+    law = LAW._replace(friction=np.nan, tangential=np.nan, root_tangential=np.nan, sliding=np.nan)
+    drive = STILL._replace(shaking=np.nan, shaking_rate=np.nan, width=np.nan, wall_radius=np.nan)
+    room = make_room(shapes, numba.get_num_threads())
+    bare = run(BARE, heaps[0], poisoned(shapes), room, Box(0.0), law, drive)
+    full = run(FULL, heaps[1], shapes, room, Box(100.0), LAW, STILL._replace(width=100.0))
+    return heaps, bare, full
+
+
+def test_the_bare_step_needs_none_of_the_numbers_left_out(bare_and_full):
+    (first, second), bare, full = bare_and_full
+    for name in ("position", "velocity", "angular_momentum", "net_force"):
+        np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+    np.testing.assert_array_equal(bare.contacts.force, full.contacts.force)
+    # They have met: what flew straight is elsewhere.
+    base = bodies_of(unit_sphere(), SPHERE, np.full(3, 5e-3))
+    assert np.abs(first.velocity - base.velocity).max() > 0.1
+
+
+def test_the_bare_scene_has_no_arrays_for_what_it_leaves_out(bare_and_full):
+    (bodies, _), (contacts, walls), (rich, _) = bare_and_full
+    for name in ("orientation", "turned", "listed_turned", "rotation", "form_matrix"):
+        assert len(getattr(bodies, name)) == 0, name
+    for name in ("image", "pending", "facet", "apart_at", "safe_until", "spring", "twist", "stuck", "spread"):
+        assert len(getattr(contacts, name)) == 0, name
+    assert len(walls.body) == 0
+    assert len(rich.image) == len(rich.spring) == len(rich.body_a) > 0
+
+
+def test_ellipsoids_read_no_hull():
+    """Their base has no vertices; what stands in its place may be anything."""
+    base, features = unit_sphere(), Features(ELLIPSOID, True)
+    shapes = collect_shapes([base])
+    results = []
+    for some in (shapes, poisoned(shapes)):
+        bodies = bodies_of(base, ELLIPSOID, np.array([4e-3, 5e-3, 6e-3]))
+        near = list_near(bodies, shapes, Box(100.0), 1.0, features)
+        make_advance(features)(
+            bodies, some, *near, make_room(shapes, 1), LAW, STILL._replace(width=100.0), np.zeros(3, np.int64), 0, 800
+        )
+        results.append((bodies, near))
+    (first, near), (second, other) = results
+    np.testing.assert_array_equal(first.position, second.position)
+    np.testing.assert_array_equal(near.contacts.force, other.contacts.force)
+    assert len(near.contacts.facet) == len(near.contacts.spread) == len(near.contacts.twist) == 0
+    straight = bodies_of(base, ELLIPSOID, np.array([4e-3, 5e-3, 6e-3])).velocity
+    assert np.abs(first.velocity - straight).max() > 0.1
+
+
+def test_polyhedra_at_their_deepest_point_find_no_patch(core):
+    """No room for polygons is there, and no second moment is written."""
+    base, features = core.make_pebble(1), Features(CONVEX, True)
+    shapes = collect_shapes([base])
+    results = []
+    for room in (make_room(shapes, 1), poisoned(make_room(shapes, 0))):
+        bodies = bodies_of(base, CONVEX, np.full(3, 5e-3))
+        near = run(features, bodies, shapes, room, Box(100.0), LAW, STILL._replace(width=100.0))
+        results.append((bodies, near))
+    np.testing.assert_array_equal(results[0][0].position, results[1][0].position)
+    contacts = results[0][1].contacts
+    assert len(contacts.spread) == len(contacts.twist) == 0 and len(contacts.facet) == len(contacts.body_a)
+    assert len(contacts.stuck) == 0  # without preloaded friction
+    assert len(results[0][0].form_matrix) == 0

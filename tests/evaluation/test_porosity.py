@@ -1,0 +1,124 @@
+"""Profile and bulk porosity: lattices, the study's interval, and errors for beds that have none."""
+
+import numpy as np
+import pytest
+
+from simcore.evaluation.porosity import bed_top, bulk_porosity, evaluation_interval, porosity_profile
+
+# Porosity of the lattice, height after which its layers repeat, in sphere diameters
+LATTICES = {
+    "sc": (1 - np.pi / 6, 1.0),
+    "bcc": (1 - np.pi * np.sqrt(3) / 8, 2 / np.sqrt(3)),
+    "fcc": (1 - np.pi / (3 * np.sqrt(2)), np.sqrt(2)),
+}
+
+
+@pytest.fixture
+def simple_cubic(packings):
+    """Simple cubic bed of 10 mm spheres, 4 x 4 x 12."""
+    centres, width = packings.lattice("sc", 4, 12)
+    return packings.make(1e-2 * centres, 5e-3, width=1e-2 * width, seed=3)
+
+
+@pytest.mark.parametrize("method", ["spheres", "exact"])
+@pytest.mark.parametrize("kind", LATTICES)
+def test_lattices_have_their_porosity(packings, kind, method):
+    expected, period = LATTICES[kind]
+    centres, width = packings.lattice(kind, 3, 8)
+    bed = packings.make(centres, 0.5, width=width)
+    top = bed_top(porosity_profile(bed, 0.05, method))
+    bulk = bulk_porosity(bed, method, cut=0.5 * (top - 5 * period), slice_height=0.05)
+    assert float(bulk["n"]) == pytest.approx(expected, rel=1e-12)
+    # A lattice has no scatter; spheres placed independently would have (1 - n) / sqrt(number).
+    in_interval = (1 - expected) * width**2 * 5 * period * 6 / np.pi
+    assert float(bulk["n_std_error"]) < 0.1 * (1 - expected) / np.sqrt(in_interval)
+
+
+def test_profile_counts_all_solid_volume(simple_cubic):
+    for height in (1e-3, 0.7e-3):
+        profile = porosity_profile(simple_cubic, height)
+        assert float(profile["solid_volume"].sum()) == pytest.approx(float(simple_cubic["volume"].sum()), rel=1e-12)
+        assert float(profile["solid_volume_below_floor"]) == 0.0
+        assert float(profile["porosity"][-1]) == 1.0
+
+
+def test_profile_says_what_its_spheres_hold_below_the_floor(packings):
+    flat = packings.make([[0, 0, 1e-3]], [[4e-3, 4e-3, 1e-3]])
+    assert float(porosity_profile(flat, method="exact")["solid_volume_below_floor"]) == pytest.approx(0.0, abs=1e-20)
+    spheres = porosity_profile(flat)
+    below = float(spheres["solid_volume_below_floor"])
+    r = 1e-3 * 16 ** (1 / 3)
+    h = r - 1e-3
+    assert below == pytest.approx(np.pi * h**2 * (r - h / 3), rel=1e-12)
+    assert below + float(spheres["solid_volume"].sum()) == pytest.approx(float(flat["volume"][0]), rel=1e-12)
+
+
+def test_profile_follows_cf(simple_cubic):
+    profile = porosity_profile(simple_cubic)
+    assert profile.attrs["Conventions"].startswith("CF-") and profile.attrs["seed"] == 3
+    for dataset in (profile, bulk_porosity(simple_cubic)):
+        assert all({"units", "long_name"} <= set(dataset[name].attrs) for name in dataset if name != "z_bounds")
+    assert profile["z"].attrs["bounds"] == "z_bounds"
+
+
+def test_cylinder_is_measured_from_the_floor_on_its_own_area(packings):
+    # One disc-like ellipsoid layer would not do: equal solid in every slice needs upright prisms that fill half.
+    cube = packings.make([[0, 0, 10e-3]], [[8e-3, 8e-3, 20e-3]], vertices=packings.cube, width=1e-2, domain="cylinder")
+    bulk = bulk_porosity(cube, "exact")
+    assert (float(bulk["z_lower"]), float(bulk["z_upper"])) == (0.0, pytest.approx(20e-3))
+    assert float(bulk["n"]) == pytest.approx(1 - 64e-6 / (np.pi / 4 * 1e-4), rel=1e-12)
+
+
+def test_surface_is_the_uppermost_crossing_and_ends_are_cut(packings):
+    # Slabs of solid fraction 0.64 in 0-20 mm, 0.16 in 20-30 mm and 0.64 in 30-40 mm: a void under the surface.
+    width = 10e-3
+    bed = packings.make(
+        [[0, 0, 10e-3], [0, 0, 25e-3], [0, 0, 35e-3]],
+        [[8e-3, 8e-3, 20e-3], [4e-3, 4e-3, 10e-3], [8e-3, 8e-3, 10e-3]],
+        vertices=packings.cube,
+        width=width,
+        largest=5e-3,
+    )
+    profile = porosity_profile(bed, method="exact")
+    assert bed_top(profile) == pytest.approx(40e-3)
+    n = float(bulk_porosity(bed, "exact", cut=5e-3)["n"])
+    assert n == pytest.approx(1 - (15 * 0.64 + 10 * 0.16 + 5 * 0.64) / 30, rel=1e-12)
+    # A cut inside a slice is exact too, and the mean over slices is the same where it is not.
+    n = float(bulk_porosity(bed, "exact", cut=7.3e-3)["n"])
+    assert n == pytest.approx(1 - ((20 - 7.3) * 0.64 + 10 * 0.16 + (10 - 7.3) * 0.64) / (40 - 14.6), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("layers", "at_surface"),
+    [(20, 25.0), (10, 50.0 / 3.0), (4, 8.0)],
+    ids=["five median grains", "a third of a low bed", "the largest size in a very low one"],
+)
+def test_what_shaking_packs_closer_at_the_surface_is_no_bulk(packings, layers, at_surface):
+    """Cubes of 5 mm, stacked; the sieve's largest is 8 mm."""
+    heights = 5e-3 * (np.arange(layers) + 0.5)
+    bed = packings.make(
+        np.column_stack([0 * heights, 0 * heights, heights]),
+        np.full((layers, 3), 5e-3),
+        vertices=packings.cube,
+        width=6e-3,
+        largest=8e-3,
+    )
+    bed["D"] = bed["D"] * 0 + 5e-3
+    low, high = evaluation_interval(bed, porosity_profile(bed, method="exact"))
+    assert low == pytest.approx(8e-3)
+    assert 5.0 * layers - 1e3 * high == pytest.approx(at_surface)
+
+
+def test_a_bed_too_low_says_so(simple_cubic):
+    with pytest.raises(ValueError, match="too low to cut 70.0 mm from its floor and 70.0 mm from its surface"):
+        bulk_porosity(simple_cubic, cut=70e-3)
+
+
+def test_a_loose_cloud_has_no_surface(packings):
+    with pytest.raises(ValueError, match="no slice .* has no surface"):
+        bulk_porosity(packings.make([[0.01, 0.01, 0.02]], 5e-3))
+
+
+def test_an_empty_packing_is_refused(packings):
+    with pytest.raises(ValueError, match="no grain"):
+        porosity_profile(packings.make(np.zeros((0, 3)), np.zeros((0, 3))))

@@ -1,0 +1,45 @@
+"""The stated sampling error against the scatter over real packings that differ in their seed alone."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from simcore.evaluation.porosity import bulk_porosity
+from simcore.packing.file import read_packing
+
+SEEDS = 12
+SPECIFICATION = """
+name: scatter
+seed: {seed}
+domain: {{type: {domain}, height: 0.4 m}}
+shapes: {{kind: ellipsoid, choice: form, flatness: 0.7, elongation: 0.75}}
+sizes: {{case: U1}}
+amount: {{grains: 200}}
+shaking: {{duration: 0.3 s}}
+generation: {{fill: bed}}
+numerics: {{contact_time: 2 ms, steps_per_contact_time: 10, dashpot: implicit}}
+convergence: {{max_speed: 5 cm/s, max_unbalanced_force: 0.2}}
+"""
+
+
+@pytest.mark.statistics
+@pytest.mark.parametrize("domain", ["periodic, width: 45 mm", "cylinder, width: 50 mm"])
+def test_stated_error_agrees_with_the_scatter_over_seeds(domain, tmp_path):
+    """Were the stated error the true one, the scatter over 12 packings would lie within these bounds 999 times in 1000.
+
+    The squared ratio is a chi² of 11 degrees of freedom over 11. Measured over 26 seeds of the periodic case, at a
+    contact time of 1 ms in 40 explicit steps: scatter 0.0048 ± 0.0007, stated 0.0066, so rather too large.
+    """
+    bulks = []
+    for seed in range(1, SEEDS + 1):
+        specification, packing = tmp_path / f"{seed}.yaml", tmp_path / f"{seed}.nc"
+        specification.write_text(SPECIFICATION.format(seed=seed, domain=domain))
+        subprocess.run([sys.executable, "-m", "simcore", "pack", specification, packing], check=True)
+        bulks.append(bulk_porosity(read_packing(packing)))
+    scatter = np.std([float(bulk["n"]) for bulk in bulks], ddof=1)
+    stated = np.sqrt(np.mean([float(bulk["n_std_error"]) ** 2 for bulk in bulks]))
+    low, high = np.sqrt(chi2.ppf([0.0005, 0.9995], SEEDS - 1) / (SEEDS - 1))
+    assert low < scatter / stated < high

@@ -1,0 +1,126 @@
+"""Fixture `stage`: a few bodies, stepped by the compiled step itself."""
+
+import numba
+import numpy as np
+
+from simcore.dem.contact.patch.patch import make_room
+from simcore.dem.forces.sliding import NONE
+from simcore.dem.shapes.hulls import CONVEX, MIXED, collect_shapes, unit_sphere
+from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.features import Features
+from simcore.dem.step.motion import derive_form_matrix, derive_rotation
+from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.step import STAGES, Drive, make_advance
+
+
+class Stage:
+    """Bodies and what acts on them. law: ContactLaw, or HertzLaw with hertz. All variants have a floor and, but for
+    those with sliding, friction; a law without friction coefficient and a floor far below are data, and compile
+    nothing. implicit: the dashpot; the law then is that of the step (implicit_law)."""
+
+    def __init__(
+        self,
+        kind,
+        law,
+        scale,
+        position,
+        velocity,
+        spin=None,
+        bases=None,
+        shape=None,
+        attractive=True,
+        patch=False,
+        implicit=False,
+        friction=True,
+        hertz=False,
+        sliding=NONE,
+        preloaded=False,
+        **drive,
+    ):
+        position = np.atleast_2d(np.asarray(position, float))
+        n = len(position)
+        self.bases = [unit_sphere()] if bases is None else bases
+        self.shapes = collect_shapes(self.bases)
+        still = np.zeros((n, 3))
+        orientation = drive.pop("orientation", np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)))
+        self.bodies = make_bodies(
+            self.bases,
+            np.zeros(n, int) if shape is None else shape,
+            np.broadcast_to(scale, (n, 3)),
+            position,
+            np.broadcast_to(orientation, (n, 4)),
+            np.broadcast_to(velocity, (n, 3)),
+            still if spin is None else np.broadcast_to(spin, (n, 3)),
+            density=drive.pop("density", 1.0),
+        )
+        self.law = law
+        self.width = drive.pop("width", 0.0)
+        self.skin = drive.pop("skin", 0.2) * self.bodies.radius.max()
+        patch = patch and kind in (CONVEX, MIXED)
+        self.features = Features(
+            kind,
+            friction,
+            attractive,
+            patch=patch,
+            implicit=implicit,
+            hertz=hertz,
+            sliding=sliding,
+            preloaded=preloaded,
+        )
+        self.near = None
+        self._list()
+        self.drive = {
+            "gravity": 0.0, "shaking": 0.0, "shaking_rate": 0.0, "damping": 1.0, "wall_radius": np.inf,
+        } | drive  # fmt: skip
+        self._advance = make_advance(self.features)
+        self.room = make_room(self.shapes, numba.get_num_threads())
+        self.clock = np.zeros(len(STAGES), np.int64)
+        self.step = 0
+
+    def advance(self, dt, n_steps):
+        """n_steps of dt; with dt = 0 forces of the current positions."""
+        drive = Drive(dt=dt, width=self.width, **self.drive)
+        left = n_steps
+        while left > 0:
+            done, stale = self._advance(
+                self.bodies, self.shapes, *self.near, self.room, self.law, drive, self.clock, self.step, left
+            )
+            left -= done
+            self.step += done
+            if stale:
+                self._list()
+
+    def _list(self):
+        self.near = list_near(self.bodies, self.shapes, Box(self.width), 0.5 * self.skin, self.features, self.near)
+
+    @property
+    def contacts(self):
+        return self.near.contacts
+
+    @property
+    def walls(self):
+        return self.near.walls
+
+    def derive(self):
+        """After positions, orientations or momenta were set by hand."""
+        for i in range(len(self.bodies.mass)):
+            derive_rotation(self.bodies, i)
+            derive_form_matrix(self.bodies, i)
+
+    def on_floor(self):
+        """Whether each body touches the floor, (n,)."""
+        on = np.zeros(len(self.bodies.mass), bool)
+        on[self.walls.body[self.walls.touching > 0]] = True
+        return on
+
+    def floor_force(self):
+        """Upward force of the floor on each body, (n,) [N]."""
+        force = np.zeros(len(self.bodies.mass))
+        force[self.walls.body] = self.walls.force[:, 2]
+        return force
+
+    def energy(self):
+        """Kinetic energy [J]."""
+        b = self.bodies
+        spin = 0.5 * (b.angular_momentum * b.angular_velocity).sum()
+        return 0.5 * (b.mass[:, None] * b.velocity**2).sum() + spin

@@ -1,0 +1,202 @@
+"""Correlation, screening, cross-validation and fit on data whose answer is known."""
+
+import logging
+
+import numpy as np
+import pandas as pd
+import pytest
+import statsmodels.api as sm
+from scipy.stats import norm
+
+from simcore.grains.form import features as form_features
+from simcore.models.regression import (
+    RESAMPLES,
+    bootstrap,
+    correlate,
+    cross_validate,
+    fit,
+    fit_and_validate,
+    predict_unseen,
+    screen,
+    usable_features,
+)
+
+
+def forms(n, seed=0):
+    """L, I, S of n grains with flatness and elongation spread over [0.35, 0.95]."""
+    rng = np.random.default_rng(seed)
+    flatness, elongation = rng.uniform(0.35, 0.95, (2, n))
+    return 1.0 / elongation, np.ones(n), flatness
+
+
+def test_known_coefficients_are_recovered_within_their_intervals():
+    """95 % intervals of three coefficients over 200 data sets: 600 tries, 570 expected, binomial with sd 5.3."""
+    truth, noise = np.array([0.278, 0.019, 0.014]), 0.006
+    features = form_features(*forms(63))[["EQ_inv", "EL_inv"]]
+    mean = truth[0] + features.to_numpy() @ truth[1:]
+    rng = np.random.default_rng(1)
+    hits, rmse = 0, []
+    for _ in range(200):
+        model = fit(features, mean + noise * rng.normal(size=63))
+        hits += np.sum((np.array(model.lower) <= truth) & (truth <= np.array(model.upper)))
+        rmse.append(model.rmse)
+    assert abs(hits - 570) < 4 * 5.3
+    # Mean square residual: noise² (n - 3)/n
+    assert np.mean(np.square(rmse)) == pytest.approx(noise**2 * 60 / 63, rel=4 * np.sqrt(2 / 60 / 200))
+
+
+def test_exact_data_give_exact_coefficients_and_predictions():
+    L, I, S = forms(20)
+    features = form_features(L, I, S)[["EQ_inv", "EL_inv"]]
+    n = 0.25 + 0.02 * features["EQ_inv"] - 0.01 * features["EL_inv"]
+    model = fit(features, n, "single_form", "U1")
+    np.testing.assert_allclose(model.coefficients, [0.25, 0.02, -0.01], rtol=1e-10)
+    assert model.r_squared == pytest.approx(1.0) and model.rmse < 1e-14
+    np.testing.assert_allclose(model.predict_form(L, I, S), n, rtol=1e-12)
+    np.testing.assert_allclose(model.predict_form(1e-3 * L, 1e-3 * I, 1e-3 * S), n, rtol=1e-12)
+    dataset = model.to_dataset()
+    assert float(dataset["coefficient"].sel(term="EL_inv")) == pytest.approx(-0.01)
+    assert model.to_rows()["term"].tolist() == ["intercept", "EQ_inv", "EL_inv"]
+    with pytest.raises(ValueError, match="lacks its feature EL_inv"):
+        model.predict(features[["EQ_inv"]])
+
+
+def test_cross_validated_errors_are_those_of_the_noise():
+    """Gauss: E|e| = sqrt(2/pi) s and median |e| = 0.6745 s; s is the noise but for 3/3600 of its variance."""
+    rng = np.random.default_rng(2)
+    n, noise = 4000, 0.005
+    features = pd.DataFrame({"a": rng.normal(size=n), "b": rng.normal(size=n)})
+    result = cross_validate(features, 0.3 + 0.01 * features["a"] + noise * rng.normal(size=n), repeats=1)
+    assert result["mean_absolute_error"] == pytest.approx(np.sqrt(2 / np.pi) * noise, rel=4 * 0.76 / np.sqrt(n))
+    assert result["median_absolute_error"] == pytest.approx(0.67449 * noise, rel=4 * 1.17 / np.sqrt(n))
+
+
+def test_cross_validation_is_out_of_sample():
+    """Pure noise on many features: the fit looks good, the error on unseen samples is larger than that of no model."""
+    rng = np.random.default_rng(3)
+    features = pd.DataFrame(rng.normal(size=(30, 20)))
+    n = pd.Series(rng.normal(size=30))
+    assert fit(features.set_axis([f"f{i}" for i in range(20)], axis=1), n).r_squared > 0.5
+    assert cross_validate(features, n)["mean_absolute_error"] > n.abs().mean()
+
+
+def test_few_samples_are_left_out_one_by_one():
+    features = pd.DataFrame({"a": [0.0, 1.0, 2.0, 4.0]})
+    n = np.array([0.1, 0.2, 0.4, 0.3])
+    result = cross_validate(features, n)
+    assert (result["folds"], result["repeats"]) == (4, 1)
+    errors = []
+    for i in range(4):
+        rest = np.arange(4) != i
+        slope, intercept = np.polyfit(features["a"][rest], n[rest], 1)
+        errors.append(abs(intercept + slope * features["a"][i] - n[i]))
+    assert result["mean_absolute_error"] == pytest.approx(np.mean(errors), rel=1e-10)
+    assert result["median_absolute_error"] == pytest.approx(np.median(errors), rel=1e-10)
+
+
+def test_cross_validation_depends_on_its_seed_alone():
+    features = form_features(*forms(25))[["EQ_inv"]]
+    n = np.random.default_rng(0).normal(size=25)
+    assert cross_validate(features, n, seed=1) == cross_validate(features, n, seed=1)
+    assert cross_validate(features, n, seed=1) != cross_validate(features, n, seed=2)
+
+
+def test_features_that_are_not_finite_or_constant_are_left_out_with_a_message(caplog):
+    L, I, S = (np.append(axis, 1.0) for axis in forms(10))  # the last is a sphere: DRI and OPI are 0/0
+    features = form_features(L, I, S).assign(same=0.5)
+    with caplog.at_level(logging.WARNING):
+        kept = usable_features(features)
+    assert set(features) - set(kept) == {"DRI", "DRI_inv", "OPI", "OPI_inv", "same"}
+    assert "not finite for every row: DRI, OPI, DRI_inv, OPI_inv" in caplog.text
+    assert "the same for all rows: same" in caplog.text
+
+
+def test_correlation_and_screening():
+    features = form_features(*forms(63))
+    n = 0.5 - 0.1 * features["EQ_inv"]
+    r = correlate(features, n)
+    assert r["EQ_inv"] == pytest.approx(-1.0)
+    assert r["EQ"] == pytest.approx(np.corrcoef(features["EQ"], n)[0, 1])
+    kept = screen(features)
+    assert kept[0] == "EQ_inv" and "EL_inv" in kept
+    assert not {"EQ", "JFF_inv", "WFI", "CSF"} & set(kept)
+    to_first = correlate(features, features["EQ_inv"]).abs()
+    assert all((to_first[name] <= 0.8) == (name in kept) for name in features if name != "EQ_inv")
+
+
+@pytest.mark.parametrize("function", [fit, cross_validate])
+def test_too_few_samples_are_refused(function):
+    features = pd.DataFrame({"a": [1.0, 2.0, 3.0], "b": [1.0, 0.0, 2.0]})
+    with pytest.raises(ValueError, match="3 samples are too few"):
+        function(features, [0.1, 0.2, 0.3])
+
+
+def test_a_prediction_interval_holds_a_new_form_as_often_as_it_says():
+    """Given a fit, the chance that its interval holds a new porosity is known; its mean over fits is the level."""
+    rng = np.random.default_rng(5)
+    truth, noise = np.array([0.278, 0.019, 0.014]), 0.006
+    new = pd.DataFrame({"EQ_inv": [2.0, 8.0], "EL_inv": [1.4, 2.6]})  # amid the forms, and far outside them
+    expected = truth[0] + new.to_numpy() @ truth[1:]
+    features = form_features(*forms(12))[["EQ_inv", "EL_inv"]]
+    for level in (0.8, 0.95):
+        chance = []
+        for _ in range(150):
+            model = fit(features, truth[0] + features.to_numpy() @ truth[1:] + noise * rng.normal(size=12))
+            n, lower, upper = model.predict_interval(new, level)
+            np.testing.assert_allclose((lower + upper) / 2, n, rtol=1e-12)
+            # The mean of two at a time: nothing is lost by the two being of one fit.
+            chance.append(norm.cdf((upper - expected) / noise) - norm.cdf((lower - expected) / noise))
+        amid = np.array(chance)[:, 0]
+        assert amid.mean() == pytest.approx(level, abs=4 * amid.std() / np.sqrt(150))
+    # Far outside the coefficients' own errors count.
+    widths = upper - lower
+    assert widths[1] > 1.2 * widths[0]
+
+
+def test_what_lies_outside_the_fit_is_named():
+    features = form_features(*forms(20))[["EQ_inv", "EL_inv"]]
+    model = fit(features, 0.3 + 0.01 * features["EQ_inv"] + 1e-3 * np.random.default_rng(0).normal(size=20))
+    low, high = features.min(), features.max()
+    assert model.outside(features) == [[]] * 20
+    inside, one, both = model.outside(
+        pd.DataFrame({"EQ_inv": [low["EQ_inv"], 0.5, 50.0], "EL_inv": [high["EL_inv"], high["EL_inv"], 9.0]})
+    )
+    assert inside == []
+    assert one == [("EQ_inv", 0.5, low["EQ_inv"], high["EQ_inv"])]
+    assert [name for name, *_ in both] == ["EQ_inv", "EL_inv"]
+
+
+def test_the_bootstrap_knows_of_scatter_that_grows():
+    """Its deviations are the sandwich estimate's to 1/sqrt(2 RESAMPLES) = 1.6 % and the order of 3/400."""
+    rng = np.random.default_rng(6)
+    features = pd.DataFrame({"a": rng.uniform(1.0, 5.0, 400), "b": rng.normal(size=400)})
+    n = 0.3 + 0.01 * features["a"] + 1e-3 * features["a"] ** 2 * rng.normal(size=400)
+    drawn = bootstrap(features, n, seed=3)
+    assert drawn.shape == (RESAMPLES, 3)
+    ols = sm.OLS(n.to_numpy(), sm.add_constant(features.to_numpy())).fit()
+    np.testing.assert_allclose(drawn.std(axis=0), ols.HC0_se, rtol=4 * 0.016 + 3 / 400)
+    assert ols.HC0_se[1] > 1.1 * ols.bse[1]  # least squares alone does not know
+    np.testing.assert_array_equal(bootstrap(features, n, seed=3), drawn)
+    model = fit(features, n)
+    assert model.bootstrap_upper[1] - model.bootstrap_lower[1] > 1.1 * (model.upper[1] - model.lower[1])
+
+
+def test_draws_that_carry_no_model_are_left_out():
+    """Without the one row that differs there is no slope: (4/5)^5 = 0.328 of the draws, binomial with sd 21."""
+    drawn = bootstrap(pd.DataFrame({"a": [0.0, 0.0, 0.0, 0.0, 1.0]}), [0.3, 0.31, 0.29, 0.3, 0.4])
+    assert abs(len(drawn) - 0.672 * RESAMPLES) < 4 * 21
+    assert np.abs(drawn).max() < 1.0
+
+
+def test_a_group_is_left_out_whole():
+    x = np.repeat([0.0, 1.0, 2.0, 4.0, 5.0], 2) + np.tile([0.0, 0.3], 5)
+    y = np.repeat([0.1, 0.5, 0.2, 0.9, 0.4], 2)
+    groups = np.repeat(list("abcde"), 2)
+    predicted, folds = predict_unseen(pd.DataFrame({"x": x}), y, groups=groups)
+    assert folds == 5 and predicted.shape == (1, 10)
+    for group in "abcde":
+        rest = groups != group
+        np.testing.assert_allclose(predicted[0, ~rest], np.polyval(np.polyfit(x[rest], y[rest], 1), x[~rest]))
+    model = fit_and_validate(pd.DataFrame({"x": x}), y, groups=groups)
+    assert model.mean_absolute_error == pytest.approx(np.abs(predicted[0] - y).mean())
+    assert model.mean_absolute_error > cross_validate(pd.DataFrame({"x": x}), y)["mean_absolute_error"]

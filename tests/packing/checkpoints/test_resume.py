@@ -1,0 +1,81 @@
+"""A packing that was kept, stopped and resumed ends in the same bits, wherever it was stopped."""
+
+import json
+
+import numpy as np
+import pytest
+
+from simcore.packing.process import KEEP, KEEP_AND_STOP, Interrupted, Keeper, pack
+from tests.dem.state.test_parts import arrays_of, assert_same
+from tests.helpers.few import set_up_few
+
+
+class Memory(Keeper):
+    """Keeps the latest in memory as JSON and arrays would be; wishes at given steps."""
+
+    def __init__(self, keeps=(), stops=()):
+        self.wishes = sorted([(step, KEEP) for step in keeps] + [(step, KEEP_AND_STOP) for step in stops])
+        self.kept, self.times = None, 0
+
+    def wish(self, step):
+        if self.wishes and step >= self.wishes[0][0]:
+            return self.wishes.pop(0)[1]
+        return 0
+
+    def keep(self, state, parts):
+        text = json.dumps(state, default=lambda value: value.item())
+        self.kept = text, [{name: array.copy() for name, array in part.items()} for part in parts]
+        self.times += 1
+
+    def latest(self):
+        return self.kept and (json.loads(self.kept[0]), lambda: self.kept[1])
+
+
+CHANGES = {"numerics": {"steps_per_contact_time": 20, "dashpot": "implicit"}, "amount": {"grains": 30}}
+
+
+@pytest.fixture(scope="module")
+def made():
+    return set_up_few(**CHANGES)
+
+
+@pytest.fixture(scope="module")
+def whole(made):
+    return pack(made.scene, made.bases, made.draw)
+
+
+def assert_packed_alike(first, second):
+    assert_same(arrays_of(first.bodies, first.near), arrays_of(second.bodies, second.near))
+    for name in ("observation", "steps", "time", "last_birth", "checks", "stability"):
+        assert getattr(first, name) == getattr(second, name), name
+
+
+def test_keeping_changes_nothing(made, whole):
+    keeper = Memory(keeps=range(0, whole.steps, 97))
+    kept = pack(made.scene, made.bases, made.draw, keeper=keeper)
+    assert keeper.times > 10
+    assert_packed_alike(whole, kept)
+
+
+def test_it_goes_on_from_any_step(made, whole):
+    rng = np.random.default_rng(8)
+    stops = np.sort(rng.integers(1, whole.steps, 12))
+    keeper = Memory(stops=[int(stop) for stop in stops])
+    phases = []
+    while True:
+        try:
+            resumed = pack(made.scene, made.bases, made.draw, keeper=keeper)
+            break
+        except Interrupted as interrupted:
+            assert "the same command goes on from there" in str(interrupted)
+            phases.append(json.loads(keeper.kept[0])["phase"])
+    assert len(phases) >= 8 and len(set(phases)) >= 2
+    assert_packed_alike(whole, resumed)
+
+
+def test_the_last_stretch_of_damping_is_gone_on_with(made, whole):
+    """Stopped within the stretch of 200 steps after which it converges, or where that is done but not judged."""
+    keeper = Memory(stops=[whole.steps - 120])
+    with pytest.raises(Interrupted):
+        pack(made.scene, made.bases, made.draw, keeper=keeper)
+    assert_packed_alike(whole, pack(made.scene, made.bases, made.draw, keeper=keeper))

@@ -1,0 +1,114 @@
+"""A packing and its file."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from simcore.packing.file import packing_dataset, read_packing, write_packing
+from simcore.packing.process import pack
+from simcore.scene.specification import resolve
+from tests.helpers.few import FEW, set_up_few
+
+
+@pytest.fixture(scope="module")
+def made():
+    specification = resolve(FEW)
+    setup = set_up_few()
+    packed = pack(setup.scene, setup.bases, setup.draw)
+    sample = setup.sample(np.arange(len(packed.bodies.mass)))
+    attributes = {"largest_sieve_size": setup.curve.largest}
+    return packed, packing_dataset(setup.scene, setup.bases, packed, sample, specification, **attributes)
+
+
+def test_the_file_tells_how_far_the_time_step_was_from_its_limits(made):
+    packed, dataset = made
+    attrs = dataset.attrs
+    assert attrs["steps_per_contact_time"] == 40.0
+    assert attrs["stability_margin_expected"] > 1.0 > attrs["stability_margin_cautious"]
+    # Sampled of a grain by itself, at times: it needs less than what is expected of a bed at its worst.
+    assert attrs["stability_margin_sampled"] > attrs["stability_margin_expected"]
+    assert attrs["stability_margin_sampled"] * packed.stability.needed == pytest.approx(40.0)
+    assert 0 <= attrs["stiffest_grain"] < 40 and attrs["stiffest_grain_contacts"] >= 3
+    assert 0.0 < attrs["deepest_overlap_in_half_thicknesses"] < 1.0
+
+
+def test_the_file_holds_what_was_packed(made, tmp_path):
+    packed, dataset = made
+    path = tmp_path / "filed.nc"
+    write_packing(path, dataset)
+    assert [file.name for file in tmp_path.iterdir()] == ["filed.nc"]  # no .part is left
+    read = read_packing(path)
+    xr.testing.assert_identical(read, read_packing(path))
+    for name in dataset.data_vars:
+        np.testing.assert_array_equal(read[name].values, dataset[name].values)
+    assert read.attrs["converged"] == 1
+    assert read.attrs["seed"] == 1
+    assert json.loads(read.attrs["scene"]) == json.loads(json.dumps(resolve(FEW)))
+    assert read.attrs["code_version"].startswith("0.")
+    assert all("units" in read[name].attrs for name in read.data_vars if read[name].dtype.kind == "f")
+
+
+def test_centres_are_in_the_box_and_contacts_still_meet(made):
+    packed, dataset = made
+    position = dataset["position"].values
+    assert ((position[:, :2] >= 0.0) & (position[:, :2] < 0.025)).all()
+    moved = (position - packed.bodies.position)[:, :2] / 0.025
+    np.testing.assert_allclose(moved, np.round(moved), atol=1e-9)
+    body, image = dataset["contact_body"].values, dataset["contact_image"].values
+    grains = body[:, 1] >= 0
+    assert grains.sum() > 40 and (body[~grains, 1] == -1).all() and (~grains).sum() > 0
+    a, b = body[grains].T
+    between = position[b] - position[a]
+    between[:, :2] += 0.025 * image[grains]
+    radius = dataset["scale"].values[:, 0]
+    overlap = radius[a] + radius[b] - np.linalg.norm(between, axis=1)
+    np.testing.assert_allclose(overlap, dataset["contact_overlap"].values[grains], atol=1e-15)
+    normal = dataset["contact_normal"].values[grains]
+    np.testing.assert_allclose(normal, between / np.linalg.norm(between, axis=1, keepdims=True), atol=1e-12)
+    point = dataset["contact_point"].values[grains]
+    middle = position[a] + normal * (radius[a] - 0.5 * overlap)[:, None]
+    np.testing.assert_allclose(point, middle, atol=1e-15)
+
+
+def test_contact_forces_carry_the_weight(made):
+    packed, dataset = made
+    floor = dataset["contact_body"].values[:, 1] == -1
+    force = dataset["contact_force"].values[floor]
+    assert (force[:, 2] < 0.0).all()  # on the floor
+    weight = dataset["volume"].values.sum() * 2650.0 * 9.81 * (1.0 - 1000.0 / 2650.0)
+    unbalanced = packed.bodies.net_force[:, 2].sum()
+    assert -force[:, 2].sum() == pytest.approx(weight + unbalanced, rel=1e-12)
+
+
+def test_what_cannot_be_read_is_told_in_one_line(made, tmp_path):
+    _, dataset = made
+    with pytest.raises(ValueError, match=r"none.nc: there is no such file; make it with"):
+        read_packing(tmp_path / "none.nc")
+    path = tmp_path / "filed.nc"
+    write_packing(path, dataset)
+    short = tmp_path / "short.nc"
+    short.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(ValueError, match=r"short.nc cannot be read as netCDF, it may be truncated"):
+        read_packing(short)
+    other = tmp_path / "other.nc"
+    xr.Dataset({"n": ("z", [0.4])}).to_netcdf(other)
+    with pytest.raises(ValueError, match=r"other.nc is no packing: contact_body, .* missing"):
+        read_packing(other)
+
+
+def test_a_write_that_fails_leaves_the_old_file(made, tmp_path, monkeypatch):
+    _, dataset = made
+    path = tmp_path / "filed.nc"
+    write_packing(path, dataset)
+    before = path.read_bytes()
+
+    def fail(self, target, **options):
+        target.write_bytes(b"half")
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", fail)
+    with pytest.raises(OSError, match="no space"):
+        write_packing(path, dataset)
+    assert path.read_bytes() == before

@@ -1,0 +1,267 @@
+"""Whole packings at the ends of what may be asked for, through the specification, and a bed left alone for a minute."""
+
+import numpy as np
+import pytest
+import yaml
+
+from simcore.__main__ import main
+from simcore.campaign.studies import merge
+from simcore.packing.process import PackingError, pack
+from simcore.scene.setup import set_up
+from simcore.scene.specification import resolve
+
+GRAVITY = 9.81
+FEW = {
+    "name": "few",
+    "domain": {"width": "25 mm", "height": "0.3 m"},
+    "shapes": {"kind": "sphere"},
+    "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0], "allow_few_top_grains": True},
+    "amount": {"grains": 30},
+    "material": {"fluid_density": "0 kg/m3"},
+    "shaking": {"duration": "0.05 s"},
+    "numerics": {"contact_time": "1 ms", "progress_interval": "1000 s"},
+}
+
+
+def packed(*changes):
+    made = set_up(resolve(merge(FEW, *changes)), lambda group: [])
+    return pack(made.scene, made.bases, made.draw), made.scene
+
+
+def check_rest(done, scene, deepest=0.05):
+    """At rest by the packing's own measures, nowhere deep in each other, and carried by the floor.
+
+    Weight and floor differ by the unbalanced force, below 0.02 of a contact's, on each grain.
+    """
+    bodies, seen = done.bodies, done.observation
+    weight = scene.material.effective_gravity * bodies.mass.sum()
+    forces = np.linalg.norm(np.vstack([done.contacts.force, done.walls.force]), axis=1)
+    assert (forces > 0.0).any(), "nothing carries the grains"
+    floor = done.walls.force[done.walls.wall == 0][:, 2].sum()
+    assert floor == pytest.approx(weight, abs=0.02 * forces[forces > 0].mean() * len(bodies.mass))
+    assert seen.max_overlap < deepest * bodies.radius.min()
+    assert (bodies.position[:, 2] > (1.0 - deepest) * bodies.radius).all()
+    return seen
+
+
+@pytest.mark.parametrize("gravity", [0.1, 100.0])
+def test_a_bed_under_weak_and_strong_gravity_rests(gravity):
+    """A hundredth and ten times the usual: overlaps at rest are as g T_c², so the contact time follows 1/√g."""
+    pace = float(np.sqrt(GRAVITY / gravity))
+    done, scene = packed(
+        {"material": {"gravity": f"{gravity} m/s2"}, "numerics": {"contact_time": f"{1e-3 * pace!r} s"}},
+        {"generation": {"velocity_z": f"{-1.0 / pace!r} m/s"}, "damping": {"max_time": "30 s"}},
+    )
+    seen = check_rest(done, scene)
+    assert seen.coordination > 2.5
+
+
+def test_grains_that_have_just_begun_to_fall_are_not_taken_for_a_bed_at_rest():
+    """Born at rest under a two hundredth of gravity they move by 2.5e-6 m in the first interval, at 0.5 mm/s.
+
+    All below what counts as rest, but nothing carries them yet: they must lie on the floor in the end.
+    """
+    done, scene = packed(
+        {"material": {"gravity": "0.05 m/s2"}, "numerics": {"contact_time": "10 ms"}, "damping": {"max_time": "60 s"}},
+        {"generation": {"velocity_z": "0 m/s", "velocity_horizontal": "0 m/s"}, "shaking": {"duration": "1 ms"}},
+    )
+    check_rest(done, scene)
+
+
+def test_without_gravity_a_packing_is_refused(extreme):
+    with pytest.raises(ValueError, match=r"material.gravity: 0.0 m/s2 is out of bounds; it must be more than 0"):
+        packed({"material": {"gravity": "0 m/s2"}})
+
+
+def test_without_gravity_momentum_is_kept(extreme):
+    """A cloud of 27 spheres that fly into each other: Σ m v to rounding, and energy only falls."""
+    rng = np.random.default_rng(5)
+    place = np.stack(np.unravel_index(np.arange(27), (3, 3, 3)), axis=-1) * 0.008 + [0.01, 0.01, 0.1]
+    made = extreme.scene(material={"gravity": 0.0, "restitution": 0.5})
+    cloud = extreme.place(made, rng.uniform(2e-3, 3.5e-3, 27), place, velocity=-3.0 * (place - place.mean(axis=0)))
+    mass = cloud.bodies.mass[:, None]
+    momentum = (mass * cloud.bodies.velocity).sum(axis=0)
+    largest = np.abs(mass * cloud.bodies.velocity).sum()
+    energies = extreme.run(cloud, 0.5)
+    assert energies[-1] < 0.8 * energies[0] and (np.diff(energies) < 1e-3 * energies[0]).all()
+    np.testing.assert_allclose((mass * cloud.bodies.velocity).sum(axis=0), momentum, atol=1e-12 * largest)
+
+
+@pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.extremes), 10.0])
+def test_smooth_and_rough_beds_rest(friction):
+    """µ = 0 is a step of its own, without springs; µ = 10 leaves gaps that 0.5 would not. Isostatic limits: 6 and 4.
+
+    The floor's contacts are not counted as neighbours, so the mean lies below.
+    """
+    done, scene = packed({"material": {"friction": friction}, "amount": {"grains": 60}})
+    seen = check_rest(done, scene)
+    print(f"friction {friction}: coordination {seen.coordination:.2f}, mean height {seen.mean_height:.4f}")
+    assert (3.5 if friction == 0.0 else 2.0) < seen.coordination < 6.0
+
+
+@pytest.mark.parametrize("restitution, steps", [(0.01, 120), (1.0, 40)])
+def test_dead_and_elastic_beds_rest(restitution, steps):
+    """Elastic ones lose by friction and by the damping to 1e-3 a second alone. Dead ones need more steps, see below."""
+    done, scene = packed(
+        {"material": {"restitution": restitution}, "numerics": {"steps_per_contact_time": steps}},
+        {"damping": {"max_time": "30 s"}},
+    )
+    check_rest(done, scene)
+
+
+def test_a_dead_bed_at_forty_steps_is_not_taken_for_one_at_rest():
+    """At e = 0.01 a grain between two needs 11.7 steps, twice those at e = 0.1, one among six 40: its dashpots ring.
+
+    That leaves an error that names a grain, before or while it runs, and no packing.
+    """
+    with pytest.raises((PackingError, ValueError), match=r"grain \d|steps_per_contact_time"):
+        packed({"material": {"restitution": 0.01}, "damping": {"max_time": "2 s"}})
+
+
+@pytest.mark.extremes
+@pytest.mark.parametrize("contact_time", ["2e-6 s", "2e-3 s"])
+def test_beds_of_very_stiff_and_soft_grains_rest(contact_time):
+    """A hundredth and ten times the study's contact time; twelve grains; the stiff ones need 8 million steps."""
+    done, scene = packed(
+        {"numerics": {"contact_time": contact_time}, "amount": {"grains": 12}, "domain": {"width": "16 mm"}}
+    )
+    check_rest(done, scene)
+
+
+FALL = {
+    "domain": {"height": "20 m"},
+    "generation": {"drop_height": "10 m"},
+    "amount": {"grains": 8},
+    "shaking": {"duration": "2 s"},
+}
+
+
+def test_a_packing_dropped_from_ten_metres_rests():
+    """Shaken for as long as they fall, and half a second more: damping would slow the fall to 1.4 m/s."""
+    done, scene = packed(FALL, {"numerics": {"contact_time": "0.2 ms"}})
+    check_rest(done, scene)
+
+
+def test_a_drop_from_ten_metres_on_soft_springs_is_refused():
+    """At a contact time of 10 ms a grain of 7 mm would sink in by 0.129 v T_c = 18 mm: an error that names a grain."""
+    with pytest.raises((PackingError, ValueError), match=r"grain \d|contact_time"):
+        packed(FALL, {"numerics": {"contact_time": "10 ms"}})
+
+
+def test_micrometres_with_the_default_contact_time_rest_or_are_refused():
+    """Born at 1 m/s, grains of 6 µm sink in by 0.129 v T_c = 26 µm: they may pass through each other as they fall.
+
+    At rest a grain gives by 2.6e-8 m under its own weight, and by 0.2 µm under those above it. So a bed may come of it,
+    at rest and not in each other, or an error.
+    """
+    try:
+        done, scene = packed(
+            {"domain": {"width": "25 um", "height": "300 um"}, "numerics": {"contact_time": "0.2 ms"}},
+            {"sizes": {"bounds": ["5.6 um", "8 um"]}},
+        )
+    except (PackingError, ValueError) as error:
+        assert "grain" in str(error) or "contact_time" in str(error)
+        return
+    check_rest(done, scene, deepest=0.1)
+
+
+def test_one_grain_lies_on_the_floor():
+    done, scene = packed({"amount": {"grains": 1}})
+    assert len(done.bodies.mass) == 1 and len(done.contacts.body_a) == 0
+    assert done.observation.coordination == 0.0 and done.observation.max_speed < 5e-3
+    check_rest(done, scene)
+
+
+def test_no_grain_is_refused():
+    with pytest.raises(ValueError, match=r"amount.grains: 0 is out of bounds; it must be at least 1"):
+        packed({"amount": {"grains": 0}})
+
+
+def test_a_mass_below_one_grain_is_one_grain():
+    """The grain that reaches the mass is the last, so the first one is."""
+    done, _ = packed({"amount": {"grains": None, "mass": "1 mg"}})
+    assert len(done.bodies.mass) == 1
+
+
+@pytest.mark.parametrize("domain", [{"width": "5 mm"}, {"type": "cylinder", "width": "5 mm"}, {"height": "6 mm"}])
+def test_a_grain_too_large_for_its_domain_is_refused(domain):
+    """Narrower or lower than the grain: the error gives both sizes and what to change."""
+    with pytest.raises(PackingError, match=r"few: no grain finds room at birth .*grains reach 0.00\d+ m across"):
+        packed({"domain": domain, "amount": {"grains": 1}})
+
+
+def test_the_command_line_ends_with_one_line(tmp_path, capsys):
+    """One grain packs and has no porosity; none and one too large do not pack: a status and a line, no traceback.
+
+    A warning may come before it.
+    """
+
+    def command(*arguments):
+        status = main([str(argument) for argument in arguments])
+        lines = capsys.readouterr().err.strip().splitlines()
+        assert not any("Traceback" in line for line in lines)
+        return status, [line for line in lines if "warning: " not in line]
+
+    def specify(*changes):
+        path = tmp_path / "spec.yaml"
+        path.write_text(yaml.safe_dump(merge(FEW, *changes)))
+        return path
+
+    bed = tmp_path / "one.nc"
+    assert command("pack", specify({"amount": {"grains": 1}}), bed)[0] == 0
+    status, lines = command("porosity", bed)
+    assert status == 2 and len(lines) == 1 and "use more grains" in lines[0]
+    status, lines = command("pack", specify({"amount": {"grains": 0}}), tmp_path / "none.nc")
+    assert status == 2 and len(lines) == 1
+    status, lines = command("pack", specify({"domain": {"width": "5 mm"}}), tmp_path / "wide.nc")
+    assert status == 1 and len(lines) == 1 and "few: no grain finds room" in lines[0]
+    assert not (tmp_path / "none.nc").exists() and not (tmp_path / "wide.nc").exists()
+
+
+def still(process, extreme, duration):
+    """Way of the grain that moved most [m], change of the energy [J], and largest speed [m/s], over `duration` [s]."""
+    before, start = process.bodies.position.copy(), extreme.energy(process)
+    fastest = 0.0
+    for _ in range(20):
+        process.advance(round(duration / 20 / process.dt), extreme.FREE)
+        fastest = max(fastest, np.abs(process.bodies.velocity).max())
+    return np.abs(process.bodies.position - before).max(), extreme.energy(process) - start, fastest
+
+
+def test_a_bed_of_spheres_rests_for_a_minute(extreme):
+    """Settled for 3 s it neither creeps nor warms for 60 s, without any damping but that of the contacts.
+
+    Rounding is eps of a coordinate, 1e-18 m, a step of 1e-4 s: speeds of 1e-14 m/s, which a sphere without neighbours
+    rolls with for ever. Bounds: 1e-9 m/s, a hundredth of a static overlap of way, and of energy 1e-6 of what the
+    weight stores over that overlap.
+    """
+    rng = np.random.default_rng(2)
+    place = np.stack(np.unravel_index(np.arange(18), (2, 3, 3)), axis=-1)[:, ::-1] * 0.0085 + [0.004, 0.004, 0.005]
+    made = extreme.scene(domain={"width": 0.0255}, numerics={"contact_time": 4e-3}, convergence={"interval": 0.5})
+    bed = extreme.place(made, rng.uniform(2.8e-3, 4.2e-3, 18), place + rng.uniform(-1e-4, 1e-4, (18, 3)))
+    extreme.run(bed, 3.0, damped=True)
+    crept, warmed, fastest = still(bed, extreme, 60.0)
+    overlap = GRAVITY / made.law.stiffness
+    print(f"60 s: crept {crept:.1e} m, energy {warmed:+.1e} J, speed {fastest:.1e} m/s; overlap {overlap:.1e} m")
+    assert crept < 1e-2 * overlap
+    assert abs(warmed) < 1e-6 * GRAVITY * bed.bodies.mass.sum() * overlap
+    assert fastest < 1e-9
+
+
+@pytest.mark.extremes
+def test_a_bed_of_bricks_rests_for_a_minute(extreme):
+    """As that of spheres: a dozen bricks of three forms, fallen together, then left alone for 60 s."""
+    rng = np.random.default_rng(3)
+    place = np.stack(np.unravel_index(np.arange(12), (3, 2, 2)), axis=-1)[:, ::-1] * 0.0105 + [0.006, 0.006, 0.006]
+    made = extreme.scene(
+        extreme.CONVEX, domain={"width": 0.021}, numerics={"contact_time": 4e-3}, convergence={"interval": 0.5}
+    )
+    edges = rng.permutation(np.repeat([[6e-3] * 3, [8e-3, 6e-3, 3e-3], [9e-3, 3e-3, 3e-3]], 4, axis=0))
+    bed = extreme.place(made, edges, place, orientation=rng.standard_normal((12, 4)), bases=[extreme.box()])
+    extreme.run(bed, 5.0, damped=True)
+    crept, warmed, fastest = still(bed, extreme, 60.0)
+    overlap = GRAVITY / made.law.stiffness
+    print(f"60 s: crept {crept:.1e} m, energy {warmed:+.1e} J, speed {fastest:.1e} m/s; overlap {overlap:.1e} m")
+    assert crept < 1e-2 * overlap
+    assert abs(warmed) < 1e-6 * GRAVITY * bed.bodies.mass.sum() * overlap
+    assert fastest < 1e-7

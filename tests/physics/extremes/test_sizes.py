@@ -1,0 +1,130 @@
+"""Masses and sizes far apart, far out, very small and very large."""
+
+import numpy as np
+import pytest
+
+from simcore.packing.process import PackingError
+
+GRAVITY = 9.81
+STUDY = 2e-4  # [s], contact time
+
+
+def column(extreme, radii, contact_time=STUDY):
+    """Process of touching spheres on top of each other, and how far each contact must give: floor first."""
+    radii = np.asarray(radii, float)
+    height = np.cumsum(2.0 * radii) - radii
+    made = extreme.scene(
+        domain={"width": 16.0 * radii.max()}, numerics={"contact_time": contact_time}, convergence={"interval": 0.02}
+    )
+    stood = extreme.place(made, radii, np.column_stack([0 * radii, 0 * radii, height]))
+    mass = stood.bodies.mass
+    above = GRAVITY * np.cumsum(mass[::-1])[::-1]
+    effective = mass.copy()
+    effective[1:] = mass[1:] * mass[:-1] / (mass[1:] + mass[:-1])
+    return stood, above, above / (made.law.stiffness * effective)
+
+
+@pytest.mark.parametrize("ratio", [1, 10, 100, 1000])
+def test_a_light_grain_carries_a_heavy_one(extreme, ratio):
+    """Static overlap in closed form: the spring of a pair follows the lighter mass, so it gives M/m times more.
+
+    That weak spring has as weak a dashpot: the heavy one comes to rest at a rate of 2.3 m / (M T_c), 12/s at 1:1000.
+    """
+    light = 5e-4
+    stood, above, expected = column(extreme, [light, light * ratio ** (1.0 / 3.0), light])
+    extreme.run(stood, 2.0, damped=True)
+    found = [light - stood.bodies.position[0, 2], extreme.overlap(stood, 0, 1), extreme.overlap(stood, 1, 2)]
+    np.testing.assert_allclose(found, expected, rtol=1e-4)
+    assert extreme.floor_force(stood) == pytest.approx(above[0], rel=1e-4)
+
+
+@pytest.mark.parametrize("ratio", [1e5, 1e6])
+def test_a_light_grain_crushed_by_a_heavy_one_is_refused(extreme, ratio):
+    """The spring of the light grain would have to give 1 and 10 times its diameter: an error that names a grain."""
+    light = 5e-4
+    stood, _, expected = column(extreme, [light, light * ratio ** (1.0 / 3.0)])
+    assert expected[0] > 2.0 * light
+    with pytest.raises(PackingError, match=r"grain [01]"):
+        extreme.run(stood, 0.5, damped=True)
+
+
+def test_a_million_to_one_in_mass_and_a_hundred_to_one_in_size_in_one_bed(extreme):
+    """A boulder among 120 grains of a hundredth of its size: they come to rest, and the floor carries all.
+
+    The grains are in no other's way but the boulder's: they fall round it and on it, and none ends inside.
+    """
+    big, small = 0.05, 5e-4
+    rng = np.random.default_rng(1)
+    angle, reach = rng.uniform(0.0, 2.0 * np.pi, 120), np.concatenate([np.full(60, 0.3 * big), np.full(60, 1.2 * big)])
+    position = np.column_stack([reach * np.cos(angle), reach * np.sin(angle), np.zeros(120)])
+    order = np.argsort(angle)
+    position[:60, 2] = 2.02 * big + 3.0 * small * np.argsort(order[order < 60])
+    position[60:, 2] = 2.0 * small + 3.0 * small * np.argsort(order[order >= 60])
+    made = extreme.scene(domain={"width": 0.2}, numerics={"contact_time": STUDY})
+    radius = np.concatenate([[big], np.full(120, small)])
+    bed = extreme.place(made, radius, np.vstack([[0, 0, big], position]))
+    assert bed.bodies.mass[0] / bed.bodies.mass[1] == pytest.approx(1e6)
+    energies = extreme.run(bed, 2.0, damped=True)
+    assert (np.diff(energies) < 1e-9 * energies[0]).all()
+    offset = bed.bodies.position[1:] - bed.bodies.position[0]
+    assert (np.linalg.norm(offset, axis=1) > (big + small) - 0.01 * small).all()
+    assert (bed.bodies.position[1:, 2] > 0.99 * small).all()
+    rests = bed.bodies.position[1:, 2] < 1.5 * small
+    assert rests.sum() > 60 and np.linalg.norm(bed.bodies.velocity[1:][rests], axis=1).max() < 0.05
+    assert extreme.floor_force(bed) == pytest.approx(GRAVITY * bed.bodies.mass.sum(), rel=1e-4)
+
+
+def heap(extreme, kind, scale=1.0, place=(0.0, 0.0), duration=0.2):
+    """Twelve grains fallen together in a box, its corner at `place` [m]; lengths times `scale`, times times √scale."""
+    size, time = 6e-3 * scale, np.sqrt(scale)
+    made = extreme.scene(
+        extreme.SPHERE if kind == "sphere" else extreme.CONVEX,
+        domain={"width": 0.02 * scale, "height": 1.0 * scale},
+        numerics={"contact_time": 1e-3 * time},
+        convergence={"interval": 0.01 * time},
+        shaking={"amplitude": 1e-300 * scale, "duration": 1.0 * time, "period": 0.025 * time},
+    )
+    rng = np.random.default_rng(7)
+    grid = np.stack(np.unravel_index(np.arange(12), (3, 2, 2)), axis=-1)[:, ::-1]
+    position = (grid * 0.0095 + rng.uniform(-5e-4, 5e-4, (12, 3)) + [0.005, 0.005, 0.006]) * scale + [*place, 0.0]
+    across = rng.uniform(0.7, 1.0, (12, 3)) * size
+    if kind == "sphere":
+        across = 0.7 * across[:, :1] * np.ones(3)
+    fell = extreme.place(
+        made, across, position, velocity=[0.0, 0.0, -0.5 * time], orientation=rng.standard_normal((12, 4)),
+        bases=None if kind == "sphere" else [extreme.box()],
+    )  # fmt: skip
+    fell.advance(round(duration * time / fell.dt), extreme.FREE)
+    return fell
+
+
+@pytest.mark.parametrize("kind", ["sphere", "brick"])
+@pytest.mark.parametrize("scale", [4.0**-5, 4.0**4])
+def test_micrometres_and_metres_give_the_bits_of_millimetres(extreme, kind, scale):
+    """Gravity's only length is that of the grains: with times as √scale all is the same, and a power of four is exact.
+
+    So grains of 6 µm and of 1.5 m must move as those of 6 mm to the last bit; an absolute tolerance would show.
+    """
+    usual, scaled = heap(extreme, kind), heap(extreme, kind, scale)
+    assert usual.contacts.touching.sum() + usual.walls.touching.sum() > 10
+    assert (scaled.bodies.position == usual.bodies.position * scale).all()
+    assert (scaled.bodies.velocity == usual.bodies.velocity * np.sqrt(scale)).all()
+    assert (scaled.contacts.overlap == usual.contacts.overlap * scale).all()
+
+
+@pytest.mark.parametrize("kind", ["sphere", "brick"])
+@pytest.mark.parametrize("widths", [64, 50_000])
+def test_far_from_the_origin_grains_fall_as_they_do_there(extreme, kind, widths):
+    """1.3 m and 1 km out, in whole widths of the box: nothing but the rounding of the coordinates may differ.
+
+    A coordinate x is known to eps x / 2. In a contact an error δ of the overlap becomes π δ / T_c of speed, and within
+    t a way of (π t / T_c) δ, which the next contact multiplies in the same way: two impacts one after the other, and a
+    corner's lever of up to four, in 0.01 s. Later the difference grows as that of any two packings.
+    """
+    shift, duration = 0.02 * widths, 0.01
+    usual = heap(extreme, kind, duration=duration)
+    far = heap(extreme, kind, place=(shift, -shift), duration=duration)
+    assert usual.contacts.touching.any() or usual.walls.touching.any()
+    error = np.abs(far.bodies.position - [shift, -shift, 0.0] - usual.bodies.position).max()
+    print(f"{kind}, {shift:g} m out: {error:.1e} m")
+    assert error < 4.0 * (np.pi * duration / 1e-3) ** 2 * 2.2e-16 * shift

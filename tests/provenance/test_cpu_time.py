@@ -1,0 +1,38 @@
+"""CPU time leaves out what compiling takes, and only that."""
+
+import time
+
+import numba
+
+from simcore.provenance.cpu_time import compile_time, cpu_time
+
+
+def test_compiling_is_not_counted():
+    @numba.njit
+    def inner(x):
+        return x * x + 1.0
+
+    @numba.njit
+    def outer(x):
+        total = 0.0
+        for k in range(10):
+            total += inner(x + k)
+        return total
+
+    began, compiled, all_ = cpu_time(), compile_time(), time.process_time()
+    outer(1.0)
+    took = compile_time() - compiled
+    assert took > 0.02
+    # What remains is the call and the compiler's frame, not the nested compilation counted twice or not at all.
+    assert 0.0 <= cpu_time() - began < 0.5 * took
+    assert abs((time.process_time() - all_) - (cpu_time() - began) - took) < 0.01
+    compiled = compile_time()
+    outer(2.0)
+    assert compile_time() == compiled
+
+
+def test_work_is_counted():
+    began, end = cpu_time(), time.process_time() + 0.2
+    while time.process_time() < end:
+        pass
+    assert cpu_time() - began > 0.19

@@ -1,0 +1,55 @@
+"""The digest of code: it changes with what a result depends on, and with nothing else."""
+
+import pytest
+
+from simcore.provenance import digest as provenance
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A project with packages a -> b -> c, and d on its own."""
+    monkeypatch.setattr(provenance, "ROOT", tmp_path)
+    package = tmp_path / "simcore"
+    (package / "deep").mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    (package / "a.py").write_text("from simcore.deep.b import f\n")
+    (package / "deep" / "__init__.py").write_text("from .b import f\n")
+    (package / "deep" / "b.py").write_text("def f():\n    from .c import g\n    return g()\n")
+    (package / "deep" / "c.py").write_text('def g():\n    """Text."""\n    return 1\n')
+    (package / "d.py").write_text("x = 1\n")
+
+    def change(path, text):
+        (tmp_path / path).write_text(text)
+        provenance.read_source.cache_clear()
+        return provenance.digest("simcore/a.py")
+
+    return change
+
+
+def test_a_change_in_what_is_imported_counts_however_deep(project):
+    before = provenance.digest("simcore/a.py")
+    assert project("simcore/deep/c.py", "def g():\n    return 2\n") != before
+
+
+def test_comments_docstrings_and_layout_do_not_count(project):
+    before = provenance.digest("simcore/a.py")
+    assert project("simcore/deep/c.py", 'def g():\n    """Other."""\n    # why\n    return  1\n') == before
+
+
+def test_what_is_not_imported_does_not_count(project):
+    before = provenance.digest("simcore/a.py")
+    assert project("simcore/d.py", "x = 2\n") == before
+    assert project("simcore/deep/__init__.py", "y = 2\n") == before
+
+
+def test_packings_do_not_depend_on_how_they_are_evaluated():
+    """The digest of the rule `packing` must not see modules that only evaluate or report."""
+    found, todo = set(), [provenance.ROOT / p for p in ("simcore/scene/setup.py", "simcore/packing/process.py")]
+    while todo:
+        path = todo.pop()
+        if path not in found:
+            found.add(path)
+            todo.extend(provenance.read_source(path).imports)
+    names = {path.stem for path in found}
+    assert "step" in names
+    assert not names & {"porosity", "regression", "evaluate", "studies", "study_tables", "tables", "page"}

@@ -1,0 +1,73 @@
+"""Figures about grains show what their tables hold, with units on every axis."""
+
+import numpy as np
+import pytest
+
+from simcore.grains.scan_shapes import scan_ranges, shape_table
+from simcore.grains.synthetic import synthetic_grains
+from simcore.grains.tables import decimation_summary, decimation_table, factor_correlations, form_table
+from simcore.reference.r22_tables import read_study_table
+from simcore.report.figures import grains as figures
+
+
+@pytest.fixture(scope="module")
+def grains():
+    return synthetic_grains(n=21)
+
+
+@pytest.fixture(scope="module")
+def table(grains):
+    return form_table(grains)
+
+
+def check(figure, path, units="[-]"):
+    for axes in figure.axes:
+        labels = [axes.get_xlabel(), axes.get_ylabel()]
+        assert any(labels)
+        assert all(units in label or "[%]" in label or label in ("form factor", "") for label in labels)
+    figure.savefig(path)
+    assert path.stat().st_size > 5000
+
+
+def test_zingg_diagram_holds_every_grain(table, tmp_path):
+    figure = figures.zingg_diagram({"a": table, "b": table.iloc[:5]})
+    first, second = figure.axes[0].collections
+    np.testing.assert_array_equal(first.get_offsets(), table[["FL", "EL"]])
+    assert len(second.get_offsets()) == 5
+    check(figure, tmp_path / "f.png")
+
+
+def test_the_studys_grains_stand_beside_ours(table, tmp_path):
+    study = read_study_table("table2_form_statistics").iloc[0]
+    figure = figures.zingg_diagram({"a": table}, study)
+    (cross,) = figure.axes[0].containers
+    np.testing.assert_allclose(cross[0].get_xydata()[0], [0.647, 0.682])
+    assert cross.get_label() == "study's 63 grains: mean ± std."
+    check(figure, tmp_path / "a.png")
+    figure = figures.form_histograms(table, study)
+    for axes, mean in zip(figure.axes, (0.647, 0.682), strict=True):
+        theirs = {line.get_label(): line for line in axes.lines}["normal of the study's grains"]
+        assert abs(theirs.get_xdata()[np.argmax(theirs.get_ydata())] - mean) < 0.8 / 199
+    check(figure, tmp_path / "b.png")
+
+
+def test_histograms_count_every_grain(table, tmp_path):
+    figure = figures.form_histograms(table)
+    for axes in figure.axes:
+        assert sum(bar.get_height() for bar in axes.patches) == len(table)
+    check(figure, tmp_path / "f.png")
+
+
+def test_correlation_matrix_shows_every_number(table, tmp_path):
+    figure = figures.correlation_matrix(factor_correlations(table))
+    assert len(figure.axes[0].texts) == 169
+    check(figure, tmp_path / "f.png")
+
+
+def test_shapes_and_decimation(grains, tmp_path):
+    shapes = shape_table(grains)
+    figure = figures.shapes_against_scans({"pebbles": shapes}, scan_ranges())
+    offsets = figure.axes[0].collections[-1].get_offsets()
+    np.testing.assert_array_equal(offsets, shapes[["sphericity_300", "facet_share_300"]])
+    check(figure, tmp_path / "a.png")
+    check(figures.decimation_changes(decimation_summary(decimation_table(grains))), tmp_path / "b.png")
