@@ -18,7 +18,8 @@ from simcore.campaign.studies import merge
 from simcore.compilation import source_digest
 from simcore.dem.state.bodies import make_bodies
 from simcore.grains.sources import load_grains
-from simcore.packing.process import SHAKING, Process
+from simcore.packing.packed import SHAKING
+from simcore.packing.process import Process
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
@@ -144,7 +145,7 @@ def _pour(setup, report):
         process.bodies.velocity[:] = 0.0
         process.bodies.angular_momentum[:] = 0.0
         process.bodies.angular_velocity[:] = 0.0
-    process.step = 0
+    process.state.step = 0
     process.shake(round(RELAXING / process.dt))
     report(f"{scene.name}: bed made, {process.checks[-1][2]}")
     return bed_of(process, poured.sieve_size)
@@ -173,7 +174,7 @@ def start(setup, bed, report=lambda line: None, **options):
         density=setup.scene.material.density,
         features=setup.scene.features,
     )
-    process.place(process.ranks.welcome(None, bodies, process.box), float(np.mean(bed.sieve_size)))
+    process.place(process.ranks.welcome(None, bodies, process.stepper.box), float(np.mean(bed.sieve_size)))
     return process
 
 

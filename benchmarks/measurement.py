@@ -11,7 +11,7 @@ from benchmarks.beds import Bed, start
 from simcore.compilation import source_digest
 from simcore.evaluation.porosity import porosity_profile
 from simcore.packing.file import packing_dataset
-from simcore.packing.process import SHAKING, Packed
+from simcore.packing.packed import SHAKING, Packed
 
 FIRST_STEPS = 3
 REMEMBERING = 0.005  # [s] of steps before the measurement, in which contacts find their springs and facets
@@ -38,7 +38,7 @@ def compile_steps(setup):
     process = start(setup, bed)
     process.advance(FIRST_STEPS, SHAKING)
     compile_s = time.perf_counter() - began
-    stats = process.advance_steps.stats
+    stats = process.stepper.advance_steps.stats
     return {"compile_s": compile_s, "compiled_anew": bool(sum(stats.cache_misses.values()))}
 
 
@@ -81,9 +81,9 @@ def measure_shares(setup, bed, duration):
     """Shares of a step's parts, from a run of its own with clocks in it."""
     process = start(setup, bed, timed=True)
     process.advance(max(round(REMEMBERING / process.dt), 1), SHAKING)
-    before = dict(process.seconds)
+    before = dict(process.stepper.seconds)
     process.advance(max(round(duration / process.dt), 1), SHAKING)
-    spent = {name: seconds - before[name] for name, seconds in process.seconds.items()}
+    spent = {name: seconds - before[name] for name, seconds in process.stepper.seconds.items()}
     total = sum(spent.values())
     return {name: seconds / total for name, seconds in spent.items()}
 

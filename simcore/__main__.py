@@ -117,7 +117,8 @@ def _pack(options):
 def _pack_on(ranks, options):
     """Exit status, the same on all ranks: every error that is caught here is met by all of them."""
     from simcore.packing.checkpoints.file import CheckpointError
-    from simcore.packing.process import Interrupted, PackingError, pack
+    from simcore.packing.packed import Interrupted, PackingError
+    from simcore.packing.process import pack
 
     started = time.monotonic()
     report = _reporter(options.log) if ranks.rank == 0 else _say_nothing
@@ -148,7 +149,8 @@ def _prepare(ranks, options, report):
     """Specification, Setup and keeper of a packing; ValueError or OSError on all ranks where it cannot be run."""
     from simcore.compilation import set_threads
     from simcore.grains.sources import load_grains
-    from simcore.packing.checkpoints.keeper import CheckpointKeeper, checkpoint_code, packing_key
+    from simcore.packing.checkpoints.keeper import CheckpointKeeper
+    from simcore.packing.checkpoints.key import checkpoint_code, packing_key
     from simcore.packing.file import code_version
     from simcore.scene.quantity import parse_quantity
     from simcore.scene.setup import set_up

@@ -152,8 +152,10 @@ def launch(run: Run, folder: Path, scenes, large=False, timeout=None) -> None:
 def work(run: Run, ranks, folder: Path, scenes, large) -> None:
     """On each rank."""
     from simcore.compilation import set_threads
-    from simcore.packing.checkpoints.keeper import CheckpointKeeper, checkpoint_code, packing_key
-    from simcore.packing.process import Interrupted, pack
+    from simcore.packing.checkpoints.keeper import CheckpointKeeper
+    from simcore.packing.checkpoints.key import checkpoint_code, packing_key
+    from simcore.packing.packed import Interrupted
+    from simcore.packing.process import pack
 
     set_threads(run.threads)
     if run.disturbed:
@@ -180,7 +182,7 @@ def work(run: Run, ranks, folder: Path, scenes, large) -> None:
 
 def stop_at(path, share):
     """A wish to stop after that share of the steps that the packing at `path` took."""
-    from simcore.packing.process import KEEP_AND_STOP
+    from simcore.packing.keeping import KEEP_AND_STOP
 
     last = share * read_packing(path).attrs["steps"]
     return lambda step: KEEP_AND_STOP if step >= last else 0

@@ -101,7 +101,7 @@ def phases(options):
     from benchmarks.measurement import measure
     from simcore.campaign.studies import merge
     from simcore.compilation import source_digest
-    from simcore.packing.process import DAMPING, SHAKING
+    from simcore.packing.packed import DAMPING, SHAKING
     from simcore.scene.scene import Scene
 
     class Floorless(Scene):
@@ -143,7 +143,7 @@ def levels(options):
     from simcore.campaign.studies import merge
     from simcore.compilation import source_digest
     from simcore.dem.step.near_pairs import Box, _search, _sort_into_cells, _wrap, find_pairs
-    from simcore.packing.process import SKIN
+    from simcore.packing.lists import SKIN
 
     few = {"allow_few_top_grains": True} if options.shape == "sphere" else {}
     settings = widen(merge(bed_settings(options.shape, options.grains), {"sizes": {**TWO_SIZES, **few}}))

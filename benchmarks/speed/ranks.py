@@ -112,14 +112,14 @@ def work(options, grains, times, kept):
 def run(options, ranks, grains, times, kept):
     from benchmarks.beds import prepare, start, tile
     from benchmarks.measurement import machine
-    from simcore.packing.process import SHAKING
+    from simcore.packing.packed import SHAKING
 
     settings, bed = pour(options, grains)
     setup, bed = tile(prepare(settings), bed, times)
     keeper = _keeper(kept, ranks, settings) if kept else None
     began = time.perf_counter()
     process = start(setup, bed, ranks=ranks, keeper=keeper)
-    n = process.born
+    n = process.state.inserted
     steps = max(round(LEAST_GRAIN_STEPS / n), LEAST_STEPS) if not kept else LEAST_STEPS
     resumed = 0
     if kept and keeper.latest() is not None:
@@ -153,8 +153,8 @@ def run(options, ranks, grains, times, kept):
 
 
 def _keeper(folder, ranks, settings):
-    from simcore.packing.checkpoints.file import scene_key
-    from simcore.packing.checkpoints.keeper import CheckpointKeeper, checkpoint_code
+    from simcore.packing.checkpoints.keeper import CheckpointKeeper
+    from simcore.packing.checkpoints.key import checkpoint_code, scene_key
 
     return CheckpointKeeper(folder, scene_key(settings, []), checkpoint_code(), np.inf, print, ranks)
 
@@ -173,7 +173,7 @@ def _kept(process, keeper):
     digest = hashlib.sha256()
     parts = list(process.ranks.parts(process.bodies, process.near))
     if process.ranks.rank == 0:
-        bodies, near = assemble(parts, np.arange(process.born))
+        bodies, near = assemble(parts, np.arange(process.state.inserted))
         for array in take_part(bodies, near, bodies.own).values():
             digest.update(array.tobytes())
     return {

@@ -99,7 +99,7 @@ def theirs(options, seed):
     import numpy as np
 
     from benchmarks.beds import Bed, export_bed, start
-    from simcore.packing.process import Packed
+    from simcore.packing.packed import Packed
     from simcore.scene.domain import lattice_sites
 
     setup, specification = prepared(options, seed, "paper", {})

@@ -65,7 +65,7 @@ class Bed:
 
     def energy(self, dt):
         """Energy (an Energy) of the current positions; dt as in mechanical_energy."""
-        from simcore.packing.observation import mechanical_energy
+        from simcore.packing.energy import mechanical_energy
 
         self.advance(0.0, 1)
         return mechanical_energy(self.bodies, self.near, self.law, self.gravity, dt)

@@ -70,7 +70,8 @@ def main():
 def packed_bed(changes):
     """(outcome, overlap, message) of BED with `changes` laid over it, packed, and then left free."""
     from simcore.campaign.studies import merge
-    from simcore.packing.process import SHAKING, PackingError, Process
+    from simcore.packing.packed import SHAKING, PackingError
+    from simcore.packing.process import Process
     from simcore.scene.setup import set_up
     from simcore.scene.specification import resolve
 
@@ -84,7 +85,8 @@ def packed_bed(changes):
         deepest = deepest_overlap(process)
         lay = process.bodies.position.copy()
         still = dataclasses.replace(setup.scene.shaking, amplitude=0.0)
-        process.scene = dataclasses.replace(setup.scene, shaking=still)  # the compiled step stays that with shaking
+        # The compiled step stays that with shaking.
+        process.stepper.scene = dataclasses.replace(setup.scene, shaking=still)
         carried = []
         for _ in range(LOOKS):
             process.advance(round(FREE / LOOKS / process.dt), SHAKING)
@@ -188,7 +190,7 @@ def run_and_look(make, duration, end=lambda process: []):
     It runs as a packing does, looked at every convergence interval. A second one, looked at some 200 times, tells how
     deep grains were in each other between. end(process): what is wrong with how it ended, (texts).
     """
-    from simcore.packing.process import DAMPING, PackingError
+    from simcore.packing.packed import DAMPING, PackingError
 
     try:
         process, close = make(), make()

@@ -13,7 +13,7 @@ from simcore import __version__
 from simcore.compilation import source_digest
 from simcore.dem.contact.walls import CYLINDER, FLOOR
 from simcore.dem.shapes.hulls import Base
-from simcore.packing.process import Packed
+from simcore.packing.packed import Packed
 from simcore.paths import ROOT
 from simcore.scene.scene import Scene
 
@@ -66,7 +66,7 @@ def packing_dataset(scene: Scene, bases: list[Base], packed: Packed, sample, spe
         "converged": 1,
         "steps": packed.steps,
         "time": packed.time,
-        "last_birth": packed.last_birth,
+        "last_birth": packed.last_insertion,
         "max_speed": seen.max_speed,
         "unbalanced_force": seen.unbalanced_force,
         "kinetic_energy": seen.kinetic_energy,

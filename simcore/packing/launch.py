@@ -11,7 +11,6 @@ kernel kills mpiexec when this process dies; elsewhere a SIGKILL of this process
 """
 
 import ctypes
-import fcntl
 import os
 import secrets
 import shlex
@@ -23,6 +22,7 @@ from pathlib import Path
 
 import psutil
 
+from simcore.packing.checkpoints.lock import take_lock
 from simcore.packing.heartbeat import VARIABLE
 from simcore.scene.quantity import parse_quantity
 
@@ -77,7 +77,7 @@ def launch(
             _end(token, child, grace if child.poll() is None else 0.0)
         heartbeat.unlink(missing_ok=True)
     finally:
-        os.close(lock)
+        lock.close()
         # What comes now is too late, and must not hide how the run ended.
         for number in INTERRUPTIONS:
             signal.signal(number, signal.SIG_IGN)
@@ -145,33 +145,22 @@ def _with_mpiexec(command, ranks, mpiexec):
 
 
 def _claim(heartbeat, output, received):
-    """Descriptor of the heartbeat file, locked until it is closed, and not inherited by any rank."""
+    """The heartbeat file, locked until it is closed, and not inherited by any rank."""
     waited = None
-    while True:
-        descriptor = os.open(heartbeat, os.O_RDWR | os.O_CREAT, 0o644)
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            other = os.read(descriptor, 20).decode(errors="replace").strip()
-            os.close(descriptor)
-            if waited is None:
-                waited = time.monotonic()
-                _say(f"{output}: waiting for another run of it to end (process {other})")
-            if time.monotonic() - waited > LONGEST_WAIT or received:
-                raise ValueError(
-                    f"{output} is being written by another run (process {other}); wait for it, end it, or give "
-                    "another path"
-                ) from None
-            time.sleep(POLL)
-            continue
-        except OSError:  # a file system without locks: go on without one
-            pass
-        # The run before may have removed the file between our opening and locking it.
-        if heartbeat.exists() and os.path.samestat(os.fstat(descriptor), os.stat(heartbeat)):
-            os.truncate(descriptor, 0)
-            os.write(descriptor, f"{os.getpid()}\n".encode())
-            return descriptor
-        os.close(descriptor)
+
+    def busy(other):
+        nonlocal waited
+        if waited is None:
+            waited = time.monotonic()
+            _say(f"{output}: waiting for another run of it to end (process {other})")
+        if time.monotonic() - waited > LONGEST_WAIT or received:
+            raise ValueError(
+                f"{output} is being written by another run (process {other}); wait for it, end it, or give another path"
+            )
+        time.sleep(POLL)
+
+    file, _ = take_lock(heartbeat, str(os.getpid()), busy)
+    return file
 
 
 def _start(words, environment):

@@ -1,13 +1,10 @@
 """When a packing is at rest: rules from which a scene chooses one.
 
-"still": every grain is, for what static friction holds comes to a stand. "settled": for beds that creep. Friction
-without a static spring holds no shear stress, so such a bed flows toward a denser one, ever more slowly, and no speed
-or force vanishes. What a study needs is that the motion of fall and impact is gone (kinetic energy of a mean grain a
-small share of m g d, the energy by which it could climb another), and that the solid fraction has ceased to change
-by more than a stated share within a stated time. Of a given mass it goes with the inverse of the mean height. A fixed
-time after the last birth is the other rule that could be stated, but how far a bed has come by then depends on its
-friction: 150 ellipsoids of examples/deposit.yaml reach 5e-4 in 0.1 s after 1.4 s with a sliding time of 10 ms, and
-grow denser by 0.005 of themselves in the two seconds after that; with 1 ms they take more than 4 s.
+"still": every grain is at rest, since static friction holds it. "settled": for beds that creep because their friction
+has no static spring. Such a bed counts as settled when the motion of fall and impact is gone (the kinetic energy of a
+mean grain is a small share of m g d, the energy by which it could climb another) and when its solid fraction has ceased
+to change by more than a stated share within a stated time. The solid fraction of a given mass goes with the inverse of
+its mean height. Why no fixed time instead: docs/constants.md.
 """
 
 from typing import NamedTuple
@@ -41,7 +38,7 @@ def judge_still(goal: Convergence, seen: Observation, before: float) -> Verdict:
 def judge_settled(goal: Convergence, material: Material, seen: Observation, checks, since, mass, grains) -> Verdict:
     """By rule "settled".
 
-    checks: (time [s], phase, Observation) of all looks, the last being now. since [s]: the earliest time that counts.
+    checks: (time [s], phase, Observation) of all checks, the last being now. since [s]: the earliest time that counts.
     mass [kg], grains: of the packing.
     """
     now = checks[-1][0]

@@ -12,7 +12,8 @@ import pandas as pd
 
 from simcore.dem.state.bodies import make_bodies
 from simcore.grains.sources import load_grains
-from simcore.packing.process import DAMPING, SHAKING, PackingError, Process
+from simcore.packing.packed import DAMPING, SHAKING, PackingError
+from simcore.packing.process import Process
 from simcore.scene.scene import minimum_steps_per_contact_time
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve

@@ -9,8 +9,9 @@ import trimesh
 from simcore.dem.contact.walls import FLOOR
 from simcore.dem.shapes.hulls import SPHERE, Base, unit_sphere
 from simcore.dem.state.bodies import make_bodies
-from simcore.packing.observation import mechanical_energy
-from simcore.packing.process import DAMPING, SHAKING, Process
+from simcore.packing.energy import mechanical_energy
+from simcore.packing.packed import DAMPING, SHAKING
+from simcore.packing.process import Process
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 

@@ -100,7 +100,7 @@ def test_amounts_by_mass_and_several_batches():
     cost = estimate_cost(setup)
     process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
     assert cost.mass >= 0.1
-    mass = setup.scene.material.density * process.pouring.volumes(setup.draw(np.arange(cost.grains)))
+    mass = setup.scene.material.density * process.insertion.pouring.volumes(setup.draw(np.arange(cost.grains)))
     assert mass.sum() == pytest.approx(cost.mass) and mass[:-1].sum() < 0.1
     assert cost.batches > 1 and cost.generating > 0
 

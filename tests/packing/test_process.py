@@ -7,7 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from simcore.packing.process import GENERATING, PackingError, Process, pack
+from simcore.packing.packed import GENERATING, PackingError
+from simcore.packing.process import Process, pack
 from simcore.scene.domain import lattice_sites
 from tests.helpers.few import set_up_few
 
@@ -192,15 +193,15 @@ def thrown(speed):
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     first = []
 
-    def add_batch():
-        Process._add_batch(running)
+    def insert_batch():
+        Process.insert_batch(running)
         if not first:
-            first.append(running.born)
+            first.append(running.state.inserted)
             running.advance(3 * running.interval_steps, GENERATING)
             running.bodies.velocity[running.bodies.position[:, 2].argmax(), 2] = speed
-            running.watch.look_again(running.bodies, running.step)
+            running.watch.begin_anew(running.state, running.bodies)
 
-    running._add_batch = add_batch
+    running.insert_batch = insert_batch
     return running, first
 
 
@@ -208,8 +209,8 @@ def test_a_batch_waits_for_a_grain_in_flight(monkeypatch):
     """At 3 m/s it is under way for 0.98 s, and a batch may wait for the room of its predecessor for 0.28 s."""
     running, first = thrown(3.0)
     running.generate()
-    assert first[0] < running.born == 120
-    monkeypatch.setattr("simcore.packing.process.LONG_FLIGHT", 0.0)
+    assert first[0] < running.state.inserted == 120
+    monkeypatch.setattr("simcore.packing.insertion.insertion.LONG_FLIGHT", 0.0)
     with pytest.raises(PackingError, match=r"the bed reaches \d{3} mm and leaves no room for another batch"):
         thrown(3.0)[0].generate()
 
@@ -219,7 +220,7 @@ def test_a_bed_that_lies_too_high_is_not_waited_for():
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     with pytest.raises(PackingError, match=r"the bed reaches \d+ mm and leaves no room for another batch"):
         running.generate()
-    assert (running.step - running.patience) * running.dt < 5.0 * running._fall_time()
+    assert (running.step - running.state.room_deadline) * running.dt < 5.0 * running.insertion.fall_time()
 
 
 def test_an_unstable_time_step_is_refused():

@@ -8,9 +8,11 @@ import pytest
 from simcore.dem.shapes.hulls import unit_sphere
 from simcore.dem.stability import contact_load, stiffest_body
 from simcore.dem.state.bodies import make_bodies
+from simcore.packing.checks import deepest_overlap, half_thickness
+from simcore.packing.energy import spring_energy
 from simcore.packing.expectation import backing, depth_of_impact
-from simcore.packing.process import DAMPING, SHAKING, PackingError, Process, pack
-from simcore.packing.watch import deepest_overlap, half_thickness, spring_energy
+from simcore.packing.packed import DAMPING, SHAKING, PackingError
+from simcore.packing.process import Process, pack
 from tests.helpers.few import set_up_few
 
 
@@ -85,7 +87,7 @@ def test_forty_steps_are_too_few_for_contacts_damped_more():
 def test_energy_from_nowhere_names_its_grain(settled):
     """The highest grain is lifted by two centimetres between two looks; it is still falling at the second."""
     running = settled
-    running.watch.look_again(running.bodies, running.step)
+    running.watch.begin_anew(running.state, running.bodies)
     running.advance(running.interval_steps, DAMPING)
     highest = int(np.argmax(running.bodies.position[:, 2]))
     kept = running.bodies.position.copy()
@@ -99,7 +101,7 @@ def test_energy_from_nowhere_names_its_grain(settled):
     assert float(re.search(said, str(error.value))[1]) == pytest.approx(energy, rel=0.1)
     running.bodies.position[:] = kept
     running.bodies.velocity[:] = 0.0
-    running.watch.look_again(running.bodies, running.step)
+    running.watch.begin_anew(running.state, running.bodies)
 
 
 def test_the_energy_seen_falls_while_a_bed_is_damped():
@@ -108,10 +110,10 @@ def test_the_energy_seen_falls_while_a_bed_is_damped():
     running.generate()
     running.shake(running.shaking_steps)
     law, seen = running.scene.law, []
-    running.watch.look_again(running.bodies, running.step)
+    running.watch.begin_anew(running.state, running.bodies)
     for _ in range(10):
         running.advance(running.interval_steps, DAMPING)
-        seen.append(running.watch.energy)
+        seen.append(running.state.watch.energy)
     for before, after in zip(seen[:-1], seen[1:], strict=True):
         gained = after.moving + after.height - before.moving - before.height
         assert gained < 1e-2 * before.moving
@@ -151,7 +153,7 @@ def test_an_overlap_of_half_a_grain_names_both(settled):
     """As if the grains of a bed at rest were ten thousand times as thin."""
     thin = 1e-4 * half_thickness(settled.bodies)
     with pytest.raises(PackingError, match=r"grain \d+ and (grain \d+|the wall) overlap by \S+ mm at step") as caught:
-        settled.watch._check_overlap(settled.bodies, settled.near, settled.step, thin, falling=False)
+        settled.watch._check_overlap(settled.state, settled.bodies, settled.near, thin, falling=False)
     assert "numerics.contact_time (now 0.001 s" in str(caught.value)
 
 
@@ -189,10 +191,10 @@ def test_the_stiffest_grain_of_a_bed_is_among_those_looked_at(settled):
     from simcore.dem import stability
 
     load = contact_load(settled.scene.law, settled.dt)
-    found = stiffest_body(settled.bodies, settled.near, settled.box.width, load)
+    found = stiffest_body(settled.bodies, settled.near, settled.stepper.box.width, load)
     looked_at, stability.LOOKED_AT = stability.LOOKED_AT, 1000
     try:
-        assert stiffest_body(settled.bodies, settled.near, settled.box.width, load) == found
+        assert stiffest_body(settled.bodies, settled.near, settled.stepper.box.width, load) == found
     finally:
         stability.LOOKED_AT = looked_at
 
@@ -213,12 +215,12 @@ def pressed(radius, overlap):
 
 def test_a_pebble_under_a_stone_is_let_pass_while_grains_fall():
     running, lines = pressed(6e-3, 1.5e-3)
-    running.patience = 3
+    running.state.room_deadline = 3
     running.advance(1, SHAKING)
     running.advance(1, SHAKING)
     (line,) = [line for line in lines if "let pass" in line]
     assert "grain 0 and grain 1 overlap by 1.5 mm at step 1, more than half" in line
-    assert running.watch.deepest == pytest.approx(1.5, rel=0.01)
+    assert running.state.watch.deepest == pytest.approx(1.5, rel=0.01)
     with pytest.raises(PackingError, match=r"grain 0 and grain 1 overlap by 1.\d+ mm at step 3"):
         running.advance(1, SHAKING)
 
@@ -226,7 +228,7 @@ def test_a_pebble_under_a_stone_is_let_pass_while_grains_fall():
 @pytest.mark.parametrize("phase, radius", [(DAMPING, 6e-3), (SHAKING, 2.5e-3)])
 def test_it_is_not_once_beds_are_damped_nor_under_one_of_a_few_times_its_mass(phase, radius):
     running, lines = pressed(radius, 1.5e-3)
-    running.patience = 3
+    running.state.room_deadline = 3
     with pytest.raises(PackingError, match=r"grain 0 and grain 1 overlap by 1.\d+ mm at step 1"):
         running.advance(1, phase)
     assert not [line for line in lines if "let pass" in line]

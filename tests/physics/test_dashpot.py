@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import LEVER, contact_law, implicit_law
-from simcore.packing.process import DAMPING, SHAKING, Process
+from simcore.packing.packed import DAMPING, SHAKING
+from simcore.packing.process import Process
 from simcore.scene.scene import longest_stable_step, minimum_steps_per_contact_time
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
@@ -176,7 +177,7 @@ def rest(dashpot, steps):
     process = Process(made.scene, made.bases, made.draw, lambda line: None)
     process.shake(process.generate() + process.shaking_steps)
     process.advance(round(0.5 / process.dt), DAMPING)
-    process.scene = replace(made.scene, shaking=replace(made.scene.shaking, amplitude=0.0))
+    process.stepper.scene = replace(made.scene, shaking=replace(made.scene.shaking, amplitude=0.0))
     seen = process.advance(round(0.2 / process.dt), SHAKING)
     weight = process.bodies.mass.sum() * made.scene.material.effective_gravity
     return seen.kinetic_energy / (weight * 7e-3), seen.unbalanced_force

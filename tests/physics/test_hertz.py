@@ -8,7 +8,7 @@ import pytest
 
 from simcore.dem.forces.hertz import HertzLaw
 from simcore.dem.forces.sliding import CAPPED
-from simcore.packing.observation import mechanical_energy
+from simcore.packing.energy import mechanical_energy
 from simcore.scene.impact import DURATION, damping_number, impact_depth, restitution
 
 R, DENSITY = 3e-3, 2650.0

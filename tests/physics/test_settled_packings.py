@@ -100,7 +100,7 @@ def test_the_settled_ellipsoids_of_the_study():
         coordination.append(2.0 * touching.sum() / 265)
         overlap.append(packed.contacts.overlap[touching].mean())
         largest.append(packed.contacts.overlap[touching].max())
-        print(f"seed {seed}: shaken until {packed.last_birth + 0.13:.3f} s, at rest after {packed.time:.3f} s")
+        print(f"seed {seed}: shaken until {packed.last_insertion + 0.13:.3f} s, at rest after {packed.time:.3f} s")
     print("coordination", coordination, "mean overlap", overlap, "largest", largest)
     assert np.mean(coordination) == pytest.approx(4.45, abs=3.65 * 0.13)
     assert np.mean(overlap) == pytest.approx(8.2e-8, abs=3.65 * 0.3e-8)

@@ -1,6 +1,6 @@
-"""Checkpoints: a run's state in a file that is right or refused, and a folder that keeps the two newest of a scene.
+"""A checkpoint: the state of a run in one file that is right or refused.
 
-What a section holds is the caller's: a dict of named arrays, one section per rank or per part of the state.
+What a section stores is the caller's: a dict of named arrays, one section per rank or per part of the state.
 
 The file, little-endian throughout:
 
@@ -9,21 +9,17 @@ The file, little-endian throughout:
         another, C order
     end mark (8 bytes), number of bytes before it (uint64), SHA-256 of everything before the digest (32 bytes)
 
-Magic, schema, end mark and digest stay where they are in every schema: so a file of another schema is told from a
-damaged one. Nothing between them is looked at before the digest holds.
+Magic, schema, end mark and digest stay where they are in every schema, so that a file of another schema is not taken
+for a damaged one. Nothing between them is read before the digest is verified.
 """
 
 import errno
-import fcntl
 import hashlib
 import json
 import math
-import operator
 import os
-import re
-import socket
 import struct
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -32,12 +28,7 @@ import numpy as np
 SCHEMA = 1  # of the file format above
 MAGIC, END = b"SCREE-CP", b"CP-SCREE"
 DTYPES = {"float64": "<f8", "int64": "<i8", "int32": "<i4", "uint8": "|u1", "bool": "|b1"}
-# Keys of a specification that change no bit of a run: what it is called, how often it reports, a choice whose settings
-# stand in the other keys once it is resolved, and what only refuses to start. Any other key counts.
-WITHOUT_EFFECT = (("name",), ("accuracy",), ("numerics", "progress_interval"), ("sizes", "allow_few_top_grains"))
-KEPT = 2
-HOLDER_LENGTH = 200  # bytes in a lock file
-SUFFIX, PART, LOCK = ".checkpoint", ".part", ".lock"
+PART = ".part"
 BLOCK = 1 << 20  # bytes read at a time for the digest
 READABLE = "see that it is there, may be read, and is written by nothing else"
 MOST_DIMENSIONS = 32  # of an array, within what every numpy can make
@@ -52,37 +43,9 @@ class CheckpointError(ValueError):
     """A checkpoint that cannot be used or written; one line: which file, what is wrong, how to mend it."""
 
 
-def scene_key(specification: dict, bases: Iterable, drawn: Iterable = ()) -> str:
-    """Digest (16 hex digits) of what decides the bits of a packing, but for the code.
-
-    specification: resolved; the order of its keys does not count, nor do the keys WITHOUT_EFFECT. bases: the base
-    shapes (simcore.dem.shapes.hulls.Base), in their order. drawn: arrays that tell what neither shows, such as the Draw
-    of the first grains: the forms of ellipsoids come from files of which the specification has the path alone, and the
-    sieve curve of a case from a table.
-    """
-    bases = list(bases)
-    told = [_deciding(specification), [base.name for base in bases]]
-    total = hashlib.sha256(json.dumps(told, sort_keys=True).encode())
-    arrays = []
-    for base in bases:
-        arrays += [np.asarray(part, np.float64) for part in (base.vertices, base.volume, base.second_moments)]
-        arrays.append(np.asarray(base.faces, np.int64))
-    for array in [*arrays, *map(np.asarray, drawn)]:
-        # Type and shape first: they say where the array ends
-        total.update(f"\n{array.dtype} {array.shape} ".encode() + array.tobytes())
-    return total.hexdigest()[:16]
-
-
-def _deciding(group, path=()):
-    """The nested dict but for the keys WITHOUT_EFFECT."""
-    return {
-        key: _deciding(value, (*path, key)) if isinstance(value, dict) else value
-        for key, value in group.items()
-        if (*path, key) not in WITHOUT_EFFECT
-    }
-
-
-# -- one file -----------------------------------------------------------------------------------------------
+def reason(error: OSError) -> str:
+    """What the operating system says of an error."""
+    return error.strerror or str(error)
 
 
 def write_checkpoint(path, header: dict, sections: Iterable[dict[str, np.ndarray]]) -> None:
@@ -111,7 +74,7 @@ def write_checkpoint(path, header: dict, sections: Iterable[dict[str, np.ndarray
         for _ in sections:
             pass
         raise CheckpointError(
-            f"{path}: the checkpoint could not be written ({_reason(error)}), earlier ones stay as they are; make room "
+            f"{path}: the checkpoint could not be written ({reason(error)}), earlier ones stay as they are; make room "
             f"in {path.parent} and see that it can be written, or give another folder"
         ) from error
 
@@ -178,7 +141,7 @@ def read_checkpoint(path, key: str, code: str, schema: int = SCHEMA) -> tuple[di
     try:
         return _read(path, key, code, schema)
     except OSError as error:
-        raise CheckpointError(f"{path}: the checkpoint cannot be read ({_reason(error)}); {READABLE}") from error
+        raise CheckpointError(f"{path}: the checkpoint cannot be read ({reason(error)}); {READABLE}") from error
 
 
 def _read(path, key, code, schema):
@@ -328,7 +291,7 @@ class Sections(Sequence):
             if self._file.readinto(data) < data.size:
                 raise OSError("it became shorter while it was read")
         except OSError as error:
-            raise CheckpointError(f"{self.path} can no longer be read ({_reason(error)}); {READABLE}") from error
+            raise CheckpointError(f"{self.path} can no longer be read ({reason(error)}); {READABLE}") from error
         return array.astype(array.dtype.newbyteorder("="), copy=False)
 
     def close(self) -> None:
@@ -339,149 +302,3 @@ class Sections(Sequence):
 
     def __exit__(self, *exception):
         self.close()
-
-
-# -- a folder -----------------------------------------------------------------------------------------------
-
-
-class Store:
-    """The checkpoints of one scene in a folder, which other scenes may share.
-
-    key: of the scene (`scene_key`), letters and digits. code: version of the code. report(line): is told of each
-    checkpoint that is refused. lock: for the one process that writes; it makes the folder, keeps any second process
-    from the key until this store is closed or its process dead, and removes what a killed run left half written.
-    Without it the store touches nothing until it saves. CheckpointError where the key is taken, or the folder cannot
-    be made or written.
-    """
-
-    def __init__(self, folder, key: str, code: str, report: Callable[[str], None], lock: bool = True):
-        if not re.fullmatch("[0-9A-Za-z]+", key):
-            raise ValueError(f"key of the checkpoints: {key!r} must be letters and digits, as of scene_key")
-        self.folder, self.key, self.code, self.report = Path(folder), key, code, report
-        self._good = []  # paths, oldest first: written or read here, and neither replaced nor removed since
-        self._lock = None
-        if lock:
-            try:
-                self.folder.mkdir(parents=True, exist_ok=True)
-                self._lock = self._take_lock()
-                if self._locked:
-                    self._remove(self._files(SUFFIX + PART))
-            except OSError as error:
-                self.close()
-                raise CheckpointError(
-                    f"{self.folder}: no checkpoint can be written there ({_reason(error)}); give a folder that can be "
-                    f"written"
-                ) from error
-
-    def save(self, header: dict, sections: Iterable[dict[str, np.ndarray]]) -> None:
-        """Write the checkpoint of header["step"], and remove all of this scene but the two newest that are good.
-
-        Newest in the order in which they were made: those that were refused count for nothing, whatever their step,
-        but stay until two good ones stand. CheckpointError as of `write_checkpoint`.
-        """
-        path = self.folder / f"{self.key}-{operator.index(header['step'])}{SUFFIX}"
-        try:
-            write_checkpoint(path, {**header, "key": self.key, "code": self.code}, sections)
-        except CheckpointError as error:
-            raise CheckpointError(f"{error}; the run goes on without it") from error
-        self._good = [good for good in self._good if good != path][1 - KEPT :] + [path]
-        if len(self._good) == KEPT:
-            self._remove(other for other in self._files(SUFFIX) if other not in self._good)
-
-    def latest(self) -> tuple[dict, Sections] | None:
-        """Header and sections of the newest checkpoint that reads right, None without any; each refused is reported."""
-        try:
-            paths = self._files(SUFFIX)
-        except OSError as error:
-            raise CheckpointError(
-                f"{self.folder}: the checkpoints cannot be listed ({_reason(error)}); see to its rights, or give "
-                f"another folder"
-            ) from error
-        for path in paths:
-            try:
-                header, sections = read_checkpoint(path, self.key, self.code)
-            except CheckpointError as error:
-                self.report(str(error))
-                continue
-            self._good = [path]
-            return header, sections
-        return None
-
-    def clear(self) -> None:
-        """Remove all checkpoints of this scene, and the lock: its final file is written."""
-        try:
-            self._remove([*self._files(SUFFIX), *self._files(SUFFIX + PART)])
-        except OSError as error:
-            self.report(f"{self.folder}: checkpoints of {self.key} remain ({_reason(error)}); remove them by hand")
-        self._good = []
-        self.close()
-
-    def close(self) -> None:
-        """Give the key free; the checkpoints stay."""
-        if self._lock is not None:
-            if self._locked:  # before it is let go of, so that nobody can hold a lock that has lost its name
-                self._remove([self._lock_path])
-            self._lock.close()
-            self._lock = None
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *exception):
-        self.close()
-
-    @property
-    def _lock_path(self):
-        return self.folder / f"{self.key}{LOCK}"
-
-    def _take_lock(self):
-        """Open lock file with the lock on it, or without where the file system has no locks (`_locked` says so)."""
-        while True:
-            self._locked = False
-            file = open(self._lock_path, "a+b", buffering=0)
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                self._locked = True
-            except BlockingIOError:
-                file.seek(0)
-                holder = file.read(HOLDER_LENGTH).decode(errors="replace") or "another process"
-                file.close()
-                raise CheckpointError(
-                    f"{self.folder}: {holder} runs this scene ({self.key}) with its checkpoints here; wait for it or "
-                    f"end it, or give another folder"
-                ) from None
-            except OSError as error:
-                self.report(
-                    f"{self._lock_path} cannot be locked ({_reason(error)}); see that no other process runs this scene "
-                    f"with its checkpoints there"
-                )
-                return file
-            # Its holder may have removed it, and another made it anew, between our opening and locking
-            with suppress(FileNotFoundError):
-                if os.path.samestat(os.fstat(file.fileno()), os.stat(self._lock_path)):
-                    with suppress(OSError):  # who holds it is told as a courtesy, a full disk does not matter here
-                        file.truncate(0)
-                        file.write(f"process {os.getpid()} on {socket.gethostname()}".encode()[:HOLDER_LENGTH])
-                    return file
-            file.close()
-
-    def _files(self, ending):
-        """Paths of this scene's files with this ending, the latest step first; OSError."""
-        name = re.compile(re.escape(self.key) + r"-(\d+)" + re.escape(ending))
-        try:
-            names = os.listdir(self.folder)
-        except FileNotFoundError:
-            return []
-        steps = [(int(match[1]), match[0]) for match in map(name.fullmatch, names) if match]
-        return [self.folder / name for _, name in sorted(steps, reverse=True)]
-
-    def _remove(self, paths):
-        for path in paths:
-            try:
-                path.unlink(missing_ok=True)
-            except OSError as error:
-                self.report(f"{path} cannot be removed ({_reason(error)}); remove it by hand")
-
-
-def _reason(error):
-    return error.strerror or str(error)

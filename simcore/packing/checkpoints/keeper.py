@@ -3,39 +3,13 @@
 import signal
 import time
 
-import numpy as np
-
-from simcore import __version__
-from simcore.compilation import source_digest
-from simcore.packing.checkpoints.file import CheckpointError, Store, read_checkpoint, scene_key
+from simcore.packing.checkpoints.file import CheckpointError, read_checkpoint
+from simcore.packing.checkpoints.store import Store
 from simcore.packing.heartbeat import beat
-from simcore.packing.process import KEEP, KEEP_AND_STOP, Keeper
+from simcore.packing.keeping import KEEP, KEEP_AND_STOP, Keeper
 from simcore.provenance.cpu_time import cpu_time
-from simcore.provenance.digest import digest
 
-DRAWN = 1000  # grains whose draw tells what decides a packing and stands neither in its specification nor its bases
 STOPPING = (signal.SIGTERM, signal.SIGINT)
-
-
-def checkpoint_code() -> str:
-    """What must be the same for a checkpoint to be gone on from: the code that packs, and its arithmetic.
-
-    Asked for before a run starts, it tells what ran, even where files are changed meanwhile.
-    """
-    packing = digest(
-        "simcore/scene/setup.py",
-        "simcore/packing/process.py",
-        "simcore/dem/ranks/many_ranks.py",
-        "simcore/grains/sources.py",
-        "config/cases.tsv",
-    )
-    return f"{__version__}+{source_digest()}+{packing}+numpy{np.__version__}"
-
-
-def packing_key(specification: dict, setup) -> str:
-    """Key of a packing's checkpoints; see simcore.packing.checkpoints.file.scene_key."""
-    scene = setup.scene
-    return scene_key(specification, setup.bases, setup.draw(np.arange(min(DRAWN, scene.amount_grains or DRAWN))))
 
 
 class CheckpointKeeper(Keeper):

@@ -12,7 +12,7 @@ import numpy as np
 from simcore.dem.shapes.hulls import Base
 from simcore.packing.insertion.initial_states import occupy_sites
 from simcore.packing.insertion.random_placement import fall_time, layer_grains, release_places, zone_height
-from simcore.packing.watch import PackingError
+from simcore.packing.packed import PackingError
 from simcore.scene.domain import lattice_sites
 from simcore.scene.scene import Scene
 

@@ -9,10 +9,11 @@ from simcore.dem.forces.hertz import STORED, law_at, linear_law, local_law
 from simcore.dem.forces.sliding import CAPPED, NONE, VISCOUS
 from simcore.dem.forces.spring_dashpot import normal_force
 from simcore.dem.stability import body_steps, contact_load, stiffest_body
+from simcore.packing.energy import spring_energy
 from simcore.packing.expectation import depth_of_impact, expect, overlap_at_rest
 from simcore.packing.explanation import explain
-from simcore.packing.process import DAMPING, Process
-from simcore.packing.watch import spring_energy
+from simcore.packing.packed import DAMPING
+from simcore.packing.process import Process
 from simcore.scene.impact import sphere_radius
 from simcore.scene.scene import longest_stable_step
 from tests.helpers.few import set_up_few
@@ -172,7 +173,7 @@ def test_the_watch_samples_the_stiffness_there_is(deposit):
     running, _ = deposit
     made = running.scene
     load = contact_load(made.continuous_law, running.dt, False)
-    width = running.box.width
+    width = running.stepper.box.width
     found = stiffest_body(running.bodies, running.near, width, load, firmness=made.firmness)
     alike = stiffest_body(running.bodies, running.near, width, load)
     assert 0.0 < found.load < alike.load
@@ -189,7 +190,7 @@ def test_the_watch_samples_the_stiffness_there_is(deposit):
         running.bodies, running.near, width, made.continuous_law, False, found.body, firmness=made.firmness, time=time
     )
     assert 0.0 < steps < made.numerics.steps_per_contact_time
-    assert running.watch.needed > 0.0 and running.watch.stiffest >= 0
+    assert running.state.watch.needed > 0.0 and running.state.watch.stiffest >= 0
 
 
 def test_its_springs_hold_two_fifths_k_times_the_overlap_to_five_halves(deposit):

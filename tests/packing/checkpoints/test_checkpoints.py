@@ -16,8 +16,10 @@ import numpy as np
 import pytest
 
 from simcore.dem.shapes.hulls import Base
-from simcore.packing.checkpoints import file as checkpoint
-from simcore.packing.checkpoints.file import CheckpointError, Store, read_checkpoint, scene_key, write_checkpoint
+from simcore.packing.checkpoints import lock
+from simcore.packing.checkpoints.file import CheckpointError, read_checkpoint, write_checkpoint
+from simcore.packing.checkpoints.key import scene_key
+from simcore.packing.checkpoints.store import Store
 from simcore.scene.specification import read_schema, resolve
 
 KEY, CODE = "0123456789abcdef", "0.1.0+fedcba"
@@ -287,7 +289,8 @@ def test_refused_checkpoints_push_no_good_one_out(tmp_path):
 FULL_DISK = """
     import resource, signal, sys
     import numpy as np
-    from simcore.packing.checkpoints.file import CheckpointError, Store
+    from simcore.packing.checkpoints.file import CheckpointError
+    from simcore.packing.checkpoints.store import Store
 
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     taken = []
@@ -354,7 +357,7 @@ def test_leftovers_of_a_killed_run_are_removed_by_the_next_of_its_key_alone(tmp_
 
 HOLDER = """
     import sys, time
-    from simcore.packing.checkpoints.file import Store
+    from simcore.packing.checkpoints.store import Store
 
     store = Store(*sys.argv[1:], print)
     print("held", flush=True)
@@ -383,13 +386,13 @@ def test_a_second_process_is_refused_until_the_first_is_dead(tmp_path):
 
 def test_the_lock_that_counts_is_the_one_that_bears_the_name(tmp_path, monkeypatch):
     """The first holder ends, and removes its lock file, between another's opening it and locking it."""
-    flock, first = checkpoint.fcntl.flock, Store(tmp_path, KEY, CODE, pytest.fail)
+    flock, first = lock.fcntl.flock, Store(tmp_path, KEY, CODE, pytest.fail)
 
     def late(file, how):
         first.close()
         flock(file, how)
 
-    monkeypatch.setattr(checkpoint.fcntl, "flock", late)
+    monkeypatch.setattr(lock.fcntl, "flock", late)
     with Store(tmp_path, KEY, CODE, pytest.fail):
         assert names(tmp_path, "") == [f"{KEY}.lock"]
         with pytest.raises(CheckpointError, match="runs this scene"):
@@ -400,7 +403,7 @@ def test_a_file_system_without_locks_is_reported_and_used_with_care(tmp_path, mo
     def no_lock(file, how):
         raise OSError(errno.ENOLCK, "No locks available")
 
-    monkeypatch.setattr(checkpoint.fcntl, "flock", no_lock)
+    monkeypatch.setattr(lock.fcntl, "flock", no_lock)
     part, lines = tmp_path / f"{KEY}-5.checkpoint.part", []
     part.write_text("")
     with Store(tmp_path, KEY, CODE, lines.append) as store:

@@ -5,7 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from simcore.packing.process import KEEP, KEEP_AND_STOP, Interrupted, Keeper, pack
+from simcore.packing.keeping import KEEP, KEEP_AND_STOP, Keeper
+from simcore.packing.packed import Interrupted
+from simcore.packing.process import pack
 from tests.dem.state.test_parts import arrays_of, assert_same
 from tests.helpers.few import set_up_few
 
@@ -46,7 +48,7 @@ def whole(made):
 
 def assert_packed_alike(first, second):
     assert_same(arrays_of(first.bodies, first.near), arrays_of(second.bodies, second.near))
-    for name in ("observation", "steps", "time", "last_birth", "checks", "stability"):
+    for name in ("observation", "steps", "time", "last_insertion", "checks", "stability"):
         assert getattr(first, name) == getattr(second, name), name
 
 

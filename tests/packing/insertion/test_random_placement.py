@@ -99,7 +99,7 @@ def test_grains_of_a_batch_are_apart_by_the_exact_query(kind):
         load_grains,
     )
     process = Process(made.scene, made.bases, made.draw, lambda line: None)
-    process._add_batch()
+    process.insert_batch()
     bodies, drawn = process.bodies, made.draw(np.arange(120))
     birth = give_birth(made.scene.generation, bodies.position, drawn.sieve_size, drawn.uniforms)
     assert (bodies.velocity == birth.velocity).all()

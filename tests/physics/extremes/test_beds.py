@@ -6,7 +6,8 @@ import yaml
 
 from simcore.__main__ import main
 from simcore.campaign.studies import merge
-from simcore.packing.process import PackingError, pack
+from simcore.packing.packed import PackingError
+from simcore.packing.process import pack
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 

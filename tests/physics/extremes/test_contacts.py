@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simcore.packing.process import PackingError
+from simcore.packing.packed import PackingError
 
 R = 3e-3
 GRAVITY = 9.81

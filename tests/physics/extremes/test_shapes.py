@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from simcore.packing.process import PackingError
+from simcore.packing.packed import PackingError
 
 GRAVITY = 9.81
 LONG = 0.02

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simcore.packing.process import PackingError
+from simcore.packing.packed import PackingError
 
 GRAVITY = 9.81
 STUDY = 2e-4  # [s], contact time

@@ -1,0 +1,121 @@
+"""When a batch of grains is inserted, and which: the part of a packing that goes on until its amount is reached."""
+
+import numpy as np
+
+from simcore.dem.state.bodies import make_bodies
+from simcore.dem.step.near_pairs import list_near
+from simcore.packing.insertion.batches import Pouring
+from simcore.packing.insertion.initial_states import give_birth
+from simcore.packing.insertion.random_placement import fall_time
+from simcore.packing.packed import GENERATING, PackingError
+
+LONG_FLIGHT = 50.0  # times to fall through the domain
+
+
+class Insertion:
+    """Inserts the batches of a scene. Every rank draws all of a batch and takes its own grains."""
+
+    def __init__(self, scene, bases, draw, stepper, ranks):
+        self.scene, self.bases, self.stepper, self.ranks = scene, bases, stepper, ranks
+        self.dt = scene.numerics.time_step
+        self.pouring = Pouring(scene, bases, draw)
+
+    def is_due(self, state, bodies, near) -> bool:
+        """Whether a batch is inserted now; PackingError where none will ever find room."""
+        if bodies is None:
+            return True
+        if state.in_stretch or state.step < state.next_insertion:
+            return False
+        top = self._top(bodies)
+        if self._has_room(state, bodies, top):
+            return True
+        if state.step < state.room_deadline:
+            return False
+        # A heavy grain that falls on a light one can throw it above the insertion height: it is waited for, not too
+        # long.
+        waits = (state.step - state.room_deadline) * self.dt < LONG_FLIGHT * self.fall_time()
+        lying = self._top(bodies, _touches(bodies, near))
+        if waits and self._has_room(state, bodies, lying):
+            return False
+        # The bed itself has come to where batches begin: what is left of the domain takes the next.
+        if self._has_room(state, bodies, top, last=True):
+            return True
+        if waits and self._has_room(state, bodies, lying, last=True):
+            return False
+        raise PackingError(
+            f"{self.scene.name}: after {state.inserted} grains the bed reaches {top * 1e3:.0f} mm and leaves no room "
+            f"for another batch below domain.height = {self.scene.domain.height * 1e3:.0f} mm; make the domain higher "
+            f"or wider, or pour less"
+        )
+
+    def batch(self, state, bodies):
+        """(new bodies, their mean sieve size [m]) of the next batch; notes in `state` when the one after may come."""
+        scene, inserted = self.scene, state.inserted
+        drawn, places, interval = self.pouring.batch(inserted, self._top(bodies), self._touching)
+        state.next_insertion = state.step + round(interval / self.dt)
+        count = len(places)
+        if scene.amount_grains is not None:
+            state.complete = inserted + count >= scene.amount_grains
+        else:
+            before = 0.0 if bodies is None else self.ranks.totals(bodies.mass[bodies.own])[0]
+            mass = before + np.cumsum(scene.material.density * self.pouring.volumes(drawn)[:count])
+            state.complete = bool(mass[-1] >= scene.amount_mass)
+            if state.complete and scene.generation.fill == "bed":
+                # ASSUME: Rettinger et al. (2022) end with a whole batch and overshoot; a batch just above the bed can
+                # be larger than the packing, so the grain that reaches the mass is the last.
+                count = int(np.searchsorted(mass, scene.amount_mass)) + 1
+        state.room_deadline = max(state.step, state.next_insertion) + round(2.0 * self.fall_time() / self.dt)
+        new = self._new_bodies(drawn, places, count)
+        new.id[:] += inserted
+        return new, float(np.mean(drawn.sieve_size[:count]))
+
+    def fall_time(self) -> float:
+        """Time to fall through the domain from the insertion height [s]."""
+        scene = self.scene
+        return fall_time(scene.domain.height, -scene.generation.velocity_z, scene.material.effective_gravity)
+
+    def _new_bodies(self, drawn, places, count):
+        """Bodies of the first `count` grains drawn, at these places, with ids from 0 on."""
+        scene = self.scene
+        states = give_birth(scene.generation, places[:count], drawn.sieve_size[:count], drawn.uniforms[:count])
+        return make_bodies(
+            self.bases, drawn.shape[:count], drawn.scale[:count], *states, scene.material.density, self.stepper.features
+        )
+
+    def _touching(self, drawn, places):
+        """Pairs (m, 2) of the grains drawn that touch each other at these places."""
+        bodies = self._new_bodies(drawn, places, len(places))
+        near = list_near(bodies, self.stepper.shapes, self.stepper.box, 0.0, self.stepper.features)
+        return self.stepper.touching_pairs(bodies, near, self.stepper.drive(GENERATING, 0.0))
+
+    def _has_room(self, state, bodies, top, last=False):
+        return self.pouring.has_room(state.inserted, top, lambda: self._highest(bodies), last)
+
+    def _top(self, bodies, among=None):
+        """Height below which all grains are [m], or all of the bodies `among` (n,)."""
+        if bodies is None:
+            return 0.0
+        counted = np.zeros(len(bodies.id), bool)
+        counted[bodies.own] = True
+        if among is not None:
+            counted &= among
+        tops = bodies.position[counted, 2] + bodies.radius[counted]
+        return float(self.ranks.most([tops.max(initial=-np.inf)])[0])
+
+    def _highest(self, bodies):
+        """Height of the highest centre and largest bounding radius [m]."""
+        own = bodies.own
+        return self.ranks.most([bodies.position[own, 2].max(initial=-np.inf), bodies.radius[own].max(initial=0.0)])
+
+
+def _touches(bodies, near):
+    """Whether a body of this rank touches something, as of the last step (n,)."""
+    contacts, walls = near
+    touching = np.zeros(len(bodies.id), bool)
+    for rows, touch in (
+        (contacts.body_a, contacts.touching),
+        (contacts.body_b, contacts.touching),
+        (walls.body, walls.touching),
+    ):
+        touching[rows[touch != 0]] = True
+    return touching

@@ -1,0 +1,35 @@
+"""Progress lines, by wall-clock time; no result depends on them."""
+
+import time
+
+from simcore.packing.packed import DAMPING, GENERATING, SHAKING
+
+
+class Progress:
+    """Reports each change of phase, and a line every scene.numerics.progress_interval [s] of wall-clock time."""
+
+    def __init__(self, scene, report):
+        self.scene, self.report = scene, report
+        self.last_time = time.monotonic()
+        self.last_step = 0
+
+    def phase(self, text):
+        self.report(f"{self.scene.name}: {text}")
+
+    def line(self, phase, step, dt, n_bodies, seen, end):
+        """Report the rate since the last line and the time left. end: step at which the phase ends, or None."""
+        now = time.monotonic()
+        elapsed = now - self.last_time
+        if elapsed < self.scene.numerics.progress_interval:
+            return
+        rate = (step - self.last_step) / elapsed
+        self.last_time, self.last_step = now, step
+        shaking_left = 0 if phase == DAMPING else self.scene.shaking.duration / dt
+        left = (end - step if end is not None else shaking_left) / rate
+        # While damping, the end is a limit that is seldom reached.
+        estimate = {GENERATING: f"> {left:.0f} s", SHAKING: f"about {left:.0f} s"}.get(phase, f"< {left:.0f} s")
+        self.report(
+            f"{self.scene.name}: {phase}, t = {step * dt:.3f} s, {n_bodies} grains, kinetic energy "
+            f"{seen.kinetic_energy:.2e} J, mean overlap {seen.mean_overlap:.1e} m, {rate:.0f} steps/s, "
+            f"{estimate} left in this phase"
+        )

@@ -1,0 +1,62 @@
+"""The state of a packing under way, besides its bodies and their near pairs: what a checkpoint writes and reads."""
+
+from dataclasses import asdict, dataclass, field
+
+from simcore.packing.energy import TotalEnergy
+from simcore.packing.observation import Observation
+from simcore.packing.packed import GENERATING
+
+
+@dataclass
+class WatchMemory:
+    """What the checks remember from one to the next."""
+
+    load: float = 0.0  # of the stiffest grain so far; see simcore.dem.stability
+    needed: float = 0.0  # steps per contact time that this grain needs by itself
+    stiffest: int = -1  # its id
+    contacts: int = 0  # it had
+    deepest: float = 0.0  # largest overlap over the thinner grain's half thickness
+    looks: int = 0
+    warned_of_steps: bool = False
+    warned_of_pinching: bool = False
+    energy: TotalEnergy | None = None  # at the last check; None after bodies were added or set by hand
+
+
+@dataclass
+class State:
+    """All that later steps depend on. A stretch is a number of steps between two checks. Times are in steps."""
+
+    phase: str = GENERATING
+    step: int = 0
+    phase_end: int = 0
+    stretch_start: int = 0
+    stretch_end: int = 0
+    in_stretch: bool = False
+    inserted: int = 0  # grains
+    complete: bool = False  # no grain is left to insert
+    next_insertion: int = 0  # step before which no batch is inserted
+    room_deadline: int = 0  # step until which the last batch must have left room for the next
+    last_insertion: int = 0
+    mean_size: float = 0.0  # [m], of the sieve sizes of the last batch
+    mean_height: float = 0.0  # [m], at the last check while damping
+    skin: float = 0.0  # [m], of the neighbour list
+    look_ahead: float = 0.0  # [s], time whose way, at its speed, a body's margin includes
+    listed_step: int = 0  # step of the last neighbour list
+    checks: list = field(default_factory=list)  # (time [s], phase, Observation) at the end of each stretch
+    watch: WatchMemory = field(default_factory=WatchMemory)
+
+    def to_header(self) -> dict:
+        """The state as a dict that JSON can store."""
+        return {**vars(self), "checks": [(time, phase, *seen) for time, phase, seen in self.checks]} | {
+            "watch": asdict(self.watch)
+        }
+
+    @classmethod
+    def from_header(cls, header: dict):
+        """The state that `to_header` stored; other keys of the header are ignored."""
+        fields = {name: header[name] for name in cls.__dataclass_fields__}
+        memory = WatchMemory(**fields.pop("watch"))
+        if memory.energy is not None:
+            memory.energy = TotalEnergy(*memory.energy)
+        checks = [(time, phase, Observation(*seen)) for time, phase, *seen in fields.pop("checks")]
+        return cls(**fields, checks=checks, watch=memory)

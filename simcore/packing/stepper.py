@@ -1,0 +1,61 @@
+"""The compiled step of a scene with what it needs besides bodies and near pairs: shapes, box, law, drive, workspace."""
+
+import time
+
+import numpy as np
+from numba import get_num_threads
+
+from simcore.dem.contact.patch.patch import make_room
+from simcore.dem.shapes.hulls import collect_shapes
+from simcore.dem.step.near_pairs import Box
+from simcore.dem.step.step import STAGES, Drive, make_advance
+from simcore.packing.packed import DAMPING
+
+
+class Stepper:
+    """Steps bodies of one scene; counts in `seconds` the wall-clock time of each part."""
+
+    def __init__(self, scene, bases, timed=False):
+        """timed: measure the parts of the steps too, which is compiled as a step of its own."""
+        self.scene = scene
+        self.shapes = collect_shapes(bases)
+        domain = scene.domain
+        self.box = Box(domain.width) if domain.periodic else Box(0.0, 0.5 * domain.width)
+        self.features = scene.features._replace(timed=timed)
+        self.advance_steps = make_advance(self.features)
+        self.room = make_room(self.shapes, get_num_threads())
+        self.clock = np.zeros(len(STAGES), np.int64)
+        self.seconds = dict.fromkeys(("neighbour search", *STAGES), 0.0)
+
+    def drive(self, phase, dt) -> Drive:
+        """The numbers of steps of dt [s] in a phase."""
+        scene = self.scene
+        return Drive(
+            dt=dt,
+            gravity=scene.material.effective_gravity,
+            shaking=0.0 if phase == DAMPING else scene.shaking.acceleration,
+            shaking_rate=scene.shaking.rate,
+            damping=scene.damping.factor**dt if phase == DAMPING else 1.0,
+            width=self.box.width,
+            wall_radius=0.5 * scene.domain.width,
+        )
+
+    def step(self, bodies, near, drive, first_step, n_steps):
+        """(steps done, whether the list is stale): at most n_steps, fewer where a body has left its margin."""
+        return self.advance_steps(
+            bodies, self.shapes, *near, self.room, self.scene.law, drive, self.clock, first_step, n_steps
+        )
+
+    def touching_pairs(self, bodies, near, drive):
+        """Pairs (m, 2) of bodies that touch where they are, by the step's own contacts; nothing moves."""
+        clock = np.zeros_like(self.clock)
+        self.advance_steps(bodies, self.shapes, *near, self.room, self.scene.law, drive, clock, 0, 1)
+        contacts = near.contacts
+        return np.column_stack([contacts.body_a, contacts.body_b])[contacts.touching != 0]
+
+    def count(self, started, before) -> None:
+        """Share the time since `started` among the stages by their cycles since `before`, where the step is timed."""
+        if self.features.timed:
+            elapsed, cycles = time.perf_counter() - started, self.clock - before
+            for stage, share in zip(STAGES, cycles / cycles.sum(), strict=True):
+                self.seconds[stage] += elapsed * share
