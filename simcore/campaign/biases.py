@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from simcore.scene.identity import differing_keys
 from simcore.scene.specification import resolve
 
 COLUMNS = ["of", "setting", "against", "bed", "born", "kind", "beds", "difference", "difference_std_error", "source"]
@@ -129,12 +130,9 @@ def describe_settings(specification):
     if specification["accuracy"] is None:
         return None
     of_accuracy = _settings_of(specification["accuracy"])
-    other = {
-        f"{group}.{key}"
-        for group in ("shaking", "numerics", "convergence")
-        for key, value in of_accuracy[group].items()
-        if specification[group][key] != value and key != "progress_interval"
-    }
+    groups = ("shaking", "numerics", "convergence")
+    other = differing_keys(*({group: spec[group] for group in groups} for spec in (of_accuracy, specification)))
+    other = set(other) - {"numerics.progress_interval"}
     if other - {CONTACT_TIME} - ({REGION, GATE} if REGION in other else set()):
         return None
     if specification["numerics"]["contact_region"] == "inflated":

@@ -6,7 +6,6 @@ row, with a digest of its settings, so that a campaign goes on where its rows en
 collected.csv sums it up. trends.csv holds what a packing's porosity does not tell: order over its height.
 """
 
-import hashlib
 import json
 import logging
 from pathlib import Path
@@ -17,6 +16,7 @@ import xarray as xr
 from simcore.campaign.cost_table import study_hours
 from simcore.campaign.study_tables import tabulate
 from simcore.campaign.trend_tables import tabulate_trends
+from simcore.scene.identity import result_digest, same_result
 
 log = logging.getLogger(__name__)
 
@@ -62,12 +62,6 @@ def table_of(study):
     return next((table for start, table in TABLES.items() if study.startswith(start)), study)
 
 
-def source_name(source):
-    """What the column `source` calls the grains of a campaign: "synthetic", or the last part of their path."""
-    first = source if isinstance(source, str) else source[0]
-    return Path(first).name
-
-
 def check_gathered(folder, test_only, example):
     """ValueError unless this campaign's rows are to be gathered. example: a configuration that names a folder."""
     if not folder:
@@ -89,7 +83,7 @@ def finished(folder, study, packings):
         if not path.exists():
             continue
         dataset = xr.load_dataset(path)
-        if not was_packed_so(packing["specification"], dataset):
+        if not same_result(packing["specification"], json.loads(dataset.attrs["scene"])):
             log.info("%s left out: it was packed by other settings than the campaign's", path)
             continue
         rows.append(packing["row"])
@@ -98,7 +92,7 @@ def finished(folder, study, packings):
         made.append(
             {
                 "packing": name,
-                "settings": settings_of(packing["specification"]),
+                "settings": result_digest(packing["specification"]),
                 "cpu_s": round(float(attrs["cpu_seconds"]), 1),
                 "grain_steps": int(attrs["n_grains"]) * int(attrs["steps"]),
                 "code": attrs["code_version"],
@@ -112,12 +106,7 @@ def not_gathered(folder, study, source, packings):
     there = _ledger(folder)
     there = there[(there.study == study) & (there.source == source)]
     there = set(zip(there.packing, there.settings, strict=True))
-    return [each for each in packings if (each["row"]["packing"], settings_of(each["specification"])) not in there]
-
-
-def settings_of(specification):
-    """Digest of what decides a packing."""
-    return hashlib.sha256(json.dumps(_comparable(specification), sort_keys=True).encode()).hexdigest()[:12]
+    return [each for each in packings if (each["row"]["packing"], result_digest(each["specification"])) not in there]
 
 
 def _ledger(folder):
@@ -125,22 +114,6 @@ def _ledger(folder):
     if not path.exists():
         return pd.DataFrame(columns=LEDGER)
     return pd.read_csv(path, dtype={"packing": str, "settings": str}).reindex(columns=LEDGER)  # older ones lack columns
-
-
-def was_packed_so(specification, evaluation):
-    """Whether an evaluation is of a packing of this specification; the grain of a rank in a spread may be any."""
-    return _comparable(specification) == _comparable(json.loads(evaluation.attrs["scene"]))
-
-
-def _comparable(specification):
-    shapes = {key: value for key, value in specification["shapes"].items() if key != "grain"}
-    # What changes no result, and may have changed since: how often it tells, how long it waits for what came to rest.
-    numerics = {key: value for key, value in specification["numerics"].items() if key != "progress_interval"}
-    damping = {key: value for key, value in specification["damping"].items() if key != "max_time"}
-    # Where a campaign keeps its results; of which grains it is, `source` says.
-    grains = {**specification["grains"], "source": source_name(specification["grains"]["source"])}
-    changed = {"shapes": shapes, "numerics": numerics, "damping": damping, "grains": grains}
-    return json.loads(json.dumps({**specification, **changed}))
 
 
 def rows_of(study, rows, evaluations, source):

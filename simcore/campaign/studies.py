@@ -7,6 +7,7 @@ import re
 import pandas as pd
 
 from simcore.grains.sources import check_source, needs_grains
+from simcore.scene.identity import deciding_but_seed
 from simcore.scene.sizes import check_top_class
 from simcore.scene.specification import resolve, with_presets
 
@@ -74,7 +75,7 @@ def expand_study(name, study, config):
                 "row": {
                     "packing": packing,
                     "varied": {_column(key): _get(spec, key) for key in columns},
-                    "is_base": _but_for_seed(spec) == base,
+                    "is_base": deciding_but_seed(spec) == base,
                 },
             }
         )
@@ -88,13 +89,9 @@ def expand_study(name, study, config):
 def _base(raw):
     """What the settings give without anything varied; None where they are not a whole specification."""
     try:
-        return _but_for_seed(resolve(raw))
+        return deciding_but_seed(resolve(raw))
     except ValueError:
         return None
-
-
-def _but_for_seed(spec):
-    return {key: value for key, value in spec.items() if key not in ("name", "seed")}
 
 
 def merge(*groups):

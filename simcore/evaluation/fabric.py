@@ -28,6 +28,7 @@ from simcore.evaluation.bulk import bulk
 from simcore.evaluation.contact_radius import contact_radii, largest_radius, radius_bins, surface_radii
 from simcore.evaluation.coordination import BEARING_CONTACTS, coordination_number
 from simcore.evaluation.porosity import describe
+from simcore.scene.identity import deciding_but_seed, differing_keys
 
 N_BINS = 20
 DIRECTIONS = ("contact_normal", "long_axis", "short_axis")
@@ -239,7 +240,9 @@ def _check_alike(fabrics):
     first = fabrics[0]
     for data, seed in zip(fabrics[1:], seeds[1:], strict=True):
         differing = [name for name in ("bearing_contacts", "cut") if data.attrs[name] != first.attrs[name]]
-        differing += _differing_keys(*(json.loads(each.attrs.get("scene", "{}")) for each in (first, data)))
+        differing += differing_keys(
+            *(deciding_but_seed(json.loads(each.attrs.get("scene", "{}"))) for each in (first, data))
+        )
         differing += ["n_bins"] if data.sizes["angle"] != first.sizes["angle"] else []
         if differing:
             raise ValueError(
@@ -247,17 +250,3 @@ def _check_alike(fabrics):
                 "give packings that differ in their seed alone"
             )
     return seeds
-
-
-def _differing_keys(first, second, path=""):
-    """Names of the keys, but for seed and name, in which two nested specifications differ."""
-    told = []
-    for key in sorted({*first, *second}):
-        a, b = first.get(key), second.get(key)
-        if not path and key in ("seed", "name"):
-            continue
-        if isinstance(a, dict) and isinstance(b, dict):
-            told += _differing_keys(a, b, f"{path}{key}.")
-        elif a != b:
-            told.append(f"{path}{key}")
-    return told

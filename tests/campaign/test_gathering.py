@@ -12,15 +12,13 @@ from simcore.campaign.gathering import (
     not_gathered,
     record,
     rows_of,
-    settings_of,
-    source_name,
     table_of,
     trends_of,
-    was_packed_so,
 )
 from simcore.campaign.trend_tables import summarise_trends
 from simcore.evaluation.evaluate import evaluate
 from simcore.models.prediction import fit_reference_models
+from simcore.scene.identity import result_digest, source_name
 from simcore.scene.specification import resolve
 
 SPECIFICATION = {
@@ -144,25 +142,12 @@ def test_a_key_that_is_left_open_is_the_same_in_a_file(tmp_path):
     assert [gather(tmp_path, "difference_x", rows) for _ in range(2)] == [2, 2]
 
 
-def test_a_bed_of_other_settings_is_noticed(evaluated):
-    bed = evaluated(specify(choice="one", grain="G02"))
-    assert was_packed_so(specify(choice="one", grain="form 3 of the spread"), bed)
-    assert not was_packed_so(specify(choice="random"), bed)
-    elsewhere = specify(choice="one", grain="G02")
-    elsewhere["grains"]["source"] = f"results/mine/{elsewhere['grains']['source']}"
-    assert was_packed_so(elsewhere, bed)
-    patient = specify(choice="one", grain="G02")
-    patient["damping"]["max_time"] *= 4.0
-    assert was_packed_so(patient, bed)
-    assert not was_packed_so(specify(seed=2, choice="one", grain="G02"), bed)
-
-
 def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
     """Gathered twice, from the packings of two machines: the second has only those that were left."""
     plan = [{"row": {"packing": f"p{seed}"}, "specification": specify(seed), "cpu_h": 0.5} for seed in (1, 2, 3)]
 
     def made(*numbers):
-        rows = [(f"p{i}", settings_of(specify(i)), 360.0 * i, 10**9 * i, f"v{i}") for i in numbers]
+        rows = [(f"p{i}", result_digest(specify(i)), 360.0 * i, 10**9 * i, f"v{i}") for i in numbers]
         return pd.DataFrame(rows, columns=LEDGER[2:])
 
     record(tmp_path, "single_form", "single_form", "synthetic", plan, made(1), "a", "one")
@@ -186,7 +171,7 @@ def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
 
 def test_a_row_of_other_settings_does_not_stand_for_a_packing(tmp_path):
     plan = [{"row": {"packing": "p"}, "specification": specify(1), "cpu_h": 0.5}]
-    made = pd.DataFrame([("p", settings_of(specify(2)), 9.0, 30_000, "v")], columns=LEDGER[2:])
+    made = pd.DataFrame([("p", result_digest(specify(2)), 9.0, 30_000, "v")], columns=LEDGER[2:])
     record(tmp_path, "single_form", "single_form", "synthetic", plan, made, "a", "one")
     assert not_gathered(tmp_path, "single_form", "synthetic", plan) == plan
     assert pd.read_csv(tmp_path / "collected.csv").packings[0] == 0
@@ -197,7 +182,7 @@ def test_a_campaign_leaves_what_another_says_of_a_study(tmp_path):
 
     def tell(seed, command, *made, source="synthetic"):
         plan = [{"row": {"packing": "p"}, "specification": specify(seed), "cpu_h": 0.5 * seed}]
-        rows = [("p", settings_of(specify(seed)), 9.0, 30_000, "v")] if made else []
+        rows = [("p", result_digest(specify(seed)), 9.0, 30_000, "v")] if made else []
         record(tmp_path, "t", "t", source, plan, pd.DataFrame(rows, columns=LEDGER[2:]), command, "one")
         return pd.read_csv(tmp_path / "collected.csv").set_index("source").loc[source]
 

@@ -12,12 +12,13 @@ from snakemake.exceptions import WorkflowError
 from simcore.campaign import deposits
 from simcore.campaign.biases import bias_note, measured_biases
 from simcore.campaign.plan import describe_studies, estimate_studies, number_pieces
-from simcore.campaign.gathering import not_gathered, source_name
+from simcore.campaign.gathering import not_gathered
 from simcore.packing.cost import estimate
 from simcore.paths import REFERENCE, ROOT
 from simcore.provenance.digest import digest
 from simcore.campaign.showpieces import corner_mixtures, showpieces
 from simcore.grains.sources import source_files
+from simcore.scene.identity import source_name
 from simcore.scene.specification import resolve
 from simcore.campaign.studies import expand
 

@@ -8,11 +8,11 @@ from simcore.campaign.gathering import (
     gather,
     record,
     rows_of,
-    source_name,
     table_of,
     trends_of,
 )
 from simcore.provenance.machine import describe_host
+from simcore.scene.identity import source_name
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
 p = snakemake.params

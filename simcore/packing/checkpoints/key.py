@@ -9,10 +9,8 @@ import numpy as np
 from simcore import __version__
 from simcore.compilation import source_digest
 from simcore.provenance.digest import digest
+from simcore.scene.identity import deciding_bits
 
-# Keys of a specification that change no bit of a run: what it is called, how often it reports, a choice whose settings
-# are in the other keys once it is resolved, and what only refuses to start. Any other key counts.
-WITHOUT_EFFECT = (("name",), ("accuracy",), ("numerics", "progress_interval"), ("sizes", "allow_few_top_grains"))
 DRAWN = 1000  # grains whose draw is part of the key: it depends on files that the specification only names
 
 
@@ -40,13 +38,13 @@ def checkpoint_code() -> str:
 def scene_key(specification: dict, bases: Iterable, drawn: Iterable = ()) -> str:
     """Digest (16 hex digits) of what decides the bits of a packing, but for the code.
 
-    specification: resolved; the order of its keys does not count, nor do the keys WITHOUT_EFFECT. bases: the base
+    specification: resolved; of its keys those count that decide the bits, in any order. bases: the base
     shapes (simcore.dem.shapes.hulls.Base), in their order. drawn: arrays that tell what neither shows, such as the Draw
     of the first grains: the forms of ellipsoids come from files of which the specification has the path alone, and the
     sieve curve of a case from a table.
     """
     bases = list(bases)
-    told = [_deciding(specification), [base.name for base in bases]]
+    told = [deciding_bits(specification), [base.name for base in bases]]
     total = hashlib.sha256(json.dumps(told, sort_keys=True).encode())
     arrays = []
     for base in bases:
@@ -56,12 +54,3 @@ def scene_key(specification: dict, bases: Iterable, drawn: Iterable = ()) -> str
         # Type and shape first: they say where the array ends
         total.update(f"\n{array.dtype} {array.shape} ".encode() + array.tobytes())
     return total.hexdigest()[:16]
-
-
-def _deciding(group, path=()):
-    """The nested dict but for the keys WITHOUT_EFFECT."""
-    return {
-        key: _deciding(value, (*path, key)) if isinstance(value, dict) else value
-        for key, value in group.items()
-        if (*path, key) not in WITHOUT_EFFECT
-    }

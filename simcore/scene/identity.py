@@ -1,0 +1,102 @@
+"""When two packings are the same: relations between resolved specifications, in one place.
+
+Three relations, from the strictest to the loosest:
+
+    same_bits      the same bits of positions and contacts, on any threads and ranks: checkpoints are shared
+    same_result    the same porosity: a committed row is of this packing
+    same_but_seed  packings of one scene that differ by chance alone: their scatter is an error over seeds
+"""
+
+import hashlib
+import json
+from pathlib import Path
+
+# Keys that change no bit of a run: its name, how often it reports, a choice whose settings are in the other keys once
+# it is resolved, and what only allows a run to start.
+WITHOUT_EFFECT = (
+    ("name",),
+    ("accuracy",),
+    ("numerics", "progress_interval"),
+    ("sizes", "allow_few_top_grains"),
+)
+# Keys that change no porosity: the grain of a rank in a spread may be any, and what came to rest waited no longer.
+WITHOUT_RESULT = (("shapes", "grain"), ("numerics", "progress_interval"), ("damping", "max_time"))
+BY_CHANCE = (("name",), ("seed",))
+# Keys that were added after rows had been committed, with the value that packings had before. A specification with this
+# value is the one without the key.
+ADDED = {}
+
+
+def same_bits(first: dict, second: dict) -> bool:
+    """Whether two resolved specifications give the same bits, of the same grains by the same code."""
+    return deciding_bits(first) == deciding_bits(second)
+
+
+def same_result(first: dict, second: dict) -> bool:
+    """Whether two resolved specifications give the same porosity. Where their grains are stored does not count."""
+    return deciding_result(first) == deciding_result(second)
+
+
+def same_but_seed(first: dict, second: dict) -> bool:
+    """Whether two resolved specifications differ in nothing but seed and name."""
+    return deciding_but_seed(first) == deciding_but_seed(second)
+
+
+def deciding_bits(specification: dict) -> dict:
+    """The part of a resolved specification on which the bits depend."""
+    return without(specification, WITHOUT_EFFECT)
+
+
+def deciding_result(specification: dict) -> dict:
+    """The part of a resolved specification on which its porosity depends, as JSON stores it."""
+    part = without(specification, WITHOUT_RESULT)
+    for path, value in ADDED.items():
+        if _get(part, path) == value:
+            part = without(part, (path,))
+    if "grains" in part:
+        part = {**part, "grains": {**part["grains"], "source": source_name(part["grains"]["source"])}}
+    return json.loads(json.dumps(part))
+
+
+def deciding_but_seed(specification: dict) -> dict:
+    """The part of a resolved specification that packings of one scene share."""
+    return without(specification, BY_CHANCE)
+
+
+def result_digest(specification: dict) -> str:
+    """Digest (12 hex digits) of what decides the porosity; committed rows are recognised by it."""
+    text = json.dumps(deciding_result(specification), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def source_name(source) -> str:
+    """Name of the grains of a campaign in tables: "synthetic", or the last part of their path."""
+    first = source if isinstance(source, str) else source[0]
+    return Path(first).name
+
+
+def differing_keys(first: dict, second: dict, path: str = "") -> list[str]:
+    """Names such as "sizes.case" of the keys in which two nested specifications differ, in alphabetical order."""
+    names = []
+    for key in sorted({*first, *second}):
+        a, b = first.get(key), second.get(key)
+        if isinstance(a, dict) and isinstance(b, dict):
+            names += differing_keys(a, b, f"{path}{key}.")
+        elif a != b:
+            names.append(f"{path}{key}")
+    return names
+
+
+def without(group: dict, paths, above: tuple = ()) -> dict:
+    """A nested dict without the keys at these paths, tuples such as ("sizes", "case")."""
+    return {
+        key: without(value, paths, (*above, key)) if isinstance(value, dict) else value
+        for key, value in group.items()
+        if (*above, key) not in paths
+    }
+
+
+def _get(group, path):
+    for key in path:
+        group = group.get(key) if isinstance(group, dict) else None
+    return group

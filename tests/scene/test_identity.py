@@ -1,0 +1,83 @@
+"""When two packings are the same: each relation by the keys that count for it and those that do not."""
+
+import copy
+
+import pytest
+
+from simcore.scene.identity import (
+    ADDED,
+    differing_keys,
+    result_digest,
+    same_bits,
+    same_but_seed,
+    same_result,
+)
+from simcore.scene.specification import resolve
+
+SPECIFICATION = resolve(
+    {
+        "name": "one",
+        "domain": {"width": "40 mm", "height": "0.3 m"},
+        "sizes": {"case": "U1"},
+        "amount": {"grains": 100},
+        "shapes": {"choice": "one", "grain": "G02"},
+    }
+)
+
+
+def changed(path, value):
+    """SPECIFICATION with one key changed, such as "damping.max_time"."""
+    other = copy.deepcopy(SPECIFICATION)
+    *groups, key = path.split(".")
+    group = other
+    for name in groups:
+        group = group[name]
+    assert group[key] != value
+    group[key] = value
+    return other
+
+
+@pytest.mark.parametrize(
+    "path, value, relations",
+    [
+        ("name", "other", {same_bits, same_but_seed}),
+        ("seed", 2, {same_but_seed}),
+        ("accuracy", "standard", {same_bits}),
+        ("numerics.progress_interval", 1.0, {same_bits, same_result}),
+        ("damping.max_time", 99.0, {same_result}),
+        ("shapes.grain", "G03", {same_result}),
+        ("grains.source", "elsewhere/synthetic", {same_result}),
+        ("sizes.allow_few_top_grains", True, {same_bits}),
+        ("material.friction", 0.3, set()),
+        ("numerics.contact_time", 1.0, set()),
+    ],
+)
+def test_each_relation_ignores_its_keys_and_no_other(path, value, relations):
+    other = changed(path, value)
+    assert {relation for relation in (same_bits, same_result, same_but_seed) if relation(SPECIFICATION, other)} == (
+        relations
+    )
+    assert (result_digest(other) == result_digest(SPECIFICATION)) == (same_result in relations)
+
+
+def test_keys_that_differ_are_named_with_their_groups():
+    other = changed("material.friction", 0.3)
+    other["seed"] = 7
+    assert differing_keys(SPECIFICATION, other) == ["material.friction", "seed"]
+
+
+def test_a_key_that_was_added_later_changes_no_digest_at_its_earlier_value():
+    """Specifications of committed rows do not have it."""
+    for path, value in ADDED.items():
+        *groups, key = path
+        earlier = copy.deepcopy(SPECIFICATION)
+        group = earlier
+        for name in groups:
+            group = group[name]
+        group[key] = value
+        without = copy.deepcopy(earlier)
+        group = without
+        for name in groups:
+            group = group[name]
+        del group[key]
+        assert result_digest(earlier) == result_digest(without), path
