@@ -93,40 +93,6 @@ def tabulate_features(packings, evaluations):
     return pd.concat([table.reset_index(drop=True), pd.DataFrame(rows).reset_index(drop=True)], axis=1)
 
 
-def pair_shape_kinds(meshes, ellipsoids):
-    """One row for each case and grain that both studies have: case, grain, EQ, n_mesh, n_ellipsoid (means).
-
-    n_mesh_error, n_ellipsoid_error: their standard errors, from the sampling errors of the packings.
-    """
-    keys = ["case", "grain"]
-
-    def mean(table):
-        groups = table.groupby(keys, sort=False)
-        errors = groups["n_std_error"].agg(lambda error: np.sqrt(np.sum(error**2)) / len(error))
-        return groups[["EQ", "n"]].mean().assign(error=errors)
-
-    mesh = mean(meshes).rename(columns={"n": "n_mesh", "error": "n_mesh_error"})
-    ellipsoid = mean(ellipsoids)[["n", "error"]].rename(columns={"n": "n_ellipsoid", "error": "n_ellipsoid_error"})
-    paired = mesh.join(ellipsoid, how="inner").reset_index()
-    return paired[["case", "grain", "EQ", "n_mesh", "n_ellipsoid", "n_mesh_error", "n_ellipsoid_error"]]
-
-
-def compare_predictions(models, name, table):
-    """One row a packing: case, simulated, predicted by the model `name` of its case; cases without one are left out.
-
-    models: dict from (name, case) to PorosityModel; table: columns case, n and the features of the models. Its columns
-    n_std_error and study_n, where it has them, are kept, the latter as study_predicted.
-    """
-    kept = {"n_std_error": "n_std_error", "study_n": "study_predicted"}
-    names = ["case", "simulated", "predicted", *(new for old, new in kept.items() if old in table)]
-    parts = [
-        rows.rename(columns={"n": "simulated", **kept}).assign(predicted=models[name, case].predict(rows))[names]
-        for case, rows in table.groupby("case", sort=False)
-        if (name, case) in models
-    ]
-    return pd.concat(parts) if parts else pd.DataFrame(columns=names)
-
-
 def mark(table, test_only):
     """The table, and if `test_only` a first column that says so in every row."""
     marked = table.copy()

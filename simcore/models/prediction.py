@@ -9,8 +9,11 @@ import pandas as pd
 import xarray as xr
 
 from simcore.grains.measured_forms import read_samples
+from simcore.models.files import read_models
+from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import fit_and_validate
-from simcore.models.tables import MIXTURE, SINGLE_FORM, over_seeds, read_models
+from simcore.models.single_form import SINGLE_FORM
+from simcore.models.tables import over_seeds
 from simcore.models.unified import STATISTICS, fit_unified, unified_features
 from simcore.paths import R22_TABLES, REFERENCE
 from simcore.reference.r22_tables import read_study_table

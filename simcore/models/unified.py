@@ -17,8 +17,10 @@ import logging
 import numpy as np
 import pandas as pd
 
+from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import FOLDS, fit_and_validate, predict_unseen
-from simcore.models.tables import MIXTURE, SINGLE_FORM, over_seeds
+from simcore.models.single_form import SINGLE_FORM
+from simcore.models.tables import over_seeds
 
 log = logging.getLogger(__name__)
 

@@ -10,12 +10,15 @@ import pandas as pd
 
 from simcore.campaign.biases import measured_biases
 from simcore.campaign.gathering import NAMES
-from simcore.campaign.study_tables import FORM, compare_predictions, pair_shape_kinds, summarise
+from simcore.campaign.study_tables import FORM, summarise
 from simcore.campaign.trend_tables import summarise_trends
 from simcore.grains.form import features as form_features
 from simcore.grains.sieve import read_cases
+from simcore.models.mixtures import MIXTURE, application_table, mixture_models
 from simcore.models.regression import FOLDS
-from simcore.models.tables import MIXTURE, application_table, mixture_models, shape_kind_table, single_form_models
+from simcore.models.shape_kinds import pair_shape_kinds, shape_kind_table
+from simcore.models.single_form import single_form_models
+from simcore.models.tables import compare_predictions
 from simcore.models.unified import STATISTICS, UNIFIED, unified_features, unified_models
 from simcore.paths import CONFIG
 from simcore.reference.r22_tables import add_reference, read_study_table

@@ -6,16 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.campaign.study_tables import (
-    compare_predictions,
-    mark,
-    pair_shape_kinds,
-    summarise,
-    tabulate,
-    tabulate_features,
-)
+from simcore.campaign.study_tables import mark, summarise, tabulate, tabulate_features
 from simcore.evaluation.evaluate import evaluate
 from simcore.grains.statistics import mixture_features
+from simcore.models.shape_kinds import pair_shape_kinds
+from simcore.models.tables import compare_predictions
 
 
 class Line:

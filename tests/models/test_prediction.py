@@ -13,8 +13,10 @@ import pytest
 
 from simcore.__main__ import main
 from simcore.grains.measured_forms import Sample, read_samples
+from simcore.models.files import models_dataset
+from simcore.models.mixtures import mixture_models
 from simcore.models.prediction import describe, fit_reference_models, predict_samples, read_campaign_models
-from simcore.models.tables import mixture_models, models_dataset, single_form_models
+from simcore.models.single_form import single_form_models
 from simcore.reference.r22_tables import read_study_table
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -8,16 +8,11 @@ import pytest
 import xarray as xr
 
 from simcore.grains.statistics import equancy_statistics, mixture_features
-from simcore.models.tables import (
-    application_table,
-    mixture_models,
-    models_dataset,
-    over_seeds,
-    read_models,
-    shape_kind_table,
-    single_form_models,
-    table_dataset,
-)
+from simcore.models.files import models_dataset, read_models, table_dataset
+from simcore.models.mixtures import application_table, mixture_models
+from simcore.models.shape_kinds import shape_kind_table
+from simcore.models.single_form import single_form_models
+from simcore.models.tables import over_seeds
 
 SINGLE = {"U1": (0.278, 0.019, 0.014), "B50": (0.217, 0.014, -0.006)}
 

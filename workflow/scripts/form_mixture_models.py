@@ -4,8 +4,10 @@ import logging
 
 import pandas as pd
 
-from simcore.campaign.study_tables import compare_predictions, mark
-from simcore.models.tables import application_table, mixture_models, models_dataset
+from simcore.campaign.study_tables import mark
+from simcore.models.files import models_dataset
+from simcore.models.mixtures import application_table, mixture_models
+from simcore.models.tables import compare_predictions
 from simcore.reference.r22_tables import add_reference, read_study_table
 from simcore.report.figures.models import prediction_figure
 from simcore.report.figures.saving import save_figure

@@ -2,8 +2,8 @@
 
 import pandas as pd
 
-from simcore.campaign.study_tables import mark, pair_shape_kinds
-from simcore.models.tables import shape_kind_table
+from simcore.campaign.study_tables import mark
+from simcore.models.shape_kinds import pair_shape_kinds, shape_kind_table
 from simcore.reference.r22_tables import read_study_table
 from simcore.report.figures.models import shape_kind_figure
 from simcore.report.figures.saving import save_figure

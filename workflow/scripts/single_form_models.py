@@ -4,10 +4,12 @@ import logging
 
 import pandas as pd
 
-from simcore.campaign.study_tables import compare_predictions, mark
+from simcore.campaign.study_tables import mark
 from simcore.grains.form import features
+from simcore.models.files import models_dataset
 from simcore.models.prediction import read_single_forms
-from simcore.models.tables import models_dataset, single_form_models
+from simcore.models.single_form import single_form_models
+from simcore.models.tables import compare_predictions
 from simcore.reference.r22_tables import add_reference, read_study_table
 from simcore.report.figures.models import form_figure, prediction_figure
 from simcore.report.figures.saving import save_figure

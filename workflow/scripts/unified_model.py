@@ -5,7 +5,7 @@ import logging
 import pandas as pd
 
 from simcore.campaign.study_tables import mark
-from simcore.models.tables import models_dataset
+from simcore.models.files import models_dataset
 from simcore.models.unified import unified_models
 from simcore.reference.r22_tables import read_study_table
 

@@ -1,0 +1,78 @@
+"""Fitted models as files: netCDF with coefficients and their covariances."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from simcore.models.regression import PorosityModel
+
+
+def models_dataset(models, table, title):
+    """As table_dataset of the models' table, with the covariance of the coefficients, which has no place in a CSV.
+
+    models: dict from (name, case) to PorosityModel, in the order of the table, one row a coefficient. covariance: of a
+    row's coefficient with each coefficient of its model, in their order; nan beyond the last.
+    """
+    dataset = table_dataset(table, title)
+    covariance = np.full((len(table), max((len(model.terms) for model in models.values()), default=0)), np.nan)
+    at = 0
+    for model in models.values():
+        size = len(model.terms)
+        covariance[at : at + size, :size] = model.covariance
+        at += size
+    attrs = {"units": "1", "long_name": "covariance with the coefficients of the same model, in their order"}
+    return dataset.assign(covariance=(("row", "term_of_model"), covariance, attrs))
+
+
+def read_models(path):
+    """The models of a file from models_dataset: dict from (name, case) to PorosityModel.
+
+    ValueError or OSError if it is none.
+    """
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as dataset:
+            dataset.load()
+    except FileNotFoundError:
+        raise ValueError(f"{path}: there is no such file; run the campaign's models first") from None
+    if "covariance" not in dataset:
+        raise ValueError(f"{path}: these models were written without covariances; run the rule that fits them again")
+    if dataset.sizes["row"] == 0:
+        return {}
+    models = {}
+    rows = pd.DataFrame({name: dataset[name].values for name in dataset.data_vars if dataset[name].dims == ("row",)})
+    for (name, case), part in rows.groupby(["model", "case"], sort=False):
+        size, first = len(part), part.iloc[0]
+        column = {key: tuple(part[key].tolist()) for key in part}
+        models[name, case] = PorosityModel(
+            name=name,
+            case=case,
+            features=column["term"][1:],
+            coefficients=column["coefficient"],
+            std_errors=column["std_error"],
+            lower=column["lower_95"],
+            upper=column["upper_95"],
+            bootstrap_lower=column["bootstrap_lower_95"],
+            bootstrap_upper=column["bootstrap_upper_95"],
+            covariance=tuple(map(tuple, dataset["covariance"].values[part.index, :size].tolist())),
+            minimum=column["feature_min"][1:],
+            maximum=column["feature_max"][1:],
+            n_samples=int(first["samples"]),
+            **{
+                key: float(first[key])
+                for key in ("scatter", "r_squared", "rmse", "mean_absolute_error", "median_absolute_error")
+            },
+        )
+    return models
+
+
+def table_dataset(table, title):
+    """A table as a Dataset over `row`, for netCDF; all its numbers are dimensionless."""
+    dataset = xr.Dataset(attrs={"Conventions": "CF-1.11", "title": title})
+    for name in table.columns:
+        values = table[name]
+        text = not pd.api.types.is_numeric_dtype(values)
+        attrs = {"long_name": name.replace("_", " ")} | ({} if text else {"units": "1"})
+        # CF knows no boolean, and netCDF allows no slash in a name.
+        data = values.astype(str) if text else values.astype("i1") if values.dtype == bool else values
+        dataset[name.replace("/", "_per_")] = ("row", data.to_numpy(object if text else None), attrs)
+    return dataset

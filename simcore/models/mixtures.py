@@ -1,0 +1,116 @@
+"""Models of beds with a distribution of form, from means and standard deviations over the grains."""
+
+import logging
+
+import numpy as np
+import pandas as pd
+
+from simcore.models.regression import FOLDS, correlate, cross_validate, fit_and_validate, usable_features
+from simcore.models.tables import beside, beside_models, over_seeds
+
+log = logging.getLogger(__name__)
+
+MIXTURE = ("mu_EQ_inv", "sigma_EQ_inv", "mu_EL_inv", "sigma_EL_inv")
+# Table 10's feature sets
+MIXTURE_SETS = (
+    ("mu_EQ_inv",),
+    ("mu_EQ_inv", "sigma_EQ_inv"),
+    ("mu_EQ_inv", "sigma_EQ_inv", "mu_EL_inv"),
+    MIXTURE,
+    ("mu_EQ_inv", "mu_EL_inv"),
+    ("mu_EQ_inv", "sigma_EQ_inv", "sigma_EL_inv"),
+)
+
+
+def mixture_models(packings, study_correlations=None, study_sets=None, study_models=None, seed=0, folds=FOLDS):
+    """Tables and models of the form-mixture study, per case; returns (tables, models) as single_form_models.
+
+    packings: one row a packing, columns case, n and the 104 of mixture_features; where there is a column sample, the
+    packings of a sample are averaged first. Tables: `correlations` of all usable features, the closest first,
+    `feature_sets` (Table 10's sets, cross-validated errors and R² of the fit to all packings), `models`.
+    A set with a feature that cannot be used, or with more coefficients than packings, is left out with a message.
+    folds: of the cross-validation.
+    study_*: correlations.csv, table10_form_mixture_features.csv, models.csv.
+    """
+    correlations, sets, models = [], [], {}
+    for case, rows in over_seeds(packings, "sample").groupby("case", sort=False):
+        n = rows["n"].to_numpy()
+        features = usable_features(rows.drop(columns=["case", "n"]).select_dtypes("number"))
+        correlations.append(
+            correlate(features, n)
+            .rename_axis("feature")
+            .reset_index()
+            .assign(case=case, samples=len(n))
+            .sort_values("r", key=np.abs, ascending=False, kind="stable")
+        )
+        for columns in MIXTURE_SETS:
+            if not set(columns) <= set(features) or len(n) <= len(columns) + 2:
+                log.warning("case %s: feature set %s left out, %d packings do not carry it", case, columns, len(n))
+                continue
+            chosen = features[list(columns)]
+            flags = {name: int(name in columns) for name in MIXTURE}
+            model = fit_and_validate(chosen, n, "form_mixture", case, seed, folds=folds)
+            result = cross_validate(chosen, n, folds, seed=seed)
+            sets.append({"case": case, **flags, **result, "r_squared": model.r_squared, "samples": len(n)})
+            if columns == MIXTURE:
+                models["form_mixture", case] = model
+    tables = {
+        "correlations": pd.concat(correlations, ignore_index=True),
+        "feature_sets": pd.DataFrame(sets, columns=None if sets else ["case", *MIXTURE]),
+        "models": pd.concat([m.to_rows() for m in models.values()], ignore_index=True) if models else pd.DataFrame(),
+    }
+    if study_correlations is not None:
+        study = study_correlations.query("study == 'form_mixture'")
+        study = study.assign(feature=study["feature"].str.replace(" inverse", "_inv"))
+        tables["correlations"] = beside(tables["correlations"], study, ["case", "feature"], {"r": "study_r"})
+    if study_sets is not None:
+        study = _long_sets(study_sets)
+        columns = {"mae_1e-3": "study_error", "R2": "study_r_squared"}
+        tables["feature_sets"] = beside(tables["feature_sets"], study, ["case", *MIXTURE], columns)
+    if study_models is not None and models:
+        tables["models"] = beside_models(tables["models"], study_models)
+    return tables, models
+
+
+def application_table(models, packings, study=None):
+    """Prediction for packings no model has seen (Table 11), one row each.
+
+    models: dict from (name, case) to PorosityModel, "form_mixture", and "unified" if it is to stand beside; packings:
+    columns case, kind ("continuous" or "discrete"), n and the models' features. study: table11_application.csv.
+    """
+    rows = packings[packings["case"].isin({case for name, case in models if name == "form_mixture"})]
+    table = rows[["case", "kind", "n"]].rename(columns={"n": "simulated"})
+    for name, before in (("form_mixture", ""), ("unified", "unified_")):
+        if any(model == name for model, _ in models):
+            predicted = [
+                float(models[name, case].predict(rows.loc[[index]])[0]) if (name, case) in models else np.nan
+                for index, case in rows["case"].items()
+            ]
+            table[f"{before}predicted"] = predicted
+            table[f"{before}abs_error"] = (table[f"{before}predicted"] - table["simulated"]).abs()
+    if study is not None:
+        parts = [
+            pd.DataFrame(
+                {
+                    "case": study["case"],
+                    "kind": kind,
+                    "study_predicted": study["predicted"],
+                    "study_simulated": study[f"{kind}_simulated"],
+                    "study_abs_error": 1e-3 * study[f"{kind}_abs_error_1e-3"],
+                }
+            )
+            for kind in ("continuous", "discrete")
+        ]
+        table = table.merge(pd.concat(parts), how="left", on=["case", "kind"])
+    return table
+
+
+def _long_sets(study):
+    """Table 10 with one row a case and feature set, errors in porosity."""
+    parts = []
+    for case in ("U1", "U7"):
+        columns = {f"{case}_mae_1e-3": "mae_1e-3", f"{case}_R2": "R2"}
+        parts.append(study[[*MIXTURE, *columns]].rename(columns=columns).assign(case=case))
+    table = pd.concat(parts, ignore_index=True)
+    table["mae_1e-3"] *= 1e-3
+    return table

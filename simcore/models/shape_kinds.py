@@ -1,0 +1,41 @@
+"""How far packings of polyhedra and of their mass-equivalent ellipsoids differ in porosity."""
+
+import numpy as np
+import pandas as pd
+
+from simcore.models.tables import beside
+
+
+def pair_shape_kinds(meshes, ellipsoids):
+    """One row for each case and grain that both studies have: case, grain, EQ, n_mesh, n_ellipsoid (means).
+
+    n_mesh_error, n_ellipsoid_error: their standard errors, from the sampling errors of the packings.
+    """
+    keys = ["case", "grain"]
+
+    def mean(table):
+        groups = table.groupby(keys, sort=False)
+        errors = groups["n_std_error"].agg(lambda error: np.sqrt(np.sum(error**2)) / len(error))
+        return groups[["EQ", "n"]].mean().assign(error=errors)
+
+    mesh = mean(meshes).rename(columns={"n": "n_mesh", "error": "n_mesh_error"})
+    ellipsoid = mean(ellipsoids)[["n", "error"]].rename(columns={"n": "n_ellipsoid", "error": "n_ellipsoid_error"})
+    paired = mesh.join(ellipsoid, how="inner").reset_index()
+    return paired[["case", "grain", "EQ", "n_mesh", "n_ellipsoid", "n_mesh_error", "n_ellipsoid_error"]]
+
+
+def shape_kind_table(packings, study=None):
+    """How far meshes and their equivalent ellipsoids differ in porosity, one row a case.
+
+    packings: columns case, n_mesh, n_ellipsoid, one row a form. study: columns case, rms_difference.
+    """
+    difference = packings["n_mesh"] - packings["n_ellipsoid"]
+    groups = difference.groupby(packings["case"], sort=False)
+    table = pd.DataFrame(
+        {
+            "rms_difference": groups.apply(lambda d: np.sqrt(np.mean(d**2))),
+            "mean_difference": groups.mean(),
+            "forms": groups.size(),
+        }
+    ).reset_index()
+    return table if study is None else beside(table, study, ["case"], {"rms_difference": "study_rms_difference"})
