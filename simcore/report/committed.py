@@ -4,6 +4,7 @@ What a folder such as results/reference has no rows of is left out.
 """
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -43,11 +44,22 @@ _RESULT = ("n", "n_std_error", "grains", "cpu_s")
 _OF_A_PACKING = {name: ours for ours, name in NAMES.items()}
 
 
+class Findings(NamedTuple):
+    """Tables and figures by name, and models by (name, case)."""
+
+    tables: dict = {}
+    figures: dict = {}
+    models: dict = {}
+
+    def __or__(self, other):
+        return Findings(*(first | second for first, second in zip(self, other, strict=True)))
+
+
 def findings(folder, seed=0, folds=FOLDS, studies=None):
     """(tables, figures) of the rows in `folder`, dicts by name of DataFrames and matplotlib Figures.
 
     folder: tables of simcore.campaign.gathering. seed and folds: of the cross-validation. studies: those whose trends
-    over height are told; None: all.
+    over height are shown; None: all. ValueError where the folder has no table of packings.
     """
     folder = Path(folder)
     rows = {
@@ -57,33 +69,21 @@ def findings(folder, seed=0, folds=FOLDS, studies=None):
     }
     if not rows:
         raise ValueError(f"{folder}: has no table of packings; gather some first: snakemake collect")
-    tables, figures = {}, {}
-    models = {}
+    whole = Findings()
     if "single_form" in rows:
-        models = _single_forms(rows["single_form"], tables, figures, seed, folds)
-        _shape_kinds(rows["single_form"], rows.get("near_spheres"), tables, figures)
+        whole |= _single_forms(rows["single_form"], seed, folds)
+        whole |= _shape_kinds(rows["single_form"], rows.get("near_spheres"))
     if "form_mixture" in rows:
-        models |= _mixtures(rows["form_mixture"], tables, figures, seed, folds)
+        whole |= _mixtures(rows["form_mixture"], seed, folds)
     if {"single_form", "form_mixture"} <= set(rows):
-        forms, mixtures = rows["single_form"], rows["form_mixture"]
-        synthetic = forms[(forms["kind"] == MESH) & (forms["source"] == "synthetic")]
-        unified, fitted = unified_models(synthetic, _samples(mixtures), read_study_table("models"), seed, folds)
-        tables |= {"unified": unified["models"], "unified_feature_sets": unified["feature_sets"]}
-        models |= fitted
-    if "application" in rows and any(name == "form_mixture" for name, _ in models):
-        tables["application_predictions"] = _application(rows["application"], models)
+        whole |= _unified(rows["single_form"], rows["form_mixture"], seed, folds)
+    if "application" in rows and any(name == "form_mixture" for name, _ in whole.models):
+        whole |= Findings({"application_predictions": _application(rows["application"], whole.models)})
     for study in set(PLAIN_STUDIES) & set(rows):
-        tables[study], figures[study] = _beside(rows[study], study)
-    biases = measured_biases(folder)
-    if len(biases):
-        tables["biases"] = biases
-    if (folder / "trends.csv").exists():
-        trends = pd.read_csv(folder / "trends.csv")
-        trends = trends if studies is None else trends[trends["study"].isin(studies)]
-        if len(trends):
-            tables["trends"] = summarise_trends(trends)
-            figures["trends"] = trends_figure(tables["trends"])
-    return tables, figures
+        whole |= _plain_study(rows[study], study)
+    whole |= _biases(folder)
+    whole |= _trends(folder, studies)
+    return whole.tables, whole.figures
 
 
 def read_rows(path):
@@ -106,41 +106,45 @@ def read_rows(path):
     return table.assign(**dict.fromkeys(missing, np.nan), study=Path(path).stem)
 
 
-def _single_forms(packings, tables, figures, seed, folds):
-    """Of grains from each source the models, and what they say of the study's mean form; returns the synthetic's."""
-    correlations, study_models = read_study_table("correlations"), read_study_table("models")
-    parts, of_synthetic, mean_form = {}, {}, []
+def _single_forms(packings, seed, folds):
+    """Models of beds of one form, for grains from each source; the models of the synthetic grains."""
+    whole, parts = Findings(), {}
     of_sources = packings[packings["kind"] == MESH].groupby("source")
     for source, rows in sorted(of_sources, key=lambda each: (each[0] != "synthetic", each[0])):
-        fitted = rows.groupby("case", sort=False).filter(lambda cases: cases["grain"].nunique() > 4)
-        means = add_reference(summarise(rows, ["case"]), "single_form")
-        parts.setdefault("single_form_porosities", []).append(_of_source(means, source))
-        if fitted.empty:
-            continue
-        of_source, models = single_form_models(
-            fitted, correlations, read_study_table("table9_second_factor_mae"), study_models, seed, folds
-        )
-        for name, table in of_source.items():
-            name = "single_form" if name == "models" else f"single_form_{name}"
+        found = _single_forms_of(source, rows, seed, folds)
+        for name, table in found.tables.items():
             parts.setdefault(name, []).append(_of_source(table, source))
-        mean_form.append(_of_source(_at_mean_form(models, study_models), source))
-        shown = {case: model for (name, case), model in models.items() if name == "single_form"}
-        axes = rows.groupby(["case", "grain"])[list("LIS")].mean().reset_index()
-        beds = means[means["case"].isin(shown)].merge(axes, on=["case", "grain"]).reset_index(drop=True)
-        features = form_features(*(beds[axis] for axis in "LIS"))
-        compared = pd.concat([beds[["case", "n", "n_std_error", "study_n"]], features], axis=1)
-        figures |= {
-            f"single_form_features_{source}": form_figure(beds, study=correlations, study_models=study_models),
-            f"single_form_zingg_{source}": porosity_zingg_figure(beds, shown),
-            f"single_form_prediction_{source}": prediction_figure(
-                compare_predictions(models, "single_form", compared), list(shown.values())
-            ),
-        }
-        of_synthetic = models if source == "synthetic" else of_synthetic
-    tables |= {name: pd.concat(each, ignore_index=True) for name, each in parts.items()}
-    if mean_form:
-        tables["single_form_mean_form"] = pd.concat(mean_form, ignore_index=True)
-    return of_synthetic
+        whole |= found._replace(tables={}, models=found.models if source == "synthetic" else {})
+    return whole._replace(tables={name: pd.concat(each, ignore_index=True) for name, each in parts.items()})
+
+
+def _single_forms_of(source, rows, seed, folds):
+    """Porosities of one source of grains, and the models of its cases with more than four forms."""
+    correlations, study_models = read_study_table("correlations"), read_study_table("models")
+    means = add_reference(summarise(rows, ["case"]), "single_form")
+    tables = {"single_form_porosities": means}
+    fitted = rows.groupby("case", sort=False).filter(lambda cases: cases["grain"].nunique() > 4)
+    if fitted.empty:
+        return Findings(tables)
+    of_source, models = single_form_models(
+        fitted, correlations, read_study_table("table9_second_factor_mae"), study_models, seed, folds
+    )
+    for name, table in of_source.items():
+        tables["single_form" if name == "models" else f"single_form_{name}"] = table
+    tables["single_form_mean_form"] = _at_mean_form(models, study_models)
+    shown = {case: model for (name, case), model in models.items() if name == "single_form"}
+    axes = rows.groupby(["case", "grain"])[list("LIS")].mean().reset_index()
+    beds = means[means["case"].isin(shown)].merge(axes, on=["case", "grain"]).reset_index(drop=True)
+    features = form_features(*(beds[axis] for axis in "LIS"))
+    compared = pd.concat([beds[["case", "n", "n_std_error", "study_n"]], features], axis=1)
+    figures = {
+        f"single_form_features_{source}": form_figure(beds, study=correlations, study_models=study_models),
+        f"single_form_zingg_{source}": porosity_zingg_figure(beds, shown),
+        f"single_form_prediction_{source}": prediction_figure(
+            compare_predictions(models, "single_form", compared), list(shown.values())
+        ),
+    }
+    return Findings(tables, figures, models)
 
 
 def _of_source(table, source):
@@ -164,16 +168,17 @@ def _at_mean_form(models, study_models):
     return table.assign(difference=table["n"] - table["study_n"])
 
 
-def _shape_kinds(packings, near_spheres, tables, figures):
+def _shape_kinds(packings, near_spheres):
     """Grains beside their equivalent ellipsoids, and ellipsoids that are rounder than any."""
     own = packings[packings["source"] == "synthetic"]
     pairs = pair_shape_kinds(own[own["kind"] == MESH], own[own["kind"] == ELLIPSOID])
     if pairs.empty:
-        return
-    tables["shape_kind_pairs"] = pairs
-    tables["shape_kinds"] = shape_kind_table(pairs, read_study_table("mesh_ellipsoid_difference"))
-    round_ones = None if near_spheres is None else _beside(near_spheres, "near_spheres")[0]
-    figures["shape_kinds"] = shape_kind_figure(pairs, round_ones)
+        return Findings()
+    table = shape_kind_table(pairs, read_study_table("mesh_ellipsoid_difference"))
+    round_ones = None if near_spheres is None else _beside(near_spheres, "near_spheres")
+    return Findings(
+        {"shape_kind_pairs": pairs, "shape_kinds": table}, {"shape_kinds": shape_kind_figure(pairs, round_ones)}
+    )
 
 
 def _application(packings, models):
@@ -184,8 +189,8 @@ def _application(packings, models):
     return application_table(models, seen, read_study_table("table11_application"))
 
 
-def _mixtures(packings, tables, figures, seed, folds):
-    """The model of mixtures, its tables and figures; returns the models."""
+def _mixtures(packings, seed, folds):
+    """The model of mixtures, its tables and figures."""
     fitted, models = mixture_models(
         _samples(packings).drop(columns=["mean_FL", "mean_EL"]),
         read_study_table("correlations"),
@@ -194,7 +199,8 @@ def _mixtures(packings, tables, figures, seed, folds):
         seed,
         folds,
     )
-    tables |= {("form_mixture" if name == "models" else f"form_mixture_{name}"): part for name, part in fitted.items()}
+    tables = {("form_mixture" if name == "models" else f"form_mixture_{name}"): part for name, part in fitted.items()}
+    figures = {}
     means = add_reference(summarise(packings, list(NOMINAL)), "form_mixtures")
     tables["form_mixture_porosities"] = means
     if models:
@@ -206,7 +212,14 @@ def _mixtures(packings, tables, figures, seed, folds):
         figures["form_mixture_prediction"] = prediction_figure(predictions, list(models.values()))
     asked_for = means.drop(columns=list(NOMINAL.values()), errors="ignore").rename(columns=NOMINAL)
     figures["form_mixture_sets"] = form_sets_figure(asked_for)
-    return models
+    return Findings(tables, figures, models)
+
+
+def _unified(forms, mixtures, seed, folds):
+    """The model for beds of one form and for mixtures alike."""
+    synthetic = forms[(forms["kind"] == MESH) & (forms["source"] == "synthetic")]
+    unified, models = unified_models(synthetic, _samples(mixtures), read_study_table("models"), seed, folds)
+    return Findings({"unified": unified["models"], "unified_feature_sets": unified["feature_sets"]}, {}, models)
 
 
 def _samples(packings):
@@ -222,9 +235,35 @@ def _statistics(packings):
     return unified_features(renamed[list(STATISTICS)])[list(dict.fromkeys([*STATISTICS, *MIXTURE, *UNIFIED]))]
 
 
+def _plain_study(packings, study):
+    """A study beside the values of Rettinger et al. (2022), and its figure."""
+    table = _beside(packings, study)
+    return Findings({study: table}, {study: porosities_figure(table, ["case", *_varied(packings)])})
+
+
 def _beside(packings, study):
-    """Means over the seeds beside the source study's values, and their figure."""
-    known = {"study", "seed", *_RESULT, *FORM, "n_exact", "coordination_number", "case"}
-    varied = [name for name in packings if name not in known]
-    table = add_reference(summarise(packings, varied), study)
-    return table, porosities_figure(table, ["case", *varied])
+    """Means over the seeds beside the values of Rettinger et al. (2022)."""
+    return add_reference(summarise(packings, _varied(packings)), study)
+
+
+def _varied(packings):
+    """Columns of the table of a study that say what it varies."""
+    others = {"study", "seed", *_RESULT, *FORM, "n_exact", "coordination_number", "case"}
+    return [name for name in packings if name not in others]
+
+
+def _biases(folder):
+    biases = measured_biases(folder)
+    return Findings({"biases": biases}) if len(biases) else Findings()
+
+
+def _trends(folder, studies):
+    """Trends over height of the studies named, or of all."""
+    if not (folder / "trends.csv").exists():
+        return Findings()
+    trends = pd.read_csv(folder / "trends.csv")
+    trends = trends if studies is None else trends[trends["study"].isin(studies)]
+    if trends.empty:
+        return Findings()
+    table = summarise_trends(trends)
+    return Findings({"trends": table}, {"trends": trends_figure(table)})
