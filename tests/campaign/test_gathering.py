@@ -20,7 +20,7 @@ from simcore.campaign.gathering import (
 )
 from simcore.campaign.trend_tables import summarise_trends
 from simcore.evaluation.evaluate import evaluate
-from simcore.models.prediction import fit_reference_models
+from simcore.models.fitting import fit_reference_models
 from simcore.scene.specification import resolve
 
 SPECIFICATION = {
