@@ -6,8 +6,8 @@ import pandas as pd
 
 from simcore.campaign.study_tables import compare_predictions, mark
 from simcore.grains.form import features
-from simcore.reference.committed_rows import read_single_forms
 from simcore.models.tables import models_dataset, single_form_models
+from simcore.reference.committed_rows import read_single_forms
 from simcore.reference.r22_tables import add_reference, read_study_table
 from simcore.report.figures.models import form_figure, prediction_figure
 from simcore.report.figures.saving import save_figure
