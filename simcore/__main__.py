@@ -69,14 +69,16 @@ def _parser():
     fabric.set_defaults(run=_fabric)
     predict = commands.add_parser(
         "predict",
-        help="porosity of a bed of measured grains, by our models and the study's",
-        description="Porosity of a bed of measured grains with its prediction interval, without packing them.",
+        help="porosity of a bed of measured grains, by our models and those of Rettinger et al. (2022)",
+        description="Porosity of a bed of measured grains with its prediction interval, without packing them. Exit "
+        "status 2 where a sample lies too far outside what the models were fitted to.",
     )
     predict.add_argument(
         "forms",
         type=Path,
         metavar="FORMS.csv",
-        help="columns L, I, S or FL, EL, a row a grain; or mean_FL, std_FL, mean_EL, std_EL, a row a sample",
+        help="table as text or .xlsx: columns L, I, S or FL, EL, a row a grain (or, with a column count, so many "
+        "grains); or mean_FL, std_FL, mean_EL, std_EL, a row a sample",
     )
     predict.add_argument("--case", required=True, help="U1, U7, ..., or one-class: any single sieve class, U1's model")
     predict.add_argument(
@@ -233,19 +235,19 @@ def _fabric(options):
 
 
 def _predict(options):
-    from simcore.models.prediction import predict_file
+    from simcore.models.prediction_text import predict_file
 
-    print(
-        predict_file(
-            options.forms,
-            options.case,
-            models=options.models,
-            source=options.source,
-            column=options.sample,
-            level=options.level,
-            form=options.form,
-        )
+    text = predict_file(
+        options.forms,
+        options.case,
+        models=options.models,
+        source=options.source,
+        column=options.sample,
+        level=options.level,
+        form=options.form,
+        notify=lambda notice: print(f"simcore predict: {notice}", file=sys.stderr),
     )
+    print(text)
     return 0
 
 

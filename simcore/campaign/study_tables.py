@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pandas as pd
 
+STATISTICS_ASKED_FOR = ("mean_FL", "mean_EL")  # of a mixture, before grains were drawn
 FORM = {
     "FL": "mu_FL",
     "EL": "mu_EL",

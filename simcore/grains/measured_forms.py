@@ -1,15 +1,16 @@
-"""Measured forms of grains: a CSV of axes, or of flatness and elongation, or of their statistics, as samples.
+"""Read measured forms of grains from a table: axes, or flatness and elongation, or their statistics, as samples.
 
-What a row is follows from the columns:
+The columns decide what a row is:
 
-    L, I, S                                a grain: its axes, longest first, in any one unit
-    FL, EL                                 a grain: S/I and I/L
+    L, I, S                                a grain: its axes, longest first, in any one unit (a, b, c; long, ... too)
+    FL, EL                                 a grain: S/I and I/L (under these names too)
     mean_FL, std_FL, mean_EL, std_EL       a sample (mu_ and sigma_ are taken too)
 
-A column `sample`, or another one that is named, says to which sample a grain belongs, or names the row's sample.
+A column `sample`, or another one that is named, says to which sample a grain belongs, or names the row's sample. A
+column of counts (count, n, number, ...) gives the number of grains that a row of a grain stands for.
 """
 
-import csv
+import logging
 import re
 from dataclasses import dataclass
 from math import isfinite
@@ -17,28 +18,28 @@ from pathlib import Path
 
 import numpy as np
 
+from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, may_number_rows, recognise_columns
 from simcore.grains.statistics import equancy_statistics
+from simcore.grains.summary_rows import find_summary_rows
+from simcore.grains.table_file import read_table
 
-AXES, RATIOS = ("L", "I", "S"), ("FL", "EL")
-MEANS = ("mean_FL", "std_FL", "mean_EL", "std_EL")
-SAMPLE = "sample"
-# "L", "L_mm", "L [mm]" and "L (mm)" are one column.
-_UNIT = "(?:[µμumcdk]?m|inch|in|ft|px|pixels?)"
-_AXIS = re.compile(rf"([LISlis])(?:\s*\[\s*({_UNIT})\s*\]|\s*\(\s*({_UNIT})\s*\)|[\s_]+({_UNIT}))?")
-_LONGEST = 100.0  # L/S; grains of FL and EL of 0.1, the study's least, have it
-_NEEDED = (
-    "give the columns L, I, S (axes of each grain), or FL, EL (of each grain), or mean_FL, std_FL, mean_EL, std_EL (of "
-    "each sample)"
-)
+log = logging.getLogger(__name__)
+
+_LONGEST = 100.0  # L/S; grains of FL and EL of 0.1, the least of Rettinger et al. (2022), have it
+_MOST_GRAINS = 1e12  # of one row; more is no count
 ALIKE = 1e-9  # relative; measured grains differ by more, copies of one row by rounding
+_SHOWN = 5  # values that a notice lists one by one
+_NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity)", re.IGNORECASE)
+# 1,234 may be a thousand and some, or one and some.
+_AMBIGUOUS = re.compile(r"[1-9]\d{0,2}[.,]\d{3}")
 
 
 @dataclass(frozen=True)
 class Sample:
     """A sample's statistics over its grains, number-based.
 
-    grains: how many were measured, 0 where only statistics are known. From statistics alone, those of EQ are of
-    independent FL and EL (the study).
+    grains: how many were measured, 0 if only statistics are given; with weights that do not count grains, the number of
+    rows. From statistics alone, those of EQ are of independent FL and EL, as Rettinger et al. (2022) have them.
     """
 
     name: str
@@ -57,104 +58,149 @@ class Sample:
 
 
 def read_samples(path, column=None):
-    """List of Sample from a CSV file, in the order in which they appear.
+    """Read a list of Sample from a table, in the order in which they appear; notices go to the log as warnings.
 
-    column: the column that tells the samples apart; None: "sample", where there is one. Commas, semicolons (with
-    decimal commas) or tabs. ValueError with file and row, as a spreadsheet counts them, and how to mend it.
+    Arguments and errors: as of read_measured.
     """
-    header, rows = _read(Path(path))
-    kind, columns = _columns(path, header)
-    by = _sample_column(path, header, column, set(columns))
-    found = {}
-    for number, row in rows:
-        where = f"{path}, row {number}"
-        values = [_number(where, name, row[position]) for name, position in columns.items()]
-        default = f"row {number}" if kind == MEANS else Path(path).stem
-        name = default if by is None else row[by].strip()
-        if not name:
-            raise ValueError(f"{where}: {header[by]} is empty; name the sample in every row")
-        found.setdefault(name, []).append((where, values))
-    if not found:
-        raise ValueError(f"{path}: there are no rows below the header; {_NEEDED}")
-    if kind == MEANS:
-        return [_from_means(name, entries) for name, entries in found.items()]
-    check = _check_axes if kind == AXES else _check_ratios
-    return [_from_grains(name, [check(*entry) for entry in entries]) for name, entries in found.items()]
+    samples, notices = read_measured(path, column)
+    for notice in notices:
+        log.warning("%s", notice)
+    return samples
 
 
-def _read(path):
-    """Header and [(row number, fields)] of the rows that are not empty."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise ValueError(f"{path}: there is no such file") from None
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: is no text in UTF-8; save it as CSV (UTF-8)") from None
-    first = next((line for line in text.splitlines() if line.strip()), "")
-    if not first:
-        raise ValueError(f"{path}: is empty; {_NEEDED}")
-    delimiter = next((mark for mark in ";\t" if mark in first), ",")
-    reader = csv.reader(text.splitlines(), delimiter=delimiter)
-    rows = [(reader.line_num, fields) for fields in reader if any(field.strip() for field in fields)]
-    header = [name.strip() for name in rows[0][1]]
-    for number, fields in rows[1:]:
-        if len(fields) != len(header):
-            raise ValueError(
-                f"{path}, row {number}: {len(fields)} fields where the header has {len(header)}; fill or drop some, "
-                "and write decimals with a point where commas part the fields"
+def read_measured(path, column=None):
+    """Read (samples, notices) from a table: a list of Sample in the order of the rows, and sentences on the reading.
+
+    path: a text file or an Excel workbook, see simcore.grains.table_file. column: the column that tells the samples
+    apart; None: "sample", if there is one. Numbers may have a decimal comma.
+    Rows that summarise others, such as Mean or Total, are left out, with a notice; so are columns that are not needed.
+    ValueError with file and row, as a spreadsheet counts them, and how to mend it.
+    """
+    table = read_table(path)
+    if not table.header:
+        raise ValueError(f"{path}: is empty; {NEEDED}")
+    columns = recognise_columns(path, table.header, column)
+    cells, notices = _leave_out_summaries(path, table.cells, columns)
+    if cells.empty:
+        raise ValueError(f"{path}: there are no rows below the header; {NEEDED}")
+    counts, count_notices = _read_counts(path, table.header, cells, columns)
+    groups = {}
+    for row, texts in cells.iterrows():
+        where = f"{path}, row {row}"
+        values = _read_forms(where, table.header, texts, columns)
+        name = _name_of(where, table.header, texts, columns, row, Path(path).stem)
+        groups.setdefault(name, []).append((where, values, row))
+    if columns.kind == MEANS:
+        samples = [_from_means(name, entries) for name, entries in groups.items()]
+    else:
+        check = _check_axes if columns.kind == AXES else _check_ratios
+        samples = [_from_grains(path, name, entries, check, counts) for name, entries in groups.items()]
+    notices = [*table.notices, *notices, *count_notices, *_describe_unused(table.header, cells, columns)]
+    return samples, [f"{path}: {notice}" for notice in notices]
+
+
+def _leave_out_summaries(path, cells, columns):
+    """The cells without the rows that summarise others, and notices."""
+    labels = find_summary_rows(cells[[i for i in cells if i not in columns.forms.values() and i != columns.counts]])
+    if not labels:
+        return cells, []
+    said = ", ".join(f"row {row} ({label})" for row, label in labels.items())
+    if len(labels) == len(cells):
+        raise ValueError(f"{path}: all rows summarise others ({said}); give the grains themselves, a row each")
+    verb = "summarise others and are" if len(labels) > 1 else "summarises others and is"
+    return cells.drop(index=list(labels)), [f"{said} {verb} left out"]
+
+
+def _read_forms(where, header, texts, columns):
+    """The numbers of the kind's columns in a row, list of float."""
+    width = max((i + 1 for i, text in enumerate(texts) if text), default=0)
+    if max(columns.forms.values()) >= width:
+        raise ValueError(
+            f"{where}: {width} fields where the header has {len(header)}; fill or drop some, and write decimals with "
+            "a point where commas part the fields"
+        )
+    return [_number(where, name, texts[position]) for name, position in columns.forms.items()]
+
+
+def _name_of(where, header, texts, columns, row, stem):
+    """Name of the sample that a row belongs to."""
+    if columns.sample is None:
+        return f"row {row}" if columns.kind == MEANS else stem
+    if not texts[columns.sample]:
+        raise ValueError(f"{where}: {header[columns.sample]} is empty; name the sample in every row")
+    return texts[columns.sample]
+
+
+@dataclass(frozen=True)
+class _Counts:
+    """weights: dict from row to its weight; whole: whether the weights are numbers of grains, not shares."""
+
+    weights: dict
+    whole: bool
+
+
+def _read_counts(path, header, cells, columns):
+    """The _Counts of the rows (None: each row is a grain), and notices."""
+    if columns.counts is None:
+        return None, []
+    name, texts = header[columns.counts], cells[columns.counts]
+    used = cells[[*columns.forms.values(), columns.counts]].to_numpy().ravel()
+    marks = {mark for text in used for mark in ".," if mark in text and not _AMBIGUOUS.fullmatch(text)}
+    weights = {}
+    for row, text in texts.items():
+        where = f"{path}, row {row}"
+        if _AMBIGUOUS.fullmatch(text) and not marks == {mark for mark in ".," if mark in text}:
+            raise ValueError(f"{where}: {name} is {text}; write it without a separator of thousands")
+        weights[row] = _number(where, name, text)
+        if not 0 <= weights[row] <= _MOST_GRAINS:
+            raise ValueError(f"{where}: {name} = {weights[row]:g}; a number of grains lies between 0 and 1e12")
+    values = list(weights.values())
+    if len(values) > 1 and may_number_rows(name) and all(b - a == 1 for a, b in zip(values, values[1:], strict=False)):
+        return None, [f"the column {name} numbers the rows, so it is not taken for a number of grains"]
+    if all(value.is_integer() for value in values) and not re.search("%|percent", name):
+        return _Counts(weights, True), [
+            f"the column {name} is the number of grains of each row, {sum(values):.0f} in all"
+        ]
+    return _Counts(weights, False), [f"the column {name} weighs the rows; how many grains there are is not known"]
+
+
+def _describe_unused(header, cells, columns):
+    """Notices on the columns that are not read, and on one that may tell samples apart."""
+    unused = {i: header[i] or f"(column {i + 1}, no name)" for i in cells if i not in columns.used}
+    notices = []
+    may_tell_apart = columns.sample is None and columns.kind != MEANS
+    for position in list(unused) if may_tell_apart else []:
+        values = [text for text in dict.fromkeys(cells[position]) if text]
+        if 1 < len(values) < len(cells) and not all(_NUMBER.fullmatch(text) for text in values) and header[position]:
+            notices.append(
+                f"the column {unused.pop(position)} repeats ({_listed(values)}) and is not used, so all grains are one "
+                f"sample; to tell samples apart by it, give --sample '{header[position]}'"
             )
-    if delimiter == ";":
-        rows = [(number, [re.sub(r"^\s*([-+]?\d*),(\d+)\s*$", r"\1.\2", f) for f in fields]) for number, fields in rows]
-    return header, rows[1:]
+    if unused:
+        notices.append(f"not used: {', '.join(unused.values())}")
+    return notices
 
 
-def _columns(path, header):
-    """What the columns are (AXES, RATIOS or MEANS), and their positions by name."""
-    axes, units = {}, {}
-    for position, name in enumerate(header):
-        match = _AXIS.fullmatch(name)
-        if match:
-            axis = match[1].upper()
-            if axis in axes:
-                raise ValueError(f"{path}: the columns {header[axes[axis]]} and {name} are both {axis}; drop one")
-            axes[axis], units[axis] = position, match[2] or match[3] or match[4]
-    plain = {re.sub("^sigma_", "std_", re.sub("^mu_", "mean_", name)): i for i, name in reversed([*enumerate(header)])}
-    if set(axes) == set(AXES):
-        if len(set(units.values())) > 1:
-            said = ", ".join(f"{axis} in {units[axis] or 'no unit'}" for axis in AXES)
-            raise ValueError(f"{path}: the header mixes units ({said}); give all three axes in one")
-        return AXES, {axis: axes[axis] for axis in AXES}
-    for kind in (RATIOS, MEANS):
-        if set(kind) <= set(plain):
-            return kind, {name: plain[name] for name in kind}
-    said = ", ".join(header)
-    for kind, there in ((MEANS, plain), (RATIOS, plain), (AXES, axes)):
-        missing = [name for name in kind if name not in there]
-        if len(missing) < len(kind):
-            raise ValueError(f"{path}: the column {', '.join(missing)} is missing beside {said}; {_NEEDED}")
-    raise ValueError(f"{path}: none of its columns ({said}) is a form; {_NEEDED}")
-
-
-def _sample_column(path, header, column, used):
-    wanted = column or SAMPLE
-    if wanted in header:
-        if wanted in used:
-            raise ValueError(f"{path}: {wanted} is a form, not the name of a sample; name another column")
-        return header.index(wanted)
-    if column is None:
-        return None
-    raise ValueError(f"{path}: there is no column {column} to tell samples apart; there are {', '.join(header)}")
+def _listed(texts):
+    """The first texts after each other, with how many there are besides."""
+    shown = ", ".join(texts[:_SHOWN])
+    return shown if len(texts) <= _SHOWN else f"{shown} and {len(texts) - _SHOWN} more"
 
 
 def _number(where, name, text):
-    try:
-        value = float(text)
-    except ValueError:
+    plain = text.replace("\u2212", "-")
+    if plain.rstrip().endswith("%"):
+        raise ValueError(f"{where}: {name} is '{text}'; give a fraction, 0.65 not 65 %")
+    if "." in plain and "," in plain or plain.count(",") > 1 or plain.count(".") > 1:
         raise ValueError(
-            f"{where}: {name} is '{text.strip()}'; a number is needed, its unit, if any, in the header"
-        ) from None
+            f"{where}: {name} is '{text}'; a number is needed, without separators of thousands, its unit, if any, in "
+            "the header"
+        )
+    if not _NUMBER.fullmatch(plain):
+        raise ValueError(f"{where}: {name} is '{text}'; a number is needed, its unit, if any, in the header")
+    value = float(plain.replace(",", "."))
     if not isfinite(value):
-        raise ValueError(f"{where}: {name} is {text.strip()}; a finite number is needed, drop the row if it is unknown")
+        raise ValueError(f"{where}: {name} is {text}; a finite number is needed, drop the row if it is unknown")
     return value
 
 
@@ -179,7 +225,8 @@ def _check_ratios(where, values):
     for name, value in zip(RATIOS, values, strict=True):
         if not 0 < value <= 1:
             raise ValueError(
-                f"{where}: {name} = {value:g} is not in (0, 1]; FL is S/I and EL is I/L, not their inverses"
+                f"{where}: {name} = {value:g} is not in (0, 1]; FL is S/I and EL is I/L, not their inverses, nor "
+                "percent"
             )
     if values[0] * values[1] * _LONGEST < 1:
         raise ValueError(
@@ -189,24 +236,38 @@ def _check_ratios(where, values):
     return values
 
 
-def _from_grains(name, forms):
-    FL, EL = np.array(forms, float).T
+def _from_grains(path, name, entries, check, counts):
+    """The Sample of a group of rows (where, values, row); check returns FL and EL of a row's values."""
+    FL, EL = np.array([check(where, values) for where, values, _ in entries], float).T
+    weights, grains = None, len(FL)
+    if counts is not None:
+        weights = np.array([counts.weights[row] for *_, row in entries])
+        if not weights.sum() > 0:
+            raise ValueError(f"{path}: the numbers of grains of sample {name} are all 0; correct or drop its rows")
+        grains = int(weights.sum()) if counts.whole else int((weights > 0).sum())
     statistics = {}
     for feature, values in (("FL", FL), ("EL", EL), ("EQ", FL * EL)):
-        # As the models have it (simcore.grains.statistics): of the grains there are, and of like ones none but
-        # rounding.
-        mean, std = values.mean(), values.std(ddof=0)
+        mean, std = _mean_and_std(values, weights)
+        # As the models have it (simcore.grains.statistics): the deviation over the grains themselves (ddof 0). Grains
+        # that are alike differ by rounding alone.
         statistics |= {f"mu_{feature}": float(mean), f"sigma_{feature}": float(std if std > ALIKE * mean else 0.0)}
-    return Sample(name=name, grains=len(FL), **statistics)
+    return Sample(name=name, grains=grains, **statistics)
+
+
+def _mean_and_std(values, weights):
+    if weights is None:
+        return values.mean(), values.std(ddof=0)
+    mean = np.average(values, weights=weights)
+    return mean, np.sqrt(np.average((values - mean) ** 2, weights=weights))
 
 
 def _from_means(name, entries):
     if len(entries) > 1:
         raise ValueError(f"{entries[1][0]}: sample {name} is there twice; a row of means and deviations is one sample")
-    where, (mu_FL, sigma_FL, mu_EL, sigma_EL) = entries[0]
+    where, (mu_FL, sigma_FL, mu_EL, sigma_EL), _ = entries[0]
     for feature, mu, sigma in (("FL", mu_FL, sigma_FL), ("EL", mu_EL, sigma_EL)):
         if not 0 < mu <= 1:
-            raise ValueError(f"{where}: mean_{feature} = {mu:g} is not in (0, 1]; FL is S/I and EL is I/L")
+            raise ValueError(f"{where}: mean_{feature} = {mu:g} is not in (0, 1]; FL is S/I and EL is I/L, not percent")
         # Of all distributions on [0, 1] with this mean, that of 0 and 1 alone is the widest.
         widest = np.sqrt(mu * (1 - mu))
         if not 0 <= sigma <= widest:

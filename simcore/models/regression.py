@@ -13,6 +13,7 @@ from sklearn.linear_model import LinearRegression
 from sklearn.model_selection import GroupKFold
 
 from simcore.grains.form import features as form_features
+from simcore.models.fitted_range import RangedValue, distance_outside, widening
 
 log = logging.getLogger(__name__)
 
@@ -147,32 +148,44 @@ class PorosityModel:
         return ("intercept", *self.features)
 
     def predict(self, features):
-        """Porosity (n,) for a feature table (n, m) that holds at least this model's features."""
+        """Porosity (n,) for a feature table (n, m) that holds at least this model's features.
+
+        The plain formula: it is not checked whether a row lies within what was fitted, nor whether its porosity is in
+        (0, 1); simcore.models.prediction.predict_samples does both.
+        """
         return self._design(features) @ np.array(self.coefficients)
 
     def predict_interval(self, features, level=0.95):
         """(porosity, lower, upper), each (n,): the interval holds the porosity of a new sample with chance `level`.
 
         Of a sample as those of the fit: a new form, its porosity as well known as theirs. By least squares: the
-        uncertainty of the coefficients and the scatter about the model, Student's t.
+        uncertainty of the coefficients, which grows with the distance from the samples of the fit, and the scatter
+        about the model, Student's t. Farther outside the fitted range it is wider, by the rule of
+        simcore.models.fitted_range.
         """
         design = self._design(features)
         porosity = design @ np.array(self.coefficients)
         variance = self.scatter**2 + np.einsum("ni,ij,nj->n", design, np.array(self.covariance), design)
         half = student.ppf(0.5 + 0.5 * level, self.n_samples - len(self.coefficients)) * np.sqrt(variance)
+        half = half * widening(self.distance_outside(features))
         return porosity, porosity - half, porosity + half
 
-    def outside(self, features):
-        """For each row of a feature table the features that lie outside those of the fit, a list of (name, value,
-        minimum, maximum); empty where all lie within."""
+    def distance_outside(self, features):
+        """How far each row of a feature table lies outside those of the fit, (n,), by the rule of fitted_range."""
         values = self._design(features)[:, 1:]
-        low, high = np.array(self.minimum), np.array(self.maximum)
-        slack = 1e-9 * np.maximum(np.abs(low), np.abs(high))  # a form of the fit itself, written and read again
-        wrong = (values < low - slack) | (values > high + slack)
-        return [
-            [(self.features[i], float(row[i]), float(low[i]), float(high[i])) for i in np.flatnonzero(bad)]
-            for row, bad in zip(values, wrong, strict=True)
+        return distance_outside(values, self.minimum, self.maximum).max(axis=1, initial=0.0)
+
+    def outside(self, features):
+        """For each row of a feature table the features that lie outside those of the fit, a list of RangedValue, empty
+        where all lie within."""
+        rows = [
+            [
+                RangedValue(*each)
+                for each in zip(self.features, map(float, row), self.minimum, self.maximum, strict=True)
+            ]
+            for row in self._design(features)[:, 1:]
         ]
+        return [[each for each in row if each.distance > 0] for row in rows]
 
     def _design(self, features):
         missing = [name for name in self.features if name not in features]

@@ -4,7 +4,6 @@ What a folder such as results/reference has no rows of is left out.
 """
 
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -26,6 +25,7 @@ from simcore.reference.r22_tables import add_reference, read_study_table
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.report.figures.studies import porosities_figure, trends_figure
 from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
+from simcore.report.findings import Findings
 
 MESH, ELLIPSOID = "mesh", "ellipsoid"
 # Studies whose rows stand beside a table of the source study's, or by themselves.
@@ -42,17 +42,6 @@ PLAIN_STUDIES = (
 NOMINAL = {"mean_FL": "mu_FL", "mean_EL": "mu_EL", "std_FL": "sigma_FL", "std_EL": "sigma_EL"}
 _RESULT = ("n", "n_std_error", "grains", "cpu_s")
 _OF_A_PACKING = {name: ours for ours, name in NAMES.items()}
-
-
-class Findings(NamedTuple):
-    """Tables and figures by name, and models by (name, case)."""
-
-    tables: dict = {}
-    figures: dict = {}
-    models: dict = {}
-
-    def __or__(self, other):
-        return Findings(*(first | second for first, second in zip(self, other, strict=True)))
 
 
 def findings(folder, seed=0, folds=FOLDS, studies=None):

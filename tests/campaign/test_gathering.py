@@ -6,18 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.campaign.gathering import (
-    LEDGER,
-    gather,
-    not_gathered,
-    record,
-    rows_of,
-    table_of,
-    trends_of,
-)
+from simcore.campaign.gathering import LEDGER, gather, not_gathered, record, rows_of, table_of, trends_of
 from simcore.campaign.trend_tables import summarise_trends
 from simcore.evaluation.evaluate import evaluate
-from simcore.models.prediction import fit_reference_models
+from simcore.models.fitting import fit_reference_models
 from simcore.scene.identity import result_digest, source_name
 from simcore.scene.specification import resolve
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simcore.grains.measured_forms import read_samples
+from simcore.grains.measured_forms import read_measured, read_samples
 
 
 @pytest.fixture
@@ -11,6 +11,18 @@ def read(tmp_path):
     def read_text(text, column=None):
         (tmp_path / "bed.csv").write_text(text, encoding="utf-8")
         return read_samples(tmp_path / "bed.csv", column)
+
+    return read_text
+
+
+@pytest.fixture
+def notices_of(tmp_path):
+    """Samples and notices of a text, without the folder's name."""
+
+    def read_text(text, column=None):
+        (tmp_path / "bed.csv").write_text(text, encoding="utf-8")
+        samples, notices = read_measured(tmp_path / "bed.csv", column)
+        return samples, [notice.removeprefix(f"{tmp_path}/") for notice in notices]
 
     return read_text
 
@@ -56,7 +68,30 @@ def test_statistics_are_samples_of_independent_flatness_and_elongation(read, nam
         ("L,I\n4,2\n", "the column S is missing beside L, I"),
         ("FL\n0.5\n", "the column EL is missing beside FL"),
         ("mean_FL,mean_EL\n0.5,0.5\n", "the column std_FL, std_EL is missing beside mean_FL, mean_EL"),
-        ("a,b\n1,2\n", r"none of its columns \(a, b\) is a form"),
+        ("x,y\n1,2\n", r"none of its columns \(x, y\) is a form"),
+        ("a,b\n2,1\n", "the column S is missing beside a, b"),
+        ("4,2,1\n5,3,2\n", r"the first row \(4, 2, 1\) holds numbers where the names of the columns are needed"),
+        ("FL,EL,FL\n0.5,0.5,0.6\n", "two columns are named FL; drop or rename one"),
+        ("FL,S/I,EL\n0.5,0.6,0.5\n", "the columns FL and S/I are both FL; drop one"),
+        ("L,I,S,a (mm)\n4,2,1,4\n", r"the columns L and a \(mm\) are both L; drop one"),
+        ("long,L,I,S\n4,4,2,1\n", "the columns long and L are both L; drop one"),
+        ("mean_FL,mu_FL,std_FL,mean_EL,std_EL\n.6,.6,0,.7,0\n", "the columns mean_FL and mu_FL are both mean_FL"),
+        ("sample,sample,FL,EL\na,b,0.5,0.5\n", "two columns are named sample"),
+        ("count,n,FL,EL\n1,1,0.5,0.5\n", "the columns count and n are both the number of grains; drop one"),
+        ("FL [%],EL [%]\n50,50\n", r"the column FL \[%\] is in percent; give FL as a fraction"),
+        ("FL,EL\n50%,50%\n", "row 2: FL is '50%'; give a fraction"),
+        ("FL,EL\n65,70\n", r"row 2: FL = 65 is not in \(0, 1\]; .* nor percent"),
+        ("L,I,S\n1_0,2,1\n", "row 2: L is '1_0'; a number is needed"),
+        ('L,I,S\n"1,234.5",2,1\n', "row 2: L is '1,234.5'; a number is needed, without separators of thousands"),
+        ("L,I,S\n50,5,40,1,27,3\n", "row 2: 6 fields where the header has 3; .* write decimals with a point"),
+        ("L,I,S\nmm,mm,mm\n4,2,1\n", "row 2: L is 'mm'; a number is needed, its unit, if any, in the header"),
+        ("L,I,S,count\n4,2,1,-1\n", "row 2: count = -1; a number of grains lies between 0 and 1e12"),
+        ("L,I,S,count\n4,2,1,\n", "row 2: count is ''; a number is needed"),
+        ("L,I,S,count\n4,2,1,few\n", "row 2: count is 'few'; a number is needed"),
+        ("L,I,S,count\n4,2,1,0\n", "the numbers of grains of sample bed are all 0"),
+        ('L,I,S,count\n4,2,1,"1,234"\n', "row 2: count is 1,234; write it without a separator of thousands"),
+        ("L;I;S;count\n4,5;2;1;1.250\n", "row 2: count is 1.250; write it without a separator of thousands"),
+        ("grain,FL,EL\nMean,0.5,0.5\nMax,0.6,0.6\n", r"all rows summarise others \(row 2 \(Mean\), row 3 \(Max\)\)"),
         ("L,I,S\n4,2,1\n\n2,4,1\n", "row 4: L = 2, I = 4, S = 1; L >= I >= S is needed: sort the axes"),
         ("L,I,S\n4,2,0\n", "row 2: S = 0 is not positive"),
         ("L [mm],I [cm],S [mm]\n4,2,1\n", r"the header mixes units \(L in mm, I in cm, S in mm\)"),
@@ -90,6 +125,127 @@ def test_a_missing_file_and_a_missing_column(read, tmp_path):
         read_samples(tmp_path / "none.csv")
     with pytest.raises(ValueError, match="there is no column site to tell samples apart; there are FL, EL"):
         read("FL,EL\n0.5,0.5\n", "site")
-    (tmp_path / "bed.xlsx").write_bytes(b"PK\x03\x04\xff\xfe")
-    with pytest.raises(ValueError, match="bed.xlsx: is no text in UTF-8"):
-        read_samples(tmp_path / "bed.xlsx")
+    with pytest.raises(ValueError, match="FL is a form, not the name of a sample"):
+        read("FL,EL\n0.5,0.5\n", "FL")
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "L/mm;I/mm;S/mm",
+        "L, mm;I, mm;S, mm",
+        "L in mm;I in mm;S in mm",
+        "L..mm.;I..mm.;S..mm.",
+        '"L\n[mm]";"I\n[mm]";"S [mm]"',
+        "a (mm);b (mm);c (mm)",
+        "A;B;C",
+        "a-axis [cm];b-axis [cm];c-axis [cm]",
+        "Long axis;Intermediate axis;Short axis",
+        "long;intermediate;short",
+        "LONGEST_mm;MEDIUM_mm;SHORTEST_mm",
+        "major axis (px);intermediate axis (px);minor axis (px)",
+        "L [µm];I [um];S [microns]",
+    ],
+)
+def test_axes_by_other_names_and_units_are_the_same_sample(read, header):
+    (expected,) = read("L,I,S\n4,2.5,1\n30,20,15\n")
+    assert read(header + "\n4;2,5;1\n30;20;15\n") == [expected]
+
+
+@pytest.mark.parametrize(
+    "header", ["S/I,I/L", "c/b,b/a", "FL [-],EL [-]", "fl,el", "FL (S/I),EL (I/L)", "FL = S/I,EL = I/L", "s / i,i / l"]
+)
+def test_ratios_by_other_names_are_the_same_sample(read, header):
+    assert read(header + "\n0.5,0.7\n0.6,0.8\n") == read("FL,EL\n0.5,0.7\n0.6,0.8\n")
+
+
+@pytest.mark.parametrize(
+    "header", ["Mean FL,Std FL,Mean EL,Std EL", "FL_mean,FL_sd,EL_mean,EL_sd", "µ_FL,σ_FL,µ_EL,σ_EL"]
+)
+def test_statistics_by_other_names_are_the_same_sample(read, header):
+    assert read(header + "\n0.6,0.1,0.7,0.2\n") == read("mean_FL,std_FL,mean_EL,std_EL\n0.6,0.1,0.7,0.2\n")
+
+
+def test_rows_that_summarise_others_are_left_out_and_named(notices_of):
+    """Whatever the column is called; of their numbers none is read, as some of them are no form."""
+    (expected,), nothing = notices_of("FL,EL\n0.5,0.7\n0.6,0.8\n")
+    assert nothing == []
+    for labels in (
+        ["Mean", "Max"],
+        ["Mittelwert", "Standardabweichung"],
+        ["average:", "Std. dev."],
+        ["Grand total", "MEDIAN (n=2)"],
+        ["Sum of all", "min value"],
+    ):
+        rows = "".join(f"{label},7,-3\n" for label in labels)
+        (sample,), (left_out, *_) = notices_of("stone,FL,EL\nx1,0.5,0.7\nx2,0.6,0.8\n" + rows)
+        assert sample == expected
+        assert f"row 4 ({labels[0]}), row 5 ({labels[1]}) summarise others and are left out" in left_out
+    samples, (left_out, *_) = notices_of("sample,FL,EL\nx,0.5,0.7\nx,0.6,0.8\nTotal,1.1,1.5\n")
+    assert [sample.name for sample in samples] == ["x"]
+    assert left_out.endswith("row 4 (Total) summarises others and is left out")
+    # What pandas describes.
+    below = "".join(f"{label},2,2\n" for label in ("count", "mean", "std", "min", "25%", "50%", "75%", "max"))
+    samples, (left_out, *_) = notices_of(",FL,EL\n0,0.5,0.7\n1,0.6,0.8\n" + below)
+    assert samples == [expected] and "row 4 (count), row 5 (mean)" in left_out and "row 11 (max)" in left_out
+
+
+def test_names_that_look_like_summaries_are_no_summaries(notices_of):
+    """A grain n among letters, a place SD, a place that begins with Max, stones that Max measured."""
+    letters = "".join(f"{letter},0.5,0.7\n" for letter in "lmnop")
+    assert notices_of("stone,FL,EL\n" + letters + "Mean,0.5,0.7\n")[0][0].grains == 5
+    assert notices_of("place,FL,EL\nSD,0.5,0.7\nSE,0.5,0.7\nTX,0.5,0.7\n")[0][0].grains == 3
+    assert notices_of("place,FL,EL\nMax Creek,0.5,0.7\nTotality,0.5,0.7\nMeander,0.5,0.7\n")[0][0].grains == 3
+    assert notices_of("who,FL,EL\nMax,0.5,0.7\nMax,0.5,0.7\nAnna,0.5,0.7\n")[0][0].grains == 3
+
+
+@pytest.mark.parametrize("name", ["count", "Counts", "n", "number", "Anzahl", "frequency", "no. of grains", "n_grains"])
+def test_counts_weigh_like_rows_that_are_written_out(notices_of, name):
+    forms, counts = [("9", "8", "7"), ("9", "5", "3"), ("8", "7", "2")], [2, 90, 8]
+    lines = [",".join(form) for form in forms]
+    written_out = "L,I,S\n" + "".join(f"{line}\n" * count for line, count in zip(lines, counts, strict=True))
+    counted = f"L,I,S,{name}\n" + "".join(f"{line},{count}\n" for line, count in zip(lines, counts, strict=True))
+    ((expected,), _), ((sample,), notices) = notices_of(written_out), notices_of(counted)
+    assert (sample.grains, expected.grains) == (100, 100)
+    for field in ("mu_FL", "sigma_FL", "mu_EL", "sigma_EL", "mu_EQ", "sigma_EQ"):
+        assert getattr(sample, field) == pytest.approx(getattr(expected, field), rel=1e-12)
+    assert notices == [f"bed.csv: the column {name} is the number of grains of each row, 100 in all"]
+
+
+def test_counts_go_to_their_samples_and_shares_count_no_grains(notices_of):
+    (a, b), _ = notices_of("sample,FL,EL,count\na,0.5,0.7,3\nb,0.6,0.8,5\na,0.9,0.7,1\nb,0.6,0.9,0\n")
+    assert (a.grains, b.grains, b.one_form) == (4, 5, True)
+    assert a.mu_FL == pytest.approx(0.6) and a.sigma_FL == pytest.approx(np.sqrt(0.03))
+    (share,), (notice,) = notices_of("FL,EL,frequency [%]\n0.5,0.7,75\n0.9,0.7,25\n")
+    assert (share.mu_FL, share.grains) == (pytest.approx(0.6), 2)
+    assert "the column frequency [%] weighs the rows; how many grains there are is not known" in notice
+    (share,), _ = notices_of("FL;EL;count\n0,5;0,7;1,250\n0,9;0,7;2,25\n")
+    assert share.mu_FL == pytest.approx((0.5 * 1.25 + 0.9 * 2.25) / 3.5)
+
+
+def test_a_column_that_numbers_the_rows_is_no_count(notices_of):
+    (sample,), (running,) = notices_of("n,FL,EL\n1,0.5,0.7\n2,0.9,0.7\n3,0.9,0.7\n")
+    assert (sample.grains, sample.mu_FL) == (3, pytest.approx(2.3 / 3))
+    assert "the column n numbers the rows, so it is not taken for a number of grains" in running
+    # Of statistics a row is a sample, whatever it was measured from.
+    (sample, _), (unused,) = notices_of("mean_FL,std_FL,mean_EL,std_EL,n\n.6,.1,.7,.1,9\n.6,.1,.8,.1,5\n")
+    assert sample.grains == 0 and unused.endswith("not used: n")
+
+
+def test_a_column_that_may_tell_samples_apart_is_named(notices_of):
+    text = "river,FL,EL,D50\nRhine,0.5,0.7,9\nKall,0.6,0.8,8\nRhine,0.7,0.9,7\n"
+    (sample,), (hint, unused) = notices_of(text)
+    assert sample.grains == 3
+    assert "the column river repeats (Rhine, Kall) and is not used, so all grains are one sample" in hint
+    assert "give --sample 'river'" in hint and unused.endswith("not used: D50")
+    samples, (unused,) = notices_of(text, "River")
+    assert [sample.name for sample in samples] == ["Rhine", "Kall"] and unused.endswith("not used: D50")
+    # A name for each grain, one for all, or a sample's own column: nothing was merged.
+    assert notices_of("stone,FL,EL\nx,.5,.7\ny,.6,.7\n")[1] == ["bed.csv: not used: stone"]
+    assert notices_of("river,FL,EL\nx,.5,.7\nx,.6,.7\n")[1] == ["bed.csv: not used: river"]
+    assert notices_of("Sample,FL,EL\nx,.5,.7\nx,.6,.7\ny,.6,.7\n")[1] == []
+
+
+def test_notices_go_to_the_log_of_who_reads_samples_alone(read, caplog):
+    read("FL,EL,D50\n0.5,0.7,9\n")
+    assert "not used: D50" in caplog.text

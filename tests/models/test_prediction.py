@@ -1,108 +1,20 @@
-"""Prediction for measured grains: rows whose truth is known, the study's data sets, the command line."""
+"""Prediction for measured grains: rows whose truth is known, the data sets of Rettinger et al., what is refused."""
 
-import csv
-import io
-import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import t as student
 
-from simcore.__main__ import main
 from simcore.grains.measured_forms import Sample, read_samples
-from simcore.models.files import models_dataset
-from simcore.models.mixtures import mixture_models
-from simcore.models.prediction import describe, fit_reference_models, predict_samples, read_campaign_models
-from simcore.models.single_form import single_form_models
+from simcore.models.fitting import fit_reference_models
+from simcore.models.prediction import predict_samples
+from simcore.models.regression import fit
 from simcore.reference.r22_tables import read_study_table
+from tests.helpers.committed import mixtures, one_form, single_truth
 
-ROOT = Path(__file__).resolve().parents[2]
-TABLE_2 = ROOT / "examples" / "table2.csv"
-
-
-def grains(number, seed=0):
-    return np.random.default_rng(seed).uniform(0.35, 0.95, (2, number))
-
-
-def mixtures(number=16, seed=1):
-    rng = np.random.default_rng(seed)
-    table = pd.DataFrame({"mu_EQ": rng.uniform(0.25, 0.55, number), "mu_EL": rng.uniform(0.5, 0.8, number)})
-    return table.assign(sigma_EQ=rng.uniform(0.08, 0.16, number), sigma_EL=rng.uniform(0.1, 0.2, number), case="U1")
-
-
-def single_truth(flatness, elongation):
-    return 0.30 + 0.02 / (flatness * elongation) + 0.01 / elongation
-
-
-@pytest.fixture
-def reference(tmp_path):
-    """A folder of committed rows as a campaign leaves them: two sources, ellipsoids that must not count, two seeds."""
-    parts = []
-    for source, seed in (("synthetic", 0), ("scans", 1)):
-        flatness, elongation = grains(20, seed)
-        table = pd.DataFrame({"grain": [f"G{i}" for i in range(20)], "L": 5 / elongation, "I": 5.0, "S": 5 * flatness})
-        n = single_truth(flatness, elongation) + (0.01 if source == "scans" else 0.0)
-        for run, sign in ((1, 1), (2, -1)):
-            mesh = table.assign(source=source, case="U1", representation="mesh", seed=run, n=n + sign * 1e-3)
-            parts += [mesh, mesh.assign(representation="ellipsoid", n=0.2)]
-    pd.concat(parts).to_csv(tmp_path / "single_form.csv", index=False)
-    table = mixtures()
-    for name in ("mu_FL", "sigma_FL", "mu_EL", "sigma_EL"):
-        table[f"{name}_nominal"] = np.arange(16) / 16
-    table["n"] = 0.31 + 0.03 / table.mu_EQ - 0.003 / table.sigma_EQ + 0.02 / table.mu_EL - 0.002 / table.sigma_EL
-    table.to_csv(tmp_path / "form_mixture.csv", index=False)
-    return tmp_path
-
-
-def one_form(flatness, elongation):
-    return Sample("one", 1, flatness, 0.0, elongation, 0.0, flatness * elongation, 0.0)
-
-
-def test_the_rows_of_a_campaign_are_what_is_fitted(reference):
-    fitted = fit_reference_models(reference, source="synthetic")
-    np.testing.assert_allclose(fitted.models["single_form", "U1"].coefficients, [0.30, 0.02, 0.01], rtol=1e-9)
-    np.testing.assert_allclose(
-        fitted.models["form_mixture", "U1"].coefficients, [0.31, 0.03, -0.003, 0.02, -0.002], rtol=1e-8
-    )
-    assert fitted.behind["single_form", "U1"].endswith("single_form.csv, 20 forms in 40 packings")
-    assert fitted.models["unified", "U1"].n_samples == 20 + 16
-    both = fit_reference_models(reference)
-    assert both.models["single_form", "U1"].n_samples == 40
-    assert both.models["single_form", "U1"].scatter == pytest.approx(0.005, rel=0.3)  # half of what the sources differ
-    with pytest.raises(ValueError, match="has no grains of source clay; there are scans, synthetic"):
-        fit_reference_models(reference, source="clay")
-    with pytest.raises(ValueError, match="nor its default/ has tables"):
-        fit_reference_models(reference / "none")
-
-
-def test_the_committed_rows_stand_in_until_then():
-    fitted = fit_reference_models()
-    assert {("single_form", "U1"), ("form_mixture", "U1"), ("unified", "U1")} <= set(fitted.models)
-    for key in fitted.models:
-        assert fitted.behind[key]
-
-
-def test_what_a_campaign_has_not_finished_is_taken_from_the_default_one(reference, tmp_path):
-    default = reference / "default"
-    default.mkdir()
-    flatness, elongation = grains(8, seed=3)
-    table = pd.DataFrame({"case": "U1", "grain": [f"G{i}" for i in range(8)], "FL": flatness, "EL": elongation})
-    table.assign(n=0.5 + 1e-6 * flatness).to_csv(default / "single_form.csv", index=False)
-    beds = mixtures(seed=4).rename(columns={"mu_EQ": "EQ", "mu_EL": "EL"})
-    asked = {name: np.arange(16) / 16 for name in ("mean_FL", "std_FL", "mean_EL", "std_EL")}
-    beds.assign(n=0.5 + 1e-6 * beds.EQ, **asked).to_csv(default / "form_mixtures.csv", index=False)
-    assert "default" not in " ".join(fit_reference_models(reference).behind.values())
-    few = pd.read_csv(reference / "form_mixture.csv").head(5)
-    few.to_csv(reference / "form_mixture.csv", index=False)
-    fitted = fit_reference_models(reference)
-    assert "default" not in fitted.behind["single_form", "U1"]
-    assert "default" in fitted.behind["form_mixture", "U1"]
-    assert fitted.models["form_mixture", "U1"].coefficients[0] == pytest.approx(0.5, abs=1e-5)
-    # Both kinds of bed of one campaign: the whole one.
-    assert fitted.models["unified", "U1"].n_samples == 8 + 16
+TABLE_2 = Path(__file__).resolve().parents[2] / "examples" / "table2.csv"
 
 
 def test_one_form_and_a_distribution_take_their_own_models(reference):
@@ -144,36 +56,130 @@ def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
     assert alone.by.tolist() == ["study"]
     assert alone.n.item() == pytest.approx(0.217 + 0.014 / 0.42 - 0.006 / 0.7)
     wide = Sample("wide", 50, 0.6, 0.15, 0.7, 0.15, 0.42, 0.12)
-    with pytest.raises(ValueError, match="case B50, sample wide: no model, ours or the study's, was fitted to beds"):
+    with pytest.raises(
+        ValueError, match="case B50, sample wide: no model, ours or that of Rettinger et al., was fitted"
+    ):
         predict_samples([*one, wide], "B50", fitted)
     with pytest.raises(ValueError, match="case B30: no model was fitted to it; there are B50, U1, U7, one-class"):
         predict_samples(one, "B30", fitted)
 
 
-def test_a_case_with_beds_of_one_form_alone_leaves_distributions_to_the_study_and_says_so(reference, caplog):
-    rows = pd.read_csv(reference / "single_form.csv")
-    pd.concat([rows, rows.assign(case="U7", n=rows.n - 0.05)]).to_csv(reference / "single_form.csv", index=False)
-    fitted = fit_reference_models(reference, source="synthetic")
-    assert not caplog.messages
-    one, wide = one_form(0.6, 0.7), Sample("wide", 50, 0.6, 0.15, 0.7, 0.15, 0.42, 0.12)
-    table = predict_samples([one, wide], "U7", fitted)
-    assert table[table.preferred].name.tolist() == ["one"]
-    assert table[table.preferred].n.item() == pytest.approx(single_truth(0.6, 0.7) - 0.05, abs=1e-3)
-    said = "Too few of our packings of U7 have a distribution of form: the study's model alone for these samples"
-    assert said in describe(table, "U7", fitted)
-    assert "Too few" not in describe(table[table.name == "one"], "U7", fitted)
-    assert "Too few" not in describe(predict_samples([wide], "U1", fitted), "U1", fitted)
-
-
-def test_what_lies_outside_is_said_of_ours_and_of_the_studys(reference):
+def test_what_lies_outside_is_said_of_ours_and_of_r22(reference):
+    """Just outside it is said and the interval is wider; far outside nothing is predicted."""
     fitted = fit_reference_models(reference)
-    inside, outside = (predict_samples([one_form(*form)], "U1", fitted) for form in ((0.65, 0.7), (0.2, 0.3)))
-    assert (inside.outside == "").all()
+    inside, outside = (predict_samples([one_form(*form)], "U1", fitted) for form in ((0.65, 0.7), (0.28, 0.5)))
+    assert (inside.outside == "").all() and (inside.distance == 0).all()
     single, unified, study = outside.outside
-    assert "EQ_inv = 16.67, fitted from" in single and "mu_EQ_inv = 16.67" in unified
-    assert "mu_FL = 0.2, fitted from 0.297 to 0.997" in study and "mu_EL = 0.3, fitted from 0.404 to 0.96" in study
+    assert "EQ_inv = 7.143, fitted from" in single and "mu_EQ_inv = 7.143" in unified
+    assert study == "mu_FL = 0.28, fitted from 0.297 to 0.997"
     width = outside.upper - outside.lower
-    assert width[0] > (inside.upper - inside.lower)[0]
+    assert width[0] > 1.1 * (inside.upper - inside.lower)[0]
+    with pytest.raises(ValueError, match=r"case U1: the porosity of sample one cannot be predicted. For one no model"):
+        predict_samples([one_form(0.2, 0.3)], "U1", fitted)
+
+
+def random_samples(number, seed=0):
+    """Samples over all forms that a table may hold, many of them alike or nearly so."""
+    rng = np.random.default_rng(seed)
+    samples = []
+    for i in range(number):
+        grains = int(rng.integers(1, 12))
+        centre, spread = rng.uniform(0.03, 1, 2), 10 ** rng.uniform(-6, 0, 2)
+        FL, EL = np.clip(centre + spread * rng.normal(size=(grains, 2)), 0.02, 1).T
+        statistics = [f(x) for x in (FL, EL, FL * EL) for f in (np.mean, np.std)]
+        samples.append(Sample(f"s{i}", grains, *map(float, statistics)))
+    return samples
+
+
+def test_every_number_is_a_porosity_and_every_refusal_has_its_reason(reference):
+    fitted = fit_reference_models(reference)
+    answers = refusals = not_evaluated = 0
+    for sample in random_samples(400):
+        try:
+            table = predict_samples([sample], "U1", fitted)
+        except ValueError as error:
+            refusals += 1
+            assert f"sample {sample.name} cannot be predicted" in str(error) and "\n" not in str(error)
+            continue
+        answers += 1
+        evaluated = table[table.refused == ""]
+        numbers = evaluated[["n", "lower", "upper"]].to_numpy()
+        assert np.isfinite(evaluated.n).all() and len(evaluated)
+        assert ((numbers > 0) & (numbers < 1) | np.isnan(numbers)).all()
+        ours = evaluated[evaluated.by == "ours"]
+        assert (ours.lower < ours.n).all() and (ours.n < ours.upper).all()
+        assert (evaluated.distance <= 0.5).all()
+        refused = table[table.refused != ""]
+        not_evaluated += len(refused)
+        assert refused[["n", "lower", "upper"]].isna().all(axis=None) and not refused.preferred.any()
+        assert (refused.distance > 0.5).all() | refused.refused.str.contains("leaves").all()
+    assert min(answers, refusals, not_evaluated) > 50
+
+
+def test_an_interval_grows_with_distance_and_by_the_rule_beyond_a_tenth(reference):
+    """Along rays from the middle of the fit, against least squares written out."""
+    rng = np.random.default_rng(0)
+    X = pd.DataFrame({"EQ_inv": rng.uniform(1.5, 5, 40), "EL_inv": rng.uniform(1.1, 2.5, 40)})
+    y = 0.3 + 0.02 * X.EQ_inv + 0.01 * X.EL_inv + 0.005 * rng.normal(size=40)
+    model = fit(X, y)
+    A = np.column_stack([np.ones(40), X])
+    residual = y - A @ np.linalg.lstsq(A, y)[0]
+    scatter, inverse = np.sqrt(residual @ residual / 37), np.linalg.inv(A.T @ A)
+    middle, low, high = X.mean().to_numpy(), X.min().to_numpy(), X.max().to_numpy()
+    factors = []
+    for angle in np.linspace(0, 2 * np.pi, 16, endpoint=False):
+        rays = middle + np.linspace(0, 1, 60)[:, None] * (high - low) * [np.cos(angle), np.sin(angle)]
+        n, lower, upper = model.predict_interval(pd.DataFrame(rays, columns=X.columns))
+        assert (np.diff(upper - lower) > 0).all()
+        B = np.column_stack([np.ones(60), rays])
+        leverage = np.einsum("ni,ij,nj->n", B, inverse, B)
+        half = student.ppf(0.975, 37) * scatter * np.sqrt(1 + leverage)
+        distance = np.maximum(np.maximum(low - rays, rays - high) / (high - low), 0).max(axis=1)
+        expected = half * np.where(distance > 0.1, 1 + 1.5 * (distance - 0.1), 1)
+        np.testing.assert_allclose(upper - n, expected, rtol=1e-9)
+        factors.append((distance > 0.1).sum())
+    assert sum(factors) > 100
+
+
+def test_the_models_of_r22_follow_the_same_rule(reference):
+    """Their published ranges of FL, EL and deviations, half a width beyond; 1/sigma is not evaluated near 0."""
+    fitted = fit_reference_models(reference)
+
+    def refused(mu_FL, sigma_FL, mu_EL, sigma_EL):
+        mu_EQ = mu_FL * mu_EL
+        sigma_EQ = np.sqrt((mu_FL**2 + sigma_FL**2) * (mu_EL**2 + sigma_EL**2) - mu_EQ**2)
+        sample = Sample("s", 0, mu_FL, sigma_FL, mu_EL, sigma_EL, mu_EQ, sigma_EQ)
+        return predict_samples([sample], "U1", fitted).set_index("by").loc["study", "refused"]
+
+    assert refused(0.6, 0.15, 0.6, 0.15) == ""
+    assert refused(0.6, 0.051, 0.6, 0.15) == "" and "sigma_FL = 0.049 is below 0.05" in refused(0.6, 0.049, 0.6, 0.15)
+    assert refused(0.6, 0.15, 0.6, 0.249) == "" and "sigma_EL = 0.251 is above 0.25" in refused(0.6, 0.15, 0.6, 0.251)
+    assert refused(0.3, 0.15, 0.6, 0.15) == ""
+    # Within the reach of mu_FL and mu_EL, not within that of their product; ours have no answer either.
+    with pytest.raises(ValueError, match="Rettinger et al. form_mixture: mu_EQ_inv = 12.5 is above 8.59, fitted from"):
+        refused(0.25, 0.1, 0.32, 0.1)
+    # All grains of one EQ, though FL and EL differ.
+    sample = Sample("s", 2, 0.65, 0.15, 0.65, 0.15, 0.4, 0.0)
+    table = predict_samples([sample], "U1", fitted).set_index(["by", "model"])
+    assert "sigma_EQ_inv = inf is above" in table.loc[("study", "form_mixture"), "refused"]
+    assert table.preferred.sum() == table.preferred[("ours", "unified")] == 1
+
+
+def test_a_formula_or_an_interval_that_leaves_0_to_1_is_refused(reference):
+    fitted = fit_reference_models(reference)
+    sample = one_form(0.6, 0.7)
+    narrow = predict_samples([sample], "U1", fitted)
+    assert (narrow.refused == "").all()
+    rows = pd.read_csv(reference / "single_form.csv")
+    rows.assign(n=rows.n + 0.2 * np.random.default_rng(0).normal(size=len(rows))).to_csv(
+        reference / "single_form.csv", index=False
+    )
+    wide = predict_samples([sample], "U1", fit_reference_models(reference), level=0.99999).set_index("by")
+    assert (wide.loc["ours", "refused"] == "its prediction interval leaves (0, 1)").all()
+    assert wide.loc["ours", "n"].isna().all() and np.isfinite(wide.loc["study", "n"])
+    rows.assign(n=rows.n - 0.37).to_csv(reference / "single_form.csv", index=False)
+    table = predict_samples([sample], "U1", fit_reference_models(reference))
+    assert table.refused.tolist()[0] == "its formula leaves (0, 1)"
 
 
 def test_table_2_is_the_studys_and_gives_its_predictions():
@@ -213,64 +219,3 @@ def test_the_grains_of_a_bed_give_what_their_statistics_give(reference, tmp_path
     assert by_grain.groupby("name", sort=False).grains.first().to_dict() == {"alike": 2, "mixed": 144}
     np.testing.assert_allclose(by_grain.query("name == 'mixed'").n, by_mean.n, rtol=1e-9)
     assert by_grain.query("name == 'alike'").model.tolist() == ["single_form", "unified", "single_form"]
-
-
-def test_a_campaigns_models_are_read_from_its_folder(tmp_path):
-    flatness, elongation = grains(20)
-    packings = pd.DataFrame({"case": "U7", "L": 1 / elongation, "I": 1.0, "S": flatness})
-    packings["n"] = single_truth(flatness, elongation) + 1e-4 * np.random.default_rng(0).normal(size=20)
-    tables, models = single_form_models(packings)
-    dataset = models_dataset(models, tables["models"], "Models").assign_attrs(test_only=1)
-    dataset.to_netcdf(tmp_path / "single_form.nc")
-    fitted = read_campaign_models(tmp_path)
-    assert fitted.models == {("single_form", "U7"): models["single_form", "U7"]}
-    assert fitted.behind["single_form", "U7"] == f"20 beds, test only: {tmp_path / 'single_form.nc'}"
-    row = predict_samples([one_form(0.6, 0.7)], "U7", fitted).iloc[0]
-    assert row.lower < single_truth(0.6, 0.7) < row.upper
-    with pytest.raises(ValueError, match="has no model in single_form.nc, form_mixture.nc, unified.nc"):
-        read_campaign_models(tmp_path / "none")
-
-
-def test_a_campaign_without_mixtures_leaves_a_file_that_can_be_read(tmp_path):
-    tables, models = mixture_models(pd.DataFrame({"case": ["U1"] * 3, "n": [0.3, 0.4, 0.35], "mu_EQ_inv": [2.0, 3, 4]}))
-    models_dataset(models, tables["models"], "Models").to_netcdf(tmp_path / "form_mixture.nc")
-    with pytest.raises(ValueError, match="has no model in"):
-        read_campaign_models(tmp_path)
-
-
-def test_on_the_command_line(capsys, tmp_path):
-    assert main(["predict", "--case", "U1", str(TABLE_2)]) == 0
-    text = capsys.readouterr().out
-    assert "railway ballast" in text and "* outside what the model was fitted to" in text
-    assert "its Eq. 23" in text and "mixtures in " in text and "results/reference/" in text
-    (tmp_path / "few.csv").write_text("sample,FL,EL\nA,0.6,0.7\nA,0.8,0.5\n")
-    assert main(["predict", "--case", "U1", str(tmp_path / "few.csv")]) == 0
-    assert "Fewer than 30 grains do not tell how widely form is spread: A." in capsys.readouterr().out
-    assert main(["predict", "--case", "U1", str(TABLE_2), "--csv"]) == 0
-    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
-    assert [(row["sample"], row["by"], row["model"]) for row in rows[:3]] == [
-        ("Rhine", "ours", "form_mixture"),
-        ("Rhine", "ours", "unified"),
-        ("Rhine", "study", "form_mixture"),
-    ]
-    assert len(rows) == 27
-    assert main(["predict", "--case", "U1", str(TABLE_2), "--json", "--level", "0.5"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert (told["case"], told["level"], len(told["samples"])) == ("U1", 0.5, 9)
-    first = told["samples"][0]["predictions"]
-    assert first[0]["n"] == pytest.approx(float(rows[0]["n"])) and first[2]["lower"] is None
-    assert first[0]["upper"] - first[0]["lower"] < float(rows[0]["upper"]) - float(rows[0]["lower"])
-    (tmp_path / "bad.csv").write_text("L,I,S\n1,2,3\n")
-    assert main(["predict", "--case", "U1", str(tmp_path / "bad.csv")]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith("simcore predict: ") and told.count("\n") == 1 and "bad.csv, row 2" in told
-    assert main(["predict", "--case", "U1", str(TABLE_2), "--level", "95"]) == 2
-    assert "level 95: a number between 0 and 1" in capsys.readouterr().err
-
-
-def test_a_reader_that_has_seen_enough_is_no_error():
-    words = [sys.executable, "-m", "simcore", "predict", "--case", "U1", str(TABLE_2)]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT) as run:
-        run.stdout.close()
-        assert run.stderr.read() == b""
-    assert run.returncode == 141

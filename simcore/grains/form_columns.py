@@ -1,0 +1,158 @@
+"""Recognise the columns of a table of measured grains by their names."""
+
+import re
+from dataclasses import dataclass
+
+AXES, RATIOS = ("L", "I", "S"), ("FL", "EL")
+MEANS = ("mean_FL", "std_FL", "mean_EL", "std_EL")
+SAMPLE = "sample"
+NEEDED = (
+    "give the columns L, I, S (axes of each grain), or FL, EL (of each grain), or mean_FL, std_FL, mean_EL, std_EL (of "
+    "each sample)"
+)
+
+_UNIT = (
+    "(?:[µμumcdk]?m|inch(?:es)?|in|ft|feet|px|pixels?|vox(?:el)?s?|microns?|(?:micro|milli|centi|deci)?met(?:er|re)s?)"
+)
+# "L", "L_mm", "L mm", "L/mm", "L, mm", "L in mm", "L [mm]", "L (mm)" and R's "L..mm." are one column.
+_WITH_UNIT = rf"(?:\s*\[\s*({_UNIT})\s*\]|\s*\(\s*({_UNIT})\s*\)|\s*[/,]\s*({_UNIT})|(?:\s+in)?[\s_.-]+({_UNIT})\.?)?"
+_AXIS_WORD = r"(?:[\s_-]*(?:axis|axes|diameter|dimension|length|side))?"
+_AXIS_NAMES = {
+    "L": r"L|a|longest|long|major",
+    "I": r"I|b|intermediate|medium|middle",
+    "S": r"S|c|shortest|short|minor",
+}
+_NO_UNIT = r"(?:\s*[\[(]\s*[-–1]?\s*[\])])?"
+_RATIO_NAMES = {
+    "FL": r"FL(?:\s*[=(\[]\s*S\s*/\s*I\s*[)\]]?)?|S\s*/\s*I|c\s*/\s*b",
+    "EL": r"EL(?:\s*[=(\[]\s*I\s*/\s*L\s*[)\]]?)?|I\s*/\s*L|b\s*/\s*a",
+}
+_STATISTICS = {
+    "mean": r"mean|mu|µ|μ|average|avg",
+    "std": r"std|sigma|σ|sd|st\.?\s?dev|std\.?\s?dev|standard deviation",
+}
+_PERCENT = r"[\s_]*[\[(]?\s*(?:%|percent)\s*[\])]?"
+_OF_GRAINS = r"[\s_]+(?:of[\s_]+)?(?:the[\s_]+)?(?:grains|particles|clasts|pebbles|stones|körner)"
+_RUNNING = r"n|number|anzahl"  # such a column may as well number the rows
+_COUNTS = (
+    rf"(?:counts?|{_RUNNING}|grains|frequency|freq\.?|häufigkeit|(?:count|number|no\.?|n|anzahl){_OF_GRAINS})"
+    rf"(?:{_NO_UNIT}|{_PERCENT})"
+)
+
+
+@dataclass(frozen=True)
+class FormColumns:
+    """Which columns of a table are read; the numbers are positions, from 0.
+
+    kind: AXES, RATIOS or MEANS. forms: position of each name of the kind. counts: position of the number of grains that
+    each row stands for; None without one. sample: position of the column that tells samples apart; None without one.
+    """
+
+    kind: tuple
+    forms: dict
+    counts: int | None
+    sample: int | None
+
+    @property
+    def used(self):
+        """All positions that are read."""
+        return {*self.forms.values(), self.counts, self.sample} - {None}
+
+
+def recognise_columns(path, header, sample=None):
+    """FormColumns of a table with the column names `header`, a list; sample: name of the column of samples, or None.
+
+    ValueError, which names the file `path`, if the columns of a form are missing, if two columns claim the same
+    meaning, or if units differ.
+    """
+    names = _recognise_forms(path, header)
+    kind = next((kind for kind in (AXES, RATIOS, MEANS) if set(kind) <= set(names)), None)
+    if kind is None:
+        raise ValueError(f"{path}: {_what_is_missing(header, names)}; {NEEDED}")
+    forms = {name: _only(path, header, names[name], name) for name in kind}
+    if kind == AXES:
+        _check_units(path, {axis: _unit(header[position]) for axis, position in forms.items()})
+    by = _find_sample(path, header, sample, set(forms.values()))
+    counts = [i for i, name in enumerate(header) if i != by and i not in forms.values() and _matches(_COUNTS, name)]
+    if kind == MEANS:
+        counts = []  # a row is a sample there, and none weighs more than another
+    return FormColumns(kind, forms, _only(path, header, counts, "the number of grains") if counts else None, by)
+
+
+def may_number_rows(name):
+    """Whether a column of this name may number the rows instead of counting grains."""
+    return _matches(_RUNNING, name)
+
+
+def _recognise_forms(path, header):
+    """The positions that claim each name of AXES, RATIOS and MEANS, dict of lists."""
+    patterns = {axis: rf"(?:{names}){_AXIS_WORD}{_WITH_UNIT}" for axis, names in _AXIS_NAMES.items()}
+    patterns |= {ratio: f"(?:{names}){_NO_UNIT}" for ratio, names in _RATIO_NAMES.items()}
+    for statistic, words in _STATISTICS.items():
+        for ratio in RATIOS:
+            gap = r"[\s_.-]*"
+            patterns[f"{statistic}_{ratio}"] = f"(?:(?:{words}){gap}{ratio}|{ratio}{gap}(?:{words})){_NO_UNIT}"
+    names = {}
+    for position, name in enumerate(header):
+        for meaning, pattern in patterns.items():
+            if _matches(pattern, name):
+                names.setdefault(meaning, []).append(position)
+            elif meaning not in AXES and _matches(pattern.removesuffix(_NO_UNIT) + _PERCENT, name):
+                raise ValueError(f"{path}: the column {name} is in percent; give {meaning} as a fraction, 0.65 not 65")
+    return names
+
+
+def _what_is_missing(header, names):
+    """What keeps a table from being one of the three kinds, without a full stop."""
+    said = ", ".join(name or "(no name)" for name in header)
+    for kind in (MEANS, RATIOS, AXES):
+        missing = [name for name in kind if name not in names]
+        if len(missing) < len(kind):
+            return f"the column {', '.join(missing)} is missing beside {said}"
+    if any(re.match(r"[-+.]?\d", name) for name in header):
+        return f"the first row ({said}) holds numbers where the names of the columns are needed"
+    return f"none of its columns ({said}) is a form"
+
+
+def _only(path, header, positions, meaning):
+    """The single position of those that claim a meaning; ValueError if there are two."""
+    if len(positions) == 1:
+        return positions[0]
+    first, second = (header[position] for position in positions[:2])
+    if first == second:
+        raise ValueError(f"{path}: two columns are named {first}; drop or rename one")
+    raise ValueError(f"{path}: the columns {first} and {second} are both {meaning}; drop one")
+
+
+def _find_sample(path, header, sample, forms):
+    wanted = SAMPLE if sample is None else " ".join(sample.split())
+    for same in (str, str.lower):
+        positions = [position for position, name in enumerate(header) if same(name) == same(wanted)]
+        if positions:
+            position = _only(path, header, positions, "the sample")
+            if position in forms:
+                raise ValueError(f"{path}: {wanted} is a form, not the name of a sample; name another column")
+            return position
+    if sample is None:
+        return None
+    raise ValueError(f"{path}: there is no column {sample} to tell samples apart; there are {', '.join(header)}")
+
+
+def _check_units(path, units):
+    if len(set(units.values())) > 1:
+        said = ", ".join(f"{axis} in {units[axis] or 'no unit'}" for axis in AXES)
+        raise ValueError(f"{path}: the header mixes units ({said}); give all three axes in one")
+
+
+def _unit(name):
+    """The unit in the name of a column of axes, in one spelling; None without one."""
+    for names in _AXIS_NAMES.values():
+        match = re.fullmatch(f"(?:{names}){_AXIS_WORD}{_WITH_UNIT}", name, re.IGNORECASE)
+        if match:
+            unit = next(filter(None, match.groups()), None)
+            return unit and re.sub("^(?:[uμ]m|microns?)$", "µm", unit.lower())
+    return None
+
+
+def _matches(pattern, name):
+    return re.fullmatch(pattern, name, re.IGNORECASE) is not None

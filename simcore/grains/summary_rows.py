@@ -1,0 +1,44 @@
+"""Find the rows of a table that summarise others, such as Mean, Max or Total below the grains, by their label."""
+
+import re
+
+_STRONG = (
+    r"means?|averages?|avg|mittelwert|mittel|mw|moyenne|medians?|medianwert|médiane|zentralwert|modus|max|maximum|maxima"
+    r"|maximalwert|min|minimum|minima|minimalwert|std|stdev|stddev|st\.?\s?dev|std\.?\s?dev|std\.?\s?deviation"
+    r"|standard[\s-]?deviation|standard[\s-]?error|std\.?\s?err(?:or)?|standardabweichung|stabw|écart[\s-]type|variance"
+    r"|varianz|coefficient of variation|skewness|kurtosis|sums?|summe|somme|totals?|gesamt|insgesamt|subtotal"
+    r"|zwischensumme|percentile|quartile|quantile"
+)
+# These may be the names of grains or places as well: they count only next to another label.
+_WEAK = r"sd|se|sem|cv|var|n|count|counts|number|anzahl|range|mode|q[1-4]|[dp]\d{1,2}|\d{1,2}(?:[.,]\d+)?\s?%"
+_BEFORE = r"(?:(?:grand|overall|arithmetic|geometric|harmonic|weighted|sample|population|arithm\.?)[\s_]+)?"
+_AFTER = (
+    r"(?:\s*[.:=])?(?:[\s_]*[(\[].*[)\]])?(?:[\s_]+(?:values?|wert|of\b.*|all|all grains|grains|dev\.?))?(?:\s*[.:=])?"
+)
+
+
+def find_summary_rows(cells):
+    """Labels of the rows that summarise others: dict from index to the label's text.
+
+    cells: DataFrame of str, the columns whose text may be a label. A row counts if the whole text of a cell is such a
+    label, in English, German or French. Two exceptions keep grains that are only named so: a label that the next row
+    has too is a name (grains that Max measured), and short ones (SD, n, 25 %) count only next to another label.
+    """
+    labels = {}
+    for _, texts in cells.items():
+        words = texts.str.lower().tolist()
+        places = {i for i, word in enumerate(words) if _is_label(_STRONG, word) and word not in _beside(words, i)}
+        weak = {i for i, word in enumerate(words) if _is_label(_WEAK, word)} if places else set()
+        while joined := {i for i in weak - places if {i - 1, i + 1} & places}:
+            places |= joined
+        labels |= {texts.index[i]: texts.iloc[i] for i in places if texts.index[i] not in labels}
+    return dict(sorted(labels.items()))
+
+
+def _beside(words, i):
+    """The labels of the rows before and after row i."""
+    return words[max(i - 1, 0) : i] + words[i + 1 : i + 2]
+
+
+def _is_label(words, text):
+    return re.fullmatch(f"{_BEFORE}(?:{words}){_AFTER}", text, re.IGNORECASE) is not None

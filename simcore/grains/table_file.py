@@ -1,0 +1,173 @@
+"""Read a table from a text file or an Excel workbook as text, cell by cell, however the file was saved."""
+
+import io
+import re
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+_WORKBOOKS = (".xlsx", ".xlsm")
+_ZIP, _OLD_EXCEL = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
+# UTF-32 comes first: its mark begins with that of UTF-16.
+_MARKS = (
+    (b"\xef\xbb\xbf", "utf-8-sig"),
+    (b"\xff\xfe\x00\x00", "utf-32"),
+    (b"\x00\x00\xfe\xff", "utf-32"),
+    (b"\xff\xfe", "utf-16"),
+    (b"\xfe\xff", "utf-16"),
+)
+_EXCEL_SEPARATOR = re.compile(r'"?sep=([^\w"]|\\t)"?[;,\t]*', re.IGNORECASE)
+_SEPARATORS = (";", "\t", "|", ",")
+_SPACES = r"\s+"
+SAVE_AS = "save it as CSV (UTF-8)"
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """A table whose cells are text.
+
+    path: the file. header: names of the columns, white space tidied. cells: DataFrame of str, columns 0, 1, ...; its
+    index is the row as a spreadsheet or an editor counts it, from 1. notices: sentences on how the file was read.
+    """
+
+    path: Path
+    header: list
+    cells: pd.DataFrame
+    notices: list
+
+
+def read_table(path):
+    """Read the file at `path` as TextTable; rows and columns without any text are left out.
+
+    Text may be UTF-8, UTF-16 or UTF-32, with or without a byte order mark, else it is taken for Windows-1252 (Latin-1)
+    with a notice. Columns are separated by semicolons, tabs, bars, commas or, without any of these, white space, or by
+    what Excel's first line `sep=` names. Of an Excel workbook (.xlsx) the first sheet that is not empty is read.
+    ValueError if there is no such file, if it is no table, or if a row has more cells than the header.
+    """
+    path = Path(path)
+    if path.is_dir():
+        raise ValueError(f"{path}: is a folder; give the file of a table")
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise ValueError(f"{path}: there is no such file") from None
+    if data.startswith(_OLD_EXCEL):
+        raise ValueError(f"{path}: is an Excel file of the old kind (.xls); save it as .xlsx or as CSV (UTF-8)")
+    if data.startswith(_ZIP) or path.suffix.lower() in _WORKBOOKS:
+        cells, notices = _read_workbook(path, data)
+    else:
+        cells, notices = _read_text(path, data)
+    return _headed(path, cells, notices)
+
+
+def _read_text(path, data):
+    """All cells of a text file, DataFrame of str, and notices."""
+    text, notices = _decode(path, data)
+    lines = text.split("\n")
+    # The line stays in the count of rows, as an editor has it.
+    start = next((i for i, line in enumerate(lines) if line.strip()), len(lines))
+    named = _EXCEL_SEPARATOR.fullmatch(lines[start].strip(" ")) if start < len(lines) else None
+    if named:
+        separator = "\t" if named[1] == "\\t" else named[1]
+        lines[: start + 1] = [""] * (start + 1)
+    else:
+        separator = _find_separator("\n".join(lines[start:]))
+    if not any(line.strip() for line in lines):
+        return pd.DataFrame(dtype=str), notices
+    parts = (line.split() if separator == _SPACES else line.split(separator) for line in lines)
+    try:
+        cells = pd.read_csv(
+            io.StringIO("\n".join(lines)),
+            sep=separator,
+            header=None,
+            names=range(max(map(len, parts))),
+            index_col=False,
+            dtype=str,
+            na_filter=False,
+            skip_blank_lines=False,
+            skipinitialspace=True,
+        )
+    except pd.errors.ParserError:
+        raise ValueError(f'{path}: a quotation mark (") is not closed; close it or remove it') from None
+    return cells, notices
+
+
+def _decode(path, data):
+    """Text with \\n between its lines, and notices."""
+    notices = []
+    encoding = next((name for mark, name in _MARKS if data.startswith(mark)), None)
+    if encoding is None and b"\0" in data:
+        zeros = data[0::2].count(0), data[1::2].count(0)
+        encoding = "utf-16-be" if zeros[0] > zeros[1] else "utf-16-le"
+    try:
+        text = data.decode(encoding or "utf-8")
+    except UnicodeDecodeError:
+        if encoding is not None:
+            raise ValueError(f"{path}: is not the text of a table; {SAVE_AS}") from None
+        # Five bytes have no character in Windows-1252.
+        text = data.decode("cp1252", errors="replace")
+        notices.append("the text is not UTF-8; it is read as Windows-1252 (Latin-1)")
+    text = re.sub(r"\r\n?|[\u2028\u2029\x0b\x0c\x85]", "\n", text).replace("\ufeff", "").rstrip("\x1a")
+    if re.search(r"[\x00-\x08\x0e-\x1f]", text):
+        raise ValueError(f"{path}: is not the text of a table; {SAVE_AS}")
+    return text, notices
+
+
+def _find_separator(text):
+    """What separates the columns, from the header: a quoted field may hold any of the separators."""
+    header = ""
+    for line in text.split("\n"):
+        header += line + "\n"
+        if header.count('"') % 2 == 0:
+            break
+    bare = re.sub(r'"[^"]*"', "", header)
+    return next((mark for mark in _SEPARATORS if mark in bare), _SPACES if len(bare.split()) > 1 else ",")
+
+
+def _read_workbook(path, data):
+    """All cells of the first sheet that is not empty, DataFrame of str, and notices."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # about styles and the like, which do not matter here
+            sheets = pd.read_excel(io.BytesIO(data), sheet_name=None, header=None, dtype=object, engine="openpyxl")
+    except ImportError:
+        raise ValueError(
+            f"{path}: an Excel workbook is read with openpyxl, which is not installed; install it "
+            f"(python -m pip install 'openpyxl>=3.1,<4'), or {SAVE_AS}"
+        ) from None
+    except Exception as error:  # a damaged archive raises whatever its parser stumbles over
+        reason = " ".join(str(error).split())
+        raise ValueError(f"{path}: cannot be read as an Excel workbook ({reason}); save it again, or as CSV") from None
+    filled = {name: sheet for name, sheet in sheets.items() if sheet.notna().any(axis=None)}
+    if not filled:
+        return pd.DataFrame(dtype=str), []
+    name, *others = filled
+    notices = [f"the sheet {name} is read, not {', '.join(map(str, others))}"] if others else []
+    return filled[name].map(lambda cell: "" if pd.isna(cell) else str(cell)).astype(str), notices
+
+
+def _headed(path, cells, notices):
+    """The TextTable of all cells: the first row that is not empty is the header."""
+    cells = cells.map(lambda text: " ".join(text.split()))
+    cells.index, cells.columns = range(1, len(cells) + 1), range(cells.shape[1])
+    cells = cells[(cells != "").any(axis=1)]
+    if cells.empty:
+        return TextTable(path, [], cells, notices)
+    names, cells = cells.iloc[0], cells.iloc[1:]
+    width = max((position + 1 for position in names.index if names[position]), default=0)
+    for row, texts in cells.loc[:, width:].iterrows():
+        if (texts != "").any():
+            raise ValueError(
+                f"{path}, row {row}: {_width(cells.loc[row])} fields where the header has {width}; fill or drop some, "
+                "and write decimals with a point where commas part the fields"
+            )
+    kept = [position for position in range(width) if names[position] or (cells[position] != "").any()]
+    cells = cells[kept].set_axis(range(len(kept)), axis=1)
+    return TextTable(path, [names[position] for position in kept], cells, notices)
+
+
+def _width(texts):
+    """Number of cells up to the last one with text."""
+    return max((i + 1 for i, text in enumerate(texts) if text), default=0)

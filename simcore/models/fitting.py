@@ -1,0 +1,116 @@
+"""Fit porosity models to the committed packings, or read those of a campaign."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+import xarray as xr
+
+from simcore.models.files import read_models
+from simcore.models.mixtures import MIXTURE
+from simcore.models.regression import fit_and_validate
+from simcore.models.single_form import SINGLE_FORM
+from simcore.models.tables import over_seeds
+from simcore.models.unified import fit_unified, unified_features
+from simcore.paths import REFERENCE, ROOT
+from simcore.reference.committed_rows import read_mixtures, read_single_forms
+
+
+@dataclass(frozen=True)
+class FittedModels:
+    """models: dict from (name, case) to PorosityModel; behind: from the same, which rows they come from, in words."""
+
+    models: dict
+    behind: dict
+
+    def cases(self):
+        """Return the cases for which there is a model, sorted."""
+        return sorted({case for _, case in self.models})
+
+
+def fit_reference_models(folder=REFERENCE, source=None, seed=0):
+    """Fit the models to the packings that are committed with the code: FittedModels.
+
+    folder: single_form.csv and form_mixture.csv, one row a packing, of the largest campaign. A model for which it has
+    no rows, or too few, is fitted to the tables of the default campaign in default/ (single_form.csv,
+    form_mixtures.csv); the unified model takes both kinds of packing from one campaign. source: of the grains of single
+    forms, such as "synthetic"; None: all. Packings of ellipsoids are left out: real grains have facets. ValueError if
+    there are no rows, or none of that source.
+    """
+    folder, fitted = Path(folder), FittedModels({}, {})
+    campaigns = [
+        (folder / "single_form.csv", folder / "form_mixture.csv"),
+        (folder / "default" / "single_form.csv", folder / "default" / "form_mixtures.csv"),
+    ]
+    forms = {single: read_single_forms(single) for single, _ in campaigns if single.exists()}
+    sources = {name for table in forms.values() for name in table["source"]}
+    if source is not None and source not in sources:
+        there_are = ", ".join(sorted(sources - {""})) or "none"
+        raise ValueError(f"{folder}: has no grains of source {source}; there are {there_are}")
+    for single, mixture in campaigns:
+        single_forms = forms.get(single)
+        if single_forms is not None and source is not None:
+            single_forms = single_forms[single_forms["source"] == source]
+        mixtures = read_mixtures(mixture) if mixture.exists() else None
+        models = _fit_campaign(single_forms, mixtures, seed)
+        for key in models.keys() - fitted.models.keys():
+            fitted.models[key] = models[key]
+            fitted.behind[key] = _describe_rows(key, models[key], (single, single_forms), (mixture, mixtures))
+    if not fitted.models:
+        raise ValueError(f"{folder}: neither it nor its default/ has tables of packings to fit models to")
+    return fitted
+
+
+def _fit_campaign(single_forms, mixtures, seed):
+    """Fit the models of a campaign's packings; either table may be None. What too few of them carry is left out."""
+    models = {}
+    if single_forms is not None:
+        for case, rows in over_seeds(single_forms, "grain").groupby("case"):
+            if len(rows) >= len(SINGLE_FORM) + 3:
+                features = pd.DataFrame({"EQ_inv": rows.L / rows.S, "EL_inv": rows.L / rows.I})
+                models["single_form", case] = fit_and_validate(features, rows.n, "single_form", case, seed)
+    if mixtures is not None:
+        for case, rows in over_seeds(mixtures, "sample").groupby("case"):
+            # Sets of one mean form are left out together, as for the unified model: so their errors compare.
+            groups = rows.groupby(["mean_FL", "mean_EL"]).ngroup()
+            if len(rows) - groups.value_counts().max() > len(MIXTURE) + 1 and groups.nunique() > 2:
+                features = unified_features(rows)[list(MIXTURE)]
+                models["form_mixture", case] = fit_and_validate(features, rows.n, "form_mixture", case, seed, groups)
+    if single_forms is not None and mixtures is not None:
+        models |= fit_unified(single_forms, mixtures, seed)
+    return models
+
+
+def _describe_rows(key, model, single, mixture):
+    """Describe the rows behind a model (name, case); single, mixture: each the path and the table."""
+    name, case = key
+    if name == "unified":
+        rows = f"{_relative(single[0])} and {mixture[0].name}, {model.n_samples} beds"
+    else:
+        noun, (path, table) = ("forms", single) if name == "single_form" else ("mixtures", mixture)
+        packings = int((table["case"] == case).sum())
+        rows = f"{_relative(path)}, {model.n_samples} {noun} in {packings} packings"
+    return rows if name == "single_form" else f"{rows}, its error that of mean forms left out"
+
+
+def read_campaign_models(folder):
+    """Read the models in a campaign's folder results/models from its netCDF files: FittedModels.
+
+    ValueError if there is no model in it.
+    """
+    models, behind = {}, {}
+    files = [Path(folder) / f"{name}.nc" for name in ("single_form", "form_mixture", "unified")]
+    for path in filter(Path.exists, files):
+        with xr.open_dataset(path, engine="netcdf4") as dataset:
+            mark = ", test only" if dataset.attrs.get("test_only") else ""
+        for key, model in read_models(path).items():
+            if key[0] == path.stem:
+                models[key], behind[key] = model, f"{model.n_samples} beds{mark}: {path}"
+    if not models:
+        names = ", ".join(path.name for path in files)
+        raise ValueError(f"{folder}: has no model in {names}; give the folder results/models of a campaign")
+    return FittedModels(models, behind)
+
+
+def _relative(path):
+    return str(path.relative_to(ROOT) if path.is_relative_to(ROOT) else path)

@@ -1,0 +1,188 @@
+"""Write predictions of porosity as text for people, as CSV or as JSON."""
+
+import json
+
+import numpy as np
+
+from simcore.grains.measured_forms import read_measured
+from simcore.models.fitted_range import FAR, NEAR
+from simcore.models.fitting import fit_reference_models, read_campaign_models
+from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case, predict_samples
+from simcore.reference.r22_tables import read_study_table
+
+FEW_GRAINS = 30  # whose spread of form is not well determined
+
+
+def predict_file(path, case, models=None, source=None, column=None, level=0.95, form="text", notify=None):
+    """Return what `python -m simcore predict` prints for the table of measured grains at `path`.
+
+    case, level: as of predict_samples. models: folder results/models of a campaign; None: models fitted to the
+    committed packings, of grains from `source` if given. column: the column that tells samples apart. form: "text",
+    "csv" or "json". notify: function that gets each sentence on how the table was read; JSON contains them too.
+    ValueError if the table or an argument is wrong, or if a sample lies too far outside what was fitted.
+    """
+    if not 0 < level < 1:
+        raise ValueError(f"level {level:g}: a number between 0 and 1 is needed, such as 0.95")
+    if models is not None and source is not None:
+        raise ValueError("--source chooses among committed rows; a campaign's models (--models) are fitted already")
+    samples, notices = read_measured(path, column)
+    fitted = fit_reference_models(source=source) if models is None else read_campaign_models(models)
+    table = predict_samples(samples, case, fitted, level)
+    for notice in notices if notify is not None else []:
+        notify(notice)
+    if form == "csv":
+        return table.rename(columns={"name": "sample"}).to_csv(index=False).rstrip("\n")
+    if form == "json":
+        return as_json(table, case, fitted, level, notices)
+    return describe(table, case, fitted, level)
+
+
+def describe(table, case, fitted, level=0.95):
+    """Return the predictions as text: a row a sample, then the models and what lies outside them.
+
+    table: of predict_samples, with the same case, fitted and level.
+    """
+    lines = [f"Porosity of a bed, case {model_case(case)}, with {100 * level:g} % prediction intervals"]
+    if case == ONE_CLASS:
+        lines.append("(any one sieve class packs alike whatever its size, for only ratios of sizes matter: U1's model)")
+    lines += _describe_lack_of_ours(table, model_case(case), fitted)
+    lines += ["", *_samples_in_columns(table), "", "Models"]
+    for (by, name), _ in table.groupby(["by", "model"], sort=False):
+        lines.append(f"  {_equation(by, name, model_case(case), fitted)}")
+    extrapolated, refused = table[(table.outside != "") & (table.refused == "")], table[table.refused != ""]
+    if len(extrapolated):
+        lines += [
+            "",
+            f"* outside what the model was fitted to: beyond {NEAR:g} of a range's width its interval is widened",
+            *_remarks(extrapolated, "outside"),
+        ]
+    if len(refused):
+        lines += [
+            "",
+            f"- not evaluated: more than {FAR:g} of a range's width outside what was fitted, or no porosity in (0, 1)",
+            *_remarks(refused, "refused"),
+        ]
+    return "\n".join([*lines, "", *_what_to_mind(table, level)])
+
+
+def _describe_lack_of_ours(table, case, fitted):
+    """Lines that say for which samples none of our models gives the answer, and why."""
+    if case not in fitted.cases():
+        there_are = ", ".join(fitted.cases())
+        return [f"None of our packings is of {case}, only of {there_are}: the model of Rettinger et al. alone"]
+    lines = []
+    without = table[~table.groupby("name").preferred.transform("any")]
+    ours = without.name.isin(without.name[without.by == "ours"])
+    for kind in without.taken_as[~ours].unique():
+        form = kind if kind == "one form" else "a distribution of form"
+        lines.append(
+            f"Too few of our packings of {case} have {form}: the model of Rettinger et al. alone for these samples"
+        )
+    if ours.any():
+        names = ", ".join(without.name[ours].unique())
+        lines.append(f"None of our models can be evaluated, that of Rettinger et al. alone: {names}")
+    return lines
+
+
+def _samples_in_columns(table):
+    """Lines of the table of samples, the header first."""
+    cells = [["sample", "grains", "taken as", "FL", "EL", "ours", "by", "other of ours", "Rettinger et al."]]
+    for _, rows in table.groupby("name", sort=False):
+        sample = rows.iloc[0]
+        preferred = rows[rows.preferred]
+        other, r22 = rows[(rows.by == "ours") & ~rows.preferred], rows[rows.by == "study"]
+        cells.append(
+            [
+                str(sample["name"]),
+                str(sample.grains) if sample.grains else "-",
+                sample.taken_as,
+                f"{sample.mu_FL:.3f} ± {sample.sigma_FL:.3f}",
+                f"{sample.mu_EL:.3f} ± {sample.sigma_EL:.3f}",
+                _cell(preferred),
+                preferred.model.iloc[0] if len(preferred) else "-",
+                _cell(other),
+                _cell(r22),
+            ]
+        )
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    return ["  ".join(text.ljust(w) for text, w in zip(row, widths, strict=True)).rstrip() for row in cells]
+
+
+def _cell(rows):
+    evaluated = rows[rows.refused == ""]
+    if evaluated.empty:
+        return "-"
+    row = evaluated.iloc[0]
+    mark = "*" if row.outside else ""
+    interval = f" ({row.lower:.3f} to {row.upper:.3f})" if np.isfinite(row.lower) else ""
+    return f"{row.n:.3f}{mark}{interval}"
+
+
+def _remarks(rows, column):
+    return [f"  {row['name']}, {describe_model(row.by, row.model)}: {row[column]}" for _, row in rows.iterrows()]
+
+
+def _what_to_mind(table, level):
+    lines = []
+    if (table.grains == 0).any():
+        lines.append("From means and deviations alone, FL and EL are taken for independent, as Rettinger et al. do.")
+    few = table[(table.grains > 1) & (table.grains < FEW_GRAINS)].name.unique()
+    if len(few):
+        lines.append(f"Fewer than {FEW_GRAINS} grains do not tell how widely form is spread: {', '.join(few)}.")
+    if (table.grains > 0).any() and (table.taken_as != "one form").any():
+        lines.append("The intervals leave out the sampling error of a sample's own statistics.")
+    lines.append(
+        "The interval contains the porosity of a new sample, poured and shaken in the same way, with "
+        f"{100 * level:g} % probability; Rettinger et al. publish none."
+    )
+    return lines
+
+
+def _equation(by, name, case, fitted):
+    if by == "study":
+        row = read_study_table("models").query("case == @case and model == @name").iloc[0]
+        slopes = row.drop(["model", "case", "intercept", "equation_arxiv"]).dropna()
+        text = _terms(row["intercept"], slopes.index, slopes)
+        return f"{describe_model(by, name)}: {text}; its Eq. {row['equation_arxiv']}"
+    model = fitted.models[name, case]
+    text = _terms(model.coefficients[0], model.features, model.coefficients[1:])
+    error = f"cross-validated error {model.mean_absolute_error:.4f} (mean), {model.median_absolute_error:.4f} (median)"
+    return f"{describe_model(by, name)}: {text}; {error}; {fitted.behind[name, case]}"
+
+
+def _terms(intercept, names, slopes):
+    return f"n = {intercept:.4f}" + "".join(f" {slope:+.4f} {name}" for name, slope in zip(names, slopes, strict=True))
+
+
+def as_json(table, case, fitted, level=0.95, notices=()):
+    """Return the predictions as JSON text: the models, for each sample its predictions, and the notices.
+
+    table: of predict_samples, with the same case, fitted and level. A number that is not finite is null.
+    """
+    case = model_case(case)
+    common = ["name", "grains", "taken_as", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL", "mu_EQ", "sigma_EQ"]
+    samples = []
+    for _, rows in table.groupby("name", sort=False):
+        predictions = [_plain(row) for _, row in rows[PREDICTION].iterrows()]
+        samples.append({**_plain(rows.iloc[0][common]), "predictions": predictions})
+    models = [
+        {
+            "model": name,
+            "case": model.case,
+            "behind": fitted.behind[name, where],
+            "coefficients": dict(zip(model.terms, model.coefficients, strict=True)),
+            "cross_validated_error": model.mean_absolute_error,
+        }
+        for (name, where), model in fitted.models.items()
+        if where == case
+    ]
+    content = {"case": case, "level": level, "notices": list(notices), "models": models, "samples": samples}
+    return json.dumps(content, indent=1, allow_nan=False)
+
+
+def _plain(row):
+    """A dict for JSON, where a number that is not finite is null."""
+    values = {key: value.item() if isinstance(value, np.generic) else value for key, value in row.items()}
+    return {
+        key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in values.items()
+    }

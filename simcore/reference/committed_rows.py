@@ -1,0 +1,51 @@
+"""Rows of packings that are committed with the code, as the porosity models take them."""
+
+import pandas as pd
+
+# The table of a study has the means over the grains under these names; the committed rows have what was asked for.
+_MEANS_OF_A_STUDY = {"EQ": "mu_EQ", "EL": "mu_EL"}
+_STATISTICS = ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]
+_NOMINAL = {
+    f"{kind}_{feature}_nominal": f"{word}_{feature}"
+    for feature in ("FL", "EL")
+    for kind, word in (("mu", "mean"), ("sigma", "std"))
+}
+
+
+def read_single_forms(path):
+    """Read the packings of one form each, polyhedra alone, from a CSV file: one row a packing.
+
+    Columns: case, source ("" if none is named), grain (with its source), L, I, S (full axes, any one unit) and n, the
+    porosity. The file is one of the committed tables or the table of a study.
+    """
+    table = pd.read_csv(path)
+    if "representation" in table:
+        table = table[table.representation == "mesh"]
+    if "source" not in table:
+        table = table.assign(source="")
+    table = table.assign(grain=table.source + " " + table.grain)
+    if not {"L", "I", "S"} <= set(table):
+        table = table.assign(L=1 / table.EL, I=1.0, S=table.FL)
+    return table[["case", "source", "grain", "L", "I", "S", "n"]]
+
+
+def read_mixtures(path):
+    """Read the packings of grains that differ in form from a CSV file: one row a packing.
+
+    Columns: case, sample (packings that differ in their seed alone share it), n, mean_FL, mean_EL as asked for, and the
+    statistics mu_EQ, sigma_EQ, mu_EL, sigma_EL over the grains.
+    """
+    table = pd.read_csv(path)
+    if "mu_EQ" not in table:
+        table = table.rename(columns=_MEANS_OF_A_STUDY)
+    table = table.rename(columns=_NOMINAL)
+    sample = table[list(_NOMINAL.values())].astype(str).agg(" ".join, axis=1)
+    return table.assign(sample=sample)[["case", "sample", "n", "mean_FL", "mean_EL", *_STATISTICS]]
+
+
+def read_cases_of_single_forms(path, cases):
+    """As `read_single_forms`, the rows of these cases; none where there is no path."""
+    if not path:
+        return pd.DataFrame()
+    table = read_single_forms(path)
+    return table[table.case.isin(cases)]

@@ -1,0 +1,34 @@
+"""What a part of a page consists of: tables, figures and models, by name; and how they are written to files."""
+
+from typing import NamedTuple
+
+from simcore.campaign.study_tables import mark
+from simcore.models.files import models_dataset
+from simcore.report.figures.saving import save_figure
+
+
+class Findings(NamedTuple):
+    """Tables and figures by name, and models by (name, case)."""
+
+    tables: dict = {}
+    figures: dict = {}
+    models: dict = {}
+
+    def __or__(self, other):
+        return Findings(*(first | second for first, second in zip(self, other, strict=True)))
+
+    def write(self, output, test_only: bool = False) -> None:
+        """Write each table and figure to the file that `output` has under its name.
+
+        output: mapping from names to a path, or of a figure to several paths; it may have others. test_only: mark them
+        as made from packings that are far too small.
+        """
+        for name, table in self.tables.items():
+            mark(table, test_only).to_csv(output[name], index=False)
+        for name, figure in self.figures.items():
+            save_figure(figure, output[name], test_only)
+
+    def write_models(self, path, title: str, test_only: bool = False) -> None:
+        """Write the models with the covariances of their coefficients to a netCDF file."""
+        dataset = models_dataset(self.models, self.tables["models"], title)
+        dataset.assign_attrs(test_only=int(test_only)).to_netcdf(path)

@@ -1,0 +1,90 @@
+"""Models fitted to the packings of a campaign, beside those of Rettinger et al. (2022), with their figures."""
+
+import pandas as pd
+
+from simcore.campaign.study_tables import STATISTICS_ASKED_FOR
+from simcore.grains.form import features as form_features
+from simcore.models.mixtures import application_table, mixture_models
+from simcore.models.shape_kinds import pair_shape_kinds, shape_kind_table
+from simcore.models.single_form import single_form_models
+from simcore.models.tables import compare_predictions
+from simcore.models.unified import unified_models
+from simcore.reference.r22_tables import add_reference, read_study_table
+from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
+from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
+from simcore.report.findings import Findings
+
+
+def single_form_findings(packings, committed, seed, folds) -> Findings:
+    """Correlations, second features and models of beds of one form, per case; figures of the cases packed here.
+
+    packings: tables of the packings of this campaign, one DataFrame a study. committed: rows of further cases, as of
+    read_single_forms; they are fitted, and marked so in the column packed_by. seed and folds: of the cross-validation.
+    """
+    packings = add_reference(pd.concat(packings, ignore_index=True), "single_form")
+    correlations, study_models = read_study_table("correlations"), read_study_table("models")
+    tables, models = single_form_models(
+        pd.concat([packings, committed], ignore_index=True) if len(committed) else packings,
+        correlations,
+        read_study_table("table9_second_factor_mae"),
+        study_models,
+        seed=seed,
+        folds=folds,
+    )
+    own = set(packings.case)
+    for table in tables.values():
+        table["packed_by"] = ["this campaign" if case in own else "committed rows" for case in table.case]
+    shown = {case: model for (name, case), model in models.items() if name == "single_form" and case in own}
+    columns = packings[["case", "n", "n_std_error", "study_n"]]
+    compared = pd.concat([columns, form_features(packings.L, packings.I, packings.S)], axis=1)
+    predictions = compare_predictions(models, "single_form", compared)
+    figures = {
+        "features": form_figure(packings, study=correlations, study_models=study_models),
+        "zingg": porosity_zingg_figure(packings, shown),
+        "prediction": prediction_figure(predictions, list(shown.values())),
+    }
+    return Findings(tables, figures, models)
+
+
+def form_mixture_findings(features, packings, application, seed, folds) -> Findings:
+    """Correlations, feature sets and models of the mixtures of form, and their prediction of packings never seen.
+
+    features: table of features of the study form_mixtures; packings: the table of its packings. application: features
+    of the packings to predict, or None.
+    """
+    tables, models = mixture_models(
+        features.drop(columns=["packing", "kind", "note"], errors="ignore"),
+        read_study_table("correlations"),
+        read_study_table("table10_form_mixture_features"),
+        read_study_table("models"),
+        seed=seed,
+        folds=folds,
+    )
+    if application is not None:
+        tables["application"] = application_table(models, application, read_study_table("table11_application"))
+    rows = add_reference(packings, "form_mixtures")[["packing", "n_std_error", "study_n"]]
+    predictions = compare_predictions(models, "form_mixture", features.merge(rows, on="packing"))
+    figures = {
+        "sets": form_sets_figure(features),
+        "prediction": prediction_figure(predictions, list(models.values())),
+    }
+    return Findings(tables, figures, models)
+
+
+def unified_findings(single_forms, mixtures, features, seed, folds) -> Findings:
+    """The model for beds of one form and for mixtures alike, beside the separate ones, per case.
+
+    single_forms, mixtures: tables of the packings of both studies; features: table of features of the mixtures.
+    """
+    asked_for = ["packing", *STATISTICS_ASKED_FOR]
+    if set(asked_for) <= set(mixtures):
+        features = features.merge(mixtures[asked_for], on="packing")
+    tables, models = unified_models(single_forms, features, read_study_table("models"), seed=seed, folds=folds)
+    return Findings(tables, {}, models)
+
+
+def shape_kind_findings(polyhedra, ellipsoids, near_spheres) -> Findings:
+    """How far packings of polyhedra and of their ellipsoids differ. near_spheres: table of rounder ellipsoids, or None."""
+    pairs = pair_shape_kinds(polyhedra, ellipsoids)
+    table = shape_kind_table(pairs, read_study_table("mesh_ellipsoid_difference"))
+    return Findings({"pairs": pairs, "table": table}, {"figure": shape_kind_figure(pairs, near_spheres)})

@@ -1,0 +1,11 @@
+"""A folder of committed rows."""
+
+import pytest
+
+from tests.helpers.committed import write_reference
+
+
+@pytest.fixture
+def reference(tmp_path):
+    """A folder of committed rows as a campaign leaves them, see simcore.models.fitting.fit_reference_models."""
+    return write_reference(tmp_path)

@@ -1,0 +1,141 @@
+"""Predictions as people and programs read them: text, CSV, JSON and the command line."""
+
+import csv
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from simcore.__main__ import main
+from simcore.grains.measured_forms import Sample
+from simcore.models.fitting import fit_reference_models
+from simcore.models.prediction import predict_samples
+from simcore.models.prediction_text import describe
+from tests.helpers.committed import one_form, single_truth
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLE_2 = ROOT / "examples" / "table2.csv"
+
+
+def test_on_the_command_line(capsys, tmp_path):
+    assert main(["predict", "--case", "U1", str(TABLE_2)]) == 0
+    text = capsys.readouterr().out
+    assert "railway ballast" in text and "* outside what the model was fitted to" in text
+    assert "its Eq. 23" in text and "mixtures in " in text and "results/reference/" in text
+    (tmp_path / "few.csv").write_text("sample,FL,EL\nA,0.6,0.7\nA,0.8,0.5\n")
+    assert main(["predict", "--case", "U1", str(tmp_path / "few.csv")]) == 0
+    assert "Fewer than 30 grains do not tell how widely form is spread: A." in capsys.readouterr().out
+    assert main(["predict", "--case", "U1", str(TABLE_2), "--csv"]) == 0
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    assert [(row["sample"], row["by"], row["model"]) for row in rows[:3]] == [
+        ("Rhine", "ours", "form_mixture"),
+        ("Rhine", "ours", "unified"),
+        ("Rhine", "study", "form_mixture"),
+    ]
+    assert len(rows) == 27
+    assert main(["predict", "--case", "U1", str(TABLE_2), "--json", "--level", "0.5"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["case"], told["level"], len(told["samples"])) == ("U1", 0.5, 9)
+    first = told["samples"][0]["predictions"]
+    assert first[0]["n"] == pytest.approx(float(rows[0]["n"])) and first[2]["lower"] is None
+    assert first[0]["upper"] - first[0]["lower"] < float(rows[0]["upper"]) - float(rows[0]["lower"])
+    (tmp_path / "bad.csv").write_text("L,I,S\n1,2,3\n")
+    assert main(["predict", "--case", "U1", str(tmp_path / "bad.csv")]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("simcore predict: ") and told.count("\n") == 1 and "bad.csv, row 2" in told
+    assert main(["predict", "--case", "U1", str(TABLE_2), "--level", "95"]) == 2
+    assert "level 95: a number between 0 and 1" in capsys.readouterr().err
+
+
+def test_a_reader_that_has_seen_enough_is_no_error():
+    words = [sys.executable, "-m", "simcore", "predict", "--case", "U1", str(TABLE_2)]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT) as run:
+        run.stdout.close()
+        assert run.stderr.read() == b""
+    assert run.returncode == 141
+
+
+def test_a_case_with_beds_of_one_form_alone_leaves_distributions_to_r22_and_says_so(reference, caplog):
+    rows = pd.read_csv(reference / "single_form.csv")
+    pd.concat([rows, rows.assign(case="U7", n=rows.n - 0.05)]).to_csv(reference / "single_form.csv", index=False)
+    fitted = fit_reference_models(reference, source="synthetic")
+    assert not caplog.messages
+    one, wide = one_form(0.6, 0.7), Sample("wide", 50, 0.6, 0.15, 0.7, 0.15, 0.42, 0.12)
+    table = predict_samples([one, wide], "U7", fitted)
+    assert table[table.preferred].name.tolist() == ["one"]
+    assert table[table.preferred].n.item() == pytest.approx(single_truth(0.6, 0.7) - 0.05, abs=1e-3)
+    too_few = "Too few of our packings of U7 have a distribution of form: the model of Rettinger et al. alone for these"
+    assert too_few in describe(table, "U7", fitted)
+    assert "Too few" not in describe(table[table.name == "one"], "U7", fitted)
+    assert "Too few" not in describe(predict_samples([wide], "U1", fitted), "U1", fitted)
+
+
+def run(capsys, *words):
+    status = main(["predict", "--case", "U1", *map(str, words)])
+    return status, *capsys.readouterr()
+
+
+def test_a_sample_far_outside_is_refused_before_anything_is_printed(capsys, tmp_path):
+    """Needles and thin slate between good samples, in each of the three forms of output."""
+    path = tmp_path / "bed.csv"
+    path.write_text(
+        "sample,FL,EL\ngood,0.6,0.7\ngood,0.7,0.6\nneedles,0.12,0.12\nneedles,0.15,0.13\nslate,0.023,0.72\n"
+    )
+    for form in ([], ["--csv"], ["--json"]):
+        status, out, err = run(capsys, path, *form)
+        assert (status, out, err.count("\n")) == (2, "", 1)
+        assert "the porosity of samples needles, slate cannot be predicted. For needles no model is evaluated" in err
+        assert "ours unified: mu_EQ_inv = 59 is above" in err and "Rettinger et al. single_form: EQ_inv" in err
+    path.write_text("sample,FL,EL\ngood,0.6,0.7\ngood,0.7,0.6\n")
+    assert run(capsys, path)[0] == 0
+
+
+def test_no_number_is_printed_for_a_model_near_sigma_0(capsys, tmp_path):
+    """Two grains that are nearly alike: the model with 1/sigma has no answer, the unified one has."""
+    path = tmp_path / "two.csv"
+    path.write_text("L (mm) ,I  (mm), S(mm)\n30,22,14\n41,30,22\n")
+    status, text, err = run(capsys, path)
+    assert (status, err) == (0, "")
+    row = next(line.split("  ") for line in text.splitlines() if line.startswith("two"))
+    assert "unified" in row and "-" in row
+    assert "two, ours form_mixture: sigma_EL_inv = 1230 is above" in text
+    _, text, _ = run(capsys, path, "--csv")
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert [(row["model"], bool(row["n"]), bool(row["lower"]), bool(row["refused"])) for row in rows] == [
+        ("form_mixture", False, False, True),
+        ("unified", True, True, False),
+        ("single_form", True, False, False),
+    ]
+    _, text, _ = run(capsys, path, "--json")
+    assert [p["n"] is None for p in json.loads(text)["samples"][0]["predictions"]] == [True, False, False]
+
+
+def test_notices_go_to_the_error_output_and_into_json(capsys, tmp_path):
+    path = tmp_path / "bed.csv"
+    path.write_text("river,FL,EL,D50\nRhine,0.6,0.7,9\nRhine,0.7,0.6,8\nKall,0.5,0.7,8\nMean,0.6,0.67,8\n")
+    notices = ["row 5 (Mean)", "--sample 'river'", "not used: D50"]
+    for form in ([], ["--csv"], ["--json"]):
+        status, out, err = run(capsys, path, *form)
+        lines = err.splitlines()
+        assert status == 0 and len(lines) == 3
+        assert all(notice in line and str(path) in line for notice, line in zip(notices, lines, strict=True))
+    assert [f"simcore predict: {notice}" for notice in json.loads(out)["notices"]] == lines
+    assert json.loads(run(capsys, TABLE_2, "--json")[1])["notices"] == []
+
+
+def test_where_none_of_ours_can_be_evaluated_it_is_said(reference):
+    """Ours far outside, the model of Rettinger et al. inside its range."""
+    rows = pd.read_csv(reference / "single_form.csv")
+    narrow = rows.assign(S=rows.I * (0.9 + rows.S / rows.I / 10), L=rows.I / (0.9 + rows.I / rows.L / 10))
+    narrow.to_csv(reference / "single_form.csv", index=False)
+    (reference / "form_mixture.csv").unlink()
+    fitted = fit_reference_models(reference)
+    table = predict_samples([one_form(0.5, 0.6)], "U1", fitted)
+    assert table[table.refused == ""].by.tolist() == ["study"] and not table.preferred.any()
+    text = describe(table, "U1", fitted)
+    assert "None of our models can be evaluated, that of Rettinger et al. alone: one" in text
+    assert "Too few" not in text
