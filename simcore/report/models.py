@@ -84,7 +84,10 @@ def unified_findings(single_forms, mixtures, features, seed, folds) -> Findings:
 
 
 def shape_kind_findings(polyhedra, ellipsoids, near_spheres) -> Findings:
-    """How far packings of polyhedra and of their ellipsoids differ. near_spheres: table of rounder ellipsoids, or None."""
+    """How far packings of polyhedra and of their ellipsoids differ.
+
+    near_spheres: table of rounder ellipsoids, or None.
+    """
     pairs = pair_shape_kinds(polyhedra, ellipsoids)
     table = shape_kind_table(pairs, read_study_table("mesh_ellipsoid_difference"))
     return Findings({"pairs": pairs, "table": table}, {"figure": shape_kind_figure(pairs, near_spheres)})
