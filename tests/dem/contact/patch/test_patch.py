@@ -1,5 +1,7 @@
 """The patch of two overlapping polyhedra against their intersection itself, and how it moves."""
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 import pytest
@@ -8,10 +10,18 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact.patch.patch import PATCH_DEPTH, clipped_patch, find_patch, make_room
-from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot, patch_torque
+from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot, patch_torque, tangent_of
+from simcore.dem.vectors import Vec
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+class Patch(NamedTuple):
+    """One row of what contacts and walls have for patches."""
+
+    spread: np.ndarray
+    twist: np.ndarray
 
 
 @numba.njit(error_model="numpy")
@@ -199,11 +209,12 @@ def test_the_point_moves_continuously(core, way):
 
 def test_second_moments_that_rounding_made_negative_hold_nothing():
     """Of a single vertex behind a wall they are differences of equal numbers; examples/cylinder.yaml met -2e-22 m²."""
-    law = contact_law(0.1, 1e-3, 0.22, 0.5)
-    spread, twist = np.array([[-2e-22, 0.0, 0.0, -1e-22, 0.0, 0.0]]), np.array([1e-3])
-    damping = explicit_dashpot.py_func(law)
+    law, mass = contact_law(0.1, 1e-3, 0.22, 0.5), 1e-3
+    patch = Patch(spread=np.array([[-2e-22, 0.0, 0.0, -1e-22, 0.0, 0.0]]), twist=np.array([1e-3]))
+    damping, tangential = explicit_dashpot.py_func(law)
+    tangent = tangent_of.py_func(law, tangential, mass, 5.0)
     torque = patch_torque.py_func(
-        law, *damping, 1e-3, 5.0, 2.5e-5, 0.0, 0.0, 1.0, 1.0, 2.0, 3.0, spread, twist, 0, True
+        damping * mass, tangent, 2.5e-5, Vec(0.0, 0.0, 1.0), Vec(1.0, 2.0, 3.0), patch, 0, True
     )
-    assert twist[0] == 0.0
+    assert patch.twist[0] == 0.0
     assert np.abs(torque).max() < 1e-20
