@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import get_num_threads
 
-from simcore.dem.contact.patch.patch import make_room
+from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.shapes.hulls import Base, collect_shapes
 from simcore.dem.state.bodies import Bodies, make_bodies
@@ -115,7 +115,7 @@ class Process:
         self.box = Box(domain.width) if domain.periodic else Box(0.0, 0.5 * domain.width)
         self.features = scene.features._replace(timed=timed)
         self.advance_steps = make_advance(self.features)
-        self.room = make_room(self.shapes, get_num_threads())
+        self.room = make_workspace(self.shapes, get_num_threads())
         self.clock = np.zeros(len(STAGES), np.int64)
         self.seconds = dict.fromkeys(("neighbour search", *STAGES), 0.0)
         self.dt = scene.numerics.time_step

@@ -135,8 +135,8 @@ def _make_advance(
                     if contacts.touching[p] != 0:
                         i, j = contacts.body_a[p], contacts.body_b[p]
                         if kind != MIXED or (is_hull(shapes, bodies, i) and is_hull(shapes, bodies, j)):
-                            rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
-                            find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, get_thread_id())
+                            offset = partner_offset(bodies, contacts, p, width, periodic)
+                            find_patch(shapes, bodies, contacts, p, offset, room, get_thread_id())
             if timed:
                 middle = cycles()
             if kind != SPHERE:
