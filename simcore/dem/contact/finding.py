@@ -14,7 +14,7 @@ from simcore.dem.contact.pairs import spheres as sphere
 from simcore.dem.contact.pairs.gap_memory import remember_apart, still_apart
 from simcore.dem.contact.pairs.inflated import search_inflated
 from simcore.dem.shapes.hulls import is_hull
-from simcore.dem.state.contacts import forget_springs, partner_offset
+from simcore.dem.state.touches import forget_springs, partner_offset
 
 touch_spheres = sphere.touch
 recheck_ellipsoids, search_ellipsoid_contact = ellipsoid.recheck, ellipsoid.search_contact

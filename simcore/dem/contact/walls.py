@@ -14,8 +14,8 @@ import numpy as np
 from simcore.compilation import leaf
 from simcore.dem.contact.patch.axes import Axes, axes_in_base, coordinates
 from simcore.dem.contact.patch.workspace import start_walk
-from simcore.dem.shapes.hulls import support_vertex, vertex_offset
-from simcore.dem.state.contacts import forget_springs
+from simcore.dem.shapes.hulls import support_vertex_along, vertex_of
+from simcore.dem.state.touches import forget_springs
 from simcore.dem.vectors import ZERO, Vec, plus_scaled, read, write
 
 FLOOR, CYLINDER = 0, 1  # values of Walls.wall
@@ -73,14 +73,14 @@ def floor_convex(shapes, bodies, walls, w):
     if bodies.position[i, 2] >= bodies.radius[i]:
         _clear(walls, w)
         return False
-    vertex = support_vertex(shapes, bodies, i, walls.vertex[w], 0.0, 0.0, -1.0)
+    vertex = support_vertex_along(shapes, bodies, i, walls.vertex[w], DOWNWARD.n)
     walls.vertex[w] = vertex
-    x, y, z = vertex_offset(shapes, bodies, i, vertex)
-    overlap = -z - bodies.position[i, 2]
+    lowest = vertex_of(shapes, bodies, i, vertex)
+    overlap = -lowest.z - bodies.position[i, 2]
     if overlap <= 0.0:
         _clear(walls, w)
         return False
-    _note(walls, w, overlap, UP, Vec(x, y, z))
+    _note(walls, w, overlap, UP, lowest)
     return True
 
 
@@ -154,15 +154,15 @@ def cylinder_convex(shapes, bodies, walls, w, wall_radius):
         _clear(walls, w)
         return
     first = shapes.vertex_start[bodies.shape[i]]
-    farthest2, fx, fy, fz = -1.0, 0.0, 0.0, 0.0
+    farthest2, farthest = -1.0, ZERO
     for vertex in range(first, shapes.vertex_start[bodies.shape[i] + 1]):
-        x, y, z = vertex_offset(shapes, bodies, i, vertex)
-        distance2 = (px + x) * (px + x) + (py + y) * (py + y)
+        corner = vertex_of(shapes, bodies, i, vertex)
+        distance2 = (px + corner.x) * (px + corner.x) + (py + corner.y) * (py + corner.y)
         if distance2 > farthest2:
-            farthest2, fx, fy, fz = distance2, x, y, z
+            farthest2, farthest = distance2, corner
     overlap = np.sqrt(farthest2) - wall_radius
     if overlap > 0.0:
-        _note_outward(bodies, walls, w, overlap, Vec(fx, fy, fz))
+        _note_outward(bodies, walls, w, overlap, farthest)
     else:
         _clear(walls, w)
 
@@ -179,7 +179,7 @@ def cylinder_patch(shapes, bodies, walls, w, wall_radius):
     m0, mx, my, mz, nx, ny = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     mxx, myy, mzz, mxy, mxz, myz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for vertex in range(first, shapes.vertex_start[bodies.shape[i] + 1]):
-        x, y, z = vertex_offset(shapes, bodies, i, vertex)
+        x, y, z = vertex_of(shapes, bodies, i, vertex)
         distance2 = (px + x) * (px + x) + (py + y) * (py + y)
         if distance2 > wall_radius * wall_radius:
             distance = np.sqrt(distance2)

@@ -16,7 +16,7 @@ from simcore.dem.forces.spring_dashpot import (
     tangent_of,
     tangential_force,
 )
-from simcore.dem.state.contacts import partner_offset
+from simcore.dem.state.touches import partner_offset
 from simcore.dem.vectors import ZERO, Vec, cross, dot, minus, negative, plus, read, scaled, write
 
 

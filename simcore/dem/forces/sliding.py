@@ -14,7 +14,7 @@ import numpy as np
 
 from simcore.compilation import leaf
 from simcore.dem.forces.pressing import contact_velocity, wall_velocity
-from simcore.dem.state.contacts import partner_offset
+from simcore.dem.state.touches import partner_offset
 from simcore.dem.vectors import across, cross, dot, length, minus, plus, read, scaled, write
 
 NONE, CAPPED, VISCOUS = 0, 1, 2

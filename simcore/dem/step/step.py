@@ -44,8 +44,8 @@ from simcore.dem.forces.hertz import contact_law_at, wall_law_at
 from simcore.dem.forces.pressing import press_contact, press_wall
 from simcore.dem.forces.sliding import rub_contact, rub_wall
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE, is_hull
-from simcore.dem.state.contacts import partner_offset
 from simcore.dem.state.features import Features
+from simcore.dem.state.touches import partner_offset
 from simcore.dem.step.motion import derive_form_matrix, move, spin_sphere, turn
 
 STAGES = ("contact", "force", "integration")

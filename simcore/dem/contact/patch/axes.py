@@ -12,7 +12,7 @@ r"""The axes of a patch, and how vertices of a body are measured along them.
 from typing import NamedTuple
 
 from simcore.compilation import leaf
-from simcore.dem.shapes.hulls import base_direction
+from simcore.dem.shapes.hulls import base_direction_of
 from simcore.dem.vectors import Vec, basis, dot, negative
 
 
@@ -42,13 +42,9 @@ def axes_about(normal):
 @leaf
 def axes_in_base(bodies, i, axes):
     """World axes as directions in the base of body i: their products with a base vertex are those with the vertex."""
-    return Axes(_in_base(bodies, i, axes.p), _in_base(bodies, i, axes.q), _in_base(bodies, i, axes.n))
-
-
-@leaf
-def _in_base(bodies, i, v):
-    x, y, z = base_direction(bodies, i, v.x, v.y, v.z)
-    return Vec(x, y, z)
+    return Axes(
+        base_direction_of(bodies, i, axes.p), base_direction_of(bodies, i, axes.q), base_direction_of(bodies, i, axes.n)
+    )
 
 
 @leaf

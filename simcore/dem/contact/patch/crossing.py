@@ -36,7 +36,7 @@ from simcore.dem.contact.patch.moments import (
     turn,
 )
 from simcore.dem.contact.patch.workspace import write_bound
-from simcore.dem.shapes.hulls import vertex_offset
+from simcore.dem.shapes.hulls import vertex_of
 from simcore.dem.vectors import dot, negative, read
 
 NO_SHIFT = Point(-0.0, -0.0)  # adding −0 changes no number, not even a zero
@@ -165,7 +165,5 @@ def crossing_overlap(shapes, bodies, pair, view, ends_a, ends_b, workspace, thre
     for k in (k1, k2):
         for l in (l1, l2):  # noqa: E741
             sums = cone_side(sums, abs(turn(k, l)), k, l)
-    x, y, z = vertex_offset(shapes, bodies, pair.a, ends_a[0])
-    p, q = axes.p, axes.q
-    origin = Point(crossing.x - (p.x * x + p.y * y + p.z * z), crossing.y - (q.x * x + q.y * y + q.z * z))
-    return shortcut(True, origin, cone(sums, depth), 0)
+    start = coordinates(axes, vertex_of(shapes, bodies, pair.a, ends_a[0]))
+    return shortcut(True, Point(crossing.x - start.x, crossing.y - start.y), cone(sums, depth), 0)

@@ -25,8 +25,8 @@ from simcore.dem.contact.patch.clipping import clipped_moments
 from simcore.dem.contact.patch.corner import corner_overlap
 from simcore.dem.contact.patch.crossing import crossing_overlap
 from simcore.dem.contact.patch.moments import NO_MOMENTS, Point, shortcut, write_spread
-from simcore.dem.shapes.hulls import vertex_offset
-from simcore.dem.vectors import Vec, plus, plus_scaled, read, write
+from simcore.dem.shapes.hulls import vertex_of
+from simcore.dem.vectors import plus, plus_scaled, read, write
 
 PATCH_DEPTH = 1e-4  # of the pair's size: the largest depth of a patch. Why: docs/constants.md#patch_depth
 
@@ -84,9 +84,8 @@ def find_patch(shapes, bodies, contacts, p, offset, workspace, thread):
     depth = min(overlap, PATCH_DEPTH * (bodies.radius[i] + bodies.radius[j]))
     pair = pair_of(bodies, i, j, plus_scaled(offset, overlap - depth, axes.n))
     on_a, on_b = read_facet(contacts.facet, p)
-    shape, about_b = closed_overlap(
-        shapes, bodies, pair, View(axes, depth, 1.0), (on_a, on_b), workspace, thread
-    )  # fmt: skip
+    view = View(axes, depth, 1.0)
+    shape, about_b = closed_overlap(shapes, bodies, pair, view, (on_a, on_b), workspace, thread)
     m = shape.moments
     if not shape.exact:
         m = clipped_moments(shapes, bodies, pair, axes, (on_a[0], on_b[0]), shape.n_bound, workspace, thread)
@@ -98,10 +97,8 @@ def find_patch(shapes, bodies, contacts, p, offset, workspace, thread):
     write_spread(contacts.spread, p, axes, m.dxx / m.d - x * x, m.dxy / m.d - x * y, m.dyy / m.d - y * y)
     # The vertex that the moments are about is on the surface of its body: half the overlap leads midway.
     if about_b:
-        bx, by, bz = vertex_offset(shapes, bodies, j, on_b[0])
-        about, half = plus(Vec(bx, by, bz), offset), 0.5 * overlap
+        about, half = plus(vertex_of(shapes, bodies, j, on_b[0]), offset), 0.5 * overlap
     else:
-        ax, ay, az = vertex_offset(shapes, bodies, i, on_a[0])
-        about, half = Vec(ax, ay, az), -0.5 * overlap
+        about, half = vertex_of(shapes, bodies, i, on_a[0]), -0.5 * overlap
         x, y = x + shape.origin.x, y + shape.origin.y
     write(contacts.point, p, plus_scaled(plus_scaled(plus_scaled(about, x, axes.p), y, axes.q), half, axes.n))

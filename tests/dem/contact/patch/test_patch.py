@@ -15,7 +15,7 @@ from simcore.dem.contact.patch.clipping import clipped_moments
 from simcore.dem.contact.patch.patch import PATCH_DEPTH, find_patch
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot, patch_torque, tangent_of
-from simcore.dem.state.contacts import partner_offset
+from simcore.dem.state.touches import partner_offset
 from simcore.dem.vectors import Vec, read
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])

@@ -1,4 +1,4 @@
-"""What the contacts of a step have in common, whichever shapes they are between."""
+"""What rows of contacts and of walls have in common, whichever shapes touch."""
 
 from simcore.compilation import leaf
 from simcore.dem.vectors import ZERO, Vec, minus, read, write
