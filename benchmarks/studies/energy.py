@@ -27,7 +27,7 @@ class Bed:
     def __init__(self, features, law, bases, shape, scale, position, orientation, velocity, spin, gravity, width=0.0):
         from numba import get_num_threads
 
-        from simcore.dem.contact.patch.patch import make_room
+        from simcore.dem.contact.patch.workspace import make_workspace
         from simcore.dem.shapes.hulls import collect_shapes
         from simcore.dem.state.bodies import make_bodies
         from simcore.dem.step.near_pairs import Box
@@ -41,7 +41,7 @@ class Bed:
         self.box, self.skin, self.near = Box(width), 0.6 * SIZE, None
         self.list_near()
         self.advance_steps = make_advance(features)
-        self.room = make_room(self.shapes, get_num_threads())
+        self.room = make_workspace(self.shapes, get_num_threads())
         self.clock, self.step = np.zeros(len(STAGES), np.int64), 0
 
     def list_near(self):

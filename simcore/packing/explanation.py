@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from simcore.dem.contact.patch.patch import make_room
+from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.sliding import CAPPED
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE, collect_shapes
 from simcore.dem.state.bodies import make_bodies
@@ -107,7 +107,7 @@ def estimate_cost(setup: Setup) -> Cost:
     per_grain = _bytes_per_grain(setup)
     per_pair = bytes_per_pair(features)
     shapes = collect_shapes(setup.bases)
-    fixed = sum(array.nbytes for group in (shapes, make_room(shapes, 1)) for array in group)
+    fixed = sum(array.nbytes for group in (shapes, make_workspace(shapes, 1)) for array in group)
     return Cost(
         grains=n,
         mass=scene.material.density * float(volumes.sum()),

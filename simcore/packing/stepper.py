@@ -5,7 +5,7 @@ import time
 import numpy as np
 from numba import get_num_threads
 
-from simcore.dem.contact.patch.patch import make_room
+from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.shapes.hulls import collect_shapes
 from simcore.dem.step.near_pairs import Box
 from simcore.dem.step.step import STAGES, Drive, make_advance
@@ -23,7 +23,7 @@ class Stepper:
         self.box = Box(domain.width) if domain.periodic else Box(0.0, 0.5 * domain.width)
         self.features = scene.features._replace(timed=timed)
         self.advance_steps = make_advance(self.features)
-        self.room = make_room(self.shapes, get_num_threads())
+        self.workspace = make_workspace(self.shapes, get_num_threads())
         self.clock = np.zeros(len(STAGES), np.int64)
         self.seconds = dict.fromkeys(("neighbour search", *STAGES), 0.0)
 
@@ -43,13 +43,13 @@ class Stepper:
     def step(self, bodies, near, drive, first_step, n_steps):
         """(steps done, whether the list is stale): at most n_steps, fewer where a body has left its margin."""
         return self.advance_steps(
-            bodies, self.shapes, *near, self.room, self.scene.law, drive, self.clock, first_step, n_steps
+            bodies, self.shapes, *near, self.workspace, self.scene.law, drive, self.clock, first_step, n_steps
         )
 
     def touching_pairs(self, bodies, near, drive):
         """Pairs (m, 2) of bodies that touch where they are, by the step's own contacts; nothing moves."""
         clock = np.zeros_like(self.clock)
-        self.advance_steps(bodies, self.shapes, *near, self.room, self.scene.law, drive, clock, 0, 1)
+        self.advance_steps(bodies, self.shapes, *near, self.workspace, self.scene.law, drive, clock, 0, 1)
         contacts = near.contacts
         return np.column_stack([contacts.body_a, contacts.body_b])[contacts.touching != 0]
 

@@ -13,7 +13,7 @@ import pandas as pd
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from simcore.dem.contact.patch.patch import make_room
+from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law, implicit_law
 from simcore.dem.shapes.hulls import SPHERE, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
@@ -174,7 +174,7 @@ def simulate(dashpot, attractive, steps, phases=PHASES, angle=ANGLE, repeats=1):
     upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (phases, 1)), np.zeros((phases, 3))
     # Until the last has left the floor: attractive contacts last a contact time, clamped ones creep out longer.
     count = int(np.ceil(1.5 * steps)) + 2 if attractive else 3 * steps
-    room, clock = make_room(shapes, numba.get_num_threads()), np.zeros(len(STAGES), np.int64)
+    room, clock = make_workspace(shapes, numba.get_num_threads()), np.zeros(len(STAGES), np.int64)
     rounds = -(-TIMED_STEPS // count) if repeats else 1
     spent = []
     for repeat in range(repeats + 1):

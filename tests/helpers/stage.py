@@ -3,7 +3,7 @@
 import numba
 import numpy as np
 
-from simcore.dem.contact.patch.patch import make_room
+from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.sliding import NONE
 from simcore.dem.shapes.hulls import CONVEX, MIXED, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
@@ -73,7 +73,7 @@ class Stage:
             "gravity": 0.0, "shaking": 0.0, "shaking_rate": 0.0, "damping": 1.0, "wall_radius": np.inf,
         } | drive  # fmt: skip
         self._advance = make_advance(self.features)
-        self.room = make_room(self.shapes, numba.get_num_threads())
+        self.room = make_workspace(self.shapes, numba.get_num_threads())
         self.clock = np.zeros(len(STAGES), np.int64)
         self.step = 0
 

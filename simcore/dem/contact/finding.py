@@ -1,8 +1,8 @@
-"""What bodies do to each other and to the walls: from signed distance to force and torque.
+"""Where bodies touch each other: overlap, normal and point of each contact.
 
 First a contact is checked from its memory: one function for each kind of scene, so that its step holds only what it
 needs; in a scene of mixed kinds the pair decides. What the memory cannot answer is left pending and searched. Both
-leave overlap, direction and point in the arrays. Then the force law presses, the same for all kinds.
+leave overlap, direction and point in the arrays, from which the force law presses (simcore.dem.forces.pressing).
 """
 
 from simcore.compilation import leaf, routine
@@ -13,34 +13,14 @@ from simcore.dem.contact.pairs import polyhedron_ellipsoid as mixed
 from simcore.dem.contact.pairs import spheres as sphere
 from simcore.dem.contact.pairs.gap_memory import remember_apart, still_apart
 from simcore.dem.contact.pairs.inflated import search_inflated
-from simcore.dem.contact.walls import forget_springs
-from simcore.dem.forces.spring_dashpot import (
-    explicit_dashpot,
-    implicit_dashpot,
-    normal_force,
-    patch_torque,
-    preload,
-    tangential_force,
-)
 from simcore.dem.shapes.hulls import is_hull
+from simcore.dem.state.touches import forget_springs, partner_offset
 
 touch_spheres = sphere.touch
 recheck_ellipsoids, search_ellipsoid_contact = ellipsoid.recheck, ellipsoid.search_contact
 recheck_potentials, search_potential_contact = potential.recheck, potential.search_contact
 recheck_polyhedra, search_polyhedron_contact = polyhedron.recheck, polyhedron.search_contact
 recheck_mixed, search_mixed_contact = mixed.recheck, mixed.search_contact
-
-
-@leaf
-def partner_offset(bodies, contacts, p, width, periodic):
-    """Vector from the centre of body a to that of its partner, b or an image of it."""
-    i, j = contacts.body_a[p], contacts.body_b[p]
-    rx = bodies.position[j, 0] - bodies.position[i, 0]
-    ry = bodies.position[j, 1] - bodies.position[i, 1]
-    rz = bodies.position[j, 2] - bodies.position[i, 2]
-    if periodic:
-        return rx + contacts.image[p, 0] * width, ry + contacts.image[p, 1] * width, rz
-    return rx, ry, rz
 
 
 @leaf
@@ -191,113 +171,3 @@ def _note(contacts, p, overlap, nx, ny, nz, px, py, pz):
 def _end(contacts, p):
     contacts.touching[p] = 0
     forget_springs(contacts, p)
-
-
-@leaf
-def contact_velocity(bodies, i, j, px, py, pz, qx, qy, qz):
-    """Velocity (3) of b against a where they touch; p, q: the point, from the centres of a and of b."""
-    ux = bodies.velocity[j, 0] - bodies.velocity[i, 0]
-    uy = bodies.velocity[j, 1] - bodies.velocity[i, 1]
-    uz = bodies.velocity[j, 2] - bodies.velocity[i, 2]
-    spin = bodies.angular_velocity
-    ax, ay, az = spin[i, 0], spin[i, 1], spin[i, 2]
-    bx, by, bz = spin[j, 0], spin[j, 1], spin[j, 2]
-    ux += (by * qz - bz * qy) - (ay * pz - az * py)
-    uy += (bz * qx - bx * qz) - (az * px - ax * pz)
-    uz += (bx * qy - by * qx) - (ax * py - ay * px)
-    return ux, uy, uz
-
-
-@leaf
-def wall_velocity(bodies, i, px, py, pz):
-    """Velocity (3) of body i where it touches a wall; p: the point, from its centre."""
-    wx, wy, wz = bodies.angular_velocity[i, 0], bodies.angular_velocity[i, 1], bodies.angular_velocity[i, 2]
-    ux = bodies.velocity[i, 0] + wy * pz - wz * py
-    uy = bodies.velocity[i, 1] + wz * px - wx * pz
-    uz = bodies.velocity[i, 2] + wx * py - wy * px
-    return ux, uy, uz
-
-
-@leaf
-def press_contact(bodies, contacts, law, dt, width, p, friction, attractive, periodic, patch, implicit, preloaded):
-    """Force of touching contact p on b, torques on both, and its springs."""
-    i, j = contacts.body_a[p], contacts.body_b[p]
-    rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
-    nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
-    px, py, pz = contacts.point[p, 0], contacts.point[p, 1], contacts.point[p, 2]
-    qx, qy, qz = px - rx, py - ry, pz - rz
-    ux, uy, uz = contact_velocity(bodies, i, j, px, py, pz, qx, qy, qz)
-    mass = bodies.mass[i] * bodies.mass[j] / (bodies.mass[i] + bodies.mass[j])
-    if implicit:
-        damping, tangential_damping = implicit_dashpot(law, max(1.0, bodies.hold[i], bodies.hold[j]))
-    else:
-        damping, tangential_damping = explicit_dashpot(law)
-    push = normal_force(law, damping, mass, contacts.overlap[p], ux * nx + uy * ny + uz * nz, attractive)
-    fx, fy, fz = push * nx, push * ny, push * nz
-    if friction:
-        limit = law.friction * abs(push)
-        tx, ty, tz, sx, sy, sz = tangential_force(
-            law, tangential_damping, mass, limit, dt, nx, ny, nz, ux, uy, uz,
-            contacts.spring[p, 0], contacts.spring[p, 1], contacts.spring[p, 2],
-        )  # fmt: skip
-        if preloaded:
-            sx, sy, sz = preload(
-                law, tangential_damping, mass, limit, nx, ny, nz, ux, uy, uz, tx, ty, tz, sx, sy, sz, contacts.stuck, p
-            )
-        contacts.spring[p, 0], contacts.spring[p, 1], contacts.spring[p, 2] = sx, sy, sz
-        fx, fy, fz = fx + tx, fy + ty, fz + tz
-    contacts.force[p, 0], contacts.force[p, 1], contacts.force[p, 2] = fx, fy, fz
-    mx, my, mz = 0.0, 0.0, 0.0
-    if patch:
-        spin = bodies.angular_velocity
-        ax, ay, az = spin[i, 0], spin[i, 1], spin[i, 2]
-        bx, by, bz = spin[j, 0], spin[j, 1], spin[j, 2]
-        mx, my, mz = patch_torque(
-            law, damping, tangential_damping, mass, push, dt, nx, ny, nz, bx - ax, by - ay, bz - az,
-            contacts.spread, contacts.twist, p, friction,
-        )  # fmt: skip
-    contacts.torque_a[p, 0] = -(py * fz - pz * fy) - mx
-    contacts.torque_a[p, 1] = -(pz * fx - px * fz) - my
-    contacts.torque_a[p, 2] = -(px * fy - py * fx) - mz
-    contacts.torque_b[p, 0] = qy * fz - qz * fy + mx
-    contacts.torque_b[p, 1] = qz * fx - qx * fz + my
-    contacts.torque_b[p, 2] = qx * fy - qy * fx + mz
-
-
-@leaf
-def press_wall(bodies, walls, law, dt, w, friction, attractive, patch, implicit, preloaded):
-    """Force and torque of touching wall w on its body, and its springs."""
-    i = walls.body[w]
-    nx, ny, nz = walls.normal[w, 0], walls.normal[w, 1], walls.normal[w, 2]
-    px, py, pz = walls.point[w, 0], walls.point[w, 1], walls.point[w, 2]
-    ux, uy, uz = wall_velocity(bodies, i, px, py, pz)
-    mass = bodies.mass[i]
-    if implicit:
-        damping, tangential_damping = implicit_dashpot(law, max(1.0, bodies.hold[i]))
-    else:
-        damping, tangential_damping = explicit_dashpot(law)
-    push = normal_force(law, damping, mass, walls.overlap[w], ux * nx + uy * ny + uz * nz, attractive)
-    fx, fy, fz = push * nx, push * ny, push * nz
-    if friction:
-        limit = law.friction * abs(push)
-        tx, ty, tz, sx, sy, sz = tangential_force(
-            law, tangential_damping, mass, limit, dt, nx, ny, nz, ux, uy, uz,
-            walls.spring[w, 0], walls.spring[w, 1], walls.spring[w, 2],
-        )  # fmt: skip
-        if preloaded:
-            sx, sy, sz = preload(
-                law, tangential_damping, mass, limit, nx, ny, nz, ux, uy, uz, tx, ty, tz, sx, sy, sz, walls.stuck, w
-            )
-        walls.spring[w, 0], walls.spring[w, 1], walls.spring[w, 2] = sx, sy, sz
-        fx, fy, fz = fx + tx, fy + ty, fz + tz
-    walls.force[w, 0], walls.force[w, 1], walls.force[w, 2] = fx, fy, fz
-    mx, my, mz = 0.0, 0.0, 0.0
-    if patch:
-        wx, wy, wz = bodies.angular_velocity[i, 0], bodies.angular_velocity[i, 1], bodies.angular_velocity[i, 2]
-        mx, my, mz = patch_torque(
-            law, damping, tangential_damping, mass, push, dt, nx, ny, nz, wx, wy, wz,
-            walls.spread, walls.twist, w, friction,
-        )  # fmt: skip
-    walls.torque[w, 0] = py * fz - pz * fy + mx
-    walls.torque[w, 1] = pz * fx - px * fz + my
-    walls.torque[w, 2] = px * fy - py * fx + mz

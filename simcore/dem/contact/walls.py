@@ -1,49 +1,47 @@
-"""Floor and cylinder: the deepest point of a body, found exactly.
+r"""Floor and cylinder: where a body touches them, found exactly.
 
-Every function updates one row of Walls: whether body and wall touch, overlap [m], normal into the body, and the
-point midway between the surfaces, relative to the centre. Polyhedra with a patch press at the mean of their vertices
-behind the wall, weighted by depth, which moves continuously where a face or an edge comes to lie on it.
-The axis of the cylinder is x = y = 0, the floor is z = 0.
+|   ____   |          Every function updates one row of Walls: whether body and wall touch, overlap [m], normal
+|  /    \  |          into the body, and the point midway between the surfaces, relative to the body's centre.
+| /  *   \_|__        The point is that of the body's deepest point x behind the wall. Polyhedra with a patch
+| \      / |x         contact press at the mean of their vertices behind the wall, weighted by depth, which moves
+|  \__x_/  |          continuously where a face or an edge comes to lie on the wall.
++----------+  z = 0
+     r = 0            The axis of the cylinder is x = y = 0, the floor is z = 0.
 """
 
 import numpy as np
 
 from simcore.compilation import leaf
-from simcore.dem.shapes.hulls import base_direction, support_vertex, vertex_offset
+from simcore.dem.contact.patch.axes import Axes, axes_in_base, coordinates
+from simcore.dem.contact.patch.workspace import start_walk
+from simcore.dem.shapes.hulls import support_vertex_along, vertex_of
+from simcore.dem.state.touches import forget_springs
+from simcore.dem.vectors import ZERO, Vec, plus_scaled, read, write
 
-FLOOR, CYLINDER = 0, 1  # walls, as they stand in Walls.wall
-
-
-@leaf
-def forget_springs(touches, k):
-    """A contact or a wall that ended loses its springs, where the scene has any."""
-    if k < len(touches.spring):
-        touches.spring[k, 0], touches.spring[k, 1], touches.spring[k, 2] = 0.0, 0.0, 0.0
-    if k < len(touches.twist):
-        touches.twist[k] = 0.0
-    if k < len(touches.stuck):
-        touches.stuck[k] = 0
+FLOOR, CYLINDER = 0, 1  # values of Walls.wall
+UP = Vec(0.0, 0.0, 1.0)
+DOWNWARD = Axes(Vec(1.0, 0.0, 0.0), Vec(0.0, 1.0, 0.0), Vec(0.0, 0.0, -1.0))
+ALIKE = 1e-6  # of the sum of depths: a sum of normals that is shorter has no direction
 
 
 @leaf
 def _clear(walls, w):
-    """Body and wall are apart: what they remembered is gone."""
+    """Body and wall are apart: reset what a touch has left."""
     if walls.touching[w] != 0:
         walls.touching[w] = 0
         walls.overlap[w] = 0.0
-        for k in range(3):
-            walls.force[w, k], walls.torque[w, k] = 0.0, 0.0
+        write(walls.force, w, ZERO)
+        write(walls.torque, w, ZERO)
         forget_springs(walls, w)
 
 
 @leaf
-def _note(walls, w, overlap, nx, ny, nz, x, y, z):
-    """A touch with normal n into the body at the deepest point (x, y, z) of the body."""
+def _note(walls, w, overlap, normal, deepest):
+    """Store a touch. normal: into the body; deepest: the body's deepest point, from its centre."""
     walls.touching[w] = 1
     walls.overlap[w] = overlap
-    walls.normal[w, 0], walls.normal[w, 1], walls.normal[w, 2] = nx, ny, nz
-    half = 0.5 * overlap
-    walls.point[w, 0], walls.point[w, 1], walls.point[w, 2] = x + half * nx, y + half * ny, z + half * nz
+    write(walls.normal, w, normal)
+    write(walls.point, w, plus_scaled(deepest, 0.5 * overlap, normal))
 
 
 @leaf
@@ -52,7 +50,7 @@ def floor_sphere(bodies, walls, w):
     radius = bodies.scale[i, 0]
     overlap = radius - bodies.position[i, 2]
     if overlap > 0.0:
-        _note(walls, w, overlap, 0.0, 0.0, 1.0, 0.0, 0.0, -radius)
+        _note(walls, w, overlap, UP, Vec(0.0, 0.0, -radius))
     else:
         _clear(walls, w)
 
@@ -63,61 +61,56 @@ def floor_ellipsoid(bodies, walls, w):
     height = np.sqrt(m[i, 2])
     overlap = height - bodies.position[i, 2]
     if overlap > 0.0:
-        _note(walls, w, overlap, 0.0, 0.0, 1.0, -m[i, 4] / height, -m[i, 5] / height, -height)
+        _note(walls, w, overlap, UP, Vec(-m[i, 4] / height, -m[i, 5] / height, -height))
     else:
         _clear(walls, w)
 
 
 @leaf
 def floor_convex(shapes, bodies, walls, w):
-    """Climbs from the vertex that was lowest last, and remembers the new one; returns whether it touches."""
+    """Climb from the vertex that was lowest in the last step, and remember the new one; returns whether it touches."""
     i = walls.body[w]
     if bodies.position[i, 2] >= bodies.radius[i]:
         _clear(walls, w)
         return False
-    vertex = support_vertex(shapes, bodies, i, walls.vertex[w], 0.0, 0.0, -1.0)
+    vertex = support_vertex_along(shapes, bodies, i, walls.vertex[w], DOWNWARD.n)
     walls.vertex[w] = vertex
-    x, y, z = vertex_offset(shapes, bodies, i, vertex)
-    overlap = -z - bodies.position[i, 2]
+    lowest = vertex_of(shapes, bodies, i, vertex)
+    overlap = -lowest.z - bodies.position[i, 2]
     if overlap <= 0.0:
         _clear(walls, w)
         return False
-    _note(walls, w, overlap, 0.0, 0.0, 1.0, x, y, z)
+    _note(walls, w, overlap, UP, lowest)
     return True
 
 
 @leaf
-def floor_patch(shapes, bodies, walls, w, room, t):
-    """Of a touching polyhedron: mean of its vertices below the floor, weighted by depth, and their second moments.
+def floor_patch(shapes, bodies, walls, w, workspace, thread):
+    """Patch of a touching polyhedron: mean of its vertices below the floor, weighted by depth, and second moments.
 
-    They hang together along edges, by convexity.
+    These vertices are connected by edges among them, by convexity.
     """
     i = walls.body[w]
-    nx, ny, nz = base_direction(bodies, i, 0.0, 0.0, -1.0)
-    px, py, pz = base_direction(bodies, i, 1.0, 0.0, 0.0)
-    qx, qy, qz = base_direction(bodies, i, 0.0, 1.0, 0.0)
+    base = axes_in_base(bodies, i, DOWNWARD)
     vertices, ring_start, ring = shapes.vertices, shapes.neighbor_start, shapes.neighbors
     height, first = bodies.position[i, 2], shapes.vertex_start[bodies.shape[i]]
-    room.stamp[t] += 1
-    stamp = room.stamp[t]
-    room.stack[t, 0] = walls.vertex[w]
-    room.mark[t, walls.vertex[w] - first] = stamp
+    stamp = start_walk(workspace, thread, walls.vertex[w], first)
+    mark, stack = workspace.mark, workspace.stack
     n_stack = 1
     m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     while n_stack > 0:
         n_stack -= 1
-        v = room.stack[t, n_stack]
-        d = vertices[v, 0] * nx + vertices[v, 1] * ny + vertices[v, 2] * nz - height
-        x = vertices[v, 0] * px + vertices[v, 1] * py + vertices[v, 2] * pz
-        y = vertices[v, 0] * qx + vertices[v, 1] * qy + vertices[v, 2] * qz
+        v = stack[thread, n_stack]
+        x, y, down = coordinates(base, read(vertices, v))
+        d = down - height
         m0, mx, my = m0 + d, mx + d * x, my + d * y
         mxx, mxy, myy = mxx + d * x * x, mxy + d * x * y, myy + d * y * y
         for k in range(ring_start[v], ring_start[v + 1]):
             u = ring[k]
-            depth = vertices[u, 0] * nx + vertices[u, 1] * ny + vertices[u, 2] * nz - height
-            if depth > 0.0 and room.mark[t, u - first] != stamp:
-                room.mark[t, u - first] = stamp
-                room.stack[t, n_stack] = u
+            depth = coordinates(base, read(vertices, u)).z - height
+            if depth > 0.0 and mark[thread, u - first] != stamp:
+                mark[thread, u - first] = stamp
+                stack[thread, n_stack] = u
                 n_stack += 1
     cx, cy = mx / m0, my / m0
     walls.point[w, 0], walls.point[w, 1] = cx, cy
@@ -126,12 +119,12 @@ def floor_patch(shapes, bodies, walls, w, room, t):
 
 
 @leaf
-def _note_outward(bodies, walls, w, overlap, x, y, z):
-    """A touch with the cylinder at the body's point (x, y, z)."""
+def _note_outward(bodies, walls, w, overlap, deepest):
+    """Store a touch with the cylinder at the body's deepest point."""
     i = walls.body[w]
-    px, py = bodies.position[i, 0] + x, bodies.position[i, 1] + y
+    px, py = bodies.position[i, 0] + deepest.x, bodies.position[i, 1] + deepest.y
     distance = np.sqrt(px * px + py * py)
-    _note(walls, w, overlap, -px / distance, -py / distance, 0.0, x, y, z)
+    _note(walls, w, overlap, Vec(-px / distance, -py / distance, 0.0), deepest)
 
 
 @leaf
@@ -144,16 +137,16 @@ def cylinder_sphere(bodies, walls, w, wall_radius):
     if overlap <= 0.0:
         _clear(walls, w)
     elif distance == 0.0:
-        _note_outward(bodies, walls, w, overlap, radius, 0.0, 0.0)
+        _note_outward(bodies, walls, w, overlap, Vec(radius, 0.0, 0.0))
     else:
-        _note_outward(bodies, walls, w, overlap, radius * px / distance, radius * py / distance, 0.0)
+        _note_outward(bodies, walls, w, overlap, Vec(radius * px / distance, radius * py / distance, 0.0))
 
 
 @leaf
 def cylinder_convex(shapes, bodies, walls, w, wall_radius):
-    """Distance from the axis is convex, so a vertex is the farthest point; all are looked at.
+    """Distance from the axis is convex, so a vertex is the farthest point; all vertices are measured.
 
-    Climbing is no way here: a long grain across the cylinder has two far ends.
+    A climb along edges could end at the wrong one: a long grain across the cylinder has two far ends.
     """
     i = walls.body[w]
     px, py = bodies.position[i, 0], bodies.position[i, 1]
@@ -161,24 +154,24 @@ def cylinder_convex(shapes, bodies, walls, w, wall_radius):
         _clear(walls, w)
         return
     first = shapes.vertex_start[bodies.shape[i]]
-    farthest2, fx, fy, fz = -1.0, 0.0, 0.0, 0.0
+    farthest2, farthest = -1.0, ZERO
     for vertex in range(first, shapes.vertex_start[bodies.shape[i] + 1]):
-        x, y, z = vertex_offset(shapes, bodies, i, vertex)
-        distance2 = (px + x) * (px + x) + (py + y) * (py + y)
+        corner = vertex_of(shapes, bodies, i, vertex)
+        distance2 = (px + corner.x) * (px + corner.x) + (py + corner.y) * (py + corner.y)
         if distance2 > farthest2:
-            farthest2, fx, fy, fz = distance2, x, y, z
+            farthest2, farthest = distance2, corner
     overlap = np.sqrt(farthest2) - wall_radius
     if overlap > 0.0:
-        _note_outward(bodies, walls, w, overlap, fx, fy, fz)
+        _note_outward(bodies, walls, w, overlap, farthest)
     else:
         _clear(walls, w)
 
 
 @leaf
 def cylinder_patch(shapes, bodies, walls, w, wall_radius):
-    """Of a touching polyhedron: means over its vertices behind the cylinder, weighted by depth.
+    """Patch of a touching polyhedron: means over its vertices behind the cylinder, weighted by depth.
 
-    The mean normal is theirs too: a long grain across the cylinder is pressed at both ends at once.
+    The normal is their mean too: a long grain across the cylinder is pressed at both ends at once.
     """
     i = walls.body[w]
     px, py = bodies.position[i, 0], bodies.position[i, 1]
@@ -186,7 +179,7 @@ def cylinder_patch(shapes, bodies, walls, w, wall_radius):
     m0, mx, my, mz, nx, ny = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     mxx, myy, mzz, mxy, mxz, myz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for vertex in range(first, shapes.vertex_start[bodies.shape[i] + 1]):
-        x, y, z = vertex_offset(shapes, bodies, i, vertex)
+        x, y, z = vertex_of(shapes, bodies, i, vertex)
         distance2 = (px + x) * (px + x) + (py + y) * (py + y)
         if distance2 > wall_radius * wall_radius:
             distance = np.sqrt(distance2)
@@ -200,10 +193,10 @@ def cylinder_patch(shapes, bodies, walls, w, wall_radius):
             mxy, mxz, myz = mxy + d * x * y, mxz + d * x * z, myz + d * y * z
     cx, cy, cz = mx / m0, my / m0, mz / m0
     length = np.sqrt(nx * nx + ny * ny)
-    if not length > 1e-6 * m0:
-        return  # both ends alike: the deepest vertex decides
-    walls.normal[w, 0], walls.normal[w, 1], walls.normal[w, 2] = nx / length, ny / length, 0.0
-    walls.point[w, 0], walls.point[w, 1], walls.point[w, 2] = cx, cy, cz
+    if not length > ALIKE * m0:
+        return  # both ends are equally deep: the deepest vertex decides
+    write(walls.normal, w, Vec(nx / length, ny / length, 0.0))
+    write(walls.point, w, Vec(cx, cy, cz))
     walls.spread[w, 0], walls.spread[w, 1], walls.spread[w, 2] = (
         mxx / m0 - cx * cx, myy / m0 - cy * cy, mzz / m0 - cz * cz
     )  # fmt: skip
@@ -220,23 +213,8 @@ def _is_inside(bodies, i, wall_radius):
 
 
 @leaf
-def cylinder_ellipsoid(bodies, walls, w, wall_radius):
-    """Farthest point from the axis of the ellipsoid's shadow, an ellipse with matrix P about (px, py).
-
-    With eigenvalues p1 >= p2 of P and the centre c in their frame, the farthest point c + y has
-    y_k = c_k p_k / (λ − p_k), and λ >= p1 is the largest root of Σ c_k² p_k / (λ − p_k)² = 1.
-    """
-    i, m = walls.body[w], bodies.form_matrix
-    px, py = bodies.position[i, 0], bodies.position[i, 1]
-    if _is_inside(bodies, i, wall_radius):
-        _clear(walls, w)
-        return
-    mean, half = 0.5 * (m[i, 0] + m[i, 1]), 0.5 * (m[i, 0] - m[i, 1])
-    spread = np.sqrt(half * half + m[i, 3] * m[i, 3])
-    p1, p2 = mean + spread, mean - spread
-    angle = 0.5 * np.arctan2(m[i, 3], half)
-    cos, sin = np.cos(angle), np.sin(angle)
-    c1, c2 = cos * px + sin * py, -sin * px + cos * py
+def _farthest_multiplier(p1, p2, c1, c2):
+    """λ of cylinder_ellipsoid: the largest root of Σ c_k² p_k / (λ − p_k)² = 1, for p1 >= p2."""
     # Both brackets of λ: one term alone, and all of |c|² under the larger or the smaller eigenvalue
     low = max(p1 + abs(c1) * np.sqrt(p1), p2 + abs(c2) * np.sqrt(p2))
     high = p1 + np.sqrt(c1 * c1 * p1 + c2 * c2 * p2)
@@ -260,13 +238,35 @@ def cylinder_ellipsoid(bodies, walls, w, wall_radius):
             root = trial
             break
         root = trial
+    return root
+
+
+@leaf
+def cylinder_ellipsoid(bodies, walls, w, wall_radius):
+    """Farthest point from the axis of the ellipsoid's shadow, an ellipse with matrix P about (px, py).
+
+    With eigenvalues p1 >= p2 of P and the centre c in their frame, the farthest point c + y has
+    y_k = c_k p_k / (λ − p_k), and λ >= p1 is the largest root of Σ c_k² p_k / (λ − p_k)² = 1.
+    """
+    i, m = walls.body[w], bodies.form_matrix
+    px, py = bodies.position[i, 0], bodies.position[i, 1]
+    if _is_inside(bodies, i, wall_radius):
+        _clear(walls, w)
+        return
+    mean, half = 0.5 * (m[i, 0] + m[i, 1]), 0.5 * (m[i, 0] - m[i, 1])
+    spread = np.sqrt(half * half + m[i, 3] * m[i, 3])
+    p1, p2 = mean + spread, mean - spread
+    angle = 0.5 * np.arctan2(m[i, 3], half)
+    cos, sin = np.cos(angle), np.sin(angle)
+    c1, c2 = cos * px + sin * py, -sin * px + cos * py
+    root = _farthest_multiplier(p1, p2, c1, c2)
     y2 = c2 * p2 / (root - p2) if root > p2 else 0.0
     y2 = min(max(y2, -np.sqrt(p2)), np.sqrt(p2))
     if root - p1 > 1e-3 * p1:
         y1 = c1 * p1 / (root - p1)
     else:
-        # Little or nothing along the longer axis (the hard case): root − p1 is lost in rounding, but the point lies
-        # on the ellipse. With nothing at all both ends of the axis are alike.
+        # The hard case, c1 almost or exactly zero: root − p1 is lost in rounding, but the point lies on the ellipse.
+        # With c1 = 0 both ends of the axis are equally far.
         y1 = np.sqrt(max(p1 * (1.0 - y2 * y2 / p2), 0.0))
         if c1 < 0.0:
             y1 = -y1
@@ -278,4 +278,4 @@ def cylinder_ellipsoid(bodies, walls, w, wall_radius):
     ux, uy = (cos * (c1 + y1) - sin * (c2 + y2)) / farthest, (sin * (c1 + y1) + cos * (c2 + y2)) / farthest
     x, y, z = m[i, 0] * ux + m[i, 3] * uy, m[i, 3] * ux + m[i, 1] * uy, m[i, 4] * ux + m[i, 5] * uy
     height = np.sqrt(x * ux + y * uy)
-    _note_outward(bodies, walls, w, farthest - wall_radius, x / height, y / height, z / height)
+    _note_outward(bodies, walls, w, farthest - wall_radius, Vec(x / height, y / height, z / height))

@@ -1,1 +1,1 @@
-"""Force laws of contacts, one module each."""
+"""Force laws of contacts, one module each, and pressing, which applies them to contacts and walls."""

@@ -1,13 +1,14 @@
 """Hertzian normal force with a viscous term: F = k (ξ^1.5 + τ √ξ ξ'), beside the linear spring-dashpot.
 
-The text of Baram & Lind (arXiv:1110.2792) has lost its formula. What its words leave is a Hertzian force k ξ^1.5 with
-a viscous term whose coefficient is large for a quick rest. We take γ √ξ ξ' with γ = τ k, after Kuwabara and Kono,
-not γ ξ': it is what viscoelastic spheres do (Brilliantov et al. 1996), it vanishes where a contact begins, so that the
-force has no jump there, and its dashpot grows as the spring does, so that one limit of the time step holds for both.
+The text of Baram & Lind (arXiv:1110.2792) lacks the formula. Its words describe a Hertzian force k ξ^1.5 with a viscous
+term whose coefficient is large, so that grains come to rest quickly. We take γ √ξ ξ' with γ = τ k, after Kuwabara and
+Kono, not γ ξ'. Viscoelastic spheres behave so (Brilliantov et al. 1996); the term vanishes where a contact begins, so
+that the force has no jump there; and its dashpot grows as the spring does, so that one limit of the time step holds for
+both.
 
-At its present overlap a Hertzian contact is one of the linear law with the stiffness k √ξ and the damping τ k √ξ: all
-that presses, turns and rubs is left as it is, and only gets the coefficients of the moment. Along the tangent a
-spring is as stiff as Mindlin's without slip, 2 (1 - ν) / (2 - ν) of dF/dξ = 1.5 k √ξ.
+At its present overlap a Hertzian contact is one of the linear law with the stiffness k √ξ and the damping τ k √ξ. So
+all functions of the linear law are used unchanged, with the coefficients of that overlap. Along the tangent a spring is
+as stiff as Mindlin's without slip, 2 (1 - ν) / (2 - ν) of dF/dξ = 1.5 k √ξ.
 
 k = B √R with the effective radius R of spheres of the grains' masses; B = (4/3) E*; see simcore.scene.impact.
 """
@@ -36,16 +37,18 @@ class HertzLaw(NamedTuple):
     size: float  # [m/kg^(1/3)], radius of a sphere over the cube root of its mass
 
 
-def hertz_law(found: Hertzian, poisson_ratio, friction, density, sliding=0.0) -> HertzLaw:
+def hertz_law(hertzian: Hertzian, poisson_ratio, friction, density, sliding=0.0) -> HertzLaw:
     """The law of grains of that density [kg/m³]; sliding [1/s]: rate of the dynamic friction."""
     ratio = 2.0 * (1.0 - poisson_ratio) / (2.0 - poisson_ratio)
     size = float(np.cbrt(3.0 / (4.0 * np.pi * density)))
-    return HertzLaw(found.modulus, found.damping_time, TANGENT * ratio, float(np.sqrt(ratio)), friction, sliding, size)
+    return HertzLaw(
+        hertzian.modulus, hertzian.damping_time, TANGENT * ratio, float(np.sqrt(ratio)), friction, sliding, size
+    )
 
 
 @leaf
 def law_at(law, mass, partner_mass, overlap):
-    """The linear law that is this one at that overlap [m], per effective mass. partner_mass: of a wall inf."""
+    """The linear law that equals this one at that overlap [m], per effective mass. partner_mass: inf for a wall."""
     effective = mass / (1.0 + mass / partner_mass)
     radius, partner_radius = law.size * np.cbrt(mass), law.size * np.cbrt(partner_mass)
     radius = radius / (1.0 + radius / partner_radius)
@@ -57,13 +60,13 @@ def law_at(law, mass, partner_mass, overlap):
 
 @leaf
 def contact_law_at(law, bodies, contacts, p):
-    """law_at of touching contact p."""
+    """The linear law of touching contact p."""
     return law_at(law, bodies.mass[contacts.body_a[p]], bodies.mass[contacts.body_b[p]], contacts.overlap[p])
 
 
 @leaf
 def wall_law_at(law, bodies, walls, w):
-    """law_at of touching wall w."""
+    """The linear law of touching wall w."""
     return law_at(law, bodies.mass[walls.body[w]], np.inf, walls.overlap[w])
 
 
@@ -74,9 +77,9 @@ def linear_law(law: HertzLaw, mass, partner_mass, overlap) -> ContactLaw:
 
 
 def local_law(law, mass, partner_mass, overlap) -> tuple[ContactLaw, float]:
-    """(linear law of contacts at their overlaps, share of ½ stiffness overlap² that is stored); (k,) each.
+    """(linear law of contacts at their overlaps, share of ½ stiffness overlap² that their springs store); (k,) arrays.
 
-    law: of either kind; the linear one is its own.
+    law: of either kind; a linear law is returned as it is.
     """
     if isinstance(law, HertzLaw):
         return law_at.py_func(law, mass, partner_mass, overlap), STORED

@@ -6,7 +6,7 @@ With the attractive law the contact lasts T_c and e_n is its restitution. Clampe
 damping give a higher restitution (0.2527 for e_n = 0.1; Schwager & Pöschel 2007).
 
 A dashpot is explicit, on the velocity before the step, or implicit, on the mean of the velocities before and after it
-as the contact alone would change them, v' = v + h F / m. With γ = d_n / m and ω² = k_n / m that is
+as the contact alone would change them: v' = v + h F / m. With γ = d_n / m and ω² = k_n / m that is
 F / m = ω² δ − γ (v + v') / 2, so F / m = (ω² δ − γ v) / (1 + γ h / 2): the central difference, of second order, and for
 one contact stable up to h = 2 / ω whatever the damping. Along the tangent the same with γ_t = LEVER d_t / m.
 
@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.compilation import leaf
+from simcore.dem.vectors import Vec, across, cross, dot, minus, negative, over, plus, scaled, squared
 
 
 class ContactLaw(NamedTuple):
@@ -34,9 +35,15 @@ class ContactLaw(NamedTuple):
     sliding: float = 0.0  # [1/s], rate of a friction without springs (simcore.dem.forces.sliding)
 
 
-# Inverse effective mass along the tangent times the effective mass: 1 + m r² / I with 5/2 of a sphere.
-# ASSUME: of other grains too; it only sets how strongly the implicit dashpot is divided.
-LEVER = 3.5
+class Tangent(NamedTuple):
+    """Coefficients of one contact along its tangent plane."""
+
+    stiffness: float  # [N/m]
+    damping: float  # [N s/m]
+    limit: float  # [N], of Coulomb friction
+
+
+LEVER = 3.5  # 1 + m r² / I of a sphere. ASSUME: of all grains. Why: docs/constants.md#lever
 
 
 def contact_law(
@@ -77,61 +84,52 @@ def implicit_dashpot(law, hold):
 
 
 @leaf
-def tangential_force(law, damping, mass, limit, dt, nx, ny, nz, ux, uy, uz, sx, sy, sz):
-    """Tangential force on b [N] and new tangential spring [m]: (F (3), spring (3)).
-
-    damping: tangential, per effective mass. mass: effective. limit: of the Coulomb law. u: relative velocity of b
-    against a at the contact point. The spring is turned into the new tangent plane keeping its length, grows by the
-    tangential velocity, and is cut back to what the limit can hold where the contact slips.
-    """
-    un = ux * nx + uy * ny + uz * nz
-    ux, uy, uz = ux - un * nx, uy - un * ny, uz - un * nz
-    length2 = sx * sx + sy * sy + sz * sz
-    if length2 > 0.0:
-        sn = sx * nx + sy * ny + sz * nz
-        sx, sy, sz = sx - sn * nx, sy - sn * ny, sz - sn * nz
-        left2 = sx * sx + sy * sy + sz * sz
-        if left2 > 0.0:
-            stretch = np.sqrt(length2 / left2)
-            sx, sy, sz = stretch * sx, stretch * sy, stretch * sz
-    sx, sy, sz = sx + ux * dt, sy + uy * dt, sz + uz * dt
-    stiffness = law.tangential * law.stiffness * mass
-    damping = damping * mass
-    fx = -stiffness * sx - damping * ux
-    fy = -stiffness * sy - damping * uy
-    fz = -stiffness * sz - damping * uz
-    trial2 = fx * fx + fy * fy + fz * fz
-    if trial2 > limit * limit:
-        cut = limit / np.sqrt(trial2)
-        fx, fy, fz = cut * fx, cut * fy, cut * fz
-        sx = -(fx + damping * ux) / stiffness
-        sy = -(fy + damping * uy) / stiffness
-        sz = -(fz + damping * uz) / stiffness
-    return fx, fy, fz, sx, sy, sz
+def tangent_of(law, damping, mass, push):
+    """Tangent for the normal force `push` [N]. damping: tangential, per effective mass. mass: effective."""
+    return Tangent(law.tangential * law.stiffness * mass, damping * mass, law.friction * abs(push))
 
 
 @leaf
-def preload(law, damping, mass, limit, nx, ny, nz, ux, uy, uz, tx, ty, tz, sx, sy, sz, stuck, k):
-    """Tangential spring (3) [m] that contact k keeps where what begins to be held is loaded to the limit at once.
+def tangential_force(tangent, dt, normal, velocity, spring):
+    """Tangential force on b [N] and the new tangential spring [m], both vectors.
 
-    So the source study's program does, at the first touch and where slip ends: the force (t) of that step stands, but
-    from the next on the spring pushes as hard as friction may, whatever little moved. What lands with no tangential
-    force at all is held and stays so. It is no law of friction (a sphere that lands all but straight is thrown aside)
-    and is here to tell what it does to packings. stuck: (m,) uint8, whether each was held in the step before; that of k
-    is set. Others: what `tangential_force` takes, and its results.
+    velocity: of b against a at the contact point. The spring is turned into the new tangent plane keeping its length,
+    grows by the tangential velocity, and is cut back to what the limit can hold where the contact slips.
     """
-    force = np.sqrt(tx * tx + ty * ty + tz * tz)
-    held = force < (1.0 - 1e-12) * limit  # a force that was cut back is the limit but for rounding
-    if held and stuck[k] == 0 and force > 0.0:
-        un = ux * nx + uy * ny + uz * nz
-        stiffness = law.tangential * law.stiffness * mass
-        damping = damping * mass
-        full = limit / force
-        sx = -(full * tx + damping * (ux - un * nx)) / stiffness
-        sy = -(full * ty + damping * (uy - un * ny)) / stiffness
-        sz = -(full * tz + damping * (uz - un * nz)) / stiffness
-    stuck[k] = held
-    return sx, sy, sz
+    velocity = across(velocity, normal)
+    length2 = squared(spring)
+    if length2 > 0.0:
+        spring = across(spring, normal)
+        left2 = squared(spring)
+        if left2 > 0.0:
+            spring = scaled(np.sqrt(length2 / left2), spring)
+    spring = plus(spring, scaled(dt, velocity))
+    drag = scaled(tangent.damping, velocity)
+    force = minus(scaled(-tangent.stiffness, spring), drag)
+    trial2 = squared(force)
+    if trial2 > tangent.limit * tangent.limit:
+        force = scaled(tangent.limit / np.sqrt(trial2), force)
+        spring = over(negative(plus(force, drag)), tangent.stiffness)
+    return force, spring
+
+
+@leaf
+def preload(tangent, normal, velocity, force, spring, stuck, k):
+    """Tangential spring [m] of contact k by the preloaded law: a contact that starts to stick is loaded to the limit.
+
+    The program of Rettinger et al. does so at the first touch and where slip ends: the tangential force of that step
+    stays as it is, but from the next step on the spring pushes as hard as friction allows, however little it moved. A
+    contact without any tangential force sticks at rest. This is no law of friction (a sphere that lands almost straight
+    is thrown aside); it is here to measure what it does to packings. force, spring: of `tangential_force`, which also
+    takes the others. stuck: (m,) uint8, whether each contact stuck in the step before; that of k is set.
+    """
+    size = np.sqrt(squared(force))
+    sticks = size < (1.0 - 1e-12) * tangent.limit  # a force that was cut back is the limit but for rounding
+    if sticks and stuck[k] == 0 and size > 0.0:
+        drag = scaled(tangent.damping, across(velocity, normal))
+        spring = over(negative(plus(scaled(tangent.limit / size, force), drag)), tangent.stiffness)
+    stuck[k] = sticks
+    return spring
 
 
 @leaf
@@ -144,36 +142,47 @@ def normal_force(law, damping, mass, overlap, un, attractive):
 
 
 @leaf
-def patch_torque(
-    law, normal_damping, tangential_damping, mass, push, dt, nx, ny, nz, wx, wy, wz, spread, twists, k, friction
-):
-    """Torque on b [N m] of a patch about its centroid, and its new twist; zero for a point.
+def moments_times(spread, k, v):
+    """Product of the second moments in row k, xx yy zz xy xz yz, with a vector."""
+    xx, yy, zz = spread[k, 0], spread[k, 1], spread[k, 2]
+    xy, xz, yz = spread[k, 3], spread[k, 4], spread[k, 5]
+    return Vec(
+        xx * v.x + xy * v.y + xz * v.z,
+        xy * v.x + yy * v.y + yz * v.z,
+        xz * v.x + yz * v.y + zz * v.z,
+    )
+
+
+@leaf
+def patch_torque(damping, tangent, dt, normal, spin, touches, k, friction):
+    """Torque on b [N m] of patch k about its centroid, zero for a point; its twist is updated.
 
     The springs and dashpots of the contact law, thought spread over the patch by depth, also resist what turns about
     the centroid: with second moments C of the patch, rocking at g = n × ω meets −d_n (C g) × n, and twisting a
     torsional spring k_t tr C with its dashpot, held by friction up to µ |F_n| √(tr C).
     # ASSUME: slip and twist do not weaken each other, and the gyration radius stands for the mean lever arm (for a
-    # disc 0.707 R against 0.667 R). w: angular velocity of b against a.
+    # disc 0.707 R against 0.667 R).
+    damping [N s/m]: d_n. spin [1/s]: angular velocity of b against a. touches: contacts or walls.
     """
-    xx, yy, zz = spread[k, 0], spread[k, 1], spread[k, 2]
-    xy, xz, yz = spread[k, 3], spread[k, 4], spread[k, 5]
-    gx, gy, gz = ny * wz - nz * wy, nz * wx - nx * wz, nx * wy - ny * wx
-    hx = xx * gx + xy * gy + xz * gz
-    hy = xy * gx + yy * gy + yz * gz
-    hz = xz * gx + yz * gy + zz * gz
-    d = -normal_damping * mass
-    mx, my, mz = d * (hy * nz - hz * ny), d * (hz * nx - hx * nz), d * (hx * ny - hy * nx)
+    rocking = moments_times(touches.spread, k, cross(normal, spin))
+    torque = scaled(-damping, cross(rocking, normal))
     if friction:
-        moment = max(xx + yy + zz, 0.0)  # of a single vertex behind a wall it is zero but for rounding, of either sign
-        rate = nx * wx + ny * wy + nz * wz
-        stiffness = law.tangential * law.stiffness * mass * moment
-        damping = tangential_damping * mass * moment
-        twist = twists[k] + rate * dt
-        torque = -stiffness * twist - damping * rate
-        limit = law.friction * abs(push) * np.sqrt(moment)
-        if not abs(torque) < limit:  # also where there is no patch, which holds no twist
-            torque = limit if torque > 0.0 else -limit
-            twist = -(torque + damping * rate) / stiffness if stiffness > 0.0 else 0.0
-        twists[k] = twist
-        mx, my, mz = mx + torque * nx, my + torque * ny, mz + torque * nz
-    return mx, my, mz
+        return plus(torque, scaled(twisting_torque(tangent, dt, dot(normal, spin), touches, k), normal))
+    return torque
+
+
+@leaf
+def twisting_torque(tangent, dt, rate, touches, k):
+    """Torque [N m] about the normal against a patch that twists at `rate` [1/s]; the twist of row k is updated."""
+    spread = touches.spread
+    # Of a single vertex behind a wall the trace is zero but for rounding, of either sign.
+    moment = max(spread[k, 0] + spread[k, 1] + spread[k, 2], 0.0)
+    stiffness, damping = tangent.stiffness * moment, tangent.damping * moment
+    twist = touches.twist[k] + rate * dt
+    torque = -stiffness * twist - damping * rate
+    limit = tangent.limit * np.sqrt(moment)
+    if not abs(torque) < limit:  # also where there is no patch, which holds no twist
+        torque = limit if torque > 0.0 else -limit
+        twist = -(torque + damping * rate) / stiffness if stiffness > 0.0 else 0.0
+    touches.twist[k] = twist
+    return torque

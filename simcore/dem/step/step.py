@@ -23,9 +23,6 @@ from simcore.dem.contact.finding import (
     check_potentials,
     check_spheres,
     find_inflated,
-    partner_offset,
-    press_contact,
-    press_wall,
     search_ellipsoids,
     search_mixed,
     search_polyhedra,
@@ -44,9 +41,11 @@ from simcore.dem.contact.walls import (
     floor_sphere,
 )
 from simcore.dem.forces.hertz import contact_law_at, wall_law_at
-from simcore.dem.forces.sliding import CAPPED, rub_contact, rub_wall
+from simcore.dem.forces.pressing import press_contact, press_wall
+from simcore.dem.forces.sliding import rub_contact, rub_wall
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE, is_hull
 from simcore.dem.state.features import Features
+from simcore.dem.state.touches import partner_offset
 from simcore.dem.step.motion import derive_form_matrix, move, spin_sphere, turn
 
 STAGES = ("contact", "force", "integration")
@@ -82,6 +81,10 @@ def _make_advance(
 ):  # fmt: skip
     walled = floor or cylinder
     patch = patch and (kind == CONVEX or kind == MIXED)
+    has = Features(
+        kind, friction, attractive, floor, cylinder, periodic, shaken, patch, implicit, timed, potential, hertz,
+        sliding, preloaded, inflated,
+    )  # fmt: skip
 
     @parallel_kernel
     def advance(bodies, shapes, contacts, walls, room, law, drive: Drive, clock, first_step, n_steps):
@@ -100,12 +103,9 @@ def _make_advance(
                         at = law
                         if hertz:
                             at = contact_law_at(law, bodies, contacts, p)
-                        press_contact(
-                            bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit,
-                            preloaded,
-                        )  # fmt: skip
+                        press_contact(bodies, contacts, at, drive, p, has)
                         if sliding:
-                            rub_contact(bodies, contacts, law, width, p, periodic, sliding == CAPPED)
+                            rub_contact(bodies, contacts, law, drive, p, has)
                 elif kind == ELLIPSOID and potential:
                     check_potentials(bodies, contacts, p, width, periodic)
                 elif kind == ELLIPSOID:
@@ -135,8 +135,8 @@ def _make_advance(
                     if contacts.touching[p] != 0:
                         i, j = contacts.body_a[p], contacts.body_b[p]
                         if kind != MIXED or (is_hull(shapes, bodies, i) and is_hull(shapes, bodies, j)):
-                            rx, ry, rz = partner_offset(bodies, contacts, p, width, periodic)
-                            find_patch(shapes, bodies, contacts, p, i, j, rx, ry, rz, room, get_thread_id())
+                            offset = partner_offset(bodies, contacts, p, width, periodic)
+                            find_patch(shapes, bodies, contacts, p, offset, room, get_thread_id())
             if timed:
                 middle = cycles()
             if kind != SPHERE:
@@ -145,12 +145,9 @@ def _make_advance(
                         at = law
                         if hertz:
                             at = contact_law_at(law, bodies, contacts, p)
-                        press_contact(
-                            bodies, contacts, at, dt, width, p, friction, attractive, periodic, patch, implicit,
-                            preloaded,
-                        )  # fmt: skip
+                        press_contact(bodies, contacts, at, drive, p, has)
                         if sliding:
-                            rub_contact(bodies, contacts, law, width, p, periodic, sliding == CAPPED)
+                            rub_contact(bodies, contacts, law, drive, p, has)
             if walled:
                 for w in prange(n_walls):
                     if floor and (not cylinder or walls.wall[w] == FLOOR):
@@ -173,9 +170,9 @@ def _make_advance(
                         at = law
                         if hertz:
                             at = wall_law_at(law, bodies, walls, w)
-                        press_wall(bodies, walls, at, dt, w, friction, attractive, patch, implicit, preloaded)
+                        press_wall(bodies, walls, at, drive, w, has)
                         if sliding:
-                            rub_wall(bodies, walls, law, w, sliding == CAPPED)
+                            rub_wall(bodies, walls, law, w, has)
             if timed:
                 last = cycles()
             push_x = 0.0

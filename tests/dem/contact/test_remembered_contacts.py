@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.contact import query_many
-from simcore.dem.contact.patch.patch import make_room
+from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.shapes.hulls import CONVEX, MIXED, collect_shapes, convex, ellipsoid, sphere
 from simcore.dem.state.bodies import make_bodies
@@ -93,7 +93,8 @@ def follow(core, end, kind=CONVEX, searching=search_hulls):
     drive = Drive(dt, 6.108, 18.95, 251.3, 1.0, WIDTH, np.inf)
     still = drive._replace(dt=0.0)
     features = Features(kind, True, patch=True)
-    advance, clock, room = make_advance(features), np.zeros(3, np.int64), make_room(shapes, numba.get_num_threads())
+    advance, clock = make_advance(features), np.zeros(3, np.int64)
+    room = make_workspace(shapes, numba.get_num_threads())
     near = list_near(bodies, shapes, Box(WIDTH), 0.5 * skin, features)
     step, touches, others, excess_others = 0, np.zeros(3, int), 0, []
     while step < end:

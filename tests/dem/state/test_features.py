@@ -8,7 +8,7 @@ import numba
 import numpy as np
 import pytest
 
-from simcore.dem.contact.patch.patch import make_room
+from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
@@ -68,7 +68,7 @@ def bare_and_full():
     heaps = [bodies_of(base, SPHERE, np.full(3, 5e-3)) for _ in range(2)]
     law = LAW._replace(friction=np.nan, tangential=np.nan, root_tangential=np.nan, sliding=np.nan)
     drive = STILL._replace(shaking=np.nan, shaking_rate=np.nan, width=np.nan, wall_radius=np.nan)
-    room = make_room(shapes, numba.get_num_threads())
+    room = make_workspace(shapes, numba.get_num_threads())
     bare = run(BARE, heaps[0], poisoned(shapes), room, Box(0.0), law, drive)
     full = run(FULL, heaps[1], shapes, room, Box(100.0), LAW, STILL._replace(width=100.0))
     return heaps, bare, full
@@ -102,9 +102,8 @@ def test_ellipsoids_read_no_hull():
     for some in (shapes, poisoned(shapes)):
         bodies = bodies_of(base, ELLIPSOID, np.array([4e-3, 5e-3, 6e-3]))
         near = list_near(bodies, shapes, Box(100.0), 1.0, features)
-        make_advance(features)(
-            bodies, some, *near, make_room(shapes, 1), LAW, STILL._replace(width=100.0), np.zeros(3, np.int64), 0, 800
-        )
+        workspace, drive, clock = make_workspace(shapes, 1), STILL._replace(width=100.0), np.zeros(3, np.int64)
+        make_advance(features)(bodies, some, *near, workspace, LAW, drive, clock, 0, 800)
         results.append((bodies, near))
     (first, near), (second, other) = results
     np.testing.assert_array_equal(first.position, second.position)
@@ -115,11 +114,11 @@ def test_ellipsoids_read_no_hull():
 
 
 def test_polyhedra_at_their_deepest_point_find_no_patch(core):
-    """No room for polygons is there, and no second moment is written."""
+    """There is no workspace for polygons, and no second moment is written."""
     base, features = core.make_pebble(1), Features(CONVEX, True)
     shapes = collect_shapes([base])
     results = []
-    for room in (make_room(shapes, 1), poisoned(make_room(shapes, 0))):
+    for room in (make_workspace(shapes, 1), poisoned(make_workspace(shapes, 0))):
         bodies = bodies_of(base, CONVEX, np.full(3, 5e-3))
         near = run(features, bodies, shapes, room, Box(100.0), LAW, STILL._replace(width=100.0))
         results.append((bodies, near))

@@ -1,5 +1,7 @@
 """The patch of two overlapping polyhedra against their intersection itself, and how it moves."""
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 import pytest
@@ -7,35 +9,47 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.contact.patch.patch import PATCH_DEPTH, clipped_patch, find_patch, make_room
-from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot, patch_torque
+from simcore.dem.contact.pair import pair_of
+from simcore.dem.contact.patch.axes import axes_about
+from simcore.dem.contact.patch.clipping import clipped_moments
+from simcore.dem.contact.patch.patch import PATCH_DEPTH, find_patch
+from simcore.dem.contact.patch.workspace import make_workspace
+from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot, patch_torque, tangent_of
+from simcore.dem.state.touches import partner_offset
+from simcore.dem.vectors import Vec, read
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 
 
+class Patch(NamedTuple):
+    """One row of what contacts and walls have for patches."""
+
+    spread: np.ndarray
+    twist: np.ndarray
+
+
 @numba.njit(error_model="numpy")
-def press_patches(shapes, bodies, contacts, room):
+def press_patches(shapes, bodies, contacts, workspace):
     for p in range(len(contacts.body_a)):
         if contacts.touching[p] != 0:
-            i, j = contacts.body_a[p], contacts.body_b[p]
-            r = bodies.position[j] - bodies.position[i]
-            find_patch(shapes, bodies, contacts, p, i, j, r[0], r[1], r[2], room, 0)
+            find_patch(shapes, bodies, contacts, p, partner_offset(bodies, contacts, p, 0.0, False), workspace, 0)
 
 
 @numba.njit(error_model="numpy")
-def slow_moments(shapes, bodies, contacts, room, p):
+def slow_moments(shapes, bodies, contacts, workspace, p):
     """The general way alone, without the short cuts for single corners and edges and without their bounds."""
-    i, j, n = contacts.body_a[p], contacts.body_b[p], contacts.direction[p]
-    r = bodies.position[j] - bodies.position[i]
-    a, b = contacts.facet[p, 0], contacts.facet[p, 3]
-    return clipped_patch(shapes, bodies, i, j, r[0], r[1], r[2], a, b, n[0], n[1], n[2], 0, room, 0)
+    offset = partner_offset(bodies, contacts, p, 0.0, False)
+    pair = pair_of(bodies, contacts.body_a[p], contacts.body_b[p], offset)
+    axes = axes_about(read(contacts.direction, p))
+    tops = (contacts.facet[p, 0], contacts.facet[p, 3])
+    return clipped_moments(shapes, bodies, pair, axes, tops, 0, workspace, 0)
 
 
 def look(core, bases, scale, orientation, offsets):
     bodies, shapes, contacts = core.place_pairs(bases, scale, orientation, offsets)
     core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
-    press_patches(shapes, bodies, contacts, make_room(shapes, 1))
+    press_patches(shapes, bodies, contacts, make_workspace(shapes, 1))
     return bodies, shapes, contacts
 
 
@@ -132,7 +146,7 @@ def test_overhanging_and_turned_cubes(core):
 def test_the_general_way_is_exact_at_any_depth_and_deep_pairs_are_taken_apart(core):
     bases, scale, orientation, offsets = shallow_pairs(core, 60, 4, 0.1)
     bodies, shapes, contacts = look(core, bases, scale, orientation, offsets)
-    room, seen = make_room(shapes, 1), 0
+    workspace, seen = make_workspace(shapes, 1), 0
     apart = offsets + (contacts.overlap - PATCH_DEPTH * (bodies.radius[0::2] + bodies.radius[1::2]))[:, None] * (
         contacts.direction
     )
@@ -140,7 +154,7 @@ def test_the_general_way_is_exact_at_any_depth_and_deep_pairs_are_taken_apart(co
     for p in np.flatnonzero(contacts.touching & thin.touching):
         planes = np.vstack([half_spaces(bases[k], bodies, k) for k in (2 * p, 2 * p + 1)])
         _, second = intersection_moments(planes)
-        m0, mx, my, mxx, mxy, myy = slow_moments(shapes, bodies, contacts, room, p)
+        m0, mx, my, mxx, mxy, myy = slow_moments(shapes, bodies, contacts, workspace, p)
         n = contacts.direction[p]
         trace = np.trace(second) - n @ second @ n
         assert (mxx + myy) / m0 - (mx**2 + my**2) / m0**2 == pytest.approx(trace, rel=1e-7)
@@ -155,10 +169,10 @@ def test_the_general_way_is_exact_at_any_depth_and_deep_pairs_are_taken_apart(co
 def test_the_short_cut_for_corners_is_the_general_way(core):
     bases, scale, orientation, offsets = shallow_pairs(core, 200, 3, 0.9 * PATCH_DEPTH)
     bodies, shapes, contacts = look(core, bases, scale, orientation, offsets)
-    room = make_room(shapes, 1)
+    workspace = make_workspace(shapes, 1)
     seen = 0
     for p in np.flatnonzero(contacts.touching):
-        m0, mx, my, mxx, mxy, myy = slow_moments(shapes, bodies, contacts, room, p)
+        m0, mx, my, mxx, mxy, myy = slow_moments(shapes, bodies, contacts, workspace, p)
         trace = (mxx + myy) / m0 - (mx**2 + my**2) / m0**2
         size = bodies.radius[2 * p] + bodies.radius[2 * p + 1]
         # Second moments are differences of squares of at most the size
@@ -199,11 +213,12 @@ def test_the_point_moves_continuously(core, way):
 
 def test_second_moments_that_rounding_made_negative_hold_nothing():
     """Of a single vertex behind a wall they are differences of equal numbers; examples/cylinder.yaml met -2e-22 m²."""
-    law = contact_law(0.1, 1e-3, 0.22, 0.5)
-    spread, twist = np.array([[-2e-22, 0.0, 0.0, -1e-22, 0.0, 0.0]]), np.array([1e-3])
-    damping = explicit_dashpot.py_func(law)
+    law, mass = contact_law(0.1, 1e-3, 0.22, 0.5), 1e-3
+    patch = Patch(spread=np.array([[-2e-22, 0.0, 0.0, -1e-22, 0.0, 0.0]]), twist=np.array([1e-3]))
+    damping, tangential = explicit_dashpot.py_func(law)
+    tangent = tangent_of.py_func(law, tangential, mass, 5.0)
     torque = patch_torque.py_func(
-        law, *damping, 1e-3, 5.0, 2.5e-5, 0.0, 0.0, 1.0, 1.0, 2.0, 3.0, spread, twist, 0, True
+        damping * mass, tangent, 2.5e-5, Vec(0.0, 0.0, 1.0), Vec(1.0, 2.0, 3.0), patch, 0, True
     )
-    assert twist[0] == 0.0
+    assert patch.twist[0] == 0.0
     assert np.abs(torque).max() < 1e-20

@@ -1,0 +1,232 @@
+r"""The overlap of two polyhedra in general: faces of each, cut by the planes of the other.
+
+      n
+      ^   \          b          /
+      |    \   _________       /           high   top of a       faces of b take part if they reach below it
+      | - - \-/- - - - -\- - -/- high      low    bottom of b    faces of a take part if they reach above it
+      |      /           \   /
+      | - - / \_________/_\_/ - low        The overlap, between the two, is a polytope. Its faces are parts of faces of
+      |    /       a       \               a, which look up, and of faces of b, which look down.
+
+The moments are integrals of its height over the shadows of these parts, positive where a face looks up along n and
+negative where it looks down. Most of the faces in the slab do not reach the overlap: where a corner or a crossing of
+edges has left the corners of a polytope that contains it (the bound), a plane that has all of them behind it cuts
+nothing, and its face takes no part.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.compilation import leaf, routine
+from simcore.dem.contact.patch.axes import Axes, axes_in_base, coordinates
+from simcore.dem.contact.patch.moments import NO_MOMENTS, add_moments, triangle_moments
+from simcore.dem.contact.patch.workspace import (
+    read_bound,
+    read_face,
+    read_polygon,
+    start_walk,
+    write_face,
+    write_polygon,
+)
+from simcore.dem.vectors import Vec, cross, dot, length, minus, over, plus, read, scaled
+
+TIE = 1e-14  # of the pair's size: by which planes that cut a are moved out, those that cut b in. docs/constants.md#tie
+BOUND_SLACK = 1e-10  # of the pair's size: how far beyond the bound planes are kept. Why: docs/constants.md#bound_slack
+
+
+class Side(NamedTuple):
+    """One of the two bodies, for the walk over its faces."""
+
+    number: int  # 0: a, whose faces reach up; 1: b
+    first: int  # of the vertices of its base
+    top: int  # its vertex farthest toward the other body
+    base: Axes  # of the patch, in its base
+    centre: Vec  # [m], along the axes, from the centre of a
+
+
+class Slab(NamedTuple):
+    """Heights along n [m] between which the overlap lies, from the centre of a."""
+
+    low: float  # of the lowest point of b
+    high: float  # of the highest point of a
+
+
+@leaf
+def side_of(shapes, bodies, number, i, top, base, centre):
+    """Side `number` of the pair: body i with its vertex farthest toward the other."""
+    return Side(number, shapes.vertex_start[bodies.shape[i]], top, base, centre)
+
+
+@leaf
+def place_vertex(shapes, side, v):
+    """A vertex along the axes, from the centre of a."""
+    return plus(side.centre, coordinates(side.base, read(shapes.vertices, v)))
+
+
+@leaf
+def is_in_slab(side, slab, height):
+    return (height >= slab.low) if side.number == 0 else (height <= slab.high)
+
+
+@leaf
+def gather_faces(shapes, side, slab, workspace, thread):
+    """Store the faces of one side that have a vertex in the slab; returns how many.
+
+    These vertices are connected by edges among them, by convexity, so a walk along edges from the top finds them all.
+    """
+    ring_start, ring = shapes.neighbor_start, shapes.neighbors
+    stamp = start_walk(workspace, thread, side.top, side.first)
+    mark, stack, number = workspace.mark, workspace.stack, side.number
+    n_stack, n_faces = 1, 0
+    while n_stack > 0:
+        n_stack -= 1
+        v = stack[thread, n_stack]
+        corner = place_vertex(shapes, side, v)
+        last = ring[ring_start[v + 1] - 1]
+        last_corner = place_vertex(shapes, side, last)
+        last_inside = is_in_slab(side, slab, last_corner.z)
+        for k in range(ring_start[v], ring_start[v + 1]):
+            u = ring[k]
+            next_corner = place_vertex(shapes, side, u)
+            inside = is_in_slab(side, slab, next_corner.z)
+            if inside and mark[thread, u - side.first] != stamp:
+                mark[thread, u - side.first] = stamp
+                stack[thread, n_stack] = u
+                n_stack += 1
+            # The face v, last, u belongs to the least of its vertices in the slab.
+            if not ((inside and u < v) or (last_inside and last < v)):
+                write_face(workspace, thread, number, n_faces, 0, corner)
+                write_face(workspace, thread, number, n_faces, 1, last_corner)
+                write_face(workspace, thread, number, n_faces, 2, next_corner)
+                n_faces += 1
+            last, last_corner, last_inside = u, next_corner, inside
+    return n_faces
+
+
+@leaf
+def find_planes(workspace, thread, side, n_faces, n_bound, slack):
+    """Store the planes of the gathered faces and drop faces that the overlap cannot reach; returns how many are left.
+
+    slack: distance [m] from the corners of the bound within which a plane is kept.
+    """
+    planes, kept = workspace.planes, 0
+    for k in range(n_faces):
+        corner = read_face(workspace, thread, side, k, 0)
+        second, third = read_face(workspace, thread, side, k, 1), read_face(workspace, thread, side, k, 2)
+        area = cross(minus(second, corner), minus(third, corner))
+        size = length(area)
+        if not size > 0.0:
+            continue
+        normal = over(area, size)
+        d = -dot(normal, corner)
+        highest = -np.inf if n_bound > 0 else np.inf
+        for m in range(n_bound):
+            highest = max(highest, dot(normal, read_bound(workspace, thread, m)) + d)
+        if highest < -slack:
+            continue
+        planes[thread, side, kept, 0], planes[thread, side, kept, 1] = normal.x, normal.y
+        planes[thread, side, kept, 2], planes[thread, side, kept, 3] = normal.z, d
+        if kept < k:
+            write_face(workspace, thread, side, kept, 0, corner)
+            write_face(workspace, thread, side, kept, 1, second)
+            write_face(workspace, thread, side, kept, 2, third)
+        kept += 1
+    return kept
+
+
+@leaf
+def measure_heights(workspace, thread, number, n, normal, d):
+    """Store the heights of the n corners of a polygon over a plane; returns the lowest and the highest."""
+    lowest, highest = np.inf, -np.inf
+    for k in range(n):
+        h = dot(normal, read_polygon(workspace, thread, number, k)) + d
+        workspace.height[thread, k] = h
+        lowest, highest = min(lowest, h), max(highest, h)
+    return lowest, highest
+
+
+@leaf
+def cut_polygon(workspace, thread, number, n):
+    """Store in the other polygon what of this one, of n corners, is not above the plane; returns how many corners.
+
+    The heights over the plane are those that `measure_heights` has stored.
+    """
+    height, into, kept, last = workspace.height, 1 - number, 0, n - 1
+    for k in range(n):
+        h, g = height[thread, k], height[thread, last]
+        if (h > 0.0) != (g > 0.0):
+            corner = read_polygon(workspace, thread, number, last)
+            edge = minus(read_polygon(workspace, thread, number, k), corner)
+            write_polygon(workspace, thread, into, kept, plus(corner, scaled(g / (g - h), edge)))
+            kept += 1
+        if not h > 0.0:
+            write_polygon(workspace, thread, into, kept, read_polygon(workspace, thread, number, k))
+            kept += 1
+        last = k
+    return kept
+
+
+@leaf
+def cut_face(workspace, thread, side, face, n_planes, tie):
+    """Cut a gathered face by the planes of the other side: (which of the polygons is left, its number of corners)."""
+    planes, other = workspace.planes, 1 - side
+    for corner in range(3):
+        write_polygon(workspace, thread, 0, corner, read_face(workspace, thread, side, face, corner))
+    number, n = 0, 3
+    for k in range(n_planes):
+        normal = Vec(planes[thread, other, k, 0], planes[thread, other, k, 1], planes[thread, other, k, 2])
+        lowest, highest = measure_heights(workspace, thread, number, n, normal, planes[thread, other, k, 3] + tie)
+        if not highest > 0.0:
+            continue
+        if not lowest < 0.0:
+            return number, 0
+        n = cut_polygon(workspace, thread, number, n)
+        number = 1 - number
+    return number, n
+
+
+@leaf
+def polygon_moments(sums, workspace, thread, number, n, origin):
+    """Add the moments of a polygon about `origin`, cut into triangles from its first corner."""
+    first = minus(read_polygon(workspace, thread, number, 0), origin)
+    second = minus(read_polygon(workspace, thread, number, 1), origin)
+    for k in range(2, n):
+        third = minus(read_polygon(workspace, thread, number, k), origin)
+        sums = add_moments(sums, triangle_moments(first, second, third))
+        second = third
+    return sums
+
+
+@leaf
+def face_moments(workspace, thread, n_a, n_b, origin, tie):
+    """Moments about `origin` of all gathered faces, as far as they bound the overlap."""
+    sums = NO_MOMENTS
+    for side in range(2):
+        n_faces, n_planes, moved = (n_a, n_b, -tie) if side == 0 else (n_b, n_a, tie)
+        for face in range(n_faces):
+            if workspace.planes[thread, side, face, 2] == 0.0:
+                continue  # parallel to n: it has no shadow
+            number, n = cut_face(workspace, thread, side, face, n_planes, moved)
+            if n >= 3:
+                sums = polygon_moments(sums, workspace, thread, number, n, origin)
+    return sums
+
+
+@routine
+def clipped_moments(shapes, bodies, pair, axes, tops, n_bound, workspace, thread):
+    """Moments of the overlap of a pair about the first vertex of `tops`.
+
+    tops: the vertex of pair.a farthest along n, and that of pair.b farthest against it. n_bound: corners of the bound
+    in the workspace; 0: there is none.
+    """
+    base_a, base_b = axes_in_base(bodies, pair.a, axes), axes_in_base(bodies, pair.b, axes)
+    top, offset = coordinates(base_a, read(shapes.vertices, tops[0])), coordinates(axes, pair.offset)
+    slab = Slab(offset.z + dot(read(shapes.vertices, tops[1]), base_b.n), top.z)
+    a = side_of(shapes, bodies, 0, pair.a, tops[0], base_a, Vec(0.0, 0.0, 0.0))
+    b = side_of(shapes, bodies, 1, pair.b, tops[1], base_b, offset)
+    n_a = gather_faces(shapes, a, slab, workspace, thread)
+    n_b = gather_faces(shapes, b, slab, workspace, thread)
+    n_a = find_planes(workspace, thread, 0, n_a, n_bound, BOUND_SLACK * pair.size)
+    n_b = find_planes(workspace, thread, 1, n_b, n_bound, BOUND_SLACK * pair.size)
+    return face_moments(workspace, thread, n_a, n_b, Vec(top.x, top.y, slab.low), TIE * pair.size)

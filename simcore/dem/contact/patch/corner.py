@@ -1,0 +1,105 @@
+r"""The overlap of a single corner with a face: a pyramid, in closed form.
+
+     n                               Seen along n:
+     ^        a                                               a           apex: the corner of body i
+     |       / \     | depth            f2 ____________ f1    *           feet: where the edges of i that start at a
+    _|______*___*____v_ face of j         /  *----*   /                   have fallen by `depth`
+           /     \                       /   |  a |  /        f0, f1, f2  corners of the face of body j
+          / body i\                     /    *----* /
+                                    f0 /___________/
+
+The moments are exact if all feet lie inside the face: then nothing but a reaches into j, and only this face bounds it.
+"""
+
+from typing import NamedTuple
+
+from simcore.compilation import leaf
+from simcore.dem.contact.patch.axes import axes_in_base, coordinates, toward_other
+from simcore.dem.contact.patch.moments import NO_MOMENTS, Point, cone, cone_side, shortcut, turn
+from simcore.dem.contact.patch.workspace import write_bound
+from simcore.dem.vectors import dot, minus, read
+
+FARTHEST = 1e3  # lengths of an edge, or of a face beside it, within which a bound lies. Why: docs/constants.md#farthest
+
+
+class Line(NamedTuple):
+    """The line through a side of a face: x · px + y · py + constant is positive inside the face."""
+
+    x: float
+    y: float
+    constant: float
+
+
+class Foot(NamedTuple):
+    """Where an edge, or its line, leaves the slab of the overlap."""
+
+    x: float  # [m], from the apex
+    y: float
+    fall: float  # [m], how far the whole edge falls along n
+
+
+@leaf
+def side_line(orientation, start, end):
+    """Line from start to end. orientation: 1 if the face runs counterclockwise, else −1."""
+    x, y = orientation * (start.y - end.y), orientation * (end.x - start.x)
+    return Line(x, y, -(x * start.x + y * start.y))
+
+
+@leaf
+def is_outside(line, point):
+    return line.x * point.x + line.y * point.y + line.constant < 0.0
+
+
+@leaf
+def foot_of(vertices, apex, vertex, base, depth):
+    """Foot of the edge from the apex to a neighbouring vertex."""
+    edge = minus(read(vertices, vertex), apex)
+    fall = -dot(edge, base.n)
+    share = depth / fall
+    return Foot(share * dot(edge, base.p), share * dot(edge, base.q), fall)
+
+
+@leaf
+def face_lines(vertices, face, base, shift):
+    """Lines of the sides of a face (three vertices), inside positive. shift: of the body's centre, in the plane."""
+    f0, f1, f2 = read(vertices, face[0]), read(vertices, face[1]), read(vertices, face[2])
+    p0 = Point(shift.x + dot(f0, base.p), shift.y + dot(f0, base.q))
+    p1 = Point(shift.x + dot(f1, base.p), shift.y + dot(f1, base.q))
+    p2 = Point(shift.x + dot(f2, base.p), shift.y + dot(f2, base.q))
+    twice_area = (p1.x - p0.x) * (p2.y - p0.y) - (p1.y - p0.y) * (p2.x - p0.x)
+    orientation = 1.0 if twice_area > 0.0 else -1.0
+    return side_line(orientation, p0, p1), side_line(orientation, p1, p2), side_line(orientation, p2, p0)
+
+
+@leaf
+def corner_overlap(shapes, bodies, pair, view, apex, face, workspace, thread):
+    """Shortcut for vertex `apex` of body pair.a and a face (three vertices) of body pair.b; moments are about the apex.
+
+    view: from pair.a. Where the moments are not exact, the feet bound the overlap.
+    """
+    vertices, ring_start, ring = shapes.vertices, shapes.neighbor_start, shapes.neighbors
+    depth, sign = view.depth, view.sign
+    base = axes_in_base(bodies, pair.a, toward_other(view))
+    tip = read(vertices, apex)
+    offset, at_tip = coordinates(view.axes, pair.offset), coordinates(base, tip)
+    # From the apex
+    shift = Point(offset.x - at_tip.x, offset.y - at_tip.y)
+    line0, line1, line2 = face_lines(vertices, face, axes_in_base(bodies, pair.b, view.axes), shift)
+    # From the centre of body a of the contact, which is pair.b in the view from b
+    x, y, z = at_tip.x, at_tip.y, sign * at_tip.z
+    if sign < 0.0:
+        x, y, z = x - offset.x, y - offset.y, z - offset.z
+    write_bound(workspace, thread, 0, x, y, z)
+    n_bound, exact, bounded = 1, True, True
+    sums = NO_MOMENTS
+    start = foot_of(vertices, tip, ring[ring_start[apex + 1] - 1], base, depth)
+    for k in range(ring_start[apex], ring_start[apex + 1]):
+        foot = foot_of(vertices, tip, ring[k], base, depth)
+        bounded = bounded and FARTHEST * foot.fall > depth
+        if not foot.fall > depth or is_outside(line0, foot) or is_outside(line1, foot) or is_outside(line2, foot):
+            exact = False
+        write_bound(workspace, thread, n_bound, x + foot.x, y + foot.y, z - sign * depth)
+        n_bound += 1
+        sums = cone_side(sums, turn(start, foot) * sign, start, foot)
+        start = foot
+    return shortcut(exact, Point(0.0, 0.0), cone(sums, depth), n_bound if bounded else 0)

@@ -1,0 +1,169 @@
+r"""The overlap of two crossing edges: a pyramid with four sides, in closed form.
+
+     Seen along n:                      Across the edge of a:
+
+              b1                            n
+              |                             ^         c     |
+        al    k1                            |        / \    | depth
+              |                             |  b0 __/___\___v_ b1
+     a0 ---l1-c-l2--- a1                    |     k2     k1
+              |                                  /   a   \
+        ar    k2
+              |
+              b0
+
+     a0, a1; b0, b1   ends of the edges           c        where the edges cross in the tangent plane
+     al, ar; bl, br   third corners of the        k1, k2   ends of the overlap on the edge of b, left and right of a
+                      faces left and right        l1, l2   ends of the overlap on the edge of a, left and right of b
+
+The moments are exact if the four ends lie on the edges and on the faces beside them: then nothing else takes part.
+"""
+
+from typing import NamedTuple
+
+from simcore.compilation import leaf
+from simcore.dem.contact.patch.axes import Axes, axes_in_base, coordinates
+from simcore.dem.contact.patch.corner import FARTHEST
+from simcore.dem.contact.patch.moments import (
+    NO_MOMENTS,
+    Point,
+    cone,
+    cone_side,
+    point_minus,
+    point_plus,
+    point_scaled,
+    shortcut,
+    turn,
+)
+from simcore.dem.contact.patch.workspace import write_bound
+from simcore.dem.shapes.hulls import vertex_of
+from simcore.dem.vectors import dot, negative, read
+
+NO_SHIFT = Point(-0.0, -0.0)  # adding −0 changes no number, not even a zero
+
+
+class Ridge(NamedTuple):
+    """The face on one side of an edge."""
+
+    corner: Point  # [m], its third corner
+    side: float  # [m²], signed distance of that corner from the edge's line, times the edge's length
+    share: float  # of that distance: where the face, or its plane, leaves the slab of the overlap
+
+
+class Edge(NamedTuple):
+    """An edge in the tangent plane, from the centre of body a."""
+
+    start: Point  # [m]
+    end: Point
+    level: float  # [m], height of the start along the body's outward direction
+    left: Ridge
+    right: Ridge
+
+
+@leaf
+def facing_vertices(shapes, v, u):
+    """The two vertices that make a face with the edge v, u; v twice where there is no such edge."""
+    start, ring = shapes.neighbor_start, shapes.neighbors
+    first, last = start[v], start[v + 1] - 1
+    for k in range(first, last + 1):
+        if ring[k] == u:
+            return ring[k - 1] if k > first else ring[last], ring[k + 1] if k < last else ring[first]
+    return v, v
+
+
+@leaf
+def in_plane(v, base, shift):
+    """A base vertex in the tangent plane."""
+    return Point(shift.x + dot(v, base.p), shift.y + dot(v, base.q))
+
+
+@leaf
+def ridge_of(v, base, shift, start, end, level, depth):
+    """Ridge beside the edge from start to end, with the third corner v of its face, a base vertex."""
+    corner = in_plane(v, base, shift)
+    fall = level - dot(v, base.n)
+    return Ridge(corner, turn(point_minus(end, start), point_minus(corner, start)), depth / fall)
+
+
+@leaf
+def edge_of(vertices, ends, facing, base, shift, depth):
+    """The Edge between two vertices. facing: the third vertices of the faces beside it; base.n: outward."""
+    v = read(vertices, ends[0])
+    start, end = in_plane(v, base, shift), in_plane(read(vertices, ends[1]), base, shift)
+    level = dot(v, base.n)
+    left = ridge_of(read(vertices, facing[0]), base, shift, start, end, level, depth)
+    right = ridge_of(read(vertices, facing[1]), base, shift, start, end, level, depth)
+    return Edge(start, end, level, left, right)
+
+
+@leaf
+def is_in_triangle(p, a, b, c):
+    """Whether a point lies in a triangle, clockwise or not."""
+    at_a = turn(point_minus(b, a), point_minus(p, a))
+    at_b = turn(point_minus(c, b), point_minus(p, b))
+    at_c = turn(point_minus(a, c), point_minus(p, c))
+    return (at_a >= 0.0 and at_b >= 0.0 and at_c >= 0.0) or (at_a <= 0.0 and at_b <= 0.0 and at_c <= 0.0)
+
+
+@leaf
+def is_on_face(point, edge, ridge):
+    return is_in_triangle(point, edge.start, edge.end, ridge.corner)
+
+
+@leaf
+def crossing_overlap(shapes, bodies, pair, view, ends_a, ends_b, workspace, thread):
+    """Shortcut for an edge of body pair.a and one of pair.b, both two vertices; moments are about the crossing.
+
+    The origin is the crossing, from the first vertex of the edge of a. Where the moments are not exact, the four ends
+    bound the overlap, unless they lie too far off.
+    """
+    nothing = shortcut(False, Point(0.0, 0.0), NO_MOMENTS, 0)
+    depth, vertices = view.depth, shapes.vertices
+    facing_a = facing_vertices(shapes, ends_a[0], ends_a[1])
+    facing_b = facing_vertices(shapes, ends_b[0], ends_b[1])
+    if facing_a[0] == ends_a[0] or facing_b[0] == ends_b[0]:
+        return nothing
+    axes, offset = view.axes, coordinates(view.axes, pair.offset)
+    a = edge_of(vertices, ends_a, facing_a, axes_in_base(bodies, pair.a, axes), NO_SHIFT, depth)
+    toward_a = axes_in_base(bodies, pair.b, Axes(axes.p, axes.q, negative(axes.n)))
+    b = edge_of(vertices, ends_b, facing_b, toward_a, Point(offset.x, offset.y), depth)
+    smallest = min(min(a.left.share, a.right.share), min(b.left.share, b.right.share))
+    largest = max(max(a.left.share, a.right.share), max(b.left.share, b.right.share))
+    if not (smallest > 0.0 and largest < FARTHEST):
+        return nothing
+    if a.left.side * a.right.side >= 0.0 or b.left.side * b.right.side >= 0.0:
+        return nothing
+    along_a, along_b = point_minus(a.end, a.start), point_minus(b.end, b.start)
+    area = turn(along_a, along_b)
+    if area == 0.0:
+        return nothing
+    # The crossing: share s of the way along a, t along b
+    between = point_minus(b.start, a.start)
+    s, t = turn(between, along_b) / area, turn(between, along_a) / area
+    # Along b the signed distance from the line of a grows by `area` per length of b; along a that from b by −area.
+    t1, t2 = a.left.share * a.left.side / area, a.right.share * a.right.side / area
+    s1, s2 = -b.left.share * b.left.side / area, -b.right.share * b.right.side / area
+    crossing = point_plus(a.start, point_scaled(s, along_a))
+    k1, k2, l1, l2 = (
+        point_scaled(t1, along_b), point_scaled(t2, along_b), point_scaled(s1, along_a), point_scaled(s2, along_a)
+    )  # fmt: skip
+    end_k1, end_k2 = point_plus(crossing, k1), point_plus(crossing, k2)
+    end_l1, end_l2 = point_plus(crossing, l1), point_plus(crossing, l2)
+    if not (
+        largest < 1.0
+        and min(t + t1, t + t2) >= 0.0 and max(t + t1, t + t2) <= 1.0
+        and min(s + s1, s + s2) >= 0.0 and max(s + s1, s + s2) <= 1.0
+        and is_on_face(end_k1, a, a.left) and is_on_face(end_k2, a, a.right)
+        and is_on_face(end_l1, b, b.left) and is_on_face(end_l2, b, b.right)
+    ):  # fmt: skip
+        write_bound(workspace, thread, 0, end_k1.x, end_k1.y, a.level - depth)
+        write_bound(workspace, thread, 1, end_k2.x, end_k2.y, a.level - depth)
+        write_bound(workspace, thread, 2, end_l1.x, end_l1.y, a.level)
+        write_bound(workspace, thread, 3, end_l2.x, end_l2.y, a.level)
+        return shortcut(False, Point(0.0, 0.0), NO_MOMENTS, 4)
+    sums = NO_MOMENTS
+    for k in (k1, k2):
+        for l in (l1, l2):  # noqa: E741
+            sums = cone_side(sums, abs(turn(k, l)), k, l)
+    start = coordinates(axes, vertex_of(shapes, bodies, pair.a, ends_a[0]))
+    return shortcut(True, Point(crossing.x - start.x, crossing.y - start.y), cone(sums, depth), 0)

@@ -1,0 +1,110 @@
+"""How a contact presses: the force law applied to one touching contact, or to one touching wall.
+
+A wall is a partner of infinite mass that does not move: contacts and walls differ in what moves against what, and in
+which bodies get the torque. What lies between, `press`, is one text.
+"""
+
+from typing import NamedTuple
+
+from simcore.compilation import leaf
+from simcore.dem.forces.spring_dashpot import (
+    explicit_dashpot,
+    implicit_dashpot,
+    normal_force,
+    patch_torque,
+    preload,
+    tangent_of,
+    tangential_force,
+)
+from simcore.dem.state.touches import partner_offset
+from simcore.dem.vectors import ZERO, Vec, cross, dot, minus, negative, plus, read, scaled, write
+
+
+class Motion(NamedTuple):
+    """How body b, or the body at a wall, moves against its partner."""
+
+    mass: float  # [kg], effective
+    hold: float  # the larger of the two bodies', at least 1 (simcore.dem.forces.spring_dashpot); of implicit dashpots
+    velocity: Vec  # [m/s], at the contact point
+    spin: Vec  # [1/s], of the angular velocities
+
+
+@leaf
+def contact_velocity(bodies, i, j, arm_a, arm_b):
+    """Velocity [m/s] of body j against body i at the contact point. arms [m]: from the centres to that point."""
+    spin = bodies.angular_velocity
+    centres = minus(read(bodies.velocity, j), read(bodies.velocity, i))
+    return plus(centres, minus(cross(read(spin, j), arm_b), cross(read(spin, i), arm_a)))
+
+
+@leaf
+def wall_velocity(bodies, i, arm):
+    """Velocity [m/s] of body i where it touches a wall. arm [m]: from its centre to that point."""
+    v, w = read(bodies.velocity, i), read(bodies.angular_velocity, i)
+    # Sums run from the left; with the cross product formed first, as in contact_velocity, they would round differently.
+    return Vec(
+        v.x + w.y * arm.z - w.z * arm.y,
+        v.y + w.z * arm.x - w.x * arm.z,
+        v.z + w.x * arm.y - w.y * arm.x,
+    )
+
+
+@leaf
+def press(touches, k, normal, motion, law, dt, has):
+    """Apply the force law at row k of contacts or walls: (force [N] on b, torque [N m] on b of a patch).
+
+    normal: from a, or from the wall, to b. has: features of the scene. Springs are updated.
+    """
+    if has.implicit:
+        damping, tangential_damping = implicit_dashpot(law, motion.hold)
+    else:
+        damping, tangential_damping = explicit_dashpot(law)
+    push = normal_force(law, damping, motion.mass, touches.overlap[k], dot(motion.velocity, normal), has.attractive)
+    force, torque = scaled(push, normal), ZERO
+    tangent = tangent_of(law, tangential_damping, motion.mass, push)
+    if has.friction:
+        friction, spring = tangential_force(tangent, dt, normal, motion.velocity, read(touches.spring, k))
+        if has.preloaded:
+            spring = preload(tangent, normal, motion.velocity, friction, spring, touches.stuck, k)
+        write(touches.spring, k, spring)
+        force = plus(force, friction)
+    if has.patch:
+        torque = patch_torque(damping * motion.mass, tangent, dt, normal, motion.spin, touches, k, has.friction)
+    return force, torque
+
+
+@leaf
+def press_contact(bodies, contacts, law, drive, p, has):
+    """Update the force of touching contact p on b, the torques on both bodies, and its springs.
+
+    law: the ContactLaw at this contact. drive: of the step. has: features of the scene.
+    """
+    i, j = contacts.body_a[p], contacts.body_b[p]
+    arm_a = read(contacts.point, p)
+    arm_b = minus(arm_a, partner_offset(bodies, contacts, p, drive.width, has.periodic))
+    hold = 1.0
+    if has.implicit:
+        hold = max(1.0, bodies.hold[i], bodies.hold[j])
+    motion = Motion(
+        bodies.mass[i] * bodies.mass[j] / (bodies.mass[i] + bodies.mass[j]),
+        hold,
+        contact_velocity(bodies, i, j, arm_a, arm_b),
+        minus(read(bodies.angular_velocity, j), read(bodies.angular_velocity, i)),
+    )
+    force, torque = press(contacts, p, read(contacts.direction, p), motion, law, drive.dt, has)
+    write(contacts.force, p, force)
+    write(contacts.torque_a, p, minus(negative(cross(arm_a, force)), torque))
+    write(contacts.torque_b, p, plus(cross(arm_b, force), torque))
+
+
+@leaf
+def press_wall(bodies, walls, law, drive, w, has):
+    """Update the force and the torque of touching wall w on its body, and its springs; see press_contact."""
+    i, arm = walls.body[w], read(walls.point, w)
+    hold = 1.0
+    if has.implicit:
+        hold = max(1.0, bodies.hold[i])
+    motion = Motion(bodies.mass[i], hold, wall_velocity(bodies, i, arm), read(bodies.angular_velocity, i))
+    force, torque = press(walls, w, read(walls.normal, w), motion, law, drive.dt, has)
+    write(walls.force, w, force)
+    write(walls.torque, w, plus(cross(arm, force), torque))
