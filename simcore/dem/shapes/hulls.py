@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.compilation import leaf
+from simcore.dem.vectors import Vec
 
 SPHERE = 0  # the base is the unit sphere and all scales of a body are equal
 ELLIPSOID = 1  # the base is the unit sphere
@@ -184,6 +185,24 @@ def support_vertex(shapes, bodies, i, vertex, nx, ny, nz):
     """Vertex of body i farthest along the world direction n, climbing from `vertex`."""
     dx, dy, dz = base_direction(bodies, i, nx, ny, nz)
     return climb(shapes, vertex, dx, dy, dz)
+
+
+@leaf
+def base_direction_of(bodies, i, normal):
+    """`base_direction` of a vector."""
+    return Vec(*base_direction(bodies, i, normal.x, normal.y, normal.z))
+
+
+@leaf
+def vertex_of(shapes, bodies, i, vertex):
+    """`vertex_offset` as a vector."""
+    return Vec(*vertex_offset(shapes, bodies, i, vertex))
+
+
+@leaf
+def support_vertex_along(shapes, bodies, i, vertex, normal):
+    """`support_vertex` along a vector."""
+    return support_vertex(shapes, bodies, i, vertex, normal.x, normal.y, normal.z)
 
 
 FLATTEST = 1e-7  # of a hull's extent: thinner, its faces' normals are no longer known to the digits that a query gives
