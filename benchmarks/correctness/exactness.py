@@ -172,7 +172,7 @@ def examine(pairs, exchange=True, reference=True):
     exchange: of the distance when a and b change places.
     """
     from simcore.dem.contact import query_many
-    from simcore.dem.contact.query import _table, place
+    from simcore.dem.contact.query import place_solids, table_of
     from simcore.dem.state.bodies import rotation_matrix
     from simcore.verification import brute_force as brute
 
@@ -180,11 +180,11 @@ def examine(pairs, exchange=True, reference=True):
     started = time.perf_counter()
     found = query_many(shapes, index_a, (position_a, turn_a), index_b, (position_b, turn_b))
     seconds = time.perf_counter() - started
-    table, _ = _table(shapes)
+    table, _ = table_of(shapes)
     index = np.stack([index_a, index_b], axis=1).ravel()
     turns = np.stack([turn_a, turn_b], axis=1).reshape(-1, 4)
     rotation = rotation_matrix(turns / np.linalg.norm(turns, axis=1, keepdims=True))
-    solids = place(shapes, index, rotation)
+    solids = place_solids(shapes, index, rotation)
     center = np.einsum("nij,nj->ni", rotation, np.array([s.center for s in shapes])[index])
     offset = (position_b - position_a) + (center[1::2] - center[0::2])
     size = solids.radius[0::2] + solids.radius[1::2]

@@ -3,7 +3,7 @@
     python -m benchmarks.speed.queries [--vertices 20 152 1300]
 
 Pebble-like hulls at random orientations, 300 pairs, least of five runs. `query`: distance to the last digits with
-points; `search`: what a step needs, the facet or a certain gap (`minkowski.search_pair`).
+points; `search`: what a step needs, the facet or a certain gap (`search.polyhedra.search_pair`).
 """
 
 import argparse
@@ -12,10 +12,12 @@ import time
 import numpy as np
 
 from simcore.compilation import kernel
-from simcore.dem.contact.query import _table, place, query_pairs
+from simcore.dem.contact.pair import pair_of
+from simcore.dem.contact.query import place_solids, query_pairs, table_of
 from simcore.dem.contact.search.polyhedra import search_pair
 from simcore.dem.shapes.hulls import convex
 from simcore.dem.state.bodies import rotation_matrix
+from simcore.dem.vectors import direction_of, read
 
 PAIRS = 300
 
@@ -24,13 +26,9 @@ PAIRS = 300
 def search_pairs(shapes, solids, offset, distance):
     for k in range(len(offset)):
         i, j = 2 * k, 2 * k + 1
-        rx, ry, rz = offset[k, 0], offset[k, 1], offset[k, 2]
-        length = np.sqrt(rx * rx + ry * ry + rz * rz)
         a, b = shapes.vertex_start[solids.shape[i]], shapes.vertex_start[solids.shape[j]]
-        size = solids.radius[i] + solids.radius[j]
-        distance[k] = search_pair(
-            shapes, solids, i, j, rx, ry, rz, size, a, b, rx / length, ry / length, rz / length, 0.1
-        )[0]  # fmt: skip
+        pair = pair_of(solids, i, j, read(offset, k))
+        distance[k] = search_pair(shapes, solids, pair, a, b, direction_of(pair.offset), 0.1).distance
 
 
 def main():
@@ -49,10 +47,10 @@ def measure(n_vertices):
     for _ in range(10):
         points = rng.standard_normal((n_vertices, 3))
         shapes.append(convex(points / np.linalg.norm(points, axis=1, keepdims=True) * [1.0, 0.75, 0.5]))
-    table, _ = _table(tuple(shapes))
+    table, _ = table_of(tuple(shapes))
     turns = rng.standard_normal((2 * PAIRS, 4))
     rotation = rotation_matrix(turns / np.linalg.norm(turns, axis=1, keepdims=True))
-    solids = place(tuple(shapes), rng.integers(10, size=2 * PAIRS), rotation)
+    solids = place_solids(tuple(shapes), rng.integers(10, size=2 * PAIRS), rotation)
     unit = rng.standard_normal((PAIRS, 3))
     unit /= np.linalg.norm(unit, axis=1, keepdims=True)
     out = np.empty(PAIRS), np.empty((PAIRS, 3)), np.empty((PAIRS, 3)), np.empty((PAIRS, 3))

@@ -25,13 +25,15 @@ from scipy.spatial.transform import Rotation
 from simcore.compilation import kernel
 from simcore.dem.contact import query_many
 from simcore.dem.contact.finding import check_ellipsoids, check_potentials, search_ellipsoids, search_potentials
-from simcore.dem.contact.pairs.ellipsoid_potentials import contact_of
-from simcore.dem.contact.query import _table, place
-from simcore.dem.contact.search.ellipsoid_climb import climb_normal, image
+from simcore.dem.contact.pair import Pair
+from simcore.dem.contact.pairs.ellipsoid_potentials import meeting_of
+from simcore.dem.contact.query import place_solids, table_of
+from simcore.dem.contact.search.ellipsoid_climb import climb_normal, surface_point
 from simcore.dem.shapes.hulls import ELLIPSOID, collect_shapes, ellipsoid, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.features import Features
 from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.vectors import ZERO, minus_scaled, read, scaled, write
 from simcore.verification import brute_force as brute
 
 MEASURES = ("depth", "impact", "cost")
@@ -86,32 +88,24 @@ def find_common_normals(m, offset, normal, vector, middle):
     """From normals close to them: of pairs 2k, 2k + 1 normal, contact vector along it and middle."""
     for k in range(len(offset)):
         i, j = 2 * k, 2 * k + 1
-        x, y, z = offset[k, 0], offset[k, 1], offset[k, 2]
         size = np.sqrt(max(m[i, 0], m[i, 1], m[i, 2])) + np.sqrt(max(m[j, 0], m[j, 1], m[j, 2]))
-        value, nx, ny, nz, _ = climb_normal(m, i, j, x, y, z, size, normal[k, 0], normal[k, 1], normal[k, 2], np.inf)
-        ax, ay, az = image(m, i, nx, ny, nz)
-        height = np.sqrt(nx * ax + ny * ay + nz * az)
-        normal[k, 0], normal[k, 1], normal[k, 2] = nx, ny, nz
-        vector[k, 0], vector[k, 1], vector[k, 2] = -value * nx, -value * ny, -value * nz
-        for c in range(3):
-            middle[k, c] = (ax, ay, az)[c] / height - 0.5 * vector[k, c]
+        top = climb_normal(m, Pair(i, j, read(offset, k), size), read(normal, k), np.inf)
+        point, _ = surface_point(m, i, top.normal)
+        write(normal, k, top.normal)
+        write(vector, k, scaled(-top.value, top.normal))
+        write(middle, k, minus_scaled(point, 0.5, read(vector, k)))
 
 
 @kernel
 def find_deepest(m, offset, normal, vector, middle):
     """The same by potentials; normal: of the averaged gradients. A pair apart gets no contact vector."""
     for k in range(len(offset)):
-        x, y, z = offset[k, 0], offset[k, 1], offset[k, 2]
-        found, overlapping, cx, cy, cz, nx, ny, nz, px, py, pz = contact_of(
-            m, 2 * k, 2 * k + 1, x, y, z, normal[k, 0], normal[k, 1], normal[k, 2], 60
-        )
-        if not found:
+        meeting = meeting_of(m, Pair(2 * k, 2 * k + 1, read(offset, k), 1.0), read(normal, k), 60)
+        if not meeting.reached:
             raise ValueError("a centre lies in the other body")
-        normal[k, 0], normal[k, 1], normal[k, 2] = nx, ny, nz
-        if not overlapping:
-            cx, cy, cz = 0.0, 0.0, 0.0
-        vector[k, 0], vector[k, 1], vector[k, 2] = cx, cy, cz
-        middle[k, 0], middle[k, 1], middle[k, 2] = px, py, pz
+        write(normal, k, meeting.normal)
+        write(vector, k, meeting.vector if meeting.overlapping else ZERO)
+        write(middle, k, meeting.middle)
 
 
 def direct(construction, m, offset, normal):
@@ -151,7 +145,7 @@ def depths(rng):
             rotation = Rotation.from_quat(turns, scalar_first=True).as_matrix()
             m, _ = form_matrices(semi, rotation)
             shapes, index = tuple(ellipsoid(*axes) for axes in semi), np.arange(2 * PAIRS)
-            table, solids = _table(shapes)[0], place(shapes, index, rotation)
+            table, solids = table_of(shapes)[0], place_solids(shapes, index, rotation)
             exact = brute.depths(table, solids, offsets, np.zeros(PAIRS, bool), spiral)
             here, there = index[0::2], index[1::2]
             found = query_many(shapes, here, (np.zeros((PAIRS, 3)), turns[0::2]), there, (offsets, turns[1::2]))
@@ -250,15 +244,15 @@ def _make_asking(potential):
                     contacts.touching[p] = 0
                     contacts.direction[p] = 0.0
                 if potential:
-                    check_potentials(bodies, contacts, p, 0.0, False)
+                    check_potentials(None, bodies, contacts, p, 0.0, False)
                     if contacts.pending[p] != 0:
                         searched += 1
-                        search_potentials(bodies, contacts, p, 0.0, False)
+                        search_potentials(None, bodies, contacts, p, 0.0, False)
                 else:
-                    check_ellipsoids(bodies, contacts, p, 0.0, False)
+                    check_ellipsoids(None, bodies, contacts, p, 0.0, False)
                     if contacts.pending[p] != 0:
                         searched += 1
-                        search_ellipsoids(bodies, contacts, p, 0.0, False)
+                        search_ellipsoids(None, bodies, contacts, p, 0.0, False)
         return searched
 
     return ask

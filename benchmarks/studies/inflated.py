@@ -20,9 +20,11 @@ from scipy.spatial.transform import Rotation
 
 from simcore.compilation import kernel
 from simcore.dem.contact import query_many
+from simcore.dem.contact.pair import pair_of
 from simcore.dem.contact.pairs.inflated import search_inflated
-from simcore.dem.contact.query import _table, place
+from simcore.dem.contact.query import place_solids, table_of
 from simcore.dem.shapes.hulls import convex
+from simcore.dem.vectors import read, write
 from simcore.grains.mesh import decimate
 from simcore.grains.synthetic import synthetic_grains
 
@@ -46,11 +48,9 @@ COLUMNS = [
 def find(shapes, solids, offset, overlap, normal):
     """Of pairs 2k, 2k + 1: overlap found, 0 where none is, and normal."""
     for k in range(len(offset)):
-        found, depth, nx, ny, nz, _, _, _ = search_inflated(
-            shapes, solids, 2 * k, 2 * k + 1, offset[k, 0], offset[k, 1], offset[k, 2]
-        )
-        overlap[k] = depth if found else 0.0
-        normal[k, 0], normal[k, 1], normal[k, 2] = nx, ny, nz
+        exists, contact = search_inflated(shapes, solids, pair_of(solids, 2 * k, 2 * k + 1, read(offset, k)))
+        overlap[k] = contact.overlap if exists else 0.0
+        write(normal, k, contact.normal)
 
 
 def touching_pairs(hulls, index, overlap, rng):
@@ -80,7 +80,7 @@ def measure(grains, size_a, size_b, longer, pairs, overlap):
     rotation = Rotation.from_quat(turns, scalar_first=True).as_matrix()
     center = np.einsum("nij,nj->ni", rotation, np.array([hull.center for hull in hulls])[index])
     offset = place_b + center[1::2] - center[0::2]
-    shapes, solids = _table(tuple(hulls))[0], place(tuple(hulls), index, rotation)
+    shapes, solids = table_of(tuple(hulls))[0], place_solids(tuple(hulls), index, rotation)
     depth, along = np.empty(pairs), np.empty((pairs, 3))
     find(shapes, solids, offset[:1], depth[:1], along[:1])
     start = time.process_time()

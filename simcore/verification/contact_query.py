@@ -18,7 +18,7 @@ import pandas as pd
 from scipy.spatial import ConvexHull
 
 from simcore.dem.contact.finding import check_ellipsoids, check_polyhedra, search_ellipsoids, search_polyhedra
-from simcore.dem.contact.query import _table, place, query_many, query_pairs
+from simcore.dem.contact.query import place_solids, query_many, query_pairs, table_of
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, Base, collect_shapes, convex, ellipsoid, unit_sphere
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
 from simcore.dem.state.features import Features
@@ -120,8 +120,8 @@ def _newton(pairs, pose):
     """The direction that shows the least overlap, in extended precision."""
     rotation, offset = _centers(pairs, pose)
     n = len(offset)
-    table, _ = _table(pairs.shapes)
-    solids = place(pairs.shapes, np.arange(2 * n), rotation.reshape(-1, 3, 3))
+    table, _ = table_of(pairs.shapes)
+    solids = place_solids(pairs.shapes, np.arange(2 * n), rotation.reshape(-1, 3, 3))
     spiral = brute.spiral_directions(1024)
     shown = np.stack([brute.shown_along(table, solids, offset, np.tile(d, (n, 1))) for d in spiral])
     wide = np.longdouble
@@ -180,8 +180,8 @@ def ask(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
     """Our query, from nothing."""
     rotation, offset = _centers(pairs, 0)
     n = len(offset)
-    table, _ = _table(pairs.shapes)
-    solids = place(pairs.shapes, np.arange(2 * n), rotation.reshape(-1, 3, 3))
+    table, _ = table_of(pairs.shapes)
+    solids = place_solids(pairs.shapes, np.arange(2 * n), rotation.reshape(-1, 3, 3))
     distance, normal, point_a, point_b = np.empty(n), np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
 
     def work():
@@ -203,9 +203,9 @@ def _make_checks(kind):
                     if contacts.pending[p] != 0:
                         search_polyhedra(shapes, bodies, contacts, p, 0.0, False)
                 else:
-                    check_ellipsoids(bodies, contacts, p, 0.0, False)
+                    check_ellipsoids(shapes, bodies, contacts, p, 0.0, False)
                     if contacts.pending[p] != 0:
-                        search_ellipsoids(bodies, contacts, p, 0.0, False)
+                        search_ellipsoids(shapes, bodies, contacts, p, 0.0, False)
 
     return check
 
@@ -255,8 +255,8 @@ def scan(pairs: Pairs, directions, repeats=REPEATS):
     """The least overlap that evenly spread directions show."""
     rotation, offset = _centers(pairs, 0)
     n = len(offset)
-    table, _ = _table(pairs.shapes)
-    solids = place(pairs.shapes, np.arange(2 * n), rotation.reshape(-1, 3, 3))
+    table, _ = table_of(pairs.shapes)
+    solids = place_solids(pairs.shapes, np.arange(2 * n), rotation.reshape(-1, 3, 3))
     depth, normal, spread = np.empty(n), np.empty((n, 3)), brute.spiral_directions(directions)
     spent = _timed(lambda: _scan(table, solids, offset, spread, depth, normal), repeats, n)
     return depth, normal, spent

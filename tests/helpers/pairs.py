@@ -106,9 +106,9 @@ def look_at_polyhedra(shapes, bodies, contacts, width):
 def look_at_ellipsoids(bodies, contacts, width):
     searched = 0
     for p in range(len(contacts.body_a)):
-        check_ellipsoids(bodies, contacts, p, width, True)
+        check_ellipsoids(None, bodies, contacts, p, width, True)
         if contacts.pending[p] != 0:
-            search_ellipsoids(bodies, contacts, p, width, True)
+            search_ellipsoids(None, bodies, contacts, p, width, True)
             searched += 1
     return searched
 

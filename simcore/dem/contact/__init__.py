@@ -2,28 +2,29 @@
 
 It is the maximum over unit directions n of  n·r − h_A(n) − h_B(−n),  r from the centre of a to that of b, h the
 support functions: positive a gap, negative the overlap, and n points from a to b. Every module works with the
-relative position r, formed first, and with tolerances relative to the pair's size.
+relative position r, formed first, and with tolerances relative to the pair's size (`pair.Pair`).
 
-Within a step, from what the last step left:
+`finding` updates the contacts of a step. For each kind of pair a module in `pairs/` checks the remembered contact:
 
-    sphere       closed form
-    ellipsoid    Newton iteration for the common normal, from the last normal
-    potential    the same for ellipsoids by each one's least potential on the other's surface (a scene may choose it)
-    polyhedron   check of the facet of the Minkowski difference that was found last
-    mixed        hull against ellipsoid: climb to the common normal, from the last normal and vertex
-    gap          pairs apart: how long a gap once seen is certain
-    patch        where overlapping polyhedra press: centroid and second moments of their overlap
-    wall         floor and cylinder
+    spheres               closed form
+    ellipsoids            Newton's iteration for the common normal, from the last normal
+    ellipsoid_potentials  the same by each one's least potential on the other's surface (a scene may choose it)
+    polyhedra             check of the remembered facet of the Minkowski difference
+    polyhedron_ellipsoid  check of the remembered corner, edge or face, from the last normal
+    inflated              polyhedra as the program of Rettinger et al. (2022) finds them
+    gap_memory            pairs apart: how long a gap is certain
 
-The climbs themselves: ellipsoid_climb, mixed_climb.
+`search/` finds a contact from nothing:
 
-The search from nothing that they fall back on:
+    ellipsoid_climb             climb to the common normal of two ellipsoids
+    polyhedron_ellipsoid_climb  the same of a polyhedron and an ellipsoid
+    polyhedra                   GJK (`gjk`) and EPA (`epa`), and all facets (`facets`) where these give up
+    deep_overlap                ellipsoids so deep in another body that there may be a shorter way out
+    exact_polyhedra             distance and points of two polyhedra to the last digits, for queries
+    pair_frame, simplex, polytope, scratch   what these compute with
 
-    minkowski    polyhedra: GJK (`gjk`) and EPA (`epa`), and all facets (`facets`) where these give up
-    deep         ellipsoids so deep in another one or in a hull that there may be a shorter way out
-    scratch      arrays on the stack, so that no search allocates
-
-Stand-alone, for any two shapes: `query`, `query_many`; `brute` is the reference that they are tested against.
+`patch/` integrates over the overlap of polyhedra; `walls` finds contacts with the floor and the cylinder.
+Stand-alone, for any two shapes: `query`, `query_many`; `simcore.verification.brute_force` is their reference.
 """
 
 from simcore.dem.contact.query import ContactQuery, query, query_many

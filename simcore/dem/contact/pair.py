@@ -15,6 +15,15 @@ class Pair(NamedTuple):
     size: float  # [m], sum of the radii of the bounding spheres, to which all tolerances refer
 
 
+class Closest(NamedTuple):
+    """Closest points of a pair, or its deepest points where the bodies overlap; point_b + r − point_a = distance n."""
+
+    distance: float  # [m], signed: positive a gap, negative an overlap
+    normal: Vec  # from a to b
+    point_a: Vec  # [m], from the centre of a
+    point_b: Vec  # [m], from the centre of b
+
+
 @leaf
 def pair_of(bodies, i, j, offset):
     """The pair of bodies i and j."""

@@ -13,24 +13,35 @@ import functools
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
 from simcore.compilation import kernel, leaf, routine
+from simcore.dem.contact.pair import Closest, Pair, exchanged, pair_of
 from simcore.dem.contact.pairs.ellipsoids import search_normal
 from simcore.dem.contact.pairs.polyhedron_ellipsoid import search_normal as search_mixed_normal
-from simcore.dem.contact.search.ellipsoid_climb import gap_along, image, settle_normal
-from simcore.dem.contact.search.exact_polyhedra import query_hulls
+from simcore.dem.contact.search.ellipsoid_climb import gap_along, settle_normal, surface_point
+from simcore.dem.contact.search.exact_polyhedra import query_polyhedra
 from simcore.dem.contact.search.facets import facet_at
-from simcore.dem.contact.search.pair_frame import climb_a, frame_of, to_body, to_world, vertex_a
-from simcore.dem.contact.search.scratch import scratch
+from simcore.dem.contact.search.pair_frame import climb_a, frame_of, vertex_a
+from simcore.dem.contact.search.simplex import take_simplex
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, HINT_CELLS, SPHERE, Shape, Shapes, collect_shapes
 from simcore.dem.state.bodies import rotation_matrix
+from simcore.dem.vectors import (
+    Vec,
+    beside,
+    direction_of,
+    into_axes,
+    length,
+    minus,
+    negative,
+    out_of_axes,
+    plus,
+    plus_scaled,
+    read,
+    scaled,
+    write,
+)
 
 BESIDE = 1e-12  # of the pair's size: tangential distance of the two points that is left as it is
-
-_take_points = scratch(types.float64, 4, 3)
-_take_vertices = scratch(types.int64, 4, 2)
-_take_weights = scratch(types.float64, 4)
 
 
 class ContactQuery(NamedTuple):
@@ -103,8 +114,8 @@ def _pose(pose, name: str):
 
 
 @functools.lru_cache(maxsize=32)
-def _table(shapes: tuple[Shape, ...]):
-    """(Shapes of all hulls with a single point at the end, index of each shape there)."""
+def table_of(shapes: tuple[Shape, ...]):
+    """(Shapes of all polyhedra with a single point at the end, index of each shape there)."""
     hulls = {}
     for shape in shapes:
         if shape.kind == CONVEX:
@@ -124,15 +135,15 @@ def _table(shapes: tuple[Shape, ...]):
     return table, np.array([hulls[id(s.base)][0] if s.kind == CONVEX else len(hulls) for s in shapes], np.int64)
 
 
-def place(shapes, index, rotation):
+def place_solids(shapes, index, rotation):
     """Solids of the shapes with these indices, turned by these matrices (n, 3, 3)."""
-    _, where = _table(shapes)
+    _, index_in_table = table_of(shapes)
     kind = np.array([shape.kind for shape in shapes], np.int64)[index]
     scale = np.array([shape.scale for shape in shapes])[index]
     full = np.einsum("nij,nj,nkj->nik", rotation, scale**2, rotation)
     return Solids(
         kind,
-        where[index],
+        index_in_table[index],
         scale,
         np.array([shape.radius for shape in shapes])[index],
         rotation,
@@ -141,7 +152,7 @@ def place(shapes, index, rotation):
 
 
 def _query(shapes, index_a, position_a, orientation_a, index_b, position_b, orientation_b):
-    table, _ = _table(shapes)
+    table, _ = table_of(shapes)
     n = len(position_a)
     if not len(index_a) == len(index_b) == len(position_b) == n:
         raise ValueError("query_many: indices and poses must be as many for a as for b")
@@ -149,7 +160,7 @@ def _query(shapes, index_a, position_a, orientation_a, index_b, position_b, orie
     if len(index) and not (0 <= index.min() and index.max() < len(shapes)):
         raise IndexError(f"query_many: a shape's index must be 0 to {len(shapes) - 1}")
     rotation = rotation_matrix(np.stack([orientation_a, orientation_b], axis=1).reshape(-1, 4))
-    solids = place(shapes, index, rotation)
+    solids = place_solids(shapes, index, rotation)
     center = np.einsum("nij,nj->ni", rotation, np.array([shape.center for shape in shapes])[index])
     # Far from the world's origin the difference of positions is exact; it is formed first.
     offset = (position_b - position_a) + (center[1::2] - center[0::2])
@@ -162,97 +173,78 @@ def _query(shapes, index_a, position_a, orientation_a, index_b, position_b, orie
 def query_pairs(shapes, solids, offset, distance, normal, point_a, point_b):
     """Query solids 2k and 2k + 1 at offset k of their centres; the points are from the centres."""
     for k in range(len(offset)):
-        _query_pair(shapes, solids, k, offset, distance, normal, point_a, point_b)
+        closest = _query_pair(shapes, solids, pair_of(solids, 2 * k, 2 * k + 1, read(offset, k)))
+        distance[k] = closest.distance
+        write(normal, k, closest.normal)
+        write(point_a, k, closest.point_a)
+        write(point_b, k, closest.point_b)
 
 
 @routine
-def _query_pair(shapes, solids, k, offset, distance, normal, point_a, point_b):
-    i, j = 2 * k, 2 * k + 1
-    rx, ry, rz = offset[k, 0], offset[k, 1], offset[k, 2]
-    swapped = solids.kind[i] != CONVEX and solids.kind[j] == CONVEX
+def _query_pair(shapes, solids, pair):
+    """Closest points of any two solids."""
+    swapped = solids.kind[pair.a] != CONVEX and solids.kind[pair.b] == CONVEX
     if swapped:
-        i, j = j, i
-        rx, ry, rz = -rx, -ry, -rz
-    size = solids.radius[i] + solids.radius[j]
-    if solids.kind[i] == SPHERE and solids.kind[j] == SPHERE:
-        value, nx, ny, nz, ax, ay, az, bx, by, bz = _query_spheres(solids, i, j, rx, ry, rz)
-    elif solids.kind[i] != CONVEX:
-        value, nx, ny, nz, ax, ay, az, bx, by, bz = _query_ellipsoids(solids, i, j, rx, ry, rz, size)
-    elif solids.kind[j] == ELLIPSOID:
-        value, nx, ny, nz, ax, ay, az, bx, by, bz = _query_mixed(shapes, solids, i, j, rx, ry, rz, size)
+        pair = exchanged(pair)
+    if solids.kind[pair.a] == SPHERE and solids.kind[pair.b] == SPHERE:
+        closest = _query_spheres(solids, pair)
+    elif solids.kind[pair.a] != CONVEX:
+        closest = _query_ellipsoids(shapes, solids, pair)
+    elif solids.kind[pair.b] == ELLIPSOID:
+        closest = _query_mixed(shapes, solids, pair)
     else:
-        value, nx, ny, nz, ax, ay, az, bx, by, bz = query_hulls(shapes, solids, i, j, rx, ry, rz, size)
-        if solids.kind[j] == SPHERE:
-            radius = solids.scale[j, 0]
-            value -= radius
-            bx, by, bz = -radius * nx, -radius * ny, -radius * nz
+        closest = query_polyhedra(shapes, solids, pair)
+        if solids.kind[pair.b] == SPHERE:
+            radius = solids.scale[pair.b, 0]
+            on_sphere = scaled(-radius, closest.normal)
+            closest = Closest(closest.distance - radius, closest.normal, closest.point_a, on_sphere)
     if swapped:
-        nx, ny, nz = -nx, -ny, -nz
-        ax, ay, az, bx, by, bz = bx, by, bz, ax, ay, az
-    distance[k] = value
-    normal[k, 0], normal[k, 1], normal[k, 2] = nx, ny, nz
-    point_a[k, 0], point_a[k, 1], point_a[k, 2] = ax, ay, az
-    point_b[k, 0], point_b[k, 1], point_b[k, 2] = bx, by, bz
+        return Closest(closest.distance, negative(closest.normal), closest.point_b, closest.point_a)
+    return closest
 
 
 @leaf
-def _query_spheres(solids, i, j, rx, ry, rz):
-    radius_a, radius_b = solids.scale[i, 0], solids.scale[j, 0]
-    distance = np.sqrt(rx * rx + ry * ry + rz * rz)
-    nx, ny, nz = 1.0, 0.0, 0.0  # concentric: any direction is the shortest way out
-    if distance > 0.0:
-        nx, ny, nz = rx / distance, ry / distance, rz / distance
-    return (
-        distance - radius_a - radius_b, nx, ny, nz,
-        radius_a * nx, radius_a * ny, radius_a * nz, -radius_b * nx, -radius_b * ny, -radius_b * nz,
-    )  # fmt: skip
+def _query_spheres(solids, pair):
+    radius_a, radius_b = solids.scale[pair.a, 0], solids.scale[pair.b, 0]
+    normal = direction_of(pair.offset)  # concentric: any direction is the shortest way out
+    gap = length(pair.offset) - radius_a - radius_b
+    return Closest(gap, normal, scaled(radius_a, normal), scaled(-radius_b, normal))
 
 
 @leaf
-def _surface_point(solids, i, nx, ny, nz):
+def _surface_point(solids, i, normal):
     """Point of ellipsoid i farthest along n, from its centre."""
-    x, y, z = image(solids.form_matrix, i, nx, ny, nz)
-    height = np.sqrt(nx * x + ny * y + nz * z)
-    return x / height, y / height, z / height
+    point, _ = surface_point(solids.form_matrix, i, normal)
+    return point
 
 
 @routine
-def _query_ellipsoids(solids, i, j, rx, ry, rz, size):
+def _query_ellipsoids(shapes, solids, pair):
     m = solids.form_matrix
-    _, nx, ny, nz = search_normal(m, i, j, solids.rotation, rx, ry, rz, size, np.inf)
-    nx, ny, nz = settle_normal(m, i, j, rx, ry, rz, nx, ny, nz)
-    value = gap_along(m, i, j, rx, ry, rz, nx, ny, nz)
-    ax, ay, az = _surface_point(solids, i, nx, ny, nz)
-    bx, by, bz = _surface_point(solids, j, -nx, -ny, -nz)
-    return value, nx, ny, nz, ax, ay, az, bx, by, bz
-
-
-@leaf
-def _beside(x, y, z, nx, ny, nz):
-    """Length of the part of a vector normal to n."""
-    along = x * nx + y * ny + z * nz
-    x, y, z = x - along * nx, y - along * ny, z - along * nz
-    return np.sqrt(x * x + y * y + z * z)
+    normal = settle_normal(m, pair, search_normal(shapes, solids, pair, np.inf).normal)
+    on_a, on_b = _surface_point(solids, pair.a, normal), _surface_point(solids, pair.b, negative(normal))
+    return Closest(gap_along(m, pair, normal), normal, on_a, on_b)
 
 
 @routine
-def _query_mixed(shapes, solids, i, j, rx, ry, rz, size):
-    """Hull i and ellipsoid j."""
-    value, nx, ny, nz, ax, ay, az, v, _, _ = search_mixed_normal(shapes, solids, i, j, rx, ry, rz, size, np.inf)
-    bx, by, bz = _surface_point(solids, j, -nx, -ny, -nz)
-    beside = _beside(rx + bx - ax, ry + by - ay, rz + bz - az, nx, ny, nz)
-    if beside > BESIDE * size:
+def _query_mixed(shapes, solids, pair):
+    """Polyhedron a and ellipsoid b."""
+    top = search_mixed_normal(shapes, solids, pair, np.inf)
+    normal, on_a = top.normal, top.point
+    on_b = _surface_point(solids, pair.b, negative(normal))
+    target = plus(pair.offset, on_b)
+    aside = beside(minus(target, on_a), normal)
+    if aside > BESIDE * pair.size:
         # The climb ended on a face or an edge without all its corners: the point of that face beside the ellipsoid's
-        points, vertices, weights = _take_points(), _take_vertices(), _take_weights()
-        f = frame_of(solids, i, j, rx + bx, ry + by, rz + bz)
+        simplex = take_simplex()
+        f = frame_of(solids, Pair(pair.a, pair.b, target, pair.size))
         lone = len(shapes.vertices) - 1  # the single point at the end of the table
-        mx, my, mz = to_body(solids.rotation, i, nx, ny, nz)
-        n = facet_at(shapes, f, size, climb_a(shapes, f, v, mx, my, mz), lone, mx, my, mz, points, vertices, weights)
-        x, y, z = 0.0, 0.0, 0.0
+        along = into_axes(solids.rotation, pair.a, normal)
+        n = facet_at(shapes, f, climb_a(shapes, f, top.a0, along), lone, along, simplex)
+        point = Vec(0.0, 0.0, 0.0)
         for k in range(n):
-            vx, vy, vz = vertex_a(shapes, f, vertices[k, 0])
-            x, y, z = x + weights[k] * vx, y + weights[k] * vy, z + weights[k] * vz
-        x, y, z = to_world(solids.rotation, i, x, y, z)
-        if _beside(rx + bx - x, ry + by - y, rz + bz - z, nx, ny, nz) < beside:
-            ax, ay, az = x, y, z
-    return value, nx, ny, nz, ax, ay, az, bx, by, bz
+            point = plus_scaled(point, simplex.weights[k], vertex_a(shapes, f, simplex.vertices[k, 0]))
+        point = out_of_axes(solids.rotation, pair.a, point)
+        if beside(minus(target, point), normal) < aside:
+            on_a = point
+    return Closest(top.value, normal, on_a, on_b)

@@ -17,6 +17,7 @@ from simcore.dem.contact.walls import CYLINDER, FLOOR
 from simcore.dem.shapes.hulls import CONVEX, MIXED, SPHERE, Shapes, base_direction, climb_from_hint, is_hull
 from simcore.dem.state.bodies import Bodies, Contacts, Walls
 from simcore.dem.state.features import Features
+from simcore.dem.vectors import Vec
 
 FINEST = 4.0  # cells to the width of a level
 
@@ -319,7 +320,7 @@ def _can_meet(pairs, bodies, shapes, old, width):
 def _reach(shapes, bodies, i, nx, ny, nz):
     """How far body i, a hull or an ellipsoid, reaches along n from its centre."""
     if not is_hull(shapes, bodies, i):
-        return support_height(bodies.form_matrix, i, nx, ny, nz)
+        return support_height(bodies.form_matrix, i, Vec(nx, ny, nz))
     dx, dy, dz = base_direction(bodies, i, nx, ny, nz)
     v = climb_from_hint(shapes, bodies.shape[i], dx, dy, dz)
     return dx * shapes.vertices[v, 0] + dy * shapes.vertices[v, 1] + dz * shapes.vertices[v, 2]

@@ -107,9 +107,9 @@ def _make_advance(
                         if sliding:
                             rub_contact(bodies, contacts, law, drive, p, has)
                 elif kind == ELLIPSOID and potential:
-                    check_potentials(bodies, contacts, p, width, periodic)
+                    check_potentials(shapes, bodies, contacts, p, width, periodic)
                 elif kind == ELLIPSOID:
-                    check_ellipsoids(bodies, contacts, p, width, periodic)
+                    check_ellipsoids(shapes, bodies, contacts, p, width, periodic)
                 elif kind == MIXED:
                     check_mixed(shapes, bodies, contacts, p, width, periodic)
                 else:
@@ -119,9 +119,9 @@ def _make_advance(
                 for p in prange(n_pairs):
                     if contacts.pending[p] != 0:
                         if kind == ELLIPSOID and potential:
-                            search_potentials(bodies, contacts, p, width, periodic)
+                            search_potentials(shapes, bodies, contacts, p, width, periodic)
                         elif kind == ELLIPSOID:
-                            search_ellipsoids(bodies, contacts, p, width, periodic)
+                            search_ellipsoids(shapes, bodies, contacts, p, width, periodic)
                         elif kind == MIXED:
                             search_mixed(shapes, bodies, contacts, p, width, periodic)
                         else:

@@ -20,7 +20,7 @@ from simcore.dem.step.step import Drive, make_advance
 
 ROOT = Path(__file__).parents[3]
 WIDTH = 0.030
-BETWEEN_BOUNDS = 3e-9  # of the size, more than deep.CERTAIN: how well the overlap of deep ellipsoids is known
+BETWEEN_BOUNDS = 3e-9  # of the size, more than deep_overlap.CERTAIN: how well the overlap of deep ellipsoids is known
 CUBE = 0.8 * np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 

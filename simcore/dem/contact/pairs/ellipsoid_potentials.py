@@ -25,18 +25,34 @@ Separation. For λ > 0, det(λA + B) of the 4 × 4 forms has the sign of λ rᵀ
 distinct positive roots where that is positive for some λ, and then the pair is apart (Wang et al. 2001). Divided by
 1 + λ it is Perram and Wertheim's function of λ / (1 + λ) less one, which is concave, so its maximum decides. Where it
 is positive, q = (M_a + λ M_b)⁻¹ r is normal to a separating plane, and the gap along q is certain. That plane is
-remembered and asked first; and nothing at all is asked until the bodies can have closed the gap (`gap`).
+remembered and tried first; and the pair is not checked at all until the bodies can have closed the gap (`gap_memory`).
 
 A plane has no centre; the walls press at the deepest point, whatever the construction for pairs.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from simcore.compilation import leaf, routine
+from simcore.dem.contact.pair import exchanged
 from simcore.dem.contact.pairs.ellipsoids import search_contact as search_common_normal
 from simcore.dem.contact.pairs.gap_memory import STILL_GAP, remember_apart
-from simcore.dem.contact.search.deep_overlap import start_normal, unit
+from simcore.dem.contact.search.deep_overlap import start_normal
 from simcore.dem.contact.search.ellipsoid_climb import gap_along, image, support_height
+from simcore.dem.vectors import (
+    ZERO,
+    Contact,
+    Vec,
+    direction_of,
+    dot,
+    length,
+    minus,
+    minus_scaled,
+    over,
+    plus,
+    read,
+)
 
 CLOSE = 1e-8  # |√φ − 1| from which one more step, with g taken as linear in it, is right to rounding
 FEW, MANY = 8, 60  # iterations from the last normal, which takes one to three, and from nothing
@@ -44,173 +60,195 @@ FLAT = 1e-8  # |Δ log λ| at the maximum that decides on separation: its value 
 ENOUGH = 0.1  # the same where the value shows a gap already
 
 
+class Factors(NamedTuple):
+    """A symmetric matrix as L D Lᵀ."""
+
+    d: Vec
+    lyx: float
+    lzx: float
+    lzy: float
+
+
+class Deepest(NamedTuple):
+    """Where the surface of one ellipsoid is deepest in the other."""
+
+    reached: bool  # False: the iteration ended elsewhere, as where the centre of the other lies in this one
+    factor: float  # λ
+    gradient: Vec  # g, with gᵀ M g = 1 but for rounding
+
+
+class Meeting(NamedTuple):
+    """Where two ellipsoids are deepest in each other."""
+
+    reached: bool
+    overlapping: bool
+    vector: Vec  # [m], of contact; apart it points backwards, from b to a, and its length is no bound of the gap
+    normal: Vec
+    middle: Vec  # [m], from the centre of a
+
+
+class Characteristic(NamedTuple):
+    """det(λA + B) over a positive number, at one λ."""
+
+    value: float
+    q: Vec  # (M_a + λ M_b)⁻¹ r
+    step: float  # Newton's, of log λ to the maximum of the value over 1 + λ
+
+
 @leaf
-def _factor(m, i, j, factor):
-    """M_i + factor M_j as L D Lᵀ: D (3), L (3)."""
+def _factorise(m, i, j, factor):
+    """M_i + factor M_j."""
     xx, yy, zz = m[i, 0] + factor * m[j, 0], m[i, 1] + factor * m[j, 1], m[i, 2] + factor * m[j, 2]
     xy, xz, yz = m[i, 3] + factor * m[j, 3], m[i, 4] + factor * m[j, 4], m[i, 5] + factor * m[j, 5]
     lyx, lzx = xy / xx, xz / xx
     dy = yy - lyx * xy
     lzy = (yz - lyx * xz) / dy
-    return xx, dy, zz - lzx * xz - lzy * lzy * dy, lyx, lzx, lzy
+    return Factors(Vec(xx, dy, zz - lzx * xz - lzy * lzy * dy), lyx, lzx, lzy)
 
 
 @leaf
-def _solve(dx, dy, dz, lyx, lzx, lzy, x, y, z):
-    y = y - lyx * x
-    z = z - lzx * x - lzy * y
-    z = z / dz
-    y = y / dy - lzy * z
-    return x / dx - lyx * y - lzx * z, y, z
+def _solve(factors, v):
+    """The matrix's inverse times v."""
+    y = v.y - factors.lyx * v.x
+    z = v.z - factors.lzx * v.x - factors.lzy * y
+    z = z / factors.d.z
+    y = y / factors.d.y - factors.lzy * z
+    return Vec(v.x / factors.d.x - factors.lyx * y - factors.lzx * z, y, z)
 
 
 @leaf
-def deepest_gradient(m, near, far, rx, ry, rz, start, iterations):
-    """Where the surface of `near` is deepest in `far`: (found, λ, g (3)), gᵀ M_near g = 1 but for rounding.
+def deepest_gradient(m, pair, offset, start, iterations):
+    """Where the surface of the pair's a is deepest in its b: Deepest. start: of λ.
 
-    r from a to b, whichever is near. start: of λ. Not found where the centre of `far` lies in `near`.
+    offset: r from the one body to the other, whichever is a; both points follow from the same.
     """
-    factor = max(start, 0.0)
-    gx, gy, gz = 0.0, 0.0, 0.0
+    factor, gradient = max(start, 0.0), ZERO
     for _ in range(iterations):
-        dx, dy, dz, lyx, lzx, lzy = _factor(m, near, far, factor)
-        gx, gy, gz = _solve(dx, dy, dz, lyx, lzx, lzy, rx, ry, rz)
-        nx, ny, nz = image(m, near, gx, gy, gz)
-        fx, fy, fz = image(m, far, gx, gy, gz)
-        zx, zy, zz = _solve(dx, dy, dz, lyx, lzx, lzy, fx, fy, fz)  # −dg/dλ
-        square = gx * nx + gy * ny + gz * nz
+        factors = _factorise(m, pair.a, pair.b, factor)
+        gradient = _solve(factors, offset)
+        here = image(m, pair.a, gradient)
+        change = _solve(factors, image(m, pair.b, gradient))  # −dg/dλ
+        square = dot(gradient, here)
         root = np.sqrt(square)
-        step = square * (root - 1.0) / (nx * zx + ny * zy + nz * zz)
+        step = square * (root - 1.0) / dot(here, change)
         if abs(root - 1.0) <= CLOSE:
-            return factor + step >= 0.0, factor + step, gx - step * zx, gy - step * zy, gz - step * zz
+            return Deepest(factor + step >= 0.0, factor + step, minus_scaled(gradient, step, change))
         if not (step > 0.0 or factor > 0.0):
             break
         factor = max(factor + step, 0.0)
-    return False, factor, gx, gy, gz
+    return Deepest(False, factor, gradient)
 
 
 @routine
-def contact_of(m, i, j, rx, ry, rz, nx, ny, nz, iterations):
-    """Contact from a normal close to it: (found, overlapping, contact vector (3), normal (3), middle (3)).
-
-    From the centre of a. Apart, the contact vector points backwards, from b to a; its length is no bound of the gap.
-    """
-    across = nx * rx + ny * ry + nz * rz
-    height_a, height_b = support_height(m, i, nx, ny, nz), support_height(m, j, nx, ny, nz)
+def meeting_of(m, pair, normal, iterations):
+    """Where two ellipsoids are deepest in each other, from a normal close to that of their contact: Meeting."""
+    across, other = dot(normal, pair.offset), exchanged(pair)
+    height_a, height_b = support_height(m, pair.a, normal), support_height(m, pair.b, normal)
     start_a = height_a * (across - height_a) / (height_b * height_b)
     start_b = height_b * (across - height_b) / (height_a * height_a)
-    found_a, factor_a, ax, ay, az = deepest_gradient(m, i, j, rx, ry, rz, start_a, iterations)
-    found_b, factor_b, bx, by, bz = deepest_gradient(m, j, i, rx, ry, rz, start_b, iterations)
-    px, py, pz = image(m, i, ax, ay, az)
-    qx, qy, qz = image(m, j, bx, by, bz)
-    reach_a, reach_b = np.sqrt(ax * px + ay * py + az * pz), np.sqrt(bx * qx + by * qy + bz * qz)
-    px, py, pz, qx, qy, qz = px / reach_a, py / reach_a, pz / reach_a, qx / reach_b, qy / reach_b, qz / reach_b
+    a = deepest_gradient(m, pair, pair.offset, start_a, iterations)
+    b = deepest_gradient(m, other, pair.offset, start_b, iterations)
+    point_a, point_b = image(m, pair.a, a.gradient), image(m, pair.b, b.gradient)
+    point_a = over(point_a, np.sqrt(dot(a.gradient, point_a)))
+    point_b = over(point_b, np.sqrt(dot(b.gradient, point_b)))
     # Each one's potential at the other's point, 1 where they only touch
-    of_b = factor_a * support_height(m, j, ax, ay, az)
-    of_a = factor_b * support_height(m, i, bx, by, bz)
+    of_b = a.factor * support_height(m, pair.b, a.gradient)
+    of_a = b.factor * support_height(m, pair.a, b.gradient)
     # Sums that do not depend on which of the two comes first: exchanged, they are the same to the bit
-    cx, cy, cz = (px + qx) - rx, (py + qy) - ry, (pz + qz) - rz
-    length_a, length_b = np.sqrt(ax * ax + ay * ay + az * az), np.sqrt(bx * bx + by * by + bz * bz)
-    nx, ny, nz = unit(ax / length_a + bx / length_b, ay / length_a + by / length_b, az / length_a + bz / length_b)
-    found = found_a and found_b
-    return found, of_a + of_b < 2.0, cx, cy, cz, nx, ny, nz, px - 0.5 * cx, py - 0.5 * cy, pz - 0.5 * cz
+    vector = minus(plus(point_a, point_b), pair.offset)
+    normal = direction_of(plus(over(a.gradient, length(a.gradient)), over(b.gradient, length(b.gradient))))
+    return Meeting(a.reached and b.reached, of_a + of_b < 2.0, vector, normal, minus_scaled(point_a, 0.5, vector))
 
 
 @leaf
-def characteristic(m, i, j, rx, ry, rz, factor):
-    """det(λA + B) at λ = factor > 0, over a positive number: (value, q (3), Newton's step of log λ to its maximum).
+def characteristic(m, pair, factor):
+    """det(λA + B) at λ = factor > 0, over a positive number.
 
     Over 1 + λ the value is largest where √(qᵀ M_a q) = λ √(qᵀ M_b q).
     """
-    dx, dy, dz, lyx, lzx, lzy = _factor(m, i, j, factor)
-    qx, qy, qz = _solve(dx, dy, dz, lyx, lzx, lzy, rx, ry, rz)
-    ax, ay, az = image(m, i, qx, qy, qz)
-    bx, by, bz = image(m, j, qx, qy, qz)
-    a, b = qx * ax + qy * ay + qz * az, qx * bx + qy * by + qz * bz
-    zx, zy, zz = _solve(dx, dy, dz, lyx, lzx, lzy, bx, by, bz)
-    c = bx * zx + by * zy + bz * zz
+    factors = _factorise(m, pair.a, pair.b, factor)
+    q = _solve(factors, pair.offset)
+    image_b = image(m, pair.b, q)
+    a, b = dot(q, image(m, pair.a, q)), dot(q, image_b)
+    c = dot(image_b, _solve(factors, image_b))
     left = 0.5 * np.log(a / b) - np.log(factor)
     slope = 1.0 + factor * (b / a - factor * c / a - c / b)
     if not slope > 0.1:
         slope = 1.0
-    return factor * (qx * rx + qy * ry + qz * rz) - 1.0 - factor, qx, qy, qz, left / slope
+    return Characteristic(factor * dot(q, pair.offset) - 1.0 - factor, q, left / slope)
 
 
 @leaf
-def separation(m, i, j, rx, ry, rz, nx, ny, nz):
-    """Whether the pair is apart, by the roots of det(λA + B): (apart, normal of a separating plane (3))."""
-    guess = np.log(support_height(m, i, nx, ny, nz) / support_height(m, j, nx, ny, nz))
+def separation(m, pair, normal):
+    """Whether the pair is apart, by the roots of det(λA + B): (apart, normal of a separating plane)."""
+    guess = np.log(support_height(m, pair.a, normal) / support_height(m, pair.b, normal))
     low, high = -np.inf, np.inf
-    apart, qx, qy, qz = False, nx, ny, nz
+    apart, q = False, normal
     for _ in range(MANY):
-        value, qx, qy, qz, step = characteristic(m, i, j, rx, ry, rz, np.exp(guess))
-        apart = value > 0.0
-        if abs(step) <= (ENOUGH if apart else FLAT):
+        at = characteristic(m, pair, np.exp(guess))
+        apart, q = at.value > 0.0, at.q
+        if abs(at.step) <= (ENOUGH if apart else FLAT):
             break
-        if step > 0.0:
+        if at.step > 0.0:
             low = guess
         else:
             high = guess
-        trial = guess + min(max(step, -2.0), 2.0)
+        trial = guess + min(max(at.step, -2.0), 2.0)
         if not (trial > low and trial < high):
             trial = 0.5 * (low + high)
         if trial == guess:
             break
         guess = trial
-    qx, qy, qz = unit(qx, qy, qz)
-    return apart, qx, qy, qz
+    return apart, direction_of(q)
 
 
 @leaf
-def recheck(bodies, contacts, p, i, j, rx, ry, rz):
-    """Near pair p from its last normal: (known, overlap [m], normal a to b (3), contact point relative to a (3)).
+def recheck(shapes, bodies, contacts, p, pair):
+    """Candidate pair p from its remembered normal: (whether that is certain, Contact).
 
-    The pair is apart where the overlap is not positive. Known is False for a pair without a normal, where the
-    remembered plane no longer separates, where the iteration takes long, and where a centre lies in the other body.
+    The pair is apart where the overlap is not positive. Not certain: there is no remembered normal, the remembered
+    plane no longer separates, the iteration takes long, or a centre lies in the other body.
     """
-    nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
-    if nx == 0.0 and ny == 0.0 and nz == 0.0:
-        return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    m = bodies.form_matrix
+    normal, m = read(contacts.direction, p), bodies.form_matrix
+    if normal.x == 0.0 and normal.y == 0.0 and normal.z == 0.0:
+        return False, Contact(0.0, ZERO, ZERO)
     if contacts.touching[p] == 0:
-        gap = gap_along(m, i, j, rx, ry, rz, nx, ny, nz)
+        gap = gap_along(m, pair, normal)
         if not gap > -STILL_GAP * contacts.overlap[p]:
-            return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        remember_apart(bodies, contacts, p, i, j, rx, ry, rz, gap)
-        return True, min(-gap, contacts.overlap[p]), nx, ny, nz, 0.0, 0.0, 0.0
-    found, overlapping, cx, cy, cz, nx, ny, nz, x, y, z = contact_of(m, i, j, rx, ry, rz, nx, ny, nz, FEW)
-    if not found:
-        return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    overlap = _conclude(bodies, contacts, p, i, j, rx, ry, rz, overlapping, cx, cy, cz, nx, ny, nz)
-    return True, overlap, nx, ny, nz, x, y, z
+            return False, Contact(0.0, ZERO, ZERO)
+        remember_apart(bodies, contacts, p, pair, gap)
+        return True, Contact(min(-gap, contacts.overlap[p]), normal, ZERO)
+    meeting = meeting_of(m, pair, normal, FEW)
+    if not meeting.reached:
+        return False, Contact(0.0, ZERO, ZERO)
+    return True, _conclude(bodies, contacts, p, pair, meeting)
 
 
 @routine
-def search_contact(bodies, contacts, p, i, j, rx, ry, rz):
-    """Near pair p from nothing: (overlap [m], normal a to b (3), contact point relative to a (3)).
+def search_contact(shapes, bodies, contacts, p, pair):
+    """Contact of candidate pair p, from nothing.
 
     Where a centre lies in the other body the potential there falls outwards, and what is least on the surface is the
-    far side: such a pair, thousands of times deeper than any in a bed, meets along its common normal.
+    far side: such a pair, thousands of times deeper than any in a packing, meets along its common normal.
     """
     m = bodies.form_matrix
-    nx, ny, nz = start_normal(m, i, j, bodies.rotation, rx, ry, rz)
-    apart, px, py, pz = separation(m, i, j, rx, ry, rz, nx, ny, nz)
+    normal = start_normal(m, pair)
+    apart, plane = separation(m, pair, normal)
     if apart:
-        gap = max(gap_along(m, i, j, rx, ry, rz, px, py, pz), 0.0)
-        remember_apart(bodies, contacts, p, i, j, rx, ry, rz, gap)
-        return -gap, px, py, pz, 0.0, 0.0, 0.0
-    found, overlapping, cx, cy, cz, nx, ny, nz, x, y, z = contact_of(m, i, j, rx, ry, rz, nx, ny, nz, MANY)
-    if not found:
-        return search_common_normal(bodies, contacts, p, i, j, rx, ry, rz)
-    overlap = _conclude(bodies, contacts, p, i, j, rx, ry, rz, overlapping, cx, cy, cz, nx, ny, nz)
-    return overlap, nx, ny, nz, x, y, z
+        gap = max(gap_along(m, pair, plane), 0.0)
+        remember_apart(bodies, contacts, p, pair, gap)
+        return Contact(-gap, plane, ZERO)
+    meeting = meeting_of(m, pair, normal, MANY)
+    if not meeting.reached:
+        return search_common_normal(shapes, bodies, contacts, p, pair)
+    return _conclude(bodies, contacts, p, pair, meeting)
 
 
 @leaf
-def _conclude(bodies, contacts, p, i, j, rx, ry, rz, overlapping, cx, cy, cz, nx, ny, nz):
-    """Overlap, the length of the contact vector; a gap is remembered and negative."""
-    if overlapping:
-        return np.sqrt(cx * cx + cy * cy + cz * cz)
-    gap = max(gap_along(bodies.form_matrix, i, j, rx, ry, rz, nx, ny, nz), 0.0)
-    remember_apart(bodies, contacts, p, i, j, rx, ry, rz, gap)
-    return -gap
+def _conclude(bodies, contacts, p, pair, meeting):
+    """Contact whose overlap is the length of the contact vector; a gap is remembered and negative."""
+    if meeting.overlapping:
+        return Contact(length(meeting.vector), meeting.normal, meeting.middle)
+    gap = max(gap_along(bodies.form_matrix, pair, meeting.normal), 0.0)
+    remember_apart(bodies, contacts, p, pair, gap)
+    return Contact(-gap, meeting.normal, meeting.middle)

@@ -3,7 +3,7 @@
 f(n) = n·r − h_A(n) − h_B(n) with h(n) = √(nᵀ M n), M = R diag(s²) Rᵀ, has its stationary points where the surfaces
 have parallel tangent planes and the line between the two points is normal to both. Newton's iteration on the unit
 sphere converges from the last step's normal in one or two steps. A gap is concave in n and has one maximum; an
-overlap may have several, so a pair that comes without memory is searched for the deepest view (`deep`).
+overlap may have several, so a pair without a remembered contact is searched for the least one (`deep_overlap`).
 """
 
 import numpy as np
@@ -11,64 +11,60 @@ import numpy as np
 from simcore.compilation import leaf, routine
 from simcore.dem.contact.pairs.gap_memory import STILL_GAP, remember_apart
 from simcore.dem.contact.search.deep_overlap import climb_from, least_of_ellipsoids, rolling_radius, start_normal
-from simcore.dem.contact.search.ellipsoid_climb import TOLERANCE, climb_normal, gap_along, image, support_height
+from simcore.dem.contact.search.ellipsoid_climb import TOLERANCE, climb_normal, surface_point
+from simcore.dem.vectors import ZERO, Contact, plus_scaled, read
 
-__all__ = ["TOLERANCE", "climb_normal", "gap_along", "recheck", "search_contact", "search_normal", "support_height"]
+__all__ = ["TOLERANCE", "recheck", "search_contact", "search_normal"]
 
-ENOUGH_GAP = 0.02  # of the pair's size: a step need not know a wider gap to the last digit
+ENOUGH_GAP = 0.02  # of the pair's size: a step needs no digits of a wider gap
 
 
 @routine
-def search_normal(m, i, j, rotation, rx, ry, rz, size, enough):
-    """Global maximum of f, from nothing: (f, normal (3)). A gap f > enough ends the search early.
+def search_normal(shapes, bodies, pair, enough):
+    """Summit of f: the global maximum, from nothing. A gap f > enough ends the search early.
 
-    A gap is concave in n: its maximum is the only one. A shallow overlap is certain to be the least (`deep` says why);
-    from any other the search goes on through all directions.
+    A gap is concave in n: its maximum is the only one. A shallow overlap is certain to be the least (`deep_overlap`
+    says why); from any other the search goes on through all directions.
     """
-    nx, ny, nz = start_normal(m, i, j, rotation, rx, ry, rz)
-    value, nx, ny, nz, converged = climb_from(m, i, j, rx, ry, rz, size, nx, ny, nz, enough)
-    certain = rolling_radius(m, rotation, i) + rolling_radius(m, rotation, j)
-    if value > enough or (converged and value >= -certain):
-        return value, nx, ny, nz
-    value, nx, ny, nz, _, _, _, _ = least_of_ellipsoids(m, m, m, i, j, rx, ry, rz, size, certain, 0, value, nx, ny, nz)
-    return value, nx, ny, nz
+    m, rotation = bodies.form_matrix, bodies.rotation
+    top = climb_from(m, pair, start_normal(m, pair), enough)
+    certain = rolling_radius(m, rotation, pair.a) + rolling_radius(m, rotation, pair.b)
+    if top.value > enough or (top.converged and top.value >= -certain):
+        return top
+    return least_of_ellipsoids(shapes, bodies, pair, certain, top)
 
 
 @leaf
-def recheck(bodies, contacts, p, i, j, rx, ry, rz):
-    """Near pair p from its last normal: (known, overlap [m], normal a to b (3), contact point relative to a (3)).
+def recheck(shapes, bodies, contacts, p, pair):
+    """Candidate pair p from its remembered normal: (whether that is certain, Contact).
 
-    The pair is apart where the overlap is not positive. Known is False for a pair without a normal, and where the
-    iteration did not converge: then the pair has to be searched.
+    The pair is apart where the overlap is not positive. Not certain: there is no remembered normal, or the iteration
+    did not converge; then the pair has to be searched.
     """
-    nx, ny, nz = contacts.direction[p, 0], contacts.direction[p, 1], contacts.direction[p, 2]
-    if nx == 0.0 and ny == 0.0 and nz == 0.0:
-        return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    size = bodies.radius[i] + bodies.radius[j]
+    normal = read(contacts.direction, p)
+    if normal.x == 0.0 and normal.y == 0.0 and normal.z == 0.0:
+        return False, Contact(0.0, ZERO, ZERO)
     # A direction that still shows much of the gap searched last needs no better one; a contact needs the best.
     enough = np.inf if contacts.touching[p] != 0 else -STILL_GAP * contacts.overlap[p]
-    value, nx, ny, nz, converged = climb_normal(bodies.form_matrix, i, j, rx, ry, rz, size, nx, ny, nz, enough)
-    overlap, nx, ny, nz, x, y, z = _conclude(bodies, contacts, p, i, j, rx, ry, rz, value, nx, ny, nz)
+    top = climb_normal(bodies.form_matrix, pair, normal, enough)
+    contact = _conclude(bodies, contacts, p, pair, top)
+    overlap = contact.overlap
     if contacts.touching[p] == 0 and overlap <= 0.0:
         overlap = min(overlap, contacts.overlap[p])
-    return converged or value > enough, overlap, nx, ny, nz, x, y, z
+    return top.converged or top.value > enough, Contact(overlap, contact.normal, contact.point)
 
 
 @routine
-def search_contact(bodies, contacts, p, i, j, rx, ry, rz):
-    """Near pair p from nothing: (overlap [m], normal a to b (3), contact point relative to a (3))."""
-    size = bodies.radius[i] + bodies.radius[j]
-    value, nx, ny, nz = search_normal(bodies.form_matrix, i, j, bodies.rotation, rx, ry, rz, size, ENOUGH_GAP * size)
-    return _conclude(bodies, contacts, p, i, j, rx, ry, rz, value, nx, ny, nz)
+def search_contact(shapes, bodies, contacts, p, pair):
+    """Contact of candidate pair p, from nothing."""
+    return _conclude(bodies, contacts, p, pair, search_normal(shapes, bodies, pair, ENOUGH_GAP * pair.size))
 
 
 @leaf
-def _conclude(bodies, contacts, p, i, j, rx, ry, rz, value, nx, ny, nz):
-    """Overlap, normal and point from f at its maximum; a gap is remembered."""
-    if value >= 0.0:
-        remember_apart(bodies, contacts, p, i, j, rx, ry, rz, value)
-        return -value, nx, ny, nz, 0.0, 0.0, 0.0
-    x, y, z = image(bodies.form_matrix, i, nx, ny, nz)
-    height = np.sqrt(nx * x + ny * y + nz * z)
-    half = 0.5 * value
-    return -value, nx, ny, nz, x / height + half * nx, y / height + half * ny, z / height + half * nz
+def _conclude(bodies, contacts, p, pair, top):
+    """Contact from the maximum of f; a gap is remembered."""
+    if top.value >= 0.0:
+        remember_apart(bodies, contacts, p, pair, top.value)
+        return Contact(-top.value, top.normal, ZERO)
+    point, _ = surface_point(bodies.form_matrix, pair.a, top.normal)
+    return Contact(-top.value, top.normal, plus_scaled(point, 0.5 * top.value, top.normal))

@@ -1,22 +1,19 @@
 """Sphere against sphere, in closed form."""
 
-import numpy as np
-
 from simcore.compilation import leaf
+from simcore.dem.vectors import Contact, Vec, length, over, scaled
 
 
 @leaf
-def touch(bodies, i, j, rx, ry, rz):
-    """(overlap [m], normal a to b (3), contact point relative to a (3)); apart where the overlap is not positive.
+def touch(bodies, pair):
+    """Contact of two spheres; they are apart where its overlap is not positive.
 
     Concentric spheres separate along x: the direction is not unique there.
     """
-    radius_a, radius_b = bodies.scale[i, 0], bodies.scale[j, 0]
-    distance = np.sqrt(rx * rx + ry * ry + rz * rz)
+    radius_a, radius_b = bodies.scale[pair.a, 0], bodies.scale[pair.b, 0]
+    distance = length(pair.offset)
     overlap = radius_a + radius_b - distance
+    normal = Vec(1.0, 0.0, 0.0)
     if distance > 0.0:
-        nx, ny, nz = rx / distance, ry / distance, rz / distance
-    else:
-        nx, ny, nz = 1.0, 0.0, 0.0
-    arm = radius_a - 0.5 * overlap
-    return overlap, nx, ny, nz, arm * nx, arm * ny, arm * nz
+        normal = over(pair.offset, distance)
+    return Contact(overlap, normal, scaled(radius_a - 0.5 * overlap, normal))

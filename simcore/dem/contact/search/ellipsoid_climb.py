@@ -1,150 +1,169 @@
-"""Support function of ellipsoids, and the climb to a direction in which the gap they show is largest.
+"""Support function of ellipsoids, and the climb to a direction in which the gap that it shows is largest.
 
 f(n) = n·r − h_A(n) − h_B(n) with h(n) = √(nᵀ M n), M = R diag(s²) Rᵀ.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from simcore.compilation import leaf, routine
+from simcore.dem.vectors import Vec, basis, dot, length, minus, over, plus_scaled
 
 TOLERANCE = 1e-11  # of the pair's size: tangential distance of the two surface points that is left
 ITERATIONS = 60
+SETTLINGS = 10
+
+
+class Summit(NamedTuple):
+    """Where a climb ended."""
+
+    value: float  # [m], f: a gap, or minus an overlap
+    normal: Vec
+    converged: bool  # False: f may be larger in a direction close by
 
 
 @leaf
-def image(m, i, nx, ny, nz):
-    """M n"""
-    return (
-        m[i, 0] * nx + m[i, 3] * ny + m[i, 4] * nz,
-        m[i, 3] * nx + m[i, 1] * ny + m[i, 5] * nz,
-        m[i, 4] * nx + m[i, 5] * ny + m[i, 2] * nz,
+def image(m, i, v):
+    """M v of body i."""
+    return Vec(
+        m[i, 0] * v.x + m[i, 3] * v.y + m[i, 4] * v.z,
+        m[i, 3] * v.x + m[i, 1] * v.y + m[i, 5] * v.z,
+        m[i, 4] * v.x + m[i, 5] * v.y + m[i, 2] * v.z,
     )
 
 
 @leaf
-def support_height(m, i, nx, ny, nz):
+def support_height(m, i, normal):
     """h(n) of body i: how far it reaches along n from its centre."""
-    x, y, z = image(m, i, nx, ny, nz)
-    return np.sqrt(nx * x + ny * y + nz * z)
+    return np.sqrt(dot(normal, image(m, i, normal)))
 
 
 @leaf
-def gap_along(m, i, j, rx, ry, rz, nx, ny, nz):
+def surface_point(m, i, normal):
+    """Returns the point of ellipsoid i that is farthest along n, from its centre, and its height h(n)."""
+    point = image(m, i, normal)
+    height = np.sqrt(dot(normal, point))
+    return over(point, height), height
+
+
+@leaf
+def gap_along(m, pair, normal):
     """f(n): the gap that the direction n shows, negative where it shows an overlap."""
-    return nx * rx + ny * ry + nz * rz - support_height(m, i, nx, ny, nz) - support_height(m, j, nx, ny, nz)
+    return dot(normal, pair.offset) - support_height(m, pair.a, normal) - support_height(m, pair.b, normal)
 
 
 @leaf
 def tangents(nx, ny, nz):
-    """Two unit vectors that complete n to a right-handed frame (Duff et al. 2017)."""
-    sign = 1.0 if nz >= 0.0 else -1.0
-    a = -1.0 / (sign + nz)
-    b = nx * ny * a
-    return 1.0 + sign * nx * nx * a, sign * b, -sign * nx, b, sign + ny * ny * a, -ny
+    """Two unit vectors that complete n to a right-handed frame, as six numbers (`basis` returns vectors)."""
+    p, q = basis(Vec(nx, ny, nz))
+    return p.x, p.y, p.z, q.x, q.y, q.z
 
 
 @leaf
-def climb_normal(m, i, j, rx, ry, rz, size, nx, ny, nz, enough):
-    """Local maximum of f from n: (f, normal (3), converged). A gap f > enough ends the climb early.
+def curvatures(m, i, p, q, point, height):
+    """Second derivatives of h of ellipsoid i along the tangents p and q at n: (pp, qq, pq).
 
-    Newton on the sphere. Where the Hessian does not belong to a maximum it is shifted until it does, and a step
-    that loses height is halved, so every step climbs.
+    They are the tangential part of M/h − (M n)(M n)ᵀ/h³. point, height: those of `surface_point` along n.
     """
-    value = gap_along(m, i, j, rx, ry, rz, nx, ny, nz)
+    image_p, image_q = image(m, i, p), image(m, i, q)
+    at_p, at_q = dot(point, p), dot(point, q)
+    return (
+        (dot(p, image_p) - at_p * at_p) / height,
+        (dot(q, image_q) - at_q * at_q) / height,
+        (dot(p, image_q) - at_p * at_q) / height,
+    )
+
+
+@leaf
+def made_positive(kpp, kqq, kpq):
+    """The diagonal (pp, qq) of a symmetric matrix, shifted until the matrix is positive definite."""
+    mean, spread = 0.5 * (kpp + kqq), np.sqrt(0.25 * (kpp - kqq) ** 2 + kpq * kpq)
+    smaller, largest = mean - spread, max(abs(mean - spread), abs(mean + spread))
+    if smaller < 1e-6 * largest:
+        return kpp + (1e-2 * largest - smaller), kqq + (1e-2 * largest - smaller)
+    return kpp, kqq
+
+
+@leaf
+def solved(kpp, kqq, kpq, gp, gq):
+    """K⁻¹ g of a symmetric matrix and a vector in two dimensions."""
+    det = kpp * kqq - kpq * kpq
+    return (kqq * gp - kpq * gq) / det, (kpp * gq - kpq * gp) / det
+
+
+@leaf
+def turned(normal, sp, p, sq, q):
+    """The unit vector along n + s_p p + s_q q."""
+    v = plus_scaled(plus_scaled(normal, sp, p), sq, q)
+    return over(v, length(v))
+
+
+@leaf
+def climb_normal(m, pair, normal, enough):
+    """Summit of f, climbed to from n: a local maximum. A gap f > enough ends the climb early.
+
+    Newton's iteration on the sphere. Where the Hessian does not belong to a maximum it is shifted until it does, and a
+    step that loses height is halved, so every step climbs.
+    """
+    value = gap_along(m, pair, normal)
     for _ in range(ITERATIONS):
-        ax, ay, az = image(m, i, nx, ny, nz)
-        bx, by, bz = image(m, j, nx, ny, nz)
-        height_a = np.sqrt(nx * ax + ny * ay + nz * az)
-        height_b = np.sqrt(nx * bx + ny * by + nz * bz)
-        ax, ay, az = ax / height_a, ay / height_a, az / height_a  # support points
-        bx, by, bz = bx / height_b, by / height_b, bz / height_b
-        gx, gy, gz = rx - ax - bx, ry - ay - by, rz - az - bz
-        value = gx * nx + gy * ny + gz * nz
-        px, py, pz, qx, qy, qz = tangents(nx, ny, nz)
-        gp = gx * px + gy * py + gz * pz
-        gq = gx * qx + gy * qy + gz * qz
-        converged = abs(gp) + abs(gq) <= TOLERANCE * size
+        point_a, height_a = surface_point(m, pair.a, normal)
+        point_b, height_b = surface_point(m, pair.b, normal)
+        slope = minus(minus(pair.offset, point_a), point_b)
+        value = dot(slope, normal)
+        p, q = basis(normal)
+        gp, gq = dot(slope, p), dot(slope, q)
+        converged = abs(gp) + abs(gq) <= TOLERANCE * pair.size
         if converged or value > enough:
-            return value, nx, ny, nz, converged
-        # Curvature of both surfaces: tangential part of M/h − (M n)(M n)ᵀ/h³
-        apx, apy, apz = image(m, i, px, py, pz)
-        bpx, bpy, bpz = image(m, j, px, py, pz)
-        aqx, aqy, aqz = image(m, i, qx, qy, qz)
-        bqx, bqy, bqz = image(m, j, qx, qy, qz)
-        ap, aq = ax * px + ay * py + az * pz, ax * qx + ay * qy + az * qz
-        bp, bq = bx * px + by * py + bz * pz, bx * qx + by * qy + bz * qz
-        kpp = ((px * apx + py * apy + pz * apz) - ap * ap) / height_a
-        kpp += ((px * bpx + py * bpy + pz * bpz) - bp * bp) / height_b + value
-        kqq = ((qx * aqx + qy * aqy + qz * aqz) - aq * aq) / height_a
-        kqq += ((qx * bqx + qy * bqy + qz * bqz) - bq * bq) / height_b + value
-        kpq = ((px * aqx + py * aqy + pz * aqz) - ap * aq) / height_a
-        kpq += ((px * bqx + py * bqy + pz * bqz) - bp * bq) / height_b
-        mean, spread = 0.5 * (kpp + kqq), np.sqrt(0.25 * (kpp - kqq) ** 2 + kpq * kpq)
-        least, most = mean - spread, max(abs(mean - spread), abs(mean + spread))
-        if least < 1e-6 * most:
-            kpp += 1e-2 * most - least
-            kqq += 1e-2 * most - least
-        det = kpp * kqq - kpq * kpq
-        sp, sq = (kqq * gp - kpq * gq) / det, (kpp * gq - kpq * gp) / det
-        length = np.sqrt(sp * sp + sq * sq)
-        if length > 0.5:
-            sp, sq = 0.5 * sp / length, 0.5 * sq / length
-        climbed = False
+            return Summit(value, normal, converged)
+        app, aqq, apq = curvatures(m, pair.a, p, q, point_a, height_a)
+        bpp, bqq, bpq = curvatures(m, pair.b, p, q, point_b, height_b)
+        kpq = apq + bpq
+        kpp, kqq = made_positive(app + (bpp + value), aqq + (bqq + value), kpq)
+        sp, sq = solved(kpp, kqq, kpq, gp, gq)
+        step = np.sqrt(sp * sp + sq * sq)
+        if step > 0.5:
+            sp, sq = 0.5 * sp / step, 0.5 * sq / step
+        climbed, trial = False, normal
         for _ in range(30):
-            x, y, z = nx + sp * px + sq * qx, ny + sp * py + sq * qy, nz + sp * pz + sq * qz
-            norm = np.sqrt(x * x + y * y + z * z)
-            x, y, z = x / norm, y / norm, z / norm
-            trial = gap_along(m, i, j, rx, ry, rz, x, y, z)
-            if trial >= value - 4e-16 * size:
+            trial = turned(normal, sp, p, sq, q)
+            if gap_along(m, pair, trial) >= value - 4e-16 * pair.size:
                 climbed = True
                 break
             sp, sq = 0.5 * sp, 0.5 * sq
         if not climbed:
-            return value, nx, ny, nz, False
-        nx, ny, nz = x, y, z
-    return value, nx, ny, nz, False
+            return Summit(value, normal, False)
+        normal = trial
+    return Summit(value, normal, False)
 
 
 @routine
-def settle_normal(m, i, j, rx, ry, rz, nx, ny, nz):
-    """The normal, from where a climb ended: Newton's iteration for a vanishing slope, while it brings it down.
+def settle_normal(m, pair, normal):
+    """The normal, from where a climb ended: Newton's iteration for a vanishing slope, while it reduces the slope.
 
-    The climb ends where f, flat at its maximum, is known to rounding; the points of flat ellipsoids still move then by
+    The climb ends where f, flat at its maximum, is at it to rounding; the points of flat ellipsoids still move then by
     some 1e-7 of their size. No step changes f by more than rounding: those that would are left out.
     """
-    last = np.inf
-    px, py, pz = nx, ny, nz
-    for _ in range(10):
-        ax, ay, az = image(m, i, nx, ny, nz)
-        bx, by, bz = image(m, j, nx, ny, nz)
-        height_a, height_b = np.sqrt(nx * ax + ny * ay + nz * az), np.sqrt(nx * bx + ny * by + nz * bz)
-        ax, ay, az = ax / height_a, ay / height_a, az / height_a
-        bx, by, bz = bx / height_b, by / height_b, bz / height_b
-        gx, gy, gz = rx - ax - bx, ry - ay - by, rz - az - bz
-        value = gx * nx + gy * ny + gz * nz
-        tx, ty, tz, ux, uy, uz = tangents(nx, ny, nz)
-        gt, gu = gx * tx + gy * ty + gz * tz, gx * ux + gy * uy + gz * uz
-        slope = abs(gt) + abs(gu)
-        if not slope < 0.5 * last:
-            return px, py, pz
-        last, px, py, pz = slope, nx, ny, nz
-        ktt, kuu, ktu = value, value, 0.0
-        for body in range(2):
-            k, height = (i, height_a) if body == 0 else (j, height_b)
-            x, y, z = (ax, ay, az) if body == 0 else (bx, by, bz)
-            mtx, mty, mtz = image(m, k, tx, ty, tz)
-            mux, muy, muz = image(m, k, ux, uy, uz)
-            t, u = x * tx + y * ty + z * tz, x * ux + y * uy + z * uz
-            ktt += ((tx * mtx + ty * mty + tz * mtz) - t * t) / height
-            kuu += ((ux * mux + uy * muy + uz * muz) - u * u) / height
-            ktu += ((tx * mux + ty * muy + tz * muz) - t * u) / height
-        det = ktt * kuu - ktu * ktu
-        if not (det > 0.0 and ktt > 0.0):
-            return px, py, pz
-        st, su = (kuu * gt - ktu * gu) / det, (ktt * gu - ktu * gt) / det
-        if st * st + su * su > 1e-6:  # not near the end: the climb stopped for another reason
-            return px, py, pz
-        nx, ny, nz = nx + st * tx + su * ux, ny + st * ty + su * uy, nz + st * tz + su * uz
-        norm = np.sqrt(nx * nx + ny * ny + nz * nz)
-        nx, ny, nz = nx / norm, ny / norm, nz / norm
-    return px, py, pz
+    last, settled = np.inf, normal
+    for _ in range(SETTLINGS):
+        point_a, height_a = surface_point(m, pair.a, normal)
+        point_b, height_b = surface_point(m, pair.b, normal)
+        slope = minus(minus(pair.offset, point_a), point_b)
+        value = dot(slope, normal)
+        p, q = basis(normal)
+        gp, gq = dot(slope, p), dot(slope, q)
+        steepness = abs(gp) + abs(gq)
+        if not steepness < 0.5 * last:
+            return settled
+        last, settled = steepness, normal
+        app, aqq, apq = curvatures(m, pair.a, p, q, point_a, height_a)
+        bpp, bqq, bpq = curvatures(m, pair.b, p, q, point_b, height_b)
+        kpp, kqq, kpq = value + app + bpp, value + aqq + bqq, apq + bpq
+        if not (kpp * kqq - kpq * kpq > 0.0 and kpp > 0.0):
+            return settled
+        sp, sq = solved(kpp, kqq, kpq, gp, gq)
+        if sp * sp + sq * sq > 1e-6:  # not near the end: the climb stopped for another reason
+            return settled
+        normal = turned(normal, sp, p, sq, q)
+    return settled

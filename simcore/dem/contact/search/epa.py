@@ -1,179 +1,154 @@
 """EPA: the facet of the Minkowski difference M next to the origin (van den Bergen 2001)."""
 
+from typing import NamedTuple
+
 import numpy as np
-from numba import types
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact.search.gjk import along
-from simcore.dem.contact.search.pair_frame import support
-from simcore.dem.contact.search.polytope import Polytope, insert_point, nearest_face, start_polytope, volume_of
-from simcore.dem.contact.search.scratch import scratch
+from simcore.dem.contact.search.pair_frame import Facet, support
+from simcore.dem.contact.search.polytope import (
+    insert_point,
+    nearest_face,
+    polytope_scratch,
+    shadows,
+    start_polytope,
+    volume_of,
+)
+from simcore.dem.contact.search.simplex import along, copy_point, edge_of, put_support
+from simcore.dem.vectors import Vec, cross, dot, length, minus, negative, over, read, sideways
 
-MAX_VERTICES = 128  # pairs that just touch need 10 to 20
-MAX_FACES = 2 * MAX_VERTICES
+MAX_VERTICES = 128  # a capacity (docs/constants_contact.md#capacities-and-bounds-of-iterations)
 TOLERANCE = 1e-12  # of the pair's size: how far M may reach beyond a facet that counts as its own
 FLAT = 1e-9  # of the size³: a tetrahedron of less volume is no start
 
-_take_points = scratch(types.float64, MAX_VERTICES, 3)
-_take_vertices = scratch(types.int64, MAX_VERTICES, 2)
-_take_faces = scratch(types.int64, MAX_FACES, 3)
-_take_adjacent = scratch(types.int64, MAX_FACES, 3)
-_take_normals = scratch(types.float64, MAX_FACES, 3)
-_take_distances = scratch(types.float64, MAX_FACES)
-_take_seen = scratch(types.int64, MAX_FACES)
-_take_stack = scratch(types.int64, MAX_FACES)
-_take_free = scratch(types.int64, MAX_FACES)
-_take_rim = scratch(types.int64, MAX_FACES, 4)
-_take_from_vertex = scratch(types.int64, MAX_VERTICES)
+_take_polytope = polytope_scratch(MAX_VERTICES, 2 * MAX_VERTICES)
+
+
+class FacetDistance(NamedTuple):
+    """The facet of M next to the origin."""
+
+    overlap: float  # [m], negative: a certain gap along the normal
+    normal: Vec  # from a to b
+    facet: Facet
+    lead: float  # [m], by which other facets show more than this one, as far as the search saw them
 
 
 @leaf
-def _put(points, vertices, k, a, b, x, y, z):
-    points[k, 0], points[k, 1], points[k, 2] = x, y, z
-    vertices[k, 0], vertices[k, 1] = a, b
-
-
-@leaf
-def _farther(shapes, f, a, b, nx, ny, nz, px, py, pz):
-    """Of the supports along n and −n the one farther from the plane through p: (a, b, m)."""
-    a1, b1, x1, y1, z1 = support(shapes, f, a, b, nx, ny, nz)
-    a2, b2, x2, y2, z2 = support(shapes, f, a, b, -nx, -ny, -nz)
-    up = nx * (x1 - px) + ny * (y1 - py) + nz * (z1 - pz)
-    down = -(nx * (x2 - px) + ny * (y2 - py) + nz * (z2 - pz))
-    if up >= down:
-        return a1, b1, x1, y1, z1
-    return a2, b2, x2, y2, z2
+def _farther(shapes, f, a, b, normal, point):
+    """Of the supports along n and −n the one farther from the plane through the point."""
+    above = support(shapes, f, a, b, normal)
+    below = support(shapes, f, a, b, negative(normal))
+    if dot(normal, minus(above.point, point)) >= -dot(normal, minus(below.point, point)):
+        return above
+    return below
 
 
 @routine
-def _start_tetrahedron(shapes, f, a, b, nx, ny, nz, points, vertices):
-    """Points 0 to 3 from a direction: there and back, then as far sideways as M reaches."""
-    a, b, x, y, z = support(shapes, f, a, b, nx, ny, nz)
-    _put(points, vertices, 0, a, b, x, y, z)
-    a, b, x, y, z = support(shapes, f, a, b, -nx, -ny, -nz)
-    _put(points, vertices, 1, a, b, x, y, z)
-    ex, ey, ez = x - points[0, 0], y - points[0, 1], z - points[0, 2]
-    if abs(ex) <= abs(ey) and abs(ex) <= abs(ez):
-        sx, sy, sz = 0.0, -ez, ey
-    elif abs(ey) <= abs(ez):
-        sx, sy, sz = ez, 0.0, -ex
-    else:
-        sx, sy, sz = -ey, ex, 0.0
-    length = np.sqrt(sx * sx + sy * sy + sz * sz)
-    a, b, x, y, z = _farther(
-        shapes, f, a, b, sx / length, sy / length, sz / length, points[0, 0], points[0, 1], points[0, 2]
-    )
-    _put(points, vertices, 2, a, b, x, y, z)
-    fx, fy, fz = x - points[0, 0], y - points[0, 1], z - points[0, 2]
-    sx, sy, sz = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
-    length = np.sqrt(sx * sx + sy * sy + sz * sz)
-    a, b, x, y, z = _farther(
-        shapes, f, a, b, sx / length, sy / length, sz / length, points[0, 0], points[0, 1], points[0, 2]
-    )
-    _put(points, vertices, 3, a, b, x, y, z)
+def _start_tetrahedron(shapes, f, a, b, normal, polytope):
+    """Points 0 to 3 from a direction: along it and back, then as far sideways as M reaches."""
+    m = support(shapes, f, a, b, normal)
+    put_support(polytope, 0, m)
+    m = support(shapes, f, m.a, m.b, negative(normal))
+    put_support(polytope, 1, m)
+    points = polytope.points
+    side = sideways(edge_of(points, 0, 1))
+    m = _farther(shapes, f, m.a, m.b, over(side, length(side)), read(points, 0))
+    put_support(polytope, 2, m)
+    side = cross(edge_of(points, 0, 1), edge_of(points, 0, 2))
+    m = _farther(shapes, f, m.a, m.b, over(side, length(side)), read(points, 0))
+    put_support(polytope, 3, m)
 
 
 @leaf
-def least_weight(points, p, q, s, nx, ny, nz):
-    """Least barycentric weight of the origin's projection along n on triangle p, q, s: negative outside."""
-    px, py, pz = points[p, 0], points[p, 1], points[p, 2]
-    qx, qy, qz = points[q, 0], points[q, 1], points[q, 2]
-    sx, sy, sz = points[s, 0], points[s, 1], points[s, 2]
-    u = (qy * sz - qz * sy) * nx + (qz * sx - qx * sz) * ny + (qx * sy - qy * sx) * nz
-    v = (sy * pz - sz * py) * nx + (sz * px - sx * pz) * ny + (sx * py - sy * px) * nz
-    w = (py * qz - pz * qy) * nx + (pz * qx - px * qz) * ny + (px * qy - py * qx) * nz
+def _least_weight(polytope, k, normal):
+    """Least barycentric weight of the origin's projection along n on face k: negative outside."""
+    faces = polytope.faces
+    u, v, w = shadows(polytope.points, faces[k, 0], faces[k, 1], faces[k, 2], normal)
     return min(u, v, w) / (u + v + w)
 
 
+@leaf
+def _lowest_corner(polytope, k, normal):
+    """Least height along n of the corners of face k."""
+    lowest = np.inf
+    for corner in range(3):
+        lowest = min(lowest, along(polytope.points, polytope.faces[k, corner], normal))
+    return lowest
+
+
 @routine
-def _facet_below(points, faces, normals, distances, n_faces, nearest, tolerance):
-    """Of the faces in the plane of the nearest one, that which holds the origin's projection.
+def _facet_below(polytope, n_faces, nearest, tolerance):
+    """Of the faces in the plane of the nearest one, that which contains the origin's projection.
 
     A facet of M is a triangle only by chance: that of two edges is a parallelogram, and EPA meets its triangles in
     any order.
     """
-    nx, ny, nz = normals[nearest, 0], normals[nearest, 1], normals[nearest, 2]
-    best = nearest
-    most = least_weight(points, faces[nearest, 0], faces[nearest, 1], faces[nearest, 2], nx, ny, nz)
-    if most >= 0.0:
+    distances, normal = polytope.distances, read(polytope.normals, nearest)
+    best, largest = nearest, _least_weight(polytope, nearest, normal)
+    if largest >= 0.0:
         return best
     for k in range(n_faces):
         if distances[k] > distances[nearest] + tolerance:
             continue
-        p, q, s = faces[k, 0], faces[k, 1], faces[k, 2]
         # A face as near may also lie elsewhere (concentric bodies): then its corners are not in the plane.
-        lowest = min(along(points, p, nx, ny, nz), along(points, q, nx, ny, nz), along(points, s, nx, ny, nz))
-        if lowest < distances[nearest] - 4.0 * tolerance:
+        if _lowest_corner(polytope, k, normal) < distances[nearest] - 4.0 * tolerance:
             continue
-        least = least_weight(points, p, q, s, nx, ny, nz)
-        if least > most:
-            best, most = k, least
+        weight = _least_weight(polytope, k, normal)
+        if weight > largest:
+            best, largest = k, weight
     return best
 
 
 @leaf
-def _lead(points, faces, distances, n_faces, least, nx, ny, nz, tolerance):
+def _lead(polytope, n_faces, least, normal, tolerance):
     """Distance of the nearest face that is not in the plane of normal n at `least`, less that."""
     second = np.inf
     for k in range(n_faces):
-        if distances[k] < second:
-            lowest = np.inf
-            for c in range(3):
-                lowest = min(lowest, along(points, faces[k, c], nx, ny, nz))
-            if lowest < least - 4.0 * tolerance:
-                second = distances[k]
+        if polytope.distances[k] < second and _lowest_corner(polytope, k, normal) < least - 4.0 * tolerance:
+            second = polytope.distances[k]
     return max(second - least, 0.0)
 
 
+@leaf
+def _corners(polytope, k):
+    """The vertices of a and b that the corners of face k come from."""
+    vertices, p, q, s = polytope.vertices, polytope.faces[k, 0], polytope.faces[k, 1], polytope.faces[k, 2]
+    return Facet(vertices[p, 0], vertices[q, 0], vertices[s, 0], vertices[p, 1], vertices[q, 1], vertices[s, 1])
+
+
 @routine
-def expand(shapes, f, size, a, b, nx, ny, nz, simplex, simplex_vertices, n_simplex):
-    """Signed facet distance: (found, overlap, normal (3), facet a0 a1 a2 b0 b1 b2, lead).
+def expand(shapes, f, a, b, normal, simplex, n_simplex):
+    """The facet of M next to the origin: (complete, FacetDistance), in the axes of the frame f.
 
-    lead: how much farther the next face of the polytope lies, and so what other facets show more than this one.
-    Starts from GJK's simplex where that is a tetrahedron, else from direction n and vertices a, b. A negative overlap
-    is a certain gap along the normal. Not found: the polytope ran out of room or could not be kept closed.
+    Starts from GJK's simplex where that is a tetrahedron, else from the direction n and vertices a, b. Not complete:
+    the polytope ran out of room or could not be kept closed. lead: of the polytope's next face.
     """
-    points, vertices = _take_points(), _take_vertices()
-    polytope = Polytope(
-        points, _take_faces(), _take_adjacent(), _take_normals(), _take_distances(),
-        _take_seen(), _take_stack(), _take_free(), _take_rim(), _take_from_vertex(),
-    )  # fmt: skip
-    faces, normals, distances = polytope.faces, polytope.normals, polytope.distances
-
+    polytope = _take_polytope()
     volume = 0.0
     if n_simplex == 4:
         for k in range(4):
-            _put(
-                points, vertices, k, simplex_vertices[k, 0], simplex_vertices[k, 1],
-                simplex[k, 0], simplex[k, 1], simplex[k, 2],
-            )  # fmt: skip
-        volume = volume_of(points)
-    if not abs(volume) > FLAT * size**3:
-        _start_tetrahedron(shapes, f, a, b, nx, ny, nz, points, vertices)
-    start_polytope(polytope, size)
+            copy_point(polytope, k, simplex, k)
+        volume = volume_of(polytope.points)
+    if not abs(volume) > FLAT * f.size**3:
+        _start_tetrahedron(shapes, f, a, b, normal, polytope)
+    start_polytope(polytope, f.size)
     n_faces, n_free = 4, 0
-    tolerance = TOLERANCE * size
+    tolerance = TOLERANCE * f.size
 
     for mark in range(1, MAX_VERTICES - 3):
         nearest, least = nearest_face(polytope, n_faces)
         if not least < np.inf:
             break
-        nx, ny, nz = normals[nearest, 0], normals[nearest, 1], normals[nearest, 2]
-        start = faces[nearest, 0]
-        a, b, x, y, z = support(shapes, f, vertices[start, 0], vertices[start, 1], nx, ny, nz)
-        reach = x * nx + y * ny + z * nz
+        normal = read(polytope.normals, nearest)
+        start = polytope.faces[nearest, 0]
+        m = support(shapes, f, polytope.vertices[start, 0], polytope.vertices[start, 1], normal)
+        reach = dot(m.point, normal)
         if reach - least <= tolerance:
-            nearest = _facet_below(points, faces, normals, distances, n_faces, nearest, tolerance)
-            p, q, s = faces[nearest, 0], faces[nearest, 1], faces[nearest, 2]
-            return (
-                True, reach, nx, ny, nz,
-                vertices[p, 0], vertices[q, 0], vertices[s, 0], vertices[p, 1], vertices[q, 1], vertices[s, 1],
-                _lead(points, faces, distances, n_faces, least, nx, ny, nz, tolerance),
-            )  # fmt: skip
-
+            facet = _corners(polytope, _facet_below(polytope, n_faces, nearest, tolerance))
+            return True, FacetDistance(reach, normal, facet, _lead(polytope, n_faces, least, normal, tolerance))
         w = 3 + mark
-        _put(points, vertices, w, a, b, x, y, z)
-        done, n_faces, n_free = insert_point(polytope, w, nearest, n_faces, n_free, mark, size)
+        put_support(polytope, w, m)
+        done, n_faces, n_free = insert_point(polytope, w, nearest, n_faces, n_free, mark, f.size)
         if not done:
             break
-    return False, 0.0, nx, ny, nz, -1, -1, -1, -1, -1, -1, 0.0
+    return False, FacetDistance(0.0, normal, Facet(-1, -1, -1, -1, -1, -1), 0.0)

@@ -1,129 +1,122 @@
-"""Two convex hulls, of which one may be a single point, from nothing: distance to the last digits, normal, points."""
-
-import numpy as np
-from numba import types
+"""Two polyhedra, of which one may be a single point, from nothing: distance to the last digits, normal, points."""
 
 from simcore.compilation import leaf, routine
+from simcore.dem.contact.pair import Closest
 from simcore.dem.contact.search.facets import facet_at
-from simcore.dem.contact.search.gjk import GAP_TOLERANCE, sharpen, triangle_weights, walk_to_origin
+from simcore.dem.contact.search.gjk import GAP_TOLERANCE, Approach, sharpen, walk_to_origin
 from simcore.dem.contact.search.pair_frame import (
     difference,
     frame_of,
     support,
     support_afar,
-    to_body,
-    to_world,
     vertex_a,
     vertex_b,
 )
 from simcore.dem.contact.search.polyhedra import facet_distance
-from simcore.dem.contact.search.scratch import scratch
+from simcore.dem.contact.search.simplex import (
+    keep_weighted,
+    take_simplex,
+    triangle_weights,
+    weighted_point,
+)
+from simcore.dem.vectors import (
+    Vec,
+    across,
+    beside,
+    direction_of,
+    into_axes,
+    length,
+    out_of_axes,
+    plus_scaled,
+    write,
+)
 
 UNSURE = 1e-12  # of the pair's size: between the bounds of a gap from below and above
 BESIDE = 1e-13  # of the pair's size: how far from the normal's line through the origin M's point may lie
 
-_take_points = scratch(types.float64, 4, 3)
-_take_vertices = scratch(types.int64, 4, 2)
-_take_weights = scratch(types.float64, 4)
+
+@leaf
+def _weigh_triangle(simplex):
+    """Weigh three points by the point of their triangle next to the origin; returns how many have a weight."""
+    weights = simplex.weights
+    weights[0], weights[1], weights[2] = triangle_weights(simplex.points, 0, 1, 2)
+    return keep_weighted(simplex, weights, 3)
 
 
 @leaf
-def _project(shapes, f, nx, ny, nz, points, vertices, weights):
-    """Weights, of the three corners of a facet with normal n, of the point next to the origin's projection."""
+def _project_facet(shapes, f, facet, normal, simplex):
+    """Weigh the corners of a facet with this normal by the point next to the origin's projection, as above."""
+    v = simplex.vertices
+    v[0, 0], v[1, 0], v[2, 0] = facet.a0, facet.a1, facet.a2
+    v[0, 1], v[1, 1], v[2, 1] = facet.b0, facet.b1, facet.b2
     for k in range(3):
-        x, y, z = difference(shapes, f, vertices[k, 0], vertices[k, 1])
-        depth = x * nx + y * ny + z * nz
-        points[k, 0], points[k, 1], points[k, 2] = x - depth * nx, y - depth * ny, z - depth * nz
-    weights[0], weights[1], weights[2] = triangle_weights(points, 0, 1, 2)
+        write(simplex.points, k, across(difference(shapes, f, v[k, 0], v[k, 1]), normal))
+    return _weigh_triangle(simplex)
 
 
 @leaf
-def _drop(points, vertices, weights, n):
-    """Drop simplex points of no weight: how many are left."""
-    kept = 0
-    for k in range(n):
-        if weights[k] > 0.0:
-            points[kept, 0], points[kept, 1], points[kept, 2] = points[k, 0], points[k, 1], points[k, 2]
-            vertices[kept, 0], vertices[kept, 1] = vertices[k, 0], vertices[k, 1]
-            weights[kept] = weights[k]
-            kept += 1
-    return kept
-
-
-@leaf
-def _beside(shapes, f, nx, ny, nz, vertices, weights, n):
+def _aside(shapes, f, normal, simplex, n):
     """Distance of the point Σ w m of M from the line along n through the origin."""
-    x, y, z = 0.0, 0.0, 0.0
+    point = Vec(0.0, 0.0, 0.0)
     for k in range(n):
-        mx, my, mz = difference(shapes, f, vertices[k, 0], vertices[k, 1])
-        x, y, z = x + weights[k] * mx, y + weights[k] * my, z + weights[k] * mz
-    along = x * nx + y * ny + z * nz
-    x, y, z = x - along * nx, y - along * ny, z - along * nz
-    return np.sqrt(x * x + y * y + z * z)
+        m = difference(shapes, f, simplex.vertices[k, 0], simplex.vertices[k, 1])
+        point = plus_scaled(point, simplex.weights[k], m)
+    return beside(point, normal)
+
+
+@leaf
+def _search_facet(shapes, f, end, simplex):
+    """The approach where GJK certified no gap, by the facet of M next to the origin; its gap is minus the overlap."""
+    deepest = facet_distance(shapes, f, end.a, end.b, end.normal, simplex, end.n)
+    n = _project_facet(shapes, f, deepest.facet, deepest.normal, simplex)
+    gap, distance = -deepest.overlap, 0.0
+    if gap > 0.0:  # too small for GJK: the nearest feature may be an edge or a corner of the facet
+        for k in range(3):
+            write(simplex.points, k, difference(shapes, f, simplex.vertices[k, 0], simplex.vertices[k, 1]))
+        n = _weigh_triangle(simplex)
+        distance = length(weighted_point(simplex.points, simplex.weights, n))
+    return Approach(gap, deepest.normal, end.a, end.b, distance, n)
+
+
+@leaf
+def _sharpen_gap(shapes, f, end, simplex, fresh):
+    """The approach with a gap as good as the distance, to rounding."""
+    end = sharpen(shapes, f, simplex, end)
+    if end.distance - end.gap > UNSURE * f.size:  # a face whose corners GJK never met together: EPA finds its normal
+        nearest = facet_distance(shapes, f, end.a, end.b, end.normal, fresh, 0)
+        if -nearest.overlap > end.gap:
+            facet = nearest.facet
+            return Approach(-nearest.overlap, nearest.normal, facet.a0, facet.b0, end.distance, end.n)
+    return end
 
 
 @routine
-def query_hulls(shapes, bodies, i, j, rx, ry, rz, size):
-    """Signed distance of hulls i and j: (distance, normal a to b (3), point of a from its centre (3), of b (3)).
-
-    size: of the pair, which the tolerances refer to. r: offset from the centre of a to that of b. World axes.
-    """
-    points, vertices, weights = _take_points(), _take_vertices(), _take_weights()
-    fresh_vertices, fresh_weights = _take_vertices(), _take_weights()
-    f = frame_of(bodies, i, j, rx, ry, rz)
-    shape_a, shape_b = bodies.shape[i], bodies.shape[j]
-    length = np.sqrt(rx * rx + ry * ry + rz * rz)
-    nx, ny, nz = 1.0, 0.0, 0.0
-    if length > 0.0:
-        nx, ny, nz = to_body(bodies.rotation, i, rx / length, ry / length, rz / length)
-    a, b, _, _, _ = support_afar(shapes, f, nx, ny, nz)
-    value, nx, ny, nz, a, b, distance, n = walk_to_origin(
-        shapes, f, size, a, b, nx, ny, nz, 0.0, points, vertices, weights
-    )
-    if value <= 0.0:
-        overlap, nx, ny, nz, a0, a1, a2, b0, b1, b2, _ = facet_distance(
-            shapes, f, size, shape_a, shape_b, a, b, nx, ny, nz, points, vertices, weights, n
-        )
-        value = -overlap
-        vertices[0, 0], vertices[1, 0], vertices[2, 0] = a0, a1, a2
-        vertices[0, 1], vertices[1, 1], vertices[2, 1] = b0, b1, b2
-        _project(shapes, f, nx, ny, nz, points, vertices, weights)
-        n = _drop(points, vertices, weights, 3)
-        distance = 0.0
-        if value > 0.0:  # a gap too small for GJK: the nearest feature may be an edge or a corner of the facet
-            x, y, z = 0.0, 0.0, 0.0
-            for k in range(3):
-                points[k, 0], points[k, 1], points[k, 2] = difference(shapes, f, vertices[k, 0], vertices[k, 1])
-            weights[0], weights[1], weights[2] = triangle_weights(points, 0, 1, 2)
-            n = _drop(points, vertices, weights, 3)
-            for k in range(n):
-                x, y, z = x + weights[k] * points[k, 0], y + weights[k] * points[k, 1], z + weights[k] * points[k, 2]
-            distance = np.sqrt(x * x + y * y + z * z)
-    if value > 0.0 and distance - value > GAP_TOLERANCE * size:
-        value, nx, ny, nz, a, b = sharpen(shapes, f, size, distance, points, vertices, n, value, nx, ny, nz, a, b)
-        if distance - value > UNSURE * size:  # a face whose corners GJK never met together: EPA finds its normal
-            overlap, ex, ey, ez, a0, _, _, b0, _, _, _ = facet_distance(
-                shapes, f, size, shape_a, shape_b, a, b, nx, ny, nz, points, fresh_vertices, fresh_weights, 0
-            )
-            if -overlap > value:
-                value, nx, ny, nz, a, b = -overlap, ex, ey, ez, a0, b0
-    if _beside(shapes, f, nx, ny, nz, vertices, weights, n) > BESIDE * size:
-        a, b, _, _, _ = support(shapes, f, a, b, nx, ny, nz)
-        m = facet_at(shapes, f, size, a, b, nx, ny, nz, points, fresh_vertices, fresh_weights)
-        if _beside(shapes, f, nx, ny, nz, fresh_vertices, fresh_weights, m) < _beside(
-            shapes, f, nx, ny, nz, vertices, weights, n
-        ):
-            n = m
-            for k in range(n):
-                vertices[k, 0], vertices[k, 1] = fresh_vertices[k, 0], fresh_vertices[k, 1]
-                weights[k] = fresh_weights[k]
-    ax, ay, az, bx, by, bz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+def query_polyhedra(shapes, bodies, pair):
+    """Closest points of two polyhedra, in world axes."""
+    simplex, fresh, rotation = take_simplex(), take_simplex(), bodies.rotation
+    f = frame_of(bodies, pair)
+    normal = Vec(1.0, 0.0, 0.0)
+    if length(pair.offset) > 0.0:
+        normal = into_axes(rotation, pair.a, direction_of(pair.offset))
+    m = support_afar(shapes, f, normal)
+    end = walk_to_origin(shapes, f, m.a, m.b, normal, 0.0, simplex)
+    if end.gap <= 0.0:
+        end = _search_facet(shapes, f, end, simplex)
+    if end.gap > 0.0 and end.distance - end.gap > GAP_TOLERANCE * f.size:
+        end = _sharpen_gap(shapes, f, end, simplex, fresh)
+    n, aside = end.n, _aside(shapes, f, end.normal, simplex, end.n)
+    if aside > BESIDE * f.size:
+        m = support(shapes, f, end.a, end.b, end.normal)
+        n_fresh = facet_at(shapes, f, m.a, m.b, end.normal, fresh)
+        if _aside(shapes, f, end.normal, fresh, n_fresh) < aside:
+            simplex, n = fresh, n_fresh
+    point_a, point_b = Vec(0.0, 0.0, 0.0), Vec(0.0, 0.0, 0.0)
     for k in range(n):
-        x, y, z = vertex_a(shapes, f, vertices[k, 0])
-        ax, ay, az = ax + weights[k] * x, ay + weights[k] * y, az + weights[k] * z
-        x, y, z = vertex_b(shapes, f, vertices[k, 1])
-        bx, by, bz = bx + weights[k] * x, by + weights[k] * y, bz + weights[k] * z
-    nx, ny, nz = to_world(bodies.rotation, i, nx, ny, nz)
-    ax, ay, az = to_world(bodies.rotation, i, ax, ay, az)
-    bx, by, bz = to_world(bodies.rotation, i, bx, by, bz)
-    return value, nx, ny, nz, ax, ay, az, bx, by, bz
+        point_a = plus_scaled(point_a, simplex.weights[k], vertex_a(shapes, f, simplex.vertices[k, 0]))
+        point_b = plus_scaled(point_b, simplex.weights[k], vertex_b(shapes, f, simplex.vertices[k, 1]))
+    return Closest(
+        end.gap,
+        out_of_axes(rotation, pair.a, end.normal),
+        out_of_axes(rotation, pair.a, point_a),
+        out_of_axes(rotation, pair.a, point_b),
+    )

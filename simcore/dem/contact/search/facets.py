@@ -7,16 +7,57 @@ vertex. The cost is linear in edges and crossings, and nothing is stored.
 
 The support value of M along any direction is an upper bound of the depth, whatever the rounding of the direction, and
 it is what is compared: so rounding can misjudge a crossing, but never the depth that its direction shows. And where a
-crossing is missed because it lies at an arc's end by rounding, that end is a face's normal, and is looked at.
+crossing is missed because it lies at an arc's end by rounding, that end is a face's normal, and is tried too.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact.search.gjk import segment_weights, triangle_weights
-from simcore.dem.contact.search.pair_frame import climb_a, climb_b, difference, support, vertex_a, vertex_b
+from simcore.dem.contact.search.pair_frame import Support, climb_a, climb_b, difference, support, vertex_a, vertex_b
+from simcore.dem.contact.search.simplex import (
+    has_point,
+    keep_weighted,
+    put_support,
+    segment_weights,
+    triangle_weights,
+    weighted_point,
+)
+from simcore.dem.vectors import (
+    Vec,
+    across,
+    basis,
+    dot,
+    length,
+    minus,
+    negative,
+    over,
+    plus,
+    scaled,
+)
 
 TIE = 1e-11  # of the pair's size: vertices this close below a support plane count as on it
+
+
+class Depth(NamedTuple):
+    """What a direction shows."""
+
+    overlap: float  # [m], support value of M: an upper bound of the overlap; negative: a certain gap
+    normal: Vec
+    a: int  # supports along the normal
+    b: int
+
+
+class Arc(NamedTuple):
+    """Normals between those of an edge's two faces, counterclockwise from the first; all normal to the edge."""
+
+    p: Vec  # basis of the plane normal to the edge
+    q: Vec
+    first_p: float
+    first_q: float
+    last_p: float
+    last_q: float
 
 
 @leaf
@@ -27,23 +68,20 @@ def _vertex(shapes, f, of_b, v):
 
 
 @leaf
-def _plane_basis(ex, ey, ez):
-    """Two unit vectors p, q normal to e, with p × q along e."""
-    length = np.sqrt(ex * ex + ey * ey + ez * ez)
-    ex, ey, ez = ex / length, ey / length, ez / length
-    sign = 1.0 if ez >= 0.0 else -1.0
-    c = -1.0 / (sign + ez)
-    d = ex * ey * c
-    return 1.0 + sign * ex * ex * c, sign * d, -sign * ex, d, sign + ey * ey * c, -ey
+def _in_plane(arc, p, q):
+    """The direction of components p and q in the plane of an arc."""
+    return plus(scaled(p, arc.p), scaled(q, arc.q))
 
 
 @routine
-def _arc(shapes, f, of_b, u, v, px, py, pz, qx, qy, qz):
-    """Arc of normals of edge u, v: its two ends, from one counterclockwise to the other, in the basis p, q.
+def _arc(shapes, f, of_b, u, v):
+    """Arc of normals of edge u, v of a or of b.
 
     Seen along the edge the body is a corner, and its sides are the extreme ones of the vectors to the neighbours.
     """
-    ux, uy, uz = _vertex(shapes, f, of_b, u)
+    at_u = _vertex(shapes, f, of_b, u)
+    edge = minus(_vertex(shapes, f, of_b, v), at_u)
+    p, q = basis(over(edge, length(edge)))
     lp, lq, rp, rq = 0.0, 0.0, 0.0, 0.0
     for end in range(2):
         here, there = (u, v) if end == 0 else (v, u)
@@ -51,9 +89,8 @@ def _arc(shapes, f, of_b, u, v, px, py, pz, qx, qy, qz):
             w = shapes.neighbors[k]
             if w == there:
                 continue
-            x, y, z = _vertex(shapes, f, of_b, w)
-            x, y, z = x - ux, y - uy, z - uz
-            cp, cq = x * px + y * py + z * pz, x * qx + y * qy + z * qz
+            side = minus(_vertex(shapes, f, of_b, w), at_u)
+            cp, cq = dot(side, p), dot(side, q)
             if lp == 0.0 and lq == 0.0:
                 lp, lq, rp, rq = cp, cq, cp, cq
             else:
@@ -63,158 +100,129 @@ def _arc(shapes, f, of_b, u, v, px, py, pz, qx, qy, qz):
                     rp, rq = cp, cq
     # Outward: to the left of the left side, to the right of the right one
     left, right = np.sqrt(lp * lp + lq * lq), np.sqrt(rp * rp + rq * rq)
-    return -lq / left, lp / left, rq / right, -rp / right
+    return Arc(p, q, -lq / left, lp / left, rq / right, -rp / right)
 
 
 @leaf
-def _consider(shapes, f, a, b, nx, ny, nz, depth, bx, by, bz, ba, bb):
-    """The less of the depth known, along (bx, by, bz), and that along n."""
-    length = np.sqrt(nx * nx + ny * ny + nz * nz)
-    if not length > 0.5:  # a degenerate edge: nan
-        return depth, bx, by, bz, ba, bb
-    nx, ny, nz = nx / length, ny / length, nz / length
-    a, b, x, y, z = support(shapes, f, a, b, nx, ny, nz)
-    reach = x * nx + y * ny + z * nz
-    if reach < depth:
-        return reach, nx, ny, nz, a, b
-    return depth, bx, by, bz, ba, bb
+def _consider(shapes, f, a, b, normal, best):
+    """The less of the best depth and that along n."""
+    size = length(normal)
+    if not size > 0.5:  # a degenerate edge: nan
+        return best
+    normal = over(normal, size)
+    m = support(shapes, f, a, b, normal)
+    reach = dot(m.point, normal)
+    if reach < best.overlap:
+        return Depth(reach, normal, m.a, m.b)
+    return best
+
+
+@leaf
+def _next_region(shapes, f, arc, b, lp, lq):
+    """Where the arc, from its direction l, leaves the region of vertex b: (neighbour that takes over, direction (2)).
+
+    -1: nowhere before the arc's end.
+    """
+    at_b = vertex_b(shapes, f, b)
+    after, ep, eq = -1, arc.last_p, arc.last_q
+    for k in range(shapes.neighbor_start[b], shapes.neighbor_start[b + 1]):
+        w = shapes.neighbors[k]
+        edge = minus(vertex_b(shapes, f, w), at_b)
+        dp, dq = dot(edge, arc.p), dot(edge, arc.q)
+        size = np.sqrt(dp * dp + dq * dq)
+        hp, hq = -dq / size, dp / size
+        # Not before the present direction (vertices of one face follow each other in the same one; the way back to the
+        # last vertex lies at 180°), and before the best so far
+        turn = lp * hq - lq * hp
+        ahead = turn > 1e-14 or (turn >= -1e-14 and lp * hp + lq * hq > 0.0)
+        if ahead and hp * eq - hq * ep > 0.0:
+            after, ep, eq = w, hp, hq
+    return after, ep, eq
+
+
+@leaf
+def _follow_arc(shapes, f, arc, u, b, count_b, best):
+    """Best depth over the normals of an edge of a from vertex u: its ends and its crossings with b's arcs, and b there.
+
+    b: vertex of b to climb from; count_b: number of vertices of b.
+    """
+    lp, lq = arc.first_p, arc.first_q
+    normal = _in_plane(arc, lp, lq)
+    b = climb_b(shapes, f, b, negative(normal))
+    best = _consider(shapes, f, u, b, normal, best)
+    best = _consider(shapes, f, u, b, _in_plane(arc, arc.last_p, arc.last_q), best)
+    for _ in range(count_b):
+        after, ep, eq = _next_region(shapes, f, arc, b, lp, lq)
+        if after < 0:
+            break
+        best = _consider(shapes, f, u, after, _in_plane(arc, ep, eq), best)
+        b, lp, lq = after, ep, eq
+    return best, b
 
 
 @routine
-def least_depth(shapes, f, first_a, last_a, first_b, last_b, nx, ny, nz):
-    """Least support value of M over all its facets' normals: (overlap, normal (3), its supports a and b).
-
-    first, last: range of the bodies' vertices. n: any direction, considered too. Negative: a certain gap.
-    """
-    best_a, best_b, x, y, z = support(shapes, f, first_a, first_b, nx, ny, nz)
-    depth, bx, by, bz = x * nx + y * ny + z * nz, nx, ny, nz
+def least_depth(shapes, f, normal):
+    """Least support value of M over all its facets' normals, and over n, any direction: Depth."""
     start, neighbors = shapes.neighbor_start, shapes.neighbors
-    b = best_b
+    first_a, last_a = shapes.vertex_start[f.shape_a], shapes.vertex_start[f.shape_a + 1]
+    first_b, last_b = shapes.vertex_start[f.shape_b], shapes.vertex_start[f.shape_b + 1]
+    m = support(shapes, f, first_a, first_b, normal)
+    best = Depth(dot(m.point, normal), normal, m.a, m.b)
+    b = best.b
     for u in range(first_a, last_a):
-        ux, uy, uz = vertex_a(shapes, f, u)
         for k in range(start[u], start[u + 1]):
-            v = neighbors[k]
-            if v < u:
-                continue
-            x, y, z = vertex_a(shapes, f, v)
-            px, py, pz, qx, qy, qz = _plane_basis(x - ux, y - uy, z - uz)
-            lp, lq, rp, rq = _arc(shapes, f, False, u, v, px, py, pz, qx, qy, qz)
-            nx, ny, nz = lp * px + lq * qx, lp * py + lq * qy, lp * pz + lq * qz
-            b = climb_b(shapes, f, b, -nx, -ny, -nz)
-            depth, bx, by, bz, best_a, best_b = _consider(
-                shapes, f, u, b, nx, ny, nz, depth, bx, by, bz, best_a, best_b
-            )
-            nx, ny, nz = rp * px + rq * qx, rp * py + rq * qy, rp * pz + rq * qz
-            depth, bx, by, bz, best_a, best_b = _consider(
-                shapes, f, u, b, nx, ny, nz, depth, bx, by, bz, best_a, best_b
-            )
-            # Along the arc: the next of the directions in which b hands over to one of its neighbours
-            for _ in range(last_b - first_b):
-                x, y, z = vertex_b(shapes, f, b)
-                after, ep, eq = -1, rp, rq
-                for m in range(start[b], start[b + 1]):
-                    w = neighbors[m]
-                    wx, wy, wz = vertex_b(shapes, f, w)
-                    wx, wy, wz = wx - x, wy - y, wz - z
-                    dp, dq = wx * px + wy * py + wz * pz, wx * qx + wy * qy + wz * qz
-                    length = np.sqrt(dp * dp + dq * dq)
-                    hp, hq = -dq / length, dp / length
-                    # Not before the present direction (vertices of one face follow each other in the same one; the
-                    # way back to the last vertex lies at 180°), and before the best so far
-                    turn = lp * hq - lq * hp
-                    ahead = turn > 1e-14 or (turn >= -1e-14 and lp * hp + lq * hq > 0.0)
-                    if ahead and hp * eq - hq * ep > 0.0:
-                        after, ep, eq = w, hp, hq
-                if after < 0:
-                    break
-                nx, ny, nz = ep * px + eq * qx, ep * py + eq * qy, ep * pz + eq * qz
-                depth, bx, by, bz, best_a, best_b = _consider(
-                    shapes, f, u, after, nx, ny, nz, depth, bx, by, bz, best_a, best_b
-                )
-                b, lp, lq = after, ep, eq
-    a = best_a
+            if neighbors[k] >= u:
+                arc = _arc(shapes, f, False, u, neighbors[k])
+                best, b = _follow_arc(shapes, f, arc, u, b, last_b - first_b, best)
+    a = best.a
     for u in range(first_b, last_b):
-        ux, uy, uz = vertex_b(shapes, f, u)
         for k in range(start[u], start[u + 1]):
-            v = neighbors[k]
-            if v < u:
-                continue
-            x, y, z = vertex_b(shapes, f, v)
-            px, py, pz, qx, qy, qz = _plane_basis(x - ux, y - uy, z - uz)
-            lp, lq, rp, rq = _arc(shapes, f, True, u, v, px, py, pz, qx, qy, qz)
-            for _ in range(2):
-                nx, ny, nz = -lp * px - lq * qx, -lp * py - lq * qy, -lp * pz - lq * qz
-                a = climb_a(shapes, f, a, nx, ny, nz)
-                depth, bx, by, bz, best_a, best_b = _consider(
-                    shapes, f, a, u, nx, ny, nz, depth, bx, by, bz, best_a, best_b
-                )
-                lp, lq = rp, rq
-    return depth, bx, by, bz, best_a, best_b
+            if neighbors[k] >= u:
+                arc = _arc(shapes, f, True, u, neighbors[k])
+                for end in range(2):
+                    p, q = (arc.first_p, arc.first_q) if end == 0 else (arc.last_p, arc.last_q)
+                    outward = minus(scaled(-p, arc.p), scaled(q, arc.q))
+                    a = climb_a(shapes, f, a, outward)
+                    best = _consider(shapes, f, a, u, outward, best)
+    return best
 
 
 @leaf
-def _tied_a(shapes, f, a, nx, ny, nz, lowest, tx, ty, tz):
-    """Vertex of a farthest along t among those that reach `lowest` along n, from vertex a."""
-    x, y, z = vertex_a(shapes, f, a)
-    best = x * tx + y * ty + z * tz
+def _tied(shapes, f, of_b, v, normal, lowest, way):
+    """Vertex of a or b that is farthest along a way among those that reach `lowest` along n, from vertex v."""
+    best = dot(_vertex(shapes, f, of_b, v), way)
     for _ in range(len(shapes.vertices)):
-        higher = a
-        for k in range(shapes.neighbor_start[a], shapes.neighbor_start[a + 1]):
-            w = shapes.neighbors[k]
-            x, y, z = vertex_a(shapes, f, w)
-            if x * nx + y * ny + z * nz >= lowest and x * tx + y * ty + z * tz > best:
-                best, higher = x * tx + y * ty + z * tz, w
-        if higher == a:
+        higher = v
+        for k in range(shapes.neighbor_start[v], shapes.neighbor_start[v + 1]):
+            at_w = _vertex(shapes, f, of_b, shapes.neighbors[k])
+            if dot(at_w, normal) >= lowest and dot(at_w, way) > best:
+                best, higher = dot(at_w, way), shapes.neighbors[k]
+        if higher == v:
             break
-        a = higher
-    return a
-
-
-@leaf
-def _tied_b(shapes, f, b, nx, ny, nz, lowest, tx, ty, tz):
-    """As `_tied_a`, for b."""
-    x, y, z = vertex_b(shapes, f, b)
-    best = x * tx + y * ty + z * tz
-    for _ in range(len(shapes.vertices)):
-        higher = b
-        for k in range(shapes.neighbor_start[b], shapes.neighbor_start[b + 1]):
-            w = shapes.neighbors[k]
-            x, y, z = vertex_b(shapes, f, w)
-            if x * nx + y * ny + z * nz >= lowest and x * tx + y * ty + z * tz > best:
-                best, higher = x * tx + y * ty + z * tz, w
-        if higher == b:
-            break
-        b = higher
-    return b
+        v = higher
+    return v
 
 
 @routine
-def facet_at(shapes, f, size, a, b, nx, ny, nz, points, vertices, weights):
-    """Triangle in M's facet along n that holds the origin's projection, or comes nearest: number of its corners.
+def facet_at(shapes, f, a, b, normal, simplex):
+    """Triangle in M's facet along n that contains the origin's projection, or comes nearest: number of its corners.
 
-    a, b: supports along n. Fills points (4, 3), their parts normal to n, vertices (4, 2) and weights (4). This is GJK
-    in the plane, over the vertices that reach the facet within TIE.
+    a, b: supports along n. Fills the simplex; its points are the parts normal to n. This is GJK in the plane, over the
+    vertices that reach the facet within TIE.
     """
-    x, y, z = vertex_a(shapes, f, a)
-    lowest_a = x * nx + y * ny + z * nz - TIE * size
-    x, y, z = vertex_b(shapes, f, b)
-    lowest_b = -(x * nx + y * ny + z * nz) - TIE * size
+    points, weights = simplex.points, simplex.weights
+    against = negative(normal)
+    lowest_a = dot(vertex_a(shapes, f, a), normal) - TIE * f.size
+    lowest_b = dot(vertex_b(shapes, f, b), against) - TIE * f.size
     n = 0
-    vx, vy, vz, distance = 0.0, 0.0, 0.0, np.inf
+    nearest, distance = Vec(0.0, 0.0, 0.0), np.inf
     for _ in range(64):
         if n > 0:
-            a = _tied_a(shapes, f, a, nx, ny, nz, lowest_a, -vx, -vy, -vz)
-            b = _tied_b(shapes, f, b, -nx, -ny, -nz, lowest_b, vx, vy, vz)
-            repeated = False
-            for k in range(n):
-                if vertices[k, 0] == a and vertices[k, 1] == b:
-                    repeated = True
-            if repeated:
+            a = _tied(shapes, f, False, a, normal, lowest_a, negative(nearest))
+            b = _tied(shapes, f, True, b, against, lowest_b, nearest)
+            if has_point(simplex, n, a, b):
                 break
-        x, y, z = difference(shapes, f, a, b)
-        depth = x * nx + y * ny + z * nz
-        points[n, 0], points[n, 1], points[n, 2] = x - depth * nx, y - depth * ny, z - depth * nz
-        vertices[n, 0], vertices[n, 1] = a, b
+        put_support(simplex, n, Support(a, b, across(difference(shapes, f, a, b), normal)))
         n += 1
         if n == 1:
             weights[0] = 1.0
@@ -222,23 +230,12 @@ def facet_at(shapes, f, size, a, b, nx, ny, nz, points, vertices, weights):
             weights[0], weights[1] = segment_weights(points, 0, 1)
         else:
             weights[0], weights[1], weights[2] = triangle_weights(points, 0, 1, 2)
-        vx, vy, vz = 0.0, 0.0, 0.0
-        for k in range(n):
-            vx += weights[k] * points[k, 0]
-            vy += weights[k] * points[k, 1]
-            vz += weights[k] * points[k, 2]
-        last, distance = distance, np.sqrt(vx * vx + vy * vy + vz * vz)
-        if distance <= 1e-14 * size or distance >= last:
+        nearest = weighted_point(points, weights, n)
+        last, distance = distance, length(nearest)
+        if distance <= 1e-14 * f.size or distance >= last:
             break
         if n == 3:
-            kept = 0
-            for k in range(n):
-                if weights[k] > 0.0:
-                    points[kept, 0], points[kept, 1], points[kept, 2] = points[k, 0], points[k, 1], points[k, 2]
-                    vertices[kept, 0], vertices[kept, 1] = vertices[k, 0], vertices[k, 1]
-                    weights[kept] = weights[k]
-                    kept += 1
-            n = kept
+            n = keep_weighted(simplex, weights, n)
             if n == 3:  # the origin's projection lies within: what is left is rounding
                 break
     return n

@@ -1,133 +1,131 @@
-"""A pair of polyhedra in the axes of body a, as scalars: the form in which the searches compute.
+"""A pair of polyhedra in the axes of body a: the form in which the searches compute.
 
-The matrix of b carries its scale, so a vertex of b is one matrix times its base vertex, and a direction for its base
-the transpose times the direction.
+The Minkowski difference is M = A − (B + r). The matrix of b carries its scale, so a vertex of b is one matrix times its
+base vertex, and a direction for its base the transpose times the direction.
 """
 
 from typing import NamedTuple
 
 from simcore.compilation import leaf
 from simcore.dem.shapes.hulls import climb, climb_from_hint
+from simcore.dem.vectors import Vec, dot, into_axes, minus, negative, plus_scaled, read, scaled
 
 
 class Frame(NamedTuple):
-    """Scale of a; W = Rₐᵀ R_b diag(scale of b); offset Rₐᵀ r from the centre of a to that of b."""
+    """Polyhedra a and b in the axes of a. The rows are those of the matrix W = Rₐᵀ R_b diag(scale of b)."""
 
-    ax: float
-    ay: float
-    az: float
-    xx: float
-    xy: float
-    xz: float
-    yx: float
-    yy: float
-    yz: float
-    zx: float
-    zy: float
-    zz: float
-    rx: float
-    ry: float
-    rz: float
+    scale: Vec  # of a
+    row_x: Vec
+    row_y: Vec
+    row_z: Vec
+    offset: Vec  # [m], from the centre of a to that of b
     shape_a: int
     shape_b: int
+    size: float  # [m], of the pair
+
+
+class Support(NamedTuple):
+    """A point of M: the vertices a and b whose difference it is, and the point m = a − b − r."""
+
+    a: int
+    b: int
+    point: Vec
+
+
+class Facet(NamedTuple):
+    """Vertices of a and of b whose differences are three corners of a facet of M, or of its part next to the origin.
+
+    -1 for corners that the part does not have.
+    """
+
+    a0: int
+    a1: int
+    a2: int
+    b0: int
+    b1: int
+    b2: int
 
 
 @leaf
-def to_body(rotation, i, x, y, z):
-    """A world vector in the axes of body i."""
-    return (
-        rotation[i, 0, 0] * x + rotation[i, 1, 0] * y + rotation[i, 2, 0] * z,
-        rotation[i, 0, 1] * x + rotation[i, 1, 1] * y + rotation[i, 2, 1] * z,
-        rotation[i, 0, 2] * x + rotation[i, 1, 2] * y + rotation[i, 2, 2] * z,
-    )
-
-
-@leaf
-def to_world(rotation, i, x, y, z):
-    """A vector in the axes of body i in the world's."""
-    return (
-        rotation[i, 0, 0] * x + rotation[i, 0, 1] * y + rotation[i, 0, 2] * z,
-        rotation[i, 1, 0] * x + rotation[i, 1, 1] * y + rotation[i, 1, 2] * z,
-        rotation[i, 2, 0] * x + rotation[i, 2, 1] * y + rotation[i, 2, 2] * z,
-    )
-
-
-@leaf
-def frame_of(bodies, i, j, rx, ry, rz):
-    """The pair i, j with offset r [m, world] from i to j."""
-    rotation, scale = bodies.rotation, bodies.scale
-    xx, yx, zx = to_body(rotation, i, rotation[j, 0, 0], rotation[j, 1, 0], rotation[j, 2, 0])
-    xy, yy, zy = to_body(rotation, i, rotation[j, 0, 1], rotation[j, 1, 1], rotation[j, 2, 1])
-    xz, yz, zz = to_body(rotation, i, rotation[j, 0, 2], rotation[j, 1, 2], rotation[j, 2, 2])
-    rx, ry, rz = to_body(rotation, i, rx, ry, rz)
-    bx, by, bz = scale[j, 0], scale[j, 1], scale[j, 2]
+def frame_of(bodies, pair):
+    """The pair in the axes of its body a."""
+    rotation, scale, i, j = bodies.rotation, bodies.scale, pair.a, pair.b
+    x = into_axes(rotation, i, Vec(rotation[j, 0, 0], rotation[j, 1, 0], rotation[j, 2, 0]))
+    y = into_axes(rotation, i, Vec(rotation[j, 0, 1], rotation[j, 1, 1], rotation[j, 2, 1]))
+    z = into_axes(rotation, i, Vec(rotation[j, 0, 2], rotation[j, 1, 2], rotation[j, 2, 2]))
+    x, y, z = scaled(scale[j, 0], x), scaled(scale[j, 1], y), scaled(scale[j, 2], z)
     return Frame(
-        scale[i, 0], scale[i, 1], scale[i, 2],
-        xx * bx, xy * by, xz * bz, yx * bx, yy * by, yz * bz, zx * bx, zy * by, zz * bz,
-        rx, ry, rz, bodies.shape[i], bodies.shape[j],
+        read(scale, i),
+        Vec(x.x, y.x, z.x), Vec(x.y, y.y, z.y), Vec(x.z, y.z, z.z),
+        into_axes(rotation, i, pair.offset), bodies.shape[i], bodies.shape[j], pair.size,
     )  # fmt: skip
 
 
 @leaf
 def vertex_a(shapes, f, a):
-    """Vertex of a from its centre."""
+    """Vertex of a, from its centre."""
     v = shapes.vertices
-    return f.ax * v[a, 0], f.ay * v[a, 1], f.az * v[a, 2]
+    return Vec(f.scale.x * v[a, 0], f.scale.y * v[a, 1], f.scale.z * v[a, 2])
 
 
 @leaf
 def vertex_b(shapes, f, b):
-    """Vertex of b from its centre."""
-    v = shapes.vertices
-    x, y, z = v[b, 0], v[b, 1], v[b, 2]
-    return f.xx * x + f.xy * y + f.xz * z, f.yx * x + f.yy * y + f.yz * z, f.zx * x + f.zy * y + f.zz * z
+    """Vertex of b, from its centre."""
+    v = read(shapes.vertices, b)
+    return Vec(dot(f.row_x, v), dot(f.row_y, v), dot(f.row_z, v))
 
 
 @leaf
-def climb_a(shapes, f, a, nx, ny, nz):
+def direction_a(f, normal):
+    """A direction as that in which the base of a has its support point."""
+    return Vec(f.scale.x * normal.x, f.scale.y * normal.y, f.scale.z * normal.z)
+
+
+@leaf
+def direction_b(f, normal):
+    """A direction as that in which the base of b has its support point."""
+    return plus_scaled(plus_scaled(scaled(normal.x, f.row_x), normal.y, f.row_y), normal.z, f.row_z)
+
+
+@leaf
+def climb_a(shapes, f, a, normal):
     """Vertex of a farthest along n, from vertex a."""
-    return climb(shapes, a, f.ax * nx, f.ay * ny, f.az * nz)
+    d = direction_a(f, normal)
+    return climb(shapes, a, d.x, d.y, d.z)
 
 
 @leaf
-def climb_b(shapes, f, b, nx, ny, nz):
+def climb_b(shapes, f, b, normal):
     """Vertex of b farthest along n, from vertex b."""
-    return climb(
-        shapes,
-        b,
-        f.xx * nx + f.yx * ny + f.zx * nz,
-        f.xy * nx + f.yy * ny + f.zy * nz,
-        f.xz * nx + f.yz * ny + f.zz * nz,
-    )
+    d = direction_b(f, normal)
+    return climb(shapes, b, d.x, d.y, d.z)
 
 
 @leaf
 def difference(shapes, f, a, b):
     """The point m = a − b − r of vertices a and b."""
-    ax, ay, az = vertex_a(shapes, f, a)
-    bx, by, bz = vertex_b(shapes, f, b)
-    return ax - bx - f.rx, ay - by - f.ry, az - bz - f.rz
+    return minus(minus(vertex_a(shapes, f, a), vertex_b(shapes, f, b)), f.offset)
 
 
 @leaf
-def support(shapes, f, a, b, nx, ny, nz):
-    """Support point of M along n: vertices a and b, climbed to from those given, and m = a − b − r."""
-    a = climb_a(shapes, f, a, nx, ny, nz)
-    b = climb_b(shapes, f, b, -nx, -ny, -nz)
-    x, y, z = difference(shapes, f, a, b)
-    return a, b, x, y, z
+def support(shapes, f, a, b, normal):
+    """Support point of M along n; vertices a and b are where the climbs start."""
+    a = climb_a(shapes, f, a, normal)
+    b = climb_b(shapes, f, b, negative(normal))
+    return Support(a, b, difference(shapes, f, a, b))
 
 
 @leaf
-def support_afar(shapes, f, nx, ny, nz):
-    """As `support`, along a direction far from the last."""
-    a = climb_from_hint(shapes, f.shape_a, f.ax * nx, f.ay * ny, f.az * nz)
-    b = climb_from_hint(
-        shapes,
-        f.shape_b,
-        -(f.xx * nx + f.yx * ny + f.zx * nz),
-        -(f.xy * nx + f.yy * ny + f.zy * nz),
-        -(f.xz * nx + f.yz * ny + f.zz * nz),
-    )
-    x, y, z = difference(shapes, f, a, b)
-    return a, b, x, y, z
+def support_afar(shapes, f, normal):
+    """Support point of M along a direction far from the last one."""
+    d = direction_a(f, normal)
+    a = climb_from_hint(shapes, f.shape_a, d.x, d.y, d.z)
+    d = negative(direction_b(f, normal))
+    b = climb_from_hint(shapes, f.shape_b, d.x, d.y, d.z)
+    return Support(a, b, difference(shapes, f, a, b))
+
+
+@leaf
+def facet_of(vertices):
+    """The facet of the three pairs of vertices in an array (n, 2)."""
+    return Facet(vertices[0, 0], vertices[1, 0], vertices[2, 0], vertices[0, 1], vertices[1, 1], vertices[2, 1])

@@ -1,60 +1,94 @@
-"""A convex polytope that grows by one vertex at a time, as expanding-polytope searches need it."""
+"""A convex polytope that grows by one vertex at a time, as expanding-polytope searches need it.
+
+It begins as a tetrahedron (`start_polytope`). A new vertex w replaces the faces that it sees by a fan from their rim:
+
+        rim ____ w            seen: the faces whose plane w lies beyond
+           /::::\\            rim: the edges between them and the others, a ring
+       ___/:seen:\\___
+
+The searches differ in how they ask for the next vertex and in when they end; the growth is this one.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 
 from simcore.compilation import leaf, routine
+from simcore.dem.contact.search.scratch import scratch_tuple
+from simcore.dem.vectors import Vec, cross, dot, length, minus, plus, read, scaled, triple, write
 
 
 class Polytope(NamedTuple):
-    """Closed triangle mesh, its faces outward. Lengths are capacities; how much is in use goes beside it."""
+    """Closed triangle mesh, its faces outward. Lengths are capacities; the numbers in use are passed beside it."""
 
     points: np.ndarray  # (n, 3)
+    vertices: np.ndarray  # (n, 2) int64: of polyhedra, the vertices a and b that a point comes from
     faces: np.ndarray  # (m, 3) int64
     adjacent: np.ndarray  # (m, 3) int64: face beyond the edge from corner k to k + 1
     normals: np.ndarray  # (m, 3)
     distances: np.ndarray  # (m,) of the plane from the origin; infinite: the slot is empty, or a sliver's
-    seen: np.ndarray  # (m,) int64
+    mark: np.ndarray  # (m,) int64: number of the last insertion that saw the face, or made it
     stack: np.ndarray  # (m,) int64
     free: np.ndarray  # (m,) int64, empty slots
-    rim: np.ndarray  # (m, 4) int64: edges between what a new vertex sees and does not: start, end, face, its slot
-    from_vertex: np.ndarray  # (n,) int64
+    rim: np.ndarray  # (m, 4) int64: edges of the rim: start, end, face outside, its slot
+    from_vertex: np.ndarray  # (n,) int64: edge of the rim that starts there
+
+
+def polytope_scratch(max_vertices, max_faces):
+    """Function for compiled code that gives a polytope of this capacity on the stack (see `scratch`)."""
+    number, index = types.float64, types.int64
+    return scratch_tuple(
+        Polytope,
+        points=(number, max_vertices, 3),
+        vertices=(index, max_vertices, 2),
+        faces=(index, max_faces, 3),
+        adjacent=(index, max_faces, 3),
+        normals=(number, max_faces, 3),
+        distances=(number, max_faces),
+        mark=(index, max_faces),
+        stack=(index, max_faces),
+        free=(index, max_faces),
+        rim=(index, max_faces, 4),
+        from_vertex=(index, max_vertices),
+    )
 
 
 @leaf
 def _set_face(polytope, k, p, q, s, size):
     """Face k of vertices p, q, s: unit outward normal and signed distance of its plane from the origin."""
-    points, faces, normals, distances = polytope.points, polytope.faces, polytope.normals, polytope.distances
+    points, faces, distances = polytope.points, polytope.faces, polytope.distances
     faces[k, 0], faces[k, 1], faces[k, 2] = p, q, s
-    ax, ay, az = points[q, 0] - points[p, 0], points[q, 1] - points[p, 1], points[q, 2] - points[p, 2]
-    bx, by, bz = points[s, 0] - points[p, 0], points[s, 1] - points[p, 1], points[s, 2] - points[p, 2]
-    nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-    area = np.sqrt(nx * nx + ny * ny + nz * nz)
+    at_p, at_q, at_s = read(points, p), read(points, q), read(points, s)
+    normal = cross(minus(at_q, at_p), minus(at_s, at_p))
+    area = length(normal)
     if area <= 1e-13 * size * size:
         # A sliver has no reliable plane: never the nearest face and never seen from a new vertex, but the
         # polytope stays closed.
-        normals[k, 0], normals[k, 1], normals[k, 2] = 0.0, 0.0, 0.0
+        write(polytope.normals, k, Vec(0.0, 0.0, 0.0))
         distances[k] = np.inf
         return
-    inverse = 1.0 / area
-    nx, ny, nz = nx * inverse, ny * inverse, nz * inverse
-    normals[k, 0], normals[k, 1], normals[k, 2] = nx, ny, nz
+    normal = scaled(1.0 / area, normal)
+    write(polytope.normals, k, normal)
     # The mean over the vertices halves the rounding of a single one.
-    distances[k] = (
-        nx * (points[p, 0] + points[q, 0] + points[s, 0])
-        + ny * (points[p, 1] + points[q, 1] + points[s, 1])
-        + nz * (points[p, 2] + points[q, 2] + points[s, 2])
-    ) / 3.0
+    distances[k] = dot(normal, plus(plus(at_p, at_q), at_s)) / 3.0
 
 
 @leaf
 def volume_of(points):
     """Six times the signed volume of the tetrahedron of points 0 to 3."""
-    ax, ay, az = points[1, 0] - points[0, 0], points[1, 1] - points[0, 1], points[1, 2] - points[0, 2]
-    bx, by, bz = points[2, 0] - points[0, 0], points[2, 1] - points[0, 1], points[2, 2] - points[0, 2]
-    cx, cy, cz = points[3, 0] - points[0, 0], points[3, 1] - points[0, 1], points[3, 2] - points[0, 2]
-    return (ay * bz - az * by) * cx + (az * bx - ax * bz) * cy + (ax * by - ay * bx) * cz
+    apex = read(points, 0)
+    return triple(minus(read(points, 1), apex), minus(read(points, 2), apex), minus(read(points, 3), apex))
+
+
+@leaf
+def shadows(points, p, q, s, normal):
+    """Areas, seen along n and doubled, that the origin spans with the sides q s, s p and p q of a triangle.
+
+    Over their sum they are the barycentric weights of the origin's projection.
+    """
+    at_p, at_q, at_s = read(points, p), read(points, q), read(points, s)
+    return triple(at_q, at_s, normal), triple(at_s, at_p, normal), triple(at_p, at_q, normal)
 
 
 @routine
@@ -75,7 +109,7 @@ def start_polytope(polytope, size):
         adjacent[k + 1, 1] = 1 + (k + 2) % 3
         adjacent[k + 1, 2] = 1 + (k + 1) % 3
     for k in range(4):
-        polytope.seen[k] = 0
+        polytope.mark[k] = 0
 
 
 @leaf
@@ -89,39 +123,34 @@ def nearest_face(polytope, n_faces):
     return nearest, least
 
 
-@routine
-def insert_point(polytope, w, nearest, n_faces, n_free, mark, size):
-    """Grow the hull to point w beyond face `nearest`: (done, n_faces, n_free). mark: positive, new at each call.
+@leaf
+def _find_rim(polytope, w, nearest, n_free, mark, size):
+    """Walk over the faces that point w sees, from the nearest, so that they hang together: (edges of the rim, n_free).
 
-    Not done where there is no room, or where rounding would tear the mesh.
+    Lists the faces as free and fills the rim, as far as there is room.
     """
-    faces, adjacent, normals, distances = polytope.faces, polytope.adjacent, polytope.normals, polytope.distances
-    seen, stack, free, rim, from_vertex = (
-        polytope.seen, polytope.stack, polytope.free, polytope.rim, polytope.from_vertex,
-    )  # fmt: skip
-    x, y, z = polytope.points[w, 0], polytope.points[w, 1], polytope.points[w, 2]
-    capacity = len(faces)
-    # Faces that the point sees, found by walking from the nearest, so that they hang together.
+    faces, adjacent, marks = polytope.faces, polytope.adjacent, polytope.mark
+    stack, free, rim = polytope.stack, polytope.free, polytope.rim
+    point = read(polytope.points, w)
     n_rim, n_stack = 0, 1
     stack[0] = nearest
-    seen[nearest] = mark
+    marks[nearest] = mark
     free[n_free] = nearest
-    n_freed = n_free + 1
+    n_free += 1
     while n_stack > 0:
         n_stack -= 1
         face = stack[n_stack]
         for k in range(3):
             other = adjacent[face, k]
-            if seen[other] == mark:
+            if marks[other] == mark:
                 continue
-            beyond = normals[other, 0] * x + normals[other, 1] * y + normals[other, 2] * z - distances[other]
-            if beyond > 1e-15 * size:
-                seen[other] = mark
+            if dot(read(polytope.normals, other), point) - polytope.distances[other] > 1e-15 * size:
+                marks[other] = mark
                 stack[n_stack] = other
                 n_stack += 1
-                free[n_freed] = other
-                n_freed += 1
-            elif n_rim < capacity:
+                free[n_free] = other
+                n_free += 1
+            elif n_rim < len(faces):
                 after = faces[face, (k + 1) % 3]
                 slot = 0
                 while slot < 2 and faces[other, slot] != after:
@@ -131,36 +160,44 @@ def insert_point(polytope, w, nearest, n_faces, n_free, mark, size):
                 rim[n_rim, 2] = other
                 rim[n_rim, 3] = slot
                 n_rim += 1
-    if n_rim < 3 or n_faces + n_rim > capacity:
-        return False, n_faces, n_free
-    for k in range(n_free, n_freed):
-        distances[free[k]] = np.inf
-    n_free = n_freed
-    # The rim must be one ring: n_rim edges that lead from one to the next and back, each once.
+    return n_rim, n_free
+
+
+@leaf
+def _is_ring(polytope, n_rim):
+    """Whether the rim is one ring: n_rim edges that lead from one to the next and back, each once.
+
+    Fills from_vertex with the edge that starts at each vertex of the rim.
+    """
+    rim, from_vertex = polytope.rim, polytope.from_vertex
     for k in range(n_rim):
         from_vertex[rim[k, 0]] = -1
         from_vertex[rim[k, 1]] = -1
     for k in range(n_rim):
         from_vertex[rim[k, 0]] = k
-    edge, length = 0, 0
-    while length < n_rim:
+    edge, count = 0, 0
+    while count < n_rim:
         edge = from_vertex[rim[edge, 1]]
-        length += 1
+        count += 1
         if edge <= 0:
             break
-    if edge != 0 or length < n_rim:
-        return False, n_faces, n_free
-    first = -1
-    last = -1
+    return edge == 0 and count >= n_rim
+
+
+@leaf
+def _close(polytope, w, n_rim, n_faces, n_free, mark, size):
+    """Join every edge of the rim to point w by a face, in free slots first: (n_faces, n_free)."""
+    adjacent, rim = polytope.adjacent, polytope.rim
+    first, last, edge = -1, -1, 0
     for _ in range(n_rim):
         if n_free > 0:
             n_free -= 1
-            face = free[n_free]
+            face = polytope.free[n_free]
         else:
             face = n_faces
             n_faces += 1
         _set_face(polytope, face, rim[edge, 0], rim[edge, 1], w, size)
-        seen[face] = mark
+        polytope.mark[face] = mark
         adjacent[face, 0] = rim[edge, 2]
         adjacent[rim[edge, 2], rim[edge, 3]] = face
         if last >= 0:
@@ -169,7 +206,24 @@ def insert_point(polytope, w, nearest, n_faces, n_free, mark, size):
         else:
             first = face
         last = face
-        edge = from_vertex[rim[edge, 1]]
+        edge = polytope.from_vertex[rim[edge, 1]]
     adjacent[last, 1] = first
     adjacent[first, 2] = last
+    return n_faces, n_free
+
+
+@routine
+def insert_point(polytope, w, nearest, n_faces, n_free, mark, size):
+    """Grow the polytope to point w beyond face `nearest`: (done, n_faces, n_free). mark: positive, new at each call.
+
+    Not done where there is no room, or where rounding would tear the mesh.
+    """
+    n_rim, n_freed = _find_rim(polytope, w, nearest, n_free, mark, size)
+    if n_rim < 3 or n_faces + n_rim > len(polytope.faces):
+        return False, n_faces, n_free
+    for k in range(n_free, n_freed):
+        polytope.distances[polytope.free[k]] = np.inf
+    if not _is_ring(polytope, n_rim):
+        return False, n_faces, n_freed
+    n_faces, n_free = _close(polytope, w, n_rim, n_faces, n_freed, mark, size)
     return True, n_faces, n_free

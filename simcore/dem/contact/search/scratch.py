@@ -1,7 +1,7 @@
 """Scratch arrays on the stack: for compiled functions that count no references and so may not allocate.
 
-A search needs some ten small arrays. Allocated, they cost more than the arithmetic (1 µs a search), and an allocating
-function counts references on every array it is given (another 1 µs).
+A search needs some ten small arrays. Allocated, they cost more than the arithmetic, and an allocating function counts
+references on every array that it is given (measurements: docs/constants_contact.md#scratch-arrays).
 """
 
 import numpy as np
@@ -16,26 +16,52 @@ _ITEM_BYTES = 8
 def scratch(item, *shape):
     """Function for compiled code that gives an uninitialised array of float64 or int64 of this fixed shape.
 
-    The array lives as long as the compiled function that asked for it, once for each place in the source: in a loop it
-    is the same array every time. Stacks of threads hold 2 MB at least; keep the sum well below 100 kB.
+    The array lives as long as the compiled function that took it, once for each place in the source: in a loop it is
+    the same array every time. Stacks of threads have 2 MB at least; keep the sum well below 100 kB.
     """
-    array_type = types.Array(item, len(shape), "C")
-    strides = [_ITEM_BYTES * int(np.prod(shape[k + 1 :])) for k in range(len(shape))]
+    array_type = _array_type(shape, item)
 
     @intrinsic
     def take(typing_context):
         def generate(context, builder, signature, arguments):
-            def constants(values):
-                return [context.get_constant(types.intp, int(value)) for value in values]
-
-            data = cgutils.alloca_once(builder, context.get_data_type(item), size=int(np.prod(shape)))
-            array = make_array(array_type)(context, builder)
-            populate_array(
-                array, data=data, shape=constants(shape), strides=constants(strides),
-                itemsize=constants([_ITEM_BYTES])[0], meminfo=None,
-            )  # fmt: skip
-            return array._getvalue()
+            return _on_the_stack(context, builder, array_type, shape)
 
         return array_type(), generate
 
     return take
+
+
+def scratch_tuple(kind, **arrays):
+    """As `scratch`, for a NamedTuple of arrays. arrays: of each field its (item, *shape)."""
+    fields = [(_array_type(shape, item), shape) for item, *shape in (arrays[name] for name in kind._fields)]
+    tuple_type = types.NamedTuple([array_type for array_type, _ in fields], kind)
+
+    @intrinsic
+    def take(typing_context):
+        def generate(context, builder, signature, arguments):
+            values = [_on_the_stack(context, builder, array_type, shape) for array_type, shape in fields]
+            return context.make_tuple(builder, tuple_type, values)
+
+        return tuple_type(), generate
+
+    return take
+
+
+def _array_type(shape, item):
+    return types.Array(item, len(shape), "C")
+
+
+def _on_the_stack(context, builder, array_type, shape):
+    """Value of an array whose items are on the stack of the function that is being compiled."""
+
+    def constants(values):
+        return [context.get_constant(types.intp, int(value)) for value in values]
+
+    data = cgutils.alloca_once(builder, context.get_data_type(array_type.dtype), size=int(np.prod(shape)))
+    array = make_array(array_type)(context, builder)
+    strides = [_ITEM_BYTES * int(np.prod(shape[k + 1 :])) for k in range(len(shape))]
+    populate_array(
+        array, data=data, shape=constants(shape), strides=constants(strides),
+        itemsize=constants([_ITEM_BYTES])[0], meminfo=None,
+    )  # fmt: skip
+    return array._getvalue()

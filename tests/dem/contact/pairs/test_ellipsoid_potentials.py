@@ -9,15 +9,17 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact.finding import check_potentials, search_potentials
+from simcore.dem.contact.pair import Pair
 from simcore.dem.contact.pairs import ellipsoid_potentials as potential
 from simcore.dem.contact.search.deep_overlap import start_normal
 from simcore.dem.shapes.hulls import ELLIPSOID, MIXED
+from simcore.dem.vectors import Vec, read
 from simcore.scene.specification import resolve
 from tests.dem.contact.pairs.test_ellipsoids import IDENTITY, KNOWN, look, random_pairs
 from tests.helpers.few import few, set_up_few
 
 EPS = np.finfo(float).eps
-contact_of, separation, characteristic = potential.contact_of, potential.separation, potential.characteristic
+meeting_of, separation, characteristic = potential.meeting_of, potential.separation, potential.characteristic
 MANY = potential.MANY
 
 
@@ -26,9 +28,9 @@ def look_by_potentials(bodies, contacts, width):
     """Check every contact, search what is pending; returns how many were searched."""
     searched = 0
     for p in range(len(contacts.body_a)):
-        check_potentials(bodies, contacts, p, width, True)
+        check_potentials(None, bodies, contacts, p, width, True)
         if contacts.pending[p] != 0:
-            search_potentials(bodies, contacts, p, width, True)
+            search_potentials(None, bodies, contacts, p, width, True)
             searched += 1
     return searched
 
@@ -37,25 +39,25 @@ def look_by_potentials(bodies, contacts, width):
 def points_between(m, rotation, i, j, r, out):
     """Rows (found, overlapping, contact vector, normal, middle) of pairs i, j of form matrices, r apart."""
     for k in range(len(i)):
-        rx, ry, rz = r[k, 0], r[k, 1], r[k, 2]
-        nx, ny, nz = start_normal(m, i[k], j[k], rotation, rx, ry, rz)
-        found, overlapping, cx, cy, cz, nx, ny, nz, x, y, z = contact_of(m, i[k], j[k], rx, ry, rz, nx, ny, nz, MANY)
-        out[k, 0], out[k, 1] = found, overlapping
-        out[k, 2], out[k, 3], out[k, 4], out[k, 5], out[k, 6], out[k, 7] = cx, cy, cz, nx, ny, nz
-        out[k, 8], out[k, 9], out[k, 10] = x, y, z
+        pair = Pair(i[k], j[k], read(r, k), 1.0)
+        meeting = meeting_of(m, pair, start_normal(m, pair), MANY)
+        out[k, 0], out[k, 1] = meeting.reached, meeting.overlapping
+        out[k, 2], out[k, 3], out[k, 4] = meeting.vector
+        out[k, 5], out[k, 6], out[k, 7] = meeting.normal
+        out[k, 8], out[k, 9], out[k, 10] = meeting.middle
 
 
 @numba.njit(error_model="numpy")
 def separations(m, r, out):
     for k in range(len(r)):
-        apart, qx, qy, qz = separation(m, 2 * k, 2 * k + 1, r[k, 0], r[k, 1], r[k, 2], 1.0, 0.0, 0.0)
-        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = apart, qx, qy, qz
+        apart, normal = separation(m, Pair(2 * k, 2 * k + 1, read(r, k), 1.0), Vec(1.0, 0.0, 0.0))
+        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = apart, normal.x, normal.y, normal.z
 
 
 @numba.njit(error_model="numpy")
 def characteristic_values(m, r, factors, out):
     for k in range(len(factors)):
-        out[k] = characteristic(m, 0, 1, r[0], r[1], r[2], factors[k])[0]
+        out[k] = characteristic(m, Pair(0, 1, Vec(r[0], r[1], r[2]), 1.0), factors[k]).value
 
 
 def forms(semi, turns):

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from benchmarks.studies.inflated import find, touching_pairs
 from simcore.dem.contact.finding import check_polyhedra, find_inflated, search_polyhedra
 from simcore.dem.contact.pairs.inflated import MARGIN, MAX_FACES, TOLERANCE
-from simcore.dem.contact.query import _table, place
+from simcore.dem.contact.query import place_solids, table_of
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE, convex
 from tests.helpers.few import set_up_few
 
@@ -106,7 +106,7 @@ def find_pairs(hulls, n, rng):
     center = np.einsum("nij,nj->ni", rotation, np.array([hull.center for hull in hulls])[index])
     apart = offset + center[1::2] - center[0::2]
     overlap, along = np.empty(n), np.empty((n, 3))
-    find(_table(tuple(hulls))[0], place(tuple(hulls), index, rotation), apart, overlap, along)
+    find(table_of(tuple(hulls))[0], place_solids(tuple(hulls), index, rotation), apart, overlap, along)
     assert right.all()
     return hulls, index, rotation, apart, normal, overlap, along
 

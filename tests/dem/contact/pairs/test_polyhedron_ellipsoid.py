@@ -9,7 +9,7 @@ from simcore.dem.shapes.hulls import convex, ellipsoid
 
 CUBE = 0.8 * np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 AXES = [(1.0, 1.0, 1.0), (1.0, 0.75, 0.5), (1.6, 0.3, 0.3), (1.2, 1.2, 0.2), (1.0, 0.9, 0.9)]
-# The walk to a deep overlap ends where its bounds are within `deep.CERTAIN` = 2e-9 of the size.
+# The walk to a deep overlap ends where its bounds are within `deep_overlap.CERTAIN` = 2e-9 of the size.
 DEEP = 3e-9
 
 
