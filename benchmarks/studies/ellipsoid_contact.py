@@ -30,8 +30,9 @@ from simcore.dem.contact.query import _table, place
 from simcore.dem.contact.search.ellipsoid_climb import climb_normal, image
 from simcore.dem.shapes.hulls import ELLIPSOID, collect_shapes, ellipsoid, unit_sphere
 from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.near_pairs import list_near
 from simcore.verification import brute_force as brute
 
 MEASURES = ("depth", "impact", "cost")

@@ -16,8 +16,9 @@ from simcore.dem.contact.patch.patch import make_room
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.shapes.hulls import Base, collect_shapes
 from simcore.dem.state.bodies import Bodies, make_bodies
+from simcore.dem.state.contacts import Box, Near, State
 from simcore.dem.state.parts import assemble
-from simcore.dem.step.near_pairs import Box, Near, list_near
+from simcore.dem.step.near_pairs import list_near
 from simcore.dem.step.step import STAGES, Drive, make_advance
 from simcore.packing.expectation import expect, warnings
 from simcore.packing.insertion.batches import Pouring
@@ -364,7 +365,7 @@ class Process:
         near = list_near(bodies, self.shapes, self.box, 0.0, self.features)
         drive = self._drive(GENERATING, 0.0)
         clock = np.zeros_like(self.clock)
-        self.advance_steps(bodies, self.shapes, *near, self.room, self.scene.law, drive, clock, 0, 1)
+        self.advance_steps(State(self.shapes, bodies, *near, self.room), self.scene.law, drive, clock, 0, 1)
         found = near.contacts
         return np.column_stack([found.body_a, found.body_b])[found.touching != 0]
 
@@ -426,9 +427,8 @@ class Process:
         return stale, wish
 
     def _step(self, drive, n_steps):
-        done, stale = self.advance_steps(
-            self.bodies, self.shapes, *self.near, self.room, self.scene.law, drive, self.clock, self.step, n_steps
-        )
+        state = State(self.shapes, self.bodies, *self.near, self.room)
+        done, stale = self.advance_steps(state, self.scene.law, drive, self.clock, self.step, n_steps)
         self.step += done
         return done, stale
 

@@ -30,7 +30,7 @@ from simcore.dem.forces.hertz import local_law
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.stability import Estimate, body_steps, contact_load, stiffest_body
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.step.near_pairs import Near
+from simcore.dem.state.contacts import Near
 from simcore.dem.step.step import Drive
 from simcore.packing.expectation import backing, depth_of_impact, fall_speed
 from simcore.scene.scene import Scene

@@ -11,8 +11,6 @@ import numpy as np
 from simcore.compilation import leaf
 from simcore.dem.shapes.hulls import base_direction, support_vertex, vertex_offset
 
-FLOOR, CYLINDER = 0, 1  # walls, as they stand in Walls.wall
-
 
 @leaf
 def forget_springs(touches, k):
