@@ -45,15 +45,21 @@ def _compiles(path):
     )
 
 
+@functools.cache
+def _file_digest(path):
+    return digest(path, of=numba.__version__)
+
+
 class _Locator(UserProvidedCacheLocator):
     """Where the compiled functions of a file of this project are kept, and what tells whether they are fresh."""
 
     def __init__(self, py_func, py_file):
         self._py_file = py_file
         self._py_file = py_file
-        self._stamp = digest(Path(py_file).resolve(), of=numba.__version__)
+        path = Path(py_file).resolve()
+        self._stamp = _file_digest(path)
         folder = Path(os.environ.get("SCREE_CACHE", Path.home() / ".cache" / "scree")) / "numba"
-        self._cache_path = str(folder / f"{Path(py_file).resolve().relative_to(ROOT).with_suffix('')}-{self._stamp}")
+        self._cache_path = str(folder / f"{path.relative_to(ROOT).with_suffix('')}-{self._stamp}")
 
     @classmethod
     def from_function(cls, py_func, py_file):

@@ -20,6 +20,7 @@ from simcore.dem.state.contacts import Box, Near, State
 from simcore.dem.state.parts import assemble
 from simcore.dem.step.near_pairs import list_near
 from simcore.dem.step.step import STAGES, Drive, make_advance
+from simcore.packing.announcement import announcement
 from simcore.packing.expectation import expect, warnings
 from simcore.packing.insertion.batches import Pouring
 from simcore.packing.insertion.initial_states import give_birth
@@ -27,6 +28,7 @@ from simcore.packing.insertion.random_placement import fall_time
 from simcore.packing.observation import Observation, observe
 from simcore.packing.rest import judge_settled, judge_still
 from simcore.packing.watch import PackingError, Stability, Watch
+from simcore.provenance.cpu_time import before_compiling, working_clock
 from simcore.scene.scene import Scene
 
 GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"
@@ -116,6 +118,7 @@ class Process:
         self.box = Box(domain.width) if domain.periodic else Box(0.0, 0.5 * domain.width)
         self.features = scene.features._replace(timed=timed)
         self.advance_steps = make_advance(self.features)
+        before_compiling(self.advance_steps, lambda: self.progress.phase(announcement(self.features)))
         self.room = make_room(self.shapes, get_num_threads())
         self.clock = np.zeros(len(STAGES), np.int64)
         self.seconds = dict.fromkeys(("neighbour search", *STAGES), 0.0)
@@ -477,18 +480,18 @@ _STATE = (
 
 
 class _Progress:
-    """Progress lines, by wall-clock time; they influence nothing."""
+    """Progress lines, by wall-clock time without compiling; they influence nothing."""
 
     def __init__(self, scene, report):
         self.scene, self.report = scene, report
-        self.last_time = time.monotonic()
+        self.last_time = working_clock()
         self.last_step = 0
 
     def phase(self, text):
         self.report(f"{self.scene.name}: {text}")
 
     def line(self, phase, step, dt, n_bodies, seen, end):
-        now = time.monotonic()
+        now = working_clock()
         elapsed = now - self.last_time
         if elapsed < self.scene.numerics.progress_interval:
             return

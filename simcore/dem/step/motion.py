@@ -137,11 +137,11 @@ def derive_form_matrix(bodies, i):
 
 
 @leaf
-def add_forces(state, gravity, i, walled):
+def add_forces(bodies, contacts, walls, gravity, i, walled):
     """Force [N] and torque [N m] on body i: its weight, its contacts in order of (partner, image), then its walls."""
-    force, torque = _add_contacts(state.bodies, state.contacts, gravity, i)
+    force, torque = _add_contacts(bodies, contacts, gravity, i)
     if walled:
-        wall_force, wall_torque = _add_walls(state.walls, i)
+        wall_force, wall_torque = _add_walls(walls, i)
         return plus(force, wall_force), plus(torque, wall_torque)
     return force, torque
 

@@ -117,14 +117,19 @@ def _make_advance(has: Features, several_threads: bool):
             for p in prange(len(contacts.body_a)):
                 if contacts.touching[p] != 0:
                     at = contact_law_at(law, bodies, contacts, p) if hertz else law
-                    press(state, at, drive, p, has)
+                    press_contact(
+                        bodies, contacts, at, drive.dt, drive.width, p, has.friction, has.attractive, has.periodic,
+                        patch, implicit, has.preloaded,
+                    )  # fmt: skip
                     if sliding:
                         rub_contact(bodies, contacts, law, drive.width, p, has.periodic, sliding == CAPPED)
             if walled:
                 for w in prange(len(walls.body)):
                     if walls.touching[w] != 0:
                         at = wall_law_at(law, bodies, walls, w) if hertz else law
-                        press_on_wall(state, at, drive, w, has)
+                        press_wall(
+                            bodies, walls, at, drive.dt, w, has.friction, has.attractive, patch, implicit, has.preloaded
+                        )
                         if sliding:
                             rub_wall(bodies, walls, law, w, sliding == CAPPED)
             if timed:
@@ -135,7 +140,7 @@ def _make_advance(has: Features, several_threads: bool):
                 push = drive.shaking * np.sin(drive.shaking_rate * (first_step + step) * drive.dt)
             for k in prange(len(bodies.own)):
                 i = bodies.own[k]
-                force, torque = add_forces(state, drive.gravity, i, walled)
+                force, torque = add_forces(bodies, contacts, walls, drive.gravity, i, walled)
                 note_net_force(bodies, i, force)
                 if drive.dt > 0.0:
                     if implicit:
@@ -156,24 +161,6 @@ def _make_advance(has: Features, several_threads: bool):
         return n_steps, False
 
     return advance
-
-
-@leaf
-def press(state, law, drive, p, has):
-    """Forces of touching contact p."""
-    press_contact(
-        state.bodies, state.contacts, law, drive.dt, drive.width, p, has.friction, has.attractive, has.periodic,
-        has.patch, has.implicit, has.preloaded,
-    )  # fmt: skip
-
-
-@leaf
-def press_on_wall(state, law, drive, w, has):
-    """Forces of touching wall w."""
-    press_wall(
-        state.bodies, state.walls, law, drive.dt, w, has.friction, has.attractive, has.patch, has.implicit,
-        has.preloaded,
-    )  # fmt: skip
 
 
 @leaf
