@@ -16,7 +16,7 @@ def compile_steps(specifications, report) -> int:
     """
     compiled = set()
     for specification in specifications:
-        setup = set_up(specification, lambda group: [_cuboid()])
+        setup = set_up(_with_any_grain(specification), lambda group: [_cuboid()])
         if setup.scene.features not in compiled:
             compiled.add(setup.scene.features)
             compile_step(setup, report)
@@ -37,6 +37,14 @@ def compile_step(setup, report) -> None:
     )
     process.list_near()  # a second list also takes over what is remembered
     process.evaluate()
+
+
+def _with_any_grain(specification):
+    """The specification with a grain by any name where one by its name is chosen."""
+    shapes = specification["shapes"]
+    if shapes["choice"] != "one":
+        return specification
+    return {**specification, "shapes": {**shapes, "choice": "random", "grain": None}}
 
 
 def _cuboid():
