@@ -12,8 +12,10 @@ installed := $(VENV)/.installed
 
 .PHONY: all environment test verify
 
-# In an environment that is not activated, snakemake would find the system's python: hence PATH.
+# In an environment that is not activated, snakemake would find the system's python: hence PATH. Steps are compiled
+# first, so that no two packings at once compile the same.
 all: environment
+	PATH="$(bin):$$PATH" python -m simcore compile
 	PATH="$(bin):$$PATH" snakemake --cores $(CORES)
 	@echo
 	@echo "Report:  results/report.html"

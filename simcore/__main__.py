@@ -1,5 +1,5 @@
-"""Command line: `python -m simcore explain SPEC.yaml`, `pack SPEC.yaml OUT.nc`, `launch ...`, `porosity OUT.nc`,
-`fabric OUT.nc ...` and `predict FORMS.csv`."""
+"""Command line: `python -m simcore explain SPEC.yaml`, `compile`, `pack SPEC.yaml OUT.nc`, `launch ...`,
+`porosity OUT.nc`, `fabric OUT.nc ...` and `predict FORMS.csv`."""
 
 import argparse
 import json
@@ -48,6 +48,16 @@ def _parser():
     pack.add_argument("--checkpoints", type=Path, metavar="FOLDER", help="where to keep what it can go on from")
     pack.add_argument("--checkpoint-interval", default="10 min", metavar="TIME", help="wall-clock time between them")
     pack.set_defaults(run=_pack)
+    compile_ = commands.add_parser("compile", help="compile the steps of packings ahead of time")
+    compile_.add_argument(
+        "specifications",
+        type=Path,
+        nargs="*",
+        metavar="SPEC.yaml",
+        help="what is to be packed; default: all packings of the campaign in config/config.yaml",
+    )
+    compile_.add_argument("--threads", type=int, default=1, help="as the packings will have: one, or several")
+    compile_.set_defaults(run=_compile)
     launch = commands.add_parser("launch", help="run one packing on several ranks, under a watchdog")
     add_launch_options(launch)
     launch.set_defaults(run=_launch)
@@ -193,6 +203,28 @@ def _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, op
 
 def _say_nothing(line):
     """Report of a rank that is not the first."""
+
+
+def _compile(options):
+    from simcore.compilation import set_threads
+    from simcore.packing.compiling import compile_steps
+    from simcore.provenance.cpu_time import compile_time
+    from simcore.scene.specification import read_specification
+
+    set_threads(options.threads)
+    specifications = [read_specification(path) for path in options.specifications] or _campaign_specifications()
+    count = compile_steps(specifications, _reporter(None))
+    steps = "The step is" if count == 1 else f"The {count} steps are"
+    print(f"{steps} compiled and kept on disk; compiling took {compile_time():.0f} s of CPU time.")
+    return 0
+
+
+def _campaign_specifications():
+    from simcore.campaign.studies import expand
+    from simcore.paths import CONFIG
+    from simcore.scene.specification import read_specification
+
+    return list(expand(read_specification(CONFIG / "config.yaml", "config")).specification)
 
 
 def _launch(options):

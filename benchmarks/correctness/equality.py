@@ -190,7 +190,7 @@ def stop_at(path, share):
 
 def disturb(rank):
     """Have ranks but the first add contacts in the opposite order: what the order of sums is worth."""
-    from simcore.dem.step import near_pairs as neighbors
+    from simcore.dem.state import contacts as neighbors
 
     straight = neighbors.list_incident
 

@@ -142,7 +142,8 @@ def levels(options):
     from benchmarks.beds import bed_settings, prepare, settled_bed, start
     from simcore.campaign.studies import merge
     from simcore.compilation import source_digest
-    from simcore.dem.step.near_pairs import Box, _search, _sort_into_cells, _wrap, find_pairs
+    from simcore.dem.state.contacts import Box
+    from simcore.dem.step.near_pairs import _search, _sort_into_cells, _wrap, find_pairs
     from simcore.packing.lists import SKIN
 
     few = {"allow_few_top_grains": True} if options.shape == "sphere" else {}

@@ -20,8 +20,9 @@ from simcore.compilation import kernel
 from simcore.dem.contact.finding import check_polyhedra, search_polyhedra
 from simcore.dem.shapes.hulls import CONVEX, Base, collect_shapes
 from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.near_pairs import list_near
 from simcore.grains.mesh import make_grain
 
 SEMI_AXES = np.array([1.0, 0.75, 0.5])  # [m]: tolerances are relative to the pair's size, here and there

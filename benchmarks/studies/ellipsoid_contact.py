@@ -31,8 +31,9 @@ from simcore.dem.contact.query import place_solids, table_of
 from simcore.dem.contact.search.ellipsoid_climb import climb_normal, surface_point
 from simcore.dem.shapes.hulls import ELLIPSOID, collect_shapes, ellipsoid, unit_sphere
 from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.near_pairs import list_near
 from simcore.dem.vectors import ZERO, minus_scaled, read, scaled, write
 from simcore.verification import brute_force as brute
 

@@ -30,7 +30,7 @@ class Bed:
         from simcore.dem.contact.patch.workspace import make_workspace
         from simcore.dem.shapes.hulls import collect_shapes
         from simcore.dem.state.bodies import make_bodies
-        from simcore.dem.step.near_pairs import Box
+        from simcore.dem.state.contacts import Box
         from simcore.dem.step.step import STAGES, make_advance
 
         self.features, self.law, self.gravity = features, law, gravity
@@ -51,13 +51,13 @@ class Bed:
 
     def advance(self, dt, n_steps):
         """n_steps of dt; with dt = 0 forces of the current positions."""
+        from simcore.dem.state.contacts import State
         from simcore.dem.step.step import Drive
 
         drive = Drive(dt, self.gravity, 0.0, 0.0, 1.0, self.box.width, np.inf)
         while n_steps > 0:
-            done, stale = self.advance_steps(
-                self.bodies, self.shapes, *self.near, self.room, self.law, drive, self.clock, self.step, n_steps
-            )
+            state = State(self.shapes, self.bodies, *self.near, self.room)
+            done, stale = self.advance_steps(state, self.law, drive, self.clock, self.step, n_steps)
             n_steps -= done
             self.step += done
             if stale:

@@ -24,7 +24,7 @@ from simcore.dem.forces.spring_dashpot import ContactLaw, explicit_dashpot, impl
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.shapes.hulls import Base
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.step.near_pairs import Near
+from simcore.dem.state.contacts import Near
 
 LARGEST_LOAD = 4.0  # eigenvalue at which a mode alternates undamped
 LOOKED_AT = 32  # bodies whose eigenvalues are found, of all; the others are taken by the sums of theirs

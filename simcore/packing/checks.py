@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.step.near_pairs import Near
+from simcore.dem.state.contacts import Near
 from simcore.packing.energy import TotalEnergy, spring_energy
 from simcore.packing.expectation import depth_of_impact, fall_speed
 

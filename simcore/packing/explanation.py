@@ -8,8 +8,8 @@ from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.sliding import CAPPED
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE, collect_shapes
 from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.contacts import bytes_per_pair
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import bytes_per_pair
 from simcore.packing import cost as packing_cost
 from simcore.packing.cost import SOLID_FRACTION, births, releases, settling_time, step_cost
 from simcore.packing.expectation import Expectation, expect, warnings

@@ -11,8 +11,8 @@ import xarray as xr
 
 from simcore import __version__
 from simcore.compilation import source_digest
-from simcore.dem.contact.walls import CYLINDER, FLOOR
 from simcore.dem.shapes.hulls import Base
+from simcore.dem.state.bodies import CYLINDER, FLOOR
 from simcore.packing.packed import Packed
 from simcore.paths import ROOT
 from simcore.scene.scene import Scene

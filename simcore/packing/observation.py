@@ -6,7 +6,7 @@ import numpy as np
 
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.step.near_pairs import Near
+from simcore.dem.state.contacts import Near
 
 
 class Observation(NamedTuple):

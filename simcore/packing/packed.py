@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from simcore.dem.stability import Estimate
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.step.near_pairs import Near
+from simcore.dem.state.contacts import Near
 from simcore.packing.observation import Observation
 
 GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"

@@ -13,6 +13,7 @@ import numpy as np
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.shapes.hulls import Base
 from simcore.dem.state.parts import assemble
+from simcore.packing.announcement import announcement
 from simcore.packing.expectation import expect, warnings
 from simcore.packing.insertion.insertion import Insertion
 from simcore.packing.keeping import KEEP_AND_STOP, Keeper
@@ -24,6 +25,7 @@ from simcore.packing.rest import judge_settled, judge_still
 from simcore.packing.state import State
 from simcore.packing.stepper import Stepper
 from simcore.packing.watch import Watch
+from simcore.provenance.cpu_time import before_compiling
 from simcore.scene.scene import Scene
 
 
@@ -58,6 +60,8 @@ class Process:
         self.keeper = Keeper() if keeper is None else keeper
         self.progress = Progress(scene, report)
         self.stepper = Stepper(scene, bases, timed)
+        announce = lambda: self.progress.phase(announcement(self.stepper.features))  # noqa: E731
+        before_compiling(self.stepper.advance_steps, announce)
         self.insertion = Insertion(scene, bases, draw, self.stepper, ranks)
         self.watch = Watch(scene, self.stepper.box.width, report, ranks)
         self.dt = scene.numerics.time_step

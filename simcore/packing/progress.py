@@ -1,8 +1,7 @@
-"""Progress lines, by wall-clock time; no result depends on them."""
-
-import time
+"""Progress lines, by wall-clock time without that of compiling; no result depends on them."""
 
 from simcore.packing.packed import DAMPING, GENERATING, SHAKING
+from simcore.provenance.cpu_time import working_clock
 
 
 class Progress:
@@ -10,7 +9,7 @@ class Progress:
 
     def __init__(self, scene, report):
         self.scene, self.report = scene, report
-        self.last_time = time.monotonic()
+        self.last_time = working_clock()
         self.last_step = 0
 
     def phase(self, text):
@@ -18,7 +17,7 @@ class Progress:
 
     def line(self, phase, step, dt, n_bodies, seen, end):
         """Report the rate since the last line and the time left. end: step at which the phase ends, or None."""
-        now = time.monotonic()
+        now = working_clock()
         elapsed = now - self.last_time
         if elapsed < self.scene.numerics.progress_interval:
             return

@@ -7,7 +7,7 @@ from numba import get_num_threads
 
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.shapes.hulls import collect_shapes
-from simcore.dem.step.near_pairs import Box
+from simcore.dem.state.contacts import Box, State
 from simcore.dem.step.step import STAGES, Drive, make_advance
 from simcore.packing.packed import DAMPING
 
@@ -42,14 +42,14 @@ class Stepper:
 
     def step(self, bodies, near, drive, first_step, n_steps):
         """(steps done, whether the list is stale): at most n_steps, fewer where a body has left its margin."""
-        return self.advance_steps(
-            bodies, self.shapes, *near, self.workspace, self.scene.law, drive, self.clock, first_step, n_steps
-        )
+        state = State(self.shapes, bodies, *near, self.workspace)
+        return self.advance_steps(state, self.scene.law, drive, self.clock, first_step, n_steps)
 
     def touching_pairs(self, bodies, near, drive):
         """Pairs (m, 2) of bodies that touch where they are, by the step's own contacts; nothing moves."""
         clock = np.zeros_like(self.clock)
-        self.advance_steps(bodies, self.shapes, *near, self.workspace, self.scene.law, drive, clock, 0, 1)
+        state = State(self.shapes, bodies, *near, self.workspace)
+        self.advance_steps(state, self.scene.law, drive, clock, 0, 1)
         contacts = near.contacts
         return np.column_stack([contacts.body_a, contacts.body_b])[contacts.touching != 0]
 

@@ -3,7 +3,7 @@
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.stability import Estimate, body_steps, contact_load, stiffest_body
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.step.near_pairs import Near
+from simcore.dem.state.contacts import Near
 from simcore.dem.step.step import Drive
 from simcore.packing.checks import (
     Interval,

@@ -9,11 +9,11 @@ from typing import NamedTuple
 from simcore.paths import ROOT
 
 
-def digest(*roots):
+def digest(*roots, of=""):
     """Digest (16 hex digits) of the given sources and of all of simcore that they import, directly or not.
 
-    roots: paths of Python files or of any other file, relative to the project. Of Python the syntax tree
-    counts, so comments, docstrings and layout do not. Imports inside functions count as well.
+    roots: paths of Python files or of any other file, relative to the project or absolute. Of Python the syntax tree
+    counts, so comments, docstrings and layout do not. Imports inside functions count as well. of: text that counts too.
     """
     found, todo = {}, [ROOT / root for root in roots]
     while todo:
@@ -21,7 +21,7 @@ def digest(*roots):
         if path not in found:
             found[path] = read_source(path)
             todo.extend(found[path].imports)
-    total = hashlib.sha256()
+    total = hashlib.sha256(of.encode())
     for path in sorted(found):
         total.update(f"{path.relative_to(ROOT)}\n{found[path].content}\n".encode())
     return total.hexdigest()[:16]
@@ -30,7 +30,7 @@ def digest(*roots):
 class Source(NamedTuple):
     """A file as digests see it."""
 
-    content: str  # of Python its syntax tree without docstrings
+    content: str  # digest of the text; of Python that of its syntax tree without docstrings
     imports: frozenset  # paths of simcore's files that it imports
 
 
@@ -39,14 +39,18 @@ def read_source(path: Path) -> Source:
     """The file at `path`, which lies in the project; read once, for many digests hold the same files."""
     text = path.read_text(encoding="utf-8")
     if path.suffix != ".py":
-        return Source(text, frozenset())
+        return Source(_hash(text), frozenset())
     tree, imports = ast.parse(text), set()
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list) and body and _is_docstring(body[0]):
             del body[0]
         imports.update(_imported(node, path))
-    return Source(ast.dump(tree), frozenset(imports))
+    return Source(_hash(ast.dump(tree)), frozenset(imports))
+
+
+def _hash(text):
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _is_docstring(node):

@@ -21,8 +21,9 @@ from simcore.dem.contact.finding import check_ellipsoids, check_polyhedra, searc
 from simcore.dem.contact.query import place_solids, query_many, query_pairs, table_of
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, Base, collect_shapes, convex, ellipsoid, unit_sphere
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
+from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.near_pairs import list_near
 from simcore.verification import brute_force as brute
 
 SEMI_AXES = np.array([1.0, 0.75, 0.5])  # [m]

@@ -17,8 +17,9 @@ from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law, implicit_law
 from simcore.dem.shapes.hulls import SPHERE, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.near_pairs import list_near
 from simcore.dem.step.step import STAGES, Drive, make_advance
 from simcore.scene.scene import longest_stable_step
 
@@ -186,7 +187,7 @@ def simulate(dashpot, attractive, steps, phases=PHASES, angle=ANGLE, repeats=1):
             )  # fmt: skip
             near = list_near(bodies, shapes, box, 0.5 * skin, features, None)
             began = time.process_time()
-            advance(bodies, shapes, *near, room, law, drive, clock, 0, count)
+            advance(State(shapes, bodies, *near, room), law, drive, clock, 0, count)
             elapsed += time.process_time() - began
         if repeat:
             spent.append(elapsed / rounds / phases)

@@ -20,7 +20,8 @@ import pandas as pd
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj
 
-from simcore.dem.step.motion import rotate_free
+from simcore.dem.step.motion import Quaternion, rotate_free
+from simcore.dem.vectors import Vec
 
 REPEATS = 5
 TIMED_STEPS = 20_000  # at least, of one measurement of CPU time: some milliseconds
@@ -180,7 +181,7 @@ def _turned(w, x, y, z, a, b, c):
 
 @_compiled
 def _ours(w, x, y, z, l, m, n, i1, i2, i3, dt):
-    w, x, y, z = rotate_free(w, x, y, z, l, m, n, i1, i2, i3, dt)
+    w, x, y, z = rotate_free(Quaternion(w, x, y, z), Vec(l, m, n), Vec(i1, i2, i3), dt)
     return w, x, y, z, l, m, n
 
 

@@ -6,9 +6,8 @@ import functools
 import numpy as np
 import trimesh
 
-from simcore.dem.contact.walls import FLOOR
 from simcore.dem.shapes.hulls import SPHERE, Base, unit_sphere
-from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.bodies import FLOOR, make_bodies
 from simcore.packing.energy import mechanical_energy
 from simcore.packing.packed import DAMPING, SHAKING
 from simcore.packing.process import Process

@@ -18,8 +18,9 @@ from simcore.dem.contact.finding import (
 )
 from simcore.dem.shapes.hulls import CONVEX, Base, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
+from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.near_pairs import list_near
 
 EVERYTHING = Features(CONVEX, True, patch=True)  # all fields of contacts are there
 

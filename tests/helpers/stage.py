@@ -7,9 +7,10 @@ from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.sliding import NONE
 from simcore.dem.shapes.hulls import CONVEX, MIXED, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
 from simcore.dem.step.motion import derive_form_matrix, derive_rotation
-from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.near_pairs import list_near
 from simcore.dem.step.step import STAGES, Drive, make_advance
 
 
@@ -82,9 +83,8 @@ class Stage:
         drive = Drive(dt=dt, width=self.width, **self.drive)
         left = n_steps
         while left > 0:
-            done, stale = self._advance(
-                self.bodies, self.shapes, *self.near, self.room, self.law, drive, self.clock, self.step, left
-            )
+            state = State(self.shapes, self.bodies, *self.near, self.room)
+            done, stale = self._advance(state, self.law, drive, self.clock, self.step, left)
             left -= done
             self.step += done
             if stale:

@@ -8,7 +8,8 @@ from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.shapes.hulls import SPHERE, unit_sphere
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
 from simcore.dem.state.features import Features
-from simcore.dem.step.motion import _cos_sin, derive_rotation, rotate_free, turn
+from simcore.dem.step.motion import Quaternion, _cos_sin, derive_rotation, rotate_free, turn
+from simcore.dem.vectors import Vec
 
 CASE_A = {
     0.5: ((0.88071981, 0.47363764, 0.96188485), (0.93956818, 0.23003974, 0.05874113, 0.24666341)),
@@ -41,7 +42,10 @@ def spin_freely(q, momentum, inertia, dt, n_steps):
         if step == n_steps:
             break
         w, x, y, z = rotate_free(
-            w, x, y, z, momentum[0], momentum[1], momentum[2], inertia[0], inertia[1], inertia[2], dt
+            Quaternion(w, x, y, z),
+            Vec(momentum[0], momentum[1], momentum[2]),
+            Vec(inertia[0], inertia[1], inertia[2]),
+            dt,
         )
     return np.array([w, x, y, z]), worst
 

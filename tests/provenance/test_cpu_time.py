@@ -3,8 +3,9 @@
 import time
 
 import numba
+import numpy as np
 
-from simcore.provenance.cpu_time import compile_time, cpu_time
+from simcore.provenance.cpu_time import before_compiling, compile_time, cpu_time, working_clock
 
 
 def test_compiling_is_not_counted():
@@ -36,3 +37,31 @@ def test_work_is_counted():
     while time.process_time() < end:
         pass
     assert cpu_time() - began > 0.19
+
+
+def test_who_waits_is_called_once_before_a_function_is_compiled():
+    @numba.njit
+    def function(x):
+        return x + 1.0
+
+    calls = []
+    before_compiling(function, lambda: calls.append(len(function.signatures)))
+    assert calls == []
+    function(1.0)
+    function(1)
+    assert calls == [0]
+
+
+def test_the_working_clock_stops_while_compiling():
+    @numba.njit
+    def function(x):
+        total = 0.0
+        for k in range(10):
+            total += np.sin(x + k) * np.cos(x - k)
+        return total
+
+    wall, working = time.monotonic(), working_clock()
+    function(1.0)
+    time.sleep(0.05)
+    wall, working = time.monotonic() - wall, working_clock() - working
+    assert 0.05 <= working < 0.05 + 0.5 * (wall - 0.05)

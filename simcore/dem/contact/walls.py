@@ -18,7 +18,6 @@ from simcore.dem.shapes.hulls import support_vertex_along, vertex_of
 from simcore.dem.state.touches import forget_springs
 from simcore.dem.vectors import ZERO, Vec, plus_scaled, read, write
 
-FLOOR, CYLINDER = 0, 1  # values of Walls.wall
 UP = Vec(0.0, 0.0, 1.0)
 DOWNWARD = Axes(Vec(1.0, 0.0, 0.0), Vec(0.0, 1.0, 0.0), Vec(0.0, 0.0, -1.0))
 ALIKE = 1e-6  # of the sum of depths: a sum of normals that is shorter has no direction

@@ -20,9 +20,10 @@ from mpi4py import MPI
 from simcore.dem.ranks.one_rank import OneRank
 from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, SPHERE
 from simcore.dem.state.bodies import Bodies, join_bodies
+from simcore.dem.state.contacts import Near
 from simcore.dem.state.features import Features
 from simcore.dem.state.parts import assemble, take_part
-from simcore.dem.step.near_pairs import Near, list_contacts, list_pairs
+from simcore.dem.step.near_pairs import list_contacts, list_pairs
 
 BINS = 512  # of the histograms from which blocks are cut
 UNEVEN = 1.02  # largest load over the mean from which blocks are cut anew

@@ -11,6 +11,8 @@ import numpy as np
 
 from simcore.dem.shapes.hulls import CONVEX, SPHERE, Base
 
+FLOOR, CYLINDER = 0, 1  # walls, as Walls.wall numbers them
+
 
 class Bodies(NamedTuple):
     """n bodies. What is derived from other fields is marked; it is kept so that a step computes it once.
@@ -89,7 +91,7 @@ class Walls(NamedTuple):
     """Bodies near a wall, in order of (body, wall): what Contacts is for pairs."""
 
     body: np.ndarray  # (w,) int32
-    wall: np.ndarray  # (w,) int32: FLOOR or CYLINDER of simcore.dem.contact.walls
+    wall: np.ndarray  # (w,) int32: FLOOR or CYLINDER
     touching: np.ndarray  # (w,) uint8
     vertex: np.ndarray  # (w,) int32, memory: vertex last found lowest, where a climb to the floor starts
     spring: np.ndarray  # (w, 3) [m], memory; friction

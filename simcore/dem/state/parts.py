@@ -8,7 +8,7 @@ from the rows alone (own, incident, start) is not in it.
 import numpy as np
 
 from simcore.dem.state.bodies import Bodies, Contacts, Walls
-from simcore.dem.step.near_pairs import Near, list_incident, list_walls_of
+from simcore.dem.state.contacts import Near, list_incident, list_walls_of
 
 _DERIVED = {"body": {"own"}, "contact": {"incident_start", "incident"}, "wall": {"start"}}
 _GROUPS = {"body": Bodies, "contact": Contacts, "wall": Walls}

@@ -5,9 +5,21 @@ The orientation follows by a symmetric splitting of the kinetic energy into rota
 (Dullweber, Leimkuhler & McLachlan 1997): second order, no drift of the energy, ω × Iω included.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from simcore.compilation import leaf
+from simcore.dem.vectors import Vec, minus, plus, read, write
+
+
+class Quaternion(NamedTuple):
+    """An orientation, body to world: of length 1."""
+
+    w: float
+    x: float
+    y: float
+    z: float
 
 
 @leaf
@@ -25,80 +37,90 @@ def _cos_sin(angle):
 
 
 @leaf
-def _turn(w, x, y, z, axis, c, s):
-    """Quaternion q times the rotation about a body axis, c and s of half its angle."""
+def _turned(q, axis, c, s):
+    """Quaternion q times the rotation about a body axis; c and s: cosine and sine of half its angle."""
+    w, x, y, z = q
     if axis == 0:
-        return c * w - s * x, c * x + s * w, c * y + s * z, c * z - s * y
+        return Quaternion(c * w - s * x, c * x + s * w, c * y + s * z, c * z - s * y)
     if axis == 1:
-        return c * w - s * y, c * x - s * z, c * y + s * w, c * z + s * x
-    return c * w - s * z, c * x + s * y, c * y - s * x, c * z + s * w
+        return Quaternion(c * w - s * y, c * x - s * z, c * y + s * w, c * z + s * x)
+    return Quaternion(c * w - s * z, c * x + s * y, c * y - s * x, c * z + s * w)
 
 
 @leaf
-def _matrix(w, x, y, z):
+def _matrix(q):
+    """Rows (3 Vec) of the rotation matrix of q."""
+    w, x, y, z = q
     return (
-        1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y),
-        2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x),
-        2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y),
-    )  # fmt: skip
+        Vec(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+        Vec(2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+        Vec(2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+    )
 
 
 @leaf
-def rotate_free(w, x, y, z, lx, ly, lz, ia, ib, ic, dt):
-    """Orientation (4) after dt of a free body of angular momentum L [kg m²/s, world], principal inertia (ia, ib, ic).
+def _to_body(rows, v):
+    """Components in body axes of the world vector v: the transposed matrix times v."""
+    a, b, c = rows
+    return Vec(a.x * v.x + b.x * v.y + c.x * v.z, a.y * v.x + b.y * v.y + c.y * v.z, a.z * v.x + b.z * v.y + c.z * v.z)
+
+
+@leaf
+def rotate_free(orientation, momentum, inertia, dt):
+    """Orientation after dt of a free body. momentum [kg m²/s]: angular, world axes; inertia [kg m²]: principal.
 
     Half steps about the first and second axis, a full one about the third, and back. The momentum in body axes
     turns against the body in each.
     """
-    xx, xy, xz, yx, yy, yz, zx, zy, zz = _matrix(w, x, y, z)
-    p = xx * lx + yx * ly + zx * lz
-    q = xy * lx + yy * ly + zy * lz
-    r = xz * lx + yz * ly + zz * lz
+    o = orientation
+    p, q, r = _to_body(_matrix(o), momentum)
 
-    ch, sh = _cos_sin(0.5 * (0.5 * dt * p / ia))
-    w, x, y, z = _turn(w, x, y, z, 0, ch, sh)
+    ch, sh = _cos_sin(0.5 * (0.5 * dt * p / inertia.x))
+    o = _turned(o, 0, ch, sh)
     c, s = ch * ch - sh * sh, 2.0 * ch * sh
     q, r = c * q + s * r, c * r - s * q
 
-    ch, sh = _cos_sin(0.5 * (0.5 * dt * q / ib))
-    w, x, y, z = _turn(w, x, y, z, 1, ch, sh)
+    ch, sh = _cos_sin(0.5 * (0.5 * dt * q / inertia.y))
+    o = _turned(o, 1, ch, sh)
     c, s = ch * ch - sh * sh, 2.0 * ch * sh
     p, r = c * p - s * r, c * r + s * p
 
-    ch, sh = _cos_sin(0.5 * (dt * r / ic))
-    w, x, y, z = _turn(w, x, y, z, 2, ch, sh)
+    ch, sh = _cos_sin(0.5 * (dt * r / inertia.z))
+    o = _turned(o, 2, ch, sh)
     c, s = ch * ch - sh * sh, 2.0 * ch * sh
     p, q = c * p + s * q, c * q - s * p
 
-    ch, sh = _cos_sin(0.5 * (0.5 * dt * q / ib))
-    w, x, y, z = _turn(w, x, y, z, 1, ch, sh)
+    ch, sh = _cos_sin(0.5 * (0.5 * dt * q / inertia.y))
+    o = _turned(o, 1, ch, sh)
     c, s = ch * ch - sh * sh, 2.0 * ch * sh
     p, r = c * p - s * r, c * r + s * p
 
-    ch, sh = _cos_sin(0.5 * (0.5 * dt * p / ia))
-    w, x, y, z = _turn(w, x, y, z, 0, ch, sh)
+    ch, sh = _cos_sin(0.5 * (0.5 * dt * p / inertia.x))
+    o = _turned(o, 0, ch, sh)
 
-    norm = np.sqrt(w * w + x * x + y * y + z * z)
-    return w / norm, x / norm, y / norm, z / norm
+    norm = np.sqrt(o.w * o.w + o.x * o.x + o.y * o.y + o.z * o.z)
+    return Quaternion(o.w / norm, o.x / norm, o.y / norm, o.z / norm)
+
+
+@leaf
+def read_orientation(bodies, i):
+    o = bodies.orientation
+    return Quaternion(o[i, 0], o[i, 1], o[i, 2], o[i, 3])
 
 
 @leaf
 def derive_rotation(bodies, i):
     """Fill what follows from orientation and angular momentum of body i: matrix and angular velocity."""
-    xx, xy, xz, yx, yy, yz, zx, zy, zz = _matrix(
-        bodies.orientation[i, 0], bodies.orientation[i, 1], bodies.orientation[i, 2], bodies.orientation[i, 3]
-    )
+    rows = _matrix(read_orientation(bodies, i))
+    a, b, c = rows
     r = bodies.rotation
-    r[i, 0, 0], r[i, 0, 1], r[i, 0, 2] = xx, xy, xz
-    r[i, 1, 0], r[i, 1, 1], r[i, 1, 2] = yx, yy, yz
-    r[i, 2, 0], r[i, 2, 1], r[i, 2, 2] = zx, zy, zz
-    lx, ly, lz = bodies.angular_momentum[i, 0], bodies.angular_momentum[i, 1], bodies.angular_momentum[i, 2]
-    p = (xx * lx + yx * ly + zx * lz) / bodies.inertia[i, 0]
-    q = (xy * lx + yy * ly + zy * lz) / bodies.inertia[i, 1]
-    s = (xz * lx + yz * ly + zz * lz) / bodies.inertia[i, 2]
-    bodies.angular_velocity[i, 0] = xx * p + xy * q + xz * s
-    bodies.angular_velocity[i, 1] = yx * p + yy * q + yz * s
-    bodies.angular_velocity[i, 2] = zx * p + zy * q + zz * s
+    r[i, 0, 0], r[i, 0, 1], r[i, 0, 2] = a.x, a.y, a.z
+    r[i, 1, 0], r[i, 1, 1], r[i, 1, 2] = b.x, b.y, b.z
+    r[i, 2, 0], r[i, 2, 1], r[i, 2, 2] = c.x, c.y, c.z
+    momentum = _to_body(rows, read(bodies.angular_momentum, i))
+    p, q, s = momentum.x / bodies.inertia[i, 0], momentum.y / bodies.inertia[i, 1], momentum.z / bodies.inertia[i, 2]
+    spin = Vec(a.x * p + a.y * q + a.z * s, b.x * p + b.y * q + b.z * s, c.x * p + c.y * q + c.z * s)
+    write(bodies.angular_velocity, i, spin)
 
 
 @leaf
@@ -115,23 +137,85 @@ def derive_form_matrix(bodies, i):
 
 
 @leaf
-def move(bodies, i, fx, fy, fz, mx, my, mz, push_x, dt, damping):
+def add_forces(bodies, contacts, walls, gravity, i, walled):
+    """Force [N] and torque [N m] on body i: its weight, its contacts in order of (partner, image), then its walls."""
+    force, torque = _add_contacts(bodies, contacts, gravity, i)
+    if walled:
+        wall_force, wall_torque = _add_walls(walls, i)
+        return plus(force, wall_force), plus(torque, wall_torque)
+    return force, torque
+
+
+@leaf
+def _add_contacts(bodies, contacts, gravity, i):
+    force, torque = Vec(0.0, 0.0, -bodies.mass[i] * gravity), Vec(0.0, 0.0, 0.0)
+    for k in range(contacts.incident_start[i], contacts.incident_start[i + 1]):
+        p = contacts.incident[k] >> 1
+        if contacts.touching[p] == 0:
+            continue
+        if contacts.incident[k] & 1:
+            force, torque = plus(force, read(contacts.force, p)), plus(torque, read(contacts.torque_b, p))
+        else:
+            force, torque = minus(force, read(contacts.force, p)), plus(torque, read(contacts.torque_a, p))
+    return force, torque
+
+
+@leaf
+def _add_walls(walls, i):
+    force, torque = Vec(0.0, 0.0, 0.0), Vec(0.0, 0.0, 0.0)
+    for w in range(walls.start[i], walls.start[i + 1]):
+        if walls.touching[w] != 0:
+            force, torque = plus(force, read(walls.force, w)), plus(torque, read(walls.torque, w))
+    return force, torque
+
+
+@leaf
+def note_net_force(bodies, i, force):
+    """A leaf, since numba drops a parallel loop's own writes to a tuple's array that the kernel never reads."""
+    write(bodies.net_force, i, force)
+
+
+@leaf
+def note_hold(bodies, contacts, walls, i, walled):
+    """How firmly its contacts hold body i: the contacts it has, each weighed by how far it moves this body.
+
+    A pair's relative motion u_a − u_b holds back at most the motion m_a w_a u_a² + m_b w_b u_b² of its bodies with the
+    weights w_a = m_b / (m_a + m_b) / p, w_b = m_a / (m_a + m_b) / (1 − p) and any p within (0, 1); so the weights of a
+    body's contacts add up to a bound of the modes it takes part in. With p = R_b / (R_a + R_b) a contact of like grains
+    weighs 1 on both, one of a small and a large grain 1 on the small and little on the large. A wall weighs 1.
+    """
+    hold = 0.0
+    mass, radius = bodies.mass[i], bodies.radius[i]
+    for k in range(contacts.incident_start[i], contacts.incident_start[i + 1]):
+        p = contacts.incident[k] >> 1
+        if contacts.touching[p] != 0:
+            j = contacts.body_a[p] if contacts.incident[k] & 1 else contacts.body_b[p]
+            hold += bodies.mass[j] * (radius + bodies.radius[j]) / ((mass + bodies.mass[j]) * bodies.radius[j])
+    if walled:
+        for w in range(walls.start[i], walls.start[i + 1]):
+            if walls.touching[w] != 0:
+                hold += 1.0
+    bodies.hold[i] = hold
+
+
+@leaf
+def move(bodies, i, force, torque, push, dt, damping):
     """Semi-implicit Euler: velocity and momentum from force and torque, then the position from the new velocity.
 
-    push_x: acceleration by shaking [m/s²]. damping: factor on the velocity once the position is known; `turn` and
-    `spin_sphere` see the momentum before it.
+    push: acceleration by shaking [m/s²], along x. damping: factor on the velocity once the position is known; `turn`
+    and `spin_sphere` see the momentum before it.
     """
     step = dt / bodies.mass[i]
-    vx = bodies.velocity[i, 0] + step * fx + dt * push_x
-    vy = bodies.velocity[i, 1] + step * fy
-    vz = bodies.velocity[i, 2] + step * fz
+    vx = bodies.velocity[i, 0] + step * force.x + dt * push
+    vy = bodies.velocity[i, 1] + step * force.y
+    vz = bodies.velocity[i, 2] + step * force.z
     bodies.position[i, 0] += dt * vx
     bodies.position[i, 1] += dt * vy
     bodies.position[i, 2] += dt * vz
     bodies.velocity[i, 0], bodies.velocity[i, 1], bodies.velocity[i, 2] = damping * vx, damping * vy, damping * vz
-    bodies.angular_momentum[i, 0] = damping * (bodies.angular_momentum[i, 0] + dt * mx)
-    bodies.angular_momentum[i, 1] = damping * (bodies.angular_momentum[i, 1] + dt * my)
-    bodies.angular_momentum[i, 2] = damping * (bodies.angular_momentum[i, 2] + dt * mz)
+    bodies.angular_momentum[i, 0] = damping * (bodies.angular_momentum[i, 0] + dt * torque.x)
+    bodies.angular_momentum[i, 1] = damping * (bodies.angular_momentum[i, 1] + dt * torque.y)
+    bodies.angular_momentum[i, 2] = damping * (bodies.angular_momentum[i, 2] + dt * torque.z)
 
 
 @leaf
@@ -150,19 +234,31 @@ def turn(bodies, i, dt, damping):
     damping: factor that the momentum already carries, taken out again for the step itself.
     """
     inverse = 1.0 / damping
-    lx = inverse * bodies.angular_momentum[i, 0]
-    ly = inverse * bodies.angular_momentum[i, 1]
-    lz = inverse * bodies.angular_momentum[i, 2]
-    orientation, inertia = bodies.orientation, bodies.inertia
-    w, x, y, z = rotate_free(
-        orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3],
-        lx, ly, lz, inertia[i, 0], inertia[i, 1], inertia[i, 2], dt,
-    )  # fmt: skip
+    momentum = Vec(
+        inverse * bodies.angular_momentum[i, 0],
+        inverse * bodies.angular_momentum[i, 1],
+        inverse * bodies.angular_momentum[i, 2],
+    )
+    old = read_orientation(bodies, i)
+    w, x, y, z = rotate_free(old, momentum, read(bodies.inertia, i), dt)
     # Vector part of the turn from the old orientation: sin(angle / 2), and a point at R moves by 2 R sin(angle / 2).
-    ow, ox, oy, oz = orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3]
+    ow, ox, oy, oz = old
     dx, dy, dz = (
         ow * x - w * ox - (oy * z - oz * y), ow * y - w * oy - (oz * x - ox * z), ow * z - w * oz - (ox * y - oy * x)
     )  # fmt: skip
     bodies.turned[i] += 2.002 * bodies.radius[i] * np.sqrt(dx * dx + dy * dy + dz * dz)
-    orientation[i, 0], orientation[i, 1], orientation[i, 2], orientation[i, 3] = w, x, y, z
+    o = bodies.orientation
+    o[i, 0], o[i, 1], o[i, 2], o[i, 3] = w, x, y, z
     derive_rotation(bodies, i)
+
+
+@leaf
+def has_left(bodies, i, turning):
+    """Whether a point of body i can be farther than its margin from where it was listed, or is nowhere (nan)."""
+    margin = bodies.margin[i]
+    dx = bodies.position[i, 0] - bodies.listed_position[i, 0]
+    dy = bodies.position[i, 1] - bodies.listed_position[i, 1]
+    dz = bodies.position[i, 2] - bodies.listed_position[i, 2]
+    if turning:
+        margin -= bodies.turned[i] - bodies.listed_turned[i]
+    return not (margin > 0.0 and dx * dx + dy * dy + dz * dz <= margin * margin)

@@ -13,27 +13,13 @@ import numpy as np
 
 from simcore.compilation import kernel, leaf
 from simcore.dem.contact.search.ellipsoid_climb import support_height
-from simcore.dem.contact.walls import CYLINDER, FLOOR
-from simcore.dem.shapes.hulls import CONVEX, MIXED, SPHERE, Shapes, base_direction, climb_from_hint, is_hull
-from simcore.dem.state.bodies import Bodies, Contacts, Walls
+from simcore.dem.shapes.hulls import SPHERE, Shapes, base_direction, climb_from_hint, is_hull
+from simcore.dem.state.bodies import Bodies
+from simcore.dem.state.contacts import Box, Near, carry_memory, carry_wall_memory, empty_contacts, empty_walls
 from simcore.dem.state.features import Features
 from simcore.dem.vectors import Vec
 
 FINEST = 4.0  # cells to the width of a level
-
-
-class Box(NamedTuple):
-    """Horizontal extent [m]: periodic with width, or open (width 0), then perhaps within a cylinder."""
-
-    width: float
-    wall_radius: float = np.inf
-
-
-class Near(NamedTuple):
-    """What can touch until the list is made anew."""
-
-    contacts: Contacts
-    walls: Walls
 
 
 def list_near(bodies: Bodies, shapes: Shapes, box: Box, margin, features: Features, old: Near | None = None) -> Near:
@@ -61,10 +47,10 @@ def list_pairs(bodies, shapes, box, features, old) -> np.ndarray:
 def list_contacts(pairs, bodies, shapes, box, features, old) -> Near:
     """Rows for near pairs, and for bodies near a wall, with their memory; see `list_near`."""
     contacts = empty_contacts(pairs, len(bodies.mass), features)
-    walls = _empty_walls(bodies, shapes, box, features)
+    walls = empty_walls(bodies, shapes, box, features)
     if old is not None:
-        _carry_memory(old.contacts, contacts)
-        _carry_wall_memory(old.walls, walls)
+        carry_memory(old.contacts, contacts)
+        carry_wall_memory(old.walls, walls)
     bodies.listed_position[:] = bodies.position
     if features.kind != SPHERE:
         bodies.listed_turned[:] = bodies.turned
@@ -190,101 +176,21 @@ def _search(members, grid, position, wrapped, shift, moves_here, reach, span, wi
                     if dx * dx + dy * dy + dz * dz >= range_ * range_:
                         continue
                     if n_found == len(found):
-                        longer = np.empty((2 * n_found, 4), np.int64)
-                        longer[:n_found] = found
-                        found = longer
+                        found = _twice_as_long(found)
                     found[n_found, 0], found[n_found, 1] = a, b
                     found[n_found, 2], found[n_found, 3] = image_x, image_y
                     n_found += 1
     return found[:n_found].copy()
 
 
-def bytes_per_pair(features: Features) -> int:
-    """Memory of a near pair of a scene with these features."""
-    return sum(array.nbytes for array in empty_contacts(np.zeros((1, 4), np.int64), 0, features)) - 8
-
-
-def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Contacts:
-    """Contacts of the given keys (m, 4) of which nothing is known."""
-    m = len(pairs)
-    body_a, body_b, image = pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:].astype(np.int32)
-    start, incident = list_incident(body_a, body_b, image, n_bodies)
-    apart = 0 if features.kind == SPHERE else m
-    springs = m if features.friction else 0
-    patches = m if features.patch else 0
-    preloaded = springs if features.preloaded else 0
-    return Contacts(
-        body_a=body_a,
-        body_b=body_b,
-        image=image if features.periodic else image[:0].copy(),
-        touching=np.zeros(m, np.uint8),
-        pending=np.zeros(apart, np.uint8),
-        direction=np.zeros((m, 3)),
-        facet=np.full((m if features.kind in (CONVEX, MIXED) else 0, 6), -1, np.int32),
-        apart_at=np.zeros((apart, 3)),
-        safe_until=np.full(apart, -np.inf),
-        spring=np.zeros((springs, 3)),
-        twist=np.zeros(min(springs, patches)),
-        stuck=np.zeros(preloaded, np.uint8),
-        overlap=np.zeros(m),
-        point=np.zeros((m, 3)),
-        spread=np.zeros((patches, 6)),
-        force=np.zeros((m, 3)),
-        torque_a=np.zeros((m, 3)),
-        torque_b=np.zeros((m, 3)),
-        incident_start=start,
-        incident=incident,
-    )
-
-
-def list_incident(body_a, body_b, image, n_bodies):
-    """incident_start and incident of Contacts with these keys."""
-    m = len(body_a)
-    # Contacts of a body in order of (partner, image). Sides of one self pair differ in the sign of the image.
-    owner = np.concatenate([body_a, body_b])
-    partner = np.concatenate([body_b, body_a])
-    seen_image = np.concatenate([image, -image])
-    code = np.concatenate([2 * np.arange(m), 2 * np.arange(m) + 1])
-    order = np.lexsort((seen_image[:, 1], seen_image[:, 0], partner, owner))
-    start = np.concatenate(([0], np.cumsum(np.bincount(owner, minlength=n_bodies)))).astype(np.int64)
-    return start, code[order].astype(np.int32)
-
-
-def _empty_walls(bodies: Bodies, shapes: Shapes, box: Box, features: Features) -> Walls:
-    """Rows for bodies that are closer to a wall of the scene than their margin."""
-    n, reach = len(bodies.mass), bodies.radius + bodies.margin
-    near = np.zeros((n, 2), np.bool_)
-    if features.floor:
-        near[:, FLOOR] = bodies.position[:, 2] < reach
-    if features.cylinder:
-        near[:, CYLINDER] = np.hypot(bodies.position[:, 0], bodies.position[:, 1]) + reach > box.wall_radius
-    near &= bodies.moves_here[:, None]
-    body, wall = np.nonzero(near)
-    w = len(body)
-    springs = w if features.friction else 0
-    patches = w if features.patch else 0
-    preloaded = springs if features.preloaded else 0
-    return Walls(
-        body=body.astype(np.int32),
-        wall=wall.astype(np.int32),
-        touching=np.zeros(w, np.uint8),
-        vertex=shapes.vertex_start[bodies.shape[body]].astype(np.int32),
-        spring=np.zeros((springs, 3)),
-        twist=np.zeros(min(springs, patches)),
-        stuck=np.zeros(preloaded, np.uint8),
-        overlap=np.zeros(w),
-        normal=np.zeros((w, 3)),
-        point=np.zeros((w, 3)),
-        spread=np.zeros((patches, 6)),
-        force=np.zeros((w, 3)),
-        torque=np.zeros((w, 3)),
-        start=list_walls_of(body, n),
-    )
-
-
-def list_walls_of(body, n_bodies):
-    """start of Walls of these bodies, in order."""
-    return np.concatenate(([0], np.cumsum(np.bincount(body, minlength=n_bodies)))).astype(np.int64)
+@kernel
+def _twice_as_long(pairs):
+    # Written out: assigning a slice compiles for seconds.
+    longer = np.empty((2 * len(pairs), 4), np.int64)
+    for p in range(len(pairs)):
+        for k in range(4):
+            longer[p, k] = pairs[p, k]
+    return longer
 
 
 @kernel
@@ -345,57 +251,3 @@ def _same_key(old, k, pairs, p):
     if old.body_a[k] != pairs[p, 0] or old.body_b[k] != pairs[p, 1]:
         return False
     return len(old.image) == 0 or (old.image[k, 0] == pairs[p, 2] and old.image[k, 1] == pairs[p, 3])
-
-
-@kernel
-def _carry_memory(old, new):
-    """Copy memory and output of pairs that are in both lists; both are sorted by their key."""
-    k = 0
-    n_old = len(old.body_a)
-    for p in range(len(new.body_a)):
-        while k < n_old and _before(old, k, new, p):
-            k += 1
-        if k < n_old and not _before(new, p, old, k):
-            new.touching[p] = old.touching[k]
-            new.direction[p] = old.direction[k]
-            if len(new.facet) > 0:
-                new.facet[p] = old.facet[k]
-            if len(new.apart_at) > 0:
-                new.apart_at[p] = old.apart_at[k]
-                new.safe_until[p] = old.safe_until[k]
-            if len(new.spring) > 0:
-                new.spring[p] = old.spring[k]
-            if len(new.twist) > 0:
-                new.twist[p] = old.twist[k]
-            if len(new.stuck) > 0:
-                new.stuck[p] = old.stuck[k]
-            new.overlap[p] = old.overlap[k]
-            new.point[p] = old.point[k]
-            if len(new.spread) > 0:
-                new.spread[p] = old.spread[k]
-            new.force[p] = old.force[k]
-            new.torque_a[p] = old.torque_a[k]
-            new.torque_b[p] = old.torque_b[k]
-
-
-def _carry_wall_memory(old: Walls, new: Walls) -> None:
-    """Copy memory and output of the rows that are in both lists; (body, wall) is unique in each."""
-    _, to, kept = np.intersect1d(2 * new.body + new.wall, 2 * old.body + old.wall, return_indices=True)
-    for name in Walls._fields:
-        field = getattr(new, name)
-        if name not in ("body", "wall", "start") and len(field):
-            field[to] = getattr(old, name)[kept]
-
-
-@leaf
-def _before(first, k, second, p):
-    """Whether key k of the first list comes before key p of the second."""
-    if first.body_a[k] != second.body_a[p]:
-        return first.body_a[k] < second.body_a[p]
-    if first.body_b[k] != second.body_b[p]:
-        return first.body_b[k] < second.body_b[p]
-    if len(first.image) == 0:
-        return False
-    if first.image[k, 0] != second.image[p, 0]:
-        return first.image[k, 0] < second.image[p, 0]
-    return first.image[k, 1] < second.image[p, 1]

@@ -14,8 +14,9 @@ from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.shapes.hulls import CONVEX, MIXED, collect_shapes, convex, ellipsoid, sphere
 from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.near_pairs import list_near
 from simcore.dem.step.step import Drive, make_advance
 
 ROOT = Path(__file__).parents[3]
@@ -99,13 +100,13 @@ def follow(core, end, kind=CONVEX, searching=search_hulls):
     step, touches, others, excess_others = 0, np.zeros(3, int), 0, []
     while step < end:
         # Odd numbers of steps, so that the look falls anywhere between two lists
-        done, stale = advance(bodies, shapes, *near, room, law, drive, clock, step, 37)
+        done, stale = advance(State(shapes, bodies, *near, room), law, drive, clock, step, 37)
         step += done
         if stale:
             near = list_near(bodies, shapes, Box(WIDTH), 0.5 * skin, features, near)
         if step % 10 and step < end - 1000:
             continue
-        advance(bodies, shapes, *near, room, law, still, clock, step, 1)
+        advance(State(shapes, bodies, *near, room), law, still, clock, step, 1)
         contacts = near.contacts
         listed, turned, margin = (
             field.copy() for field in (bodies.listed_position, bodies.listed_turned, bodies.margin)

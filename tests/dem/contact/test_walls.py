@@ -18,8 +18,9 @@ from simcore.dem.contact.walls import (
 )
 from simcore.dem.shapes.hulls import CONVEX, collect_shapes
 from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.near_pairs import list_near
 
 WALL = 1.5  # radius of the cylinder
 

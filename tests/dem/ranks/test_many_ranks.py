@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.ranks.many_ranks import ManyRanks, _bin, _layout, _quantiles
-from simcore.dem.step.near_pairs import Box
+from simcore.dem.state.contacts import Box
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,9 @@ from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import Box, list_near
+from simcore.dem.step.near_pairs import list_near
 from simcore.dem.step.step import STAGES, Drive, make_advance
 
 LAW = contact_law(0.5, 1e-3, 0.22, 0.0)  # friction 0: the same as none, to the bit
@@ -48,7 +49,7 @@ def run(features, bodies, shapes, room, box, law, drive, steps=800):
     """Near pairs, all listed from the start, after some steps."""
     near = list_near(bodies, shapes, box, 1.0, features)
     clock = np.zeros(len(STAGES), np.int64)
-    done, _ = make_advance(features)(bodies, shapes, *near, room, law, drive, clock, 0, steps)
+    done, _ = make_advance(features)(State(shapes, bodies, *near, room), law, drive, clock, 0, steps)
     assert done == steps
     return near
 
@@ -103,7 +104,8 @@ def test_ellipsoids_read_no_hull():
         bodies = bodies_of(base, ELLIPSOID, np.array([4e-3, 5e-3, 6e-3]))
         near = list_near(bodies, shapes, Box(100.0), 1.0, features)
         workspace, drive, clock = make_workspace(shapes, 1), STILL._replace(width=100.0), np.zeros(3, np.int64)
-        make_advance(features)(bodies, some, *near, workspace, LAW, drive, clock, 0, 800)
+        state = State(some, bodies, *near, workspace)
+        make_advance(features)(state, LAW, drive, clock, 0, 800)
         results.append((bodies, near))
     (first, near), (second, other) = results
     np.testing.assert_array_equal(first.position, second.position)

@@ -6,8 +6,9 @@ from scipy.spatial.transform import Rotation
 
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import Box, find_pairs, list_near
+from simcore.dem.step.near_pairs import find_pairs, list_near
 
 SHAPES = collect_shapes([unit_sphere()])
 

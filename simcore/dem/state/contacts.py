@@ -1,0 +1,162 @@
+"""Rows of contacts and walls: what can touch until neighbours are listed anew, with what is remembered of it.
+
+Columns that only some scenes have stand in one table, simcore.dem.state.features.COLUMNS.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from simcore.compilation import kernel, leaf
+from simcore.dem.shapes.hulls import CONVEX, MIXED, SPHERE, Shapes
+from simcore.dem.state.bodies import CYLINDER, FLOOR, Bodies, Contacts, Walls
+from simcore.dem.state.features import Features, columns
+
+
+class Box(NamedTuple):
+    """Horizontal extent [m]: periodic with width, or open (width 0), then perhaps within a cylinder."""
+
+    width: float
+    wall_radius: float = np.inf
+
+
+class Near(NamedTuple):
+    """What can touch until neighbours are listed anew."""
+
+    contacts: Contacts
+    walls: Walls
+
+
+class State(NamedTuple):
+    """All that a step reads and writes, as one argument. workspace: working memory of patches, a row a thread."""
+
+    shapes: Shapes
+    bodies: Bodies
+    contacts: Contacts
+    walls: Walls
+    workspace: tuple
+
+
+def bytes_per_pair(features: Features) -> int:
+    """Memory of a candidate pair of a scene with these features."""
+    return sum(array.nbytes for array in empty_contacts(np.zeros((1, 4), np.int64), 0, features)) - 8
+
+
+def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Contacts:
+    """Contacts of the given keys (m, 4) of which nothing is remembered."""
+    m = len(pairs)
+    body_a, body_b, image = pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:].astype(np.int32)
+    start, incident = list_incident(body_a, body_b, image, n_bodies)
+    apart = 0 if features.kind == SPHERE else m
+    return Contacts(
+        body_a=body_a,
+        body_b=body_b,
+        image=image if features.periodic else image[:0].copy(),
+        touching=np.zeros(m, np.uint8),
+        pending=np.zeros(apart, np.uint8),
+        direction=np.zeros((m, 3)),
+        facet=np.full((m if features.kind in (CONVEX, MIXED) else 0, 6), -1, np.int32),
+        apart_at=np.zeros((apart, 3)),
+        safe_until=np.full(apart, -np.inf),
+        overlap=np.zeros(m),
+        point=np.zeros((m, 3)),
+        force=np.zeros((m, 3)),
+        torque_a=np.zeros((m, 3)),
+        torque_b=np.zeros((m, 3)),
+        incident_start=start,
+        incident=incident,
+        **columns(features, m),
+    )
+
+
+def list_incident(body_a, body_b, image, n_bodies):
+    """incident_start and incident of Contacts with these keys."""
+    m = len(body_a)
+    # Contacts of a body in order of (partner, image). Sides of one self pair differ in the sign of the image.
+    owner = np.concatenate([body_a, body_b])
+    partner = np.concatenate([body_b, body_a])
+    seen_image = np.concatenate([image, -image])
+    code = np.concatenate([2 * np.arange(m), 2 * np.arange(m) + 1])
+    order = np.lexsort((seen_image[:, 1], seen_image[:, 0], partner, owner))
+    start = np.concatenate(([0], np.cumsum(np.bincount(owner, minlength=n_bodies)))).astype(np.int64)
+    return start, code[order].astype(np.int32)
+
+
+def empty_walls(bodies: Bodies, shapes: Shapes, box: Box, features: Features) -> Walls:
+    """Rows for bodies that are closer to a wall of the scene than their margin, of which nothing is remembered."""
+    n, reach = len(bodies.mass), bodies.radius + bodies.margin
+    near = np.zeros((n, 2), np.bool_)
+    if features.floor:
+        near[:, FLOOR] = bodies.position[:, 2] < reach
+    if features.cylinder:
+        near[:, CYLINDER] = np.hypot(bodies.position[:, 0], bodies.position[:, 1]) + reach > box.wall_radius
+    near &= bodies.moves_here[:, None]
+    body, wall = np.nonzero(near)
+    w = len(body)
+    return Walls(
+        body=body.astype(np.int32),
+        wall=wall.astype(np.int32),
+        touching=np.zeros(w, np.uint8),
+        vertex=shapes.vertex_start[bodies.shape[body]].astype(np.int32),
+        overlap=np.zeros(w),
+        normal=np.zeros((w, 3)),
+        point=np.zeros((w, 3)),
+        force=np.zeros((w, 3)),
+        torque=np.zeros((w, 3)),
+        start=list_walls_of(body, n),
+        **columns(features, w),
+    )
+
+
+def list_walls_of(body, n_bodies):
+    """start of Walls of these bodies, in order."""
+    return np.concatenate(([0], np.cumsum(np.bincount(body, minlength=n_bodies)))).astype(np.int64)
+
+
+def carry_memory(old: Contacts, new: Contacts) -> None:
+    """Copy memory and output of the pairs that are in both lists."""
+    rows, old_rows = _common_rows((old.body_a, old.body_b, old.image), (new.body_a, new.body_b, new.image))
+    _carry(old, new, rows, old_rows, ("body_a", "body_b", "image", "pending", "incident_start", "incident"))
+
+
+def carry_wall_memory(old: Walls, new: Walls) -> None:
+    """Copy memory and output of the rows that are in both lists; (body, wall) is unique in each."""
+    _, rows, old_rows = np.intersect1d(2 * new.body + new.wall, 2 * old.body + old.wall, return_indices=True)
+    _carry(old, new, rows, old_rows, ("body", "wall", "start"))
+
+
+def _carry(old, new, rows, old_rows, without):
+    for name in type(new)._fields:
+        field = getattr(new, name)
+        if name not in without and len(field):
+            field[rows] = getattr(old, name)[old_rows]
+
+
+@kernel
+def _common_rows(old, new):
+    """Rows (k,) of the keys of `new` that are in `old`, and their rows (k,) there; both are sorted."""
+    rows, old_rows = np.empty(len(new[0]), np.int64), np.empty(len(new[0]), np.int64)
+    count, k = 0, 0
+    for p in range(len(new[0])):
+        while k < len(old[0]) and _before(old, k, new, p):
+            k += 1
+        if k < len(old[0]) and not _before(new, p, old, k):
+            rows[count], old_rows[count] = p, k
+            count += 1
+    return rows[:count], old_rows[:count]
+
+
+@leaf
+def _before(first, k, second, p):
+    """Whether key k of the first list comes before key p of the second."""
+    a, b, image = first
+    other_a, other_b, other_image = second
+    if a[k] != other_a[p]:
+        return a[k] < other_a[p]
+    if b[k] != other_b[p]:
+        return b[k] < other_b[p]
+    if len(image) == 0:
+        return False
+    if image[k, 0] != other_image[p, 0]:
+        return image[k, 0] < other_image[p, 0]
+    return image[k, 1] < other_image[p, 1]

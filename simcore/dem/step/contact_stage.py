@@ -1,0 +1,170 @@
+"""The stage of a step that finds contacts: one kernel for each kind of shape, and for each kind of wall.
+
+The kernels do not depend on the force law: `simcore.dem.step.step` chooses among them by constants. All leave whether a
+pair or a wall touches, its overlap, direction and point in the arrays of the state.
+"""
+
+from numba import get_thread_id, prange
+
+from simcore.compilation import loops
+from simcore.dem.contact.finding import (
+    check_ellipsoids,
+    check_mixed,
+    check_polyhedra,
+    check_potentials,
+    check_spheres,
+    search_ellipsoids,
+    search_mixed,
+    search_polyhedra,
+    search_potentials,
+)
+from simcore.dem.contact.finding import find_inflated as find_inflated_contact
+from simcore.dem.contact.patch.patch import find_patch
+from simcore.dem.contact.walls import (
+    cylinder_convex,
+    cylinder_ellipsoid,
+    cylinder_patch,
+    cylinder_sphere,
+    floor_convex,
+    floor_ellipsoid,
+    floor_patch,
+    floor_sphere,
+)
+from simcore.dem.shapes.hulls import is_hull
+from simcore.dem.state.bodies import FLOOR
+from simcore.dem.state.touches import partner_offset
+
+
+@loops
+def find_spheres(state, drive, has):
+    """Contacts of spheres; nothing is ever left pending."""
+    for p in prange(len(state.contacts.body_a)):
+        check_spheres(state.bodies, state.contacts, p, drive.width, has.periodic)
+
+
+@loops
+def find_ellipsoids(state, drive, has):
+    """Contacts of ellipsoids by their common normal: first from what is remembered, then by search.
+
+    The search is a loop of its own, here as below: what is rare and long stays out of the loop that is neither.
+    """
+    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
+    for p in prange(len(contacts.body_a)):
+        check_ellipsoids(shapes, bodies, contacts, p, drive.width, has.periodic)
+    for p in prange(len(contacts.body_a)):
+        if contacts.pending[p] != 0:
+            search_ellipsoids(shapes, bodies, contacts, p, drive.width, has.periodic)
+
+
+@loops
+def find_potentials(state, drive, has):
+    """Contacts of ellipsoids by their potentials."""
+    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
+    for p in prange(len(contacts.body_a)):
+        check_potentials(shapes, bodies, contacts, p, drive.width, has.periodic)
+    for p in prange(len(contacts.body_a)):
+        if contacts.pending[p] != 0:
+            search_potentials(shapes, bodies, contacts, p, drive.width, has.periodic)
+
+
+@loops
+def find_polyhedra(state, drive, has):
+    """Contacts of convex polyhedra."""
+    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
+    for p in prange(len(contacts.body_a)):
+        check_polyhedra(shapes, bodies, contacts, p, drive.width, has.periodic)
+    for p in prange(len(contacts.body_a)):
+        if contacts.pending[p] != 0:
+            search_polyhedra(shapes, bodies, contacts, p, drive.width, has.periodic)
+
+
+@loops
+def find_mixed(state, drive, has):
+    """Contacts of ellipsoids and convex polyhedra, each pair by the kinds of its bodies."""
+    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
+    for p in prange(len(contacts.body_a)):
+        check_mixed(shapes, bodies, contacts, p, drive.width, has.periodic)
+    for p in prange(len(contacts.body_a)):
+        if contacts.pending[p] != 0:
+            search_mixed(shapes, bodies, contacts, p, drive.width, has.periodic)
+
+
+@loops
+def find_inflated(state, drive, has):
+    """Touching contacts of convex polyhedra again, as the program of Rettinger et al. (2022) finds them."""
+    for p in prange(len(state.contacts.body_a)):
+        if state.contacts.touching[p] != 0:
+            find_inflated_contact(state.shapes, state.bodies, state.contacts, p, drive.width, has.periodic)
+
+
+@loops
+def find_patches(state, drive, has):
+    """Patches of the touching contacts between two polyhedra."""
+    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
+    for p in prange(len(contacts.body_a)):
+        if contacts.touching[p] != 0:
+            i, j = contacts.body_a[p], contacts.body_b[p]
+            if is_hull(shapes, bodies, i) and is_hull(shapes, bodies, j):
+                offset = partner_offset(bodies, contacts, p, drive.width, has.periodic)
+                find_patch(shapes, bodies, contacts, p, offset, state.workspace, get_thread_id())
+
+
+@loops
+def find_walls_of_spheres(state, drive):
+    """Spheres at the walls."""
+    bodies, walls = state.bodies, state.walls
+    for w in prange(len(walls.body)):
+        if walls.wall[w] == FLOOR:
+            floor_sphere(bodies, walls, w)
+        else:
+            cylinder_sphere(bodies, walls, w, drive.wall_radius)
+
+
+@loops
+def find_walls_of_ellipsoids(state, drive):
+    """Ellipsoids at the walls."""
+    bodies, walls = state.bodies, state.walls
+    for w in prange(len(walls.body)):
+        if walls.wall[w] == FLOOR:
+            floor_ellipsoid(bodies, walls, w)
+        else:
+            cylinder_ellipsoid(bodies, walls, w, drive.wall_radius)
+
+
+@loops
+def find_walls_of_polyhedra(state, drive):
+    """Convex polyhedra at the walls."""
+    shapes, bodies, walls = state.shapes, state.bodies, state.walls
+    for w in prange(len(walls.body)):
+        if walls.wall[w] == FLOOR:
+            floor_convex(shapes, bodies, walls, w)
+        else:
+            cylinder_convex(shapes, bodies, walls, w, drive.wall_radius)
+
+
+@loops
+def find_walls_of_mixed(state, drive):
+    """Ellipsoids and convex polyhedra at the walls."""
+    shapes, bodies, walls = state.shapes, state.bodies, state.walls
+    for w in prange(len(walls.body)):
+        hull = is_hull(shapes, bodies, walls.body[w])
+        if walls.wall[w] == FLOOR and hull:
+            floor_convex(shapes, bodies, walls, w)
+        elif walls.wall[w] == FLOOR:
+            floor_ellipsoid(bodies, walls, w)
+        elif hull:
+            cylinder_convex(shapes, bodies, walls, w, drive.wall_radius)
+        else:
+            cylinder_ellipsoid(bodies, walls, w, drive.wall_radius)
+
+
+@loops
+def find_wall_patches(state, drive):
+    """Patches of the polyhedra that touch a wall."""
+    shapes, bodies, walls = state.shapes, state.bodies, state.walls
+    for w in prange(len(walls.body)):
+        if walls.touching[w] != 0 and is_hull(shapes, bodies, walls.body[w]):
+            if walls.wall[w] == FLOOR:
+                floor_patch(shapes, bodies, walls, w, state.workspace, get_thread_id())
+            else:
+                cylinder_patch(shapes, bodies, walls, w, drive.wall_radius)

@@ -1,0 +1,22 @@
+"""What is said while the step of a packing is compiled."""
+
+from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE
+from simcore.dem.state.features import Features
+
+# CPU time [s] with an empty cache on the reference machine, rounded up: docs/performance.md.
+SECONDS = {SPHERE: 10, ELLIPSOID: 15, CONVEX: 50, MIXED: 60}
+WORDS = {
+    SPHERE: "spheres",
+    ELLIPSOID: "ellipsoids",
+    CONVEX: "convex polyhedra",
+    MIXED: "ellipsoids and convex polyhedra",
+}
+
+
+def announcement(features: Features) -> str:
+    """A sentence for who waits while the step with these features is compiled."""
+    friction = "with" if features.friction or features.sliding else "without"
+    return (
+        f"Compiling the step for {WORDS[features.kind]} {friction} friction, once; this takes about "
+        f"{SECONDS[features.kind]} s of CPU time."
+    )

@@ -1,0 +1,52 @@
+"""Compiling the steps of packings ahead of time, so that no two packings at once compile the same."""
+
+import numpy as np
+
+from simcore.dem.state.bodies import make_bodies
+from simcore.grains.mesh import make_grain
+from simcore.packing.process import Process
+from simcore.scene.setup import set_up
+
+
+def compile_steps(specifications, report) -> int:
+    """Compile each step that the packings of these resolved specifications need; returns how many there are.
+
+    Those in the cache on disk are left as they are. report(text): called before one is compiled. No grain is read: what
+    is compiled does not depend on grains, so a cuboid takes their place.
+    """
+    compiled = set()
+    for specification in specifications:
+        setup = set_up(_with_any_grain(specification), lambda group: [_cuboid()])
+        if setup.scene.features not in compiled:
+            compiled.add(setup.scene.features)
+            compile_step(setup, report)
+    return len(compiled)
+
+
+def compile_step(setup, report) -> None:
+    """Compile all that the steps of a packing need, with two grains that touch nothing."""
+    process = Process(setup.scene, setup.bases, setup.draw, report)
+    drawn = setup.draw(np.arange(2))
+    position = np.zeros((2, 3))
+    position[:, 2] = 10.0 * drawn.sieve_size.max() * np.arange(1, 3)
+    upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros((2, 3))
+    density = setup.scene.material.density
+    process.place(
+        make_bodies(setup.bases, drawn.shape, drawn.scale, position, upright, still, still, density, process.features),
+        float(drawn.sieve_size.mean()),
+    )
+    process.list_near()  # a second list also takes over what is remembered
+    process.evaluate()
+
+
+def _with_any_grain(specification):
+    """The specification with a grain by any name where one by its name is chosen."""
+    shapes = specification["shapes"]
+    if shapes["choice"] != "one":
+        return specification
+    return {**specification, "shapes": {**shapes, "choice": "random", "grain": None}}
+
+
+def _cuboid():
+    corners = np.array(np.meshgrid([-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0])).reshape(3, 8).T
+    return make_grain("cuboid", 1e-3 * corners * [4.0, 3.0, 2.0])
