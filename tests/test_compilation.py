@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from simcore import compilation
-from simcore.packing.checkpoints.keeper import checkpoint_code
+from simcore.packing.checkpoints.key import checkpoint_code
 from simcore.paths import ROOT
 from simcore.provenance import digest
 

@@ -2,15 +2,7 @@
 
 import logging
 
-from simcore.campaign.gathering import (
-    check_gathered,
-    finished,
-    gather,
-    record,
-    rows_of,
-    table_of,
-    trends_of,
-)
+from simcore.campaign.gathering import check_gathered, finished, gather, record, rows_of, table_of, trends_of
 from simcore.provenance.machine import describe_host
 from simcore.scene.identity import source_name
 
