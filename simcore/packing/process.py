@@ -359,7 +359,7 @@ class Process:
         scene = self.scene
         birth = give_birth(scene.generation, places[:count], drawn.sieve_size[:count], drawn.uniforms[:count])
         return make_bodies(
-            self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, self.features
+            self.bases, drawn.shape[:count], drawn.scale[:count], *birth, scene.material.density, features=self.features
         )
 
     def _touching(self, drawn, places):
