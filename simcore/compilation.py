@@ -111,7 +111,7 @@ class _Compiled(CPUDispatcher):
 
 
 class _Inner(_Compiled):
-    """Called by compiled code, without the wrapper for calls from Python, of which two thirds of compiling went."""
+    """Called by compiled code, without the wrapper for calls from Python, which took a quarter of compiling."""
 
     def __call__(self, *arguments):
         """For tests and verification: a twin with the wrapper is compiled."""

@@ -143,7 +143,7 @@ def levels(options):
     from simcore.campaign.studies import merge
     from simcore.compilation import source_digest
     from simcore.dem.state.contacts import Box
-    from simcore.dem.step.near_pairs import _search, _sort_into_cells, _wrap, find_pairs
+    from simcore.dem.step.near_pairs import _search, _sort_into_cells, _spheres, find_pairs
     from simcore.packing.lists import SKIN
 
     few = {"allow_few_top_grains": True} if options.shape == "sphere" else {}
@@ -156,11 +156,10 @@ def levels(options):
     count = len(np.unique(np.floor(np.log2(reach / reach.min()) + 1e-12)))
 
     def on_one():
-        wrapped, shift = _wrap(bed.position, box)
-        moves_here = np.ones(len(radius), np.bool_)
+        spheres = _spheres(bed.position, reach, box, np.ones(len(radius), np.bool_))
         width = 2.0 * reach.max()
-        grid = _sort_into_cells(wrapped, np.arange(len(radius)), width, box)
-        pairs = _search(grid.members, grid, bed.position, wrapped, shift, moves_here, reach, width, box.width, True)
+        grid = _sort_into_cells(spheres.wrapped, np.arange(len(radius)), width, box)
+        pairs = _search(spheres, grid.members, grid, width, True)
         return pairs[np.lexsort((pairs[:, 3], pairs[:, 2], pairs[:, 1], pairs[:, 0]))]
 
     reference = None

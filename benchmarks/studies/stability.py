@@ -177,7 +177,15 @@ def placed(contact_time, radius, position, velocity=0.0):
     upright = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
     process.place(
         make_bodies(
-            [unit_sphere()], np.zeros(n, int), scale, place, upright, speed, still, density, setup.scene.features
+            [unit_sphere()],
+            np.zeros(n, int),
+            scale,
+            place,
+            upright,
+            speed,
+            still,
+            density,
+            features=setup.scene.features,
         ),
         2.0 * float(radius.mean()),
     )

@@ -32,7 +32,9 @@ def compile_step(setup, report) -> None:
     upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros((2, 3))
     density = setup.scene.material.density
     process.place(
-        make_bodies(setup.bases, drawn.shape, drawn.scale, position, upright, still, still, density, process.features),
+        make_bodies(
+            setup.bases, drawn.shape, drawn.scale, position, upright, still, still, density, features=process.features
+        ),
         float(drawn.sieve_size.mean()),
     )
     process.list_near()  # a second list also takes over what is remembered

@@ -260,7 +260,15 @@ def _bytes_per_grain(setup: Setup) -> int:
     drawn = setup.draw(np.arange(1))
     zero = np.zeros((1, 3))
     bodies = make_bodies(
-        setup.bases, drawn.shape, drawn.scale, zero, [[1.0, 0.0, 0.0, 0.0]], zero, zero, 1.0, setup.scene.features
+        setup.bases,
+        drawn.shape,
+        drawn.scale,
+        zero,
+        [[1.0, 0.0, 0.0, 0.0]],
+        zero,
+        zero,
+        1.0,
+        features=setup.scene.features,
     )
     return sum(array.nbytes for array in bodies)
 

@@ -183,7 +183,7 @@ def simulate(dashpot, attractive, steps, phases=PHASES, angle=ANGLE, repeats=1):
         for _ in range(rounds if repeat else 1):  # the first repeat loads or compiles
             bodies = make_bodies(
                 [base], np.zeros(phases, int), np.full((phases, 3), RADIUS),
-                position, upright, thrown, still, 1.0, features,
+                position, upright, thrown, still, 1.0, features=features,
             )  # fmt: skip
             near = list_near(bodies, shapes, box, 0.5 * skin, features, None)
             began = time.process_time()

@@ -71,7 +71,15 @@ def _leave(setup, settled, dashpot, steps):
     still = np.zeros_like(b.position)
     process.place(
         make_bodies(
-            setup.bases, b.shape, b.scale, b.position, orientation, still, still, scene.material.density, scene.features
+            setup.bases,
+            b.shape,
+            b.scale,
+            b.position,
+            orientation,
+            still,
+            still,
+            scene.material.density,
+            features=scene.features,
         ),
         size,
     )

@@ -66,7 +66,15 @@ def spheres(position, radius, density=1.0):
     still, upright = np.zeros((n, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
     scale = np.repeat(np.broadcast_to(radius, n)[:, None], 3, axis=1)
     return make_bodies(
-        [unit_sphere()], np.zeros(n, int), scale, position, upright, still, still, density, Features(SPHERE, True)
+        [unit_sphere()],
+        np.zeros(n, int),
+        scale,
+        position,
+        upright,
+        still,
+        still,
+        density,
+        features=Features(SPHERE, True),
     )
 
 
@@ -188,7 +196,9 @@ def test_the_end_of_a_rod_is_four_contacts():
     turned = Rotation.from_euler("xyz", [0.3, -0.8, 0.5])
     still = np.zeros((1, 3))
     orientation = turned.as_quat(scalar_first=True)[None]
-    bodies = make_bodies([rod], [0], np.ones((1, 3)), still, orientation, still, still, 1.0, Features(ELLIPSOID, True))
+    bodies = make_bodies(
+        [rod], [0], np.ones((1, 3)), still, orientation, still, still, 1.0, features=Features(ELLIPSOID, True)
+    )
     normal, end = turned.apply([1.0, 0.0, 0.0]), turned.apply([0.0, 0.0, 0.5 * length])
     near = near_of([], [], [], walls=[(0, normal, end)])
     assert stiffest_body(bodies, near, 0.0, Load(1.0, 0.0, 0.0)).load == pytest.approx(4.0, rel=1e-6)
@@ -253,7 +263,9 @@ def test_a_patch_resists_what_turns_about_it():
     c = 0.5
     box = Base("box", np.zeros((0, 3)), np.zeros((0, 3), np.int64), 8.0 * c**3, np.full(3, c**2 / 3.0))
     still, upright = np.zeros((1, 3)), [[1.0, 0.0, 0.0, 0.0]]
-    bodies = make_bodies([box], [0], np.ones((1, 3)), still, upright, still, still, 1.0, Features(ELLIPSOID, True))
+    bodies = make_bodies(
+        [box], [0], np.ones((1, 3)), still, upright, still, still, 1.0, features=Features(ELLIPSOID, True)
+    )
     contacts, walls = near_of([], [], [], walls=[(0, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0))])
     contacts.spread, walls.spread = np.zeros((0, 6)), np.array([[c**2 / 3, c**2 / 3, 0, 0, 0, 0]])
     # I / m = 2 c² / 3: rocking weighs half the dashpot, twisting as much as the tangential load.

@@ -207,7 +207,7 @@ def pressed(radius, overlap):
     upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros((2, 3))
     scale, density = np.outer(size, np.ones(3)), running.scene.material.density
     bodies = make_bodies(
-        [unit_sphere()], np.zeros(2, int), scale, place, upright, still, still, density, running.scene.features
+        [unit_sphere()], np.zeros(2, int), scale, place, upright, still, still, density, features=running.scene.features
     )
     running.place(bodies, 6e-3)
     return running, lines
@@ -244,7 +244,8 @@ def test_an_impact_on_a_grain_that_lies_on_the_floor_goes_as_deep_as_expected(re
     upright, scale = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.outer(radius, np.ones(3))
     features, density = running.scene.features, running.scene.material.density
     running.place(
-        make_bodies([unit_sphere()], np.zeros(2, int), scale, place, upright, speed, still, density, features), 6e-3
+        make_bodies([unit_sphere()], np.zeros(2, int), scale, place, upright, speed, still, density, features=features),
+        6e-3,
     )
     deepest = 0.0
     for _ in range(2000):

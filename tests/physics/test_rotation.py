@@ -197,7 +197,7 @@ def test_spheres_carry_no_rotation(stage):
         [[0.0] * 3],
         [[3.0, 1.0, 2.0]],
         1.0,
-        Features(SPHERE, True),
+        features=Features(SPHERE, True),
     )
     empty = [name for name in bodies._fields if len(getattr(bodies, name)) == 0]
     assert empty == ["orientation", "turned", "listed_turned", "rotation", "form_matrix", "hold"]

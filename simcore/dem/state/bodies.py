@@ -107,7 +107,7 @@ class Walls(NamedTuple):
 
 
 def make_bodies(
-    bases: list[Base], shape, scale, position, orientation, velocity, angular_velocity, density, features=None
+    bases: list[Base], shape, scale, position, orientation, velocity, angular_velocity, density, *, features=None
 ) -> Bodies:
     """Bodies of the given density [kg/m³] that have turned nowhere yet.
 

@@ -1,7 +1,8 @@
 """The stage of a step that finds contacts: one kernel for each kind of shape, and for each kind of wall.
 
 The kernels do not depend on the force law: `simcore.dem.step.step` chooses among them by constants. All leave whether a
-pair or a wall touches, its overlap, direction and point in the arrays of the state.
+pair or a wall touches, its overlap, direction and point in the arrays of the state. A parallel loop of numba can use no
+tuple of tuples, so each kernel first takes what it needs out of the state.
 """
 
 from numba import get_thread_id, prange
@@ -38,8 +39,9 @@ from simcore.dem.state.touches import partner_offset
 @loops
 def find_spheres(state, drive, has):
     """Contacts of spheres; nothing is ever left pending."""
-    for p in prange(len(state.contacts.body_a)):
-        check_spheres(state.bodies, state.contacts, p, drive.width, has.periodic)
+    bodies, contacts = state.bodies, state.contacts
+    for p in prange(len(contacts.body_a)):
+        check_spheres(bodies, contacts, p, drive.width, has.periodic)
 
 
 @loops
@@ -92,21 +94,22 @@ def find_mixed(state, drive, has):
 @loops
 def find_inflated(state, drive, has):
     """Touching contacts of convex polyhedra again, as the program of Rettinger et al. (2022) finds them."""
-    for p in prange(len(state.contacts.body_a)):
-        if state.contacts.touching[p] != 0:
-            find_inflated_contact(state.shapes, state.bodies, state.contacts, p, drive.width, has.periodic)
+    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
+    for p in prange(len(contacts.body_a)):
+        if contacts.touching[p] != 0:
+            find_inflated_contact(shapes, bodies, contacts, p, drive.width, has.periodic)
 
 
 @loops
 def find_patches(state, drive, has):
     """Patches of the touching contacts between two polyhedra."""
-    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
+    shapes, bodies, contacts, workspace = state.shapes, state.bodies, state.contacts, state.workspace
     for p in prange(len(contacts.body_a)):
         if contacts.touching[p] != 0:
             i, j = contacts.body_a[p], contacts.body_b[p]
             if is_hull(shapes, bodies, i) and is_hull(shapes, bodies, j):
                 offset = partner_offset(bodies, contacts, p, drive.width, has.periodic)
-                find_patch(shapes, bodies, contacts, p, offset, state.workspace, get_thread_id())
+                find_patch(shapes, bodies, contacts, p, offset, workspace, get_thread_id())
 
 
 @loops
@@ -161,10 +164,10 @@ def find_walls_of_mixed(state, drive):
 @loops
 def find_wall_patches(state, drive):
     """Patches of the polyhedra that touch a wall."""
-    shapes, bodies, walls = state.shapes, state.bodies, state.walls
+    shapes, bodies, walls, workspace = state.shapes, state.bodies, state.walls, state.workspace
     for w in prange(len(walls.body)):
         if walls.touching[w] != 0 and is_hull(shapes, bodies, walls.body[w]):
             if walls.wall[w] == FLOOR:
-                floor_patch(shapes, bodies, walls, w, state.workspace, get_thread_id())
+                floor_patch(shapes, bodies, walls, w, workspace, get_thread_id())
             else:
                 cylinder_patch(shapes, bodies, walls, w, drive.wall_radius)

@@ -67,11 +67,13 @@ def find_pairs(position, reach, box: Box, moves_here=None) -> np.ndarray:
         return np.zeros((0, 4), np.int64)
     if moves_here is None:
         moves_here = np.ones(len(reach), np.bool_)
-    wrapped, shift = _wrap(position, box)
+    spheres = _spheres(position, reach, box, moves_here)
     level = np.floor(np.log2(reach / reach.min()) + 1e-12).astype(np.int64)
     cell_width = 2.0 * reach.min() * 2.0 ** (1 + np.arange(level.max() + 1))
     grids = [
-        _sort_into_cells(wrapped, np.flatnonzero(level == k), cell_width[k], box) if np.any(level == k) else None
+        _sort_into_cells(spheres.wrapped, np.flatnonzero(level == k), cell_width[k], box)
+        if np.any(level == k)
+        else None
         for k in range(len(cell_width))
     ]
     found = []
@@ -82,20 +84,7 @@ def find_pairs(position, reach, box: Box, moves_here=None) -> np.ndarray:
             if grids[coarse] is not None:
                 # The pair's range is at most the mean of the two cell widths.
                 span = 0.5 * (cell_width[fine] + cell_width[coarse])
-                found.append(
-                    _search(
-                        grid.members,
-                        grids[coarse],
-                        position,
-                        wrapped,
-                        shift,
-                        moves_here,
-                        reach,
-                        span,
-                        box.width,
-                        fine == coarse,
-                    )
-                )
+                found.append(_search(spheres, grid.members, grids[coarse], span, fine == coarse))
     pairs = np.concatenate(found)
     return pairs[np.lexsort((pairs[:, 3], pairs[:, 2], pairs[:, 1], pairs[:, 0]))]
 
@@ -108,14 +97,22 @@ class _Grid(NamedTuple):
     widths: np.ndarray  # (3,)
 
 
-def _wrap(position, box: Box):
-    """Positions in [0, width) horizontally and how many widths (n, 2) they were away from there."""
+class _Spheres(NamedTuple):
+    position: np.ndarray  # (n, 3) [m]
+    reach: np.ndarray  # (n,) [m]
+    moves_here: np.ndarray  # (n,) bool
+    wrapped: np.ndarray  # (n, 3) [m], in [0, width) horizontally
+    shift: np.ndarray  # (n, 2) int64, how many widths they were away from there
+    width: float  # [m], 0 where not periodic
+
+
+def _spheres(position, reach, box: Box, moves_here) -> _Spheres:
     wrapped = position.copy()
     shift = np.zeros((len(position), 2), np.int64)
     if box.width > 0.0:
         shift[:] = np.floor(position[:, :2] / box.width)
         wrapped[:, :2] = position[:, :2] - shift * box.width
-    return wrapped, shift
+    return _Spheres(position, reach, moves_here, wrapped, shift, box.width)
 
 
 def _sort_into_cells(wrapped, members, cell_width, box: Box) -> _Grid:
@@ -138,8 +135,10 @@ def _sort_into_cells(wrapped, members, cell_width, box: Box) -> _Grid:
 
 
 @kernel
-def _search(members, grid, position, wrapped, shift, moves_here, reach, span, width, same_level):
+def _search(spheres, members, grid, span, same_level):
     """Pairs of `members` with the bodies of `grid` whose spheres meet; on one level each pair once."""
+    position, wrapped, shift, width = spheres.position, spheres.wrapped, spheres.shift, spheres.width
+    moves_here, reach = spheres.moves_here, spheres.reach
     found = np.empty((16 * len(members) + 16, 4), np.int64)
     n_found = 0
     low = np.empty(3, np.int64)

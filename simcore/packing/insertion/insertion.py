@@ -79,7 +79,12 @@ class Insertion:
         scene = self.scene
         states = give_birth(scene.generation, places[:count], drawn.sieve_size[:count], drawn.uniforms[:count])
         return make_bodies(
-            self.bases, drawn.shape[:count], drawn.scale[:count], *states, scene.material.density, self.stepper.features
+            self.bases,
+            drawn.shape[:count],
+            drawn.scale[:count],
+            *states,
+            scene.material.density,
+            features=self.stepper.features,
         )
 
     def _touching(self, drawn, places):

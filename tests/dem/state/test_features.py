@@ -41,7 +41,7 @@ def bodies_of(base, kind, scale):
     spin = 5.0 * rng.standard_normal((N, 3))
     shape = np.zeros(N, int)
     return make_bodies(
-        [base], shape, np.tile(scale, (N, 1)), position, upright, velocity, spin, 2650.0, Features(kind, True)
+        [base], shape, np.tile(scale, (N, 1)), position, upright, velocity, spin, 2650.0, features=Features(kind, True)
     )
 
 
