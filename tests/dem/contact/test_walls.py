@@ -7,8 +7,6 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact.walls import (
-    CYLINDER,
-    FLOOR,
     cylinder_convex,
     cylinder_ellipsoid,
     cylinder_sphere,
@@ -17,7 +15,7 @@ from simcore.dem.contact.walls import (
     floor_sphere,
 )
 from simcore.dem.shapes.hulls import CONVEX, collect_shapes
-from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.bodies import CYLINDER, FLOOR, make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
 from simcore.dem.step.near_pairs import list_near
