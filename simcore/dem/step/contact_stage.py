@@ -1,8 +1,8 @@
 """The stage of a step that finds contacts: one kernel for each kind of shape, and for each kind of wall.
 
 The kernels do not depend on the force law: `simcore.dem.step.step` chooses among them by constants. All leave whether a
-pair or a wall touches, its overlap, direction and point in the arrays of the state. A parallel loop of numba can use no
-tuple of tuples, so each kernel first takes what it needs out of the state.
+pair or a wall touches, its overlap, direction and point in the arrays. A parallel loop of numba can use a tuple only
+where its function gets it as an argument, hence no State here.
 """
 
 from numba import get_thread_id, prange
@@ -37,20 +37,18 @@ from simcore.dem.state.touches import partner_offset
 
 
 @loops
-def find_spheres(state, drive, has):
+def find_spheres(bodies, contacts, drive, has):
     """Contacts of spheres; nothing is ever left pending."""
-    bodies, contacts = state.bodies, state.contacts
     for p in prange(len(contacts.body_a)):
         check_spheres(bodies, contacts, p, drive.width, has.periodic)
 
 
 @loops
-def find_ellipsoids(state, drive, has):
+def find_ellipsoids(shapes, bodies, contacts, drive, has):
     """Contacts of ellipsoids by their common normal: first from what is remembered, then by search.
 
     The search is a loop of its own, here as below: what is rare and long stays out of the loop that is neither.
     """
-    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
     for p in prange(len(contacts.body_a)):
         check_ellipsoids(shapes, bodies, contacts, p, drive.width, has.periodic)
     for p in prange(len(contacts.body_a)):
@@ -59,9 +57,8 @@ def find_ellipsoids(state, drive, has):
 
 
 @loops
-def find_potentials(state, drive, has):
+def find_potentials(shapes, bodies, contacts, drive, has):
     """Contacts of ellipsoids by their potentials."""
-    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
     for p in prange(len(contacts.body_a)):
         check_potentials(shapes, bodies, contacts, p, drive.width, has.periodic)
     for p in prange(len(contacts.body_a)):
@@ -70,9 +67,8 @@ def find_potentials(state, drive, has):
 
 
 @loops
-def find_polyhedra(state, drive, has):
+def find_polyhedra(shapes, bodies, contacts, drive, has):
     """Contacts of convex polyhedra."""
-    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
     for p in prange(len(contacts.body_a)):
         check_polyhedra(shapes, bodies, contacts, p, drive.width, has.periodic)
     for p in prange(len(contacts.body_a)):
@@ -81,9 +77,8 @@ def find_polyhedra(state, drive, has):
 
 
 @loops
-def find_mixed(state, drive, has):
+def find_mixed(shapes, bodies, contacts, drive, has):
     """Contacts of ellipsoids and convex polyhedra, each pair by the kinds of its bodies."""
-    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
     for p in prange(len(contacts.body_a)):
         check_mixed(shapes, bodies, contacts, p, drive.width, has.periodic)
     for p in prange(len(contacts.body_a)):
@@ -92,18 +87,16 @@ def find_mixed(state, drive, has):
 
 
 @loops
-def find_inflated(state, drive, has):
+def find_inflated(shapes, bodies, contacts, drive, has):
     """Touching contacts of convex polyhedra again, as the program of Rettinger et al. (2022) finds them."""
-    shapes, bodies, contacts = state.shapes, state.bodies, state.contacts
     for p in prange(len(contacts.body_a)):
         if contacts.touching[p] != 0:
             find_inflated_contact(shapes, bodies, contacts, p, drive.width, has.periodic)
 
 
 @loops
-def find_patches(state, drive, has):
+def find_patches(shapes, bodies, contacts, workspace, drive, has):
     """Patches of the touching contacts between two polyhedra."""
-    shapes, bodies, contacts, workspace = state.shapes, state.bodies, state.contacts, state.workspace
     for p in prange(len(contacts.body_a)):
         if contacts.touching[p] != 0:
             i, j = contacts.body_a[p], contacts.body_b[p]
@@ -113,9 +106,8 @@ def find_patches(state, drive, has):
 
 
 @loops
-def find_walls_of_spheres(state, drive):
+def find_walls_of_spheres(bodies, walls, drive):
     """Spheres at the walls."""
-    bodies, walls = state.bodies, state.walls
     for w in prange(len(walls.body)):
         if walls.wall[w] == FLOOR:
             floor_sphere(bodies, walls, w)
@@ -124,9 +116,8 @@ def find_walls_of_spheres(state, drive):
 
 
 @loops
-def find_walls_of_ellipsoids(state, drive):
+def find_walls_of_ellipsoids(bodies, walls, drive):
     """Ellipsoids at the walls."""
-    bodies, walls = state.bodies, state.walls
     for w in prange(len(walls.body)):
         if walls.wall[w] == FLOOR:
             floor_ellipsoid(bodies, walls, w)
@@ -135,9 +126,8 @@ def find_walls_of_ellipsoids(state, drive):
 
 
 @loops
-def find_walls_of_polyhedra(state, drive):
+def find_walls_of_polyhedra(shapes, bodies, walls, drive):
     """Convex polyhedra at the walls."""
-    shapes, bodies, walls = state.shapes, state.bodies, state.walls
     for w in prange(len(walls.body)):
         if walls.wall[w] == FLOOR:
             floor_convex(shapes, bodies, walls, w)
@@ -146,9 +136,8 @@ def find_walls_of_polyhedra(state, drive):
 
 
 @loops
-def find_walls_of_mixed(state, drive):
+def find_walls_of_mixed(shapes, bodies, walls, drive):
     """Ellipsoids and convex polyhedra at the walls."""
-    shapes, bodies, walls = state.shapes, state.bodies, state.walls
     for w in prange(len(walls.body)):
         hull = is_hull(shapes, bodies, walls.body[w])
         if walls.wall[w] == FLOOR and hull:
@@ -162,9 +151,8 @@ def find_walls_of_mixed(state, drive):
 
 
 @loops
-def find_wall_patches(state, drive):
+def find_wall_patches(shapes, bodies, walls, workspace, drive):
     """Patches of the polyhedra that touch a wall."""
-    shapes, bodies, walls, workspace = state.shapes, state.bodies, state.walls, state.workspace
     for w in prange(len(walls.body)):
         if walls.touching[w] != 0 and is_hull(shapes, bodies, walls.body[w]):
             if walls.wall[w] == FLOOR:

@@ -13,13 +13,10 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import get_num_threads, prange
+from numba import get_num_threads
 
 from simcore.compilation import cycles, kernel, leaf, parallel_kernel
-from simcore.dem.forces.hertz import contact_law_at, wall_law_at
-from simcore.dem.forces.pressing import press_contact, press_wall
-from simcore.dem.forces.sliding import rub_contact, rub_wall
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE, is_hull
+from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE
 from simcore.dem.state.features import Features
 from simcore.dem.step.contact_stage import (
     find_ellipsoids,
@@ -35,16 +32,15 @@ from simcore.dem.step.contact_stage import (
     find_walls_of_polyhedra,
     find_walls_of_spheres,
 )
-from simcore.dem.step.motion import (
-    add_forces,
-    derive_form_matrix,
-    has_left,
-    move,
-    note_hold,
-    note_net_force,
-    spin_sphere,
-    turn,
+from simcore.dem.step.force_stage import (
+    press_contacts,
+    press_hertzian_contacts,
+    press_hertzian_walls,
+    press_walls,
+    rub_contacts,
+    rub_walls,
 )
+from simcore.dem.step.motion_stage import move_bodies, move_spheres
 
 STAGES = ("contact", "force", "integration")
 
@@ -79,78 +75,67 @@ def _make_advance(has: Features, several_threads: bool):
     has = has._replace(patch=int(has.patch and has.kind in (CONVEX, MIXED)))
     kind, walled, patch = has.kind, has.floor or has.cylinder, has.patch
     potential, inflated, hertz, sliding = has.potential, has.inflated, has.hertz, has.sliding
-    implicit, shaken, timed = has.implicit, has.shaken, has.timed
+    shaken, timed = has.shaken, has.timed
 
+    # Without a loop over prange: this tells the kernels that have some what to be compiled for.
     @(parallel_kernel if several_threads else kernel)
     def advance(state, law, drive: Drive, clock, first_step, n_steps):
-        shapes, bodies, contacts, walls = state.shapes, state.bodies, state.contacts, state.walls
+        shapes, bodies, contacts, walls, workspace = state
         moved = np.zeros(len(bodies.own), np.bool_)
         since = cycles()
         for step in range(n_steps):
             if kind == SPHERE:
-                find_spheres(state, drive, has)
+                find_spheres(bodies, contacts, drive, has)
             elif kind == ELLIPSOID and potential:
-                find_potentials(state, drive, has)
+                find_potentials(shapes, bodies, contacts, drive, has)
             elif kind == ELLIPSOID:
-                find_ellipsoids(state, drive, has)
+                find_ellipsoids(shapes, bodies, contacts, drive, has)
             elif kind == MIXED:
-                find_mixed(state, drive, has)
+                find_mixed(shapes, bodies, contacts, drive, has)
             else:
-                find_polyhedra(state, drive, has)
+                find_polyhedra(shapes, bodies, contacts, drive, has)
             if inflated:
-                find_inflated(state, drive, has)
+                find_inflated(shapes, bodies, contacts, drive, has)
             if patch:
-                find_patches(state, drive, has)
+                find_patches(shapes, bodies, contacts, workspace, drive, has)
             if walled and kind == SPHERE:
-                find_walls_of_spheres(state, drive)
+                find_walls_of_spheres(bodies, walls, drive)
             elif walled and kind == ELLIPSOID:
-                find_walls_of_ellipsoids(state, drive)
+                find_walls_of_ellipsoids(bodies, walls, drive)
             elif walled and kind == MIXED:
-                find_walls_of_mixed(state, drive)
+                find_walls_of_mixed(shapes, bodies, walls, drive)
             elif walled:
-                find_walls_of_polyhedra(state, drive)
+                find_walls_of_polyhedra(shapes, bodies, walls, drive)
             if walled and patch:
-                find_wall_patches(state, drive)
+                find_wall_patches(shapes, bodies, walls, workspace, drive)
             if timed:
                 since = count_cycles(clock, 0, since)
 
-            for p in prange(len(contacts.body_a)):
-                if contacts.touching[p] != 0:
-                    at = contact_law_at(law, bodies, contacts, p) if hertz else law
-                    press_contact(bodies, contacts, at, drive, p, has)
-                    if sliding:
-                        rub_contact(bodies, contacts, law, drive, p, has)
-            if walled:
-                for w in prange(len(walls.body)):
-                    if walls.touching[w] != 0:
-                        at = wall_law_at(law, bodies, walls, w) if hertz else law
-                        press_wall(bodies, walls, at, drive, w, has)
-                        if sliding:
-                            rub_wall(bodies, walls, law, w, has)
+            if hertz:
+                press_hertzian_contacts(bodies, contacts, law, drive, has)
+            else:
+                press_contacts(bodies, contacts, law, drive, has)
+            if sliding:
+                rub_contacts(bodies, contacts, law, drive, has)
+            if walled and hertz:
+                press_hertzian_walls(bodies, walls, law, drive, has)
+            elif walled:
+                press_walls(bodies, walls, law, drive, has)
+            if walled and sliding:
+                rub_walls(bodies, walls, law, has)
             if timed:
                 since = count_cycles(clock, 1, since)
 
             push = 0.0
             if shaken:
                 push = drive.shaking * np.sin(drive.shaking_rate * (first_step + step) * drive.dt)
-            for k in prange(len(bodies.own)):
-                i = bodies.own[k]
-                force, torque = add_forces(bodies, contacts, walls, drive.gravity, i, walled)
-                note_net_force(bodies, i, force)
-                if drive.dt > 0.0:
-                    if implicit:
-                        note_hold(bodies, contacts, walls, i, walled)
-                    move(bodies, i, force, torque, push, drive.dt, drive.damping)
-                    if kind == SPHERE:
-                        spin_sphere(bodies, i)
-                    else:
-                        turn(bodies, i, drive.dt, drive.damping)
-                    if kind == ELLIPSOID or (kind == MIXED and not is_hull(shapes, bodies, i)):
-                        derive_form_matrix(bodies, i)
-                    moved[k] = has_left(bodies, i, kind != SPHERE)
+            if kind == SPHERE:
+                move_spheres(bodies, contacts, walls, drive, push, moved, has)
+            else:
+                move_bodies(shapes, bodies, contacts, walls, drive, push, moved, has)
             if timed:
                 since = count_cycles(clock, 2, since)
-            for k in range(len(bodies.own)):
+            for k in range(len(moved)):
                 if moved[k]:
                     return step + 1, True
         return n_steps, False

@@ -1,0 +1,59 @@
+"""The stage of a step that presses what touches: a kernel for each force law. Each writes forces and torques.
+
+A parallel loop of numba can use a tuple only where its function gets it as an argument, hence no State here.
+"""
+
+from numba import prange
+
+from simcore.compilation import loops
+from simcore.dem.forces.hertz import contact_law_at, wall_law_at
+from simcore.dem.forces.pressing import press_contact, press_wall
+from simcore.dem.forces.sliding import rub_contact, rub_wall
+
+
+@loops
+def press_contacts(bodies, contacts, law, drive, has):
+    """Touching contacts, by the linear law."""
+    for p in prange(len(contacts.body_a)):
+        if contacts.touching[p] != 0:
+            press_contact(bodies, contacts, law, drive, p, has)
+
+
+@loops
+def press_hertzian_contacts(bodies, contacts, law, drive, has):
+    """Touching contacts, by Hertz's law."""
+    for p in prange(len(contacts.body_a)):
+        if contacts.touching[p] != 0:
+            press_contact(bodies, contacts, contact_law_at(law, bodies, contacts, p), drive, p, has)
+
+
+@loops
+def rub_contacts(bodies, contacts, law, drive, has):
+    """Touching contacts: adds friction without memory."""
+    for p in prange(len(contacts.body_a)):
+        if contacts.touching[p] != 0:
+            rub_contact(bodies, contacts, law, drive, p, has)
+
+
+@loops
+def press_walls(bodies, walls, law, drive, has):
+    """Touching walls, by the linear law."""
+    for w in prange(len(walls.body)):
+        if walls.touching[w] != 0:
+            press_wall(bodies, walls, law, drive, w, has)
+
+
+@loops
+def press_hertzian_walls(bodies, walls, law, drive, has):
+    """Touching walls, by Hertz's law."""
+    for w in prange(len(walls.body)):
+        if walls.touching[w] != 0:
+            press_wall(bodies, walls, wall_law_at(law, bodies, walls, w), drive, w, has)
+
+
+@loops
+def rub_walls(bodies, walls, law, has):
+    """Touching walls: adds friction without memory."""
+    for w in prange(len(walls.body)):
+        if walls.touching[w] != 0:
+            rub_wall(bodies, walls, law, w, has)
