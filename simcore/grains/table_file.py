@@ -18,7 +18,7 @@ _MARKS = (
     (b"\xff\xfe", "utf-16"),
     (b"\xfe\xff", "utf-16"),
 )
-_EXCEL_SEPARATOR = re.compile(r'"?sep=([^\w"]|\\t)"?[;,\t]*', re.IGNORECASE)
+_EXCEL_SEPARATOR = re.compile(r'"?sep=([!#-/:-@[-^`{-~\t]|\\t)"?[;,\t]*', re.IGNORECASE)
 _SEPARATORS = (";", "\t", "|", ",")
 _SPACES = r"\s+"
 SAVE_AS = "save it as CSV (UTF-8)"
