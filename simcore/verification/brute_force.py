@@ -1,7 +1,7 @@
 """Signed distance by trying everything: the reference that `query` is measured against.
 
-Support functions are maxima over all vertices, and no polytope grows. Of two hulls every direction is tried that can
-matter; with an ellipsoid some hundred directions are, and the best of them are climbed. What is compared is always
+Support functions are maxima over all vertices, and no polytope grows. Of two polyhedra every direction is tried that
+can matter; with an ellipsoid some hundred directions are, and the best of them are climbed. What is compared is always
 what a direction shows, a bound by itself: −f(n) bounds the depth from above, f(n) a gap from below.
 """
 

@@ -4,9 +4,9 @@
 
 The signed distance is the maximum over unit directions n of  n·c − h_A(n) − h_B(−n), c from the origin of a to that
 of b and h the support functions: the gap, or minus the length of the shortest translation that separates the two.
-The answer is the global maximum also for deep and concentric pairs, and knows no memory and no tolerance to be set.
+The answer is the global maximum also for deep and concentric pairs, without any memory or tolerance to set.
 
-A sphere is a point with a radius: against a hull it is queried as a hull of one vertex.
+A sphere is a point with a radius: against a polyhedron it is queried as a polyhedron of one vertex.
 """
 
 import functools
@@ -45,7 +45,7 @@ BESIDE = 1e-12  # of the pair's size: tangential distance of the two points that
 
 
 class ContactQuery(NamedTuple):
-    """What a query finds; of `query_many` every field is an array with one row for each pair."""
+    """The result of a query; of `query_many` every field is an array with one row for each pair."""
 
     signed_distance: float  # [m], positive a gap, negative an overlap
     normal: np.ndarray  # (3,) unit, from a to b
@@ -76,8 +76,8 @@ def query(shape_a: Shape, pose_a, shape_b: Shape, pose_b) -> ContactQuery:
     position_a, orientation_a = _pose(pose_a, "a")
     position_b, orientation_b = _pose(pose_b, "b")
     one = np.zeros(1, np.int64)
-    found = _query((shape_a, shape_b), one, position_a, orientation_a, one + 1, position_b, orientation_b)
-    return ContactQuery(float(found[0][0]), *(field[0] for field in found[1:]))
+    answer = _query((shape_a, shape_b), one, position_a, orientation_a, one + 1, position_b, orientation_b)
+    return ContactQuery(float(answer[0][0]), *(field[0] for field in answer[1:]))
 
 
 def query_many(shapes, index_a, poses_a, index_b, poses_b) -> ContactQuery:

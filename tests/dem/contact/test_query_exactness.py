@@ -1,4 +1,4 @@
-"""10 000 random and adversarial pairs of every kind against references that try everything (`contact.brute`).
+"""10 000 random and adversarial pairs of every kind against references that try everything (`brute_force`).
 
 What is asserted is relative to the pair's size. Polytopes: 1e-9 is asked for; sums of products of coordinates give some
 hundred eps, 1e-13, and a face tilted by points 1e-15 to 1e-9 off it some more, so 1e-11. Ellipsoids: 1e-8 is asked for,

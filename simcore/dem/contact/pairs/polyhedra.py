@@ -136,7 +136,7 @@ def recheck(shapes, bodies, contacts, p, pair):
         if verdict == APART:  # the facet stays, as the simplex next to the origin
             remember_apart(bodies, contacts, p, pair, -contact.overlap)
         if verdict == UNCERTAIN and still_apart(bodies, contacts, p, pair):
-            verdict = OVERLAPPING  # the search that found it compared it with the others: they cannot have caught up
+            verdict = OVERLAPPING  # the search compared it with the others, and they cannot have caught up
         return verdict == OVERLAPPING or verdict == APART, contact
     if contacts.facet[p, 0] < 0:
         return False, Contact(0.0, ZERO, ZERO)

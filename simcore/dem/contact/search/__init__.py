@@ -1,1 +1,1 @@
-"""Contact of two grains found from nothing: distance and overlap of convex shapes."""
+"""Searches for the contact of two grains from nothing: distance and overlap of convex shapes."""

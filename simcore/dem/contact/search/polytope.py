@@ -1,12 +1,14 @@
-"""A convex polytope that grows by one vertex at a time, as expanding-polytope searches need it.
+r"""A convex polytope that grows by one vertex at a time, as expanding-polytope searches need it.
 
-It begins as a tetrahedron (`start_polytope`). A new vertex w replaces the faces that it sees by a fan from their rim:
+It begins as a tetrahedron (`start_polytope`). A new vertex w replaces the faces below it by a fan from their rim:
 
-        rim ____ w            seen: the faces whose plane w lies beyond
-           /::::\\            rim: the edges between them and the others, a ring
-       ___/:seen:\\___
+            w                       w
+                                   / \          :::  faces whose plane w lies beyond
+         .:::::.                  /   \          R   rim: the edges between these faces and the others, a ring
+       R ------- R      ->      R       R
+      /           \            /         \
 
-The searches differ in how they ask for the next vertex and in when they end; the growth is this one.
+The searches differ in where they take the next vertex from and in when they end; the growth is this one.
 """
 
 from typing import NamedTuple
