@@ -1,11 +1,11 @@
 """Sieve curves: mass fractions per size class, the numbers of grains they stand for, and Table 3's cases.
 
 Sizes are drawn uniformly in log D within a class of bounds a < b, so that the mean of D^p there has a closed form,
-(b^p - a^p) / (p ln(b / a)). With p = 3 it gives the mean volume of a class, and the mass in each class is the mass asked
-for, whatever the widths of the classes. Rettinger et al. (2022) divide by the cube of the geometric mean instead, which is
-smaller than that mean by a factor (r³ - 1) / (3 r^1.5 ln r) for a class of ratio r = b / a. The factor cancels where all
-classes have one ratio. Those of Table 3 have ratios of 1.40 to 1.43. There the expected share of the mass in a class differs
-from that asked for by at most
+(b^p - a^p) / (p ln(b / a)). With p = 3 it gives the mean volume of a class, and the mass in each class is the mass
+asked for, whatever the widths of the classes. Rettinger et al. (2022) divide by the cube of the geometric mean instead,
+which is smaller than that mean by a factor (r³ - 1) / (3 r^1.5 ln r) for a class of ratio r = b / a. The factor cancels
+where all classes have one ratio. Those of Table 3 have ratios of 1.40 to 1.43. There the expected share of the mass in
+a class differs from that asked for by at most
 
     case        U1      U3      U5      U7      B30     B50     B70
     difference  0       0.0013  0.0010  0.0007  0.0006  0.0005  0.0007

@@ -31,16 +31,15 @@ def test_bad_curves_are_refused_by_name(bounds, fractions, reason):
 RATIOS, MOST_CLASSES, CURVES = (1.05, 16.0), 8, 50
 
 
-def random_curve(rng, numbers_by="mean_volume", sieve=None):
-    """Curve of 1 to 8 classes with ratios log-uniform over RATIOS and Dirichlet fractions, a quarter of them 0."""
+def random_curve(rng, k, accept=None):
+    """Curve of k classes with ratios log-uniform over RATIOS and Dirichlet fractions, a quarter of them 0."""
     while True:
-        k = rng.integers(1, MOST_CLASSES + 1)
         ratios = np.exp(rng.uniform(*np.log(RATIOS), k))
         fractions = rng.dirichlet(np.ones(k)) * (rng.uniform(size=k) > 0.25)
         if fractions.sum() == 0:
             continue
-        curve = SieveCurve(1e-3 * np.cumprod([1.0, *ratios]), fractions / fractions.sum(), "random", numbers_by)
-        if sieve is None or sieve(curve):
+        curve = SieveCurve(1e-3 * np.cumprod([1.0, *ratios]), fractions / fractions.sum(), "random")
+        if accept is None or accept(curve):
             return curve
 
 
@@ -48,14 +47,16 @@ def test_the_expected_mass_in_each_class_is_that_asked_for():
     """Exactly, for curves of any width; the mean volume of a class is that of the sizes that are drawn in it."""
     rng = np.random.default_rng(1)
     within = (np.arange(4000) + 0.5) / 4000
-    for _ in range(CURVES):
-        curve = random_curve(rng)
+    for number in range(CURVES):
+        curve = random_curve(rng, 1 + number % MOST_CLASSES)
         np.testing.assert_allclose(curve.expected_fractions(), curve.mass_fractions, rtol=1e-13)
         mass = curve.expected_numbers(2.0, 2650) * 2650 * np.pi / 6 * curve.class_means(3)
         np.testing.assert_allclose(mass, 2.0 * curve.mass_fractions, rtol=1e-13)
         # The slow twin: the midpoint rule over all random numbers within the class, of one class alone.
-        for number, mean in enumerate(curve.class_means(3)):
-            alone = SieveCurve(curve.bounds[number : number + 2], [1.0])
+        for bounds, mean in zip(
+            np.column_stack([curve.bounds[:-1], curve.bounds[1:]]), curve.class_means(3), strict=True
+        ):
+            alone = SieveCurve(bounds, [1.0])
             D = alone.sizes(np.column_stack([np.full(len(within), 0.5), within]))
             # Its relative error is h² / 24 (3 ln r)² to leading order.
             error = (3 * np.log(alone.bounds[1] / alone.bounds[0]) / len(within)) ** 2 / 24
@@ -65,11 +66,11 @@ def test_the_expected_mass_in_each_class_is_that_asked_for():
 def test_two_million_draws_have_the_masses_asked_for():
     """Fifty random curves at 4 standard errors.
 
-    With Y the D³ of a grain and X_i the same where it is in class i, else 0, X_i - f_i Y has the mean 0 and the variance
-    Σ_k p_k m6_k ([k = i] - f_i)²: exactly, at any number of draws and however heavy the tail of the masses, as no ratio
-    is taken. Divided by the mean of Y it is the standard error of a drawn mass fraction. That the mean of N is normal takes
-    draws of every class: curves are drawn anew until two classes or more have mass, and at least 50 of the two million
-    grains are expected in each of them.
+    With Y the D³ of a grain and X_i the same where it is in class i, else 0, X_i - f_i Y has the mean 0 and the
+    variance Σ_k p_k m6_k ([k = i] - f_i)²: exactly, at any number of draws and however heavy the tail of the masses, as
+    no ratio is taken. Divided by the mean of Y it is the standard error of a drawn mass fraction. That the mean of N is
+    normal takes draws of every class: curves are drawn anew until two classes or more have mass, and at least 50 of the
+    two million grains are expected in each of them.
     """
     rng, n = np.random.default_rng(2), 2_000_000
 
@@ -78,8 +79,8 @@ def test_two_million_draws_have_the_masses_asked_for():
         return len(numbers) > 1 and numbers.min() > 50
 
     coarsest = []
-    for _ in range(CURVES):
-        curve = random_curve(rng, sieve=can_be_judged)
+    for number in range(CURVES):
+        curve = random_curve(rng, 2 + number % (MOST_CLASSES - 1), can_be_judged)
         f, p = curve.mass_fractions, curve.number_fractions()
         D = curve.sizes(rng.random((n, 2)))
         y = D * D * D
@@ -94,7 +95,7 @@ def test_two_million_draws_have_the_masses_asked_for():
 
 
 def test_sizes_of_grains_are_the_draws_of_their_curve():
-    curve, ids = random_curve(np.random.default_rng(4)), np.arange(1000)
+    curve, ids = random_curve(np.random.default_rng(4), 3), np.arange(1000)
     np.testing.assert_array_equal(sample_sizes(curve, ids, 7), curve.sizes(grain_uniforms(ids, 7)[:, :2]))
 
 
