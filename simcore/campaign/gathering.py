@@ -17,6 +17,7 @@ import xarray as xr
 from simcore.campaign.cost_table import study_hours
 from simcore.campaign.study_tables import tabulate
 from simcore.campaign.trend_tables import tabulate_trends
+from simcore.grains.sources import source_name
 
 log = logging.getLogger(__name__)
 
@@ -60,12 +61,6 @@ DECIMALS |= dict.fromkeys(["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"], 6)
 def table_of(study):
     """Name of the table that the packings of a study go into."""
     return next((table for start, table in TABLES.items() if study.startswith(start)), study)
-
-
-def source_name(source):
-    """What the column `source` calls the grains of a campaign: "synthetic", or the last part of their path."""
-    first = source if isinstance(source, str) else source[0]
-    return Path(first).name
 
 
 def check_gathered(folder, test_only, example):

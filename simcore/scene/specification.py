@@ -1,8 +1,9 @@
 """Specifications: what a YAML file asks for, checked against its schema and turned into SI numbers.
 
-The schema (config/<name>.schema.yaml, JSON Schema with three keywords of our own) is the only place that says
+The schema (config/<name>.schema.yaml, JSON Schema with keywords of our own) is the only place that says
 which keys there are, with unit, bounds, default and meaning. `x-unit` marks a quantity: text with a unit
-outside, a float in SI inside. Bounds hold in SI. `x-error` replaces the message of a rule that reads badly.
+outside, a float in SI inside. Bounds hold in SI. `x-error` replaces the message of a rule that reads badly, `x-hint` is
+added to one that names a bound. `x-used-with` names the settings without which a key has no effect (unused.py).
 `x-presets` marks a key at the top that stands for settings: the file it names has a group of them for each choice,
 which are laid under what is given.
 """
@@ -18,19 +19,25 @@ import yaml
 
 from simcore.paths import CONFIG
 from simcore.scene.quantity import NUMBER, describe_quantity, parse_quantity
+from simcore.scene.unused import check_used
 
 
-def resolve(raw, schema="packing", where=""):
+def resolve(raw, schema="packing", where="", unused="refuse"):
     """The specification `raw` with every key checked, defaults filled and quantities as floats in SI.
 
     raw: nested dict as read from YAML; it is not changed. schema: "packing", "config", or the path of a
-    schema. where: prefix of the path in messages, such as "studies.single_form". Raises ValueError at the
-    first key that is unknown, missing, of the wrong type or unit, out of bounds or not finite, with its path.
+    schema. where: prefix of the path in messages, such as "studies.single_form". unused: "refuse" or "keep" keys
+    that have no effect with the others; "keep" is for settings that many packings have in common. Raises ValueError
+    at the first key that is unknown, missing, of the wrong type or unit, out of bounds, not finite or without effect,
+    with its path.
     """
+    given = raw
     raw = with_presets(raw, schema)
     schema = read_schema(schema)
     resolved = _convert(raw, schema, where)
     _check_rules(resolved, schema, where)
+    if unused == "refuse":
+        check_used(given, resolved, schema, where)
     return resolved
 
 
@@ -181,7 +188,8 @@ def _explain(error):
         "exclusiveMaximum": "less than",
     }
     if rule in bounds:
-        return f"{value}{unit} is out of bounds; it must be {bounds[rule]} {bound}{unit}"
+        hint = f" ({schema['x-hint']})" if "x-hint" in schema else ""
+        return f"{value}{unit} is out of bounds; it must be {bounds[rule]} {bound}{unit}{hint}"
     if rule == "enum":
         return f"{value!r} is not a choice; choose one of {_listed(bound)}"
     if rule == "pattern":

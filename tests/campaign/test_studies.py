@@ -5,10 +5,12 @@ import pytest
 import yaml
 
 from simcore.campaign.studies import expand
+from simcore.grains.sources import set_name
 from simcore.grains.spread import choose_form, spread_order
 from simcore.scene.setup import set_up
 from simcore.scene.specification import CONFIG, read_presets, resolve
 
+SYNTHETIC = set_name(resolve({"studies": {}}, "config")["grains"])
 STUDY = {
     "fixes": {"domain": {"width": "0.2 m", "height": "1 m"}, "amount": {"mass": "16 kg"}},
     "varies": {"sizes.case": ["U1", "U7"]},
@@ -63,7 +65,8 @@ def test_a_study_goes_over_the_common_settings_and_these_over_the_defaults():
         )
     )
     spec = table.specification[0]
-    assert (table.grain_set[0], spec["grains"]["source"]) == ("faces_50", "results/grains/faces_50.nc")
+    assert table.grain_set[0] == f"{SYNTHETIC}/faces_50"
+    assert spec["grains"]["source"] == f"results/grains/{SYNTHETIC}/faces_50.nc"
     assert (spec["shaking"]["duration"], spec["shaking"]["period"]) == (3.0, 0.025)
 
 
@@ -79,7 +82,8 @@ def test_an_accuracy_goes_over_the_settings_it_stands_for_of_a_layer_below():
         alone = resolve({**STUDY["fixes"], "sizes": {"case": "U1"}, "accuracy": accuracy})
         assert spec["numerics"] == alone["numerics"]
         assert spec["shaking"]["duration"] == 7.0
-        assert spec["grains"]["source"] == f"results/grains/faces_{read_presets('accuracy')[accuracy]['faces']}.nc"
+        faces = read_presets("accuracy")[accuracy]["faces"]
+        assert spec["grains"]["source"] == f"results/grains/{SYNTHETIC}/faces_{faces}.nc"
 
 
 @pytest.mark.parametrize(
@@ -93,7 +97,7 @@ def test_an_accuracy_goes_over_the_settings_it_stands_for_of_a_layer_below():
 )
 def test_shapes_that_are_no_grains_ask_for_none(shapes, needed):
     table = expand(campaign(varies={"sizes.case": ["U1"]}, fixes={**STUDY["fixes"], "shapes": shapes}))
-    assert table.grain_set[0] == ("faces_100" if needed else "")
+    assert table.grain_set[0] == (f"{SYNTHETIC}/faces_100" if needed else "")
     assert (table.specification[0]["grains"]["source"] == "synthetic") != needed
 
 

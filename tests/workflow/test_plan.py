@@ -2,6 +2,9 @@
 
 import pytest
 
+from simcore.grains.sources import set_name
+from simcore.scene.specification import resolve
+
 from .conftest import ROOT
 
 pytestmark = pytest.mark.workflow
@@ -18,6 +21,7 @@ STUDIES = {
     "form_mixtures",
     "application",
 }
+SYNTHETIC = set_name(resolve({"studies": {}}, "config")["grains"])
 MODELS = {"single_form_models", "form_mixture_models", "unified_model", "shape_kinds"}
 
 
@@ -84,7 +88,7 @@ def test_a_target_asks_only_for_its_own_inputs(workplace):
     packing = {"grain_set", "decimated_grain_set", "packing_specification", "packing"}
     evaluated = packing | {"porosity"}
     wanted = (
-        ("results/grains/faces_300.nc", {"grain_set", "decimated_grain_set"}, set()),
+        (f"results/grains/{SYNTHETIC}/faces_300.nc", {"grain_set", "decimated_grain_set"}, set()),
         ("results/grains/form_factors.csv", {"grain_set", "grain_report"}, set()),
         ("results/packings/domain_size/U1-36mm_0.05kg.yaml", {"packing_specification"}, {"domain_size"}),
         ("results/packings/single_form/U1-form01.nc", packing | {"form_order"}, {"single_form"}),
