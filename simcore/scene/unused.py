@@ -58,11 +58,11 @@ def check_used(raw, resolved, schema, where=""):
 
 
 def _gives_everything(raw, schema):
-    return all(
-        key in raw
-        and (sub.get("type") != "object" or (isinstance(raw[key], dict) and _gives_everything(raw[key], sub)))
-        for key, sub in schema.get("properties", {}).items()
-    )
+    def gives(key, sub):
+        is_group = sub.get("type") == "object"
+        return key in raw and (not is_group or (isinstance(raw[key], dict) and _gives_everything(raw[key], sub)))
+
+    return all(gives(key, sub) for key, sub in schema.get("properties", {}).items())
 
 
 def _look_up(resolved, path):
