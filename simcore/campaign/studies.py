@@ -70,10 +70,11 @@ def expand_study(name, study, config):
         for key, value in settings.items():
             _put(raw, key, value, where)
         packing = "-".join(part["label"] for part in combination if part["label"]) or name
-        spec = resolve({**raw, "name": packing}, where=where, unused="keep")
+        spec = resolve({**raw, "name": packing}, where=where)
         check_top_class(spec, f"{where}, packing {packing}")
-        for key, value in settings.items():
-            varied.setdefault(key, []).extend([spec] if value is not None else [])
+        for part in combination:
+            for key, value in part["settings"].items():
+                varied.setdefault((key, part.get("is_form", False)), []).extend([spec] if value is not None else [])
         form = next((part["form"] for part in combination if "form" in part), 0)
         of_grains, grain_set = _grain_set(spec, form, where)
         rows.append(
@@ -97,7 +98,8 @@ def expand_study(name, study, config):
     if len(twice):
         raise ValueError(f"{where}.varies: the packing {twice.iloc[0]} stands there twice")
     _check_used({key: list(table.resolved) for key in given_keys(study["fixes"])}, f"{where}.fixes")
-    _check_used(varied, f"{where}.varies", may_share=False)
+    for (key, is_form), given in varied.items():
+        _check_used({key: given}, f"{where}.forms" if is_form else f"{where}.varies", may_share=False)
     return table.drop(columns="resolved")
 
 
@@ -107,22 +109,23 @@ def _check_used(specifications, where, may_share=True):
     specifications: of dotted keys, the resolved ones. may_share: whether keys that studies have in common pass.
     """
     schema = read_schema("packing")
-    for key, given in specifications.items():
-        if may_share and is_shared(key, schema):
+    for path, given in specifications.items():
+        if may_share and is_shared(path, schema):
             continue
         unused = None
         for specification in given:
-            unused = why_unused(key, specification, schema)
+            unused = why_unused(path, specification, schema)
             if unused is None:
                 break
         if unused:
-            raise ValueError(f"{where}.{unused[0]}: {unused[1]}")
+            key, reason = unused
+            raise ValueError(f"{where}: {reason}" if where.endswith(".forms") else f"{where}.{key}: {reason}")
 
 
 def _base(raw):
     """What the settings give without anything varied; None where they are not a whole specification."""
     try:
-        return _but_for_seed(resolve(raw, unused="keep"))
+        return _but_for_seed(resolve(raw))
     except ValueError:
         return None
 

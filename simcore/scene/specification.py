@@ -19,17 +19,18 @@ import yaml
 
 from simcore.paths import CONFIG
 from simcore.scene.quantity import NUMBER, describe_quantity, parse_quantity
+from simcore.scene.sizes import size_curve
 from simcore.scene.unused import check_used
 
 
-def resolve(raw, schema="packing", where="", unused="refuse"):
+def resolve(raw, schema="packing", where="", unused="keep"):
     """The specification `raw` with every key checked, defaults filled and quantities as floats in SI.
 
     raw: nested dict as read from YAML; it is not changed. schema: "packing", "config", or the path of a
     schema. where: prefix of the path in messages, such as "studies.single_form". unused: "refuse" or "keep" keys
-    that have no effect with the others; "keep" is for settings that many packings have in common. Raises ValueError
-    at the first key that is unknown, missing, of the wrong type or unit, out of bounds, not finite or without effect,
-    with its path.
+    that have no effect with the others; what a user wrote is read with "refuse", "keep" is for settings that many
+    packings have in common. Raises ValueError at the first key that is unknown, missing, of the wrong type or unit, out
+    of bounds, not finite or refused as without effect, with its path.
     """
     given = raw
     raw = with_presets(raw, schema)
@@ -56,7 +57,10 @@ def read_specification(path, schema="packing"):
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise ValueError(f"{path} is not valid YAML: {' '.join(str(error).split())}") from None
     try:
-        return resolve(raw if raw is not None else {}, schema)
+        resolved = resolve(raw if raw is not None else {}, schema, unused="refuse")
+        if schema == "packing":
+            size_curve(resolved["sizes"])
+        return resolved
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 

@@ -82,4 +82,6 @@ def _is_allowed(value, allowed):
 def _reason(setting, value, allowed):
     if not isinstance(allowed, list):
         return allowed["x-error"]
-    return f"it has no effect while {setting} is {value}; leave it out, or set {setting} to {' or '.join(allowed)}"
+    *others, last = allowed
+    words = f"{', '.join(others)} or {last}" if others else last
+    return f"it has no effect while {setting} is {value}; leave it out, or set {setting} to {words}"

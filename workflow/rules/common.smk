@@ -23,7 +23,7 @@ from simcore.scene.specification import resolve
 from simcore.campaign.studies import expand
 
 try:
-    campaign = resolve(config, "config")
+    campaign = resolve(config, "config", unused="refuse")
     packings = expand(campaign)
 except ValueError as error:
     raise WorkflowError(f"config: {error}") from None
