@@ -57,31 +57,24 @@ def expand_study(name, study, config):
     where, folder = f"studies.{name}", config["pathvars"]["results"]
     axes = [_axis(key, values, f"{where}.varies") for key, values in study["varies"].items() if values]
     axes += [_forms(study["forms"])] if study["forms"] else []
-    grains = express({"grains": config["grains"]}, "config")
-    fixed = merge(with_presets(config["packing"]), grains, with_presets(study["fixes"]))
+    common = express({"grains": config["grains"]}, "config")
+    fixed = merge(with_presets(config["packing"]), common, with_presets(study["fixes"]))
     base = _base(fixed)
     # All that any group of an axis sets: groups that leave a key as it was would else be told apart by nothing.
     columns = [key for axis in axes for part in axis if not part.get("is_form") for key in part["settings"]]
     columns = list(dict.fromkeys(columns))
-    rows, varied = [], {}
+    rows, resolved, varied = [], [], {}
     for combination in itertools.product(*axes):
-        settings = {key: value for part in combination for key, value in part["settings"].items()}
-        raw = merge(fixed, with_presets({key: value for key, value in settings.items() if "." not in key}))
-        for key, value in settings.items():
-            _put(raw, key, value, where)
         packing = "-".join(part["label"] for part in combination if part["label"]) or name
-        spec = resolve({**raw, "name": packing}, where=where)
+        spec = resolve({**_lay_over(fixed, combination, where), "name": packing}, where=where)
         check_top_class(spec, f"{where}, packing {packing}")
-        for part in combination:
-            for key, value in part["settings"].items():
-                varied.setdefault((key, part.get("is_form", False)), []).extend([spec] if value is not None else [])
         form = next((part["form"] for part in combination if "form" in part), 0)
-        of_grains, grain_set = _grain_set(spec, form, where)
+        grains, grain_set = _grain_set(spec, form, where)
         rows.append(
             {
                 "study": name,
                 "packing": packing,
-                "grains": of_grains,
+                "grains": grains,
                 "grain_set": grain_set,
                 "form": form,
                 "specification": _with_grain_set(spec, f"{folder}/grains/{grain_set}.nc") if grain_set else spec,
@@ -92,15 +85,28 @@ def expand_study(name, study, config):
                 },
             }
         )
-        rows[-1]["resolved"] = spec
+        resolved.append(spec)
+        for part in combination:
+            for key, value in part["settings"].items():
+                at = f"{where}.forms" if part.get("is_form") else f"{where}.varies"
+                varied.setdefault((key, at), []).extend([] if value is None else [spec])
     table = pd.DataFrame(rows)
     twice = table.packing[table.packing.duplicated()]
     if len(twice):
         raise ValueError(f"{where}.varies: the packing {twice.iloc[0]} stands there twice")
-    _check_used({key: list(table.resolved) for key in given_keys(study["fixes"])}, f"{where}.fixes")
-    for (key, is_form), given in varied.items():
-        _check_used({key: given}, f"{where}.forms" if is_form else f"{where}.varies", may_share=False)
-    return table.drop(columns="resolved")
+    _check_used({key: resolved for key in given_keys(study["fixes"])}, f"{where}.fixes")
+    for (key, at), given in varied.items():
+        _check_used({key: given}, at, may_share=False)
+    return table
+
+
+def _lay_over(fixed, combination, where):
+    """The settings of one packing, not resolved: those of its parts of the axes over the `fixed` ones."""
+    settings = {key: value for part in combination for key, value in part["settings"].items()}
+    raw = merge(fixed, with_presets({key: value for key, value in settings.items() if "." not in key}))
+    for key, value in settings.items():
+        _put(raw, key, value, where)
+    return raw
 
 
 def _check_used(specifications, where, may_share=True):
