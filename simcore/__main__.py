@@ -3,6 +3,7 @@
 
 import argparse
 import json
+import math
 import os
 import signal
 import sys
@@ -64,7 +65,7 @@ def _parser():
     porosity = commands.add_parser("porosity", help="bulk porosity of a packing with its sampling error, as JSON")
     porosity.add_argument("packing", type=Path, help="netCDF file of `pack`")
     porosity.add_argument("--exact", action="store_true", help="slice the grains themselves, not equal spheres")
-    porosity.add_argument("--cut", type=float, metavar="METRES", help="height left out at both ends of the bed")
+    porosity.add_argument("--cut", metavar="LENGTH", help='left out at both ends of the bed: "8 mm", or metres')
     porosity.set_defaults(run=_porosity)
     fabric = commands.add_parser(
         "fabric",
@@ -73,7 +74,7 @@ def _parser():
         "scene the mean over seeds with its standard error.",
     )
     fabric.add_argument("packings", type=Path, nargs="+", metavar="BED.nc", help="netCDF files of `pack`")
-    fabric.add_argument("--cut", type=float, metavar="METRES", help="left out above floor, below surface, beside wall")
+    fabric.add_argument("--cut", metavar="LENGTH", help='left out above floor, below surface, beside wall: "8 mm"')
     fabric.add_argument("--bearing-contacts", type=int, metavar="N", help="grains with fewer are rattlers (2)")
     fabric.add_argument("--out", type=Path, metavar="FABRIC.nc", help="netCDF file that gets all of it")
     fabric.set_defaults(run=_fabric)
@@ -190,6 +191,7 @@ def _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, op
         packed,
         setup.sample(range(len(packed.bodies.mass))),
         specification,
+        setup.curve,
         largest_sieve_size=setup.curve.largest,
         threads=options.threads,
         ranks=ranks.size,
@@ -236,8 +238,8 @@ def _porosity(options):
     from simcore.evaluation.porosity import bulk_porosity
     from simcore.packing.file import read_packing
 
-    method = "exact" if options.exact else "spheres"
-    bulk = bulk_porosity(read_packing(options.packing), method=method, cut=options.cut)
+    method, cut = "exact" if options.exact else "spheres", _length("--cut", options.cut)
+    bulk = bulk_porosity(read_packing(options.packing), method=method, cut=cut)
     scalars = {name: float(value) for name, value in bulk.data_vars.items() if value.ndim == 0}
     print(json.dumps({"method": method, **scalars}, indent=1))
     return 0
@@ -249,6 +251,7 @@ def _fabric(options):
     from simcore.evaluation.fabric_text import fabric_text
     from simcore.packing.file import read_packing, write_packing
 
+    cut = _length("--cut", options.cut)
     if options.out is not None:
         _check_writable(options.out)
     bearing = BEARING_CONTACTS if options.bearing_contacts is None else options.bearing_contacts
@@ -256,7 +259,7 @@ def _fabric(options):
     for path in options.packings:
         packing = read_packing(path)
         try:
-            fabrics.append(fabric(packing, options.cut, bearing))
+            fabrics.append(fabric(packing, cut, bearing))
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
     found = fabrics[0] if len(fabrics) == 1 else fabric_over_seeds(fabrics)
@@ -281,6 +284,27 @@ def _predict(options):
     )
     print(text)
     return 0
+
+
+def _length(option, text):
+    """Length [m] of an option, a number of metres or a quantity such as "8 mm"; None where it is not given.
+
+    ValueError unless it is more than 0.
+    """
+    from simcore.scene.quantity import parse_quantity
+
+    if text is None:
+        return None
+    try:
+        metres = float(text)
+    except ValueError:
+        try:
+            metres = parse_quantity(text, "m")
+        except ValueError as error:
+            raise ValueError(f"{option}: {error}") from None
+    if not 0.0 < metres < math.inf:
+        raise ValueError(f"{option}: {text!r} is no length; give one of more than 0, such as '8 mm'")
+    return metres
 
 
 def _check_writable(output):

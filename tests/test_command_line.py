@@ -52,6 +52,22 @@ def test_pack_then_porosity(folder, capsys):
     bulk = json.loads(capsys.readouterr().out)
     assert 0.3 < bulk["n"] < 0.6
     assert bulk["n_std_error"] >= 0.0 or bulk["n_std_error"] != bulk["n_std_error"]
+    assert main(["porosity", str(output), "--cut", "2 mm"]) == 0
+    assert json.loads(capsys.readouterr().out) == bulk
+    for cut, reason in (
+        ("-0.01", "'-0.01' is no length; give one of more than 0, such as '8 mm'"),
+        ("0", "is no length"),
+        ("nan", "is no length"),
+        ("inf", "is no length"),
+        ("-2 mm", "is no length"),
+        ("8 kg", "'8 kg' is a mass; a length is needed"),
+        ("much", "'much' is not a number with a unit"),
+    ):
+        for command in ("porosity", "fabric"):
+            assert main([command, str(output), f"--cut={cut}"]) == 2
+            told = capsys.readouterr()
+            assert told.err.startswith(f"simcore {command}: --cut: ") and reason in told.err
+            assert told.err.count("\n") == 1 and told.out == ""
 
 
 def test_fabric_of_one_packing_and_of_two_seeds(folder, capsys):

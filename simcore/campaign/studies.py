@@ -6,10 +6,11 @@ import re
 
 import pandas as pd
 
-from simcore.grains.sources import check_source, needs_grains
+from simcore.grains.sources import check_source, needs_grains, set_name
 from simcore.scene.identity import deciding_but_seed
 from simcore.scene.sizes import check_top_class
-from simcore.scene.specification import resolve, with_presets
+from simcore.scene.specification import express, read_schema, resolve, with_presets
+from simcore.scene.unused import given_keys, is_shared, why_unused
 
 # Columns of what a study varies, with their units; others have the last part of their key as their name.
 _COLUMNS = {
@@ -25,65 +26,107 @@ _COLUMNS = {
     "shapes.elongation.mean": "mean_EL",
     "shapes.elongation.std": "std_EL",
     "numerics.contact_time": "contact_time_s",
+    "grains.source": "grain_source",
 }
 
 
 def expand(config):
     """All packings of all studies of a resolved campaign, as a DataFrame with one row a packing.
 
-    Columns: study; packing, its name within the study; grain_set, "original" or "faces_100", empty where the shapes
-    need no grain; form, the rank of its grain in the spread of forms, or 0; specification, resolved, with that grain
-    set as its source; row, a dict of its name, of what the study varies, by column, and of is_base: whether it is what
-    the study's fixed settings alone would give, for any seed. The campaign's packing, the study's fixed settings and
-    what it varies lie over each other in this order, each with all that a choice such as `accuracy` in it stands for.
-    ValueError names the study and the key at fault.
+    Columns: study; packing, its name within the study; grains, the resolved group of that name behind its shapes, None
+    where they need no grain; grain_set, the set of these grains that it takes, such as "synthetic_1b2c3d4e/faces_100",
+    or empty; form, the rank of its grain in the spread of forms, or 0; specification, resolved, with that grain set as
+    its source; row, a dict of its name, of what the study varies, by column, and of is_base: whether it is what the
+    study's fixed settings alone would give, for any seed. The campaign's packing and grains, the study's fixed settings
+    and what it varies lie over each other in this order, each with all that a choice such as `accuracy` in it stands
+    for. ValueError names the study and the key at fault; a key is, too, where none of the packings that it is given for
+    uses it, unless it is one that studies have in common.
     """
     check_source(config["grains"])
+    if "grains" in config["packing"]:
+        raise ValueError("packing.grains: it belongs one level up, as `grains`, or under the `fixes` of a study")
     tables = [expand_study(name, study, config) for name, study in config["studies"].items() if study]
     if not tables:
         raise ValueError("studies: none is left; a campaign needs at least one")
-    return pd.concat(tables, ignore_index=True)
+    table = pd.concat(tables, ignore_index=True)
+    _check_used({key: list(table.specification) for key in given_keys(config["packing"])}, "packing")
+    return table
 
 
 def expand_study(name, study, config):
     """The rows of one study of `config`; see `expand`."""
     where, folder = f"studies.{name}", config["pathvars"]["results"]
     axes = [_axis(key, values, f"{where}.varies") for key, values in study["varies"].items() if values]
-    axes += [_forms(study["forms"], config["grains"], where)] if study["forms"] else []
-    fixed = merge(with_presets(config["packing"]), with_presets(study["fixes"]), {"grains": config["grains"]})
+    axes += [_forms(study["forms"])] if study["forms"] else []
+    common = express({"grains": config["grains"]}, "config")
+    fixed = merge(with_presets(config["packing"]), common, with_presets(study["fixes"]))
     base = _base(fixed)
     # All that any group of an axis sets: groups that leave a key as it was would else be told apart by nothing.
     columns = [key for axis in axes for part in axis if not part.get("is_form") for key in part["settings"]]
     columns = list(dict.fromkeys(columns))
-    rows = []
+    rows, resolved, varied = [], [], {}
     for combination in itertools.product(*axes):
-        settings = {key: value for part in combination for key, value in part["settings"].items()}
-        raw = merge(fixed, with_presets({key: value for key, value in settings.items() if "." not in key}))
-        for key, value in settings.items():
-            _put(raw, key, value, where)
         packing = "-".join(part["label"] for part in combination if part["label"]) or name
-        spec = resolve({**raw, "name": packing}, where=where)
+        spec = resolve({**_lay_over(fixed, combination, where), "name": packing}, where=where)
         check_top_class(spec, f"{where}, packing {packing}")
-        grain_set = _grain_set(spec)
+        form = next((part["form"] for part in combination if "form" in part), 0)
+        grains, grain_set = _grain_set(spec, form, where)
         rows.append(
             {
                 "study": name,
                 "packing": packing,
+                "grains": grains,
                 "grain_set": grain_set,
-                "form": next((part["form"] for part in combination if "form" in part), 0),
+                "form": form,
                 "specification": _with_grain_set(spec, f"{folder}/grains/{grain_set}.nc") if grain_set else spec,
                 "row": {
                     "packing": packing,
-                    "varied": {_column(key): _get(spec, key) for key in columns},
+                    "varied": {_column(key): _value(spec, key) for key in columns},
                     "is_base": deciding_but_seed(spec) == base,
                 },
             }
         )
+        resolved.append(spec)
+        for part in combination:
+            for key, value in part["settings"].items():
+                at = f"{where}.forms" if part.get("is_form") else f"{where}.varies"
+                varied.setdefault((key, at), []).extend([] if value is None else [spec])
     table = pd.DataFrame(rows)
     twice = table.packing[table.packing.duplicated()]
     if len(twice):
         raise ValueError(f"{where}.varies: the packing {twice.iloc[0]} stands there twice")
+    _check_used({key: resolved for key in given_keys(study["fixes"])}, f"{where}.fixes")
+    for (key, at), given in varied.items():
+        _check_used({key: given}, at, may_share=False)
     return table
+
+
+def _lay_over(fixed, combination, where):
+    """The settings of one packing, not resolved: those of its parts of the axes over the `fixed` ones."""
+    settings = {key: value for part in combination for key, value in part["settings"].items()}
+    raw = merge(fixed, with_presets({key: value for key, value in settings.items() if "." not in key}))
+    for key, value in settings.items():
+        _put(raw, key, value, where)
+    return raw
+
+
+def _check_used(specifications, where, may_share=True):
+    """ValueError at the first key that has an effect in none of the specifications it is given for.
+
+    specifications: of dotted keys, the resolved ones. may_share: whether keys that studies have in common pass.
+    """
+    schema = read_schema("packing")
+    for path, given in specifications.items():
+        if may_share and is_shared(path, schema):
+            continue
+        unused = None
+        for specification in given:
+            unused = why_unused(path, specification, schema)
+            if unused is None:
+                break
+        if unused:
+            key, reason = unused
+            raise ValueError(f"{where}: {reason}" if where.endswith(".forms") else f"{where}.{key}: {reason}")
 
 
 def _base(raw):
@@ -128,7 +171,7 @@ def _flatten(group, above=""):
             yield f"{above}{key}", value
 
 
-def _forms(forms, grains, where):
+def _forms(forms):
     """The axis of single forms: ranks in the spread over the Zingg diagram, or named grains."""
     if isinstance(forms, list):
         return [
@@ -139,9 +182,6 @@ def _forms(forms, grains, where):
             }
             for name in forms
         ]
-    number = forms["spread"]
-    if grains["source"] == "synthetic" and number > grains["number"]:
-        raise ValueError(f"{where}.forms.spread: {number} forms of a set of {grains['number']} grains")
     # The name follows when the grains are read (choose_form); until then the text stands for it.
     return [
         {
@@ -150,7 +190,7 @@ def _forms(forms, grains, where):
             "form": rank,
             "is_form": True,
         }
-        for rank in range(1, number + 1)
+        for rank in range(1, forms["spread"] + 1)
     ]
 
 
@@ -158,10 +198,19 @@ def _slug(value):
     return re.sub(r"[^A-Za-z0-9_.+-]", "", str(value))
 
 
-def _grain_set(spec):
+def _grain_set(spec, form, where):
+    """The grains behind a resolved specification and the name of the set of them that it takes; None and "" of none."""
+    grains = spec["grains"]
     if not needs_grains(spec["shapes"]):
-        return ""
-    return "original" if spec["faces"] == "original" else f"faces_{spec['faces']}"
+        return None, ""
+    try:
+        check_source(grains)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from None
+    if grains["source"] == "synthetic" and form > grains["number"]:
+        raise ValueError(f"{where}.forms.spread: {form} forms of a set of {grains['number']} grains")
+    faces = "original" if spec["faces"] == "original" else f"faces_{spec['faces']}"
+    return grains, f"{set_name(grains)}/{faces}"
 
 
 def _with_grain_set(spec, path):
@@ -180,6 +229,11 @@ def _put(raw, path, value, where):
         if not isinstance(raw, dict):
             raise ValueError(f"{where}.varies: '{path}' goes through '{key}', which holds no keys")
     raw[last] = value
+
+
+def _value(spec, path):
+    value = _get(spec, path)
+    return " ".join(value) if isinstance(value, list) else value
 
 
 def _get(spec, path):

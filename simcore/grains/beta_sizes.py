@@ -60,6 +60,14 @@ class BetaSizes:
         numbers = self._quadrature[1] / self.class_diameters**3
         return numbers / numbers.sum()
 
+    def class_means(self, power: float) -> np.ndarray:
+        """D^power (k,) [m^power] of class_diameters."""
+        return self.class_diameters**power
+
+    def mean(self, power: float) -> float:
+        """Mean of D^power over all grains, by number [m^power]."""
+        return float(self.number_fractions() @ self.class_means(power))
+
     def moment(self, power: float) -> float:
         """Mean of r^power over the grains, by number [m^power]."""
         return float(self.number_fractions() @ (0.5 * self.class_diameters) ** power)

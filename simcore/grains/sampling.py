@@ -115,7 +115,7 @@ def grain_uniforms(grain_ids, seed, stream=0):
 
 
 def sample_sizes(curve, grain_ids, seed):
-    """Sizes (n,) [m] by number, of a SieveCurve sieve sizes: class with probability M_i / d_i³, in it uniform in log2.
+    """Sizes (n,) [m] by number, of a SieveCurve sieve sizes: class by its number_fractions, in it uniform in log2.
 
     Of BetaSizes diameters of spheres of the grains' volume.
     """

@@ -1,5 +1,9 @@
 """The grains behind the group `grains` of a specification: synthetic, from files, or a set prepared before."""
 
+import functools
+import hashlib
+import json
+import re
 from pathlib import Path
 
 from simcore.grains.grain_set import read_grains
@@ -13,6 +17,37 @@ def source_files(grains):
     if source == "synthetic":
         return []
     return [source] if isinstance(source, str) else list(source)
+
+
+def source_name(source):
+    """Name of the grains of `source`: "synthetic", or the last part of their path, of several the first's."""
+    first = source if isinstance(source, str) else source[0]
+    return Path(first).name
+
+
+def set_name(grains):
+    """Name of the grain set of the resolved group `grains`, for a folder: its source's, and a digest of its content.
+
+    The digest is of what decides the grains: number and seed of synthetic ones; unit, voxel spacing and the content of
+    all files of others (hidden files of a folder do not count). So no two sets share a name, and files that were
+    changed make another set.
+    """
+    return _set_name(json.dumps(grains, sort_keys=True))
+
+
+@functools.cache
+def _set_name(text):
+    grains = json.loads(text)
+    files = [Path(path) for path in source_files(grains)]
+    decisive = ("unit", "voxel_spacing") if files else ("number", "seed")
+    content = hashlib.sha256(json.dumps([grains[key] for key in decisive]).encode())
+    for path in files:
+        inside = sorted(path.iterdir()) if path.is_dir() else [path]
+        for file in inside:
+            if file.is_file() and not (path.is_dir() and file.name.startswith(".")):
+                content.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())
+    name = re.sub(r"[^A-Za-z0-9_.+-]", "", source_name(grains["source"])) or "grains"
+    return f"{name}_{content.hexdigest()[:8]}"
 
 
 def check_source(grains):

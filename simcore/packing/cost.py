@@ -88,8 +88,8 @@ def estimate(specification: dict) -> PackingCost:
     kind, numerics = specification["shapes"]["kind"], specification["numerics"]
     curve = size_curve(specification["sizes"])
     bulkier, longer = _form_factors(specification, curve)
-    volume = bulkier * float(curve.number_fractions() @ (np.pi / 6.0 * curve.class_diameters**3))
-    height = longer * float(curve.number_fractions() @ curve.class_diameters)  # as they are born, upright
+    volume = bulkier * np.pi / 6.0 * curve.mean(3)
+    height = longer * curve.mean(1)  # as they are born, upright
     grains = specification["amount"]["grains"]
     if grains is None:
         grains = int(np.ceil(specification["amount"]["mass"] / (specification["material"]["density"] * volume)))
@@ -177,7 +177,7 @@ def contact_time(specification: dict, curve) -> float:
     if material["law"] == "spring_dashpot":
         return specification["numerics"]["contact_time"]
     fractions = curve.number_fractions()
-    masses = material["density"] * np.pi / 6.0 * curve.class_diameters**3
+    masses = material["density"] * np.pi / 6.0 * curve.class_means(3)
     gravity = effective_gravity(material)
     speed = fall_speed(SimpleNamespace(**generation), specification["domain"]["height"], gravity)
     known = SimpleNamespace(**material, effective_gravity=gravity)

@@ -1,5 +1,6 @@
 """A packing and its netCDF file (CF conventions): positions, shapes, contacts, and where it comes from."""
 
+import fcntl
 import functools
 import json
 import os
@@ -13,6 +14,7 @@ from simcore import __version__
 from simcore.compilation import source_digest
 from simcore.dem.shapes.hulls import Base
 from simcore.dem.state.bodies import CYLINDER, FLOOR
+from simcore.grains.sieve import SieveCurve, class_fractions
 from simcore.packing.packed import Packed
 from simcore.paths import ROOT
 from simcore.scene.scene import Scene
@@ -20,11 +22,14 @@ from simcore.scene.scene import Scene
 FLOOR_PARTNER, CYLINDER_PARTNER = -1, -2  # stand where a contact has a wall as second body
 
 
-def packing_dataset(scene: Scene, bases: list[Base], packed: Packed, sample, specification: dict, **attributes):
+def packing_dataset(
+    scene: Scene, bases: list[Base], packed: Packed, sample, specification: dict, curve=None, **attributes
+):
     """Packing as an xarray Dataset, all there is to evaluate it and to know how it came about.
 
-    sample: the GrainSample of all its grains. specification: resolved, of which `scene` was made. attributes: further
-    ones, such as cpu_seconds. Centres are wrapped into the periodic box, and images with them.
+    sample: the GrainSample of all its grains. specification: resolved, of which `scene` was made. curve: of its sizes;
+    of a SieveCurve the file stores the mass fractions asked for and drawn. attributes: further ones, such as
+    cpu_seconds. Centres are wrapped into the periodic box, and images with them.
     """
     bodies = packed.bodies
     width = scene.domain.width if scene.domain.periodic else 0.0
@@ -48,6 +53,7 @@ def packing_dataset(scene: Scene, bases: list[Base], packed: Packed, sample, spe
         "D": (grain, sample.D, _m("sieve size")),
         "volume": (grain, sample.volume, {"units": "m3", "long_name": "volume"}),
     }
+    data |= _sieve_variables(curve, sample) if isinstance(curve, SieveCurve) else {}
     data |= _shape_variables(bases) | _contact_variables(packed, shift, width) | _history_variables(packed)
     seen = packed.observation
     attrs = {
@@ -104,7 +110,7 @@ def write_packing(path, packing: xr.Dataset) -> None:
 
 
 def read_packing(path) -> xr.Dataset:
-    """The packing in memory. ValueError where the file is missing, truncated, or no packing."""
+    """The packing in memory. ValueError where the file is missing, in use, truncated, or no packing."""
     path = Path(path)
     if not path.is_file():
         raise ValueError(f"{path}: there is no such file; make it with `python -m simcore pack SPEC.yaml {path}`")
@@ -112,11 +118,28 @@ def read_packing(path) -> xr.Dataset:
         with xr.open_dataset(path, engine="netcdf4") as packing:
             packing.load()
     except (OSError, RuntimeError, ValueError) as error:
+        if _is_in_use(path):
+            raise ValueError(
+                f"{path} is in use by another program, which writes to it or keeps it open; wait until it has ended, "
+                "or close it there"
+            ) from None
         raise ValueError(f"{path} cannot be read as netCDF, it may be truncated ({error}); make it anew") from None
     missing = {"position", "orientation", "scale", "shape", "shape_vertices", "contact_body"} - set(packing.variables)
     if missing:
         raise ValueError(f"{path} is no packing: {', '.join(sorted(missing))} missing; give a file of `simcore pack`")
     return packing
+
+
+def _is_in_use(path):
+    """Whether another process has locked the file, as the HDF5 library does while it writes."""
+    try:
+        with path.open("rb") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:  # no permission, or a file system without locks
+        return False
+    return False
 
 
 # Attributes in which two runs of one packing differ: how they were run.
@@ -166,6 +189,17 @@ def _m(long_name):
 
 def _one(long_name):
     return {"units": "1", "long_name": long_name}
+
+
+def _sieve_variables(curve, sample):
+    """The classes of a SieveCurve: what was asked for, and what the grains of the packing make of it."""
+    asked, drawn = "share of the mass asked for in the class", "share of the mass of the packed grains in the class"
+    bounds = np.column_stack([curve.bounds[:-1], curve.bounds[1:]])
+    return {
+        "sieve_bounds": (("sieve_class", "bound"), bounds, _m("sieve sizes between which the class lies")),
+        "mass_fraction_asked": ("sieve_class", curve.mass_fractions, _one(asked)),
+        "mass_fraction_drawn": ("sieve_class", class_fractions(curve, sample.D, sample.volume), _one(drawn)),
+    }
 
 
 def _shape_variables(bases):

@@ -9,7 +9,8 @@ Three relations, from the strictest to the loosest:
 
 import hashlib
 import json
-from pathlib import Path
+
+from simcore.grains.sources import source_name
 
 # Keys that change no bit of a run: its name, how often it reports, a choice whose settings are in the other keys once
 # it is resolved, and what only allows a run to start.
@@ -67,12 +68,6 @@ def result_digest(specification: dict) -> str:
     """Digest (12 hex digits) of what decides the porosity; committed rows are recognised by it."""
     text = json.dumps(deciding_result(specification), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:12]
-
-
-def source_name(source) -> str:
-    """Name of the grains of a campaign in tables: "synthetic", or the last part of their path."""
-    first = source if isinstance(source, str) else source[0]
-    return Path(first).name
 
 
 def differing_keys(first: dict, second: dict, path: str = "") -> list[str]:

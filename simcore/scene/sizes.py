@@ -17,7 +17,7 @@ def size_curve(sizes, cases=CONFIG / "cases.tsv"):
         group = sizes["beta"]
         return BetaSizes(group["radius"], group["spread"], group["alpha"], group["beta"])
     if sizes["case"] is None:
-        return SieveCurve(np.array(sizes["bounds"]), np.array(sizes["mass_fractions"]))
+        return SieveCurve(np.array(sizes["bounds"]), np.array(sizes["mass_fractions"]), "sizes")
     known = read_cases(cases)
     if sizes["case"] not in known:
         raise ValueError(f"sizes.case: '{sizes['case']}' is unknown; the cases are {', '.join(known)}")
@@ -56,8 +56,7 @@ def check_top_class(spec, where=""):
             return
         density, mass = spec["material"]["density"], spec["amount"]["mass"]
         if mass is None:
-            volumes = np.pi / 6 * curve.class_diameters**3
-            mass = spec["amount"]["grains"] * density * float(curve.number_fractions() @ volumes)
+            mass = spec["amount"]["grains"] * density * np.pi / 6 * curve.mean(3)
         if not spec["sizes"]["allow_few_top_grains"]:
             curve.check_top_class(mass, density, MINIMUM_OF_TOP_CLASS)
     except ValueError as error:

@@ -1,8 +1,9 @@
 """Specifications: what a YAML file asks for, checked against its schema and turned into SI numbers.
 
-The schema (config/<name>.schema.yaml, JSON Schema with three keywords of our own) is the only place that says
+The schema (config/<name>.schema.yaml, JSON Schema with keywords of our own) is the only place that says
 which keys there are, with unit, bounds, default and meaning. `x-unit` marks a quantity: text with a unit
-outside, a float in SI inside. Bounds hold in SI. `x-error` replaces the message of a rule that reads badly.
+outside, a float in SI inside. Bounds hold in SI. `x-error` replaces the message of a rule that reads badly, `x-hint` is
+added to one that names a bound. `x-used-with` names the settings without which a key has no effect (unused.py).
 `x-presets` marks a key at the top that stands for settings: the file it names has a group of them for each choice,
 which are laid under what is given.
 """
@@ -18,19 +19,26 @@ import yaml
 
 from simcore.paths import CONFIG
 from simcore.scene.quantity import NUMBER, describe_quantity, parse_quantity
+from simcore.scene.sizes import size_curve
+from simcore.scene.unused import check_used
 
 
-def resolve(raw, schema="packing", where=""):
+def resolve(raw, schema="packing", where="", unused="keep"):
     """The specification `raw` with every key checked, defaults filled and quantities as floats in SI.
 
     raw: nested dict as read from YAML; it is not changed. schema: "packing", "config", or the path of a
-    schema. where: prefix of the path in messages, such as "studies.single_form". Raises ValueError at the
-    first key that is unknown, missing, of the wrong type or unit, out of bounds or not finite, with its path.
+    schema. where: prefix of the path in messages, such as "studies.single_form". unused: "refuse" or "keep" keys
+    that have no effect with the others; what a user wrote is read with "refuse", "keep" is for settings that many
+    packings have in common. Raises ValueError at the first key that is unknown, missing, of the wrong type or unit, out
+    of bounds, not finite or refused as without effect, with its path.
     """
+    given = raw
     raw = with_presets(raw, schema)
     schema = read_schema(schema)
     resolved = _convert(raw, schema, where)
     _check_rules(resolved, schema, where)
+    if unused == "refuse":
+        check_used(given, resolved, schema, where)
     return resolved
 
 
@@ -49,7 +57,10 @@ def read_specification(path, schema="packing"):
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise ValueError(f"{path} is not valid YAML: {' '.join(str(error).split())}") from None
     try:
-        return resolve(raw if raw is not None else {}, schema)
+        resolved = resolve(raw if raw is not None else {}, schema, unused="refuse")
+        if schema == "packing":
+            size_curve(resolved["sizes"])
+        return resolved
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 
@@ -181,7 +192,8 @@ def _explain(error):
         "exclusiveMaximum": "less than",
     }
     if rule in bounds:
-        return f"{value}{unit} is out of bounds; it must be {bounds[rule]} {bound}{unit}"
+        hint = f" ({schema['x-hint']})" if "x-hint" in schema else ""
+        return f"{value}{unit} is out of bounds; it must be {bounds[rule]} {bound}{unit}{hint}"
     if rule == "enum":
         return f"{value!r} is not a choice; choose one of {_listed(bound)}"
     if rule == "pattern":

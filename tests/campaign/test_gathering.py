@@ -9,8 +9,9 @@ import pytest
 from simcore.campaign.gathering import LEDGER, gather, not_gathered, record, rows_of, table_of, trends_of
 from simcore.campaign.trend_tables import summarise_trends
 from simcore.evaluation.evaluate import evaluate
+from simcore.grains.sources import source_name
 from simcore.models.fitting import fit_reference_models
-from simcore.scene.identity import result_digest, source_name
+from simcore.scene.identity import result_digest
 from simcore.scene.specification import resolve
 
 SPECIFICATION = {

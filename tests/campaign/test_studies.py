@@ -5,10 +5,13 @@ import pytest
 import yaml
 
 from simcore.campaign.studies import expand
+from simcore.grains.sources import set_name
 from simcore.grains.spread import choose_form, spread_order
 from simcore.scene.setup import set_up
 from simcore.scene.specification import CONFIG, read_presets, resolve
 
+SYNTHETIC = set_name(resolve({"studies": {}}, "config")["grains"])
+FORMS = {"mean": 0.4, "std": 0.1}
 STUDY = {
     "fixes": {"domain": {"width": "0.2 m", "height": "1 m"}, "amount": {"mass": "16 kg"}},
     "varies": {"sizes.case": ["U1", "U7"]},
@@ -63,7 +66,8 @@ def test_a_study_goes_over_the_common_settings_and_these_over_the_defaults():
         )
     )
     spec = table.specification[0]
-    assert (table.grain_set[0], spec["grains"]["source"]) == ("faces_50", "results/grains/faces_50.nc")
+    assert table.grain_set[0] == f"{SYNTHETIC}/faces_50"
+    assert spec["grains"]["source"] == f"results/grains/{SYNTHETIC}/faces_50.nc"
     assert (spec["shaking"]["duration"], spec["shaking"]["period"]) == (3.0, 0.025)
 
 
@@ -79,7 +83,8 @@ def test_an_accuracy_goes_over_the_settings_it_stands_for_of_a_layer_below():
         alone = resolve({**STUDY["fixes"], "sizes": {"case": "U1"}, "accuracy": accuracy})
         assert spec["numerics"] == alone["numerics"]
         assert spec["shaking"]["duration"] == 7.0
-        assert spec["grains"]["source"] == f"results/grains/faces_{read_presets('accuracy')[accuracy]['faces']}.nc"
+        faces = read_presets("accuracy")[accuracy]["faces"]
+        assert spec["grains"]["source"] == f"results/grains/{SYNTHETIC}/faces_{faces}.nc"
 
 
 @pytest.mark.parametrize(
@@ -93,7 +98,7 @@ def test_an_accuracy_goes_over_the_settings_it_stands_for_of_a_layer_below():
 )
 def test_shapes_that_are_no_grains_ask_for_none(shapes, needed):
     table = expand(campaign(varies={"sizes.case": ["U1"]}, fixes={**STUDY["fixes"], "shapes": shapes}))
-    assert table.grain_set[0] == ("faces_100" if needed else "")
+    assert table.grain_set[0] == (f"{SYNTHETIC}/faces_100" if needed else "")
     assert (table.specification[0]["grains"]["source"] == "synthetic") != needed
 
 
@@ -134,6 +139,34 @@ def test_named_forms():
         ({"grains": {"source": "no/such/folder", "unit": "mm"}}, r"grains\.source: 'no/such/folder' does not exist"),
         ({"grains": {"source": "."}}, r"grains\.unit is missing"),
         ({"grainz": {}}, r"grainz: unknown key; did you mean 'grains'\?"),
+        (
+            {"packing": {"shapes": {"flatness": FORMS, "elongation": FORMS}}},
+            r"^packing\.shapes\.flatness: it has no effect while shapes\.choice is random",
+        ),
+        (
+            {"fixes": {**STUDY["fixes"], "shapes": {"flatness": FORMS, "elongation": FORMS}}},
+            r"studies\.s\.fixes\.shapes\.flatness: it has no effect while shapes\.choice is random",
+        ),
+        (
+            {
+                "fixes": {**STUDY["fixes"], "shapes": {"kind": "ellipsoid"}},
+                "varies": {"sizes.case": ["U1"], "faces": [50, 90]},
+            },
+            r"studies\.s\.varies\.faces: it has no effect while shapes\.kind is ellipsoid",
+        ),
+        (
+            {"fixes": {**STUDY["fixes"], "shapes": {"kind": "sphere"}}, "forms": {"spread": 3}},
+            r"studies\.s\.forms: .* shapes\.kind is sphere",
+        ),
+        (
+            {"fixes": {**STUDY["fixes"], "shapes": {"kind": "sphere"}, "grains": {"source": "synthetic"}}},
+            r"studies\.s\.fixes\.grains: it has no effect with these shapes",
+        ),
+        (
+            {"fixes": {**STUDY["fixes"], "grains": {"source": "/no/such/folder", "unit": "mm"}}},
+            r"studies\.s: grains\.source: '/no/such/folder' does not exist",
+        ),
+        ({"packing": {"grains": {"source": "synthetic"}}}, r"packing\.grains: it belongs one level up"),
         ({"porosity": {"slice_height": "1 s"}}, r"porosity\.slice_height: '1 s' is a time; a length is needed"),
     ],
 )
@@ -143,12 +176,72 @@ def test_bad_campaigns_are_refused(changes, message):
 
 
 def test_fewer_than_five_grains_of_the_top_class_are_refused_unless_allowed_by_name():
-    """3 kg of U7: 0.04 · 3 kg / (2650 kg/m³ · π/6 · (22.4 · 31.5) ** 1.5 mm³) = 4.6 grains."""
+    """3 kg of U7: 0.04 · 3 kg / (2650 kg/m³ · π/6 · (31.5³ - 22.4³) / (3 ln(31.5 / 22.4)) mm³) = 4.4 grains."""
     fixes = {**STUDY["fixes"], "amount": {"mass": "3 kg"}}
-    with pytest.raises(ValueError, match=r"studies\.s, packing U7: .* 4\.6 grains of its top class"):
+    with pytest.raises(ValueError, match=r"studies\.s, packing U7: .* 4\.4 grains of its top class"):
         expand(campaign(fixes=fixes))
     allowed = {**fixes, "sizes": {"allow_few_top_grains": True}}
     assert len(expand(campaign(fixes=allowed))) == 2
+
+
+def test_a_key_that_some_packings_of_a_study_use_is_no_mistake():
+    """Nor is one that studies have in common, which none of them uses."""
+    forms = {"flatness": FORMS, "elongation": FORMS}
+    fixes = {**STUDY["fixes"], "shapes": forms, "sizes": {"case": "U1"}}
+    table = expand(campaign(fixes=fixes, varies={"shapes.choice": ["random", "form_distribution"]}))
+    assert [spec["shapes"]["flatness"] for spec in table.specification] == [FORMS, FORMS]
+    shared = {"faces": 50, "numerics": {"contact_region": "point"}}
+    expand(campaign(packing=shared, fixes={**STUDY["fixes"], **shared, "shapes": {"kind": "sphere"}}))
+
+
+@pytest.fixture
+def scans(tmp_path):
+    """Two folders of grains."""
+    for name in ("a", "b"):
+        folder = tmp_path / f"scans_{name}"
+        folder.mkdir()
+        (folder / "one.xyz").write_text(f"0 0 0\n1 0 0\n0 1 0\n0 0 {name == 'a'}.5\n")
+    return [str(tmp_path / f"scans_{name}") for name in ("a", "b")]
+
+
+def test_a_study_takes_its_own_grains(scans):
+    """Under `fixes` and under `varies`, beside one of the campaign's grains; each set has its folder."""
+    studies = {
+        "own": {**STUDY, "fixes": {**STUDY["fixes"], "grains": {"source": scans[0], "unit": "mm"}}},
+        "both": {**STUDY, "varies": {"sizes.case": ["U1"], "grains.source": scans}, "forms": {"spread": 2}},
+        "common": STUDY,
+    }
+    studies["both"]["fixes"] = {**STUDY["fixes"], "grains": {"unit": "mm"}}
+    table = expand(resolve({"studies": studies, "grains": {"seed": 3}}, "config"))
+    of = {study: rows for study, rows in table.groupby("study")}
+    assert {group["source"] for group in of["own"].grains} == {scans[0]}
+    assert [group["source"] for group in of["both"].grains] == [scans[0], scans[0], scans[1], scans[1]]
+    assert [row["varied"]["grain_source"] for row in of["both"].row] == [scans[0], scans[0], scans[1], scans[1]]
+    assert {(group["source"], group["seed"]) for group in of["common"].grains} == {("synthetic", 3)}
+    sets = {row.study + str(row.grains["source"]): row.grain_set for row in table.itertuples()}
+    assert sets["own" + scans[0]] == sets["both" + scans[0]]
+    assert len(set(sets.values())) == 3
+    for row in table.itertuples():
+        assert row.specification["grains"]["source"] == f"results/grains/{row.grain_set}.nc"
+
+
+def test_a_unit_of_the_campaign_holds_for_the_grains_of_its_studies(scans):
+    config = campaign(grains={"source": scans[0], "unit": "mm", "voxel_spacing": "0.1 mm"})
+    assert {group["voxel_spacing"] for group in expand(config).grains} == {1e-4}
+
+
+def test_the_content_of_files_makes_the_name_of_a_set(scans, tmp_path):
+    group = {**resolve({"studies": {}}, "config")["grains"], "source": scans[0], "unit": "mm"}
+    first = set_name(group)
+    assert first.startswith("scans_a_") and first != set_name({**group, "source": scans[1]})
+    assert first != set_name({**group, "unit": "m"}) and first == set_name({**group, "seed": 7})
+    elsewhere = tmp_path / "copy" / "scans_a"
+    elsewhere.mkdir(parents=True)
+    (elsewhere / "one.xyz").write_text((tmp_path / "scans_a" / "one.xyz").read_text())
+    (elsewhere / "._one.xyz").write_text("hidden")
+    assert set_name({**group, "source": str(elsewhere)}) == first
+    (elsewhere / "one.xyz").write_text("0 0 0\n1 0 0\n0 1 0\n0 0 2\n")
+    assert set_name({**group, "source": [str(elsewhere)]}) != first
 
 
 def test_spread_is_nested_and_takes_the_farthest():

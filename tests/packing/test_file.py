@@ -1,6 +1,8 @@
 """A packing and its file."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ def made():
     packed = pack(setup.scene, setup.bases, setup.draw)
     sample = setup.sample(np.arange(len(packed.bodies.mass)))
     attributes = {"largest_sieve_size": setup.curve.largest}
-    return packed, packing_dataset(setup.scene, setup.bases, packed, sample, specification, **attributes)
+    return packed, packing_dataset(setup.scene, setup.bases, packed, sample, specification, setup.curve, **attributes)
 
 
 def test_the_file_tells_how_far_the_time_step_was_from_its_limits(made):
@@ -96,6 +98,36 @@ def test_what_cannot_be_read_is_told_in_one_line(made, tmp_path):
     xr.Dataset({"n": ("z", [0.4])}).to_netcdf(other)
     with pytest.raises(ValueError, match=r"other.nc is no packing: contact_body, .* missing"):
         read_packing(other)
+
+
+def test_a_file_that_another_program_writes_to_is_not_called_truncated(made, tmp_path):
+    path = tmp_path / "filed.nc"
+    write_packing(path, made[1])
+    writer = (
+        "import netCDF4, sys; file = netCDF4.Dataset(sys.argv[1], 'a'); print('open', flush=True); sys.stdin.read()"
+    )
+    command = [sys.executable, "-c", writer, str(path)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "open\n"
+        with pytest.raises(ValueError, match=r"filed\.nc is in use by another program"):
+            read_packing(path)
+        process.stdin.close()
+    xr.testing.assert_identical(read_packing(path), read_packing(path))
+
+
+def test_the_file_has_the_sieve_fractions_asked_for_and_drawn(made):
+    """The curve of `made` has one class; here a packing of two, by hand and without a step."""
+    packed, dataset = made
+    assert dataset["mass_fraction_drawn"].values == dataset["mass_fraction_asked"].values == 1.0
+    setup = set_up_few(sizes={"bounds": ["4 mm", "6 mm", "9 mm"], "mass_fractions": [0.4, 0.6]})
+    sample = setup.sample(np.arange(40))
+    two = packing_dataset(setup.scene, setup.bases, packed, sample, {}, setup.curve)
+    np.testing.assert_array_equal(two["sieve_bounds"], [[4e-3, 6e-3], [6e-3, 9e-3]])
+    np.testing.assert_array_equal(two["mass_fraction_asked"], [0.4, 0.6])
+    fine = sample.volume[sample.D < 6e-3].sum() / sample.volume.sum()
+    np.testing.assert_allclose(two["mass_fraction_drawn"], [fine, 1.0 - fine], rtol=1e-12)
+    assert abs(fine - 0.4) > 1e-6  # forty grains
+    assert "sieve_class" not in packing_dataset(setup.scene, setup.bases, packed, sample, {}).dims
 
 
 def test_a_write_that_fails_leaves_the_old_file(made, tmp_path, monkeypatch):

@@ -2,6 +2,9 @@
 
 import pytest
 
+from simcore.grains.sources import set_name
+from simcore.scene.specification import resolve
+
 from .conftest import ROOT
 
 pytestmark = pytest.mark.workflow
@@ -18,6 +21,7 @@ STUDIES = {
     "form_mixtures",
     "application",
 }
+SYNTHETIC = set_name(resolve({"studies": {}}, "config")["grains"])
 MODELS = {"single_form_models", "form_mixture_models", "unified_model", "shape_kinds"}
 
 
@@ -84,7 +88,7 @@ def test_a_target_asks_only_for_its_own_inputs(workplace):
     packing = {"grain_set", "decimated_grain_set", "packing_specification", "packing"}
     evaluated = packing | {"porosity"}
     wanted = (
-        ("results/grains/faces_300.nc", {"grain_set", "decimated_grain_set"}, set()),
+        (f"results/grains/{SYNTHETIC}/faces_300.nc", {"grain_set", "decimated_grain_set"}, set()),
         ("results/grains/form_factors.csv", {"grain_set", "grain_report"}, set()),
         ("results/packings/domain_size/U1-36mm_0.05kg.yaml", {"packing_specification"}, {"domain_size"}),
         ("results/packings/single_form/U1-form01.nc", packing | {"form_order"}, {"single_form"}),
@@ -158,6 +162,11 @@ def test_a_target_whose_studies_are_elsewhere_names_the_overlay(workplace, targe
             "config: studies.validation.domain.width: '3 kg' is a mass; a length is needed, such as '0.2 m'",
         ),
         ("grains={source: nowhere}", "config: grains.source: 'nowhere' does not exist"),
+        ("grains={unit: mm}", "config: grains.unit: it has no effect with synthetic grains"),
+        (
+            "studies={validation: {fixes: {grains: {source: /no/such/folder, unit: mm}}}}",
+            "config: studies.validation: grains.source: '/no/such/folder' does not exist",
+        ),
     ],
 )
 def test_bad_config_is_one_clear_error(workplace, change, message):
@@ -165,6 +174,50 @@ def test_bad_config_is_one_clear_error(workplace, change, message):
     assert status != 0
     assert message in said
     assert "Traceback" not in said
+
+
+OWN = """
+packing: {domain: {width: 45 mm, height: 0.3 m}, amount: {grains: 100}, sizes: {case: U1}}
+studies:
+  own:
+    fixes: {grains: {unit: mm}}
+    varies: {grains.source: [scans_a, scans_b]}
+    forms: {spread: 2}
+"""
+
+
+def test_a_study_has_grain_sets_of_its_own(workplace):
+    """Beside the campaign's in the same folder; their content decides whether they are made anew, not their age."""
+    (workplace.folder / "own.yaml").write_text(OWN + OTHERS)
+    for number, name in enumerate("ab"):
+        folder = workplace.folder / f"scans_{name}"
+        folder.mkdir()
+        (folder / "tetrahedron.xyz").write_text(f"0 0 0\n4 0 0\n0 4 0\n0 0 {number + 4}\n")
+        (folder / "corner.xyz").write_text(f"0 0 0\n5 0 0\n0 4 0\n0 0 {number + 4}\n")
+    arguments = ["--configfile", "own.yaml"]
+    jobs = workplace.jobs("own", *arguments)
+    made = {job.output[0]: job.input for job in jobs if job.rule in ("grain_set", "form_order", "decimated_grain_set")}
+    sets = {path.split("/")[2] for path in made}
+    assert {name.rpartition("_")[0] for name in sets} == {"scans_a", "scans_b"} and len(made) == 6
+    assert SYNTHETIC not in sets
+    packings = {job.output[0]: job.input for job in jobs if job.rule == "packing"}
+    assert len(packings) == 4
+    for path, behind in packings.items():
+        (grains,) = [file for file in behind if file.endswith("faces_100.nc")]
+        assert ("scans_a" in path) == ("/scans_a_" in grains)
+
+    targets = [path for path in made if path.endswith("forms.csv")]
+    specifications = [path.replace(".nc", ".yaml") for path in packings]
+    status, said = workplace.run(*specifications, *arguments)
+    assert status == 0, said
+    texts = [(workplace.folder / path).read_text() for path in specifications]
+    assert all(f"scans_{path.split('scans_')[1][0]}_" in text for path, text in zip(specifications, texts, strict=True))
+    (workplace.folder / "scans_a" / "corner.xyz").touch()
+    assert not workplace.jobs(*targets, *arguments)
+    (workplace.folder / "scans_a" / "corner.xyz").write_text("0 0 0\n9 0 0\n0 4 0\n0 0 4\n")
+    again = workplace.jobs("own", *arguments)
+    assert [job.rule for job in again].count("grain_set") == 1
+    assert {job.output[0].split("/")[2].rpartition("_")[0] for job in again if job.rule == "grain_set"} == {"scans_a"}
 
 
 def test_the_readme_shows_a_config_with_own_grains_and_sieve_curve(workplace):

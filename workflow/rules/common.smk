@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from snakemake.exceptions import WorkflowError
+from snakemake.io import ancient
 
 from simcore.campaign import deposits
 from simcore.campaign.biases import bias_note, measured_biases
@@ -17,13 +18,12 @@ from simcore.packing.cost import estimate
 from simcore.paths import REFERENCE, ROOT
 from simcore.provenance.digest import digest
 from simcore.campaign.showpieces import corner_mixtures, showpieces
-from simcore.grains.sources import source_files
-from simcore.scene.identity import source_name
+from simcore.grains.sources import set_name, source_files, source_name
 from simcore.scene.specification import resolve
 from simcore.campaign.studies import expand
 
 try:
-    campaign = resolve(config, "config")
+    campaign = resolve(config, "config", unused="refuse")
     packings = expand(campaign)
 except ValueError as error:
     raise WorkflowError(f"config: {error}") from None
@@ -35,6 +35,26 @@ packings["is_first"] = ~packings.study.duplicated()
 all_studies = list(packings.study.unique())
 studies = [name for name in all_studies if campaign["studies"][name]["in_all"]]
 titles = {name: campaign["studies"][name]["title"] or name for name in studies}
+
+
+# The grains behind each set, by its name. Another source, or other content of its files, is another set beside it, so that
+# campaigns in one folder do not write over each other's grains. The report shows the campaign's own set.
+grain_groups = {set_name(campaign["grains"]): campaign["grains"]}
+for group in packings.grains[packings.grains.notna()]:
+    grain_groups[set_name(group)] = group
+packings["grain_folder"] = packings.grain_set.str.partition("/")[0]
+packings["source"] = [
+    source_name((group or campaign["grains"])["source"]) for group in packings.grains
+]
+
+
+# The name of the set is of what the files hold: how old they are decides nothing.
+def files_of_set(wildcards):
+    return [ancient(path) for path in source_files(grain_groups[wildcards.grains])]
+
+
+def group_of_set(wildcards):
+    return grain_groups[wildcards.grains]
 
 
 # What a packing asks of the machine. No result depends on it, so nothing of it may stand in `params`.
@@ -51,8 +71,14 @@ packings["ranks"] = [
 ]
 
 
-def plan_of(study):
-    """Packings of a study as simcore.campaign.gathering takes them."""
+def plans_of(study):
+    """Packings of a study as simcore.campaign.gathering takes them, dict from the name of their grains' source."""
+    sources = packings.source[packings.study == study].unique()
+    return {source: plan_of(study, source) for source in sources}
+
+
+def plan_of(study, source=None):
+    """Packings of a study, of grains of one source or of all."""
     return [
         {
             "row": packing.row,
@@ -60,17 +86,20 @@ def plan_of(study):
             "cpu_h": packing.cost.cpu_seconds / 3600.0,
         }
         for packing in packings[packings.study == study].itertuples()
+        if source in (None, packing.source)
     ]
 
 
 def files_left(study):
     """What is evaluated of those packings of a study that have no row in the committed tables yet."""
-    folder, source = "porosity", source_name(campaign["grains"]["source"])
+    folder, plans = "porosity", plans_of(study)
     if study.startswith(deposits.PREFIX):
-        folder, source = "fabric", deposits.SOURCE
-    left = not_gathered(campaign["reference"], study, source, plan_of(study))
-    names = [packing["row"]["packing"] for packing in left]
-    return [f"<results>/{folder}/{study}/{name}.nc" for name in names]
+        folder, plans = "fabric", {deposits.SOURCE: plan_of(study)}
+    return [
+        f"<results>/{folder}/{study}/{packing['row']['packing']}.nc"
+        for source, plan in plans.items()
+        for packing in not_gathered(campaign["reference"], study, source, plan)
+    ]
 
 
 def unless_none(paths, there_are, overlay):
@@ -157,3 +186,4 @@ wildcard_constraints:
     study="|".join(all_studies),
     packing=r"[A-Za-z0-9_.+-]+",
     faces=r"\d+",
+    grains=r"[A-Za-z0-9_.+-]+",

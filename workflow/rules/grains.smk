@@ -3,13 +3,13 @@
 
 rule grain_set:
     input:
-        source_files(campaign["grains"]),
+        files_of_set,
     output:
-        grains="<results>/grains/original.nc",
+        grains="<results>/grains/{grains}/original.nc",
     log:
-        "<results>/logs/grain_set.log",
+        "<results>/logs/grain_set/{grains}.log",
     params:
-        grains=campaign["grains"],
+        grains=group_of_set,
         code=digest("workflow/scripts/grain_set.py"),
     script:
         "../scripts/grain_set.py"
@@ -17,11 +17,11 @@ rule grain_set:
 
 rule decimated_grain_set:
     input:
-        grains="<results>/grains/original.nc",
+        grains="<results>/grains/{grains}/original.nc",
     output:
-        grains="<results>/grains/faces_{faces}.nc",
+        grains="<results>/grains/{grains}/faces_{faces}.nc",
     log:
-        "<results>/logs/decimated_grain_set/{faces}.log",
+        "<results>/logs/decimated_grain_set/{grains}/{faces}.log",
     params:
         code=digest("workflow/scripts/decimated_grain_set.py"),
     script:
@@ -30,11 +30,11 @@ rule decimated_grain_set:
 
 rule form_order:
     input:
-        grains="<results>/grains/original.nc",
+        grains="<results>/grains/{grains}/original.nc",
     output:
-        forms="<results>/grains/forms.csv",
+        forms="<results>/grains/{grains}/forms.csv",
     log:
-        "<results>/logs/form_order.log",
+        "<results>/logs/form_order/{grains}.log",
     params:
         code=digest("workflow/scripts/form_order.py"),
     script:
@@ -43,7 +43,7 @@ rule form_order:
 
 rule grain_report:
     input:
-        grains="<results>/grains/original.nc",
+        grains=f"<results>/grains/{set_name(campaign['grains'])}/original.nc",
     output:
         forms="<results>/grains/form_factors.csv",
         statistics="<results>/grains/form_statistics.csv",

@@ -13,7 +13,14 @@ rule packing_specification:
                 within=packings,
                 cols="form",
             ),
-            then="<results>/grains/forms.csv",
+            then=collect(
+                "<results>/grains/{grains}/forms.csv",
+                grains=lookup(
+                    query="study == '{study}' & packing == '{packing}'",
+                    within=packings,
+                    cols="grain_folder",
+                ),
+            ),
         ),
     output:
         specification="<results>/packings/{study}/{packing}.yaml",
@@ -162,11 +169,10 @@ rule collect:
     params:
         folder=campaign["reference"],
         test_only=campaign["test_only"],
-        source=campaign["grains"]["source"],
         evaluations=f"{results}/porosity",
         command=" ".join(["snakemake --configfile", *overlays]),
         packings={
-            study: plan_of(study)
+            study: plans_of(study)
             for study in all_studies
             if study in studies or os.path.isdir(f"{results}/porosity/{study}")
         },

@@ -128,7 +128,7 @@ if len(corners):
 
 
 # Spheres, and ellipsoids of a given form, are made of no grain: then there is none to report.
-has_grains = (in_report.grain_set != "").any()
+has_grains = (in_report.grain_folder == set_name(campaign["grains"])).any()
 
 
 captions = sorted(

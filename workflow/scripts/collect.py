@@ -4,15 +4,15 @@ import logging
 
 from simcore.campaign.gathering import check_gathered, finished, gather, record, rows_of, table_of, trends_of
 from simcore.provenance.machine import describe_host
-from simcore.scene.identity import source_name
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
 p = snakemake.params
 check_gathered(p.folder, p.test_only, "config/workstation.yaml")
-source, machine = source_name(p.source), describe_host()
-for study, packings in p.packings.items():
-    rows, evaluations, made = finished(p.evaluations, study, packings)
-    if rows:
-        gather(p.folder, table_of(study), rows_of(study, rows, evaluations, source))
-        gather(p.folder, "trends", trends_of(study, rows, evaluations, source))
-    record(p.folder, table_of(study), study, source, packings, made, command=p.command, machine=machine)
+machine = describe_host()
+for study, plans in p.packings.items():
+    for source, packings in plans.items():
+        rows, evaluations, made = finished(p.evaluations, study, packings)
+        if rows:
+            gather(p.folder, table_of(study), rows_of(study, rows, evaluations, source))
+            gather(p.folder, "trends", trends_of(study, rows, evaluations, source))
+        record(p.folder, table_of(study), study, source, packings, made, command=p.command, machine=machine)

@@ -11,7 +11,8 @@ from simcore.scene.specification import express
 (specification,), (form,) = snakemake.params.specification, snakemake.params.form
 names = []
 if form:
-    with open(snakemake.input.forms, newline="", encoding="utf-8") as file:
+    (forms,) = snakemake.input.forms
+    with open(forms, newline="", encoding="utf-8") as file:
         names = [line["grain"] for line in csv.DictReader(file)]
 text = yaml.safe_dump(express(choose_form(specification, form, names)), sort_keys=False, allow_unicode=True)
 Path(snakemake.output.specification).write_text(text, encoding="utf-8")
