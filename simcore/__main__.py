@@ -147,6 +147,7 @@ def _pack_on(ranks, options):
 def _prepare(ranks, options, report):
     """Specification, Setup and keeper of a packing; ValueError or OSError on all ranks where it cannot be run."""
     from simcore.compilation import set_threads
+    from simcore.dem.from_scene import compose
     from simcore.grains.sources import load_grains
     from simcore.packing.checkpoints.keeper import CheckpointKeeper, checkpoint_code, packing_key
     from simcore.packing.file import code_version
@@ -160,6 +161,7 @@ def _prepare(ranks, options, report):
     interval = parse_quantity(options.checkpoint_interval, "s")
     set_threads(options.threads)
     setup = set_up(specification, load_grains)
+    compose(setup.scene)  # ValueError where its time step is too long for any bed
     ranks.on_first(lambda: _check_writable(options.output))
     key = packing_key(specification, setup) if options.checkpoints else ""
     return specification, setup, CheckpointKeeper(options.checkpoints, key, code, interval, report, ranks)

@@ -174,9 +174,7 @@ def placed(contact_time, radius, position, velocity=0.0):
     density = setup.scene.material.density
     upright = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
     process.place(
-        make_bodies(
-            [unit_sphere()], np.zeros(n, int), scale, place, upright, speed, still, density, setup.scene.features
-        ),
+        make_bodies([unit_sphere()], np.zeros(n, int), scale, place, upright, speed, still, density, process.features),
         2.0 * float(radius.mean()),
     )
     return process

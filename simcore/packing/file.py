@@ -12,10 +12,10 @@ import xarray as xr
 from simcore import __version__
 from simcore.compilation import source_digest
 from simcore.dem.contact.walls import CYLINDER, FLOOR
-from simcore.dem.shapes.hulls import Base
 from simcore.packing.process import Packed
 from simcore.paths import ROOT
 from simcore.scene.scene import Scene
+from simcore.scene.shapes import Base
 
 FLOOR_PARTNER, CYLINDER_PARTNER = -1, -2  # stand where a contact has a wall as second body
 

@@ -13,8 +13,9 @@ import numpy as np
 from numba import get_num_threads
 
 from simcore.dem.contact.patch.patch import make_room
+from simcore.dem.from_scene import compose
 from simcore.dem.ranks.one_rank import ONE_RANK
-from simcore.dem.shapes.hulls import Base, collect_shapes
+from simcore.dem.shapes.hulls import collect_shapes
 from simcore.dem.state.bodies import Bodies, make_bodies
 from simcore.dem.state.parts import assemble
 from simcore.dem.step.near_pairs import Box, Near, list_near
@@ -27,6 +28,7 @@ from simcore.packing.observation import Observation, observe
 from simcore.packing.rest import judge_settled, judge_still
 from simcore.packing.watch import PackingError, Stability, Watch
 from simcore.scene.scene import Scene
+from simcore.scene.shapes import Base
 
 GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"
 # Of the mean sieve size: the skin, twice the margin of a body at rest (from 0.2 to 0.4 a shaken bed costs the same
@@ -104,8 +106,8 @@ class Process:
     in the bodies, their Near and `state`, so that it can be kept after any step.
     """
 
-    def __init__(self, scene, bases, draw, report, timed=False, ranks=ONE_RANK, keeper=None):
-        """timed: count in `seconds` what each part of the steps takes."""
+    def __init__(self, scene, bases, draw, report, timed=False, ranks=ONE_RANK, keeper=None, **changes):
+        """timed: count in `seconds` what each part of the steps takes. changes: of the features of the scene's step."""
         self.scene, self.bases, self.draw, self.ranks = scene, bases, draw, ranks
         self.keeper = Keeper() if keeper is None else keeper
         self.pouring = Pouring(scene, bases, draw)
@@ -113,7 +115,9 @@ class Process:
         self.shapes = collect_shapes(bases)
         domain = scene.domain
         self.box = Box(domain.width) if domain.periodic else Box(0.0, 0.5 * domain.width)
-        self.features = scene.features._replace(timed=timed)
+        composition = compose(scene)
+        self.law = composition.law
+        self.features = composition.features._replace(timed=timed, **changes)
         self.advance_steps = make_advance(self.features)
         self.room = make_room(self.shapes, get_num_threads())
         self.clock = np.zeros(len(STAGES), np.int64)
@@ -364,7 +368,7 @@ class Process:
         near = list_near(bodies, self.shapes, self.box, 0.0, self.features)
         drive = self._drive(GENERATING, 0.0)
         clock = np.zeros_like(self.clock)
-        self.advance_steps(bodies, self.shapes, *near, self.room, self.scene.law, drive, clock, 0, 1)
+        self.advance_steps(bodies, self.shapes, *near, self.room, self.law, drive, clock, 0, 1)
         found = near.contacts
         return np.column_stack([found.body_a, found.body_b])[found.touching != 0]
 
@@ -427,7 +431,7 @@ class Process:
 
     def _step(self, drive, n_steps):
         done, stale = self.advance_steps(
-            self.bodies, self.shapes, *self.near, self.room, self.scene.law, drive, self.clock, self.step, n_steps
+            self.bodies, self.shapes, *self.near, self.room, self.law, drive, self.clock, self.step, n_steps
         )
         self.step += done
         return done, stale

@@ -27,6 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.dem.forces.hertz import local_law
+from simcore.dem.from_scene import compose, stiffening_advice
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.stability import Estimate, body_steps, contact_load, stiffest_body
 from simcore.dem.state.bodies import Bodies
@@ -66,7 +67,7 @@ class Watch:
 
     def __init__(self, scene: Scene, width: float, report, ranks=ONE_RANK):
         self.scene, self.width, self.report, self.ranks = scene, width, report, ranks
-        self.friction = scene.features.friction
+        self.composition = compose(scene)
         self.load, self.needed, self.stiffest, self.contacts = 0.0, 0.0, -1, 0
         self.deepest, self.looks, self.told, self.pinched = 0.0, 0, False, False
         self.energy, self.backing = None, backing(scene)
@@ -131,7 +132,7 @@ class Watch:
             raise PackingError(
                 f"{self.scene.name}: grain {grain} moves at {speed:.3g} m/s at step "
                 f"{step} and would sink {depth * 1e3:.3g} mm into what it meets, more than half of it is thick. "
-                f"{self.scene.stiffen}; the depth of an impact goes with it) or lower the fall"
+                f"{stiffening_advice(self.scene)} Impacts become shallower then, and also if grains fall less far"
             )
 
     def _check_overlap(self, bodies, near, step, thickness, falling):
@@ -152,8 +153,8 @@ class Watch:
             raise PackingError(
                 f"{self.scene.name}: {_overlapping(*deepest[1:])} at step {step}, more "
                 f"than half of the grain is thick: contacts are too soft for what presses on them. "
-                f"{self.scene.stiffen}; overlaps go with it), lower the fall, or, if it was so from the start, raise "
-                f"generation.spacing"
+                f"{stiffening_advice(self.scene)} Overlaps also become smaller if grains fall less far. If the grains "
+                f"overlapped from the start, raise generation.spacing"
             )
 
     def _deepest(self, bodies, near, thickness, counted=None):
@@ -187,7 +188,7 @@ class Watch:
         speed = np.sqrt(2.0 * before.moving / mass)
         push = drive.shaking * min(time, 2.0 / drive.shaking_rate * np.ceil(time * drive.shaking_rate / np.pi))
         allowed = mass * push * (speed + push + drive.gravity * time)
-        slack = ENERGY_SLACK + self.scene.stiffest_law.stiffness * drive.dt**2
+        slack = ENERGY_SLACK + self.composition.stiffest_law.stiffness * drive.dt**2
         allowed += LIFT * drive.gravity * lift
         allowed += slack * before.moving + ROUNDING * (before.moving + before.distance)
         gained = now.moving + now.height - before.moving - before.height
@@ -209,19 +210,19 @@ class Watch:
         moving = 0.5 * bodies.mass * (velocity**2).sum(axis=1)
         moving += 0.5 * (bodies.angular_momentum * bodies.angular_velocity).sum(axis=1)
         height = bodies.mass * drive.gravity * (bodies.position[:, 2] - back * bodies.velocity[:, 2])
-        return moving + spring_energy(bodies, near, self.scene.law), height
+        return moving + spring_energy(bodies, near, self.composition.law), height
 
     def _note_stiffest(self, bodies, near, dt, step):
-        firmness = self.scene.firmness
+        firmness = self.composition.firmness
         found = stiffest_body(bodies, near, self.width, self._load(dt), ranks=self.ranks, firmness=firmness)
         if found.load <= self.load:
             return
         self.load, self.stiffest, self.contacts = found.load, found.body, found.contacts
-        law, hold = self.scene.continuous_law, found.contacts if self.scene.implicit else None
+        law, hold = self.composition.continuous_law, found.contacts if self.scene.implicit else None
         # Of law hertz the linear one says no contact time: it may be overdamped.
         time = None if firmness is None else self.scene.numerics.contact_time
         self.needed = body_steps(
-            bodies, near, self.width, law, self.friction, found.body,
+            bodies, near, self.width, law, self.composition.features.friction, found.body,
             hold=hold, ranks=self.ranks, firmness=firmness, time=time,
         )  # fmt: skip
         if self.needed > self.scene.numerics.steps_per_contact_time and not self.told:
@@ -234,7 +235,8 @@ class Watch:
 
     def _load(self, dt):
         """By which bodies are ranked: with an implicit dashpot as if each had one contact."""
-        return contact_load(self.scene.continuous_law, dt, self.friction, 1.0 if self.scene.implicit else None)
+        law, features = self.composition.continuous_law, self.composition.features
+        return contact_load(law, dt, features.friction, 1.0 if features.implicit else None)
 
     def hint(self):
         """Half a sentence where the time step may be too long for the stiffest grain seen, or empty."""

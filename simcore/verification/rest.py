@@ -10,10 +10,11 @@ import time
 import numpy as np
 import pandas as pd
 
+from simcore.dem.from_scene import compose
+from simcore.dem.stability import minimum_steps_per_contact_time
 from simcore.dem.state.bodies import make_bodies
 from simcore.grains.sources import load_grains
 from simcore.packing.process import DAMPING, SHAKING, PackingError, Process
-from simcore.scene.scene import minimum_steps_per_contact_time
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
@@ -45,7 +46,7 @@ def study(shapes=SHAPES, steps=STEPS, specification=SPECIFICATION) -> pd.DataFra
         settled.run()
         for dashpot in ("explicit", "implicit"):
             for count in steps:
-                law = setup.scene.continuous_law
+                law = compose(setup.scene).continuous_law
                 if count >= minimum_steps_per_contact_time(law, dashpot == "implicit"):
                     rows.append(
                         {"shape": shape, "dashpot": dashpot, "steps": count} | _leave(setup, settled, dashpot, count)
@@ -70,7 +71,15 @@ def _leave(setup, settled, dashpot, steps):
     still = np.zeros_like(b.position)
     process.place(
         make_bodies(
-            setup.bases, b.shape, b.scale, b.position, orientation, still, still, scene.material.density, scene.features
+            setup.bases,
+            b.shape,
+            b.scale,
+            b.position,
+            orientation,
+            still,
+            still,
+            scene.material.density,
+            process.features,
         ),
         size,
     )

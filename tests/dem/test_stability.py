@@ -14,12 +14,12 @@ from simcore.dem.stability import (
     contact_load,
     contact_time,
     estimate_steps,
+    minimum_steps_per_contact_time,
     steps_needed,
     stiffest_body,
 )
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.features import Features
-from simcore.scene.scene import minimum_steps_per_contact_time
 
 T_C = 1e-3
 STUDY = contact_law(0.1, T_C, 0.22, 0.5)

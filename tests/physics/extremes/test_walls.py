@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.campaign.studies import merge
+from simcore.dem.from_scene import compose
 from simcore.packing.process import pack
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
@@ -27,7 +28,7 @@ def test_a_sphere_on_the_axis_of_a_cylinder_stays_there(extreme):
         ball = extreme.place(tube(extreme, width), R, [0, 0, 3 * R])
         extreme.run(ball, 0.3, damped=True)
         assert not ball.bodies.position[0, :2].any()
-        assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / ball.scene.law.stiffness, rel=1e-4)
+        assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / compose(ball.scene).law.stiffness, rel=1e-4)
 
 
 def test_a_sphere_too_wide_for_its_cylinder_is_squeezed_but_finite(extreme):
@@ -49,7 +50,7 @@ def test_a_sphere_thrown_into_the_edge_of_a_cylinder_comes_to_rest_beside_it(ext
     energies = extreme.run(ball, 1.5, damped=True)
     assert (np.diff(energies) < 1e-6 * energies[0]).all()
     assert np.hypot(*ball.bodies.position[0, :2]) < radius - R * (1.0 - 1e-3)
-    assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / ball.scene.law.stiffness, rel=1e-3)
+    assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / compose(ball.scene).law.stiffness, rel=1e-3)
 
 
 def test_a_ring_of_spheres_leans_on_the_cylinder(extreme):
@@ -99,7 +100,7 @@ def test_a_sphere_wider_than_its_box_presses_on_its_own_images(extreme):
     assert sorted(map(tuple, ball.contacts.image[ball.contacts.touching > 0])) == [(0, 1), (1, 0)]
     np.testing.assert_allclose(ball.contacts.overlap[ball.contacts.touching > 0], 2.0 * R - width, rtol=1e-12)
     assert not ball.bodies.position[0, :2].any() and not ball.bodies.angular_momentum.any()
-    assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / ball.scene.law.stiffness, rel=1e-4)
+    assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / compose(ball.scene).law.stiffness, rel=1e-4)
 
 
 def test_a_pair_touches_through_two_images(extreme):
