@@ -109,27 +109,27 @@ def backing(scene: Scene) -> float:
 
 
 def warnings(scene: Scene, expected: Expectation) -> list[str]:
-    """One line for each thing that may go wrong."""
+    """Return a sentence or two for each thing that may go wrong."""
     lines = []
     steps, needed = scene.numerics.steps_per_contact_time, expected.stability
     if needed.expected > steps:
         lines.append(
             f"{steps:g} steps per contact time are fewer than the {needed.expected:.1f} that a bed of such grains is "
             f"expected to need: grains with many contacts would jitter in them and take up energy until they slip or "
-            f"part, and the bed may not come to rest. Raise numerics.steps_per_contact_time"
+            f"part, and the bed may not come to rest. Raise numerics.steps_per_contact_time."
         )
     if expected.impact_depth > DEEP_IMPACT * expected.half_thickness:
         lines.append(
-            f"a grain that falls through the domain arrives at {expected.fall_speed:.2g} m/s and sinks "
+            f"A grain that falls through the domain arrives at {expected.fall_speed:.2g} m/s and sinks "
             f"{expected.impact_depth * 1e3:.2g} mm into another, where the thinnest grain is "
             f"{2e3 * expected.half_thickness:.2g} mm thick. {stiffening_advice(scene)} Impacts also become shallower "
-            f"if grains fall less far"
+            f"if grains fall less far."
         )
     width = scene.domain.width
     if expected.longest > width:
         beside = "comes to lie beside itself" if scene.domain.type == "periodic" else "cannot lie flat"
         lines.append(
-            f"the longest grain, {expected.longest * 1e3:.3g} mm, is longer than the domain is wide, "
-            f"{width * 1e3:.3g} mm, and {beside}; widen domain.width"
+            f"The longest grain, {expected.longest * 1e3:.3g} mm, is longer than the domain is wide, "
+            f"{width * 1e3:.3g} mm, and {beside}; widen domain.width."
         )
     return lines

@@ -13,12 +13,12 @@ from simcore.dem.state.features import Features
 from simcore.dem.step.near_pairs import bytes_per_pair
 from simcore.packing.cost import NEAR_PAIRS, WORDS, PackingCost, Pour, cost_of, scene_step_cost
 from simcore.packing.expectation import Expectation, expect, warnings
+from simcore.packing.forecast import draw_packing
+from simcore.packing.forecast_text import bed_lines, grain_lines, setup_warnings
 from simcore.packing.insertion.batches import extents
-from simcore.scene.scene import Scene
+from simcore.scene.scene import GRAINS, Scene
 from simcore.scene.setup import Setup
-from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, grain_volumes
-
-CHUNK = 10_000
+from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
 
 # What a scene can have: of Features, what its step does then, and what it does not hold else.
 KINDS = {
@@ -82,10 +82,10 @@ def parts(features: Features) -> tuple[list[str], list[str]]:
     return has, lacks + [text for there, _, text in PARTS if not there(features)]
 
 
-def estimate_cost(setup: Setup) -> Cost:
-    """Return the Cost of a packing."""
+def estimate_cost(setup: Setup, sample=None) -> Cost:
+    """Return the Cost of a packing. sample: all its grains, where they have been drawn already."""
     scene = setup.scene
-    volumes = _volumes(setup)
+    volumes = (draw_packing(setup) if sample is None else sample).volume
     n = len(volumes)
     per_grain, per_pair = _bytes_per_grain(setup), bytes_per_pair(compose(scene).features)
     shapes = collect_shapes(setup.bases)
@@ -101,7 +101,7 @@ def estimate_cost(setup: Setup) -> Cost:
 
 def _pour(setup: Setup, volumes) -> Pour:
     """Return the Pour of the grains of these volumes (n,) [m³]."""
-    some = setup.draw(np.arange(min(len(volumes), CHUNK // 10)))
+    some = setup.draw(np.arange(min(len(volumes), GRAINS)))
     generation = setup.scene.generation
     height = 2.0 * extents(setup.bases, some, generation.orientation == "random")[1].mean()
     reach = extents(setup.bases, some, True)[0]
@@ -110,7 +110,8 @@ def _pour(setup: Setup, volumes) -> Pour:
 
 def explain(setup: Setup) -> str:
     """Lines on what the packing of `setup` computes, costs, and how far it is from its limits."""
-    scene, estimated = setup.scene, estimate_cost(setup)
+    scene, sample = setup.scene, draw_packing(setup)
+    estimated = estimate_cost(setup, sample)
     cost = estimated.packing
     expected = expect(scene, setup.bases, setup.draw)
     has, lacks = parts(compose(scene).features)
@@ -120,6 +121,8 @@ def explain(setup: Setup) -> str:
     lines = [
         f"{scene.name}: {cost.grains} grains, {estimated.mass:.4g} kg, {place} {domain.width * 1e3:g} mm, height "
         f"{domain.height * 1e3:g} mm",
+        *grain_lines(setup, sample),
+        *bed_lines(setup, sample),
         "The step has",
         *(f"  {text}" for text in has),
         "It leaves out",
@@ -135,6 +138,7 @@ def explain(setup: Setup) -> str:
         f"{estimated.bytes_per_pair} a near pair, about {NEAR_PAIRS[WORDS[scene.kind]]:g} of them a grain",
         *_stability_lines(scene, expected),
         *(f"Warning     {text}" for text in warnings(scene, expected)),
+        *(f"Warning     {text}" for text in setup_warnings(setup, sample)),
     ]
     return "\n".join(lines)
 
@@ -178,25 +182,6 @@ def _sliding_lines(scene: Scene) -> list[str]:
     material = scene.material
     limit = f"at most {material.friction:g} F_n" if sliding == CAPPED else "without limit"
     return [f"Friction    sliding dies out in {material.sliding_time:g} s, {limit}; nothing is held, beds creep"]
-
-
-def _volumes(setup: Setup) -> np.ndarray:
-    """Volumes (n,) [m³] of the grains of the packing, whole batches of the study not rounded up."""
-    scene = setup.scene
-
-    def volumes(ids):
-        return grain_volumes(setup.bases, setup.draw(ids))
-
-    if scene.amount_grains is not None:
-        return volumes(np.arange(scene.amount_grains))
-    found, poured = [], 0.0
-    while poured < scene.amount_mass:
-        some = volumes(np.arange(CHUNK) + CHUNK * len(found))
-        found.append(some)
-        poured += scene.material.density * float(some.sum())
-    all_of_them = np.concatenate(found)
-    enough = np.searchsorted(scene.material.density * np.cumsum(all_of_them), scene.amount_mass)
-    return all_of_them[: enough + 1]
 
 
 def _bytes_per_grain(setup: Setup) -> int:

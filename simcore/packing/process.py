@@ -50,6 +50,7 @@ class Packed(NamedTuple):
     last_birth: float  # [s], simulated
     checks: list  # (time [s], phase, Observation) at every convergence interval
     stability: Stability | None = None
+    warnings: tuple = ()  # sentences on what may be wrong with it
 
     @property
     def contacts(self):
@@ -172,6 +173,7 @@ class Process:
             self.last_birth * self.dt,
             self.checks,
             stability,
+            (*warnings(self.scene, expected), *self.watch.warnings()),
         )
 
     def expect(self):

@@ -95,6 +95,21 @@ class Watch:
         steps = self.scene.numerics.steps_per_contact_time
         return Stability(steps, expected, self.needed, self.stiffest, self.contacts, self.deepest)
 
+    def warnings(self) -> list[str]:
+        """Return a sentence for each thing that was let pass."""
+        lines = []
+        if self.told:
+            lines.append(f"At its stiffest {self._about_stiffest()}, and the packing had {self._steps():g}.")
+        if self.pinched:
+            lines.append(
+                f"While grains fell, a stone of at least {PINCHING:g} times the mass of a grain pressed it deeper than "
+                f"half of its thickness."
+            )
+        return lines
+
+    def _steps(self):
+        return self.scene.numerics.steps_per_contact_time
+
     def state(self) -> dict:
         """What it remembers, as JSON can hold it."""
         return {name: getattr(self, name) for name in _REMEMBERED}
@@ -229,7 +244,7 @@ class Watch:
             self.told = True
             self.report(
                 f"{self.scene.name}: warning: at step {step} {self._about_stiffest()}, and this run has "
-                f"{self.scene.numerics.steps_per_contact_time:g}; such a grain jitters in its contacts and takes up "
+                f"{self._steps():g}; such a grain jitters in its contacts and takes up "
                 f"energy until they slip or part, which is watched"
             )
 

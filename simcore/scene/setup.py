@@ -27,6 +27,7 @@ class Setup(NamedTuple):
     curve: SieveCurve | BetaSizes
     sample: object
     draw: object
+    grains: tuple = ()  # Grain of each base that is a polyhedron
 
 
 def set_up(specification: dict, load_grains) -> Setup:
@@ -65,7 +66,7 @@ def set_up(specification: dict, load_grains) -> Setup:
 
     scene = make_scene(specification, curve, masses)
     _check_height(scene, sample)
-    return Setup(scene, bases, curve, sample, draw)
+    return Setup(scene, bases, curve, sample, draw, tuple(grains) if hulls else ())
 
 
 def make_scene(specification: dict, curve, masses) -> Scene:

@@ -11,7 +11,12 @@ from snakemake.exceptions import WorkflowError
 
 from simcore.campaign import deposits
 from simcore.campaign.biases import bias_note, measured_biases
-from simcore.campaign.plan import describe_studies, estimate_studies, number_pieces
+from simcore.campaign.plan import (
+    check_beds,
+    describe_studies,
+    estimate_studies,
+    number_pieces,
+)
 from simcore.campaign.gathering import not_gathered, source_name
 from simcore.packing.cost import estimate
 from simcore.paths import REFERENCE, ROOT
@@ -24,6 +29,14 @@ from simcore.campaign.studies import expand
 try:
     campaign = resolve(config, "config")
     packings = expand(campaign)
+    # Jobs read this file too, and need no check. Of deposits the fabric is evaluated, with other cuts.
+    if workflow.is_main_process:
+        check_beds(
+            packings[~packings.study.str.startswith(deposits.PREFIX)],
+            campaign["porosity"]["cut"],
+        )
+    # What a packing asks of the machine. No result depends on it, so nothing of it may stand in `params`.
+    packings["cost"] = packings.specification.map(estimate)
 except ValueError as error:
     raise WorkflowError(f"config: {error}") from None
 
@@ -36,8 +49,6 @@ studies = [name for name in all_studies if campaign["studies"][name]["in_all"]]
 titles = {name: campaign["studies"][name]["title"] or name for name in studies}
 
 
-# What a packing asks of the machine. No result depends on it, so nothing of it may stand in `params`.
-packings["cost"] = packings.specification.map(estimate)
 hours = np.array([cost.cpu_seconds / 3600.0 for cost in packings.cost])
 seeds = np.array([specification["seed"] for specification in packings.specification])
 packings["piece"] = 0
