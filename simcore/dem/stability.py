@@ -36,6 +36,10 @@ LOOKED_AT = 32  # bodies whose eigenvalues are found, of all; the others are tak
 # 27.5, 25.0 and 28.3 steps, 1.34, 1.22 and 1.29 times those of their stiffest grain by itself, where 33.8, 33.8 and
 # 34.3 are expected.
 EXPECTED_CONTACTS, CAUTIOUS_CONTACTS = 9, 12
+# Contacts of a hull with at most POINTED corners are at a corner with this chance, else anywhere on its faces: a corner
+# of one of two polyhedra meets a face of the other. Corners of a hull with BLUNT ones and more are blunt: they differ
+# little from its faces. Measured needs of such beds: docs/accuracy.md, "Grains of few corners".
+AT_CORNERS, POINTED, BLUNT = 0.5, 8, 24
 SAMPLE = 200  # grains whose form is looked at before a run
 DIRECTIONS = 256
 
@@ -229,22 +233,45 @@ def estimate_steps(
 
 
 def _all_over(base, scale):
-    """Mean of the normal and of the tangential part (6, 6) of a contact over the surface, per unit of load."""
-    if len(base.vertices):
-        corners = (base.vertices * scale)[base.faces]
-        n = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        weight = np.linalg.norm(n, axis=1)
-        n = n / weight[:, None]
-        point = corners.mean(axis=1)
-    else:
-        k = np.arange(DIRECTIONS) + 0.5
-        z, angle = 1.0 - 2.0 * k / DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * k
-        n = np.column_stack([np.sqrt(1.0 - z**2) * np.cos(angle), np.sqrt(1.0 - z**2) * np.sin(angle), z])
-        height = np.linalg.norm(scale * n, axis=1)
-        point = scale**2 * n / height[:, None]
-        weight = height**-4.0  # area seen along n, the inverse of the Gaussian curvature, less a constant
-    weight = weight / weight.sum()
+    """Mean of the normal and of the tangential part (6, 6) of a contact over the surface, per unit of load.
+
+    A hull of few corners is held at these, as each contact of two polyhedra is at a corner, or at an edge, of one.
+    """
     moments = base.second_moments * scale**2
+    if not len(base.vertices):
+        return _mean_contact(*_ellipsoid_surface(scale), moments)
+    corners = (base.vertices * scale)[base.faces]
+    n = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(n, axis=1)
+    n = n / area[:, None]
+    at_faces = _mean_contact(corners.mean(axis=1), n, area, moments)
+    pointed = np.clip((BLUNT - len(base.vertices)) / (BLUNT - POINTED), 0.0, 1.0)
+    if pointed == 0.0:
+        return at_faces
+    normals, areas = np.tile(n, (3, 1)), np.tile(area, 3)
+    at_corners = _mean_contact(np.concatenate(np.moveaxis(corners, 1, 0)), normals, areas, moments)
+    # Middles of edges integrate what is quadratic in the place over a triangle exactly.
+    middles = 0.5 * (corners + np.roll(corners, 1, axis=1))
+    on_faces = _mean_contact(np.concatenate(np.moveaxis(middles, 1, 0)), normals, areas, moments)
+    return tuple(
+        (1.0 - pointed) * blunt + pointed * (AT_CORNERS * sharp + (1.0 - AT_CORNERS) * flat)
+        for blunt, sharp, flat in zip(at_faces, at_corners, on_faces, strict=True)
+    )
+
+
+def _ellipsoid_surface(scale):
+    """Points (n, 3), normals (n, 3) and weights (n,) on the surface of an ellipsoid."""
+    k = np.arange(DIRECTIONS) + 0.5
+    z, angle = 1.0 - 2.0 * k / DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * k
+    n = np.column_stack([np.sqrt(1.0 - z**2) * np.cos(angle), np.sqrt(1.0 - z**2) * np.sin(angle), z])
+    height = np.linalg.norm(scale * n, axis=1)
+    # Area seen along n, the inverse of the Gaussian curvature, less a constant.
+    return scale**2 * n / height[:, None], n, height**-4.0
+
+
+def _mean_contact(point, n, weight, moments):
+    """Weighted mean of the normal and of the tangential part (6, 6) of contacts at points (k, 3), normals n (k, 3)."""
+    weight = weight / weight.sum()
     arm = 1.0 / np.sqrt(moments.sum() - moments)  # of the inertia per mass
     eye = np.broadcast_to(np.eye(3), (len(n), 3, 3))
     rows = np.concatenate([eye, np.cross(point[:, None, :], eye) * arm], axis=2)

@@ -42,7 +42,7 @@ PARTS = (
     ),
     (
         lambda f: f.preloaded,
-        "tangential springs that start at the limit of friction, as the source study's program has them",
+        "tangential springs that start at the limit of friction, as the program of Rettinger et al. (2022) has them",
         "springs that start at the limit of friction",
     ),
     (lambda f: f.sliding, "friction against the sliding velocity, without history", "sliding friction"),
@@ -50,8 +50,8 @@ PARTS = (
     (lambda f: f.patch, "patches: polyhedra press at the centroid of their overlap", "patches"),
     (
         lambda f: f.inflated,
-        "contacts of polyhedra as the source study's program finds them",
-        "the contact search of the source study's program",
+        "contacts of polyhedra as the program of Rettinger et al. (2022) finds them",
+        "the contact search of that program",
     ),
     (
         lambda f: f.potential,
@@ -129,13 +129,14 @@ def explain(setup: Setup) -> str:
         *(f"  {text}" for text in lacks),
         f"Steps of {dt:.3g} s",
         f"  generating  {_about(cost.generating)}, in {batches}",
-        f"  shaking     {cost.shaking}, {scene.shaking.duration:g} s after the last birth",
+        f"  shaking     {cost.shaking}, {scene.shaking.duration:g} s after the last insertion",
         f"  damping     about {cost.damping}, until the grains rest; at most {cost.longest_damping}",
-        f"Time        {_duration(cost.cpu_seconds)} on one core ({cost.cpu_seconds / 3600:.2g} CPU hours): "
-        f"{scene_step_cost(scene):.3g} µs a grain and step; where it is the first of its kind, "
-        f"compiling comes on top",
-        f"Memory      {_size(estimated.memory)} of arrays: {estimated.bytes_per_grain} bytes a grain, "
-        f"{estimated.bytes_per_pair} a near pair, about {NEAR_PAIRS[WORDS[scene.kind]]:g} of them a grain",
+        f"Time        {_duration(cost.cpu_seconds)} on one core ({cost.cpu_seconds / 3600:.2g} CPU hours), at "
+        f"{scene_step_cost(scene):.3g} µs per grain and step",
+        "            Compiling takes a minute or two more where a step of this kind has not run before",
+        f"Memory      {_size(estimated.memory)} of arrays: {estimated.bytes_per_grain} bytes per grain, and "
+        f"{estimated.bytes_per_pair} per candidate pair, of which a grain has about "
+        f"{NEAR_PAIRS[WORDS[scene.kind]]:g}",
         *_stability_lines(scene, expected),
         *(f"Warning     {text}" for text in warnings(scene, expected)),
         *(f"Warning     {text}" for text in setup_warnings(setup, sample)),
@@ -146,17 +147,20 @@ def explain(setup: Setup) -> str:
 def _stability_lines(scene: Scene, expected: Expectation) -> list[str]:
     steps, needed = scene.numerics.steps_per_contact_time, expected.stability
     least = compose(scene).least_steps
-    verdict = "more than needed in the worst case"
+    verdict = "more than the estimate for twelve contacts on a grain"
     if steps < needed.cautious:
-        verdict = "enough as expected, not in the worst case"
+        verdict = "as many as a bed is expected to need, and fewer than the cautious estimate"
     if steps < needed.expected:
-        verdict = "fewer than expected to do"
+        verdict = "fewer than a bed of such grains is expected to need"
     return [
         *_hertz_lines(scene),
         *_sliding_lines(scene),
-        f"Stability   {steps:g} steps a contact time: {verdict}. Fewer than {least:.2f} are refused, "
-        f"{needed.expected:.1f} are expected to do (margin {steps / needed.expected:.2f}), {needed.cautious:.1f} do "
-        f"whatever the grains do (margin {steps / needed.cautious:.2f})",
+        f"Stability   {steps:g} steps per contact time are {verdict}",
+        f"            refused   below {least:.2f}",
+        f"            expected  {needed.expected:.1f}, for nine contacts spread over the stiffest grain (margin "
+        f"{steps / needed.expected:.2f})",
+        f"            cautious  {needed.cautious:.1f}, for twelve (margin {steps / needed.cautious:.2f})",
+        "            No number is certain before a run; the run reports the grain that needs the most steps",
     ]
 
 
@@ -167,10 +171,12 @@ def _hertz_lines(scene: Scene) -> list[str]:
         return []
     material = scene.material
     return [
-        f"Contacts    (4/3) E* = {found.modulus:.3g} Pa, damping time {found.damping_time:.3g} s: restitution "
-        f"{material.restitution:g} of two mean grains at {material.restitution_speed:g} m/s, higher below",
-        f"            contact time {found.duration:.3g} s, of the smallest grains after a fall through the domain, "
-        f"{1e3 * found.deepest:.2g} mm deep; gentler ones last longer",
+        f"Contacts    The stiffness (4/3) E* is {found.modulus:.3g} Pa, the damping time {found.damping_time:.3g} s",
+        f"            Two mean grains that meet at {material.restitution_speed:g} m/s have a restitution of "
+        f"{material.restitution:g}, slower ones a higher one",
+        f"            The contact time of {found.duration:.3g} s is that of the smallest grains after a fall through "
+        f"the domain,",
+        f"            which sink {1e3 * found.deepest:.2g} mm into each other; gentler contacts last longer",
     ]
 
 
@@ -180,8 +186,11 @@ def _sliding_lines(scene: Scene) -> list[str]:
     if not sliding:
         return []
     material = scene.material
-    limit = f"at most {material.friction:g} F_n" if sliding == CAPPED else "without limit"
-    return [f"Friction    sliding dies out in {material.sliding_time:g} s, {limit}; nothing is held, beds creep"]
+    limit = f"of at most {material.friction:g} times the normal force" if sliding == CAPPED else "without limit"
+    return [
+        f"Friction    Sliding dies out in {material.sliding_time:g} s, by a force {limit}",
+        "            Nothing holds grains in place, so that beds creep",
+    ]
 
 
 def _bytes_per_grain(setup: Setup) -> int:

@@ -230,7 +230,7 @@ class Process:
         raise PackingError(
             f"{scene.name}: not at rest after {scene.damping.max_time:g} s of damping, step {self.step}: "
             f"{verdict.told}, grain {fastest} moves at {seen.max_speed:.2g} m/s{self._allowed_speed()}"
-            f"{self.watch.hint()}. Shake or damp longer, or loosen `convergence`"
+            f"{self.watch.hint()}. {self.watch.advice_on_rest()}"
         )
 
     def _judge(self, seen):

@@ -255,8 +255,18 @@ class Watch:
 
     def hint(self):
         """Half a sentence where the time step may be too long for the stiffest grain seen, or empty."""
-        near = BED_NEEDS[1] * self.needed > self.scene.numerics.steps_per_contact_time
-        return f"; {self._about_stiffest()}" if near else ""
+        return f"; {self._about_stiffest()}" if self._may_jitter() else ""
+
+    def _may_jitter(self):
+        """Whether the time step may be too long for the stiffest grain, as it was held in the bed."""
+        return BED_NEEDS[1] * self.needed > self._steps()
+
+    def advice_on_rest(self):
+        """Return the sentence that says what helps a bed that does not come to rest."""
+        if self._may_jitter():
+            enough = int(np.ceil(BED_NEEDS[1] * self.needed))
+            return f"Raise numerics.steps_per_contact_time from {self._steps():g} to at least {enough}."
+        return "Shake or damp longer, or loosen `convergence`."
 
     def _about_stiffest(self):
         return (

@@ -208,9 +208,9 @@ def test_its_springs_hold_two_fifths_k_times_the_overlap_to_five_halves(deposit)
 def test_explain_says_what_follows_from_the_stiffness():
     told = explain(set_up_few(**DEPOSIT))
     assert "Hertzian contacts with a viscous term" in told and "friction against the sliding velocity" in told
-    time = float(re.search(r"contact time (\S+) s", told)[1])
+    time = float(re.search(r"contact time of (\S+) s", told)[1])
     assert time == pytest.approx(set_up_few(**DEPOSIT).scene.numerics.contact_time, rel=1e-2)
-    assert "sliding dies out in 0.01 s, at most 0.5 F_n" in told
+    assert "Sliding dies out in 0.01 s, by a force of at most 0.5 times the normal force" in told
 
 
 @pytest.mark.parametrize(

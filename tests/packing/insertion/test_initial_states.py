@@ -43,6 +43,22 @@ def test_the_lattice_in_a_periodic_box_is_never_closer_than_h(h):
     assert ((sites[:, :2] >= 0.0) & (sites[:, :2] <= 0.2)).all()
 
 
+@pytest.mark.parametrize("ratio", [1.01, 1.2, 1.5, 1.9])
+def test_a_narrow_cylinder_has_sites_on_its_axis(ratio):
+    """Where the hexagonal lattice has none at all; one that has some keeps them."""
+    size = 0.01
+    narrow = Domain("cylinder", ratio * size, 0.3)
+    spacing = 1.05 * np.sqrt(2.0) * size
+    sites = lattice_sites(narrow, spacing, 0.02, 0.3)
+    reach = np.full(100, 0.5 * size)
+    taken = occupy_sites(sites, reach, reach, narrow)
+    assert len(taken) >= 10
+    assert (np.hypot(*sites[taken, :2].T) + 0.5 * size < 0.5 * narrow.width).all()
+    assert (np.diff(sites[taken, 2]) >= size).all() and sites[:, 2].min() >= 0.02
+    wider = Domain("cylinder", 3.0 * spacing, 0.3)
+    assert np.hypot(*lattice_sites(wider, spacing, 0.02, 0.3)[:, :2].T).max() > 0.0
+
+
 def corners(base, scale, rotation):
     """Surface points of a grain about its centre."""
     if len(base.vertices):

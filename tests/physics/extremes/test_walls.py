@@ -39,6 +39,29 @@ def test_a_sphere_too_wide_for_its_cylinder_is_squeezed_but_finite(extreme):
     assert np.hypot(*ball.bodies.position[0, :2]) < 0.02 * R
 
 
+@pytest.mark.parametrize("ratio", [1.2, 1.6, 2.0])
+def test_a_cylinder_narrower_than_two_grains_is_filled(ratio):
+    """No site of the lattice lies within; grains are inserted on the axis, and stack in a column or a zigzag."""
+    raw = {
+        "name": "tube",
+        "domain": {"type": "cylinder", "width": f"{7.0 * ratio} mm", "height": "0.3 m"},
+        "shapes": {"kind": "sphere"},
+        "sizes": {"bounds": ["7 mm", "7.001 mm"], "mass_fractions": [1.0]},
+        "amount": {"grains": 12},
+        "shaking": {"duration": "0.05 s"},
+        "numerics": {"contact_time": "1 ms"},
+    }
+    made = set_up(resolve(raw), None)
+    packed = pack(made.scene, made.bases, made.draw)
+    position = packed.bodies.position
+    assert len(position) == 12
+    assert np.hypot(*position[:, :2].T).max() < 3.5e-3 * (ratio - 1.0) + 1e-5
+    # Neighbours up the column touch: their rise follows from the width where they lean on opposite sides.
+    rise = np.diff(np.sort(position[:, 2]))
+    across = 7e-3 * (ratio - 1.0)
+    assert rise.max() < 7.01e-3 and rise.min() > 0.99 * np.sqrt(7e-3**2 - min(across, 7e-3) ** 2) - 1e-4
+
+
 @pytest.mark.parametrize("angle", [0.0, 1.0, 2.5])
 def test_a_sphere_thrown_into_the_edge_of_a_cylinder_comes_to_rest_beside_it(extreme, angle):
     """It meets wall and floor at once, loses energy only, and lies within, wherever it was thrown."""
