@@ -65,7 +65,9 @@ def check_setup(setup: Setup) -> None:
     try:
         check_bed(setup.scene.domain, grains_of(setup), setup.scene.material.density)
     except ValueError as error:
-        raise ValueError(f"{error} To pack it all the same, add --force.") from None
+        raise ValueError(
+            f"{error} To pack it all the same, and to evaluate it with a smaller `porosity --cut`, add --force."
+        ) from None
 
 
 def class_fractions(curve: SieveCurve, D, volume) -> np.ndarray:
