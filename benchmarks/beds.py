@@ -16,6 +16,7 @@ import yaml
 
 from simcore.campaign.studies import merge
 from simcore.compilation import source_digest
+from simcore.dem.from_scene import compose
 from simcore.dem.state.bodies import make_bodies
 from simcore.grains.sources import load_grains
 from simcore.packing.packed import SHAKING
@@ -161,7 +162,7 @@ def bed_of(process, sieve_size):
 
 
 def start(setup, bed, report=lambda line: None, **options):
-    """A Process of the setup's scene in that bed, with an empty memory of contacts; options (ranks) go to Process."""
+    """A Process of the setup's scene in that bed, with an empty memory of contacts; options go to Process."""
     process = Process(setup.scene, setup.bases, setup.draw, report, **options)
     bodies = make_bodies(
         setup.bases,
@@ -172,7 +173,7 @@ def start(setup, bed, report=lambda line: None, **options):
         bed.velocity,
         bed.angular_velocity,
         density=setup.scene.material.density,
-        features=setup.scene.features,
+        features=process.stepper.features,
     )
     process.place(process.ranks.welcome(None, bodies, process.stepper.box), float(np.mean(bed.sieve_size)))
     return process
@@ -218,5 +219,5 @@ def export_bed(path, setup, bed, steps):
         steps=steps,
         shaking=scene.shaking.acceleration,
         shaking_rate=scene.shaking.rate,
-        **scene.law._asdict(),
+        **compose(scene).law._asdict(),
     )

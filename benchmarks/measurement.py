@@ -42,9 +42,12 @@ def compile_steps(setup):
     return {"compile_s": compile_s, "compiled_anew": bool(sum(stats.cache_misses.values()))}
 
 
-def measure(setup, bed, duration, warm_up=REMEMBERING, phase=SHAKING):
-    """Figures (dict) of `duration` [s] of a phase after `warm_up` [s], list rebuilds included; and the Process."""
-    process = start(setup, bed)
+def measure(setup, bed, duration, warm_up=REMEMBERING, phase=SHAKING, **options):
+    """Figures (dict) of `duration` [s] of a phase after `warm_up` [s], list rebuilds included; and the Process.
+
+    options: of Process.
+    """
+    process = start(setup, bed, **options)
     n = len(bed.shape)
     process.advance(max(round(warm_up / process.dt), FIRST_STEPS), phase)
     stretch = max(round(duration / process.dt / STRETCHES), 1)

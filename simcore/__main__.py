@@ -48,6 +48,7 @@ def _parser():
     pack.add_argument("--log", type=Path, help="file that gets the progress lines too")
     pack.add_argument("--checkpoints", type=Path, metavar="FOLDER", help="where to keep what it can go on from")
     pack.add_argument("--checkpoint-interval", default="10 min", metavar="TIME", help="wall-clock time between them")
+    pack.add_argument("--force", action="store_true", help="pack a bed too low for its porosity to be evaluated, too")
     pack.set_defaults(run=_pack)
     compile_ = commands.add_parser("compile", help="compile the steps of packings ahead of time")
     compile_.add_argument(
@@ -136,7 +137,7 @@ def _pack_on(ranks, options):
     started = time.monotonic()
     report = _reporter(options.log) if ranks.rank == 0 else _say_nothing
     try:
-        specification, setup, keeper = _prepare(ranks, options, report)
+        specification, setup, keeper, warned = _prepare(ranks, options, report)
     except (ValueError, OSError) as error:
         report(f"simcore pack: {error}")
         return 2
@@ -144,7 +145,14 @@ def _pack_on(ranks, options):
         packed = pack(setup.scene, setup.bases, setup.draw, report, ranks, keeper)
         keeper.stepped()
         cpu_seconds = keeper.cpu_seconds()
-        ranks.on_first(lambda: _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, options))
+        run = {
+            "threads": options.threads,
+            "ranks": ranks.size,
+            "cpu_seconds": cpu_seconds,
+            "wall_seconds": time.monotonic() - started,
+        }
+        ranks.on_first(lambda: _write(options.output, packed, specification, setup, warned, run))
+        ranks.on_first(keeper.done)
     except PackingError as error:
         report(f"failed: {error}")
         return 1
@@ -159,12 +167,14 @@ def _pack_on(ranks, options):
 
 
 def _prepare(ranks, options, report):
-    """Specification, Setup and keeper of a packing; ValueError or OSError on all ranks where it cannot be run."""
+    """Specification, Setup, keeper and warnings of a packing; ValueError or OSError on all ranks if it cannot run."""
     from simcore.compilation import set_threads
+    from simcore.dem.from_scene import compose
     from simcore.grains.sources import load_grains
     from simcore.packing.checkpoints.keeper import CheckpointKeeper
     from simcore.packing.checkpoints.key import checkpoint_code, packing_key
     from simcore.packing.file import code_version
+    from simcore.packing.forecast_text import check_setup, setup_warnings
     from simcore.scene.quantity import parse_quantity
     from simcore.scene.setup import set_up
     from simcore.scene.specification import read_specification
@@ -175,12 +185,20 @@ def _prepare(ranks, options, report):
     interval = parse_quantity(options.checkpoint_interval, "s")
     set_threads(options.threads)
     setup = set_up(specification, load_grains)
+    compose(setup.scene)  # ValueError where its time step is too long for any bed
+    if not options.force:
+        check_setup(setup)
     ranks.on_first(lambda: _check_writable(options.output))
+    warned = setup_warnings(setup, low_bed=not options.force)
+    for text in warned:
+        report(f"{setup.scene.name}: warning: {text}")
     key = packing_key(specification, setup) if options.checkpoints else ""
-    return specification, setup, CheckpointKeeper(options.checkpoints, key, code, interval, report, ranks)
+    keeper = CheckpointKeeper(options.checkpoints, key, code, interval, report, ranks)
+    return specification, setup, keeper, warned
 
 
-def _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, options):
+def _write(output, packed, specification, setup, warned, run):
+    """Write the file of a packing. warned: what was warned of before it ran. run: attributes on how it was run."""
     from simcore.packing.file import packing_dataset, write_packing
     from simcore.packing.heartbeat import beat
 
@@ -193,14 +211,11 @@ def _write(packed, specification, setup, keeper, cpu_seconds, started, ranks, op
         specification,
         setup.curve,
         largest_sieve_size=setup.curve.largest,
-        threads=options.threads,
-        ranks=ranks.size,
-        cpu_seconds=cpu_seconds,
-        wall_seconds=time.monotonic() - started,
+        warnings="\n".join([*warned, *packed.warnings]),
+        **run,
     )
     beat()
-    write_packing(options.output, packing)
-    keeper.done()
+    write_packing(output, packing)
 
 
 def _say_nothing(line):

@@ -69,7 +69,8 @@ class Bench:
 
     def launch(self, output=None, startup=STARTING):
         options = self.options
-        command = [*options.program, "launch", options.specification, output or self.output, "--ranks", options.ranks]
+        command = [*options.program, "launch", options.specification, output or self.output, "--force"]
+        command += ["--ranks", options.ranks]
         command += ["--silence", f"{options.silence:g} s", "--startup", f"{startup:g} s", "--grace", "2 s"]
         command += ["--checkpoints", self.checkpoints, "--checkpoint-interval", "0.5 s"]
         return self._start(command, self.folder)

@@ -185,7 +185,7 @@ def placed(contact_time, radius, position, velocity=0.0):
             speed,
             still,
             density,
-            features=setup.scene.features,
+            features=process.stepper.features,
         ),
         2.0 * float(radius.mean()),
     )

@@ -11,8 +11,6 @@ import json
 import numpy as np
 import pandas as pd
 
-from simcore.evaluation.fabric import fabric
-
 PREFIX = "deposit_"
 FAMILIES = ("map", "diagonal", "prolate", "oblate", "sizes", "forms", "bridge", "change")
 PLAIN = ("map", "diagonal", "prolate", "oblate")
@@ -41,25 +39,8 @@ def family(study):
     return word
 
 
-def deposit(packing):
-    """Fabric of a deposit's bulk (simcore.evaluation.fabric) with its mean_overlap, Dataset; the scene stands in its
-    attributes.
-
-    packing: Dataset as in packing_io. mean_overlap: of contacts between grains, over the diameter of the sphere of a
-    grain's mean volume; a bed is denser by about three times that share of its solid fraction.
-    """
-    found = fabric(packing)
-    overlap = packing["contact_overlap"].values
-    between = (packing["contact_body"].values >= 0).all(axis=1) & (overlap > 0.0)
-    diameter = np.cbrt(6.0 / np.pi * float(packing["volume"].mean()))
-    share = overlap[between].mean() / diameter if between.any() else 0.0
-    found["mean_overlap"] = ((), share, {"units": "1", "long_name": "mean overlap over the grains' diameter"})
-    known = {name: packing.attrs[name] for name in ("steps", "time", "last_birth", "cpu_seconds")}
-    return found.assign_attrs(known, n_grains=packing.sizes["grain"])
-
-
 def deposit_row(study, row, found, base):
-    """One packing's row, dict. found: of deposit().
+    """One packing's row, dict. found: of simcore.evaluation.deposit.
 
     row: {packing, varied} as simcore.campaign.studies has it, base: of the study's first packing. An experiment's
     column `change` says what differs between the two.

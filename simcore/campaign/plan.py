@@ -3,6 +3,9 @@
 import numpy as np
 import pandas as pd
 
+from simcore.packing.forecast import check_bed, typical_grains
+from simcore.scene.domain import Domain
+
 
 def number_pieces(cpu_hours, seeds, most):
     """The piece, from 1, that each packing of a study belongs to, (n,) int.
@@ -59,3 +62,19 @@ def describe_studies(table, piece_hours):
         f"such as {table.study.iloc[0]}_piece_1. Below `all`: studies that are made only when they are asked for."
     )
     return "\n".join(lines)
+
+
+def check_beds(packings, cut=None):
+    """ValueError where the bed of a packing will be too low for its porosity to be evaluated with that cut.
+
+    packings: one row a packing, columns study, packing and specification. cut: of the campaign's group `porosity`.
+    """
+    for row in packings.itertuples():
+        specification = row.specification
+        try:
+            density = specification["material"]["density"]
+            check_bed(Domain(**specification["domain"]), typical_grains(specification), density, cut)
+        except ValueError as error:
+            raise ValueError(
+                f"studies.{row.study}, packing {row.packing}: {error} To evaluate a lower bed, set porosity.cut."
+            ) from None

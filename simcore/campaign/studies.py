@@ -194,6 +194,15 @@ def _forms(forms):
     ]
 
 
+def choose_form(specification, form, names):
+    """The specification with the grain of rank `form` (from 1; 0: none is chosen) of `names` (n,), in that order."""
+    if form == 0:
+        return specification
+    if form > len(names):
+        raise ValueError(f"packing {specification['name']}: form {form} of a set of {len(names)} grains was asked for")
+    return {**specification, "shapes": {**specification["shapes"], "grain": names[form - 1]}}
+
+
 def _slug(value):
     return re.sub(r"[^A-Za-z0-9_.+-]", "", str(value))
 

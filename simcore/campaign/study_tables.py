@@ -23,7 +23,7 @@ def tabulate(study, rows, evaluations):
     from simcore.evaluation.evaluate. Columns: study, packing, case, what else the study varies, grain (of single
     forms), kind, seed, grains, L, I, S [m] (means), mean and standard deviation of FL, EL, EQ, n and n_std_error
     (spheres, as in the study), the same from exact slices, coordination_number, spearman_D (trend of size over height),
-    steps and cpu_s.
+    steps, cpu_s, and warnings: what was warned of when the packing was made, one line each.
     """
     table = []
     for row, data in zip(rows, evaluations, strict=True):
@@ -52,6 +52,7 @@ def tabulate(study, rows, evaluations):
                 "spearman_D": trend,
                 "steps": data.attrs["steps"],
                 "cpu_s": float(data.attrs["cpu_seconds"]),
+                "warnings": data.attrs.get("warnings", ""),
             }
         )
     return pd.DataFrame(table)

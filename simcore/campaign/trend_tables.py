@@ -13,8 +13,6 @@ import json
 import numpy as np
 import pandas as pd
 
-from simcore.evaluation.height_trends import ISOTROPIC_ANGLE
-
 COLUMNS = [
     "study", "packing", "seed", "case", "kind", "quantity", "grains", "mean", "mean_std_error", "spearman_r", "p_value",
     "relative_change", "relative_change_std_error",
@@ -23,6 +21,7 @@ SUMMARY = [
     "study", "case", "kind", "quantity", "packings", "seeds", "grains", "spearman_r", "spearman_z", "relative_change",
     "relative_change_std_error", "mean", "mean_std_error", "isotropic",
 ]  # fmt: skip
+ISOTROPIC_ANGLE = 1.0  # mean angle of a random line against the vertical [rad]
 # What is drawn with the seed.
 DRAWN = ("D", "EL", "FL")
 

@@ -19,6 +19,7 @@ its depth, are not told apart.
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from simcore.dem.forces.spring_dashpot import ContactLaw, explicit_dashpot, implicit_dashpot, implicit_law
 from simcore.dem.ranks.one_rank import ONE_RANK
@@ -35,6 +36,10 @@ LOOKED_AT = 32  # bodies whose eigenvalues are found, of all; the others are tak
 # 27.5, 25.0 and 28.3 steps, 1.34, 1.22 and 1.29 times those of their stiffest grain by itself, where 33.8, 33.8 and
 # 34.3 are expected.
 EXPECTED_CONTACTS, CAUTIOUS_CONTACTS = 9, 12
+# Contacts of a hull with at most POINTED corners are at a corner with this chance, else anywhere on its faces: a corner
+# of one of two polyhedra meets a face of the other. Corners of a hull with BLUNT ones and more are blunt: they differ
+# little from its faces. Measured needs of such beds: docs/accuracy.md, "Grains of few corners".
+AT_CORNERS, POINTED, BLUNT = 0.5, 8, 24
 SAMPLE = 200  # grains whose form is looked at before a run
 DIRECTIONS = 256
 
@@ -85,6 +90,43 @@ def contact_load(law: ContactLaw, dt: float, friction: bool = True, hold: float 
 def contact_time(law: ContactLaw) -> float:
     """Contact time [s] of the law."""
     return float(2.0 * np.pi / np.sqrt(4.0 * law.stiffness - law.damping**2))
+
+
+def minimum_steps_per_contact_time(law: ContactLaw, implicit: bool = False, **mode: float) -> float:
+    """Steps per contact time at which a mode is just stable; for law, implicit and mode see longest_stable_step."""
+    return contact_time(law) / longest_stable_step(law, implicit, **mode)
+
+
+def longest_stable_step(
+    law: ContactLaw, implicit: bool, contacts: float = 2.0, normal: float | None = None, tangential: float = 0.0
+) -> float:
+    """Time step [s] at which semi-implicit Euler is just stable for a mode of a grain.
+
+    law: the continuous one. contacts: of the grain, at least 1. normal, tangential: how many springs of each kind act
+    on the mode, per effective mass; None: all contacts along one line, of which a grain pinched between two, as it
+    occurs in any bed, has two. A sphere among z fixed ones that surround it evenly has z / 3 and 2 z / 3 when it moves,
+    0 and 5 z / 3 when it turns.
+
+    With stiffness K and damping D of the mode its motion is u' = -K x - D u, x' = u, and semi-implicit Euler is stable
+    where 4 - 2 D h - K h² > 0 (Jury's conditions). For s contacts along a line that is, with an explicit dashpot, up to
+    h = (√(γ² + 4 ω² / s) - γ) / ω²; with an implicit one, up to the positive root of
+    (4 + 2 (s - 1) γ h) (1 + γ h / 2) = s ω² h² (1 + (s - 1/2) γ h): h = 2 / ω for s = 1.
+    """
+    if contacts < 1.0:
+        raise ValueError(f"contacts: {contacts:g}, but a mode needs at least 1")
+    normal = contacts if normal is None else normal
+
+    def margin(h):
+        at_step = implicit_law(law, h) if implicit else law
+        dashpots = implicit_dashpot.py_func(at_step, contacts) if implicit else explicit_dashpot.py_func(law)
+        stiffness = (normal + tangential * at_step.tangential) * at_step.stiffness
+        return 4.0 - 2.0 * h * (normal * dashpots[0] + tangential * dashpots[1]) - h * h * stiffness
+
+    # The margin falls with h all the way: both h D and h² K grow.
+    beyond = 1.0 / np.sqrt(law.stiffness)
+    while margin(beyond) > 0.0:
+        beyond *= 2.0
+    return float(brentq(margin, 0.0, beyond, xtol=1e-12 * beyond))
 
 
 def steps_needed(
@@ -191,22 +233,45 @@ def estimate_steps(
 
 
 def _all_over(base, scale):
-    """Mean of the normal and of the tangential part (6, 6) of a contact over the surface, per unit of load."""
-    if len(base.vertices):
-        corners = (base.vertices * scale)[base.faces]
-        n = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        weight = np.linalg.norm(n, axis=1)
-        n = n / weight[:, None]
-        point = corners.mean(axis=1)
-    else:
-        k = np.arange(DIRECTIONS) + 0.5
-        z, angle = 1.0 - 2.0 * k / DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * k
-        n = np.column_stack([np.sqrt(1.0 - z**2) * np.cos(angle), np.sqrt(1.0 - z**2) * np.sin(angle), z])
-        height = np.linalg.norm(scale * n, axis=1)
-        point = scale**2 * n / height[:, None]
-        weight = height**-4.0  # area seen along n, the inverse of the Gaussian curvature, less a constant
-    weight = weight / weight.sum()
+    """Mean of the normal and of the tangential part (6, 6) of a contact over the surface, per unit of load.
+
+    A hull of few corners is held at these, as each contact of two polyhedra is at a corner, or at an edge, of one.
+    """
     moments = base.second_moments * scale**2
+    if not len(base.vertices):
+        return _mean_contact(*_ellipsoid_surface(scale), moments)
+    corners = (base.vertices * scale)[base.faces]
+    n = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(n, axis=1)
+    n = n / area[:, None]
+    at_faces = _mean_contact(corners.mean(axis=1), n, area, moments)
+    pointed = np.clip((BLUNT - len(base.vertices)) / (BLUNT - POINTED), 0.0, 1.0)
+    if pointed == 0.0:
+        return at_faces
+    normals, areas = np.tile(n, (3, 1)), np.tile(area, 3)
+    at_corners = _mean_contact(np.concatenate(np.moveaxis(corners, 1, 0)), normals, areas, moments)
+    # Middles of edges integrate what is quadratic in the place over a triangle exactly.
+    middles = 0.5 * (corners + np.roll(corners, 1, axis=1))
+    on_faces = _mean_contact(np.concatenate(np.moveaxis(middles, 1, 0)), normals, areas, moments)
+    return tuple(
+        (1.0 - pointed) * blunt + pointed * (AT_CORNERS * sharp + (1.0 - AT_CORNERS) * flat)
+        for blunt, sharp, flat in zip(at_faces, at_corners, on_faces, strict=True)
+    )
+
+
+def _ellipsoid_surface(scale):
+    """Points (n, 3), normals (n, 3) and weights (n,) on the surface of an ellipsoid."""
+    k = np.arange(DIRECTIONS) + 0.5
+    z, angle = 1.0 - 2.0 * k / DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * k
+    n = np.column_stack([np.sqrt(1.0 - z**2) * np.cos(angle), np.sqrt(1.0 - z**2) * np.sin(angle), z])
+    height = np.linalg.norm(scale * n, axis=1)
+    # Area seen along n, the inverse of the Gaussian curvature, less a constant.
+    return scale**2 * n / height[:, None], n, height**-4.0
+
+
+def _mean_contact(point, n, weight, moments):
+    """Weighted mean of the normal and of the tangential part (6, 6) of contacts at points (k, 3), normals n (k, 3)."""
+    weight = weight / weight.sum()
     arm = 1.0 / np.sqrt(moments.sum() - moments)  # of the inertia per mass
     eye = np.broadcast_to(np.eye(3), (len(n), 3, 3))
     rows = np.concatenate([eye, np.cross(point[:, None, :], eye) * arm], axis=2)

@@ -6,8 +6,6 @@ import xarray as xr
 from simcore.evaluation.porosity import describe, evaluation_interval, porosity_profile
 from simcore.evaluation.slicing import vertical_axes
 
-ISOTROPIC_ANGLE = 1.0  # mean angle of a random line against the vertical [rad]
-
 # name: (units, long_name)
 QUANTITIES = {
     "D": ("m", "sieve size"),

@@ -3,14 +3,11 @@
 import numpy as np
 import xarray as xr
 
+from simcore.evaluation.interval import end_cuts, median_size
 from simcore.evaluation.sampling_error import sampling_error
 from simcore.evaluation.slicing import slab_volumes, vertical_extent
 
 CUT_OFF = 0.5  # porosity at the top of the bed (the study)
-# Shaking packs the uppermost grains closer: 46 single forms of U1 by up to 0.026 next to the surface, by 0.003 and less
-# five grains below; at the floor by 0.004 (results/reference/height.csv). The study cuts 31.5 mm from both ends, in U1
-# as much. Of a low bed a third is cut: what is left would be too little.
-SURFACE_GRAINS, SURFACE_SHARE = 5.0, 1.0 / 3.0
 ORIGIN = ("scene", "seed", "code_version", "converged", "domain_shape", "domain_width", "largest_sieve_size")
 
 
@@ -75,16 +72,13 @@ def bed_top(profile):
 def evaluation_interval(packing, profile, cut=None):
     """Heights (z-, z+) between which bulk porosity is taken [m], from the profile's surface and the cut at both ends.
 
-    cut [m]: one height for both ends, or a pair for floor and surface. None is nothing in a cylinder, as in the study;
-    in a periodic box the largest sieve size at the floor, and at the surface SURFACE_GRAINS median grains, at most
-    SURFACE_SHARE of the bed and at least the largest sieve size. ValueError if less than one slice is left.
+    cut: as of simcore.evaluation.interval.end_cuts. ValueError if less than one slice is left.
     """
     top = bed_top(profile)
-    if cut is None and packing.attrs["domain_shape"] == "periodic":
-        largest = packing.attrs["largest_sieve_size"]
-        disturbed = min(SURFACE_GRAINS * median_sieve_size(packing), SURFACE_SHARE * top)
-        cut = (largest, max(largest, disturbed))
-    at_floor, at_surface = (float(height) for height in np.broadcast_to(0.0 if cut is None else cut, 2))
+    periodic = packing.attrs["domain_shape"] == "periodic"
+    largest = packing.attrs["largest_sieve_size"] if cut is None and periodic else np.nan
+    median = median_size(packing["D"].values, packing["volume"].values)
+    at_floor, at_surface = end_cuts(periodic, top, largest, median, cut)
     if top - at_floor - at_surface < profile.attrs["slice_height"]:
         raise ValueError(
             f"evaluation_interval: the bed is {1e3 * top:.1f} mm high, too low to cut {1e3 * at_floor:.1f} mm from its "
@@ -92,13 +86,6 @@ def evaluation_interval(packing, profile, cut=None):
             "smaller cut"
         )
     return at_floor, top - at_surface
-
-
-def median_sieve_size(packing):
-    """Sieve size that half of the grains' volume stays below [m]."""
-    order = np.argsort(packing["D"].values)
-    passing = np.cumsum(packing["volume"].values[order])
-    return float(packing["D"].values[order][np.searchsorted(passing, 0.5 * passing[-1])])
 
 
 def bulk_porosity(packing, method="spheres", cut=None, slice_height=1e-3):

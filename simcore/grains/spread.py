@@ -1,20 +1,6 @@
-"""Which forms a specification asks for, and which of many a study of single forms takes."""
+"""The order that spreads the grains of a set over the Zingg diagram."""
 
 import numpy as np
-
-from simcore.grains.sampling import ShapeChoice
-
-
-def shape_choice(shapes: dict) -> ShapeChoice:
-    """ShapeChoice of the resolved group `shapes`, where a distribution of form or ratios is {mean, std}."""
-    settings = {key: shapes[key] for key in ("kind", "choice", "grain", "ellipsoid_share")}
-    for key in ("flatness", "elongation", "eta", "zeta"):
-        value = shapes[key]
-        if isinstance(value, dict):
-            settings |= {key: value["mean"], f"{key}_std": value["std"]}
-        else:
-            settings[key] = value
-    return ShapeChoice(**settings)
 
 
 def spread_order(flatness, elongation):
@@ -32,12 +18,3 @@ def spread_order(flatness, elongation):
         distance[order[-1]] = -1.0
         order.append(int(np.argmax(distance)))
     return np.array(order)
-
-
-def choose_form(specification, form, names):
-    """The specification with the grain of rank `form` (from 1; 0: none is chosen) of `names` (n,), in that order."""
-    if form == 0:
-        return specification
-    if form > len(names):
-        raise ValueError(f"packing {specification['name']}: form {form} of a set of {len(names)} grains was asked for")
-    return {**specification, "shapes": {**specification["shapes"], "grain": names[form - 1]}}

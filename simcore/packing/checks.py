@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from simcore.dem.from_scene import Composition
 from simcore.dem.state.bodies import Bodies
 from simcore.dem.state.contacts import Near
 from simcore.packing.energy import TotalEnergy, spring_energy
@@ -132,10 +133,10 @@ class Interval(NamedTuple):
 
     drive: object  # Drive of the steps
     time: float  # [s]
-    stiffness: float  # [1/s²], of the stiffest contact law, per effective mass
+    composition: Composition  # laws of the contacts
 
 
-def check_energy(bodies: Bodies, near: Near, scene, before: TotalEnergy | None, interval: Interval, ranks):
+def check_energy(bodies: Bodies, near: Near, before: TotalEnergy | None, interval: Interval, ranks):
     """(TotalEnergy now, EnergyGain or None): whether more energy is there than before and than the interval explains.
 
     Contacts only take energy, so the mechanical energy grows by no more than shaking puts in: ∫ a(t) P dt with the
@@ -144,7 +145,7 @@ def check_energy(bodies: Bodies, near: Near, scene, before: TotalEnergy | None, 
     own error comes on top, as a share of the energy of motion and springs. before: None after bodies were added.
     """
     drive, time = interval.drive, interval.time
-    now, moving = total_energy(bodies, near, scene.law, drive, ranks)
+    now, moving = total_energy(bodies, near, interval.composition.law, drive, ranks)
     if before is None:
         return now, None
     own = bodies.own
@@ -152,7 +153,7 @@ def check_energy(bodies: Bodies, near: Near, scene, before: TotalEnergy | None, 
     speed = np.sqrt(2.0 * before.moving / mass)
     push = drive.shaking * min(time, 2.0 / drive.shaking_rate * np.ceil(time * drive.shaking_rate / np.pi))
     allowed = mass * push * (speed + push + drive.gravity * time)
-    slack = ENERGY_SLACK + interval.stiffness * drive.dt**2
+    slack = ENERGY_SLACK + interval.composition.stiffest_law.stiffness * drive.dt**2
     allowed += LIFT * drive.gravity * lift
     allowed += slack * before.moving + ROUNDING * (before.moving + before.distance)
     gained = now.moving + now.height - before.moving - before.height

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from simcore.dem.from_scene import compose
 from simcore.dem.state.bodies import make_bodies
 from simcore.grains.mesh import make_grain
 from simcore.packing.process import Process
@@ -17,8 +18,9 @@ def compile_steps(specifications, report) -> int:
     compiled = set()
     for specification in specifications:
         setup = set_up(_with_any_grain(specification), lambda group: [_cuboid()])
-        if setup.scene.features not in compiled:
-            compiled.add(setup.scene.features)
+        features = compose(setup.scene).features
+        if features not in compiled:
+            compiled.add(features)
             compile_step(setup, report)
     return len(compiled)
 
@@ -33,7 +35,15 @@ def compile_step(setup, report) -> None:
     density = setup.scene.material.density
     process.place(
         make_bodies(
-            setup.bases, drawn.shape, drawn.scale, position, upright, still, still, density, features=process.features
+            setup.bases,
+            drawn.shape,
+            drawn.scale,
+            position,
+            upright,
+            still,
+            still,
+            density,
+            features=process.stepper.features,
         ),
         float(drawn.sieve_size.mean()),
     )

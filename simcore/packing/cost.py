@@ -1,21 +1,22 @@
-"""What a packing costs, from its specification alone: no grain is read or drawn, and no numba is needed.
+"""What a packing costs: its phases in steps, its CPU time and its memory. No numba is needed.
 
-For a scheduler, which must know cores, memory and time of hundreds of packings before the first of them starts.
-`explanation.py` says it of one packing with its grains at hand, from the same tables.
+A scheduler must estimate cores, memory and time of hundreds of packings before the first of them starts, so that
+`estimate` takes the specification alone and reads no grain. `explanation.py` has the grains at hand; both describe the
+grains as a `Pour` and compute the cost from it and the Scene in the same way.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
 from simcore.grains.sampling import sample_grains
-from simcore.grains.spread import shape_choice
 from simcore.packing.insertion.random_placement import fall_time, layer_grains, zone_height
-from simcore.scene.domain import Domain, lattice_sites
-from simcore.scene.impact import derive_hertzian, fall_speed
-from simcore.scene.sizes import lattice_spacing, size_curve
+from simcore.scene.domain import lattice_sites
+from simcore.scene.scene import REFILL_HEIGHT, STUDY_FIRST_FILL, Scene
+from simcore.scene.setup import KINDS, make_scene, shape_choice
+from simcore.scene.sizes import size_curve
 
 # CPU time of a grain and step [µs], one thread, at the study's contact time and step: kind of grain, whether patches
 # are found. The one table of it. Of patches from the packings of `paper` in results/reference/accuracy.csv (1.1 to 1.7
@@ -51,8 +52,6 @@ SET_VOLUME, SET_LENGTH = 1.5, 1.84
 # Hulls are longer than the ellipsoids of the same mass and inertia; measured on the same 63.
 HULL_LENGTH = {"sphere": 1.0, "ellipsoid": 1.0, "mesh": 1.09, "mixed": 1.05}
 SAMPLED = 400  # grains that say what those of a form, or of a distribution of form, are in the mean
-# Of simcore.packing.insertion.batches, where the study's batches begin, relative to the height of the domain.
-STUDY_FIRST_FILL, REFILL_HEIGHT = 0.1, 0.6
 
 # ASSUME: what is asked of a scheduler for a process with numba's compiler; the arrays are there several times while
 # lists are rebuilt and the file is written.
@@ -61,14 +60,34 @@ PROCESS_MEMORY, COPIES = 1000.0e6, 4.0
 # other. What is not done in this time goes on from its last checkpoint.
 START_UP, MARGIN = 900.0, 3.0
 
+WORDS = {number: kind for kind, number in KINDS.items()}  # kind of a specification by the number of a Scene's
+
+
+class Pour(NamedTuple):
+    """The grains of a packing, as far as its cost depends on them."""
+
+    grains: int
+    solid: Callable  # solid(n) -> volume [m³] of the first n grains
+    height: float  # [m], mean vertical extent of a grain when it is inserted
+    reach: np.ndarray  # (k,) [m], bounding radii of some of the grains
+
 
 class PackingCost(NamedTuple):
     """Estimates for one packing."""
 
     grains: int
-    steps: int  # until it is expected to rest
+    batches: int
+    generating: int  # steps until the last grain is inserted
+    shaking: int  # steps after that
+    damping: int  # steps until it is expected to rest
+    longest_damping: int  # steps after which it fails
     cpu_seconds: float
     array_bytes: float
+
+    @property
+    def steps(self) -> int:
+        """Steps until the packing is expected to rest."""
+        return self.generating + self.shaking + self.damping
 
     def memory_mb(self, ranks: int) -> int:
         """Memory to ask for [MB]."""
@@ -84,57 +103,50 @@ class PackingCost(NamedTuple):
 
 
 def estimate(specification: dict) -> PackingCost:
-    """PackingCost of a resolved specification."""
-    kind, numerics = specification["shapes"]["kind"], specification["numerics"]
+    """Return the PackingCost of a resolved specification. ValueError where its settings exclude each other."""
     curve = size_curve(specification["sizes"])
+    scene = make_scene(specification, curve, lambda: _masses_of_spheres(specification, curve))
+    return cost_of(scene, typical_pour(specification, curve))
+
+
+def cost_of(scene: Scene, pour: Pour) -> PackingCost:
+    """Return the PackingCost of a scene with these grains."""
+    dt = scene.numerics.time_step
+    inserted, waits = plan_insertion(scene, pour)
+    shaking = round(scene.shaking.duration / dt)
+    longest = round(scene.damping.max_time / dt)
+    damping = min(round(settling_time(scene.convergence.rule) / dt), longest)
+    # Grains wait for the next batch: those that are there are stepped until it comes.
+    waiting = sum(count * steps for count, steps in zip(inserted, waits, strict=True))
+    grain_steps = waiting + pour.grains * (shaking + damping)
+    return PackingCost(
+        grains=pour.grains,
+        batches=len(inserted),
+        generating=sum(waits),
+        shaking=shaking,
+        damping=damping,
+        longest_damping=longest,
+        cpu_seconds=1e-6 * scene_step_cost(scene) * grain_steps,
+        array_bytes=float(pour.grains) * GRAIN_MEMORY[WORDS[scene.kind]],
+    )
+
+
+def typical_pour(specification: dict, curve) -> Pour:
+    """Return the Pour of grains that are all equal to the mean one of a resolved specification with that curve."""
     bulkier, longer = _form_factors(specification, curve)
     volume = bulkier * np.pi / 6.0 * curve.mean(3)
-    height = longer * curve.mean(1)  # as they are born, upright
+    height = longer * curve.mean(1)  # grains are inserted upright
     grains = specification["amount"]["grains"]
     if grains is None:
         grains = int(np.ceil(specification["amount"]["mass"] / (specification["material"]["density"] * volume)))
-    domain, generation = Domain(**specification["domain"]), specification["generation"]
-    spacing = lattice_spacing(specification, curve)
-    layer = spacing * np.sqrt(6.0) / 3.0
-    stride = int(np.ceil(height / layer))
-    gravity = effective_gravity(specification["material"])
-    drop_height = spacing if generation["drop_height"] is None else generation["drop_height"]
-    dt = contact_time(specification, curve) / numerics["steps_per_contact_time"]
-    if generation["placement"] == "random":
-        born, waits = releases(
-            grains,
-            generation["batch_grains"],
-            generation["batch_interval"],
-            np.array([0.5 * height]),
-            volume,
-            area=domain.area,
-            drop_height=drop_height,
-            velocity=-generation["velocity_z"],
-            gravity=gravity,
-            time_step=dt,
-        )
-    else:
-        born, waits = births(
-            grains,
-            lambda done: done * volume / (SOLID_FRACTION * domain.area),
-            lambda low, high: len(lattice_sites(domain, spacing, low, high)) // stride,
-            study=generation["fill"] == "study",
-            height=domain.height,
-            spacing=spacing,
-            drop_height=drop_height,
-            velocity=-generation["velocity_z"],
-            gravity=gravity,
-            time_step=dt,
-        )
-    after = round((specification["shaking"]["duration"] + settling_time(specification["convergence"]["rule"])) / dt)
-    grain_steps = sum(count * steps for count, steps in zip(born, waits, strict=True)) + grains * after
-    cost = step_cost(kind, numerics["contact_region"], contact_time(specification, curve), dt)
-    return PackingCost(
-        grains=grains,
-        steps=sum(waits) + after,
-        cpu_seconds=1e-6 * cost * grain_steps,
-        array_bytes=float(grains) * GRAIN_MEMORY[kind],
-    )
+    return Pour(grains, lambda n: n * volume, height, np.array([0.5 * height]))
+
+
+def _masses_of_spheres(specification, curve) -> tuple[float, float]:
+    """Return mean and least mass [kg] of spheres of the curve's sizes."""
+    fractions = curve.number_fractions()
+    masses = specification["material"]["density"] * np.pi / 6.0 * curve.class_means(3)
+    return float(fractions @ masses), float(masses[fractions > 0.0].min())
 
 
 def _form_factors(specification, curve) -> tuple[float, float]:
@@ -150,6 +162,12 @@ def _form_factors(specification, curve) -> tuple[float, float]:
     return float(bulkier), float((sample.L / size).mean()) * HULL_LENGTH[kind]
 
 
+def scene_step_cost(scene: Scene) -> float:
+    """Return the CPU time of a grain and step of the scene [µs], one thread."""
+    numerics = scene.numerics
+    return step_cost(WORDS[scene.kind], numerics.contact_region, numerics.contact_time, numerics.time_step)
+
+
 def step_cost(kind: str, region: str, contact_time: float, time_step: float) -> float:
     """CPU time of a grain and step [µs], one thread, at this contact time and step [s].
 
@@ -161,72 +179,66 @@ def step_cost(kind: str, region: str, contact_time: float, time_step: float) -> 
     return STEP_COST[kind, patch] * slower + searched
 
 
-def effective_gravity(material: dict) -> float:
-    """Gravity less buoyancy [m/s²]."""
-    return material["gravity"] * (1.0 - material["fluid_density"] / material["density"])
-
-
 def settling_time(rule: str) -> float:
     """Time [s] until a bed is expected to be at rest by a rule of `convergence`."""
     return CREEPING if rule == "settled" else SETTLING
 
 
-def contact_time(specification: dict, curve) -> float:
-    """Contact time [s] of a resolved specification; of law hertz as derived from spheres of the curve's sizes."""
-    material, generation = specification["material"], specification["generation"]
-    if material["law"] == "spring_dashpot":
-        return specification["numerics"]["contact_time"]
-    fractions = curve.number_fractions()
-    masses = material["density"] * np.pi / 6.0 * curve.class_means(3)
-    gravity = effective_gravity(material)
-    speed = fall_speed(SimpleNamespace(**generation), specification["domain"]["height"], gravity)
-    known = SimpleNamespace(**material, effective_gravity=gravity)
-    return derive_hertzian(known, float(fractions @ masses), float(masses[fractions > 0.0].min()), speed).duration
+def plan_insertion(scene: Scene, pour: Pour) -> tuple[list[int], list[int]]:
+    """Return the number of grains after each batch, and the steps until the next; 0 after the last."""
+    if scene.generation.placement == "random":
+        return _strewn_batches(scene, pour)
+    return _lattice_batches(scene, pour)
 
 
-def releases(
-    grains, batch, interval, reach, volume, *, area, drop_height, velocity, gravity, time_step
-) -> tuple[list[int], list[int]]:
-    """As births, of batches strewn at random: every `interval` [s], or, where that is None, when one has fallen.
-
-    batch: grains, None as simcore.packing.insertion.random_placement has it. reach (k,) [m]: bounding radii of some
-    grains; volume [m³]: of a mean one. area: [m²].
-    """
-    batch = layer_grains(reach, area) if batch is None else batch
+def _strewn_batches(scene, pour):
+    """Batches strewn at random: one every batch_interval, or, where that is None, when the one before has fallen."""
+    generation, area = scene.generation, scene.domain.area
+    batch = layer_grains(pour.reach, area) if generation.batch_grains is None else generation.batch_grains
+    interval = generation.batch_interval
     if interval is None:
-        zone = zone_height(reach, np.full(min(batch, grains), volume), area)
-        interval = fall_time(drop_height + zone, velocity, gravity)
-    born = [*range(batch, grains, batch), grains]
-    return born, [round(interval / time_step)] * (len(born) - 1) + [0]
+        volume = pour.solid(pour.grains) / pour.grains
+        zone = zone_height(pour.reach, np.full(min(batch, pour.grains), volume), area)
+        interval = _fall_time(scene, generation.drop_height + zone)
+    inserted = [*range(batch, pour.grains, batch), pour.grains]
+    return inserted, [round(interval / scene.numerics.time_step)] * (len(inserted) - 1) + [0]
 
 
-def births(
-    grains, bed_height, sites, *, study, height, spacing, drop_height, velocity, gravity, time_step
-) -> tuple[list[int], list[int]]:
-    """Grains there are after each batch, and steps until the next; none after the last.
+def _lattice_batches(scene, pour):
+    """Batches that fill a lattice; the next waits until the last grain has fallen below where new ones are inserted.
 
-    A batch fills its lattice; the next waits until the last grain of it has fallen below where new ones are born. Where
-    stones throw pebbles high it waits longer, which is not counted: in the study's cylinder U1 took 1.1 to 1.3 times
-    as many grain-steps, U7 about twice as many.
-    bed_height(done) [m] of so many grains; sites(low, high): grains that find room between these heights. study: fill
-    as the study does. height: of the domain [m]; velocity: downward at birth [m/s]; gravity: effective [m/s²].
+    Where stones throw pebbles high it waits longer, which is not counted: in the study's cylinder U1 took 1.1 to 1.3
+    times as many grain-steps, U7 about twice as many. Where grains stand taller than a layer, a batch fills each second
+    or third layer of its lattice.
     """
-    born, steps = [], []
+    generation, domain = scene.generation, scene.domain
+    height, spacing, study = domain.height, generation.spacing, generation.fill == "study"
+    stride = int(np.ceil(pour.height / (spacing * np.sqrt(6.0) / 3.0)))
+    wait = round(
+        _fall_time(scene, (1.0 - REFILL_HEIGHT) * height + (0.0 if study else generation.drop_height))
+        / scene.numerics.time_step
+    )
+    inserted, steps = [], []
     done = 0
     while True:
         low = (STUDY_FIRST_FILL if done == 0 else REFILL_HEIGHT) * height
         if not study:
             # The batch before has just fallen below the height where this one may begin.
-            low = 0.0 if done == 0 else max(bed_height(done) + drop_height, REFILL_HEIGHT * height)
+            bed = pour.solid(done) / (SOLID_FRACTION * domain.area)
+            low = 0.0 if done == 0 else max(bed + generation.drop_height, REFILL_HEIGHT * height)
         # Half a spacing at either end is the grains' own. On a bed that is high there is always room for a layer.
         room = done == 0 or low <= REFILL_HEIGHT * height or (not study and low < height)
         high = max(height - spacing, low if study or done == 0 else low + 0.5 * spacing)
-        count = min(sites(low, high), grains - done) if room else 0
+        sites = len(lattice_sites(domain, spacing, low, high)) // stride if room else 0
+        count = min(sites, pour.grains - done)
         if count == 0:  # `pack` will say that the domain is too small, or squeeze the rest in
-            return born + [grains], steps + [0]
+            return inserted + [pour.grains], steps + [0]
         done += count
-        born.append(done)
-        if done == grains:
-            return born, steps + [0]
-        fall = (1.0 - REFILL_HEIGHT) * height + (0.0 if study else drop_height)
-        steps.append(round((np.sqrt(velocity**2 + 2.0 * gravity * fall) - velocity) / gravity / time_step))
+        inserted.append(done)
+        if done == pour.grains:
+            return inserted, steps + [0]
+        steps.append(wait)
+
+
+def _fall_time(scene, height):
+    return fall_time(height, -scene.generation.velocity_z, scene.material.effective_gravity)

@@ -8,13 +8,13 @@ from scipy.linalg import expm
 
 from simcore.dem.forces.hertz import linear_law
 from simcore.dem.forces.spring_dashpot import ContactLaw
-from simcore.dem.shapes.hulls import Base
+from simcore.dem.from_scene import compose, stiffening_advice
 from simcore.dem.stability import Estimate, contact_time, estimate_steps
 from simcore.scene.impact import fall_speed as speed_after
 from simcore.scene.impact import impact_depth, sphere_radius
-from simcore.scene.scene import Scene
+from simcore.scene.scene import GRAINS, Scene
+from simcore.scene.shapes import Base, grain_volumes
 
-GRAINS = 1000  # of the packing, whose forms stand for all
 # ASSUME: force on a grain at the floor over the pressure of the whole bed on its cross-section. Forces scatter about
 # exponentially; few of a grain's contacts carry more than four times the mean.
 UNEVEN_FORCES = 4.0
@@ -47,21 +47,21 @@ def expect(scene: Scene, bases: list[Base], draw) -> Expectation:
 
 def _estimate_stability(scene, bases, drawn) -> Estimate:
     """Of law hertz: expected with the contacts of a bed at rest, cautious with all as deep as the deepest impact."""
-    grains = scene.features.friction, bases, drawn.shape, drawn.scale
-    law = scene.continuous_law
+    composition = compose(scene)
+    grains = composition.features.friction, bases, drawn.shape, drawn.scale
+    law = composition.continuous_law
     if scene.hertzian is None:
         return estimate_steps(law, *grains, scene.implicit)
     time, least = scene.numerics.contact_time, scene.hertzian.least_mass
-    at_rest = linear_law(scene.law, least, least, overlap_at_rest(scene, bases, drawn))
-    expected = max(estimate_steps(at_rest, *grains, time=time).expected, scene.least_steps)
+    at_rest = linear_law(composition.law, least, least, overlap_at_rest(scene, bases, drawn))
+    expected = max(estimate_steps(at_rest, *grains, time=time).expected, composition.least_steps)
     return Estimate(expected, max(estimate_steps(law, *grains, time=time).cautious, expected))
 
 
 def overlap_at_rest(scene: Scene, bases: list[Base], drawn) -> float:
     """Largest overlap [m] that a contact of law hertz between two of the least grains bears at the floor."""
     material, least = scene.material, scene.hertzian.least_mass
-    volume = np.array([base.volume for base in bases])[drawn.shape] * drawn.scale.prod(axis=1)
-    mass = scene.amount_mass or scene.amount_grains * material.density * float(volume.mean())
+    mass = scene.amount_mass or scene.amount_grains * material.density * float(grain_volumes(bases, drawn).mean())
     radius = sphere_radius(least, material.density)
     force = UNEVEN_FORCES * mass * material.effective_gravity / scene.domain.area * np.pi * radius**2
     return float((force / (scene.hertzian.modulus * np.sqrt(0.5 * radius))) ** (2.0 / 3.0))
@@ -75,7 +75,7 @@ def fall_speed(scene: Scene) -> float:
 def depth_of_impact(scene: Scene, speed, mass):
     """Overlap [m] of a grain of that mass [kg], unused by the linear law, that meets the floor at speed."""
     if scene.hertzian is None:
-        return speed * relative_depth(scene.continuous_law)
+        return speed * relative_depth(compose(scene).continuous_law)
     return impact_depth(scene.hertzian.modulus, mass, sphere_radius(mass, scene.material.density), speed)
 
 
@@ -93,7 +93,7 @@ def backing(scene: Scene) -> float:
     """
     if scene.hertzian is not None:
         return 1.0
-    law = scene.continuous_law
+    law = compose(scene).continuous_law
     stiffness, damping = law.stiffness, law.damping
     # Ways down of the upper and the lower grain and their speeds; between the two half a grain's mass is effective.
     rates = np.zeros((4, 4))
@@ -109,27 +109,27 @@ def backing(scene: Scene) -> float:
 
 
 def warnings(scene: Scene, expected: Expectation) -> list[str]:
-    """One line for each thing that may go wrong."""
+    """Return a sentence or two for each thing that may go wrong."""
     lines = []
     steps, needed = scene.numerics.steps_per_contact_time, expected.stability
     if needed.expected > steps:
         lines.append(
             f"{steps:g} steps per contact time are fewer than the {needed.expected:.1f} that a bed of such grains is "
             f"expected to need: grains with many contacts would jitter in them and take up energy until they slip or "
-            f"part, and the bed may not come to rest. Raise numerics.steps_per_contact_time"
+            f"part, and the bed may not come to rest. Raise numerics.steps_per_contact_time."
         )
     if expected.impact_depth > DEEP_IMPACT * expected.half_thickness:
         lines.append(
-            f"a grain that falls through the domain arrives at {expected.fall_speed:.2g} m/s and sinks "
+            f"A grain that falls through the domain arrives at {expected.fall_speed:.2g} m/s and sinks "
             f"{expected.impact_depth * 1e3:.2g} mm into another, where the thinnest grain is "
-            f"{2e3 * expected.half_thickness:.2g} mm thick; {scene.stiffen[0].lower()}{scene.stiffen[1:]}) or lower "
-            f"the fall"
+            f"{2e3 * expected.half_thickness:.2g} mm thick. {stiffening_advice(scene)} Impacts also become shallower "
+            f"if grains fall less far."
         )
     width = scene.domain.width
     if expected.longest > width:
         beside = "comes to lie beside itself" if scene.domain.type == "periodic" else "cannot lie flat"
         lines.append(
-            f"the longest grain, {expected.longest * 1e3:.3g} mm, is longer than the domain is wide, "
-            f"{width * 1e3:.3g} mm, and {beside}; widen domain.width"
+            f"The longest grain, {expected.longest * 1e3:.3g} mm, is longer than the domain is wide, "
+            f"{width * 1e3:.3g} mm, and {beside}; widen domain.width."
         )
     return lines

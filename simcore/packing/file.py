@@ -12,12 +12,12 @@ import xarray as xr
 
 from simcore import __version__
 from simcore.compilation import source_digest
-from simcore.dem.shapes.hulls import Base
 from simcore.dem.state.bodies import CYLINDER, FLOOR
 from simcore.grains.sieve import SieveCurve, class_fractions
 from simcore.packing.packed import Packed
 from simcore.paths import ROOT
 from simcore.scene.scene import Scene
+from simcore.scene.shapes import Base
 
 FLOOR_PARTNER, CYLINDER_PARTNER = -1, -2  # stand where a contact has a wall as second body
 

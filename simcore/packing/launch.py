@@ -96,6 +96,7 @@ def add_launch_options(parser) -> None:
     parser.add_argument("--checkpoints", type=Path, metavar="FOLDER", help="as of pack")
     parser.add_argument("--checkpoint-interval", metavar="TIME", help="as of pack")
     parser.add_argument("--log", type=Path, help="as of pack")
+    parser.add_argument("--force", action="store_true", help="as of pack")
     parser.add_argument("--silence", default="10 min", help="longest time without a sign of life, then all is ended")
     parser.add_argument("--startup", default="30 min", help="the same until the first, which compiling comes before")
     parser.add_argument("--grace", default="10 s", help="time between SIGTERM and SIGKILL then")
@@ -115,6 +116,8 @@ def launch_packing(options, program: list[str]) -> int:
     for name in ("checkpoints", "checkpoint_interval", "log"):
         if getattr(options, name) is not None:
             command += [f"--{name.replace('_', '-')}", str(getattr(options, name))]
+    if options.force:
+        command.append("--force")
     kept = "goes on from its last checkpoint" if options.checkpoints else "starts anew, as it has no --checkpoints"
     return launch(
         command,

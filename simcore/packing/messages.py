@@ -2,6 +2,9 @@
 
 from functools import singledispatch
 
+import numpy as np
+
+from simcore.dem.from_scene import stiffening_advice
 from simcore.packing.checks import PINCHING, DeepImpact, DeepOverlap, EnergyGain, NotFinite, TooFast
 
 BED_NEEDS = (1.2, 1.35)  # steps that a bed needs over those of its stiffest grain by itself; see docs/constants.md
@@ -22,8 +25,35 @@ def about_stiffest(memory) -> str:
 
 def hint(scene, memory) -> str:
     """An addition to a message where the time step may be too long for the stiffest grain, or nothing."""
-    tight = BED_NEEDS[1] * memory.needed > scene.numerics.steps_per_contact_time
-    return f"; {about_stiffest(memory)}" if tight else ""
+    return f"; {about_stiffest(memory)}" if may_jitter(scene, memory) else ""
+
+
+def may_jitter(scene, memory) -> bool:
+    """Whether the time step may be too long for the stiffest grain, as it was held in the bed."""
+    return BED_NEEDS[1] * memory.needed > scene.numerics.steps_per_contact_time
+
+
+def advice_on_rest(scene, memory) -> str:
+    """The sentence that says what helps a bed that does not come to rest."""
+    if may_jitter(scene, memory):
+        enough = int(np.ceil(BED_NEEDS[1] * memory.needed))
+        steps = scene.numerics.steps_per_contact_time
+        return f"Raise numerics.steps_per_contact_time from {steps:g} to at least {enough}."
+    return "Shake or damp longer, or loosen `convergence`."
+
+
+def let_pass(scene, memory) -> list[str]:
+    """A sentence for each thing that was let pass while the packing ran."""
+    lines = []
+    if memory.warned_of_steps:
+        steps = scene.numerics.steps_per_contact_time
+        lines.append(f"At its stiffest {about_stiffest(memory)}, and the packing had {steps:g}.")
+    if memory.warned_of_pinching:
+        lines.append(
+            f"While grains fell, a stone of at least {PINCHING:g} times the mass of a grain pressed it deeper than "
+            f"half of its thickness."
+        )
+    return lines
 
 
 def overlapping(problem: DeepOverlap) -> str:
@@ -76,8 +106,8 @@ def _(problem: TooFast, scene, step, memory):
 def _(problem: DeepImpact, scene, step, memory):
     return (
         f"{scene.name}: grain {problem.grain} moves at {problem.speed:.3g} m/s at step {step} and would sink "
-        f"{problem.depth * 1e3:.3g} mm into what it meets, more than half of it is thick. {scene.stiffen}; the depth "
-        f"of an impact goes with it) or lower the fall"
+        f"{problem.depth * 1e3:.3g} mm into what it meets, more than half of it is thick. "
+        f"{stiffening_advice(scene)} Impacts become shallower then, and also if grains fall less far"
     )
 
 
@@ -85,8 +115,8 @@ def _(problem: DeepImpact, scene, step, memory):
 def _(problem: DeepOverlap, scene, step, memory):
     return (
         f"{scene.name}: {overlapping(problem)} at step {step}, more than half of the grain is thick: contacts are too "
-        f"soft for what presses on them. {scene.stiffen}; overlaps go with it), lower the fall, or, if it was so from "
-        f"the start, raise generation.spacing"
+        f"soft for what presses on them. {stiffening_advice(scene)} Overlaps also become smaller if grains fall less "
+        f"far. If the grains overlapped from the start, raise generation.spacing"
     )
 
 

@@ -40,6 +40,7 @@ class Packed(NamedTuple):
     last_insertion: float  # [s], simulated
     checks: list  # (time [s], phase, Observation) at every convergence interval
     stability: Stability | None = None
+    warnings: tuple = ()  # sentences on what may be wrong with it
 
     @property
     def contacts(self):

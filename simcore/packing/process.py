@@ -11,7 +11,6 @@ from collections.abc import Callable
 import numpy as np
 
 from simcore.dem.ranks.one_rank import ONE_RANK
-from simcore.dem.shapes.hulls import Base
 from simcore.dem.state.parts import assemble
 from simcore.packing.announcement import announcement
 from simcore.packing.expectation import expect, warnings
@@ -27,6 +26,7 @@ from simcore.packing.stepper import Stepper
 from simcore.packing.watch import Watch
 from simcore.provenance.cpu_time import before_compiling
 from simcore.scene.scene import Scene
+from simcore.scene.shapes import Base
 
 
 def pack(
@@ -54,12 +54,12 @@ class Process:
     in the bodies, their near pairs and `state`, so that a checkpoint can be written after any step.
     """
 
-    def __init__(self, scene, bases, draw, report, timed=False, ranks=ONE_RANK, keeper=None):
-        """timed: count in `stepper.seconds` what each part of the steps takes."""
+    def __init__(self, scene, bases, draw, report, timed=False, ranks=ONE_RANK, keeper=None, **changes):
+        """timed: count in `stepper.seconds` what each part takes. changes: of the features of the scene's step."""
         self.scene, self.bases, self.draw, self.ranks = scene, bases, draw, ranks
         self.keeper = Keeper() if keeper is None else keeper
         self.progress = Progress(scene, report)
-        self.stepper = Stepper(scene, bases, timed)
+        self.stepper = Stepper(scene, bases, timed=timed, **changes)
         announce = lambda: self.progress.phase(announcement(self.stepper.features))  # noqa: E731
         before_compiling(self.stepper.advance_steps, announce)
         self.insertion = Insertion(scene, bases, draw, self.stepper, ranks)
@@ -105,7 +105,8 @@ class Process:
             return None
         bodies, near = assemble(parts, np.arange(state.inserted))
         last_insertion, end = state.last_insertion * self.dt, state.step * self.dt
-        return Packed(bodies, near, observation, state.step, end, last_insertion, state.checks, stability)
+        told = (*warnings(self.scene, expected), *self.watch.warnings(state.watch))
+        return Packed(bodies, near, observation, state.step, end, last_insertion, state.checks, stability, told)
 
     def expect(self):
         """What is expected of the scene before it runs; its warnings are reported."""
@@ -168,7 +169,7 @@ class Process:
         raise PackingError(
             f"{scene.name}: not at rest after {scene.damping.max_time:g} s of damping, step {state.step}: "
             f"{verdict.told}, grain {fastest} moves at {seen.max_speed:.2g} m/s{allowed}"
-            f"{self.watch.hint(state.watch)}. Shake or damp longer, or loosen `convergence`"
+            f"{self.watch.hint(state.watch)}. {self.watch.advice_on_rest(state.watch)}"
         )
 
     def _judge(self, seen):

@@ -6,6 +6,7 @@ import numpy as np
 from numba import get_num_threads
 
 from simcore.dem.contact.patch.workspace import make_workspace
+from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import collect_shapes
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.step.step import STAGES, Drive, make_advance
@@ -15,13 +16,15 @@ from simcore.packing.packed import DAMPING
 class Stepper:
     """Steps bodies of one scene; counts in `seconds` the wall-clock time of each part."""
 
-    def __init__(self, scene, bases, timed=False):
-        """timed: measure the parts of the steps too, which is compiled as a step of its own."""
+    def __init__(self, scene, bases, **changes):
+        """changes: of the features of the scene, such as timed, which measures the parts of the steps too."""
         self.scene = scene
         self.shapes = collect_shapes(bases)
         domain = scene.domain
         self.box = Box(domain.width) if domain.periodic else Box(0.0, 0.5 * domain.width)
-        self.features = scene.features._replace(timed=timed)
+        composition = compose(scene)
+        self.law = composition.law
+        self.features = composition.features._replace(**changes)
         self.advance_steps = make_advance(self.features)
         self.workspace = make_workspace(self.shapes, get_num_threads())
         self.clock = np.zeros(len(STAGES), np.int64)
@@ -43,13 +46,13 @@ class Stepper:
     def step(self, bodies, near, drive, first_step, n_steps):
         """(steps done, whether the list is stale): at most n_steps, fewer where a body has left its margin."""
         state = State(self.shapes, bodies, *near, self.workspace)
-        return self.advance_steps(state, self.scene.law, drive, self.clock, first_step, n_steps)
+        return self.advance_steps(state, self.law, drive, self.clock, first_step, n_steps)
 
     def touching_pairs(self, bodies, near, drive):
         """Pairs (m, 2) of bodies that touch where they are, by the step's own contacts; nothing moves."""
         clock = np.zeros_like(self.clock)
         state = State(self.shapes, bodies, *near, self.workspace)
-        self.advance_steps(state, self.scene.law, drive, clock, 0, 1)
+        self.advance_steps(state, self.law, drive, clock, 0, 1)
         contacts = near.contacts
         return np.column_stack([contacts.body_a, contacts.body_b])[contacts.touching != 0]
 

@@ -1,5 +1,6 @@
 """Runs the checks at the end of each stretch, and stops a run that has gone wrong with a message that says so."""
 
+from simcore.dem.from_scene import compose
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.stability import Estimate, body_steps, contact_load, stiffest_body
 from simcore.dem.state.bodies import Bodies
@@ -17,7 +18,7 @@ from simcore.packing.checks import (
     too_deep,
 )
 from simcore.packing.expectation import backing
-from simcore.packing.messages import describe, few_steps_warning, hint, pinching_warning
+from simcore.packing.messages import advice_on_rest, describe, few_steps_warning, hint, let_pass, pinching_warning
 from simcore.packing.packed import PackingError, Stability
 from simcore.packing.state import State, WatchMemory
 from simcore.scene.scene import Scene
@@ -30,7 +31,7 @@ class Watch:
 
     def __init__(self, scene: Scene, width: float, report, ranks=ONE_RANK):
         self.scene, self.width, self.report, self.ranks = scene, width, report, ranks
-        self.friction = scene.features.friction
+        self.composition = compose(scene)
         self.backing = backing(scene)
 
     def begin_anew(self, state: State, bodies: Bodies) -> None:
@@ -49,8 +50,8 @@ class Watch:
         self._check_speeds(state, bodies, thickness)
         self._check_overlap(state, bodies, near, thickness, falling and step < state.room_deadline)
         time = (step - state.stretch_start) * drive.dt
-        interval = Interval(drive, time, self.scene.stiffest_law.stiffness)
-        memory.energy, problem = check_energy(bodies, near, self.scene, memory.energy, interval, self.ranks)
+        interval = Interval(drive, time, self.composition)
+        memory.energy, problem = check_energy(bodies, near, memory.energy, interval, self.ranks)
         self._stop_for(problem, step, memory)
         if memory.looks % STIFFNESS_LOOKS == 0:
             self._note_stiffest(memory, bodies, near, drive.dt, step)
@@ -68,6 +69,14 @@ class Watch:
     def hint(self, memory: WatchMemory) -> str:
         """An addition to a message where the time step may be too long for the stiffest grain, or nothing."""
         return hint(self.scene, memory)
+
+    def advice_on_rest(self, memory: WatchMemory) -> str:
+        """The sentence that says what helps a bed that does not come to rest."""
+        return advice_on_rest(self.scene, memory)
+
+    def warnings(self, memory: WatchMemory) -> list[str]:
+        """A sentence for each thing that was let pass."""
+        return let_pass(self.scene, memory)
 
     def _stop_for(self, problem, step, memory):
         if problem is not None:
@@ -94,18 +103,19 @@ class Watch:
 
     def _note_stiffest(self, memory, bodies, near, dt, step):
         """Remember the grain whose contacts call for the shortest time step; warn once where the run's is longer."""
-        scene, firmness = self.scene, self.scene.firmness
+        scene, law, firmness = self.scene, self.composition.continuous_law, self.composition.firmness
+        friction, implicit = self.composition.features.friction, self.composition.features.implicit
         # With an implicit dashpot bodies are ranked as if each had one contact.
-        load = contact_load(scene.continuous_law, dt, self.friction, 1.0 if scene.implicit else None)
+        load = contact_load(law, dt, friction, 1.0 if implicit else None)
         stiffest = stiffest_body(bodies, near, self.width, load, ranks=self.ranks, firmness=firmness)
         if stiffest.load <= memory.load:
             return
         memory.load, memory.stiffest, memory.contacts = stiffest.load, stiffest.body, stiffest.contacts
-        hold = stiffest.contacts if scene.implicit else None
+        hold = stiffest.contacts if implicit else None
         # Of law hertz the linear one has no contact time: it may be overdamped.
         time = None if firmness is None else scene.numerics.contact_time
         memory.needed = body_steps(
-            bodies, near, self.width, scene.continuous_law, self.friction, stiffest.body,
+            bodies, near, self.width, law, friction, stiffest.body,
             hold=hold, ranks=self.ranks, firmness=firmness, time=time,
         )  # fmt: skip
         if memory.needed > scene.numerics.steps_per_contact_time and not memory.warned_of_steps:

@@ -53,6 +53,12 @@ def paragraph(text):
     return f'<p class="note">{escape(text)}</p>'
 
 
+def bullets(texts):
+    """A list of plain texts."""
+    items = "".join(f"<li>{escape(text)}</li>" for text in texts)
+    return f'<ul class="note">{items}</ul>'
+
+
 def table(path, caption="", behind=()):
     """The CSV file at `path` as a table under a caption, as of `rows_table`. A column `note` is left out: the page's
     banner says it once. behind: columns that stand behind all others, for what is read first to be in sight."""

@@ -6,7 +6,7 @@ import pandas as pd
 
 from simcore.campaign.study_tables import FORM
 from simcore.models.formulas import BEDS, formulas
-from simcore.report.page import page, paragraph, picture, rows_table, table
+from simcore.report.page import bullets, page, paragraph, picture, rows_table, table
 
 TITLE = "Scree: porosity from the form of grains"
 LEAD = (
@@ -84,6 +84,7 @@ BEHIND = (
     "rmse",
     "scatter",
 )
+WARNINGS_SHOWN, NAMES_SHOWN = 12, 3  # on the page, of a study and of a warning
 _CAPTIONS = {"application_predictions": "models_application"}
 
 
@@ -97,6 +98,30 @@ def in_short(paths):
     of_models = {Path(path).stem: path for path in paths}
     known = [formulas(pd.read_csv(of_models[name])) for name in BEDS if name in of_models]
     return [paragraph(IN_SHORT), rows_table(pd.concat(known, ignore_index=True))] if known else []
+
+
+def packing_warnings(path):
+    """Fragments that list the warnings of a study's packings; none where there are none.
+
+    path: CSV file with one row a packing, columns packing and warnings, as of simcore.campaign.study_tables.tabulate.
+    """
+    rows = pd.read_csv(path, dtype=str, keep_default_na=False)
+    by_text = {}
+    for name, text in zip(rows["packing"], rows.get("warnings", [""] * len(rows)), strict=True):
+        for line in filter(None, text.split("\n")):
+            by_text.setdefault(line, []).append(name)
+    if not by_text:
+        return []
+    items = [f"{_some_names(names)}: {line}" for line, names in list(by_text.items())[:WARNINGS_SHOWN]]
+    more = len(by_text) - len(items)
+    items += [f"{more} further warnings are listed in {path}."] if more else []
+    return [paragraph("Warnings of packings:"), bullets(items)]
+
+
+def _some_names(names):
+    """Return the first of these names of packings, and how many others there are, in words."""
+    shown, others = ", ".join(names[:NAMES_SHOWN]), len(names) - NAMES_SHOWN
+    return f"{shown} and {others} more" if others > 0 else shown
 
 
 def committed_page(folder, titles, biases, captions):

@@ -29,9 +29,18 @@ def lattice_sites(domain: Domain, spacing: float, low: float, high: float) -> np
     """Sites (n, 3) of a hexagonal close-packed lattice with low <= z < high, from below; rows along x.
 
     In a periodic box the lattice is stretched horizontally until it fits the period. In a cylinder sites farther
-    than width/2 − spacing/2 from the axis are left out.
+    than width/2 − spacing/2 from the axis are left out; where that leaves none at all, the sites are on the axis.
     """
     layers = np.arange(low, high, spacing * np.sqrt(6.0) / 3.0)
+    sites = _hexagonal_sites(domain, spacing, layers)
+    # Layers repeat after two: a cylinder without a site in these is too narrow for any.
+    if domain.periodic or len(sites) or len(_hexagonal_sites(domain, spacing, np.zeros(2))):
+        return sites
+    return np.column_stack([np.zeros(len(layers)), np.zeros(len(layers)), layers])
+
+
+def _hexagonal_sites(domain: Domain, spacing: float, layers: np.ndarray) -> np.ndarray:
+    """Return the sites (n, 3) of a lattice with layers at these heights (k,)."""
     if domain.periodic:
         nx = max(int(domain.width / spacing), 1)
         ny = max(2 * int(domain.width / (spacing * np.sqrt(3.0))), 1)

@@ -4,21 +4,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE, Base, unit_sphere
 from simcore.grains.beta_sizes import BetaSizes
 from simcore.grains.mesh import decimate
-from simcore.grains.sampling import grain_uniforms, sample_grains
+from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sources import needs_grains
-from simcore.grains.spread import shape_choice
-from simcore.packing.expectation import GRAINS
-from simcore.packing.insertion.batches import Draw
 from simcore.scene.domain import Domain
 from simcore.scene.impact import derive_hertzian, fall_speed
-from simcore.scene.scene import Convergence, Damping, Generation, Material, Numerics, Scene, Shaking
+from simcore.scene.scene import GRAINS, Convergence, Damping, Generation, Material, Numerics, Scene, Shaking
+from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, Draw, unit_sphere
 from simcore.scene.sizes import check_top_class, lattice_spacing, size_curve
 
-KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "mesh": CONVEX, "mixed": MIXED}
+KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "mesh": POLYHEDRON, "mixed": MIXED}
 BIRTH_STREAM = 1  # random numbers of birth stand apart from those of size and form
 
 
@@ -30,6 +27,7 @@ class Setup(NamedTuple):
     curve: SieveCurve | BetaSizes
     sample: object
     draw: object
+    grains: tuple = ()  # Grain of each base that is a polyhedron
 
 
 def set_up(specification: dict, load_grains) -> Setup:
@@ -52,9 +50,6 @@ def set_up(specification: dict, load_grains) -> Setup:
     if choice.kind != "mesh":
         bases.append(unit_sphere())
     seed = specification["seed"]
-    spacing = lattice_spacing(specification, curve)
-    generation = specification["generation"]
-    drop_height = spacing if generation["drop_height"] is None else generation["drop_height"]
 
     def sample(ids):
         return sample_grains(ids, seed, curve, choice, grains)
@@ -63,20 +58,35 @@ def set_up(specification: dict, load_grains) -> Setup:
         drawn = sample(ids)
         return Draw(drawn.shape, drawn.scale, drawn.D, grain_uniforms(ids, seed, stream=BIRTH_STREAM))
 
-    domain, material = Domain(**specification["domain"]), Material(**specification["material"])
-    born = Generation(**{**generation, "spacing": spacing, "drop_height": drop_height})
-    numerics, hertzian = specification["numerics"], None
-    if material.law == "hertz":
+    def masses():
         # As many as `expect` looks at; all of a packing may be a million.
         volume = sample(np.arange(min(GRAINS, specification["amount"]["grains"] or GRAINS))).volume
-        mass = material.density * volume
+        mass = specification["material"]["density"] * volume
+        return float(mass.mean()), float(mass.min())
+
+    scene = make_scene(specification, curve, masses)
+    _check_height(scene, sample)
+    return Setup(scene, bases, curve, sample, draw, tuple(grains) if hulls else ())
+
+
+def make_scene(specification: dict, curve, masses) -> Scene:
+    """Return the Scene of a resolved specification.
+
+    curve: of its sizes. masses() -> (mean, least) mass of its grains [kg]; called for material.law hertz alone.
+    """
+    generation, numerics, hertzian = specification["generation"], specification["numerics"], None
+    spacing = lattice_spacing(specification, curve)
+    drop_height = spacing if generation["drop_height"] is None else generation["drop_height"]
+    domain, material = Domain(**specification["domain"]), Material(**specification["material"])
+    born = Generation(**{**generation, "spacing": spacing, "drop_height": drop_height})
+    if material.law == "hertz":
         speed = fall_speed(born, domain.height, material.effective_gravity)
-        hertzian = derive_hertzian(material, float(mass.mean()), float(mass.min()), speed)
+        hertzian = derive_hertzian(material, *masses(), speed)
         numerics = {**numerics, "contact_time": hertzian.duration}
-    scene = Scene(
+    return Scene(
         name=specification["name"],
-        seed=seed,
-        kind=KINDS[choice.kind],
+        seed=specification["seed"],
+        kind=KINDS[specification["shapes"]["kind"]],
         amount_mass=specification["amount"]["mass"],
         amount_grains=specification["amount"]["grains"],
         domain=domain,
@@ -88,8 +98,18 @@ def set_up(specification: dict, load_grains) -> Setup:
         numerics=Numerics(**numerics),
         hertzian=hertzian,
     )
-    _check_height(scene, sample)
-    return Setup(scene, bases, curve, sample, draw)
+
+
+def shape_choice(shapes: dict) -> ShapeChoice:
+    """ShapeChoice of the resolved group `shapes`, where a distribution of form or ratios is {mean, std}."""
+    settings = {key: shapes[key] for key in ("kind", "choice", "grain", "ellipsoid_share")}
+    for key in ("flatness", "elongation", "eta", "zeta"):
+        value = shapes[key]
+        if isinstance(value, dict):
+            settings |= {key: value["mean"], f"{key}_std": value["std"]}
+        else:
+            settings[key] = value
+    return ShapeChoice(**settings)
 
 
 def _check_height(scene, sample):

@@ -16,12 +16,12 @@ from scipy.optimize import brentq
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law, implicit_law
 from simcore.dem.shapes.hulls import SPHERE, collect_shapes, unit_sphere
+from simcore.dem.stability import longest_stable_step
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
 from simcore.dem.step.near_pairs import list_near
 from simcore.dem.step.step import STAGES, Drive, make_advance
-from simcore.scene.scene import longest_stable_step
 
 RESTITUTION, POISSON_RATIO, FRICTION = 0.1, 0.22, 0.5  # the study's
 ANGLE = np.radians(45.0)  # from the normal: the contact slips and sticks

@@ -10,11 +10,12 @@ import time
 import numpy as np
 import pandas as pd
 
+from simcore.dem.from_scene import compose
+from simcore.dem.stability import minimum_steps_per_contact_time
 from simcore.dem.state.bodies import make_bodies
 from simcore.grains.sources import load_grains
 from simcore.packing.packed import DAMPING, SHAKING, PackingError
 from simcore.packing.process import Process
-from simcore.scene.scene import minimum_steps_per_contact_time
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
@@ -46,7 +47,7 @@ def study(shapes=SHAPES, steps=STEPS, specification=SPECIFICATION) -> pd.DataFra
         settled.run()
         for dashpot in ("explicit", "implicit"):
             for count in steps:
-                law = setup.scene.continuous_law
+                law = compose(setup.scene).continuous_law
                 if count >= minimum_steps_per_contact_time(law, dashpot == "implicit"):
                     rows.append(
                         {"shape": shape, "dashpot": dashpot, "steps": count} | _leave(setup, settled, dashpot, count)
@@ -79,7 +80,7 @@ def _leave(setup, settled, dashpot, steps):
             still,
             still,
             scene.material.density,
-            features=scene.features,
+            features=process.stepper.features,
         ),
         size,
     )

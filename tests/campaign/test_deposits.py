@@ -11,12 +11,12 @@ from simcore.campaign.deposits import (
     RESULTS,
     add_family,
     curve,
-    deposit,
     deposit_rows,
     experiment_differences,
     family,
     means,
 )
+from simcore.evaluation.deposit import deposit
 
 PEAK = 1.6
 

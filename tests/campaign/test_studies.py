@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import yaml
 
-from simcore.campaign.studies import expand
+from simcore.campaign.studies import choose_form, expand
 from simcore.grains.sources import set_name
-from simcore.grains.spread import choose_form, spread_order
+from simcore.grains.spread import spread_order
 from simcore.scene.setup import set_up
 from simcore.scene.specification import CONFIG, read_presets, resolve
 

@@ -35,6 +35,7 @@ def main():
     packing.add_argument("--threads")
     packing.add_argument("--checkpoints", type=Path)
     packing.add_argument("--checkpoint-interval", default="600 s")
+    packing.add_argument("--force", action="store_true")
     options = parser.parse_args()
     try:
         if options.command == "launch":

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import unit_sphere
 from simcore.dem.stability import contact_load, stiffest_body
 from simcore.dem.state.bodies import make_bodies
@@ -109,7 +110,7 @@ def test_the_energy_seen_falls_while_a_bed_is_damped():
     running = process()
     running.generate()
     running.shake(running.shaking_steps)
-    law, seen = running.scene.law, []
+    law, seen = compose(running.scene).law, []
     running.watch.begin_anew(running.state, running.bodies)
     for _ in range(10):
         running.advance(running.interval_steps, DAMPING)
@@ -122,7 +123,7 @@ def test_the_energy_seen_falls_while_a_bed_is_damped():
 
 def test_springs_hold_half_k_times_the_squares(settled):
     """Tangential ones as far as friction holds them: slipping leaves more in them, which never comes back."""
-    bodies, (contacts, walls), law = settled.bodies, settled.near, settled.scene.law
+    bodies, (contacts, walls), law = settled.bodies, settled.near, compose(settled.scene).law
 
     def squares(rows, normal, p, k):
         held = law.friction * abs(rows.force[p] @ normal[p]) / (law.tangential * k)
@@ -141,7 +142,7 @@ def test_springs_hold_half_k_times_the_squares(settled):
 
 def test_a_sliding_grain_gains_no_energy_in_the_eyes_of_the_watch(settled):
     """A spring that slipping at u has stretched by d u / k, a thousand times what friction holds, counts as held."""
-    bodies, near, law = settled.bodies, settled.near, settled.scene.law
+    bodies, near, law = settled.bodies, settled.near, compose(settled.scene).law
     before = spring_energy(bodies, near, law).sum()
     kept = near.walls.spring.copy()
     near.walls.spring[near.walls.touching > 0] *= 1e3
@@ -154,14 +155,14 @@ def test_an_overlap_of_half_a_grain_names_both(settled):
     thin = 1e-4 * half_thickness(settled.bodies)
     with pytest.raises(PackingError, match=r"grain \d+ and (grain \d+|the wall) overlap by \S+ mm at step") as caught:
         settled.watch._check_overlap(settled.state, settled.bodies, settled.near, thin, falling=False)
-    assert "numerics.contact_time (now 0.001 s" in str(caught.value)
+    assert "numerics.contact_time, which is 0.001 s" in str(caught.value)
 
 
 def test_an_impact_too_deep_stops_the_run_before_it_is_over():
     """At 4 m/s and 10 ms grains sink 5 to 7 mm deep and are 2.8 to 4 mm in radius; few looks fall on an impact."""
     error, _ = told_by(numerics={"contact_time": "10 ms"}, generation={"velocity_z": "-4 m/s"})
     assert isinstance(error, str)
-    assert "into what it meets" in error and "Shorten numerics.contact_time (now 0.01 s" in error
+    assert "into what it meets" in error and "Shorten numerics.contact_time, which is 0.01 s, to" in error
     grain, speed, depth = re.search(r"grain (\d+) moves at (\S+) m/s .* sink (\S+) mm", error).groups()
     # verification.md 1.1; and on a grain that lies on the floor, of which the next test has a simulation.
     assert float(depth) / float(speed) == pytest.approx(1e3 * 1.33177 * 0.1290665 * 0.01, rel=0.01)
@@ -183,14 +184,14 @@ def test_a_deep_impact_is_foreseen():
     made, lines = set_up_few(numerics={"contact_time": "10 ms"}, domain={"height": "5 m"}), []
     Process(made.scene, made.bases, made.draw, lines.append).expect()
     (line,) = lines
-    assert "sinks" in line and "shorten numerics.contact_time (now 0.01 s)" in line
+    assert "sinks" in line and "Shorten numerics.contact_time, which is 0.01 s, to make contacts stiffer." in line
 
 
 def test_the_stiffest_grain_of_a_bed_is_among_those_looked_at(settled):
     """All forty instead of the 32 with the largest sums."""
     from simcore.dem import stability
 
-    load = contact_load(settled.scene.law, settled.dt)
+    load = contact_load(compose(settled.scene).law, settled.dt)
     found = stiffest_body(settled.bodies, settled.near, settled.stepper.box.width, load)
     looked_at, stability.LOOKED_AT = stability.LOOKED_AT, 1000
     try:
@@ -207,7 +208,15 @@ def pressed(radius, overlap):
     upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros((2, 3))
     scale, density = np.outer(size, np.ones(3)), running.scene.material.density
     bodies = make_bodies(
-        [unit_sphere()], np.zeros(2, int), scale, place, upright, still, still, density, features=running.scene.features
+        [unit_sphere()],
+        np.zeros(2, int),
+        scale,
+        place,
+        upright,
+        still,
+        still,
+        density,
+        features=compose(running.scene).features,
     )
     running.place(bodies, 6e-3)
     return running, lines
@@ -242,7 +251,7 @@ def test_an_impact_on_a_grain_that_lies_on_the_floor_goes_as_deep_as_expected(re
     radius, place = np.full(2, 3e-3), np.array([[0.0, 0.0, 3e-3], [0.0, 0.0, 9e-3]])
     speed, still = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -0.5]]), np.zeros((2, 3))
     upright, scale = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.outer(radius, np.ones(3))
-    features, density = running.scene.features, running.scene.material.density
+    features, density = compose(running.scene).features, running.scene.material.density
     running.place(
         make_bodies([unit_sphere()], np.zeros(2, int), scale, place, upright, speed, still, density, features=features),
         6e-3,

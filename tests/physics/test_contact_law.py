@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.scene.scene import minimum_steps_per_contact_time
+from simcore.dem.stability import minimum_steps_per_contact_time
 
 T_C = 1e-3
 NU = 0.22

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import LEVER, contact_law, implicit_law
+from simcore.dem.stability import longest_stable_step, minimum_steps_per_contact_time
 from simcore.packing.packed import DAMPING, SHAKING
 from simcore.packing.process import Process
-from simcore.scene.scene import longest_stable_step, minimum_steps_per_contact_time
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 

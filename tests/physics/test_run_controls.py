@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import contact_law
+from simcore.dem.from_scene import compose
 from simcore.scene.scene import Material, Shaking
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
@@ -82,7 +83,7 @@ def test_grains_are_shaken_from_the_first_on_though_shaking_ends_with_the_last()
             "shapes": {"kind": "sphere"},
             "amount": {"grains": 30},
         }
-        return set_up(resolve({**spheres, "shaking": shaking}), None).scene.features.shaken
+        return compose(set_up(resolve({**spheres, "shaking": shaking}), None).scene).features.shaken
 
     assert shaken(duration="0 s") and shaken(duration="1 s")
     assert not shaken(duration="0 s", amplitude="0 m") and not shaken(duration="1 s", amplitude="0 m")

@@ -12,7 +12,12 @@ from snakemake.io import ancient
 
 from simcore.campaign import deposits
 from simcore.campaign.biases import bias_note, measured_biases
-from simcore.campaign.plan import describe_studies, estimate_studies, number_pieces
+from simcore.campaign.plan import (
+    check_beds,
+    describe_studies,
+    estimate_studies,
+    number_pieces,
+)
 from simcore.campaign.gathering import not_gathered
 from simcore.packing.cost import estimate
 from simcore.paths import REFERENCE, ROOT
@@ -25,6 +30,14 @@ from simcore.campaign.studies import expand
 try:
     campaign = resolve(config, "config", unused="refuse")
     packings = expand(campaign)
+    # Jobs read this file too, and need no check. Of deposits the fabric is evaluated, with other cuts.
+    if workflow.is_main_process:
+        check_beds(
+            packings[~packings.study.str.startswith(deposits.PREFIX)],
+            campaign["porosity"]["cut"],
+        )
+    # What a packing asks of the machine. No result depends on it, so nothing of it may stand in `params`.
+    packings["cost"] = packings.specification.map(estimate)
 except ValueError as error:
     raise WorkflowError(f"config: {error}") from None
 
@@ -57,8 +70,6 @@ def group_of_set(wildcards):
     return grain_groups[wildcards.grains]
 
 
-# What a packing asks of the machine. No result depends on it, so nothing of it may stand in `params`.
-packings["cost"] = packings.specification.map(estimate)
 hours = np.array([cost.cpu_seconds / 3600.0 for cost in packings.cost])
 seeds = np.array([specification["seed"] for specification in packings.specification])
 packings["piece"] = 0

@@ -83,11 +83,12 @@ rule packing:
         checkpoints=f"{results}/checkpoints",
     # The checkpoints are no output, so that a packing that was interrupted goes on from them. Each study has a folder of
     # them: two may hold the same packing, and a scene is run by one process a folder. With `exec` the parent of the
-    # packing is Snakemake: where it is killed, the packing ends too, and does not go on beside the next run.
+    # packing is Snakemake: where it is killed, the packing ends too, and does not go on beside the next run. With `force`,
+    # since the height of each bed was checked against the campaign's own cut when the rules were read.
     shell:
         "exec python -m simcore launch {input.specification} {output.packing}"
         " --ranks {resources.tasks} --threads {resources.cpus_per_task} --mpiexec={resources.mpi:q}"
-        " --checkpoints {params.checkpoints:q}/{wildcards.study} --with-parent > {log} 2>&1"
+        " --checkpoints {params.checkpoints:q}/{wildcards.study} --with-parent --force > {log} 2>&1"
 
 
 # As soon as its packing is there: a campaign that is ended leaves rows, not packings alone.

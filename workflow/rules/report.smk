@@ -174,6 +174,7 @@ rule report:
             "<results>/figures/campaign/{figure}.png", figure=campaign_figures
         ),
         tables=collect("<results>/tables/{study}.csv", study=studies),
+        packings=collect("<results>/tables/{study}_packings.csv", study=studies),
         study_figures=collect("<results>/figures/studies/{study}.png", study=studies),
         pictures=collect("<results>/figures/packings/{study}.png", study=studies),
         profiles=collect("<results>/figures/profiles/{study}.png", study=studies),

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import yaml
 
-from simcore.grains.spread import choose_form
+from simcore.campaign.studies import choose_form
 from simcore.scene.specification import express
 
 (specification,), (form,) = snakemake.params.specification, snakemake.params.form

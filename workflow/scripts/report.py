@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from simcore.report.page import is_picture, page, paragraph, picture, table
-from simcore.report.sections import BEHIND, CAMPAIGN, LEAD, STUDIES, TITLE, in_short, read_caption
+from simcore.report.sections import BEHIND, CAMPAIGN, LEAD, STUDIES, TITLE, in_short, packing_warnings, read_caption
 
 TEST_ONLY = "Test only: these packings are far too small to mean anything."
 
@@ -39,10 +39,11 @@ sections = [
 ]
 sections = [section for section in sections if section[1]] + [("Studies", [paragraph(STUDIES)])]
 kinds = ("study_porosities", "study_picture", "study_profile")
-for path, *pictures in zip(files.tables, files.study_figures, files.pictures, files.profiles, strict=True):
+shown_files = zip(files.tables, files.packings, files.study_figures, files.pictures, files.profiles, strict=True)
+for path, packings, *pictures in shown_files:
     study = Path(path).stem
     shown = [picture(file, caption(kind)) for file, kind in zip(pictures, kinds, strict=True)]
-    said = [shown_table(path, caption("study_table")), paragraph(params.biases[study])]
+    said = [shown_table(path, caption("study_table")), paragraph(params.biases[study]), *packing_warnings(packings)]
     sections.append((params.titles[study], [*said, *shown]))
 lead = LEAD.format(grains="the grains, ")
 banner = TEST_ONLY if params.test_only else ""

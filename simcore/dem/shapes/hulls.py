@@ -13,24 +13,12 @@ import numpy as np
 
 from simcore.compilation import leaf
 from simcore.dem.vectors import Vec
+from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, unit_sphere  # noqa: F401
 
-SPHERE = 0  # the base is the unit sphere and all scales of a body are equal
-ELLIPSOID = 1  # the base is the unit sphere
-CONVEX = 2  # the base is a convex hull
-MIXED = 3  # of scenes only: bodies whose base is the unit sphere are ellipsoids, the others hulls
+CONVEX = POLYHEDRON
 
 HINT_GRID = 6  # cells along the edge of a cube of directions: a climb from the cell's vertex is one or two edges long
 HINT_CELLS = 6 * HINT_GRID * HINT_GRID
-
-
-class Base(NamedTuple):
-    """One base shape. vertices (n, 3) and faces (m, 3), outward, of the hull; both empty for the unit sphere."""
-
-    name: str
-    vertices: np.ndarray
-    faces: np.ndarray
-    volume: float
-    second_moments: np.ndarray  # (3,) mean of x_i² over the volume
 
 
 class Shapes(NamedTuple):
@@ -41,11 +29,6 @@ class Shapes(NamedTuple):
     neighbor_start: np.ndarray  # (n_vertices + 1,) int64
     neighbors: np.ndarray  # int64, indices into vertices; counterclockwise about each vertex, seen from outside
     hints: np.ndarray  # (n_shapes, HINT_CELLS) int32: vertex farthest along the middle of each cell of directions
-
-
-def unit_sphere() -> Base:
-    empty = np.zeros((0, 3))
-    return Base("sphere", empty, empty.astype(np.int64), 4.0 / 3.0 * np.pi, np.full(3, 0.2))
 
 
 def collect_shapes(bases: list[Base]) -> Shapes:

@@ -9,25 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from simcore.dem.shapes.hulls import Base
 from simcore.packing.insertion.initial_states import occupy_sites
 from simcore.packing.insertion.random_placement import fall_time, layer_grains, release_places, zone_height
 from simcore.packing.packed import PackingError
 from simcore.scene.domain import lattice_sites
-from simcore.scene.scene import Scene
+from simcore.scene.scene import REFILL_HEIGHT, STUDY_FIRST_FILL, Scene
+from simcore.scene.shapes import Base, Draw, grain_volumes
 
-REFILL_HEIGHT = 0.6  # of the domain: where the study's batches begin
-STUDY_FIRST_FILL = 0.1
 MEAN_REACH = 200  # grains whose size says how many make up a layer
-
-
-class Draw(NamedTuple):
-    """Grains by id, as the grain room draws them; all (n,) but scale (n, 3) and uniforms (n, 8)."""
-
-    shape: np.ndarray
-    scale: np.ndarray
-    sieve_size: np.ndarray
-    uniforms: np.ndarray
 
 
 class Batch(NamedTuple):
@@ -70,8 +59,7 @@ class Pouring:
 
     def volumes(self, drawn: Draw) -> np.ndarray:
         """Of grains, (n,) [m³]."""
-        volume = np.array([base.volume for base in self.bases])
-        return volume[drawn.shape] * drawn.scale.prod(axis=1)
+        return grain_volumes(self.bases, drawn)
 
     # -- strewn at random -----------------------------------------------------------------------------------
 

@@ -8,14 +8,14 @@ import pytest
 from simcore.dem.forces.hertz import STORED, law_at, linear_law, local_law
 from simcore.dem.forces.sliding import CAPPED, NONE, VISCOUS
 from simcore.dem.forces.spring_dashpot import normal_force
-from simcore.dem.stability import body_steps, contact_load, stiffest_body
+from simcore.dem.from_scene import compose
+from simcore.dem.stability import body_steps, contact_load, longest_stable_step, stiffest_body
 from simcore.packing.energy import spring_energy
 from simcore.packing.expectation import depth_of_impact, expect, overlap_at_rest
 from simcore.packing.explanation import explain
 from simcore.packing.packed import DAMPING
 from simcore.packing.process import Process
 from simcore.scene.impact import sphere_radius
-from simcore.scene.scene import longest_stable_step
 from tests.helpers.few import set_up_few
 
 HERTZ = {"law": "hertz", "youngs_modulus": "2 MPa", "end_of_contact": "clamped"}
@@ -33,7 +33,7 @@ def scene(**material):
 
 
 def test_the_linear_law_at_an_overlap_gives_the_hertzian_force():
-    law, masses, overlap, speed = scene().law, (3e-4, 1e-4), 2e-5, -0.3
+    law, masses, overlap, speed = compose(scene()).law, (3e-4, 1e-4), 2e-5, -0.3
     radii = sphere_radius(np.array(masses), 2650.0)
     for partner, mass, radius in (
         (masses[1], np.prod(masses) / sum(masses), np.prod(radii) / sum(radii)),
@@ -56,17 +56,17 @@ def test_the_linear_law_at_an_overlap_gives_the_hertzian_force():
 
 
 def test_the_linear_law_is_its_own():
-    law = set_up_few().scene.law
+    law = compose(set_up_few().scene).law
     assert local_law(law, 1.0, 2.0, 1e-5) == (law, 1.0)
 
 
 def test_a_scene_has_the_friction_that_its_material_names():
     def features(**material):
-        found = set_up_few(material=material).scene.features
+        found = compose(set_up_few(material=material).scene).features
         return found.hertz, found.friction, found.sliding
 
     def preloaded(**changes):
-        found = set_up_few(**changes).scene.features
+        found = compose(set_up_few(**changes).scene).features
         return found.friction, found.preloaded
 
     assert features() == (False, True, NONE)
@@ -79,8 +79,8 @@ def test_a_scene_has_the_friction_that_its_material_names():
     assert preloaded(material=law) == (True, True)
     assert preloaded(material=law, numerics={"dashpot": "implicit"}) == (True, True)
     assert preloaded(material={**law, "friction": 0}) == (False, False)
-    assert scene(friction_law="dynamic", sliding_time="2 ms").law.sliding == 500.0
-    assert scene().law.sliding == 0.0
+    assert compose(scene(friction_law="dynamic", sliding_time="2 ms")).law.sliding == 500.0
+    assert compose(scene()).law.sliding == 0.0
 
 
 def test_the_contact_time_is_that_of_the_smallest_grains():
@@ -127,7 +127,7 @@ def test_a_bed_is_expected_to_need_what_its_weight_calls_for():
     heavy = set_up_few(material={**HERTZ, "restitution": 1}, amount={"grains": 40 * 8})
     assert overlap_at_rest(heavy.scene, heavy.bases, heavy.draw(np.arange(40))) > 3.0 * rest  # 8^(2/3) of other grains
     stability = expect(scene_, made.bases, made.draw).stability
-    assert scene_.least_steps <= stability.expected < stability.cautious
+    assert compose(scene_).least_steps <= stability.expected < stability.cautious
 
 
 @pytest.fixture(scope="module")
@@ -195,7 +195,7 @@ def test_the_watch_samples_the_stiffness_there_is(deposit):
 
 def test_its_springs_hold_two_fifths_k_times_the_overlap_to_five_halves(deposit):
     running, _ = deposit
-    bodies, (contacts, walls), law = running.bodies, running.near, running.scene.law
+    bodies, (contacts, walls), law = running.bodies, running.near, compose(running.scene).law
     radius, total = sphere_radius(bodies.mass, 2650.0), 0.0
     for p in np.flatnonzero(contacts.touching):
         a, b = contacts.body_a[p], contacts.body_b[p]
@@ -209,9 +209,9 @@ def test_its_springs_hold_two_fifths_k_times_the_overlap_to_five_halves(deposit)
 def test_explain_says_what_follows_from_the_stiffness():
     told = explain(set_up_few(**DEPOSIT))
     assert "Hertzian contacts with a viscous term" in told and "friction against the sliding velocity" in told
-    time = float(re.search(r"contact time (\S+) s", told)[1])
+    time = float(re.search(r"contact time of (\S+) s", told)[1])
     assert time == pytest.approx(set_up_few(**DEPOSIT).scene.numerics.contact_time, rel=1e-2)
-    assert "sliding dies out in 0.01 s, at most 0.5 F_n" in told
+    assert "Sliding dies out in 0.01 s, by a force of at most 0.5 times the normal force" in told
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,11 @@ from simcore.dem.shapes.hulls import collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.step.near_pairs import list_near
-from simcore.packing.insertion.batches import Draw, extents
+from simcore.packing.insertion.batches import extents
 from simcore.packing.insertion.initial_states import give_birth, occupy_sites
 from simcore.scene.domain import Domain, lattice_sites
 from simcore.scene.scene import Generation
+from simcore.scene.shapes import Draw
 
 BOX, CYLINDER = Domain("periodic", 0.1, 0.3), Domain("cylinder", 0.1, 0.3)
 

@@ -209,7 +209,7 @@ def test_the_command_line_ends_with_one_line(tmp_path, capsys):
         return path
 
     bed = tmp_path / "one.nc"
-    assert command("pack", specify({"amount": {"grains": 1}}), bed)[0] == 0
+    assert command("pack", specify({"amount": {"grains": 1}}), bed, "--force")[0] == 0
     status, lines = command("porosity", bed)
     assert status == 2 and len(lines) == 1 and "use more grains" in lines[0]
     status, lines = command("pack", specify({"amount": {"grains": 0}}), tmp_path / "none.nc")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from simcore.dem.from_scene import compose
 from simcore.packing.packed import PackingError
 
 GRAVITY = 9.81
@@ -39,7 +40,7 @@ def test_a_thin_grain_falls_flat(extreme, kind, form):
     grain = thrown(extreme, kind, form, np.radians(40.0))
     energies = extreme.run(grain, 1.0, damped=True)
     assert (np.diff(energies) < 1e-6 * energies[0]).all()
-    gives = GRAVITY / grain.scene.law.stiffness
+    gives = GRAVITY / compose(grain.scene).law.stiffness
     assert grain.bodies.position[0, 2] == pytest.approx(0.5 * THIN - gives, abs=0.5 * gives + 1e-3 * THIN)
     assert np.abs(grain.bodies.velocity).max() < 1e-4
 

@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.campaign.studies import merge
+from simcore.dem.from_scene import compose
 from simcore.packing.process import pack
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
@@ -27,7 +28,7 @@ def test_a_sphere_on_the_axis_of_a_cylinder_stays_there(extreme):
         ball = extreme.place(tube(extreme, width), R, [0, 0, 3 * R])
         extreme.run(ball, 0.3, damped=True)
         assert not ball.bodies.position[0, :2].any()
-        assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / ball.scene.law.stiffness, rel=1e-4)
+        assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / compose(ball.scene).law.stiffness, rel=1e-4)
 
 
 def test_a_sphere_too_wide_for_its_cylinder_is_squeezed_but_finite(extreme):
@@ -36,6 +37,29 @@ def test_a_sphere_too_wide_for_its_cylinder_is_squeezed_but_finite(extreme):
     extreme.run(ball, 0.05, damped=True)
     assert np.isfinite(ball.bodies.position).all()
     assert np.hypot(*ball.bodies.position[0, :2]) < 0.02 * R
+
+
+@pytest.mark.parametrize("ratio", [1.2, 1.6, 2.0])
+def test_a_cylinder_narrower_than_two_grains_is_filled(ratio):
+    """No site of the lattice lies within; grains are inserted on the axis, and stack in a column or a zigzag."""
+    raw = {
+        "name": "tube",
+        "domain": {"type": "cylinder", "width": f"{7.0 * ratio} mm", "height": "0.3 m"},
+        "shapes": {"kind": "sphere"},
+        "sizes": {"bounds": ["7 mm", "7.001 mm"], "mass_fractions": [1.0]},
+        "amount": {"grains": 12},
+        "shaking": {"duration": "0.05 s"},
+        "numerics": {"contact_time": "1 ms"},
+    }
+    made = set_up(resolve(raw), None)
+    packed = pack(made.scene, made.bases, made.draw)
+    position = packed.bodies.position
+    assert len(position) == 12
+    assert np.hypot(*position[:, :2].T).max() < 3.5e-3 * (ratio - 1.0) + 1e-5
+    # Neighbours up the column touch: their rise follows from the width where they lean on opposite sides.
+    rise = np.diff(np.sort(position[:, 2]))
+    across = 7e-3 * (ratio - 1.0)
+    assert rise.max() < 7.01e-3 and rise.min() > 0.99 * np.sqrt(7e-3**2 - min(across, 7e-3) ** 2) - 1e-4
 
 
 @pytest.mark.parametrize("angle", [0.0, 1.0, 2.5])
@@ -49,7 +73,7 @@ def test_a_sphere_thrown_into_the_edge_of_a_cylinder_comes_to_rest_beside_it(ext
     energies = extreme.run(ball, 1.5, damped=True)
     assert (np.diff(energies) < 1e-6 * energies[0]).all()
     assert np.hypot(*ball.bodies.position[0, :2]) < radius - R * (1.0 - 1e-3)
-    assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / ball.scene.law.stiffness, rel=1e-3)
+    assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / compose(ball.scene).law.stiffness, rel=1e-3)
 
 
 def test_a_ring_of_spheres_leans_on_the_cylinder(extreme):
@@ -99,7 +123,7 @@ def test_a_sphere_wider_than_its_box_presses_on_its_own_images(extreme):
     assert sorted(map(tuple, ball.contacts.image[ball.contacts.touching > 0])) == [(0, 1), (1, 0)]
     np.testing.assert_allclose(ball.contacts.overlap[ball.contacts.touching > 0], 2.0 * R - width, rtol=1e-12)
     assert not ball.bodies.position[0, :2].any() and not ball.bodies.angular_momentum.any()
-    assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / ball.scene.law.stiffness, rel=1e-4)
+    assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / compose(ball.scene).law.stiffness, rel=1e-4)
 
 
 def test_a_pair_touches_through_two_images(extreme):

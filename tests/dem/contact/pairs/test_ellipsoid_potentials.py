@@ -12,6 +12,7 @@ from simcore.dem.contact.finding import check_potentials, search_potentials
 from simcore.dem.contact.pair import Pair
 from simcore.dem.contact.pairs import ellipsoid_potentials as potential
 from simcore.dem.contact.search.deep_overlap import start_normal
+from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import ELLIPSOID, MIXED
 from simcore.dem.vectors import Vec, read
 from simcore.scene.specification import resolve
@@ -363,9 +364,9 @@ def test_it_is_a_choice_of_scenes_of_ellipsoids():
     choice = {"ellipsoid_contact": "potential"}
     shapes = {"kind": "ellipsoid", "choice": "form", "flatness": 0.5, "elongation": 0.5}
     scene = set_up_few(shapes=shapes, numerics=choice).scene
-    assert scene.features.potential and scene.kind == ELLIPSOID
-    assert not set_up_few(shapes=shapes).scene.features.potential
-    assert not set_up_few(numerics=choice).scene.features.potential  # spheres are in closed form
+    assert compose(scene).features.potential and scene.kind == ELLIPSOID
+    assert not compose(set_up_few(shapes=shapes).scene).features.potential
+    assert not compose(set_up_few(numerics=choice).scene).features.potential  # spheres are in closed form
     with pytest.raises(ValueError, match="numerics.ellipsoid_contact: potential is for scenes of ellipsoids alone"):
         dataclasses.replace(scene, kind=MIXED)
     with pytest.raises(ValueError, match="numerics.ellipsoid_contact: 'gradient' is not a choice"):

@@ -16,6 +16,7 @@ from benchmarks.studies.inflated import find, touching_pairs
 from simcore.dem.contact.finding import check_polyhedra, find_inflated, search_polyhedra
 from simcore.dem.contact.pairs.inflated import MARGIN, MAX_FACES, TOLERANCE
 from simcore.dem.contact.query import place_solids, table_of
+from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE, convex
 from tests.helpers.few import set_up_few
 
@@ -196,8 +197,8 @@ def test_a_lost_contact_forgets_its_springs_and_is_looked_for_again(core, pebble
 def test_only_polyhedra_have_it():
     scene = set_up_few(numerics={"contact_region": "point"}).scene
     inflated = dataclasses.replace(scene.numerics, contact_region="inflated")
-    assert dataclasses.replace(scene, kind=CONVEX, numerics=inflated).features.inflated
-    assert not scene.features.inflated
+    assert compose(dataclasses.replace(scene, kind=CONVEX, numerics=inflated)).features.inflated
+    assert not compose(scene).features.inflated
     for kind in (SPHERE, ELLIPSOID, MIXED):
         with pytest.raises(ValueError, match="numerics.contact_region: inflated is for scenes of polyhedra alone"):
             dataclasses.replace(scene, kind=kind, numerics=inflated)

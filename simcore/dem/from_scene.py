@@ -1,0 +1,115 @@
+"""What follows from a scene for its step: the parts of the step, the force laws and the limits of the time step."""
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from simcore.dem.forces.hertz import HertzLaw, hertz_law, linear_law
+from simcore.dem.forces.sliding import CAPPED, NONE, VISCOUS
+from simcore.dem.forces.spring_dashpot import ContactLaw, contact_law, implicit_law
+from simcore.dem.stability import longest_stable_step, minimum_steps_per_contact_time
+from simcore.dem.state.features import Features
+from simcore.scene.scene import SPRUNG, Scene
+from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON
+
+# Steps per contact time with which beds of the default material came to rest: `snakemake work_precision`, rest.csv.
+STEPS_FOR_REST = {"explicit": 40, "implicit": 10}
+
+
+@dataclass(frozen=True, eq=False)
+class Composition:
+    """The step of a scene: its parts, and the laws of its contacts."""
+
+    features: Features
+    law: ContactLaw | HertzLaw  # as the time step applies it
+    # What `law` tends to with the time step; of law hertz the linear law of the stiffest expected contact.
+    continuous_law: ContactLaw
+    stiffest_law: ContactLaw  # linear law of contacts as stiff as any is expected to become
+    least_steps: float  # per contact time: fewer are unstable for a grain pinched between two others
+    # Springs and dashpots of contacts over those of continuous_law, see stability.stiffest_body; None: all are 1.
+    firmness: Callable | None
+
+
+@functools.lru_cache
+def compose(scene: Scene) -> Composition:
+    """Return what the step of a scene is composed of. ValueError where its time step is unstable for any bed."""
+    law, continuous = _laws(scene)
+    hertz = scene.hertzian is not None
+    composition = Composition(
+        features=_features(scene),
+        law=law,
+        continuous_law=continuous,
+        stiffest_law=continuous if hertz else law,
+        least_steps=_least_steps(scene, continuous),
+        firmness=_firmness(law, continuous.stiffness) if hertz else None,
+    )
+    _check_steps(scene, composition.least_steps)
+    return composition
+
+
+def _features(scene: Scene) -> Features:
+    springs = scene.material.friction > 0.0 and scene.material.friction_law in SPRUNG
+    return Features(
+        kind=scene.kind,
+        friction=springs,
+        attractive=scene.material.end_of_contact == "attractive",
+        floor=True,
+        cylinder=not scene.domain.periodic,
+        periodic=scene.domain.periodic,
+        shaken=scene.shaking.amplitude > 0.0,
+        patch=scene.kind in (POLYHEDRON, MIXED) and scene.numerics.contact_region == "patch",
+        implicit=scene.implicit,
+        potential=scene.kind == ELLIPSOID and scene.numerics.ellipsoid_contact == "potential",
+        hertz=scene.hertzian is not None,
+        sliding=_sliding(scene),
+        preloaded=springs and scene.material.friction_law == "preloaded",
+        inflated=scene.numerics.contact_region == "inflated",
+    )
+
+
+def _sliding(scene: Scene) -> int:
+    """Return which friction against the sliding velocity acts, of simcore.dem.forces.sliding."""
+    if scene.material.friction_law == "dynamic":
+        return CAPPED if scene.material.friction > 0.0 else NONE
+    return VISCOUS if scene.material.friction_law == "viscous" else NONE
+
+
+def _laws(scene: Scene) -> tuple[ContactLaw | HertzLaw, ContactLaw]:
+    """Return the law as the scene's time step applies it, and the continuous one."""
+    m, found = scene.material, scene.hertzian
+    sliding_rate = 1.0 / m.sliding_time if _sliding(scene) != NONE else 0.0
+    if found is not None:
+        law = hertz_law(found, m.poisson_ratio, m.friction, m.density, sliding_rate)
+        return law, linear_law(law, found.least_mass, found.least_mass, found.deepest)
+    law = contact_law(m.restitution, scene.numerics.contact_time, m.poisson_ratio, m.friction, sliding_rate)
+    return implicit_law(law, scene.numerics.time_step) if scene.implicit else law, law
+
+
+def _least_steps(scene: Scene, law: ContactLaw) -> float:
+    if scene.hertzian is None:
+        return minimum_steps_per_contact_time(law, scene.implicit)
+    return scene.numerics.contact_time / longest_stable_step(law, False)
+
+
+def _firmness(law: HertzLaw, unit: float) -> Callable:
+    return lambda mass, partner, overlap: linear_law(law, mass, partner, overlap).stiffness / unit
+
+
+def _check_steps(scene: Scene, needed: float):
+    steps, dashpot = scene.numerics.steps_per_contact_time, scene.numerics.dashpot
+    if steps < needed:
+        raise ValueError(
+            f"numerics.steps_per_contact_time: {steps:g} is unstable for a grain pinched between two others; at "
+            f"restitution {scene.material.restitution:g} with an {dashpot} dashpot at least {needed:.2f} steps are "
+            f"needed, and {STEPS_FOR_REST[dashpot]} for beds whose grains have many contacts to come to rest"
+        )
+
+
+def stiffening_advice(scene: Scene) -> str:
+    """Return the sentence that says which setting makes contacts stiffer, and its present value."""
+    material = scene.material
+    if material.youngs_modulus is not None:
+        return f"Raise material.youngs_modulus, which is {material.youngs_modulus:g} Pa, to make contacts stiffer."
+    if material.overlap_at_rest is not None:
+        return f"Lower material.overlap_at_rest, which is {material.overlap_at_rest:g}, to make contacts stiffer."
+    return f"Shorten numerics.contact_time, which is {scene.numerics.contact_time:g} s, to make contacts stiffer."

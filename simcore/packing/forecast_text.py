@@ -1,0 +1,150 @@
+"""What is predicted of a packing's grains and of its bed, in words: for `explain`, and as warnings of `pack`."""
+
+import numpy as np
+
+from simcore.grains.sieve import SieveCurve
+from simcore.packing.forecast import ERROR_FACTOR, bed_warnings, check_bed, forecast, grains_of
+from simcore.scene.setup import Setup
+
+# A hull that adds more to the volume of its grain is worth a warning.
+LARGE_HULL = 1.1
+FAR_OFF = 0.05  # difference of asked and drawn mass fractions that is worth a warning
+INDENT = 12 * " "
+
+
+def grain_lines(setup: Setup, sample) -> list[str]:
+    """Return lines on the shapes, sizes and hulls of the grains of a packing; sample: all of them."""
+    flatness, elongation = (sample.S / sample.I).mean(), (sample.I / sample.L).mean()
+    lines = [
+        f"Grains      {_shapes(setup, sample)}. The mean flatness FL = S/I is {flatness:.3f} and the mean elongation "
+        f"EL = I/L is {elongation:.3f};",
+        f"{INDENT}both are 1 for a grain that is neither flat nor elongated",
+    ]
+    if len(setup.grains):
+        lines.append(_hull_line(setup, sample))
+        lines.append(f"{INDENT}Each is scaled to the size drawn for it: the size that it has in its file is not used")
+    if isinstance(setup.curve, SieveCurve):
+        lines += _class_lines(setup.curve, sample)
+    return lines
+
+
+def bed_lines(setup: Setup, sample) -> list[str]:
+    """Return lines on the height of the bed, on what of it is evaluated, and on the error of its porosity."""
+    grains = grains_of(setup, sample)
+    bed = forecast(setup.scene.domain, grains)
+    lines = [
+        f"Bed         It will be about {bed.height * 1e3:.0f} mm high, at a solid fraction of {bed.solid_fraction:.2f}"
+    ]
+    if np.isnan(bed.sampling_error):
+        return [*lines, f"{INDENT}None of it is left to evaluate: see the warning below"]
+    left_out = ""
+    if bed.at_floor > 0.0 or bed.at_surface > 0.0:
+        left_out = f", without the lowest {bed.at_floor * 1e3:.0f} mm and the uppermost {bed.at_surface * 1e3:.0f} mm"
+    return [
+        *lines,
+        f"{INDENT}Its porosity is taken from a height of about {bed.evaluated * 1e3:.0f} mm{left_out}",
+        f"{INDENT}and will have a sampling error of about {bed.sampling_error:.2g}, which is known to a factor of "
+        f"{ERROR_FACTOR:g}",
+    ]
+
+
+def setup_warnings(setup: Setup, sample=None, low_bed: bool = True) -> list[str]:
+    """Return a sentence for each thing about grains and bed that may make the result other than what is wanted.
+
+    sample: all grains of the packing, where they have been drawn already. low_bed: whether a bed that is too low to be
+    evaluated, or to be evaluated exactly, is worth a warning.
+    """
+    grains = grains_of(setup, sample)
+    scene = setup.scene
+    lines = bed_warnings(scene.domain, grains, scene.material.density) if low_bed else []
+    return lines + _hull_warnings(setup) + _class_warnings(setup, grains)
+
+
+def check_setup(setup: Setup) -> None:
+    """ValueError where the bed of a packing will be too low for its porosity to be evaluated."""
+    try:
+        check_bed(setup.scene.domain, grains_of(setup), setup.scene.material.density)
+    except ValueError as error:
+        raise ValueError(
+            f"{error} To pack it all the same, and to evaluate it with a smaller `porosity --cut`, add --force."
+        ) from None
+
+
+def class_fractions(curve: SieveCurve, D, volume) -> np.ndarray:
+    """Return the share of the volume that grains of sieve sizes D (n,) [m] have in each class of the curve, (k,)."""
+    place = np.clip(np.searchsorted(curve.bounds, D, side="right") - 1, 0, len(curve.mass_fractions) - 1)
+    found = np.bincount(place, volume, minlength=len(curve.mass_fractions))
+    return found / found.sum()
+
+
+def _shapes(setup, sample):
+    """Return how many shapes of which kind the grains have, in words."""
+    drawn = [setup.bases[shape] for shape in np.unique(sample.shape)]
+    polyhedra = sum(len(base.vertices) > 0 for base in drawn)
+    words = []
+    if polyhedra:
+        words.append(f"{polyhedra} different polyhedra" if polyhedra > 1 else "one polyhedron")
+    if polyhedra < len(drawn):
+        forms = len(np.unique(np.round(np.column_stack([sample.S / sample.I, sample.I / sample.L]), 9), axis=0))
+        round_ = np.all(sample.L == sample.S)
+        words.append("spheres" if round_ else "ellipsoids of one form" if forms == 1 else "ellipsoids of many forms")
+    return f"The grains are {' and '.join(words)}"
+
+
+def hull_ratios(setup: Setup) -> dict:
+    """Return, by name, the volume of each grain's convex hull over that of its mesh, where it is known."""
+    ratios = {grain.name: getattr(grain, "hull_ratio", None) for grain in setup.grains}
+    return {name: float(ratio) for name, ratio in ratios.items() if ratio is not None and np.isfinite(ratio)}
+
+
+def _hull_line(setup, sample):
+    ratios = hull_ratios(setup)
+    if len(ratios) < len(setup.grains):
+        return (
+            f"{INDENT}Each is packed as its convex hull; how much that adds to its volume is not known of these grains"
+        )
+    drawn = sample.shape[sample.shape < len(setup.grains)]
+    added = np.array([ratios[grain.name] for grain in setup.grains])[drawn] - 1.0
+    name, most = max(ratios.items(), key=lambda item: item[1])
+    return (
+        f"{INDENT}Each is packed as its convex hull, which adds {100 * added.mean():.1f} % to its volume on average "
+        f"and {100 * (most - 1.0):.1f} % at most ({name})"
+    )
+
+
+def _hull_warnings(setup):
+    large = {name: ratio for name, ratio in hull_ratios(setup).items() if ratio > LARGE_HULL}
+    if not large:
+        return []
+    name, most = max(large.items(), key=lambda item: item[1])
+    return [
+        f"{len(large)} of {len(setup.grains)} grains are so concave that their convex hull, as which they are packed, "
+        f"has more than {LARGE_HULL:g} times their volume; the largest has {most:.2f} times ({name}). What the hulls "
+        f"add counts as solid, so that the porosity is too low."
+    ]
+
+
+def _class_lines(curve, sample):
+    asked, drawn = curve.mass_fractions, class_fractions(curve, sample.D, sample.volume)
+    lines = ["Sizes       The sieve classes have these shares of the mass:"]
+    lines.append(f"{INDENT}  {'class':<18}{'asked':>8}{'drawn':>8}")
+    for low, high, share, got in zip(curve.bounds, curve.bounds[1:], asked, drawn, strict=False):
+        if share > 0.0 or got > 0.0:
+            lines.append(f"{INDENT}  {f'{low * 1e3:g} to {high * 1e3:g} mm':<18}{share:>8.1%}{got:>8.1%}")
+    return lines
+
+
+def _class_warnings(setup, grains):
+    if not isinstance(setup.curve, SieveCurve):
+        return []
+    drawn = class_fractions(setup.curve, grains.sieve_size, grains.volume)
+    off = drawn - setup.curve.mass_fractions
+    worst = int(np.argmax(np.abs(off)))
+    if abs(off[worst]) < FAR_OFF:
+        return []
+    low, high = setup.curve.bounds[worst : worst + 2] * 1e3
+    return [
+        f"The sieve class from {low:g} to {high:g} mm has {drawn[worst]:.1%} of the mass drawn, where "
+        f"{setup.curve.mass_fractions[worst]:.1%} are asked: so few grains do not represent the sieve curve. Raise "
+        f"amount, or pack several seeds."
+    ]
