@@ -6,6 +6,7 @@ import functools
 import numpy as np
 import trimesh
 
+from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import SPHERE, Base, unit_sphere
 from simcore.dem.state.bodies import FLOOR, make_bodies
 from simcore.packing.energy import mechanical_energy
@@ -78,7 +79,9 @@ def energy(process):
     """Energy of motion, height and normal springs [J], velocities brought up to the positions."""
     process.evaluate()
     made = process.scene
-    return mechanical_energy(process.bodies, process.near, made.law, made.material.effective_gravity, process.dt).total
+    return mechanical_energy(
+        process.bodies, process.near, compose(made).law, made.material.effective_gravity, process.dt
+    ).total
 
 
 def floor_force(process):

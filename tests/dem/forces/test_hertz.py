@@ -108,7 +108,7 @@ def test_stiffer_and_faster_scenes_take_shorter_steps():
 
 def test_a_pinched_grain_sets_the_least_steps_and_fewer_are_refused():
     made = scene()
-    law = linear_law(made.law, made.hertzian.least_mass, made.hertzian.least_mass, made.hertzian.deepest)
+    law = linear_law(compose(made).law, made.hertzian.least_mass, made.hertzian.least_mass, made.hertzian.deepest)
     assert made.continuous_law == law
     needed = made.numerics.contact_time / longest_stable_step(law, False)
     assert made.least_steps == needed

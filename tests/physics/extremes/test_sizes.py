@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from simcore.dem.from_scene import compose
 from simcore.packing.packed import PackingError
 
 GRAVITY = 9.81
@@ -21,7 +22,7 @@ def column(extreme, radii, contact_time=STUDY):
     above = GRAVITY * np.cumsum(mass[::-1])[::-1]
     effective = mass.copy()
     effective[1:] = mass[1:] * mass[:-1] / (mass[1:] + mass[:-1])
-    return stood, above, above / (made.law.stiffness * effective)
+    return stood, above, above / (compose(made).law.stiffness * effective)
 
 
 @pytest.mark.parametrize("ratio", [1, 10, 100, 1000])
