@@ -168,8 +168,8 @@ def _grain_set(spec):
 
 
 def _with_grain_set(spec, path):
-    # The set is decimated already, and its grains are in metres.
-    return {**spec, "grains": {**spec["grains"], "source": path, "unit": None}, "faces": "original"}
+    # The set is decimated already, its grains are in metres and each is one body.
+    return {**spec, "grains": {**spec["grains"], "source": path, "unit": None, "bodies": "one"}, "faces": "original"}
 
 
 def _column(key):

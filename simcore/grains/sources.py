@@ -1,10 +1,15 @@
 """The grains behind the group `grains` of a specification: synthetic, from files, or a set prepared before."""
 
+import functools
+import hashlib
 from pathlib import Path
 
-from simcore.grains.grain_set import read_grains
-from simcore.grains.readers import UNITS, read_grain_files
+from simcore.grains.grain_set import read_attribute, read_grains
+from simcore.grains.readers import UNITS, grain_files, read_grain_files
 from simcore.grains.synthetic import synthetic_grains
+
+# A hull that is this many times larger than its grain is warned of.
+CONCAVE = 1.1
 
 
 def source_files(grains):
@@ -42,4 +47,71 @@ def load_grains(grains):
             raise ValueError("grains.source: give one prepared grain set (.nc), not several")
         return read_grains(files[0])
     spacing = grains["voxel_spacing"]
-    return read_grain_files(files, grains["unit"], None if spacing is None else spacing / UNITS[grains["unit"]])
+    spacing = None if spacing is None else spacing / UNITS[grains["unit"]]
+    return read_grain_files(files, grains["unit"], spacing, grains["bodies"])
+
+
+def grain_warnings(grains, group=None):
+    """What the user of grains should see before they are packed, a list of sentences; empty if there is nothing.
+
+    grains: list of Grain. Concave grains, whose hulls are packed, are listed with their ratios above CONCAVE, then what
+    was noted as each was read. group: the resolved group `grains` behind them; if it is given, the files of its folders
+    that were left out are listed with their reasons.
+    """
+    warnings = []
+    concave = sorted((grain for grain in grains if grain.hull_ratio > CONCAVE), key=lambda grain: -grain.hull_ratio)
+    if concave:
+        named = _some([f"{grain.name} {grain.hull_ratio:.2f}" for grain in concave])
+        warnings.append(
+            f"{len(concave)} of {len(grains)} grains are concave; their convex hulls are packed, which are larger than "
+            f"the grains by these factors: {named}."
+        )
+    noted = {}
+    for grain in grains:
+        for note in grain.notes:
+            noted.setdefault(note, []).append(grain.name)
+    warnings += [f"grain{'s' if len(names) > 1 else ''} {_some(names)}: {note}." for note, names in noted.items()]
+    left_out = left_out_files(group) if group is not None else []
+    if left_out:
+        warnings.append(f"{len(left_out)} files were left out: {_some(left_out, '; ')}.")
+    return warnings
+
+
+def left_out_files(group):
+    """`name: reason` of each file that was left out of the folders behind the resolved group `grains`."""
+    files = source_files(group)
+    if not files:
+        return []
+    if Path(files[0]).suffix == ".nc":
+        return (read_attribute(files[0], "left_out") or "").splitlines()
+    return [f"{path.name}: {reason}" for path, reason in grain_files(files)[1].items()]
+
+
+def _some(words, mark=", "):
+    """The first ten words, and how many more there are."""
+    return mark.join(words[:10]) + (f"{mark}and {len(words) - 10} more" if len(words) > 10 else "")
+
+
+def content_digest(paths):
+    """Digest (16 hex digits) of the names and contents of all grain files behind paths, of files and folders.
+
+    It changes if a file is overwritten under the same name, added, renamed or removed; a missing one counts as empty.
+    Each file is read once a process.
+    """
+    total = hashlib.sha256()
+    for path in map(Path, paths):
+        try:
+            files = grain_files(path)[0]
+        except ValueError:  # a folder without grains: the rule that reads it says so
+            files = []
+        for file in files:
+            total.update(f"{file.name} {_file_digest(file)}\n".encode())
+    return total.hexdigest()[:16]
+
+
+@functools.cache
+def _file_digest(path):
+    if not path.is_file():
+        return ""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
