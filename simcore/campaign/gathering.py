@@ -139,10 +139,10 @@ def _comparable(specification):
     damping = {key: value for key, value in specification["damping"].items() if key != "max_time"}
     # Where a campaign keeps its results; of which grains it is, `source` says.
     grains = {**specification["grains"], "source": source_name(specification["grains"]["source"])}
-    # A key that came after rows were committed; at its default it decides nothing that they did not have.
-    if grains.get("bodies") == "one":
-        del grains["bodies"]
-    changed = {"shapes": shapes, "numerics": numerics, "damping": damping, "grains": grains}
+    # Keys that came after rows were committed; at their defaults they decide nothing that those did not have.
+    grains = {key: value for key, value in grains.items() if (key, value) != ("bodies", "one")}
+    sizes = {key: value for key, value in specification["sizes"].items() if (key, value) != ("own", False)}
+    changed = {"shapes": shapes, "numerics": numerics, "damping": damping, "grains": grains, "sizes": sizes}
     return json.loads(json.dumps({**specification, **changed}))
 
 

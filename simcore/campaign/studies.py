@@ -62,6 +62,11 @@ def expand_study(name, study, config):
             _put(raw, key, value, where)
         packing = "-".join(part["label"] for part in combination if part["label"]) or name
         spec = resolve({**raw, "name": packing}, where=where)
+        if spec["sizes"]["own"]:
+            raise ValueError(
+                f"{where}, packing {packing}: sizes.own is for single packings (`python -m simcore pack`), as grains "
+                "are not read when a campaign is planned; give a case, bounds or beta"
+            )
         check_top_class(spec, f"{where}, packing {packing}")
         grain_set = _grain_set(spec)
         rows.append(
