@@ -1,13 +1,16 @@
-"""Vertices and triangles of mesh files; OBJ and PLY are parsed here, STL and OFF by trimesh."""
+"""Vertices and triangles of mesh files: STL, PLY, OBJ and OFF."""
+
+import re
 
 import numpy as np
-import trimesh
 
 _PLY_TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
     "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
     "double": "f8", "float64": "f8",
 }  # fmt: skip
+_STL_ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_STL_VERTEX = re.compile(rb"\bvertex\s+([^\r\n]*)")
 _PLY_ORDER = {"binary_little_endian": "<", "binary_big_endian": ">"}
 
 
@@ -16,33 +19,74 @@ def read_mesh(path):
 
     Faces with more corners become fans of triangles. ValueError says what is wrong in the file, without its path.
     """
-    suffix = path.suffix.lower()
-    if suffix == ".obj":
-        return _read_obj(path.read_bytes().decode("utf-8", errors="replace"))
-    if suffix == ".ply":
-        return _read_ply(path.read_bytes())
-    try:
-        mesh = trimesh.load(path, force="mesh", process=False)
-    except Exception as error:  # the parsers of trimesh raise whatever they stumble over
-        raise ValueError(f"cannot be read as a mesh: {' '.join(str(error).split())}") from None
-    faces = np.asarray(mesh.faces, int)
-    return np.asarray(mesh.vertices, float).reshape(-1, 3), faces.reshape(-1, 3)
+    data, suffix = path.read_bytes(), path.suffix.lower()
+    vertices, faces = {".obj": _read_obj, ".ply": _read_ply, ".stl": _read_stl, ".off": _read_off}[suffix](data)
+    if len(faces) and not (faces.min() >= 0 and faces.max() < len(vertices)):
+        raise ValueError(
+            f"a face refers to a vertex that does not exist; the mesh has {len(vertices)} vertices: export it again"
+        )
+    return vertices, faces
 
 
 def _fans(polygons):
     """Triangles (m, 3) of polygons, each a sequence of at least three vertex indices."""
     fans = [(corners[0], corners[i], corners[i + 1]) for corners in polygons for i in range(1, len(corners) - 1)]
-    return np.array(fans, int).reshape(-1, 3)
+    try:
+        return np.array(fans, int).reshape(-1, 3)
+    except OverflowError:
+        raise ValueError("a face refers to a vertex by a number that is far too large: export it again") from None
 
 
-def _check_indices(faces, count):
-    if len(faces) and not (faces.min() >= 0 and faces.max() < count):
+def _read_stl(data):
+    if len(data) >= 84:
+        count = int(np.frombuffer(data, "<u4", 1, 80)[0])
+        if len(data) == 84 + 50 * count:
+            corners = np.frombuffer(data, _STL_ROW, count, 84)["corners"].reshape(-1, 3).astype(float)
+            return corners, np.arange(len(corners)).reshape(-1, 3)
+    words = _STL_VERTEX.findall(data)
+    if not data.lstrip().startswith(b"solid") or not words:
         raise ValueError(
-            f"a face refers to a vertex that does not exist; the mesh has {count} vertices: export it again"
+            "cannot be read as a mesh: it is neither STL text nor binary STL of the length in its header; it may "
+            "be cut short: export or copy it again"
         )
+    try:
+        corners = np.array([line.split() for line in words], float)
+        return corners, np.arange(len(corners)).reshape(-1, 3)
+    except ValueError:
+        raise ValueError(
+            "cannot be read as a mesh: its vertices are not three numbers each and three a triangle; it may be cut "
+            "short: export or copy it again"
+        ) from None
 
 
-def _read_obj(text):
+def _read_off(data):
+    text = data.decode("utf-8", errors="replace")
+    lines = [words for line in text.splitlines() if (words := line.split("#", 1)[0].split())]
+    keyword = lines[0].pop(0) if lines and lines[0][0].endswith("OFF") else ""
+    if keyword not in ("", "OFF", "COFF", "NOFF", "CNOFF", "STOFF") or lines[:1] == [["BINARY"]]:
+        raise ValueError(
+            f"it is a file {keyword} {' '.join(lines[0])}, of which only OFF text in three dimensions is read"
+        )
+    lines = [words for words in lines if words]
+    try:
+        vertex_count, face_count = int(lines[0][0]), int(lines[0][1])
+        rows, faces = lines[1 : 1 + vertex_count], lines[1 + vertex_count : 1 + vertex_count + face_count]
+        if len(rows) < vertex_count or len(faces) < face_count or min(vertex_count, face_count) < 0:
+            raise IndexError
+        vertices = np.array([words[:3] for words in rows], float).reshape(-1, 3)
+        corners = [[int(word) for word in words[1 : 1 + int(words[0])]] for words in faces]
+        if any(len(own) < max(int(words[0]), 3) for own, words in zip(corners, faces, strict=True)):
+            raise IndexError
+    except (IndexError, ValueError):
+        raise ValueError(
+            "cannot be read as a mesh: it is not OFF, the numbers of vertices and faces, and a line of numbers for "
+            "each; it may be cut short: export or copy it again"
+        ) from None
+    return vertices, _fans(corners)
+
+
+def _read_obj(data):
+    text = data.decode("utf-8", errors="replace")
     vertices, polygons = [], []
     for number, line in enumerate(text.replace("\\\r\n", " ").replace("\\\n", " ").splitlines(), start=1):
         words = line.split("#", 1)[0].split()
@@ -57,9 +101,7 @@ def _read_obj(text):
         except ValueError as error:
             reason = "a vertex needs three numbers" if words[0] == "v" else f"a face cannot be read ({error})"
             raise ValueError(f"line {number}: {reason}, got '{line.strip()[:60]}': export the mesh again") from None
-    faces = _fans(polygons)
-    _check_indices(faces, len(vertices))
-    return np.array(vertices, float).reshape(-1, 3), faces
+    return np.array(vertices, float).reshape(-1, 3), _fans(polygons)
 
 
 def _obj_corners(words, count):
@@ -88,7 +130,6 @@ def _read_ply(data):
             faces = _triangles(lists[0]) if lists else faces
         elif name == "tristrips" and count:
             raise ValueError("it stores triangle strips, which are not read: export it with separate triangles")
-    _check_indices(faces, len(vertices))
     return vertices, faces
 
 
@@ -226,6 +267,8 @@ def _mixed_rows(data, position, order, count, properties):
             if of_list is not None:
                 length = int(np.frombuffer(data, of_list, 1, position)[0])
                 position += of_list.itemsize
+                if length < 0:
+                    raise ValueError
             values = np.frombuffer(data, kind, length, position)
             position += length * kind.itemsize
             columns[key].append(values.tolist() if of_list is not None else values[0])

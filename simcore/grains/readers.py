@@ -1,7 +1,6 @@
 """Measured grains from files: meshes, point clouds, voxel images and spherical-harmonic coefficients."""
 
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 
@@ -25,6 +24,7 @@ _SHEETS = (".xlsx", ".xls", ".ods", ".tsv")
 _APPLE_DOUBLE = b"\x00\x05\x16\x07"  # first bytes of the files `._name` that macOS writes beside others
 # Coordinates of a body this many times its size from the origin, rounded to more than this share of it, are refused.
 _FAR, _COARSE = 100.0, 2e-3
+_LARGEST = 1e12  # above any length; its powers do not overflow
 
 
 def read_grain(path, unit, spacing=None):
@@ -158,7 +158,7 @@ def _read_groups(path, unit, spacing):
     if suffix not in _KNOWN:
         raise ValueError(f"unknown extension {suffix!r}: known are {' '.join(_KNOWN)}")
     if suffix in _ARRAYS:
-        return _array_groups(path, spacing)
+        return _array_groups(path, unit, spacing)
     if suffix in _POINTS:
         points, unused = read_points(path, unit)
         note = (f"was read from the columns x, y, z; not used: {', '.join(unused)}",) if unused else ()
@@ -189,17 +189,21 @@ def _star_body(coefficients):
     return Body(r[:, None] * directions, 4 / 3 * np.pi * float(np.mean(r**3)))
 
 
-def _array_groups(path, spacing):
+def _array_groups(path, unit, spacing):
     try:
         data = np.load(path, allow_pickle=False)
-    except (ValueError, EOFError, BadZipFile):
+        if path.suffix.lower() == ".npz":
+            with data as archive:
+                data = dict(archive)
+    except OSError:
+        raise
+    except Exception:  # the parsers of numpy and zipfile raise whatever they stumble over
         raise ValueError("is no file of NumPy arrays: write it with numpy.save or numpy.savez") from None
-    if path.suffix.lower() == ".npz":
+    if isinstance(data, dict):
         missing = [key for key in ("mask", "spacing") if key not in data and (key == "mask" or spacing is None)]
         if missing:
             raise ValueError(f"it has no array {', '.join(missing)}, but {', '.join(data)}: name the arrays so")
-        data, spacing = data["mask"], data["spacing"] if spacing is None else spacing
-        return image_bodies(data, spacing)
+        return image_bodies(data["mask"], data["spacing"] if spacing is None else spacing)
     if data.ndim == 3:
         if spacing is None:
             raise ValueError("a voxel mask needs `spacing`, the edge of a voxel")
@@ -209,7 +213,7 @@ def _array_groups(path, spacing):
             f"an array {data.shape} of {data.dtype} is neither points with 3 coordinates, (n, 3), nor a voxel image of "
             "three dimensions"
         )
-    return [("", [Body(data)])]
+    return [("", [_cloud(data.astype(float), unit)])]
 
 
 def _check_precision(points, unit):
@@ -217,8 +221,10 @@ def _check_precision(points, unit):
     finite = points[np.isfinite(points).all(axis=1)]
     if len(finite) == 0:
         return
-    size = np.ptp(finite, axis=0).max()
     distance = np.abs(finite).max(axis=0)
+    if distance.max() > _LARGEST:
+        raise ValueError(f"coordinates of {distance.max():.3g} {unit} are no lengths: correct or export them again")
+    size = np.ptp(finite, axis=0).max()
     for axis in np.flatnonzero(distance > _FAR * size):
         step = _rounding(finite[:, axis])
         if step > _COARSE * size:

@@ -193,3 +193,68 @@ def test_the_ratio_of_a_concave_mesh_is_hull_over_mesh(tmp_path):
     (grain,) = read_grains_of(tmp_path / "cross.stl", "mm")
     assert grain.hull_ratio == pytest.approx(mesh.convex_hull.volume / 7, rel=1e-6) and grain.hull_ratio > 1.7
     assert mesh_bodies(np.asarray(mesh.vertices), np.asarray(mesh.faces))[0].volume == pytest.approx(7, rel=1e-12)
+
+
+def stl_text(count=12):
+    lines = BOX.export(file_type="stl_ascii").splitlines()
+    return "\n".join(lines[: 1 + 7 * count])
+
+
+def off_text(faces=QUADS, head="OFF\n8 {} 0", tail=""):
+    rows = [" ".join(map(str, point)) for point in CORNERS]
+    rows += [" ".join(map(str, [len(face), *face])) + tail for face in faces]
+    return "\n".join([head.format(len(faces)), *rows])
+
+
+FORMS = {
+    "binary": ("a.stl", BOX.export(file_type="stl")),
+    "text that begins as binary": ("a.stl", b"solid" + BOX.export(file_type="stl")[5:]),
+    "text": ("a.stl", stl_text().encode()),
+    "CRLF": ("a.stl", stl_text().replace("\n", "\r\n").encode()),
+    "several solids": (
+        "a.stl",
+        (stl_text(5) + "\nendsolid\nsolid b\n" + "\n".join(stl_text().split("\n")[36:])).encode(),
+    ),
+    "Latin-1": ("a.stl", ("solid Kö\n" + stl_text().split("\n", 1)[1]).encode("latin-1")),
+    "quads": ("a.off", off_text().encode()),
+    "mixed": ("a.off", off_text(MIXED).encode()),
+    "counts beside": ("a.off", off_text(head="OFF 8 {} 0").encode()),
+    "no keyword": ("a.off", off_text(head="8 {} 12").encode()),
+    "colours and comments": ("a.off", off_text(head="COFF\n# a box\n\n8 {} 0", tail=" 255 0 0  # red").encode()),
+}
+
+
+@pytest.mark.parametrize("kind", FORMS)
+def test_stl_and_off(tmp_path, kind):
+    name, data = FORMS[kind]
+    (tmp_path / name).write_bytes(data)
+    assert_is_box(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    "name, data",
+    [
+        ("a.stl", BOX.export(file_type="stl")[:-30]),
+        ("a.stl", BOX.export(file_type="stl") + b"0"),
+        ("a.stl", stl_text()[:-40].encode()),
+        ("a.stl", stl_text().replace("vertex 5", "vertex five", 1).encode()),
+        ("a.stl", b"solid\nendsolid"),
+        ("a.off", off_text()[:-14].encode()),
+        ("a.off", off_text()[:-1].encode()),
+        ("a.off", off_text(head="8").encode()),
+        ("a.off", off_text().replace("3.5", "3;5").encode()),
+        ("a.off", b"OFF BINARY\n\x00"),
+        ("a.off", off_text(head="4OFF\n8 {} 0").encode()),
+    ],
+)
+def test_stl_and_off_that_cannot_be_read_say_so(tmp_path, name, data):
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(ValueError, match=rf"{name}: (cannot be read as a mesh|it is a file)") as error:
+        read_grain(tmp_path / name, "mm")
+    assert "\n" not in str(error.value)
+
+
+def test_a_coordinate_that_is_no_length_is_refused(tmp_path):
+    (tmp_path / "a.obj").write_text(obj_text(QUADS).replace("v 5.0", "v 1e300", 1).replace("v 5 ", "v 1e300 ", 1))
+    with pytest.raises(ValueError, match="1e\\+300 mm are no lengths"):
+        read_grain(tmp_path / "a.obj", "mm")
