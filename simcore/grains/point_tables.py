@@ -26,6 +26,7 @@ _FORM_NAMES = (
     {"length", "width", "thickness"},
     {"flatness", "elongation"},
 )
+_LEAST_MEAN = 0.1  # of flatness and elongation in a specification (config/packing.schema.yaml)
 _LONGEST = 100.0  # longest over shortest axis of a gravel
 
 
@@ -87,6 +88,8 @@ def how_to_use_forms(path):
         f"std: {sample.sigma_EL:.3f}}}"
         for sample in samples
     ]
+    if min(min(sample.mu_FL, sample.mu_EL) for sample in samples) < _LEAST_MEAN:
+        return f"{advice}; here {sets[0]}, but means below {_LEAST_MEAN} are not packed"
     if len(sets) == 1:
         return f"pack grains of these forms without `grains`, by `shapes: {{choice: form_distribution, {sets[0]}}}`"
     listed = "; ".join(f"sample {sample.name}: {said}" for sample, said in zip(samples[:3], sets, strict=False))

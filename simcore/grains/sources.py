@@ -77,6 +77,20 @@ def grain_warnings(grains, group=None):
     return warnings
 
 
+def size_note(grains, sizes):
+    """A sentence on what becomes of the sizes that grains (list of Grain) have themselves; None if there are none.
+
+    sizes: the resolved group `sizes`.
+    """
+    if not grains:
+        return None
+    low, high = (f(grain.sieve_size for grain in grains) * 1e3 for f in (min, max))
+    of = f"The grains of the set have sieve sizes of {low:.3g} to {high:.3g} mm"
+    if sizes["own"]:
+        return f"{of}, which they keep."
+    return f"{of}; they are scaled to the sizes drawn. `sizes: {{own: true}}` keeps their own."
+
+
 def left_out_files(group):
     """`name: reason` of each file that was left out of the folders behind the resolved group `grains`."""
     files = source_files(group)

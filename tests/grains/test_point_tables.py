@@ -118,6 +118,11 @@ def test_other_tables_of_axes_are_refused(tmp_path, header):
         read(tmp_path, "a.csv", table_of_axes(header, rows, mark))
 
 
+def test_forms_that_are_not_packed_are_named(tmp_path):
+    with pytest.raises(ValueError, match=r"flatness: \{mean: 0\.0\d+, .*means below 0\.1 are not packed"):
+        read(tmp_path, "a.csv", table_of_axes("L,I,S", AXES * [1, 1, 0.08]))
+
+
 def test_axes_without_header_are_no_cloud(tmp_path):
     text = "\n".join(",".join(f"{value:.3f}" for value in row) for row in AXES)
     with pytest.raises(ValueError, match="as a table of axes"):

@@ -9,7 +9,7 @@ import trimesh
 
 from simcore.grains.grain_set import read_grains, write_grains
 from simcore.grains.mesh import decimate
-from simcore.grains.sources import content_digest, grain_warnings, left_out_files, load_grains
+from simcore.grains.sources import content_digest, grain_warnings, left_out_files, load_grains, size_note
 from simcore.grains.tables import form_table
 from simcore.scene.specification import resolve
 
@@ -91,6 +91,14 @@ def test_ratio_and_notes_survive_the_grain_set_its_table_and_decimation(folder, 
         table.hull_ratio, pd.Series([g.hull_ratio for g in grains], table.index, name="hull_ratio")
     )
     assert np.isnan(table.hull_ratio["cloud"]) and table.hull_ratio["round"] == pytest.approx(1, rel=1e-6)
+
+
+def test_what_becomes_of_the_grains_own_sizes_is_said(folder):
+    grains = load_grains(group(folder))
+    low, high = (f"{f(grain.sieve_size for grain in grains) * 1e3:.3g}" for f in (min, max))
+    assert f"{low} to {high} mm; they are scaled" in size_note(grains, {"own": False})
+    assert f"{low} to {high} mm, which they keep" in size_note(grains, {"own": True})
+    assert size_note([], {"own": False}) is None
 
 
 def test_bodies_of_a_specification_reach_the_reader(tmp_path):
