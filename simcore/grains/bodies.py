@@ -31,19 +31,19 @@ def select_bodies(bodies, choice, unit):
         return bodies
     bodies = sorted(bodies, key=lambda body: -body.volume)
     volumes = [body.volume for body in bodies]
-    said = _listed(volumes, unit)
+    volumes_text = _listed(volumes, unit)
     if choice == "one":
         raise ValueError(
-            f"it has {len(bodies)} separate bodies, of {said}; a grain is one body: delete what is no grain (a "
+            f"it has {len(bodies)} separate bodies, of {volumes_text}; a grain is one body: delete what is no grain (a "
             "turntable, noise), or set `grains.bodies` to split (each becomes a grain), largest (the others are left "
             "out) or joined (the hull of all is one grain)"
         )
     if choice == "joined":
         notes = tuple(dict.fromkeys(note for body in bodies for note in body.notes))
-        joined = f"is the hull of {len(bodies)} bodies, of {said}"
+        joined = f"is the hull of {len(bodies)} bodies, of {volumes_text}"
         return [Body(np.concatenate([body.points for body in bodies]), sum(volumes), (joined, *notes))]
     if choice == "largest":
-        note = f"is the largest of {len(bodies)} bodies in its file, of {said}; the others were left out"
+        note = f"is the largest of {len(bodies)} bodies in its file, of {volumes_text}; the others were left out"
         return [Body(bodies[0].points, volumes[0], (note, *bodies[0].notes))]
     return [
         body if body.volume >= _NOISE * volumes[0] else _with_note(body, body.volume / volumes[0]) for body in bodies

@@ -92,7 +92,7 @@ def how_to_use_forms(path):
         return f"{advice}; here {sets[0]}, but means below {_LEAST_MEAN} are not packed"
     if len(sets) == 1:
         return f"pack grains of these forms without `grains`, by `shapes: {{choice: form_distribution, {sets[0]}}}`"
-    listed = "; ".join(f"sample {sample.name}: {said}" for sample, said in zip(samples[:3], sets, strict=False))
+    listed = "; ".join(f"sample {sample.name}: {form}" for sample, form in zip(samples[:3], sets, strict=False))
     return f"{advice}; here {listed}{' …' if len(sets) > 3 else ''}"
 
 
@@ -168,7 +168,7 @@ def _without_count(header, rows):
     header, rows = _without_header(rows[1:])
     if count != len(rows):
         raise ValueError(
-            f"its first row says {count:g} points, {len(rows)} follow: it is cut short, or the row is wrong"
+            f"its first row counts {count:g} points, {len(rows)} follow: it is cut short, or the row is wrong"
         )
     return header, rows
 
@@ -204,36 +204,36 @@ def _number(field):
 
 def _axis_columns(header):
     """Position and unit of each of x, y, z that the header names: {axis: [(position, unit or None)]}."""
-    found = {}
+    positions = {}
     for position, name in enumerate(header):
         match = _AXIS_NAME.fullmatch(name.strip())
         if match is None or (match[1] in "012" and len(name.strip()) == 1):
             continue
         axis = {"0": "x", "1": "y", "2": "z"}.get(match[1], match[1].lower())
-        found.setdefault(axis, []).append((position, match[2] or match[3]))
-    return found
+        positions.setdefault(axis, []).append((position, match[2] or match[3]))
+    return positions
 
 
 def _find_columns(path, header, unit):
-    found = _axis_columns(header)
+    positions = _axis_columns(header)
     listed = ", ".join(header)
-    if len(found) < 3:
+    if len(positions) < 3:
         if _is_form_table(path, header):
             raise ValueError(_form_error(path, header))
-        missing = ", ".join(axis for axis in "xyz" if axis not in found)
+        missing = ", ".join(axis for axis in "xyz" if axis not in positions)
         raise ValueError(
             f"its header ({listed}) names no column {missing}: call the three columns of coordinates x, y and z; a "
             "table of axes belongs to `shapes.choice: form_distribution`"
         )
     for axis in "xyz":
-        if len(found[axis]) > 1:
+        if len(positions[axis]) > 1:
             raise ValueError(f"its header ({listed}) names {axis} twice: rename or drop one of the columns")
-        stated = found[axis][0][1]
+        stated = positions[axis][0][1]
         if stated in _LENGTHS and stated != unit:
             raise ValueError(
-                f"its header says {header[found[axis][0][0]]}, but `grains.unit` is {unit}: correct one of them"
+                f"its header gives {header[positions[axis][0][0]]}, but `grains.unit` is {unit}: correct one of them"
             )
-    return [found[axis][0][0] for axis in "xyz"]
+    return [positions[axis][0][0] for axis in "xyz"]
 
 
 def _numbers(rows, columns, header):

@@ -137,9 +137,9 @@ def _parts(mask, spacing, shape, start):
 def _cut_note(box, start, shape):
     """Note that a part touches the image's border, or none."""
     sides = []
-    for axis, part, first, size in zip("xyz", box, start, shape, strict=True):
-        sides += [f"{axis} = 0"] if first + part.start == 0 else []
-        sides += [f"{axis} = {size - 1}"] if first + part.stop == size else []
+    for axis, part, offset, size in zip("xyz", box, start, shape, strict=True):
+        sides += [f"{axis} = 0"] if offset + part.start == 0 else []
+        sides += [f"{axis} = {size - 1}"] if offset + part.stop == size else []
     if not sides:
         return ()
     return (f"touches the border of its voxel image ({', '.join(sides)}): unless it is cropped tightly, it is cut off",)

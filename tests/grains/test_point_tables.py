@@ -76,8 +76,8 @@ WRONG = {
     "x twice": (["x,y,z,X", *lines(after=["1"])], "names x twice"),
     "no z": (["x,y,depth", *lines()], "names no column z"),
     "velocities": (["x_velocity,y_velocity,z_velocity", *lines()], "names no column x, y, z"),
-    "count is wrong": ([str(len(POINTS) + 3), *lines()], "says 63 points, 60 follow"),
-    "other unit": (["x_cm,y_cm,z_cm", *lines()], "header says x_cm, but `grains.unit` is mm"),
+    "count is wrong": ([str(len(POINTS) + 3), *lines()], "counts 63 points, 60 follow"),
+    "other unit": (["x_cm,y_cm,z_cm", *lines()], "header gives x_cm, but `grains.unit` is mm"),
     "empty": (["x,y,z"], "holds no points"),
 }
 
