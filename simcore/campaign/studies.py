@@ -68,6 +68,11 @@ def expand_study(name, study, config):
     for combination in itertools.product(*axes):
         packing = "-".join(part["label"] for part in combination if part["label"]) or name
         spec = resolve({**_lay_over(fixed, combination, where), "name": packing}, where=where)
+        if spec["sizes"]["own"]:
+            raise ValueError(
+                f"{where}, packing {packing}: sizes.own is for single packings (`python -m simcore pack`), as grains "
+                "are not read when a campaign is planned; give a case, bounds or beta"
+            )
         check_top_class(spec, f"{where}, packing {packing}")
         form = next((part["form"] for part in combination if "form" in part), 0)
         grains, grain_set = _grain_set(spec, form, where)
@@ -223,8 +228,8 @@ def _grain_set(spec, form, where):
 
 
 def _with_grain_set(spec, path):
-    # The set is decimated already, and its grains are in metres.
-    return {**spec, "grains": {**spec["grains"], "source": path, "unit": None}, "faces": "original"}
+    # The set is decimated already, its grains are in metres and each is one body.
+    return {**spec, "grains": {**spec["grains"], "source": path, "unit": None, "bodies": "one"}, "faces": "original"}
 
 
 def _column(key):

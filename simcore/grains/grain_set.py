@@ -18,6 +18,7 @@ _MEASURES = {
     "flatness": ("1", "flatness S/I"),
     "elongation": ("1", "elongation I/L"),
     "sphericity": ("1", "surface of the sphere of equal volume over the surface (Wadell)"),
+    "hull_ratio": ("1", "volume of the convex hull over the volume of the measured body"),
 }
 
 
@@ -46,6 +47,7 @@ def grain_dataset(grains, **attributes):
     for measure, (units, long_name) in _MEASURES.items():
         values = np.array([getattr(g, measure) for g in grains])
         data[measure] = ("grain", values, {"units": units, "long_name": long_name})
+    data["notes"] = ("grain", np.array(["\n".join(g.notes) for g in grains], object), {"long_name": "how it was read"})
     frame = "centre of mass at the origin, principal axes S, I, L along x, y, z"
     return xr.Dataset(data, {"grain": names, "xyz": list("xyz")}, {"frame": frame, **attributes})
 
@@ -67,13 +69,31 @@ def read_grains(path):
         with xr.open_dataset(path, engine="netcdf4") as file:
             data = file.load()
         columns = [data[name].values for name in ("L", "I", "S", "volume", "second_moments")]
+        ratios, notes = _reading_of(data)
         meshes = [_ragged(data, "vertex", "vertices"), _ragged(data, "face", "faces")]
     except (OSError, KeyError) as error:
         raise ValueError(f"{path} is not a grain set written by write_grains: {error}") from None
+    rows = zip(data.grain.values, *meshes, *columns, ratios, notes, strict=True)
     return [
-        Grain(str(name), vertices, faces.astype(np.int64), float(volume), moments, float(L), float(I), float(S))
-        for name, vertices, faces, L, I, S, volume, moments in zip(data.grain.values, *meshes, *columns, strict=True)
+        Grain(
+            str(name), vertices, faces.astype(np.int64), float(volume), moments, float(L), float(I), float(S), *reading
+        )
+        for name, vertices, faces, L, I, S, volume, moments, *reading in rows
     ]
+
+
+def read_attribute(path, name):
+    """Attribute `name` of the grain set at path, None where it has none."""
+    with xr.open_dataset(path, engine="netcdf4") as data:
+        return data.attrs.get(name)
+
+
+def _reading_of(data):
+    """Hull ratios and notes of each grain; sets written before there were any have neither."""
+    n = len(data.grain)
+    ratios = data["hull_ratio"].values.tolist() if "hull_ratio" in data else [np.nan] * n
+    notes = [tuple(str(text).splitlines()) for text in data["notes"].values] if "notes" in data else [()] * n
+    return ratios, notes
 
 
 def _ragged(data, kind, variable):

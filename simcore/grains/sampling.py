@@ -7,6 +7,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from simcore.grains.form import axes_from_form, sieve_size_of_volume
+from simcore.grains.own_sizes import OwnSizes
 
 # The study redraws normal FL and EL until they lie in this interval.
 FORM_RANGE = (0.1, 1.0)
@@ -117,15 +118,17 @@ def grain_uniforms(grain_ids, seed, stream=0):
 def sample_sizes(curve, grain_ids, seed):
     """Sizes (n,) [m] by number, of a SieveCurve sieve sizes: class by its number_fractions, in it uniform in log2.
 
-    Of BetaSizes diameters of spheres of the grains' volume.
+    Of BetaSizes diameters of spheres of the grains' volume, of OwnSizes those of the grains whose shape is drawn.
     """
-    return curve.sizes(grain_uniforms(grain_ids, seed)[:, [_SIZE_CLASS, _SIZE_IN_CLASS]])
+    columns = [_SHAPE] if isinstance(curve, OwnSizes) else [_SIZE_CLASS, _SIZE_IN_CLASS]
+    return curve.sizes(grain_uniforms(grain_ids, seed)[:, columns])
 
 
 def sample_grains(grain_ids, seed, curve, shapes, grains):
     """Draw the grains with these ids: a GrainSample.
 
-    curve: SieveCurve or BetaSizes; shapes: ShapeChoice; grains: list of Grain, may be empty where the form is given.
+    curve: SieveCurve, BetaSizes, or OwnSizes of the grains; shapes: ShapeChoice; grains: list of Grain, may be empty
+    where the form is given.
     Random numbers belong to the id (see grain_uniforms). ValueError if the chosen grain is not in the set.
     """
     uniforms = grain_uniforms(grain_ids, seed)

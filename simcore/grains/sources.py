@@ -6,9 +6,12 @@ import json
 import re
 from pathlib import Path
 
-from simcore.grains.grain_set import read_grains
-from simcore.grains.readers import UNITS, read_grain_files
+from simcore.grains.grain_set import read_attribute, read_grains
+from simcore.grains.readers import UNITS, grain_files, read_grain_files
 from simcore.grains.synthetic import synthetic_grains
+
+# A hull that is this many times larger than its grain is warned of.
+CONCAVE = 1.1
 
 
 def source_files(grains):
@@ -38,16 +41,11 @@ def set_name(grains):
 @functools.cache
 def _set_name(text):
     grains = json.loads(text)
-    files = [Path(path) for path in source_files(grains)]
-    decisive = ("unit", "voxel_spacing") if files else ("number", "seed")
-    content = hashlib.sha256(json.dumps([grains[key] for key in decisive]).encode())
-    for path in files:
-        inside = sorted(path.iterdir()) if path.is_dir() else [path]
-        for file in inside:
-            if file.is_file() and not (path.is_dir() and file.name.startswith(".")):
-                content.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())
+    files = source_files(grains)
+    decisive = ("unit", "voxel_spacing", "bodies") if files else ("number", "seed")
+    content = json.dumps([grains[key] for key in decisive]) + content_digest(files)
     name = re.sub(r"[^A-Za-z0-9_.+-]", "", source_name(grains["source"])) or "grains"
-    return f"{name}_{content.hexdigest()[:8]}"
+    return f"{name}_{hashlib.sha256(content.encode()).hexdigest()[:8]}"
 
 
 def check_source(grains):
@@ -77,4 +75,85 @@ def load_grains(grains):
             raise ValueError("grains.source: give one prepared grain set (.nc), not several")
         return read_grains(files[0])
     spacing = grains["voxel_spacing"]
-    return read_grain_files(files, grains["unit"], None if spacing is None else spacing / UNITS[grains["unit"]])
+    spacing = None if spacing is None else spacing / UNITS[grains["unit"]]
+    return read_grain_files(files, grains["unit"], spacing, grains["bodies"])
+
+
+def grain_warnings(grains, group=None):
+    """What the user of grains should see before they are packed, a list of sentences; empty if there is nothing.
+
+    grains: list of Grain. Concave grains, whose hulls are packed, are listed with their ratios above CONCAVE, then what
+    was noted as each was read. group: the resolved group `grains` behind them; if it is given, the files of its folders
+    that were left out are listed with their reasons.
+    """
+    warnings = []
+    concave = sorted((grain for grain in grains if grain.hull_ratio > CONCAVE), key=lambda grain: -grain.hull_ratio)
+    if concave:
+        named = _some([f"{grain.name} {grain.hull_ratio:.2f}" for grain in concave])
+        warnings.append(
+            f"{len(concave)} of {len(grains)} grains are concave; their convex hulls are packed, which are larger than "
+            f"the grains by these factors: {named}."
+        )
+    noted = {}
+    for grain in grains:
+        for note in grain.notes:
+            noted.setdefault(note, []).append(grain.name)
+    warnings += [f"grain{'s' if len(names) > 1 else ''} {_some(names)}: {note}." for note, names in noted.items()]
+    left_out = left_out_files(group) if group is not None else []
+    if left_out:
+        warnings.append(f"{len(left_out)} files were left out: {_some(left_out, '; ')}.")
+    return warnings
+
+
+def size_note(grains, sizes):
+    """A sentence on what becomes of the sizes that grains (list of Grain) have themselves; None if there are none.
+
+    sizes: the resolved group `sizes`.
+    """
+    if not grains:
+        return None
+    low, high = (f(grain.sieve_size for grain in grains) * 1e3 for f in (min, max))
+    of = f"The grains of the set have sieve sizes of {low:.3g} to {high:.3g} mm"
+    if sizes["own"]:
+        return f"{of}, which they keep."
+    return f"{of}; they are scaled to the sizes drawn. `sizes: {{own: true}}` keeps their own."
+
+
+def left_out_files(group):
+    """`name: reason` of each file that was left out of the folders behind the resolved group `grains`."""
+    files = source_files(group)
+    if not files:
+        return []
+    if Path(files[0]).suffix == ".nc":
+        return (read_attribute(files[0], "left_out") or "").splitlines()
+    return [f"{path.name}: {reason}" for path, reason in grain_files(files)[1].items()]
+
+
+def _some(words, mark=", "):
+    """The first ten words, and how many more there are."""
+    return mark.join(words[:10]) + (f"{mark}and {len(words) - 10} more" if len(words) > 10 else "")
+
+
+def content_digest(paths):
+    """Digest (16 hex digits) of the names and contents of all grain files behind paths, of files and folders.
+
+    It changes if a file is overwritten under the same name, added, renamed or removed; a missing one counts as empty.
+    Each file is read once a process.
+    """
+    total = hashlib.sha256()
+    for path in map(Path, paths):
+        try:
+            files = grain_files(path)[0]
+        except ValueError:  # a folder without grains: the rule that reads it says so
+            files = []
+        for file in files:
+            total.update(f"{file.name} {_file_digest(file)}\n".encode())
+    return total.hexdigest()[:16]
+
+
+@functools.cache
+def _file_digest(path):
+    if not path.is_file():
+        return ""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

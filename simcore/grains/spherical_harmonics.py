@@ -53,11 +53,16 @@ def radius(coefficients, directions):
     return total.real
 
 
-def surface_points(coefficients):
-    """Points (k, 3) on the surface, in the coefficients' unit, dense enough for the hull.
+def sampled_directions(coefficients):
+    """Directions (k, 3), evenly spread, in which the surface is taken, dense enough for the hull.
 
     16 (n_max + 1)² points, about eight to a wavelength of the highest degree, and at least 4000: the hull then
     has lost 0.3 % of its volume or less, against one of far more points.
     """
-    directions = spiral_directions(max(4000, 16 * (int(coefficients[0].max()) + 1) ** 2))
+    return spiral_directions(max(4000, 16 * (int(coefficients[0].max()) + 1) ** 2))
+
+
+def surface_points(coefficients):
+    """Points (k, 3) on the surface, in the coefficients' unit, in sampled_directions."""
+    directions = sampled_directions(coefficients)
     return radius(coefficients, directions)[:, None] * directions

@@ -5,6 +5,8 @@ edges are worn, which is what tells a pebble from an ellipsoid of the same form.
 sphericity and the share of surface in large facets lie within those of CT-scanned gravel (scan_ranges.csv).
 """
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -92,7 +94,7 @@ def _draw_pebble(rng, name, faces, D, flatness, elongation, ranges):
         measured = shape_measures(grain)
         low, high = ranges.loc[measured.index, ["min", "max"]].T.to_numpy()
         if (measured - _MARGIN >= low).all() and (measured + _MARGIN <= high).all():
-            return grain
+            return replace(grain, hull_ratio=1.0)  # it is made as a hull
 
 
 def _worn_block(rng, n_points):

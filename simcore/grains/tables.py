@@ -14,7 +14,10 @@ FACE_TARGETS = (300, 200, 100, 50)
 
 
 def form_table(grains):
-    """One row per grain, indexed by name: L, I, S, D [mm], volume [mm³], faces, sphericity, 13 form factors."""
+    """One row per grain, indexed by name: L, I, S, D [mm], volume [mm³], faces, sphericity, hull_ratio and form.
+
+    hull_ratio: as of Grain; form: the 13 form factors.
+    """
     table = pd.DataFrame(
         {
             "L_mm": [grain.L * 1e3 for grain in grains],
@@ -24,6 +27,7 @@ def form_table(grains):
             "volume_mm3": [grain.volume * 1e9 for grain in grains],
             "faces": [len(grain.faces) for grain in grains],
             "sphericity": [grain.sphericity for grain in grains],
+            "hull_ratio": [grain.hull_ratio for grain in grains],
         },
     )
     table = pd.concat([table, form_factors(table.L_mm, table.I_mm, table.S_mm)], axis=1)

@@ -1,11 +1,17 @@
-"""Surface points of a voxel mask, free of the first-order bias that the hull of voxel centres has."""
+"""Bodies in voxel images; surface points of a mask, free of the first-order bias that the hull of voxel centres has."""
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import find_objects, gaussian_filter, label
+
+from simcore.grains.bodies import Body
 
 # Width of the smoothing in voxels is this times the square root of the grain's radius in voxels: where the
 # surface is tangent to a lattice plane, the terraces of the mask are about sqrt(radius) wide.
 _SMOOTHING = 0.25
+# Of all solid voxels, the least share that a label image has in the largest part of their label; of neighbouring solid
+# voxels, the least share of pairs of one label. Grey values have far less of both.
+_LEAST_IN_PARTS, _LEAST_ALIKE = 0.5, 0.5
+_HOW_TO_MASK = "make a mask of 0 outside and 1 inside, for example `mask = image > threshold`"
 
 
 def mask_surface(mask, spacing):
@@ -46,3 +52,94 @@ def _crossings(level, axis):
     points = index.astype(float)
     points[:, 0] += here / (here - there)
     return np.insert(points[:, 1:], axis, points[:, 0], axis=1)
+
+
+def image_bodies(image, spacing):
+    """[(name, bodies)] of a voxel image: of a mask one pair with the name "", of a label image one pair a label.
+
+    image (nx, ny, nz): a mask of 0 and one other value, or whole numbers, 0 outside and one label a grain. spacing: as
+    of mask_surface. bodies: list of Body, the parts of the mask or label that do not touch, also not at corners.
+    ValueError if the image is neither, as of grey values, NaN, or one that is solid at its borders.
+    """
+    image = np.asarray(image)
+    if image.ndim != 3 or not image.any():
+        raise ValueError(f"a voxel mask needs three dimensions and at least one solid voxel, got {image.shape}")
+    if image.dtype.kind not in "buif":
+        raise ValueError(f"its values are of type {image.dtype}, not numbers: {_HOW_TO_MASK}")
+    if image.dtype.kind == "f" and not np.isfinite(image).all():
+        raise ValueError(
+            "it has voxels with NaN or infinite values: set them to 0 where they are outside the grain, for example by "
+            "`mask = np.isfinite(image)`"
+        )
+    values = [True] if image.dtype.kind == "b" else np.unique(image[image != 0])
+    if image.all():
+        raise ValueError(f"its {len(values)} values have no 0 among them, so that all is solid: {_HOW_TO_MASK}")
+    _check_borders(image)
+    if len(values) == 1:
+        return [("", _parts(image != 0, spacing, image.shape, (0, 0, 0)))]
+    return _labelled(image, values, spacing)
+
+
+def _check_borders(image):
+    """ValueError if most of the image's border is solid."""
+    faces = [np.take(image, end, axis) != 0 for axis in range(3) for end in (0, -1)]
+    share = sum(np.count_nonzero(face) for face in faces) / sum(face.size for face in faces)
+    if share > 0.5:
+        raise ValueError(
+            f"{100 * share:.0f} % of the voxels at its borders are solid: the mask seems inverted (`mask = image == 0` "
+            "turns it round), or cropped too tightly (`np.pad(mask, 2)` puts voxels of 0 around it)"
+        )
+
+
+def _labelled(image, values, spacing):
+    if np.any(values != np.round(values)) or values[0] < 0 or not _could_be_labels(image):
+        raise ValueError(
+            f"its {len(values)} values besides 0 are grey values, neither a mask nor labels of grains: {_HOW_TO_MASK}"
+        )
+    numbers = np.searchsorted(values, image) + 1  # from 1 without gaps, whatever the labels are
+    numbers[image == 0] = 0
+    groups = []
+    for number, box in enumerate(find_objects(numbers), start=1):
+        start = [part.start for part in box]
+        groups.append((f"{values[number - 1]:.0f}", _parts(numbers[box] == number, spacing, image.shape, start)))
+    voxel = float(np.prod(np.broadcast_to(spacing, 3)))
+    in_parts = sum(max(body.volume for body in bodies) for _, bodies in groups) / (voxel * np.count_nonzero(image))
+    if in_parts < _LEAST_IN_PARTS:
+        raise ValueError(
+            f"the voxels of each of its {len(values)} values are scattered, as grey values are: {_HOW_TO_MASK}"
+        )
+    return groups
+
+
+def _could_be_labels(image):
+    """Whether most neighbours that are both solid have one value."""
+    pairs = alike = 0
+    for axis in range(3):
+        along = np.moveaxis(image, axis, 0)
+        solid = (along[:-1] != 0) & (along[1:] != 0)
+        pairs += np.count_nonzero(solid)
+        alike += np.count_nonzero(solid & (along[:-1] == along[1:]))
+    return alike >= _LEAST_ALIKE * pairs
+
+
+def _parts(mask, spacing, shape, start):
+    """Bodies of the parts of a mask that do not touch; the mask begins at `start` of an image of this shape."""
+    numbers, count = label(mask, np.ones((3, 3, 3)))
+    voxel = float(np.prod(np.broadcast_to(spacing, 3)))
+    bodies = []
+    for number, box in enumerate(find_objects(numbers), start=1):
+        part = numbers == number if count > 1 else mask
+        notes = _cut_note(box, start, shape)
+        bodies.append(Body(mask_surface(part, spacing), voxel * np.count_nonzero(part), notes))
+    return bodies
+
+
+def _cut_note(box, start, shape):
+    """Note that a part touches the image's border, or none."""
+    sides = []
+    for axis, part, offset, size in zip("xyz", box, start, shape, strict=True):
+        sides += [f"{axis} = 0"] if offset + part.start == 0 else []
+        sides += [f"{axis} = {size - 1}"] if offset + part.stop == size else []
+    if not sides:
+        return ()
+    return (f"touches the border of its voxel image ({', '.join(sides)}): unless it is cropped tightly, it is cut off",)

@@ -25,7 +25,7 @@ WITHOUT_RESULT = (("shapes", "grain"), ("numerics", "progress_interval"), ("damp
 BY_CHANCE = (("name",), ("seed",))
 # Keys that were added after rows had been committed, with the value that packings had before. A specification with this
 # value is the one without the key.
-ADDED = {}
+ADDED = {("grains", "bodies"): "one", ("sizes", "own"): False}
 
 
 def same_bits(first: dict, second: dict) -> bool:

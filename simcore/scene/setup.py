@@ -6,6 +6,7 @@ import numpy as np
 
 from simcore.grains.beta_sizes import BetaSizes
 from simcore.grains.mesh import decimate
+from simcore.grains.own_sizes import OwnSizes
 from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sources import needs_grains
@@ -24,7 +25,7 @@ class Setup(NamedTuple):
 
     scene: Scene
     bases: list
-    curve: SieveCurve | BetaSizes
+    curve: SieveCurve | BetaSizes | OwnSizes
     sample: object
     draw: object
     grains: tuple = ()  # Grain of each base that is a polyhedron
@@ -37,18 +38,17 @@ def set_up(specification: dict, load_grains) -> Setup:
     specification cannot be packed.
     """
     check_top_class(specification)
-    curve = size_curve(specification["sizes"])
     choice = shape_choice(specification["shapes"])
     hulls = choice.kind in ("mesh", "mixed")
     grains = load_grains(specification["grains"]) if needs_grains(specification["shapes"]) else []
-    bases = []
+    grains, bases = _chosen(grains, choice), []
     if hulls:
-        grains = _chosen(grains, choice)
         if specification["faces"] != "original":
             grains = [decimate(grain, specification["faces"]) for grain in grains]
         bases = [Base(g.name, g.vertices, g.faces, g.volume, g.second_moments) for g in grains]
     if choice.kind != "mesh":
         bases.append(unit_sphere())
+    curve = size_curve(specification["sizes"], grains=grains)
     seed = specification["seed"]
 
     def sample(ids):

@@ -1,8 +1,10 @@
-"""The sizes that a specification asks for: sieve curve or beta distribution, lattice spacing, enough top grains."""
+"""The sizes that a specification asks for: sieve curve, beta distribution or the grains' own, lattice spacing, enough
+top grains."""
 
 import numpy as np
 
 from simcore.grains.beta_sizes import BetaSizes
+from simcore.grains.own_sizes import OwnSizes
 from simcore.grains.sieve import SieveCurve, read_cases
 from simcore.paths import CONFIG
 
@@ -11,8 +13,16 @@ MINIMUM_OF_TOP_CLASS = 5
 UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
 
 
-def size_curve(sizes, cases=CONFIG / "cases.tsv"):
-    """The SieveCurve or BetaSizes of the resolved group `sizes` of a specification; ValueError for an unknown case."""
+def size_curve(sizes, cases=CONFIG / "cases.tsv", grains=()):
+    """The SieveCurve, BetaSizes or OwnSizes of the resolved group `sizes` of a specification.
+
+    grains: list of Grain as they are packed, for sizes that are their own. ValueError for an unknown case, or if the
+    sizes are those of grains and there are none.
+    """
+    if sizes["own"]:
+        if not grains:
+            raise ValueError("sizes.own: the grains are not read here; give a case, bounds or beta")
+        return OwnSizes(np.array([grain.sieve_size for grain in grains]))
     if sizes["beta"] is not None:
         group = sizes["beta"]
         return BetaSizes(group["radius"], group["spread"], group["alpha"], group["beta"])
@@ -48,9 +58,12 @@ def lattice_spacing(spec, curve):
 def check_top_class(spec, where=""):
     """Refuse a specification of fewer than five grains of its top class, unless it allows that by name.
 
-    Sizes without classes have none.
+    Sizes without classes have none. Sizes that are the grains' own are refused where the shapes are not.
     """
     try:
+        if spec["sizes"]["own"]:
+            _check_own(spec["shapes"])
+            return
         curve = size_curve(spec["sizes"])
         if curve.of_volume:
             return
@@ -61,3 +74,11 @@ def check_top_class(spec, where=""):
             curve.check_top_class(mass, density, MINIMUM_OF_TOP_CLASS)
     except ValueError as error:
         raise ValueError(f"{where}: {error}" if where else str(error)) from None
+
+
+def _check_own(shapes):
+    if shapes["kind"] == "sphere" or shapes["choice"] not in ("one", "random"):
+        raise ValueError(
+            f"sizes.own: shapes of kind {shapes['kind']} and choice {shapes['choice']} have no size of their own; set "
+            "shapes.kind to mesh, ellipsoid or mixed and shapes.choice to one or random"
+        )

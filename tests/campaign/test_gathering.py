@@ -204,3 +204,14 @@ def test_the_models_are_fitted_to_gathered_rows(evaluated, tmp_path):
     gather(tmp_path, "single_form", rows_of("single_form", rows, beds, "synthetic"))
     fitted = fit_reference_models(tmp_path)
     assert fitted.models["single_form", "U1"].coefficients == pytest.approx((0.25, 0.02, 0.01), abs=1e-4)
+
+
+def test_keys_that_came_later_decide_nothing_at_their_defaults():
+    """Rows were committed before `grains.bodies` and `sizes.own` were there."""
+    now = specify()
+    before = {**now}
+    for group, key in (("grains", "bodies"), ("sizes", "own")):
+        before[group] = {name: value for name, value in now[group].items() if name != key}
+    assert result_digest(before) == result_digest(now)
+    split = {**now, "grains": {**now["grains"], "bodies": "split"}}
+    assert result_digest(split) != result_digest(now)

@@ -280,3 +280,13 @@ def test_near_spheres_are_a_sphere_and_ten_ellipsoids_up_to_twice_as_long_as_thi
         np.testing.assert_allclose(sample.L / sample.I, sample.I / sample.S)
     # The four digits of FL = EL = (L/S)^-1/2 leave L/S within 2 (L/S)^1.5 0.5e-4.
     np.testing.assert_allclose(ratios, np.repeat(np.linspace(1.0, 2.0, 11)[:, None], 3, axis=1), atol=3e-4)
+
+
+def test_own_sizes_of_grains_are_refused_in_a_study():
+    with pytest.raises(ValueError, match=r"studies\.s, packing .*: sizes\.own is for single packings"):
+        expand(campaign(varies={"seed": [1]}, fixes={**STUDY["fixes"], "sizes": {"own": True}}))
+
+
+def test_bodies_of_the_files_are_settled_in_the_grain_set():
+    table = expand(campaign(grains={"bodies": "split"}))
+    assert {spec["grains"]["bodies"] for spec in table.specification} == {"one"}

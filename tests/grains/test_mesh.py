@@ -5,8 +5,9 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from simcore.grains.mesh import coarsen, decimate, make_grain
+from simcore.grains.mesh import FORM_TOLERANCE, coarsen, decimate, keeps_form, make_grain
 from simcore.grains.polyhedron import convex_hull, facet_areas, third_moments, volume_moments
+from simcore.grains.spiral import spiral_directions
 
 RNG = np.random.default_rng(7)
 
@@ -141,3 +142,56 @@ def test_facets_of_a_cut_cube():
 def test_impossible_points_are_refused_with_the_grains_name(points, reason):
     with pytest.raises(ValueError, match=f"G07.*{reason}"):
         make_grain("G07", points)
+
+
+def dented_cloud(count, seed):
+    """Points of a lumpy, dented stone, so dense that its hull has slivers."""
+    rng = np.random.default_rng(seed)
+    directions, dents = spiral_directions(count), rng.normal(size=(12, 3))
+    dents /= np.linalg.norm(dents, axis=1)[:, None]
+    radius = 1 - 0.15 * np.exp((directions @ dents.T - 1) / 0.05).sum(axis=1)
+    return directions * radius[:, None] * [2e-3, 3.5e-3, 5e-3]
+
+
+def latitude_longitude(count, axes):
+    """Corners of an ellipsoid on a grid of count x count angles."""
+    polar, around = np.meshgrid(
+        np.linspace(0, np.pi, count), np.linspace(0, 2 * np.pi, count, endpoint=False), indexing="ij"
+    )
+    unit = [np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)]
+    return np.stack(unit, -1).reshape(-1, 3) * axes
+
+
+def cylinder(count=400):
+    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    rim = np.stack([np.cos(angle), np.sin(angle), 0 * angle], 1)
+    return np.concatenate([rim + [0, 0, z] for z in (-2.0, 2.0)]) * 2e-3
+
+
+DENSE = {
+    "dented cloud": lambda: dented_cloud(50_000, 1),
+    "another dented cloud": lambda: dented_cloud(60_000, 4),
+    "grid, poles at the ends": lambda: latitude_longitude(200, [2e-3, 2.8e-3, 4e-3]),
+    "grid, poles at the sides": lambda: latitude_longitude(200, [4e-3, 2e-3, 2.8e-3]),
+    "flat grid": lambda: latitude_longitude(200, [1e-3, 4e-3, 4.1e-3]),
+    "cylinder": cylinder,
+}
+
+
+@pytest.mark.parametrize("kind", DENSE)
+def test_decimation_of_dense_scans_keeps_their_form_and_meets_the_faces(kind):
+    grain = make_grain("G07", DENSE[kind]())
+    for faces in (300, 100, 50, 20):
+        coarse = decimate(grain, faces)
+        assert 0.9 * faces <= len(coarse.faces) <= faces
+        assert keeps_form(grain, coarse) and abs(coarse.flatness - grain.flatness) <= FORM_TOLERANCE
+        assert coarse.volume == pytest.approx(grain.volume, rel=1e-12)
+        _, centre, products = volume_moments(coarse.vertices, coarse.faces)
+        np.testing.assert_allclose(centre, 0, atol=1e-12 * grain.L)
+        np.testing.assert_allclose(products, np.diag(coarse.second_moments), atol=1e-12 * grain.L**2)
+
+
+def test_a_form_that_no_coarse_hull_has_is_refused_with_the_grains_name():
+    grain = make_grain("G07", cylinder())
+    with pytest.raises(ValueError, match=r"grain 'G07': no hull of 4 faces has its flatness .*give more `faces`"):
+        decimate(grain, 4)

@@ -53,7 +53,8 @@ def test_point_clouds(tmp_path, body):
     expected = make_grain("p", body.vertices * 1e-3)
     np.savetxt(tmp_path / "a.xyz", body.vertices, header="points in mm")
     np.savetxt(tmp_path / "b.csv", body.vertices, delimiter=",", header="x,y,z", comments="")
-    np.savetxt(tmp_path / "c.xyz", np.column_stack([body.vertices, body.vertices]))  # normals after the points
+    both = np.column_stack([body.vertices, body.vertices])
+    np.savetxt(tmp_path / "c.xyz", both, header="x y z nx ny nz", comments="")
     np.save(tmp_path / "d.npy", body.vertices)
     grains = read_grain_files(tmp_path, "mm")
     assert [grain.name for grain in grains] == ["a", "b", "c", "d"]
@@ -128,7 +129,7 @@ def test_bad_meshes_are_refused(tmp_path, body, kind, extension):
         ("a.xyz", "", "holds no points"),
         ("a.csv", "x,y,z\n", "holds no points"),
         ("a.csv", "x,y,z\n1,2,3\n1,2,3,4\n", "a.csv"),
-        ("a.xyz", "1 2\n3 4\n", "3 coordinates"),
+        ("a.xyz", "1 2\n3 4\n", "2 columns and no header"),
         ("a.xyz", "1 2 3\n1 2 nan\n2 3 4\n4 5 6\n", "NaN"),
         ("a.npy", "", "a.npy"),
         ("a.npz", "text", "a.npz"),

@@ -54,7 +54,8 @@ def place(
     process = Process(made, bases, draw=None, report=lambda line: None)
     bodies = make_bodies(
         bases, np.zeros(n, int) if shape is None else shape, scale, position, np.broadcast_to(orientation, (n, 4)),
-        np.broadcast_to(velocity, (n, 3)), np.broadcast_to(spin, (n, 3)), made.material.density, features=process.stepper.features,
+        np.broadcast_to(velocity, (n, 3)), np.broadcast_to(spin, (n, 3)), made.material.density,
+        features=process.stepper.features,
     )  # fmt: skip
     process.place(bodies, 2.0 * float(scale.mean()))
     return process
