@@ -35,16 +35,11 @@ def core():
 @pytest.fixture(scope="session")
 def stage():
     """A few bodies, stepped by the compiled step itself."""
-    from tests.helpers import stage
+    from simcore.dem.forces.spring_dashpot import contact_law
+    from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE
+    from tests.helpers.stage import Stage
 
-    return SimpleNamespace(
-        Stage=stage.Stage,
-        law=stage.contact_law,
-        SPHERE=stage.SPHERE,
-        ELLIPSOID=stage.ELLIPSOID,
-        CONVEX=stage.CONVEX,
-        MIXED=stage.MIXED,
-    )
+    return SimpleNamespace(Stage=Stage, law=contact_law, SPHERE=SPHERE, ELLIPSOID=ELLIPSOID, CONVEX=CONVEX, MIXED=MIXED)
 
 
 @pytest.fixture(scope="session")
