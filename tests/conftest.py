@@ -45,6 +45,7 @@ def stage():
 @pytest.fixture(scope="session")
 def extreme():
     """A few bodies placed by hand in a Process, watched over as a packing is."""
+    from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE
     from tests.helpers import extremes
 
     return SimpleNamespace(
@@ -57,8 +58,8 @@ def extreme():
         hull=extremes.hull,
         box=extremes.box,
         specification=extremes.DEFAULT,
-        SPHERE=extremes.SPHERE,
-        ELLIPSOID=extremes.ELLIPSOID,
-        CONVEX=extremes.CONVEX,
+        SPHERE=SPHERE,
+        ELLIPSOID=ELLIPSOID,
+        CONVEX=CONVEX,
         FREE=extremes.FREE,
     )
