@@ -56,7 +56,6 @@ class _Locator(UserProvidedCacheLocator):
 
     def __init__(self, py_func, py_file):
         self._py_file = py_file
-        self._py_file = py_file
         path = Path(py_file).resolve()
         self._stamp = _file_digest(path)
         folder = Path(os.environ.get("SCREE_CACHE", Path.home() / ".cache" / "scree")) / "numba"

@@ -35,21 +35,17 @@ def core():
 @pytest.fixture(scope="session")
 def stage():
     """A few bodies, stepped by the compiled step itself."""
-    from tests.helpers import stage
+    from simcore.dem.forces.spring_dashpot import contact_law
+    from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE
+    from tests.helpers.stage import Stage
 
-    return SimpleNamespace(
-        Stage=stage.Stage,
-        law=stage.contact_law,
-        SPHERE=stage.SPHERE,
-        ELLIPSOID=stage.ELLIPSOID,
-        CONVEX=stage.CONVEX,
-        MIXED=stage.MIXED,
-    )
+    return SimpleNamespace(Stage=Stage, law=contact_law, SPHERE=SPHERE, ELLIPSOID=ELLIPSOID, CONVEX=CONVEX, MIXED=MIXED)
 
 
 @pytest.fixture(scope="session")
 def extreme():
     """A few bodies placed by hand in a Process, watched over as a packing is."""
+    from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE
     from tests.helpers import extremes
 
     return SimpleNamespace(
@@ -62,8 +58,8 @@ def extreme():
         hull=extremes.hull,
         box=extremes.box,
         specification=extremes.DEFAULT,
-        SPHERE=extremes.SPHERE,
-        ELLIPSOID=extremes.ELLIPSOID,
-        CONVEX=extremes.CONVEX,
+        SPHERE=SPHERE,
+        ELLIPSOID=ELLIPSOID,
+        CONVEX=CONVEX,
         FREE=extremes.FREE,
     )

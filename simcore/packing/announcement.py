@@ -3,7 +3,7 @@
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE
 from simcore.dem.state.features import Features
 
-# CPU time [s] with an empty cache on the reference machine, rounded up: docs/performance.md.
+# CPU time [s] with an empty cache on the reference machine, rounded up: docs/cost.md.
 SECONDS = {SPHERE: 10, ELLIPSOID: 15, CONVEX: 50, MIXED: 60}
 WORDS = {
     SPHERE: "spheres",
