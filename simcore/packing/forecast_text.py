@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from simcore.grains.sieve import SieveCurve
+from simcore.grains.sieve import SieveCurve, class_fractions
 from simcore.packing.forecast import ERROR_FACTOR, bed_warnings, check_bed, forecast, grains_of
 from simcore.scene.setup import Setup
 
-# A hull that adds more to the volume of its grain is worth a warning.
-LARGE_HULL = 1.1
 FAR_OFF = 0.05  # difference of asked and drawn mass fractions that is worth a warning
 INDENT = 12 * " "
 
@@ -22,7 +20,8 @@ def grain_lines(setup: Setup, sample) -> list[str]:
     ]
     if len(setup.grains):
         lines.append(_hull_line(setup, sample))
-        lines.append(f"{INDENT}Each is scaled to the size drawn for it: the size that it has in its file is not used")
+    if setup.size_note:
+        lines.append(f"{INDENT}{setup.size_note}")
     if isinstance(setup.curve, SieveCurve):
         lines += _class_lines(setup.curve, sample)
     return lines
@@ -57,7 +56,7 @@ def setup_warnings(setup: Setup, sample=None, low_bed: bool = True) -> list[str]
     grains = grains_of(setup, sample)
     scene = setup.scene
     lines = bed_warnings(scene.domain, grains, scene.material.density) if low_bed else []
-    return lines + _hull_warnings(setup) + _class_warnings(setup, grains)
+    return [*lines, *setup.notes, *_class_warnings(setup, grains)]
 
 
 def check_setup(setup: Setup) -> None:
@@ -68,13 +67,6 @@ def check_setup(setup: Setup) -> None:
         raise ValueError(
             f"{error} To pack it all the same, and to evaluate it with a smaller `porosity --cut`, add --force."
         ) from None
-
-
-def class_fractions(curve: SieveCurve, D, volume) -> np.ndarray:
-    """Return the share of the volume that grains of sieve sizes D (n,) [m] have in each class of the curve, (k,)."""
-    place = np.clip(np.searchsorted(curve.bounds, D, side="right") - 1, 0, len(curve.mass_fractions) - 1)
-    found = np.bincount(place, volume, minlength=len(curve.mass_fractions))
-    return found / found.sum()
 
 
 def _shapes(setup, sample):
@@ -110,18 +102,6 @@ def _hull_line(setup, sample):
         f"{INDENT}Each is packed as its convex hull, which adds {100 * added.mean():.1f} % to its volume on average "
         f"and {100 * (most - 1.0):.1f} % at most ({name})"
     )
-
-
-def _hull_warnings(setup):
-    large = {name: ratio for name, ratio in hull_ratios(setup).items() if ratio > LARGE_HULL}
-    if not large:
-        return []
-    name, most = max(large.items(), key=lambda item: item[1])
-    return [
-        f"{len(large)} of {len(setup.grains)} grains are so concave that their convex hull, as which they are packed, "
-        f"has more than {LARGE_HULL:g} times their volume; the largest has {most:.2f} times ({name}). What the hulls "
-        f"add counts as solid, so that the porosity is too low."
-    ]
 
 
 def _class_lines(curve, sample):

@@ -9,7 +9,7 @@ from simcore.grains.mesh import decimate
 from simcore.grains.own_sizes import OwnSizes
 from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains
 from simcore.grains.sieve import SieveCurve
-from simcore.grains.sources import needs_grains
+from simcore.grains.sources import grain_warnings, needs_grains, size_note
 from simcore.scene.domain import Domain
 from simcore.scene.impact import derive_hertzian, fall_speed
 from simcore.scene.scene import GRAINS, Convergence, Damping, Generation, Material, Numerics, Scene, Shaking
@@ -29,6 +29,8 @@ class Setup(NamedTuple):
     sample: object
     draw: object
     grains: tuple = ()  # Grain of each base that is a polyhedron
+    notes: tuple = ()  # sentences on grains that were read, such as concave ones and files that were left out
+    size_note: str | None = None  # what becomes of the sizes that the grains have themselves
 
 
 def set_up(specification: dict, load_grains) -> Setup:
@@ -42,6 +44,7 @@ def set_up(specification: dict, load_grains) -> Setup:
     hulls = choice.kind in ("mesh", "mixed")
     grains = load_grains(specification["grains"]) if needs_grains(specification["shapes"]) else []
     grains, bases = _chosen(grains, choice), []
+    notes = tuple(grain_warnings(grains, specification["grains"])) if grains else ()
     if hulls:
         if specification["faces"] != "original":
             grains = [decimate(grain, specification["faces"]) for grain in grains]
@@ -66,7 +69,16 @@ def set_up(specification: dict, load_grains) -> Setup:
 
     scene = make_scene(specification, curve, masses)
     _check_height(scene, sample)
-    return Setup(scene, bases, curve, sample, draw, tuple(grains) if hulls else ())
+    return Setup(
+        scene,
+        bases,
+        curve,
+        sample,
+        draw,
+        tuple(grains) if hulls else (),
+        notes,
+        size_note(grains, specification["sizes"]),
+    )
 
 
 def make_scene(specification: dict, curve, masses) -> Scene:

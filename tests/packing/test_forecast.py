@@ -14,7 +14,7 @@ from simcore.campaign.study_tables import tabulate
 from simcore.evaluation.evaluate import evaluate
 from simcore.evaluation.porosity import bulk_porosity
 from simcore.grains.mesh import make_grain
-from simcore.grains.sieve import read_cases
+from simcore.grains.sieve import class_fractions, read_cases
 from simcore.packing.file import read_packing
 from simcore.packing.forecast import (
     ERROR_FACTOR,
@@ -29,7 +29,7 @@ from simcore.packing.forecast import (
     sampling_error,
     typical_grains,
 )
-from simcore.packing.forecast_text import bed_lines, class_fractions, grain_lines, setup_warnings
+from simcore.packing.forecast_text import bed_lines, grain_lines, setup_warnings
 from simcore.paths import CONFIG, REFERENCE
 from simcore.report.sections import packing_warnings
 from simcore.scene.domain import Domain
