@@ -18,12 +18,14 @@ import pandas as pd
 from scipy.spatial import ConvexHull
 
 from simcore.dem.contact.finding import check_ellipsoids, check_polyhedra, search_ellipsoids, search_polyhedra
+from simcore.dem.contact.pair import pair_of
 from simcore.dem.contact.query import place_solids, query_many, query_pairs, table_of
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, Base, collect_shapes, convex, ellipsoid, unit_sphere
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
 from simcore.dem.step.near_pairs import list_near
+from simcore.dem.vectors import read, write
 from simcore.verification import brute_force as brute
 
 SEMI_AXES = np.array([1.0, 0.75, 0.5])  # [m]
@@ -242,14 +244,12 @@ def ask_again(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
 def _scan(shapes, solids, offset, directions, depth, normal):
     for k in range(len(offset)):
         depth[k] = np.inf
+        pair = pair_of(solids, 2 * k, 2 * k + 1, read(offset, k))
         for d in range(len(directions)):
-            x, y, z = directions[d, 0], directions[d, 1], directions[d, 2]
-            shown = -brute.shown(
-                shapes, solids, 2 * k, 2 * k + 1, offset[k, 0], offset[k, 1], offset[k, 2], x, y, z
-            )  # fmt: skip
+            shown = -brute.shown(shapes, solids, pair, read(directions, d))
             if shown < depth[k]:
                 depth[k] = shown
-                normal[k, 0], normal[k, 1], normal[k, 2] = x, y, z
+                write(normal, k, read(directions, d))
 
 
 def scan(pairs: Pairs, directions, repeats=REPEATS):

@@ -9,6 +9,7 @@ checked before the bodies can have closed the gap; then the same simplex mostly 
 
 from typing import NamedTuple
 
+import numpy as np
 from numba import types
 
 from simcore.compilation import leaf, routine
@@ -112,8 +113,14 @@ def _too_near(double_area, far, side):
 
 @leaf
 def _read_facet(contacts, p):
-    facet = contacts.facet
-    return Facet(facet[p, 0], facet[p, 1], facet[p, 2], facet[p, 3], facet[p, 4], facet[p, 5])
+    """The remembered facet of candidate pair p, as int64: of one type with what a search returns, compiled once."""
+    a0, a1, a2 = _vertex(contacts, p, 0), _vertex(contacts, p, 1), _vertex(contacts, p, 2)
+    return Facet(a0, a1, a2, _vertex(contacts, p, 3), _vertex(contacts, p, 4), _vertex(contacts, p, 5))
+
+
+@leaf
+def _vertex(contacts, p, k):
+    return np.int64(contacts.facet[p, k])
 
 
 @leaf
@@ -157,7 +164,8 @@ def _gap_of_simplex(shapes, bodies, contacts, p, pair):
     if facet[p, 2] >= 0:
         n = 3
     for k in range(n):
-        write(points, k, world_difference(shapes, bodies, pair, facet[p, k], facet[p, 3 + k]))
+        a, b = _vertex(contacts, p, k), _vertex(contacts, p, 3 + k)
+        write(points, k, world_difference(shapes, bodies, pair, a, b))
     u, v, w = 1.0, 0.0, 0.0
     if n == 2:
         u, v = segment_weights(points, 0, 1)
@@ -172,15 +180,14 @@ def _gap_of_simplex(shapes, bodies, contacts, p, pair):
     if not distance > 0.0:
         return SimplexGap(0.0, 0.0, read(contacts.direction, p))
     normal = over(negative(nearest), distance)
-    m = world_support(shapes, bodies, pair, facet[p, 0], facet[p, 3], normal)
+    m = world_support(shapes, bodies, pair, _vertex(contacts, p, 0), _vertex(contacts, p, 3), normal)
     return SimplexGap(-dot(m.point, normal), distance, normal)
 
 
 @routine
 def search_contact(shapes, bodies, contacts, p, pair):
     """Contact of candidate pair p by GJK and EPA."""
-    facet = contacts.facet
-    a, b = facet[p, 0], facet[p, 3]
+    a, b = _vertex(contacts, p, 0), _vertex(contacts, p, 3)
     if a < 0:
         a, b = shapes.vertex_start[bodies.shape[pair.a]], shapes.vertex_start[bodies.shape[pair.b]]
     normal = read(contacts.direction, p)
