@@ -1,6 +1,6 @@
 """How long a neighbour list stays valid: margins of the bodies, and how far ahead they look.
 
-Where these constants come from: docs/constants.md.
+Where these constants come from: docs/constants_packing.md.
 """
 
 import numpy as np

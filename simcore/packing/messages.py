@@ -7,7 +7,7 @@ import numpy as np
 from simcore.dem.from_scene import stiffening_advice
 from simcore.packing.checks import PINCHING, DeepImpact, DeepOverlap, EnergyGain, NotFinite, TooFast
 
-BED_NEEDS = (1.2, 1.35)  # steps that a bed needs over those of its stiffest grain by itself; see docs/constants.md
+BED_NEEDS = (1.2, 1.35)  # steps that a bed needs over those of its stiffest grain by itself; see docs/constants_packing.md
 
 
 def steps_advice(scene) -> str:

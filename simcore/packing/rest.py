@@ -4,7 +4,7 @@
 has no static spring. Such a bed counts as settled when the motion of fall and impact is gone (the kinetic energy of a
 mean grain is a small share of m g d, the energy by which it could climb another) and when its solid fraction has ceased
 to change by more than a stated share within a stated time. The solid fraction of a given mass goes with the inverse of
-its mean height. Why no fixed time instead: docs/constants.md.
+its mean height. Why no fixed time instead: docs/constants_packing.md.
 """
 
 from typing import NamedTuple
