@@ -63,7 +63,7 @@ def test_a_single_study_plans_only_what_it_needs(workplace):
 
 
 NO_MESHES = """
-packing: {domain: {width: 45 mm, height: 0.3 m}, amount: {grains: 100}, sizes: {case: U1}}
+packing: {domain: {width: 45 mm, height: 0.3 m}, amount: {grains: 300}, sizes: {case: U1}}
 studies:
   spheres:
     fixes: {shapes: {kind: sphere}}
@@ -81,6 +81,17 @@ def test_studies_that_need_no_meshes_make_none(workplace):
         assert rules.count("packing") == (1 if target else 2)
         assert not set(rules) & {"grain_set", "decimated_grain_set", "form_order", "grain_report"}, rules
         assert ("report" in rules) == (not target)
+
+
+def test_a_campaign_of_beds_too_low_to_be_evaluated_is_refused(workplace):
+    """Unless the campaign cuts less from both ends."""
+    low = NO_MESHES.replace("grains: 300", "grains: 60") + OTHERS
+    (workplace.folder / "low.yaml").write_text(low)
+    status, said = workplace.run("--dry-run", "--configfile", "low.yaml", "--", "spheres")
+    assert status != 0 and "Traceback" not in said
+    assert "studies.spheres, packing spheres: amount: The bed will be about" in said and "give at least" in said
+    (workplace.folder / "low.yaml").write_text(low + "\nporosity: {cut: 2 mm}\n")
+    assert workplace.run("--dry-run", "--configfile", "low.yaml", "--", "spheres")[0] == 0
 
 
 def test_a_target_asks_only_for_its_own_inputs(workplace):
