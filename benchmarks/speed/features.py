@@ -135,7 +135,7 @@ def levels(options):
     from simcore.compilation import source_digest
     from simcore.dem.state.contacts import Box
     from simcore.dem.step.near_pairs import _search, _sort_into_cells, _spheres, find_pairs
-    from simcore.packing.lists import SKIN
+    from simcore.packing.neighbour_lists import SKIN
 
     few = {"allow_few_top_grains": True} if options.shape == "sphere" else {}
     settings = widen(merge(bed_settings(options.shape, options.grains), {"sizes": {**TWO_SIZES, **few}}))

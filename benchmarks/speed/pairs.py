@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.measurement import machine
 from simcore.compilation import kernel
-from simcore.dem.contact.finding import check_polyhedra, search_polyhedra
+from simcore.dem.contact.find_contact import check_polyhedra, search_polyhedra
 from simcore.dem.shapes.hulls import CONVEX, Base, collect_shapes
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box

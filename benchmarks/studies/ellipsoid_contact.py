@@ -24,7 +24,7 @@ from scipy.spatial.transform import Rotation
 
 from simcore.compilation import kernel
 from simcore.dem.contact import query_many
-from simcore.dem.contact.finding import check_ellipsoids, check_potentials, search_ellipsoids, search_potentials
+from simcore.dem.contact.find_contact import check_ellipsoids, check_potentials, search_ellipsoids, search_potentials
 from simcore.dem.contact.pair import Pair
 from simcore.dem.contact.pairs.ellipsoid_potentials import meeting_of
 from simcore.dem.contact.query import place_solids, table_of

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from simcore.dem.forces.hertz import HertzLaw, hertz_law, linear_law
-from simcore.dem.forces.sliding import CAPPED, NONE, VISCOUS
+from simcore.dem.forces.sliding_friction import CAPPED, NONE, VISCOUS
 from simcore.dem.forces.spring_dashpot import ContactLaw, contact_law, implicit_law
 from simcore.dem.stability import longest_stable_step, minimum_steps_per_contact_time
 from simcore.dem.state.features import Features
@@ -68,7 +68,7 @@ def _features(scene: Scene) -> Features:
 
 
 def _sliding(scene: Scene) -> int:
-    """Return which friction against the sliding velocity acts, of simcore.dem.forces.sliding."""
+    """Return which friction against the sliding velocity acts, of simcore.dem.forces.sliding_friction."""
     if scene.material.friction_law == "dynamic":
         return CAPPED if scene.material.friction > 0.0 else NONE
     return VISCOUS if scene.material.friction_law == "viscous" else NONE

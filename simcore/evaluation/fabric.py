@@ -1,6 +1,6 @@
 """Fabric of a packing's bulk: density, contacts, and how contacts and grains are turned against the vertical.
 
-What is counted: grains whose centre lies in the bulk (simcore.evaluation.bulk), and each contact with another grain
+What is counted: grains whose centre lies in the bulk (simcore.evaluation.bulk_region), and each contact with another grain
 once for each of its two grains that does. So a mean over the ends of contacts is one over grains, each with all its
 contacts, and no direction is preferred where the bulk ends. Contact normals and grains' axes have no sense
 (simcore.evaluation.axis_statistics).
@@ -24,7 +24,7 @@ from simcore.evaluation.axis_statistics import (
     second_rank_tensor,
     tensor_invariants,
 )
-from simcore.evaluation.bulk import bulk
+from simcore.evaluation.bulk_region import bulk
 from simcore.evaluation.contact_radius import contact_radii, largest_radius, radius_bins, surface_radii
 from simcore.evaluation.coordination import BEARING_CONTACTS, coordination_number
 from simcore.evaluation.porosity import describe
@@ -66,7 +66,7 @@ _SUMS = ("grains", "vectors")
 def fabric(packing, cut=None, bearing_contacts=BEARING_CONTACTS, n_bins=N_BINS):
     """Fabric of one packing, Dataset.
 
-    packing: Dataset as in packing_io; cut [m]: see simcore.evaluation.bulk; bearing_contacts: see
+    packing: Dataset as in packing_io; cut [m]: see simcore.evaluation.bulk_region; bearing_contacts: see
     simcore.evaluation.coordination; n_bins: of equal solid angle from the vertical to the horizontal.
 
     solid_fraction; coordination_number, also _without_rattlers, with the rattler_fraction. Over `direction` (normals of

@@ -5,9 +5,12 @@ from functools import singledispatch
 import numpy as np
 
 from simcore.dem.from_scene import stiffening_advice
-from simcore.packing.checks import PINCHING, DeepImpact, DeepOverlap, EnergyGain, NotFinite, TooFast
+from simcore.packing.run_checks import PINCHING, DeepImpact, DeepOverlap, EnergyGain, NotFinite, TooFast
 
-BED_NEEDS = (1.2, 1.35)  # steps that a bed needs over those of its stiffest grain by itself; see docs/constants_packing.md
+BED_NEEDS = (
+    1.2,
+    1.35,
+)  # steps of a bed over those of its stiffest grain by itself; docs/constants_packing.md
 
 
 def steps_advice(scene) -> str:
@@ -81,7 +84,7 @@ def pinching_warning(scene, problem: DeepOverlap, step) -> str:
 
 @singledispatch
 def describe(problem, scene, step, memory) -> str:
-    """The message about a problem of simcore.packing.checks. memory: WatchMemory, for what it says of the step."""
+    """The message about a problem of simcore.packing.run_checks. memory: WatchMemory, for what it says of the step."""
     raise TypeError(f"no message describes {problem!r}")
 
 

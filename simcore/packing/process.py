@@ -16,7 +16,7 @@ from simcore.packing.announcement import announcement
 from simcore.packing.expectation import expect, warnings
 from simcore.packing.insertion.insertion import Insertion
 from simcore.packing.keeping import KEEP_AND_STOP, Keeper
-from simcore.packing.lists import adapt_look_ahead, margins, skin_of
+from simcore.packing.neighbour_lists import adapt_look_ahead, margins, skin_of
 from simcore.packing.observation import observe
 from simcore.packing.packed import DAMPING, GENERATING, SHAKING, Interrupted, Packed, PackingError
 from simcore.packing.progress import Progress

@@ -6,7 +6,10 @@ from simcore.dem.stability import Estimate, body_steps, contact_load, stiffest_b
 from simcore.dem.state.bodies import Bodies
 from simcore.dem.state.contacts import Near
 from simcore.dem.step.step import Drive
-from simcore.packing.checks import (
+from simcore.packing.expectation import backing
+from simcore.packing.messages import advice_on_rest, describe, few_steps_warning, hint, let_pass, pinching_warning
+from simcore.packing.packed import PackingError, Stability
+from simcore.packing.run_checks import (
     Interval,
     check_energy,
     check_finite,
@@ -17,9 +20,6 @@ from simcore.packing.checks import (
     pinched,
     too_deep,
 )
-from simcore.packing.expectation import backing
-from simcore.packing.messages import advice_on_rest, describe, few_steps_warning, hint, let_pass, pinching_warning
-from simcore.packing.packed import PackingError, Stability
 from simcore.packing.state import State, WatchMemory
 from simcore.scene.scene import Scene
 

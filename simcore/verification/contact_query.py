@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from scipy.spatial import ConvexHull
 
-from simcore.dem.contact.finding import check_ellipsoids, check_polyhedra, search_ellipsoids, search_polyhedra
+from simcore.dem.contact.find_contact import check_ellipsoids, check_polyhedra, search_ellipsoids, search_polyhedra
 from simcore.dem.contact.pair import pair_of
 from simcore.dem.contact.query import place_solids, query_many, query_pairs, table_of
 from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, Base, collect_shapes, convex, ellipsoid, unit_sphere

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from scipy.stats import norm
 
-from simcore.evaluation.bulk import bulk
+from simcore.evaluation.bulk_region import bulk
 from simcore.evaluation.contact_radius import BIN_WIDTH
 from simcore.evaluation.fabric import fabric, fabric_over_seeds
 from simcore.evaluation.fabric_text import fabric_text

@@ -8,7 +8,7 @@ import trimesh
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.contact.finding import (
+from simcore.dem.contact.find_contact import (
     check_ellipsoids,
     check_mixed,
     check_polyhedra,

@@ -9,11 +9,11 @@ from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import unit_sphere
 from simcore.dem.stability import contact_load, stiffest_body
 from simcore.dem.state.bodies import make_bodies
-from simcore.packing.checks import deepest_overlap, half_thickness
 from simcore.packing.energy import spring_energy
 from simcore.packing.expectation import backing, depth_of_impact
 from simcore.packing.packed import DAMPING, SHAKING, PackingError
 from simcore.packing.process import Process, pack
+from simcore.packing.run_checks import deepest_overlap, half_thickness
 from tests.helpers.few import set_up_few
 
 

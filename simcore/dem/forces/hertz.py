@@ -33,7 +33,7 @@ class HertzLaw(NamedTuple):
     tangential: float  # stiffness of the tangential spring over k √ξ
     root_tangential: float  # of the dashpots
     friction: float
-    sliding: float  # [1/s], see simcore.dem.forces.sliding
+    sliding: float  # [1/s], see simcore.dem.forces.sliding_friction
     size: float  # [m/kg^(1/3)], radius of a sphere over the cube root of its mass
 
 

@@ -7,15 +7,9 @@ which bodies get the torque. What lies between, `press`, is one text.
 from typing import NamedTuple
 
 from simcore.compilation import leaf
-from simcore.dem.forces.spring_dashpot import (
-    explicit_dashpot,
-    implicit_dashpot,
-    normal_force,
-    patch_torque,
-    preload,
-    tangent_of,
-    tangential_force,
-)
+from simcore.dem.forces.coulomb_friction import preload, tangent_of, tangential_force
+from simcore.dem.forces.patch_torque import patch_torque
+from simcore.dem.forces.spring_dashpot import explicit_dashpot, implicit_dashpot, normal_force
 from simcore.dem.state.touches import partner_offset
 from simcore.dem.vectors import ZERO, Vec, cross, dot, minus, negative, plus, read, scaled, write
 

@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.compilation import leaf
-from simcore.dem.vectors import Vec, across, cross, dot, minus, negative, over, plus, scaled, squared
 
 
 class ContactLaw(NamedTuple):
@@ -32,15 +31,7 @@ class ContactLaw(NamedTuple):
     root_tangential: float
     friction: float
     step: float = 0.0  # [s], over which an implicit dashpot acts; 0 of an explicit one
-    sliding: float = 0.0  # [1/s], rate of a friction without springs (simcore.dem.forces.sliding)
-
-
-class Tangent(NamedTuple):
-    """Coefficients of one contact along its tangent plane."""
-
-    stiffness: float  # [N/m]
-    damping: float  # [N s/m]
-    limit: float  # [N], of Coulomb friction
+    sliding: float = 0.0  # [1/s], rate of a friction without springs (simcore.dem.forces.sliding_friction)
 
 
 LEVER = 3.5  # 1 + m r² / I of a sphere. ASSUME: of all grains. Why: docs/constants.md#lever
@@ -84,105 +75,9 @@ def implicit_dashpot(law, hold):
 
 
 @leaf
-def tangent_of(law, damping, mass, push):
-    """Tangent for the normal force `push` [N]. damping: tangential, per effective mass. mass: effective."""
-    return Tangent(law.tangential * law.stiffness * mass, damping * mass, law.friction * abs(push))
-
-
-@leaf
-def tangential_force(tangent, dt, normal, velocity, spring):
-    """Tangential force on b [N] and the new tangential spring [m], both vectors.
-
-    velocity: of b against a at the contact point. The spring is turned into the new tangent plane keeping its length,
-    grows by the tangential velocity, and is cut back to what the limit can hold where the contact slips.
-    """
-    velocity = across(velocity, normal)
-    length2 = squared(spring)
-    if length2 > 0.0:
-        spring = across(spring, normal)
-        left2 = squared(spring)
-        if left2 > 0.0:
-            spring = scaled(np.sqrt(length2 / left2), spring)
-    spring = plus(spring, scaled(dt, velocity))
-    drag = scaled(tangent.damping, velocity)
-    force = minus(scaled(-tangent.stiffness, spring), drag)
-    trial2 = squared(force)
-    if trial2 > tangent.limit * tangent.limit:
-        force = scaled(tangent.limit / np.sqrt(trial2), force)
-        spring = over(negative(plus(force, drag)), tangent.stiffness)
-    return force, spring
-
-
-@leaf
-def preload(tangent, normal, velocity, force, spring, stuck, k):
-    """Tangential spring [m] of contact k by the preloaded law: a contact that starts to stick is loaded to the limit.
-
-    The program of Rettinger et al. does so at the first touch and where slip ends: the tangential force of that step
-    stays as it is, but from the next step on the spring pushes as hard as friction allows, however little it moved. A
-    contact without any tangential force sticks at rest. This is no law of friction (a sphere that lands almost straight
-    is thrown aside); it is here to measure what it does to packings. force, spring: of `tangential_force`, which also
-    takes the others. stuck: (m,) uint8, whether each contact stuck in the step before; that of k is set.
-    """
-    size = np.sqrt(squared(force))
-    sticks = size < (1.0 - 1e-12) * tangent.limit  # a force that was cut back is the limit but for rounding
-    if sticks and stuck[k] == 0 and size > 0.0:
-        drag = scaled(tangent.damping, across(velocity, normal))
-        spring = over(negative(plus(scaled(tangent.limit / size, force), drag)), tangent.stiffness)
-    stuck[k] = sticks
-    return spring
-
-
-@leaf
 def normal_force(law, damping, mass, overlap, un, attractive):
     """Normal force on b [N], positive where it pushes. un: velocity of b against a along the normal."""
     push = mass * (law.stiffness * overlap - damping * un)
     if not attractive:
         push = max(push, 0.0)
     return push
-
-
-@leaf
-def moments_times(spread, k, v):
-    """Product of the second moments in row k, xx yy zz xy xz yz, with a vector."""
-    xx, yy, zz = spread[k, 0], spread[k, 1], spread[k, 2]
-    xy, xz, yz = spread[k, 3], spread[k, 4], spread[k, 5]
-    return Vec(
-        xx * v.x + xy * v.y + xz * v.z,
-        xy * v.x + yy * v.y + yz * v.z,
-        xz * v.x + yz * v.y + zz * v.z,
-    )
-
-
-@leaf
-def patch_torque(damping, tangent, dt, normal, spin, touches, k, friction):
-    """Torque on b [N m] of patch k about its centroid, zero for a point; its twist is updated.
-
-    The springs and dashpots of the contact law, thought spread over the patch by depth, also resist what turns about
-    the centroid: with second moments C of the patch, rocking at g = n × ω meets −d_n (C g) × n, and twisting a
-    torsional spring k_t tr C with its dashpot, held by friction up to µ |F_n| √(tr C).
-    # ASSUME: slip and twist do not weaken each other, and the gyration radius stands for the mean lever arm (for a
-    # disc 0.707 R against 0.667 R).
-    damping [N s/m]: d_n. spin [1/s]: angular velocity of b against a. touches: contacts or walls.
-    """
-    rocking = moments_times(touches.spread, k, cross(normal, spin))
-    torque = scaled(-damping, cross(rocking, normal))
-    if friction:
-        return plus(torque, scaled(twisting_torque(tangent, dt, dot(normal, spin), touches, k), normal))
-    return torque
-
-
-@leaf
-def twisting_torque(tangent, dt, rate, touches, k):
-    """Torque [N m] about the normal against a patch that twists at `rate` [1/s]; the twist of row k is updated."""
-    spread = touches.spread
-    # Of a single vertex behind a wall the trace is zero but for rounding, of either sign.
-    moment = max(spread[k, 0] + spread[k, 1] + spread[k, 2], 0.0)
-    stiffness, damping = tangent.stiffness * moment, tangent.damping * moment
-    twist = touches.twist[k] + rate * dt
-    torque = -stiffness * twist - damping * rate
-    limit = tangent.limit * np.sqrt(moment)
-    if not abs(torque) < limit:  # also where there is no patch, which holds no twist
-        torque = limit if torque > 0.0 else -limit
-        twist = -(torque + damping * rate) / stiffness if stiffness > 0.0 else 0.0
-    touches.twist[k] = twist
-    return torque

@@ -23,7 +23,7 @@ class Features(NamedTuple):
     timed: bool = False  # count the processor's cycles of each part of the step
     potential: bool = False  # ellipsoids meet where the potential of each is least on the other, not by a common normal
     hertz: bool = False  # the contact law's coefficients follow from the overlap (simcore.dem.forces.hertz)
-    sliding: int = 0  # of simcore.dem.forces.sliding: NONE, CAPPED or VISCOUS: friction without springs, not `friction`
+    sliding: int = 0  # friction without springs, not `friction`: NONE, CAPPED or VISCOUS (sliding_friction.py)
     preloaded: bool = False  # with friction: what begins to be held has its tangential spring loaded to the limit
     inflated: bool = False  # polyhedra meet as in Rettinger et al. (2022), simcore.dem.contact.pairs.inflated
 

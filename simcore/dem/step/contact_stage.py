@@ -8,7 +8,7 @@ where its function gets it as an argument, hence no State here.
 from numba import get_thread_id, prange
 
 from simcore.compilation import loops
-from simcore.dem.contact.finding import (
+from simcore.dem.contact.find_contact import (
     check_ellipsoids,
     check_mixed,
     check_polyhedra,
@@ -19,7 +19,7 @@ from simcore.dem.contact.finding import (
     search_polyhedra,
     search_potentials,
 )
-from simcore.dem.contact.finding import find_inflated as find_inflated_contact
+from simcore.dem.contact.find_contact import find_inflated as find_inflated_contact
 from simcore.dem.contact.patch.patch import find_patch
 from simcore.dem.contact.walls import (
     cylinder_convex,

@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot, patch_torque, tangent_of
+from simcore.dem.forces.coulomb_friction import tangent_of
+from simcore.dem.forces.patch_torque import patch_torque
+from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot
 from simcore.dem.vectors import Vec
 
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.contact.finding import check_potentials, search_potentials
+from simcore.dem.contact.find_contact import check_potentials, search_potentials
 from simcore.dem.contact.pair import Pair
 from simcore.dem.contact.pairs import ellipsoid_potentials as potential
 from simcore.dem.contact.search.deep_overlap import start_normal

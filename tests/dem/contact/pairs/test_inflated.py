@@ -13,7 +13,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from benchmarks.studies.inflated import find, touching_pairs
-from simcore.dem.contact.finding import check_polyhedra, find_inflated, search_polyhedra
+from simcore.dem.contact.find_contact import check_polyhedra, find_inflated, search_polyhedra
 from simcore.dem.contact.pairs.inflated import MARGIN, MAX_FACES, TOLERANCE
 from simcore.dem.contact.query import place_solids, table_of
 from simcore.dem.from_scene import compose

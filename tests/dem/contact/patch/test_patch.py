@@ -14,7 +14,9 @@ from simcore.dem.contact.patch.axes import axes_about
 from simcore.dem.contact.patch.clipping import clipped_moments
 from simcore.dem.contact.patch.patch import PATCH_DEPTH, find_patch
 from simcore.dem.contact.patch.workspace import make_workspace
-from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot, patch_torque, tangent_of
+from simcore.dem.forces.coulomb_friction import tangent_of
+from simcore.dem.forces.patch_torque import patch_torque
+from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot
 from simcore.dem.state.touches import partner_offset
 from simcore.dem.vectors import Vec, read
 

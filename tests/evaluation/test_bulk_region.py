@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simcore.evaluation.bulk import FLOOR_LAYER, SURFACE_LAYER, WALL_LAYER, bulk
+from simcore.evaluation.bulk_region import FLOOR_LAYER, SURFACE_LAYER, WALL_LAYER, bulk
 
 
 def test_default_leaves_out_the_stated_number_of_long_axes(packings):

@@ -1,6 +1,6 @@
 """What shows that a run has gone wrong: one function for each check, which returns a problem or None.
 
-Every check is made of all ranks together and returns the same on each. What is allowed and why: docs/constants_packing.md.
+Every check is made of all ranks together and returns the same on each. The limits: docs/constants_packing.md.
 """
 
 from typing import NamedTuple
