@@ -1,8 +1,8 @@
 """Fabric of a packing's bulk: density, contacts, and how contacts and grains are turned against the vertical.
 
-What is counted: grains whose centre lies in the bulk (simcore.evaluation.bulk_region), and each contact with another grain
-once for each of its two grains that does. So a mean over the ends of contacts is one over grains, each with all its
-contacts, and no direction is preferred where the bulk ends. Contact normals and grains' axes have no sense
+What is counted: grains whose centre lies in the bulk (simcore.evaluation.bulk_region), and each contact with another
+grain once for each of its two grains that does. So a mean over the ends of contacts is one over grains, each with all
+its contacts, and no direction is preferred where the bulk ends. Contact normals and grains' axes have no sense
 (simcore.evaluation.axis_statistics).
 """
 

@@ -10,7 +10,7 @@ from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import collect_shapes
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import bytes_per_pair
-from simcore.dem.state.features import Features
+from simcore.dem.state.features import PARTS, Features
 from simcore.packing.cost import NEAR_PAIRS, WORDS, PackingCost, Pour, cost_of, scene_step_cost
 from simcore.packing.expectation import Expectation, expect, warnings
 from simcore.packing.forecast import draw_packing
@@ -20,49 +20,13 @@ from simcore.scene.scene import GRAINS, Scene
 from simcore.scene.setup import Setup
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
 
-# What a scene can have: of Features, what its step does then, and what it does not hold else.
+# Of each kind of scene what its step does, and what the steps of other kinds leave out.
 KINDS = {
     SPHERE: ("spheres, contacts in closed form", "spheres in closed form"),
     ELLIPSOID: ("ellipsoids, contacts by Newton from the last normal", "ellipsoids"),
     POLYHEDRON: ("convex polyhedra, contacts from the facet found last", "polyhedra: no mesh, facet or search of one"),
     MIXED: ("ellipsoids beside polyhedra, each pair by its kinds", "kinds side by side"),
 }
-PARTS = (
-    (lambda f: f.kind != SPHERE, "orientations and their rotation", "orientations: spheres look alike from all sides"),
-    (lambda f: f.friction, "friction, with the history of each contact's tangential spring", "friction and history"),
-    (
-        lambda f: f.attractive,
-        "contacts that may pull as they end, by their dashpot",
-        "contacts that pull: forces are clamped at zero",
-    ),
-    (
-        lambda f: f.hertz,
-        "Hertzian contacts with a viscous term",
-        "Hertzian contacts: they are linear",
-    ),
-    (
-        lambda f: f.preloaded,
-        "tangential springs that start at the limit of friction, as the program of Rettinger et al. (2022) has them",
-        "springs that start at the limit of friction",
-    ),
-    (lambda f: f.sliding, "friction against the sliding velocity, without history", "sliding friction"),
-    (lambda f: f.implicit, "implicit dashpots, by how firmly a grain is held", "implicit dashpots"),
-    (lambda f: f.patch, "patches: polyhedra press at the centroid of their overlap", "patches"),
-    (
-        lambda f: f.inflated,
-        "contacts of polyhedra as the program of Rettinger et al. (2022) finds them",
-        "the contact search of that program",
-    ),
-    (
-        lambda f: f.potential,
-        "potentials: ellipsoids press where each is deepest in the other",
-        "potentials of ellipsoids: their contacts have a common normal",
-    ),
-    (lambda f: f.floor, "a floor", "a floor"),
-    (lambda f: f.cylinder, "a cylinder's wall", "a cylinder's wall"),
-    (lambda f: f.periodic, "periodic images", "periodic images"),
-    (lambda f: f.shaken, "shaking", "shaking"),
-)
 
 
 class Cost(NamedTuple):

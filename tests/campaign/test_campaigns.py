@@ -77,8 +77,8 @@ def test_real_grains_need_a_path_and_nothing_else(tmp_path):
 
 @pytest.mark.parametrize("overlays", [("deposits",), ("deposits", "deposits_large")])
 def test_boxes_of_deposits_are_four_long_axes_wide_and_leave_two_of_bulk(overlays):
-    """Heights from the densest deposit there is, 0.74; the bulk is what simcore.evaluation.bulk_region leaves. Long axes: mean
-    by volume, of grains of the mid-range radius; forms that are spread may be a third longer."""
+    """Heights from the densest deposit there is, 0.74; the bulk is what simcore.evaluation.bulk_region leaves. Long
+    axes: mean by volume, of grains of the mid-range radius; forms that are spread may be a third longer."""
     packings = campaign(*overlays)
     deposits = packings[packings.study.str.startswith("deposit_")]
     assert len(deposits) > 200
