@@ -1,1 +1,1 @@
-"""Packings whose outcome others have published, or a closed form gives: cases with bands, how they are run and measured."""
+"""Packings whose outcome is published, or follows from a closed form: cases with bands, runs, measures, table."""

@@ -44,8 +44,8 @@ def _column(ratio, middle):
         middle - 0.0005,
         middle + 0.0005,
         GEOMETRY,
-        "Smooth spheres in a tube narrower than 1.866 of their diameters can only come to rest in a plane zigzag, whose "
-        "porosity follows from the Pythagorean theorem; their weight shortens the column by less than the band.",
+        "Smooth spheres in a tube narrower than 1.866 of their diameters can only come to rest in a plane zigzag, "
+        "whose porosity follows from the Pythagorean theorem; their weight shortens the column by less than the band.",
     )
 
 
@@ -87,7 +87,7 @@ def _die(solid, loose, close):
         1.0 - close - 0.01,
         1.0 - loose + 0.01,
         BAKER,
-        f"Plastic dice were measured between solid fractions of {loose:g} (fluidised) and {close:g} (vibrated), ± 0.01.",
+        f"Plastic dice filled from {loose:g} (fluidised) to {close:g} (vibrated), with a standard deviation of 0.01.",
     )
 
 
@@ -124,8 +124,8 @@ CASES = [
         5.8,
         6.2,
         AGNOLIN,
-        "A force-carrying sphere without friction has six contacts: three degrees of freedom, and each contact is shared "
-        "by two. Soft contacts add a few hundredths.",
+        "A force-carrying sphere without friction has six contacts: three degrees of freedom, and each contact is "
+        "shared by two. Soft contacts add a few hundredths.",
     ),
     _porosity(
         "frictional_poured",
@@ -134,8 +134,8 @@ CASES = [
         0.395,
         0.450,
         f"{JERKINS}; {PILLITTERI}",
-        "Rough spheres that settle as gently as can be reach a solid fraction of 0.550, and spheres poured under normal "
-        "gravity about 0.60.",
+        "Rough spheres that settle as gently as can be reach a solid fraction of 0.550, and spheres poured under "
+        "normal gravity about 0.60.",
     ),
     Case(
         "frictional_coordination",
@@ -206,7 +206,7 @@ CASES = [
         0.995,
         1.005,
         CONSERVATION,
-        "Elastic spheres without friction lose and gain nothing; at 40 steps a contact time a contact is off by 6.5e-4 of "
-        "its energy either way, and 16 000 contacts of 64 spheres add up to less than 0.005 (four standard deviations).",
+        "Elastic spheres without friction lose and gain nothing. At 40 steps a contact time each contact errs by "
+        "6.5e-4 of its energy, either way; 16 000 contacts of 64 spheres add up to 0.005 (four standard deviations).",
     ),
 ]

@@ -16,7 +16,7 @@ LOOKS = 250
 def jump(specification: dict, duration: float = DURATION, looks: int = LOOKS) -> xr.Dataset:
     """Energy [J] over time [s] of the grains of a specification from when the last of them is inserted.
 
-    specification: as read from YAML; its shaking and damping are left out. Attributes: cpu_seconds, without compilation.
+    specification: as read from YAML; its shaking and damping are left out. Attribute: cpu_seconds, less compilation.
     """
     setup = set_up(resolve(specification), lambda group: [])
     process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)

@@ -114,8 +114,9 @@ PACKINGS = {
         for solid in SOLIDS
     },
 }
-STEPPED = ("elastic_spheres",)  # by simcore.verification.outside.elastic
-PACKED = [f"{name}_seed{seed}" for name, packing in PACKINGS.items() if name not in STEPPED for seed in packing.seeds]
+_RUNS = {f"{name}_seed{seed}": name for name, packing in PACKINGS.items() for seed in packing.seeds}
+ELASTIC_RUNS = [run for run, name in _RUNS.items() if name == "elastic_spheres"]
+PACKED = [run for run in _RUNS if run not in ELASTIC_RUNS]
 
 
 def specification(run: str, dice: str) -> dict:
@@ -123,11 +124,9 @@ def specification(run: str, dice: str) -> dict:
 
     dice: folder with the meshes of the solids, such as cube.obj in mm. KeyError for a run that is none.
     """
-    name, _, seed = run.rpartition("_seed")
-    packing = PACKINGS[name]
-    if not seed.isdigit() or int(seed) not in packing.seeds:
-        raise KeyError(run)
-    raw = {"name": run, "seed": int(seed), **_laid_over(packing.specification)}
+    name = _RUNS[run]
+    seed = int(run.rpartition("_seed")[2])
+    raw = {"name": run, "seed": seed, **_laid_over(PACKINGS[name].specification)}
     if name.startswith("dice_"):
         raw["grains"] = {"source": f"{dice}/{name.removeprefix('dice_')}.obj", "unit": "mm"}
     return raw
