@@ -98,7 +98,7 @@ CASES = [
         ("smooth_spheres_shaken",),
         "porosity",
         "core_porosity",
-        {"core": 0.028, **BULK},
+        {"core": 0.021, **BULK},
         0.34,
         0.38,
         BERRYMAN,

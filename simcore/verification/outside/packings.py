@@ -58,9 +58,9 @@ COLUMN = {
 
 
 def _bidisperse(coarse_share, grains):
-    """Spheres of 8 and 4 mm in a box five coarse diameters wide; coarse_share: of the volume."""
+    """Spheres of 8 and 4 mm in a box four coarse diameters wide; coarse_share: of the volume."""
     return {
-        "domain": {"width": "40 mm"},
+        "domain": {"width": "32 mm"},
         "sizes": {
             "bounds": ["4 mm", "4.000004 mm", "8 mm", "8.000008 mm"],
             "mass_fractions": [round(1.0 - coarse_share, 2), 0.0, coarse_share],
@@ -76,7 +76,7 @@ DICE = {
     "shapes": {"kind": "mesh", "choice": "random"},
     "faces": "original",
     "sizes": _equal(10.0),
-    "amount": {"grains": 400},
+    "amount": {"grains": 300},
     "generation": {"orientation": "random"},
     "shaking": {"duration": "1 s"},
     "convergence": {"max_speed": "5 cm/s", "max_unbalanced_force": 0.2},
@@ -94,7 +94,7 @@ ELASTIC = {
 }
 
 PACKINGS = {
-    "smooth_spheres_shaken": Seeds(_laid_over(SPHERES, SMOOTH, _cylinder(14, 2100)), (1, 2, 3)),
+    "smooth_spheres_shaken": Seeds(_laid_over(SPHERES, SMOOTH, _cylinder(12, 1430)), (1, 2)),
     "smooth_spheres_poured": Seeds(_laid_over(SPHERES, SMOOTH, POURED), (1, 2, 3)),
     "frictional_spheres_poured": Seeds(_laid_over(SPHERES, ROUGH, POURED), (1, 2, 3)),
     "frictional_spheres_shaken": Seeds(_laid_over(SPHERES, ROUGH), (1, 2, 3)),
@@ -106,11 +106,11 @@ PACKINGS = {
     "cylinder_8": Seeds(_laid_over(SPHERES, BEADS, _cylinder(8, 690)), (1, 2, 3)),
     **{
         f"bidisperse_{share:.2f}": Seeds(_laid_over(SPHERES, SMOOTH, POURED, _bidisperse(share, grains)), (1, 2, 3))
-        for share, grains in ((0.30, 2290), (0.50, 1750), (0.70, 1210), (0.85, 800))
+        for share, grains in ((0.30, 1220), (0.50, 930), (0.70, 640), (0.85, 430))
     },
     "elastic_spheres": Seeds(_laid_over(SPHERES, SMOOTH, POURED, ELASTIC), (1, 2, 3)),
     **{
-        f"dice_{solid}": Seeds(_laid_over(DICE, TETRAHEDRA if solid == "tetrahedron" else {}), (1, 2, 3))
+        f"dice_{solid}": Seeds(_laid_over(DICE, TETRAHEDRA if solid == "tetrahedron" else {}), (1, 2))
         for solid in SOLIDS
     },
 }
