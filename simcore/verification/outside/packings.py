@@ -98,12 +98,12 @@ PACKINGS = {
     "smooth_spheres_poured": Seeds(_laid_over(SPHERES, SMOOTH, POURED), (1, 2, 3)),
     "frictional_spheres_poured": Seeds(_laid_over(SPHERES, ROUGH, POURED), (1, 2, 3)),
     "frictional_spheres_shaken": Seeds(_laid_over(SPHERES, ROUGH), (1, 2, 3)),
-    "column_1.3": Seeds(_laid_over(SPHERES, SMOOTH, _cylinder(1.3, 30), COLUMN), (1, 2, 3)),
-    "column_1.5": Seeds(_laid_over(SPHERES, SMOOTH, _cylinder(1.5, 30), COLUMN), (1, 2, 3)),
-    "column_1.7": Seeds(_laid_over(SPHERES, SMOOTH, _cylinder(1.7, 30), COLUMN), (1, 2, 3)),
+    "column_1.3": Seeds(_laid_over(SPHERES, SMOOTH, _cylinder(1.3, 30), COLUMN), (1, 2)),
+    "column_1.5": Seeds(_laid_over(SPHERES, SMOOTH, _cylinder(1.5, 30), COLUMN), (1, 2)),
+    "column_1.7": Seeds(_laid_over(SPHERES, SMOOTH, _cylinder(1.7, 30), COLUMN), (1, 2)),
     "cylinder_3": Seeds(_laid_over(SPHERES, BEADS, _cylinder(3, 110)), (1, 2, 3)),
     "cylinder_5": Seeds(_laid_over(SPHERES, BEADS, _cylinder(5, 260)), (1, 2, 3)),
-    "cylinder_8": Seeds(_laid_over(SPHERES, BEADS, _cylinder(8, 690)), (1, 2, 3)),
+    "cylinder_8": Seeds(_laid_over(SPHERES, BEADS, _cylinder(8, 690)), (1, 2)),
     **{
         f"bidisperse_{share:.2f}": Seeds(_laid_over(SPHERES, SMOOTH, POURED, _bidisperse(share, grains)), (1, 2, 3))
         for share, grains in ((0.30, 1220), (0.50, 930), (0.70, 640), (0.85, 430))
