@@ -36,16 +36,18 @@ def core():
 def stage():
     """A few bodies, stepped by the compiled step itself."""
     from simcore.dem.forces.spring_dashpot import contact_law
-    from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE
+    from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
     from tests.helpers.stage import Stage
 
-    return SimpleNamespace(Stage=Stage, law=contact_law, SPHERE=SPHERE, ELLIPSOID=ELLIPSOID, CONVEX=CONVEX, MIXED=MIXED)
+    return SimpleNamespace(
+        Stage=Stage, law=contact_law, SPHERE=SPHERE, ELLIPSOID=ELLIPSOID, POLYHEDRON=POLYHEDRON, MIXED=MIXED
+    )
 
 
 @pytest.fixture(scope="session")
 def extreme():
     """A few bodies placed by hand in a Process, watched over as a packing is."""
-    from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE
+    from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE
     from tests.helpers import extremes
 
     return SimpleNamespace(
@@ -60,6 +62,6 @@ def extreme():
         specification=extremes.DEFAULT,
         SPHERE=SPHERE,
         ELLIPSOID=ELLIPSOID,
-        CONVEX=CONVEX,
+        POLYHEDRON=POLYHEDRON,
         FREE=extremes.FREE,
     )

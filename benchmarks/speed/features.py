@@ -53,7 +53,7 @@ def main(arguments=None):
 def kinds(options):
     """Rows of one bed of spheres, stepped by each kind of scene."""
     from benchmarks.beds import RELAXING, bed_settings, prepare, settled_bed
-    from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE, unit_sphere
+    from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE, unit_sphere
 
     settings = bed_settings("sphere", options.grains)
     bed = settled_bed(settings, options.beds, _tell)
@@ -62,7 +62,7 @@ def kinds(options):
     for name, kind, base in (
         ("spheres", SPHERE, unit_sphere()),
         ("spheres as ellipsoids", ELLIPSOID, unit_sphere()),
-        ("spheres as polyhedra", CONVEX, faceted_sphere()),
+        ("spheres as polyhedra", POLYHEDRON, faceted_sphere()),
     ):
         scene = dataclasses.replace(setup.scene, kind=kind)
         row = _row(setup._replace(scene=scene, bases=[base]), bed, options, settings, RELAXING)

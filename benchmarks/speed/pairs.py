@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from benchmarks.measurement import machine
 from simcore.compilation import kernel
 from simcore.dem.contact.find_contact import check_polyhedra, search_polyhedra
-from simcore.dem.shapes.hulls import CONVEX, Base, collect_shapes
+from simcore.dem.shapes.hulls import POLYHEDRON, Base, collect_shapes
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
@@ -103,7 +103,7 @@ def measure(bases, rotation, position):
         )  # fmt: skip
         for pose in range(2)
     ]
-    features = Features(kind=CONVEX, friction=False, periodic=False)
+    features = Features(kind=POLYHEDRON, friction=False, periodic=False)
     contacts = list_near(poses[0], shapes, Box(0.0), 0.01, features).contacts
     if not (len(contacts.body_a) == n and (contacts.body_a == 2 * np.arange(n)).all()):
         raise RuntimeError("the neighbour list is not that of the pairs")

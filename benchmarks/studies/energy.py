@@ -291,10 +291,10 @@ def _normal_motion(b, rotation, i, point, normal, v, w):
 
 
 def bed_features(kind, patch):
-    from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE
+    from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE
     from simcore.dem.state.features import Features
 
-    number = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": CONVEX}[kind]
+    number = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": POLYHEDRON}[kind]
     return Features(number, friction=False, shaken=False, patch=patch)
 
 

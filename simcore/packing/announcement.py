@@ -1,14 +1,14 @@
 """What is said while the step of a packing is compiled."""
 
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE
+from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
 from simcore.dem.state.features import Features
 
 # CPU time [s] with an empty cache on the reference machine, rounded up: docs/cost.md.
-SECONDS = {SPHERE: 10, ELLIPSOID: 15, CONVEX: 50, MIXED: 60}
+SECONDS = {SPHERE: 10, ELLIPSOID: 15, POLYHEDRON: 50, MIXED: 60}
 WORDS = {
     SPHERE: "spheres",
     ELLIPSOID: "ellipsoids",
-    CONVEX: "convex polyhedra",
+    POLYHEDRON: "convex polyhedra",
     MIXED: "ellipsoids and convex polyhedra",
 }
 

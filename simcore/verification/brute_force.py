@@ -12,7 +12,7 @@ from simcore.dem.contact.pair import exchanged, pair_of
 from simcore.dem.contact.search.ellipsoid_climb import climb_normal, support_height
 from simcore.dem.contact.search.polyhedron_ellipsoid_climb import climb_feature
 from simcore.dem.contact.search.simplex import edge_of
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE
+from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE
 from simcore.dem.vectors import Vec, cross, dot, into_axes, length, negative, out_of_axes, over, read, write
 
 SPIRAL = 64
@@ -22,7 +22,7 @@ CLIMBED = 16
 @routine
 def support_value(shapes, solids, i, normal):
     """h(n) of solid i about its centre."""
-    if solids.kind[i] != CONVEX:
+    if solids.kind[i] != POLYHEDRON:
         return support_height(solids.form_matrix, i, normal)
     n, scale = into_axes(solids.rotation, i, normal), solids.scale
     direction = Vec(scale[i, 0] * n.x, scale[i, 1] * n.y, scale[i, 2] * n.z)
@@ -120,7 +120,7 @@ def depth_of_polyhedra(shapes, solids, pair):
 def _surface_normal(shapes, solids, i, direction, k):
     """Normal of solid i, not normalised: of an ellipsoid where a direction of the unit sphere leads, of a polyhedron
     that of three vertices, taken as they come by the number k."""
-    if solids.kind[i] != CONVEX:
+    if solids.kind[i] != POLYHEDRON:
         scale = solids.scale
         v = Vec(direction.x / scale[i, 0], direction.y / scale[i, 1], direction.z / scale[i, 2])
         return out_of_axes(solids.rotation, i, v)
@@ -168,7 +168,7 @@ def depth_by_starts(shapes, solids, pair, starts, spiral):
         k = np.argmax(values) if climb % 2 == 0 else (climb * 7919) % n
         values[k] = -np.inf
         normal = read(starts, k)
-        if solids.kind[pair.a] == CONVEX:
+        if solids.kind[pair.a] == POLYHEDRON:
             v = shapes.vertex_start[solids.shape[pair.a]]
             normal = climb_feature(shapes, solids, pair, v, normal, np.inf).normal
         else:
@@ -186,9 +186,9 @@ def depths(shapes, solids, offset, apart, spiral):
         if apart[k]:
             continue
         pair = pair_of(solids, 2 * k, 2 * k + 1, read(offset, k))
-        if solids.kind[pair.a] != CONVEX and solids.kind[pair.b] == CONVEX:
+        if solids.kind[pair.a] != POLYHEDRON and solids.kind[pair.b] == POLYHEDRON:
             pair = exchanged(pair)
-        if solids.kind[pair.a] == CONVEX and solids.kind[pair.b] != ELLIPSOID:
+        if solids.kind[pair.a] == POLYHEDRON and solids.kind[pair.b] != ELLIPSOID:
             depth[k] = depth_of_polyhedra(shapes, solids, pair)
             if solids.kind[pair.b] == SPHERE:
                 depth[k] += solids.scale[pair.b, 0]

@@ -20,7 +20,7 @@ from scipy.spatial import ConvexHull
 from simcore.dem.contact.find_contact import check_ellipsoids, check_polyhedra, search_ellipsoids, search_polyhedra
 from simcore.dem.contact.pair import pair_of
 from simcore.dem.contact.query import place_solids, query_many, query_pairs, table_of
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, Base, collect_shapes, convex, ellipsoid, unit_sphere
+from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, Base, collect_shapes, convex, ellipsoid, unit_sphere
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
@@ -63,7 +63,7 @@ class Truth(NamedTuple):
 def make_pairs(kind, n=PAIRS, points=POINTS, seed=1) -> Pairs:
     """Pairs in random turns, pressed into each other by DEPTH; the second pose differs by MOTION."""
     rng = np.random.default_rng(seed)
-    if kind == CONVEX:
+    if kind == POLYHEDRON:
         clouds = rng.normal(size=(2 * n, points, 3))
         shapes = tuple(convex(c / np.linalg.norm(c, axis=1, keepdims=True) * SEMI_AXES) for c in clouds)
         scale = np.ones((2 * n, 3))
@@ -90,7 +90,7 @@ def make_pairs(kind, n=PAIRS, points=POINTS, seed=1) -> Pairs:
 
 def true_contacts(pairs: Pairs, pose=0) -> Truth:
     """Depth and normal of the pairs, with what is left unknown of them."""
-    find = _facets if pairs.kind == CONVEX else _newton
+    find = _facets if pairs.kind == POLYHEDRON else _newton
     return find(pairs, pose)
 
 
@@ -201,7 +201,7 @@ def _make_checks(kind):
         for turn in range(2 * rounds):
             bodies = second if turn % 2 == 0 else first
             for p in range(len(contacts.body_a)):
-                if kind == CONVEX:
+                if kind == POLYHEDRON:
                     check_polyhedra(shapes, bodies, contacts, p, 0.0, False)
                     if contacts.pending[p] != 0:
                         search_polyhedra(shapes, bodies, contacts, p, 0.0, False)
@@ -216,7 +216,7 @@ def _make_checks(kind):
 def ask_again(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
     """What a step does: the pairs go between their two poses, and each query starts from what the last one found."""
     n = len(pairs.size)
-    if pairs.kind == CONVEX:
+    if pairs.kind == POLYHEDRON:
         bases = [Base(str(k), *shape.base[1:]) for k, shape in enumerate(pairs.shapes)]
         index = np.arange(2 * n)
     else:
@@ -334,7 +334,7 @@ def study(directions=DIRECTIONS, tolerances=TOLERANCES, repeats=REPEATS, pairs=P
     answer has no row.
     """
     rows = []
-    for case, kind in (("polyhedra", CONVEX), ("ellipsoids", ELLIPSOID)):
+    for case, kind in (("polyhedra", POLYHEDRON), ("ellipsoids", ELLIPSOID)):
         made = make_pairs(kind, pairs)
         truths = [true_contacts(made, pose) for pose in range(2)]
         runs = [(OURS, NO_SETTING, truths[0], ask(made, repeats))]

@@ -16,13 +16,13 @@ from simcore.dem.contact.find_contact import (
     search_mixed,
     search_polyhedra,
 )
-from simcore.dem.shapes.hulls import CONVEX, Base, collect_shapes, unit_sphere
+from simcore.dem.shapes.hulls import POLYHEDRON, Base, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
 from simcore.dem.step.near_pairs import list_near
 
-EVERYTHING = Features(CONVEX, True, patch=True)  # all fields of contacts are there
+EVERYTHING = Features(POLYHEDRON, True, patch=True)  # all fields of contacts are there
 
 
 def make_hull(points, name="hull"):

@@ -5,7 +5,7 @@ import numpy as np
 
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.sliding_friction import NONE
-from simcore.dem.shapes.hulls import CONVEX, MIXED, collect_shapes, unit_sphere
+from simcore.dem.shapes.hulls import MIXED, POLYHEDRON, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
@@ -57,7 +57,7 @@ class Stage:
         self.law = law
         self.width = drive.pop("width", 0.0)
         self.skin = drive.pop("skin", 0.2) * self.bodies.radius.max()
-        patch = patch and kind in (CONVEX, MIXED)
+        patch = patch and kind in (POLYHEDRON, MIXED)
         self.features = Features(
             kind,
             friction,

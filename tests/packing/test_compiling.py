@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from simcore.dem.shapes.hulls import CONVEX, SPHERE
+from simcore.dem.shapes.hulls import POLYHEDRON, SPHERE
 from simcore.dem.state.features import Features
 from simcore.packing.announcement import announcement
 from simcore.paths import ROOT
@@ -56,6 +56,8 @@ def test_a_step_is_compiled_once_ahead_of_its_packings(simcore, tmp_path):
 
 
 def test_an_announcement_names_shapes_and_friction():
-    assert announcement(Features(CONVEX, True)).startswith("Compiling the step for convex polyhedra with friction, ")
+    assert announcement(Features(POLYHEDRON, True)).startswith(
+        "Compiling the step for convex polyhedra with friction, "
+    )
     assert " spheres without friction, " in announcement(Features(SPHERE, False))
     assert " spheres with friction, " in announcement(Features(SPHERE, False, sliding=1))

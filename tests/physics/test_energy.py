@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE
+from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE
 from simcore.dem.state.features import Features
 
 spec = importlib.util.spec_from_file_location(
@@ -19,7 +19,7 @@ spec = importlib.util.spec_from_file_location(
 energy = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(energy)
 
-KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": CONVEX}
+KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": POLYHEDRON}
 DURATION = 2500  # contact times: 10^5 steps of 40
 
 

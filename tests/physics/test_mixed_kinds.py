@@ -95,7 +95,7 @@ def test_one_kind_alone_steps_to_the_same_bits_as_in_its_own_scene(stage, kind):
     position = np.column_stack([0.4 * rng.standard_normal((n, 2)), 2.0 + 3.5 * np.arange(n)])
     turns = Rotation.random(n, rng=rng).as_quat(scalar_first=True)
     ends = []
-    for scene in (stage.ELLIPSOID if ellipsoids else stage.CONVEX, stage.MIXED):
+    for scene in (stage.ELLIPSOID if ellipsoids else stage.POLYHEDRON, stage.MIXED):
         pile = stage.Stage(
             scene, stage.law(0.3, T_C, NU, FRICTION), scale, position, [0, 0, -5.0], bases=bases, shape=shape,
             orientation=turns, gravity=20.0, width=4.0, patch=True,

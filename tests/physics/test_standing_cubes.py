@@ -24,7 +24,7 @@ def column(stage, n, shift=0.0, turn=0.0, patch=True, contact_time=T_C):
     position = np.column_stack([shift * EDGE * k, 0.0 * k, EDGE * (k + 0.5) + 1e-6 * (k + 1)])
     orientation = Rotation.from_rotvec(np.column_stack([0.0 * k, 0.0 * k, turn * k])).as_quat(scalar_first=True)
     return stage.Stage(
-        stage.CONVEX, stage.law(0.1, contact_time, 0.22, 0.5), [EDGE] * 3, position, np.zeros(3), bases=[cube()],
+        stage.POLYHEDRON, stage.law(0.1, contact_time, 0.22, 0.5), [EDGE] * 3, position, np.zeros(3), bases=[cube()],
         orientation=orientation, gravity=GRAVITY, density=2650.0, patch=patch,
     )  # fmt: skip
 

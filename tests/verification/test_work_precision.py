@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID
+from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON
 from simcore.verification import contact_query, one_contact, rotation
 from simcore.verification.work_precision import observed_order, settings_table
 
@@ -138,7 +138,7 @@ def test_our_query_is_exact_to_round_off(queries):
         assert rows[case, "normal"] < 1e-13
 
 
-@pytest.mark.parametrize("kind", [CONVEX, ELLIPSOID])
+@pytest.mark.parametrize("kind", [POLYHEDRON, ELLIPSOID])
 def test_pairs_are_pressed_to_their_depth(kind):
     made = contact_query.make_pairs(kind, 8)
     truth = contact_query.true_contacts(made)

@@ -4,6 +4,7 @@ import pytest
 
 from simcore.grains.sources import set_name
 from simcore.scene.specification import resolve
+from simcore.verification.outside.packings import ELASTIC_RUNS, PACKED
 
 from .conftest import ROOT
 
@@ -29,6 +30,7 @@ def test_the_default_campaign_holds_all_studies_and_models(workplace):
     jobs = workplace.plan()
     assert {study for rule, study in jobs if rule == "packing"} == STUDIES
     assert {rule for rule, _ in jobs} >= MODELS | {"grain_report", "report"}
+    assert not {rule for rule, _ in jobs} & {"verification_packings", "outside_packing", "outside_elastic"}
 
 
 def test_the_smoke_campaign_has_one_packing_a_study_and_a_dozen_for_the_model(workplace):
@@ -238,3 +240,16 @@ def test_the_readme_shows_a_config_with_own_grains_and_sieve_curve(workplace):
     (workplace.folder / "my_scans").mkdir()
     jobs = workplace.plan("mine", "--configfile", "mine.yaml")
     assert [job for job in jobs if job[0] == "packing"] == [("packing", "mine")]
+
+
+def test_packings_with_known_outcomes_are_a_target_of_their_own(workplace):
+    jobs = [rule for rule, _ in workplace.plan("verification_packings")]
+    assert jobs.count("outside_packing") == len(PACKED)
+    assert jobs.count("outside_elastic") == len(ELASTIC_RUNS)
+    assert set(jobs) == {
+        "outside_dice",
+        "outside_specification",
+        "outside_packing",
+        "outside_elastic",
+        "verification_packings",
+    }

@@ -25,6 +25,7 @@ from simcore.provenance.digest import digest
 from simcore.campaign.showpieces import corner_mixtures, showpieces
 from simcore.grains.sources import set_name, source_files, source_name
 from simcore.scene.specification import resolve
+from simcore.verification.outside import packings as outside_packings
 from simcore.campaign.studies import expand
 
 try:

@@ -143,3 +143,102 @@ rule differences:
         code=digest("workflow/scripts/differences.py"),
     script:
         "../scripts/differences.py"
+
+
+# Packings whose outcome is published or follows from a closed form: docs/verification.md. Their runs, bands and sources
+# stand in simcore/verification/outside.
+def specification_from_outside(wildcards):
+    return outside_packings.specification(
+        wildcards.outside, f"{results}/verification/dice"
+    )
+
+
+wildcard_constraints:
+    outside="|".join(outside_packings.PACKED + outside_packings.ELASTIC_RUNS),
+
+
+localrules:
+    outside_dice,
+    outside_specification,
+
+
+rule verification_packings:
+    input:
+        packings=collect(
+            "<results>/verification/packings/{outside}.nc",
+            outside=outside_packings.PACKED + outside_packings.ELASTIC_RUNS,
+        ),
+    output:
+        table="<results>/verification/packings_from_outside.csv",
+        figure="<results>/verification/packings_from_outside.png",
+        vector="<results>/verification/packings_from_outside.pdf",
+    log:
+        "<results>/logs/verification_packings.log",
+    params:
+        code=digest("workflow/scripts/verification_packings.py"),
+    script:
+        "../scripts/verification_packings.py"
+
+
+rule outside_dice:
+    output:
+        collect(
+            "<results>/verification/dice/{solid}.obj", solid=outside_packings.SOLIDS
+        ),
+    log:
+        "<results>/logs/outside_dice.log",
+    params:
+        code=digest("workflow/scripts/outside_dice.py"),
+    script:
+        "../scripts/outside_dice.py"
+
+
+rule outside_specification:
+    output:
+        specification="<results>/verification/packings/{outside}.yaml",
+    log:
+        "<results>/logs/outside_specification/{outside}.log",
+    params:
+        specification=specification_from_outside,
+    script:
+        "../scripts/outside_specification.py"
+
+
+# As `packing`, on one core: so are they small, and their CPU times comparable.
+rule outside_packing:
+    input:
+        specification="<results>/verification/packings/{outside}.yaml",
+        dice=rules.outside_dice.output,
+    output:
+        packing="<results>/verification/packings/{outside}.nc",
+    wildcard_constraints:
+        outside="|".join(outside_packings.PACKED),
+    log:
+        "<results>/logs/outside_packing/{outside}.log",
+    benchmark:
+        "<results>/benchmarks/outside_packing/{outside}.tsv"
+    params:
+        code=digest(
+            "simcore/scene/setup.py",
+            "simcore/packing/process.py",
+            "simcore/packing/file.py",
+        ),
+        checkpoints=f"{results}/checkpoints",
+    shell:
+        "exec python -m simcore launch {input.specification} {output.packing}"
+        " --ranks 1 --threads 1 --checkpoints {params.checkpoints:q}/outside --with-parent > {log} 2>&1"
+
+
+rule outside_elastic:
+    input:
+        specification="<results>/verification/packings/{outside}.yaml",
+    output:
+        record="<results>/verification/packings/{outside}.nc",
+    wildcard_constraints:
+        outside="|".join(outside_packings.ELASTIC_RUNS),
+    log:
+        "<results>/logs/outside_elastic/{outside}.log",
+    params:
+        code=digest("workflow/scripts/outside_elastic.py"),
+    script:
+        "../scripts/outside_elastic.py"

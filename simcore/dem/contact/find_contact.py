@@ -12,7 +12,7 @@ from simcore.dem.contact.pairs import ellipsoid_potentials, ellipsoids, polyhedr
 from simcore.dem.contact.pairs.gap_memory import remember_apart, still_apart
 from simcore.dem.contact.pairs.inflated import search_inflated
 from simcore.dem.contact.pairs.spheres import touch
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, is_hull
+from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, is_hull
 from simcore.dem.state.touches import forget_springs, partner_offset
 from simcore.dem.vectors import squared, write
 
@@ -55,7 +55,7 @@ def _make_check(kind, potential=False):
                 certain, contact = recheck_mixed(shapes, bodies, contacts, p, pair)
             else:
                 certain, contact = recheck_ellipsoids(shapes, bodies, contacts, p, pair)
-        elif kind == CONVEX:
+        elif kind == POLYHEDRON:
             certain, contact = recheck_polyhedra(shapes, bodies, contacts, p, pair)
         elif potential:
             certain, contact = recheck_potentials(shapes, bodies, contacts, p, pair)
@@ -82,7 +82,7 @@ def _make_search(kind, potential=False):
                 contact = search_mixed_contact(shapes, bodies, contacts, p, pair)
             else:
                 contact = search_ellipsoid_contact(shapes, bodies, contacts, p, pair)
-        elif kind == CONVEX:
+        elif kind == POLYHEDRON:
             contact = search_polyhedron_contact(shapes, bodies, contacts, p, pair)
         elif potential:
             contact = search_potential_contact(shapes, bodies, contacts, p, pair)
@@ -96,7 +96,7 @@ def _make_search(kind, potential=False):
 
 check_ellipsoids, search_ellipsoids = _make_check(ELLIPSOID), _make_search(ELLIPSOID)
 check_potentials, search_potentials = _make_check(ELLIPSOID, potential=True), _make_search(ELLIPSOID, potential=True)
-check_polyhedra, search_polyhedra = _make_check(CONVEX), _make_search(CONVEX)
+check_polyhedra, search_polyhedra = _make_check(POLYHEDRON), _make_search(POLYHEDRON)
 check_mixed, search_mixed = _make_check(MIXED), _make_search(MIXED)
 
 

@@ -23,7 +23,7 @@ from simcore.dem.contact.search.exact_polyhedra import query_polyhedra
 from simcore.dem.contact.search.facets import facet_at
 from simcore.dem.contact.search.pair_frame import climb_a, frame_of, vertex_a
 from simcore.dem.contact.search.simplex import take_simplex
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, HINT_CELLS, SPHERE, Shape, Shapes, collect_shapes
+from simcore.dem.shapes.hulls import ELLIPSOID, HINT_CELLS, POLYHEDRON, SPHERE, Shape, Shapes, collect_shapes
 from simcore.dem.state.bodies import rotation_matrix
 from simcore.dem.vectors import (
     Vec,
@@ -118,7 +118,7 @@ def table_of(shapes: tuple[Shape, ...]):
     """(Shapes of all polyhedra with a single point at the end, index of each shape there)."""
     hulls = {}
     for shape in shapes:
-        if shape.kind == CONVEX:
+        if shape.kind == POLYHEDRON:
             hulls.setdefault(id(shape.base), (len(hulls), shape.base))
     table = collect_shapes([base for _, base in hulls.values()]) if hulls else None
     start, vertices, neighbor_start, neighbors, hints = table or (
@@ -132,7 +132,7 @@ def table_of(shapes: tuple[Shape, ...]):
         neighbors,
         np.vstack([hints, np.full((1, HINT_CELLS), start[-1], np.int32)]),
     )
-    return table, np.array([hulls[id(s.base)][0] if s.kind == CONVEX else len(hulls) for s in shapes], np.int64)
+    return table, np.array([hulls[id(s.base)][0] if s.kind == POLYHEDRON else len(hulls) for s in shapes], np.int64)
 
 
 def place_solids(shapes, index, rotation):
@@ -183,12 +183,12 @@ def query_pairs(shapes, solids, offset, distance, normal, point_a, point_b):
 @routine
 def _query_pair(shapes, solids, pair):
     """Closest points of any two solids."""
-    swapped = solids.kind[pair.a] != CONVEX and solids.kind[pair.b] == CONVEX
+    swapped = solids.kind[pair.a] != POLYHEDRON and solids.kind[pair.b] == POLYHEDRON
     if swapped:
         pair = exchanged(pair)
     if solids.kind[pair.a] == SPHERE and solids.kind[pair.b] == SPHERE:
         closest = _query_spheres(solids, pair)
-    elif solids.kind[pair.a] != CONVEX:
+    elif solids.kind[pair.a] != POLYHEDRON:
         closest = _query_ellipsoids(shapes, solids, pair)
     elif solids.kind[pair.b] == ELLIPSOID:
         closest = _query_mixed(shapes, solids, pair)

@@ -15,8 +15,6 @@ from simcore.compilation import leaf
 from simcore.dem.vectors import Vec
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, unit_sphere  # noqa: F401
 
-CONVEX = POLYHEDRON
-
 HINT_GRID = 6  # cells along the edge of a cube of directions: a climb from the cell's vertex is one or two edges long
 HINT_CELLS = 6 * HINT_GRID * HINT_GRID
 
@@ -195,7 +193,7 @@ FLATTEST = 1e-7  # of a hull's extent: thinner, its faces' normals are no longer
 class Shape:
     """One convex shape of its own frame, as `contact.query` takes it. Made by `sphere`, `ellipsoid` and `convex`."""
 
-    kind: int  # SPHERE, ELLIPSOID or CONVEX
+    kind: int  # SPHERE, ELLIPSOID or POLYHEDRON
     base: Base  # of a convex hull: about `center`
     scale: tuple[float, float, float]  # semi-axes [m]; 1 for a convex hull
     center: tuple[float, float, float]  # [m], of the base in the frame in which the shape was given
@@ -260,7 +258,7 @@ def convex(vertices) -> Shape:
     volume, moments = _moments(points[faces] / extent)
     radius = float(np.sqrt((points**2).sum(axis=1).max()))
     base = Base("convex", points, faces.astype(np.int64), float(volume * extent**3), moments * extent**2)
-    return Shape(CONVEX, base, (1.0, 1.0, 1.0), tuple(center), radius)
+    return Shape(POLYHEDRON, base, (1.0, 1.0, 1.0), tuple(center), radius)
 
 
 def _lengths(name: str, **lengths: float) -> tuple[float, ...]:

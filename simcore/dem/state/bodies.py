@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from simcore.dem.shapes.hulls import CONVEX, SPHERE, Base
+from simcore.dem.shapes.hulls import POLYHEDRON, SPHERE, Base
 
 FLOOR, CYLINDER = 0, 1  # walls, as Walls.wall numbers them
 
@@ -157,7 +157,7 @@ def make_bodies(
         bodies = without(bodies, "hold")
     if features.kind == SPHERE:
         return without(bodies, "orientation", "turned", "listed_turned", "rotation", "form_matrix")
-    if features.kind == CONVEX:
+    if features.kind == POLYHEDRON:
         return without(bodies, "form_matrix")
     return bodies
 

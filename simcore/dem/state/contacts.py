@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.compilation import kernel, leaf
-from simcore.dem.shapes.hulls import CONVEX, MIXED, SPHERE, Shapes
+from simcore.dem.shapes.hulls import MIXED, POLYHEDRON, SPHERE, Shapes
 from simcore.dem.state.bodies import CYLINDER, FLOOR, Bodies, Contacts, Walls
 from simcore.dem.state.features import Features, columns
 
@@ -55,7 +55,7 @@ def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Cont
         touching=np.zeros(m, np.uint8),
         pending=np.zeros(apart, np.uint8),
         direction=np.zeros((m, 3)),
-        facet=np.full((m if features.kind in (CONVEX, MIXED) else 0, 6), -1, np.int32),
+        facet=np.full((m if features.kind in (POLYHEDRON, MIXED) else 0, 6), -1, np.int32),
         apart_at=np.zeros((apart, 3)),
         safe_until=np.full(apart, -np.inf),
         overlap=np.zeros(m),

@@ -11,7 +11,7 @@ import numpy as np
 class Features(NamedTuple):
     """Every combination is compiled by itself, and carries no array that it does not need."""
 
-    kind: int  # of simcore.dem.shapes.hulls: SPHERE, ELLIPSOID, CONVEX or MIXED
+    kind: int  # of simcore.dem.shapes.hulls: SPHERE, ELLIPSOID, POLYHEDRON or MIXED
     friction: bool
     attractive: bool = True  # normal force may pull at the end of a contact
     floor: bool = True

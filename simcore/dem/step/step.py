@@ -16,7 +16,7 @@ import numpy as np
 from numba import get_num_threads
 
 from simcore.compilation import cycles, kernel, leaf, parallel_kernel
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE
+from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
 from simcore.dem.state.features import Features
 from simcore.dem.step.contact_stage import (
     find_ellipsoids,
@@ -72,7 +72,7 @@ def make_advance(features: Features):
 
 @cache
 def _make_advance(has: Features, several_threads: bool):
-    has = has._replace(patch=int(has.patch and has.kind in (CONVEX, MIXED)))
+    has = has._replace(patch=int(has.patch and has.kind in (POLYHEDRON, MIXED)))
     kind, walled, patch = has.kind, has.floor or has.cylinder, has.patch
     potential, inflated, hertz, sliding = has.potential, has.inflated, has.hertz, has.sliding
     shaken, timed = has.shaken, has.timed

@@ -12,7 +12,7 @@ import pytest
 from simcore.dem.contact import query_many
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import CONVEX, MIXED, collect_shapes, convex, ellipsoid, sphere
+from simcore.dem.shapes.hulls import MIXED, POLYHEDRON, collect_shapes, convex, ellipsoid, sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
@@ -35,7 +35,7 @@ def make_hulls(core):
     return bases + [core.make_pebble(4, 24, NEEDLE), core.make_pebble(5, 32, PLATE), core.make_hull(CUBE)]
 
 
-def make_bed(core, kind=CONVEX):
+def make_bed(core, kind=POLYHEDRON):
     """48 grains, 5 to 9 mm across, above the floor of a periodic box four grains wide: hulls, or ellipsoids as well."""
     rng = np.random.default_rng(1)
     bases, axes = make_hulls(core), np.ones((7, 3))
@@ -79,7 +79,7 @@ def query_bodies(core, bases):
     return look
 
 
-def follow(core, end, kind=CONVEX, searching=search_hulls):
+def follow(core, end, kind=POLYHEDRON, searching=search_hulls):
     """Step the bed to step `end` and compare: (touches by kind of pair, of hulls those otherwise, by how much).
 
     Kinds of pairs: two ellipsoids, an ellipsoid and a hull, two hulls.

@@ -14,7 +14,7 @@ from simcore.dem.contact.walls import (
     floor_ellipsoid,
     floor_sphere,
 )
-from simcore.dem.shapes.hulls import CONVEX, collect_shapes
+from simcore.dem.shapes.hulls import POLYHEDRON, collect_shapes
 from simcore.dem.state.bodies import CYLINDER, FLOOR, make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
@@ -49,7 +49,7 @@ def place(bases, kind, scale, position, orientation, shape=None):
     shape = np.zeros(n, int) if shape is None else shape
     bodies = make_bodies(bases, shape, scale, position, orientation, still, still, density=1.0)
     shapes = collect_shapes(bases)
-    features = Features(CONVEX, True, cylinder=True, periodic=False, patch=True)
+    features = Features(POLYHEDRON, True, cylinder=True, periodic=False, patch=True)
     walls = list_near(bodies, shapes, Box(0.0, WALL), 100.0, features).walls
     meet_walls(shapes, bodies, walls, WALL, kind)
     return bodies, Met(walls)

@@ -10,7 +10,7 @@ import pytest
 
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, SPHERE, collect_shapes, unit_sphere
+from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
@@ -117,11 +117,11 @@ def test_ellipsoids_read_no_hull():
 
 def test_polyhedra_at_their_deepest_point_find_no_patch(core):
     """There is no workspace for polygons, and no second moment is written."""
-    base, features = core.make_pebble(1), Features(CONVEX, True)
+    base, features = core.make_pebble(1), Features(POLYHEDRON, True)
     shapes = collect_shapes([base])
     results = []
     for room in (make_workspace(shapes, 1), poisoned(make_workspace(shapes, 0))):
-        bodies = bodies_of(base, CONVEX, np.full(3, 5e-3))
+        bodies = bodies_of(base, POLYHEDRON, np.full(3, 5e-3))
         near = run(features, bodies, shapes, room, Box(100.0), LAW, STILL._replace(width=100.0))
         results.append((bodies, near))
     np.testing.assert_array_equal(results[0][0].position, results[1][0].position)

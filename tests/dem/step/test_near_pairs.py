@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, collect_shapes, unit_sphere
+from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
@@ -165,7 +165,7 @@ def test_no_pair_that_is_left_out_can_touch_before_the_next_list(core, kind):
     hulls = [core.make_pebble(k, 20) for k in range(5)]
     bases = {"convex": hulls, "ellipsoid": [core.sphere], "mixed": [*hulls[:3], core.sphere, core.sphere]}[kind]
     shapes = collect_shapes(bases)
-    features = Features({"convex": CONVEX, "ellipsoid": ELLIPSOID, "mixed": MIXED}[kind], True)
+    features = Features({"convex": POLYHEDRON, "ellipsoid": ELLIPSOID, "mixed": MIXED}[kind], True)
     position, turns, still = rng.uniform(0.0, width, (n, 3)), core.orientations(n, rng), np.zeros((n, 3))
     shape = rng.integers(0, len(bases), n)
     scale = np.array([[0.8] * 3 if len(base.vertices) else [0.8, 0.5, 0.3] for base in bases])[shape]

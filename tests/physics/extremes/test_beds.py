@@ -256,7 +256,7 @@ def test_a_bed_of_bricks_rests_for_a_minute(extreme):
     rng = np.random.default_rng(3)
     place = np.stack(np.unravel_index(np.arange(12), (3, 2, 2)), axis=-1)[:, ::-1] * 0.0105 + [0.006, 0.006, 0.006]
     made = extreme.scene(
-        extreme.CONVEX, domain={"width": 0.021}, numerics={"contact_time": 4e-3}, convergence={"interval": 0.5}
+        extreme.POLYHEDRON, domain={"width": 0.021}, numerics={"contact_time": 4e-3}, convergence={"interval": 0.5}
     )
     edges = rng.permutation(np.repeat([[6e-3] * 3, [8e-3, 6e-3, 3e-3], [9e-3, 3e-3, 3e-3]], 4, axis=0))
     bed = extreme.place(made, edges, place, orientation=rng.standard_normal((12, 4)), bases=[extreme.box()])

@@ -16,7 +16,7 @@ FORMS = {"needle": [LONG, THIN, THIN], "plate": [LONG, LONG, THIN]}
 
 def setting(extreme, kind, **groups):
     groups = {"numerics": {"contact_time": CONTACT_TIME}, "domain": {"width": 0.1}, **groups}
-    return extreme.scene(extreme.CONVEX if kind == "hull" else extreme.ELLIPSOID, **groups)
+    return extreme.scene(extreme.POLYHEDRON if kind == "hull" else extreme.ELLIPSOID, **groups)
 
 
 def thrown(extreme, kind, form, tilt, **groups):

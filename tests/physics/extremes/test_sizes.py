@@ -79,7 +79,7 @@ def heap(extreme, kind, scale=1.0, place=(0.0, 0.0), duration=0.2):
     """Twelve grains fallen together in a box, its corner at `place` [m]; lengths times `scale`, times times √scale."""
     size, time = 6e-3 * scale, np.sqrt(scale)
     made = extreme.scene(
-        extreme.SPHERE if kind == "sphere" else extreme.CONVEX,
+        extreme.SPHERE if kind == "sphere" else extreme.POLYHEDRON,
         domain={"width": 0.02 * scale, "height": 1.0 * scale},
         numerics={"contact_time": 1e-3 * time},
         convergence={"interval": 0.01 * time},

@@ -11,7 +11,10 @@ CONTACT_TIME = 1e-3
 def pile(extreme, position, edges, contact_time=CONTACT_TIME, friction=0.5):
     """Process of bricks of those edges (3,) or (n, 3), their centres at `position` (n, 3) when faces just touch."""
     made = extreme.scene(
-        extreme.CONVEX, domain={"width": 0.4}, material={"friction": friction}, numerics={"contact_time": contact_time}
+        extreme.POLYHEDRON,
+        domain={"width": 0.4},
+        material={"friction": friction},
+        numerics={"contact_time": contact_time},
     )
     position = np.asarray(position, float)
     edges = np.broadcast_to(edges, position.shape)
@@ -131,7 +134,7 @@ def test_a_house_of_two_cards_stands_where_friction_holds_it(extreme, friction, 
     reach = 0.5 * (length * np.sin(angle) + thick * np.cos(angle))
     height = 0.5 * (length * np.cos(angle) + thick * np.sin(angle))
     made = extreme.scene(
-        extreme.CONVEX, domain={"width": 0.4}, material={"friction": friction}, numerics={"contact_time": 2e-4}
+        extreme.POLYHEDRON, domain={"width": 0.4}, material={"friction": friction}, numerics={"contact_time": 2e-4}
     )
     turn = np.array([[np.cos(angle / 2), 0, s * np.sin(angle / 2), 0] for s in (1, -1)])
     house = extreme.place(

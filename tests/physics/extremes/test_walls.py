@@ -96,7 +96,7 @@ def test_a_needle_falls_across_a_cylinder_shorter_than_it(extreme, kind):
     width, length, thick = 0.02, 0.024, 0.002
     tilt = np.radians(50.0)
     edges = np.array([length, thick, thick])
-    made = tube(extreme, width, extreme.CONVEX if kind == "hull" else extreme.ELLIPSOID)
+    made = tube(extreme, width, extreme.POLYHEDRON if kind == "hull" else extreme.ELLIPSOID)
     reach = 0.5 * length * np.sin(tilt) + thick
     grain = extreme.place(
         made, [edges if kind == "hull" else 0.5 * edges], [0, 0, reach + 1e-3],
@@ -180,7 +180,7 @@ def test_a_narrow_box_is_what_many_copies_side_by_side_are(extreme, kind):
     turns[0] = Rotation.from_rotvec([0.0, 0.0, np.arctan(1.0 / 3.0)]).as_quat(scalar_first=True)
     position = np.column_stack([rng.uniform(0.0, width, (3, 2)), [2.2e-3, 3.4e-3, 5.0e-3]])
     velocity, spin = 0.01 * rng.standard_normal((3, 3)), rng.standard_normal((3, 3))
-    which = {"sphere": extreme.SPHERE, "hull": extreme.CONVEX, "ellipsoid": extreme.ELLIPSOID}[kind]
+    which = {"sphere": extreme.SPHERE, "hull": extreme.POLYHEDRON, "ellipsoid": extreme.ELLIPSOID}[kind]
     bases = [extreme.box()] if kind == "hull" else None
 
     def put(width, position, repeats):

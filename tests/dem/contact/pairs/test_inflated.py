@@ -17,7 +17,7 @@ from simcore.dem.contact.find_contact import check_polyhedra, find_inflated, sea
 from simcore.dem.contact.pairs.inflated import MARGIN, MAX_FACES, TOLERANCE
 from simcore.dem.contact.query import place_solids, table_of
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import CONVEX, ELLIPSOID, MIXED, SPHERE, convex
+from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, convex
 from tests.helpers.few import set_up_few
 
 OVERLAP = 1e-7
@@ -197,7 +197,7 @@ def test_a_lost_contact_forgets_its_springs_and_is_looked_for_again(core, pebble
 def test_only_polyhedra_have_it():
     scene = set_up_few(numerics={"contact_region": "point"}).scene
     inflated = dataclasses.replace(scene.numerics, contact_region="inflated")
-    assert compose(dataclasses.replace(scene, kind=CONVEX, numerics=inflated)).features.inflated
+    assert compose(dataclasses.replace(scene, kind=POLYHEDRON, numerics=inflated)).features.inflated
     assert not compose(scene).features.inflated
     for kind in (SPHERE, ELLIPSOID, MIXED):
         with pytest.raises(ValueError, match="numerics.contact_region: inflated is for scenes of polyhedra alone"):

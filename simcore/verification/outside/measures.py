@@ -1,0 +1,69 @@
+"""Numbers measured on a packing, to be compared with published ones; each takes a packing as in packing.file."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from simcore.evaluation.coordination import coordination_number
+from simcore.evaluation.porosity import bulk_porosity, domain_area
+from simcore.evaluation.slicing import slab_volumes
+
+SLICES_PER_GRAIN = 8  # in which the surface of the bed is looked for
+POINTS = 1_000_000  # of core_porosity: its error is 0.0005
+
+
+def porosity(packing, floor, surface):
+    """Bulk porosity by exact slices; floor, surface [m]: heights left out at both ends of the bed."""
+    return float(_bulk(packing, floor, surface)["n"])
+
+
+def coordination(packing, floor, surface, bearing_contacts):
+    """Contacts per grain of the grains whose centres lie between the heights left out, without rattlers."""
+    bulk = _bulk(packing, floor, surface)
+    height = packing["position"].values[:, 2]
+    inside = (height >= float(bulk["z_lower"])) & (height <= float(bulk["z_upper"]))
+    return float(coordination_number(packing, inside, bearing_contacts)["coordination_number_without_rattlers"])
+
+
+def core_porosity(packing, core, floor, surface):
+    """Porosity of spheres within `core` [m] of a cylinder's axis, by points strewn evenly there.
+
+    floor, surface [m]: heights left out at both ends of the bed.
+    """
+    bulk = _bulk(packing, floor, surface)
+    rng = np.random.default_rng(0)
+    radius, angle = core * np.sqrt(rng.random(POINTS)), 2.0 * np.pi * rng.random(POINTS)
+    height = rng.uniform(float(bulk["z_lower"]), float(bulk["z_upper"]), POINTS)
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
+    radii = packing["scale"].values[:, 0]
+    if np.ptp(radii) > 1e-4 * radii.mean():
+        raise ValueError("core_porosity: the spheres are not equal; take porosity, which slices grains of any kind")
+    distance, _ = cKDTree(packing["position"].values).query(points)
+    return float((distance > radii.mean()).mean())
+
+
+def column_porosity(packing):
+    """Porosity of a column of spheres between the centres of its lowest and highest one, where ends do not matter."""
+    height = packing["position"].values[:, 2]
+    low, high = height.min(), height.max()
+    solid = slab_volumes(packing, [low, high], "exact")[0]
+    return float(1.0 - solid / (domain_area(packing) * (high - low)))
+
+
+def energy_ratio(record):
+    """Energy over its initial value, at the time when it is farthest from one; record: of elastic.jump."""
+    ratio = record["energy"].values / float(record["energy"][0])
+    return float(ratio[np.argmax(np.abs(ratio - 1.0))])
+
+
+def _bulk(packing, floor, surface):
+    diameter = np.cbrt(6.0 / np.pi * float(packing["volume"].mean()))
+    return bulk_porosity(packing, "exact", (floor, surface), diameter / SLICES_PER_GRAIN)
+
+
+MEASURES = {
+    "porosity": porosity,
+    "coordination": coordination,
+    "core_porosity": core_porosity,
+    "column_porosity": column_porosity,
+    "energy_ratio": energy_ratio,
+}

@@ -1,0 +1,12 @@
+"""The energy of spheres that lose nothing, over time."""
+
+from pathlib import Path
+
+import yaml
+
+from simcore.compilation import set_threads
+from simcore.verification.outside.elastic import jump
+
+set_threads(1)
+specification = yaml.safe_load(Path(snakemake.input.specification).read_text(encoding="utf-8"))
+jump(specification).to_netcdf(snakemake.output.record)

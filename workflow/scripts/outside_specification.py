@@ -1,0 +1,8 @@
+"""The specification of one packing whose outcome is known."""
+
+from pathlib import Path
+
+import yaml
+
+text = yaml.safe_dump(snakemake.params.specification, sort_keys=False, allow_unicode=True)
+Path(snakemake.output.specification).write_text(text, encoding="utf-8")

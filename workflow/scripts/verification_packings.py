@@ -1,0 +1,15 @@
+"""Packings with known outcomes: what was measured beside what was expected."""
+
+from pathlib import Path
+
+import xarray as xr
+
+from simcore.provenance.machine import describe_machine
+from simcore.report.figures.outside import outside_figure
+from simcore.report.figures.saving import save_figure
+from simcore.verification.outside.table import case_table
+
+paths = {Path(path).stem: path for path in snakemake.input.packings}
+table = case_table(lambda run: xr.load_dataset(paths[run]))
+table.assign(machine=describe_machine()).to_csv(snakemake.output.table, index=False)
+save_figure(outside_figure(table), [snakemake.output.figure, snakemake.output.vector])
