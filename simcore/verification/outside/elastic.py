@@ -42,5 +42,5 @@ def _energy(process):
     process.evaluate()
     scene = process.scene
     return mechanical_energy(
-        process.bodies, process.near, scene.law, scene.material.effective_gravity, process.dt
+        process.bodies, process.near, compose(scene).law, scene.material.effective_gravity, process.dt
     ).total
