@@ -1,11 +1,41 @@
-"""Hours of studies and their pieces."""
+"""The plan of a campaign: hours of studies, their pieces, ranks, time and memory, what is left, what is fitted."""
+
+import copy
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.campaign.plan import describe_studies, estimate_studies, number_pieces
-from simcore.packing.cost import PackingCost
+from simcore.campaign.plan import SMALLEST_MIXTURE_STUDY, Plan, describe_studies, estimate_studies, number_pieces
+from simcore.packing.cost import PackingCost, estimate
+from simcore.scene.identity import result_digest
+from simcore.scene.specification import resolve
+
+CAMPAIGN = {
+    "packing": {"domain": {"width": "45 mm", "height": "0.3 m"}, "amount": {"grains": 100}, "sizes": {"case": "U1"}},
+    "studies": {
+        "single_form": {"varies": {"sizes.case": ["U1", "U3"]}, "forms": {"spread": 2}, "title": "One form"},
+        "spheres": {
+            "in_all": False,
+            "fixes": {"shapes": {"kind": "sphere"}},
+            "varies": {"amount.grains": [100, 400], "seed": [1, 2]},
+        },
+        "deposit_map": {"in_all": False, "fixes": {"shapes": {"kind": "sphere"}}},
+    },
+    "ranks": 4,
+    "threads": 2,
+    "grains_per_rank": 100,
+    "mpiexec": "mpiexec -n 2",
+}
+
+
+def plan_of(tmp_path=None, overlays=(), **changes):
+    """The Plan of CAMPAIGN with some of its groups changed."""
+    raw = copy.deepcopy(CAMPAIGN) | changes
+    raw["pathvars"] = {"results": str(tmp_path or "results")}
+    if tmp_path is not None:
+        raw["reference"] = str(tmp_path / "rows")
+    return Plan(resolve(raw, "config"), overlays)
 
 
 def test_pieces_are_within_their_hours_and_the_first_seed_comes_first():
@@ -31,3 +61,104 @@ def test_the_hours_of_all_are_those_of_the_studies_in_it():
     assert table.cpu_h["other"] == pytest.approx(0.5)
     text = describe_studies(table.reset_index(), 2)
     assert "all" in text and "1.50" in text and "a_piece_1" in text
+
+
+def test_a_plan_has_its_studies_with_their_titles():
+    plan = plan_of(overlays=["a.yaml", "b.yaml"])
+    assert plan.all_studies == ["single_form", "spheres", "deposit_map"] and plan.studies == ["single_form"]
+    assert plan.titles == {"single_form": "One form"} and plan.title("spheres") == "spheres"
+    assert plan.studies_named("deposit_") == ["deposit_map"]
+    assert set(plan.in_report.study) == {"single_form"} and len(plan.of("spheres", "deposit_map")) == 5
+    assert plan.varied("spheres") == ["grains_asked", "seed"]
+    assert plan.packings.study[plan.packings.is_first].tolist() == plan.all_studies
+    assert plan.command == "snakemake --configfile a.yaml b.yaml"
+
+
+def test_ranks_cores_time_and_memory_are_those_of_the_estimate():
+    plan = plan_of()
+    few, many = (plan.of("spheres").query("ranks == @ranks").packing.iloc[0] for ranks in (1, 4))
+    cost = estimate(plan.of("spheres").set_index("packing").specification[many])
+    assert cost.grains == 400
+    assert [plan.cores("spheres", packing) for packing in (few, many)] == [2, 8]
+    assert plan.mpiexec("spheres", few) == "" and plan.mpiexec("spheres", many) == "mpiexec -n 2"
+    assert plan.minutes("spheres", many, 3) == 3 * cost.minutes(8)
+    assert plan.memory_mb("spheres", many, 2) == 2 * cost.memory_mb(4) > plan.memory_mb("spheres", many)
+
+
+def test_pieces_hold_each_packing_once_and_the_first_seed_first():
+    hours = [cost.cpu_seconds / 3600.0 for cost in plan_of().of("spheres").cost]
+    plan = plan_of(piece_hours=1.01 * (min(hours) + max(hours)))
+    pieces = [(piece, names) for study, piece, names in plan.pieces() if study == "spheres"]
+    assert [piece for piece, _ in pieces] == [1, 2]
+    of_seed = {row.packing: row.specification["seed"] for row in plan.of("spheres").itertuples()}
+    assert [{of_seed[name] for name in names} for _, names in pieces] == [{1}, {2}]
+    assert f"{'spheres':<24}{4:>9}{1000:>10}" in plan.description()
+
+
+def test_grain_sets_are_found_by_their_names():
+    plan = plan_of()
+    (folder,) = plan.of("single_form").grain_folder.unique()
+    assert folder == plan.grain_set and plan.grain_group(folder) == plan.campaign["grains"]
+    assert plan.shows_grains and set(plan.of("spheres").grain_folder) == {""}
+    spheres = {"studies": {"spheres": {"fixes": {"shapes": {"kind": "sphere"}}}}}
+    assert not plan_of(**spheres).shows_grains
+    with pytest.raises(KeyError):
+        plan.grain_group("synthetic_00000000")
+
+
+def test_what_has_a_row_of_these_settings_is_not_left(tmp_path):
+    plan = plan_of(tmp_path)
+    everything = plan.files_left("spheres")
+    assert everything == [f"<results>/porosity/spheres/{name}.nc" for name in plan.of("spheres").packing]
+    first, second = plan.planned("spheres")[:2]
+    assert first["cpu_h"] == pytest.approx(estimate(first["specification"]).cpu_seconds / 3600.0)
+    rows = [
+        ("spheres", "synthetic", first["row"]["packing"], result_digest(first["specification"])),
+        ("spheres", "synthetic", second["row"]["packing"], "of other settings"),
+        ("single_form", "elsewhere", *_row(plan.planned("single_form")[0])),
+        ("deposit_map", "ellipsoids", *_row(plan.planned("deposit_map")[0])),
+    ]
+    (tmp_path / "rows").mkdir()
+    ledger = pd.DataFrame(rows, columns=["study", "source", "packing", "settings"])
+    ledger.to_csv(tmp_path / "rows" / "gathered.csv", index=False)
+    assert plan.files_left("spheres") == everything[1:]
+    assert len(plan.files_left("single_form")) == 4
+    assert plan.files_left("deposit_map") == []
+
+
+def _row(planned):
+    return planned["row"]["packing"], result_digest(planned["specification"])
+
+
+def test_rows_of_other_studies_are_gathered_where_something_was_evaluated(tmp_path):
+    assert list(plan_of(tmp_path).to_gather()) == ["single_form"]
+    (tmp_path / "porosity" / "spheres").mkdir(parents=True)
+    planned = plan_of(tmp_path).to_gather()
+    assert list(planned) == ["single_form", "spheres"]
+    assert {source: len(packings) for source, packings in planned["spheres"].items()} == {"synthetic": 4}
+
+
+def test_cases_are_fitted_to_committed_rows_unless_they_are_packed():
+    plan = plan_of(models={"committed": ["U7", "U3", "U1"]})
+    assert plan.cases_committed == ["U7"]
+    assert plan.committed_single_forms.name == "single_form.csv"
+    assert plan_of(models={"committed": ["U1"]}).committed_single_forms is None
+
+
+@pytest.mark.parametrize("packings", [SMALLEST_MIXTURE_STUDY - 1, SMALLEST_MIXTURE_STUDY])
+def test_a_model_of_mixtures_needs_enough_of_them(packings):
+    study = {"fixes": {"shapes": {"kind": "sphere"}}, "varies": {"seed": list(range(packings))}}
+    assert plan_of(studies={"form_mixtures": study}).fits_mixtures == (packings == SMALLEST_MIXTURE_STUDY)
+    assert not plan_of().fits_mixtures
+
+
+def test_each_study_of_all_has_a_note_on_its_bias():
+    notes = plan_of().bias_notes()
+    assert list(notes) == ["single_form"] and notes["single_form"].startswith("Bias")
+
+
+def test_a_bed_too_low_is_refused_with_its_name():
+    study = {"low": {"fixes": {"shapes": {"kind": "sphere"}, "amount": {"grains": 8}}}}
+    with pytest.raises(ValueError, match="studies.low, packing low"):
+        plan_of(studies=study).check()
+    plan_of(studies={f"deposit_{name}": body for name, body in study.items()}).check()

@@ -1,8 +1,7 @@
 # Deposits of general ellipsoids, a study beside the first: config/deposits.yaml. Not part of `all`: ask for `deposits`.
 # Their packings are made as any (packings.smk); what they are read by, and how they are tabulated, stands here.
-deposit_studies = [name for name in all_studies if name.startswith("deposit_")]
-deposit_packings = packings[packings.study.isin(deposit_studies)]
-deposit_plan = {study: plan_of(study) for study in deposit_packings.study.unique()}
+deposit_studies = plan.studies_named("deposit_")
+deposit_packings = plan.of(*deposit_studies)
 deposit_tables = ["packings", "means", "maxima", "symmetry", "crossings", "changes"]
 deposit_figures = ["map", "forms", "directions", "histograms", "sizes", "bridge"]
 # What the rows alone show.
@@ -91,9 +90,9 @@ rule collect_deposits:
     params:
         folder=campaign["reference"],
         test_only=campaign["test_only"],
-        fabrics=f"{results}/fabric",
-        command=" ".join(["snakemake --configfile", *overlays]),
-        packings=deposit_plan,
+        fabrics=f"{plan.results}/fabric",
+        command=plan.command,
+        packings={study: plan.planned(study) for study in deposit_studies},
     script:
         "../scripts/collect_deposits.py"
 

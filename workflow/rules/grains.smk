@@ -43,7 +43,7 @@ rule form_order:
 
 rule grain_report:
     input:
-        grains=f"<results>/grains/{set_name(campaign['grains'])}/original.nc",
+        grains=f"<results>/grains/{plan.grain_set}/original.nc",
     output:
         forms="<results>/grains/form_factors.csv",
         statistics="<results>/grains/form_statistics.csv",

@@ -1,8 +1,4 @@
 # From the tables of the studies to models of porosity. A model exists where the campaign has its study.
-study_sizes = packings.groupby("study").size()
-# Four features, an intercept and something left to judge them by.
-smallest_mixture_study = 7
-
 models, model_figures = [], []
 single_form_studies = [name for name in studies if name.startswith("single_form")]
 
@@ -20,8 +16,8 @@ if "single_form" in studies:
                 "<results>/tables/{study}_packings.csv", study=single_form_studies
             ),
             committed=branch(
-                bool(cases_committed) and committed_rows.exists(),
-                then=str(committed_rows),
+                plan.committed_single_forms is not None,
+                then=str(plan.committed_single_forms),
             ),
         output:
             models="<results>/models/single_form.csv",
@@ -38,14 +34,14 @@ if "single_form" in studies:
         params:
             seed=campaign["models"]["seed"],
             folds=campaign["models"]["folds"],
-            committed=cases_committed,
+            committed=plan.cases_committed,
             test_only=campaign["test_only"],
             code=digest("workflow/scripts/single_form_models.py"),
         script:
             "../scripts/single_form_models.py"
 
 
-if study_sizes.get("form_mixtures", 0) >= smallest_mixture_study:
+if plan.fits_mixtures:
     models += ["form_mixture", "form_mixture_feature_sets"]
     model_figures += ["form_mixture_sets", "form_mixture_prediction"]
     models += ["application"] if "application" in studies else []

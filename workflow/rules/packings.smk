@@ -80,7 +80,7 @@ rule packing:
             "simcore/packing/process.py",
             "simcore/packing/file.py",
         ),
-        checkpoints=f"{results}/checkpoints",
+        checkpoints=f"{plan.results}/checkpoints",
     # The checkpoints are no output, so that a packing that was interrupted goes on from them. Each study has a folder of
     # them: two may hold the same packing, and a scene is run by one process a folder. With `exec` the parent of the
     # packing is Snakemake: where it is killed, the packing ends too, and does not go on beside the next run. With `force`,
@@ -141,13 +141,13 @@ for study in all_studies:
 
 
 # A study in pieces of some hours; each goes on where it was ended: `snakemake single_form_piece_1`.
-for (study, piece), rows in packings.groupby(["study", "piece"], sort=False):
+for study, piece, names in plan.pieces():
 
     rule:
         name:
             f"{study}_piece_{piece}"
         input:
-            [f"<results>/porosity/{study}/{packing}.nc" for packing in rows.packing],
+            [f"<results>/porosity/{study}/{packing}.nc" for packing in names],
 
 
 # What of a study has no row in the committed tables yet, whether or not its packings are there: `snakemake
@@ -158,7 +158,7 @@ for study in all_studies if campaign["reference"] else []:
         name:
             f"{study}_left"
         input:
-            files_left(study),
+            plan.files_left(study),
 
 
 # The finished packings of all studies, as rows of the committed tables; the others may come later. The tables are no
@@ -170,12 +170,8 @@ rule collect:
     params:
         folder=campaign["reference"],
         test_only=campaign["test_only"],
-        evaluations=f"{results}/porosity",
-        command=" ".join(["snakemake --configfile", *overlays]),
-        packings={
-            study: plans_of(study)
-            for study in all_studies
-            if study in studies or os.path.isdir(f"{results}/porosity/{study}")
-        },
+        evaluations=f"{plan.results}/porosity",
+        command=plan.command,
+        packings=plan.to_gather(),
     script:
         "../scripts/collect.py"

@@ -1,4 +1,5 @@
 # Pictures, and one static page of all tables and figures.
+from simcore.campaign.showpieces import corner_mixtures, showpieces
 
 
 # Of each study its porosities beside the source study's, and its first packing.
@@ -67,8 +68,7 @@ rule campaign_tables:
 
 
 # One packing of each kind of domain, from the side.
-in_report = packings[packings.study.isin(studies)]
-shown = showpieces(in_report)
+shown = showpieces(plan.in_report)
 
 
 rule domain_pictures:
@@ -87,7 +87,7 @@ rule domain_pictures:
         "<results>/logs/domain_pictures.log",
     params:
         labels=[
-            f"{titles[study]}\n{packing}"
+            f"{plan.title(study)}\n{packing}"
             for study, packing in zip(shown.study, shown.packing)
         ],
         azimuth=-60.0,
@@ -99,7 +99,7 @@ rule domain_pictures:
 
 
 campaign_figures = ["domains", "trends"]
-corners = corner_mixtures(in_report[in_report.study == "form_mixtures"])
+corners = corner_mixtures(plan.in_report.query("study == 'form_mixtures'"))
 
 if len(corners):
     campaign_figures += ["mixtures"]
@@ -127,10 +127,6 @@ if len(corners):
             "../scripts/packing_pictures.py"
 
 
-# Spheres, and ellipsoids of a given form, are made of no grain: then there is none to report.
-has_grains = (in_report.grain_folder == set_name(campaign["grains"])).any()
-
-
 captions = sorted(
     f"workflow/report/{path.name}" for path in (ROOT / "workflow/report").iterdir()
 )
@@ -139,7 +135,7 @@ captions = sorted(
 rule report:
     input:
         grain_tables=branch(
-            has_grains,
+            plan.shows_grains,
             then=collect(
                 "<results>/grains/{table}.csv",
                 table=[
@@ -151,7 +147,7 @@ rule report:
             ),
         ),
         grain_figures=branch(
-            has_grains,
+            plan.shows_grains,
             then=collect(
                 "<results>/figures/grains/{figure}.png",
                 figure=[
@@ -190,8 +186,8 @@ rule report:
     log:
         "<results>/logs/report.log",
     params:
-        titles=titles,
-        biases=lambda wildcards: bias_notes(studies),
+        titles=plan.titles,
+        biases=bias_notes,
         test_only=campaign["test_only"],
         code=digest("workflow/scripts/report.py", *captions),
     script:
@@ -213,8 +209,8 @@ rule committed_studies:
         folder=campaign["reference"],
         seed=campaign["models"]["seed"],
         folds=campaign["models"]["folds"],
-        titles=titles,
-        biases=lambda wildcards: bias_notes(studies),
+        titles=plan.titles,
+        biases=bias_notes,
         code=digest("workflow/scripts/committed_studies.py", *captions),
     script:
         "../scripts/committed_studies.py"

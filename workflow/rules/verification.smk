@@ -7,9 +7,7 @@ precision_studies = [
     "evaluation",
     "packings",
 ]
-packing_precision_studies = [
-    name for name in all_studies if name.startswith("precision_")
-]
+packing_precision_studies = plan.studies_named("precision_")
 
 
 rule work_precision:
@@ -106,21 +104,15 @@ rule packing_precision:
         "<results>/logs/packing_precision.log",
     params:
         studies=packing_precision_studies,
-        titles={
-            name: campaign["studies"][name]["title"]
-            for name in packing_precision_studies
-        },
-        rows=[
-            list(packings.row[packings.study == study])
-            for study in packing_precision_studies
-        ],
+        titles={name: plan.title(name) for name in packing_precision_studies},
+        rows=[list(plan.of(study).row) for study in packing_precision_studies],
         code=digest("workflow/scripts/packing_precision.py"),
     script:
         "../scripts/packing_precision.py"
 
 
 # What in our process and law makes porosity differ from the study's: config/differences.yaml.
-difference_studies = [name for name in all_studies if name.startswith("difference_")]
+difference_studies = plan.studies_named("difference_")
 
 
 rule differences:
@@ -135,10 +127,7 @@ rule differences:
     log:
         "<results>/logs/differences.log",
     params:
-        varied=[
-            list(packings.row[packings.study == study].iloc[0]["varied"])
-            for study in difference_studies
-        ],
+        varied=[plan.varied(study) for study in difference_studies],
         test_only=campaign["test_only"],
         code=digest("workflow/scripts/differences.py"),
     script:
@@ -211,12 +200,12 @@ rule outside_packing:
         dice=rules.outside_dice.output,
     output:
         packing="<results>/verification/packings/{outside}.nc",
-    wildcard_constraints:
-        outside="|".join(outside_packings.PACKED),
     log:
         "<results>/logs/outside_packing/{outside}.log",
     benchmark:
         "<results>/benchmarks/outside_packing/{outside}.tsv"
+    wildcard_constraints:
+        outside="|".join(outside_packings.PACKED),
     params:
         code=digest(
             "simcore/scene/setup.py",
@@ -234,10 +223,10 @@ rule outside_elastic:
         specification="<results>/verification/packings/{outside}.yaml",
     output:
         record="<results>/verification/packings/{outside}.nc",
-    wildcard_constraints:
-        outside="|".join(outside_packings.ELASTIC_RUNS),
     log:
         "<results>/logs/outside_elastic/{outside}.log",
+    wildcard_constraints:
+        outside="|".join(outside_packings.ELASTIC_RUNS),
     params:
         code=digest("workflow/scripts/outside_elastic.py"),
     script:
