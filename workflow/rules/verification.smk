@@ -138,7 +138,7 @@ rule differences:
 # stand in simcore/verification/outside.
 def specification_from_outside(wildcards):
     return outside_packings.specification(
-        wildcards.outside, f"{results}/verification/dice"
+        wildcards.outside, f"{plan.results}/verification/dice"
     )
 
 
@@ -212,10 +212,10 @@ rule outside_packing:
             "simcore/packing/process.py",
             "simcore/packing/file.py",
         ),
-        checkpoints=f"{results}/checkpoints",
+        checkpoints=f"{plan.results}/checkpoints",
     shell:
         "exec python -m simcore launch {input.specification} {output.packing}"
-        " --ranks 1 --threads 1 --checkpoints {params.checkpoints:q}/outside --with-parent > {log} 2>&1"
+        " --ranks 1 --threads 1 --force --checkpoints {params.checkpoints:q}/outside --with-parent > {log} 2>&1"
 
 
 rule outside_elastic:
