@@ -7,6 +7,11 @@ CORES ?= all
 WORKERS ?= 2
 PYTEST_ARGS ?=
 
+# Neither make nor the scripts of an environment work below a folder whose path has spaces.
+ifneq ($(words $(CURDIR)),1)
+$(error The path of this clone has spaces, "$(CURDIR)"; move it to a path without any)
+endif
+
 bin := $(abspath $(VENV))/bin
 installed := $(VENV)/.installed
 

@@ -28,9 +28,9 @@ class Workplace:
         for name in ("Snakefile", "workflow", "config", "profiles"):
             (folder / name).symlink_to(ROOT / name)
 
-    def run(self, *arguments):
+    def run(self, *arguments, path=f"{Path(sys.executable).parent}:{os.environ['PATH']}"):
         """Snakemake's exit status and what it said, (int, str)."""
-        environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+        environment = {**os.environ, "PATH": path}
         command = [sys.executable, "-m", "snakemake", "--cores", "2", "--nocolor", *arguments]
         done = subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, text=True)
         return done.returncode, done.stdout + done.stderr

@@ -60,3 +60,12 @@ def test_the_profile_for_slurm_asks_for_tasks_memory_and_time(planned):
     assert (few["tasks"], few["mpi"], many["tasks"], many["mpi"]) == ("1", "", "5", "srun --mpi=pmi2")
     assert 1000 <= int(few["mem_mb"]) < 1100 and 5000 <= int(many["mem_mb"]) < 5100
     assert 15 <= int(few["runtime"]) <= int(many["runtime"]) < 60
+
+
+def test_jobs_take_the_python_that_runs_snakemake(workplace):
+    """Also where its environment is not activated: the system's python has no simcore."""
+    (workplace.folder / "spheres.yaml").write_text(CAMPAIGN)
+    specification = "results/packings/spheres/grains_500.yaml"
+    status, said = workplace.run(specification, "--configfile", "spheres.yaml", path="/usr/bin:/bin")
+    assert status == 0, said
+    assert (workplace.folder / specification).exists()
