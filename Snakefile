@@ -5,15 +5,6 @@
 #   workflow/    the rules, and a script for each
 
 
-import os
-import sys
-
-# Jobs take the Python that runs Snakemake, also where its environment is not activated.
-os.environ["PATH"] = os.pathsep.join(
-    [os.path.dirname(sys.executable), os.environ.get("PATH", "")]
-)
-
-
 # Snakemake 9.27 looks for jobs to start a second after each look while any wait, and once more for each job that ended:
 # dozens of looks a second after a day. The limit of starts a second is behind it, and is for clusters. Its settings are not
 # there yet when this file is read; the scheduler is, when the first job starts.

@@ -1,8 +1,15 @@
 """Where the files lie that come with the project."""
 
+import os
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 CONFIG = ROOT / "config"  # schemas, presets, sieve curves
 REFERENCE = ROOT / "results" / "reference"  # committed rows
 R22_TABLES = REFERENCE / "study"  # the tables of Rettinger et al. (2022)
+
+
+def find_this_python_first() -> None:
+    """Have the programs that this process starts find its Python before others, also where no environment is active."""
+    os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])

@@ -11,10 +11,13 @@ from snakemake.io import ancient
 
 from simcore.campaign.plan import Plan
 from simcore.grains.sources import source_files
-from simcore.paths import ROOT
+from simcore.paths import ROOT, find_this_python_first
 from simcore.provenance.digest import digest
 from simcore.scene.specification import resolve
 from simcore.verification.outside import packings as outside_packings
+
+# Jobs take the Python that runs Snakemake.
+find_this_python_first()
 
 try:
     campaign = resolve(config, "config", unused="refuse")
@@ -79,6 +82,12 @@ def mpiexec(wildcards):
 
 def bias_notes(wildcards):
     return plan.bias_notes()
+
+
+def specification_from_outside(wildcards):
+    return outside_packings.specification(
+        wildcards.outside, f"{plan.results}/verification/dice"
+    )
 
 
 # A figure as PNG, which Snakemake's report shows under its caption, and as PDF.

@@ -136,12 +136,6 @@ rule differences:
 
 # Packings whose outcome is published or follows from a closed form: docs/verification.md. Their runs, bands and sources
 # stand in simcore/verification/outside.
-def specification_from_outside(wildcards):
-    return outside_packings.specification(
-        wildcards.outside, f"{plan.results}/verification/dice"
-    )
-
-
 wildcard_constraints:
     outside="|".join(outside_packings.PACKED + outside_packings.ELASTIC_RUNS),
 
