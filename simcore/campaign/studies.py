@@ -102,7 +102,8 @@ def expand_study(name, study, config):
         raise ValueError(f"{where}.varies: the packing {twice.iloc[0]} stands there twice")
     _check_used({key: resolved for key in given_keys(study["fixes"])}, f"{where}.fixes")
     for (key, at), given in varied.items():
-        _check_used({key: given}, at, may_share=False)
+        # Studies that are not part of `all` come with every campaign, also with one of spheres.
+        _check_used({key: given}, at, may_share=not study["in_all"])
     return table
 
 
