@@ -10,7 +10,7 @@ from simcore.grains.sources import check_source, needs_grains, set_name
 from simcore.scene.identity import deciding_but_seed
 from simcore.scene.sizes import check_top_class
 from simcore.scene.specification import express, read_schema, resolve, with_presets
-from simcore.scene.unused import given_keys, is_shared, why_unused
+from simcore.scene.unused import given_keys, is_shared, needed_settings, why_unused
 
 # Columns of what a study varies, with their units; others have the last part of their key as their name.
 _COLUMNS = {
@@ -100,10 +100,11 @@ def expand_study(name, study, config):
     twice = table.packing[table.packing.duplicated()]
     if len(twice):
         raise ValueError(f"{where}.varies: the packing {twice.iloc[0]} stands there twice")
-    _check_used({key: resolved for key in given_keys(study["fixes"])}, f"{where}.fixes")
+    # Studies that are not part of `all` come with every campaign, also with one of spheres.
+    ours = set() if study["in_all"] else set(given_keys(config["packing"]))
+    _check_used({key: resolved for key in given_keys(study["fixes"])}, f"{where}.fixes", ours=ours)
     for (key, at), given in varied.items():
-        # Studies that are not part of `all` come with every campaign, also with one of spheres.
-        _check_used({key: given}, at, may_share=not study["in_all"])
+        _check_used({key: given}, at, may_share=False, ours=ours)
     return table
 
 
@@ -116,14 +117,15 @@ def _lay_over(fixed, combination, where):
     return raw
 
 
-def _check_used(specifications, where, may_share=True):
+def _check_used(specifications, where, may_share=True, ours=frozenset()):
     """ValueError at the first key that has an effect in none of the specifications it is given for.
 
-    specifications: of dotted keys, the resolved ones. may_share: whether keys that studies have in common pass.
+    specifications: of dotted keys, the resolved ones. may_share: whether keys that studies have in common pass. ours:
+    settings of the campaign; a key that needs one of them passes.
     """
     schema = read_schema("packing")
     for path, given in specifications.items():
-        if may_share and is_shared(path, schema):
+        if (may_share and is_shared(path, schema)) or needed_settings(path, schema) & ours:
             continue
         unused = None
         for specification in given:

@@ -151,9 +151,15 @@ def content_digest(paths):
     return total.hexdigest()[:16]
 
 
-@functools.cache
 def _file_digest(path):
     if not path.is_file():
         return ""
+    stat = path.stat()
+    return _read_digest(path, stat.st_mtime_ns, stat.st_size)
+
+
+@functools.cache
+def _read_digest(path, changed, size):
+    """Digest of a file that was changed then and has this size, so that one written anew is read again."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

@@ -25,6 +25,15 @@ def why_unused(path, resolved, schema):
     return None
 
 
+def needed_settings(path, schema):
+    """Return the settings (dotted paths) that the key at the dotted `path`, or a group it is in, needs."""
+    settings, node = set(), schema
+    for key in path.split("."):
+        node = node.get("properties", {}).get(key, {})
+        settings |= set(node.get("x-used-with", {}))
+    return settings
+
+
 def is_shared(path, schema):
     """Whether studies may have the key at the dotted `path` in common, used by some of them only (x-shared)."""
     for key in path.split("."):

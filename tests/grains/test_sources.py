@@ -113,7 +113,6 @@ def digest_of(paths):
     """As a new process has it."""
     from simcore.grains import sources
 
-    sources._file_digest.cache_clear()
     return content_digest(paths)
 
 
