@@ -111,7 +111,6 @@ def test_bodies_of_a_specification_reach_the_reader(tmp_path):
 
 def digest_of(paths):
     """As a new process has it."""
-    from simcore.grains import sources
 
     return content_digest(paths)
 
