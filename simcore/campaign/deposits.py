@@ -85,6 +85,25 @@ def deposit_rows(study, rows, deposits, base):
     return pd.DataFrame([deposit_row(study, row, found, base) for row, found in zip(rows, deposits, strict=True)])
 
 
+def tabulate_deposits(studies, rows, fabrics):
+    """DataFrame of all deposits with their family, study by study; one row a packing.
+
+    studies, rows, fabrics: of each packing the name of its study, its row as of simcore.campaign.studies and its
+    Dataset of simcore.evaluation.deposit, in one order.
+    """
+    parts = []
+    for study in dict.fromkeys(studies):
+        own = [k for k, name in enumerate(studies) if name == study]
+        parts.append(deposit_rows(study, [rows[k] for k in own], [fabrics[k] for k in own], rows[own[0]]))
+    return add_family(pd.concat(parts, ignore_index=True))
+
+
+def read_deposits(path):
+    """Read the committed rows of deposits from a CSV file, with their family."""
+    rows = pd.read_csv(path, keep_default_na=False, na_values=["", "nan"])  # "none" is a change
+    return add_family(rows.assign(change=rows["change"].fillna("")))
+
+
 def add_family(rows):
     """The rows with a first column family."""
     return rows.assign(family=rows["study"].map(family))[["family", *rows.columns]]

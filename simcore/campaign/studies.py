@@ -5,6 +5,7 @@ import itertools
 import re
 
 import pandas as pd
+import yaml
 
 from simcore.grains.sources import check_source, needs_grains, set_name
 from simcore.scene.identity import deciding_but_seed
@@ -209,6 +210,11 @@ def choose_form(specification, form, names):
     if form > len(names):
         raise ValueError(f"packing {specification['name']}: form {form} of a set of {len(names)} grains was asked for")
     return {**specification, "shapes": {**specification["shapes"], "grain": names[form - 1]}}
+
+
+def specification_text(specification, form, names):
+    """The specification of one packing as YAML with units, the grain of rank `form` in it as of `choose_form`."""
+    return yaml.safe_dump(express(choose_form(specification, form, names)), sort_keys=False, allow_unicode=True)
 
 
 def _slug(value):

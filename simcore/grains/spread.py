@@ -1,6 +1,9 @@
 """The order that spreads the grains of a set over the Zingg diagram."""
 
+import csv
+
 import numpy as np
+import pandas as pd
 
 
 def spread_order(flatness, elongation):
@@ -18,3 +21,16 @@ def spread_order(flatness, elongation):
         distance[order[-1]] = -1.0
         order.append(int(np.argmax(distance)))
     return np.array(order)
+
+
+def spread_table(grains):
+    """DataFrame with the columns grain (name), FL and EL of all grains, in the order of `spread_order`."""
+    rows = [(grain.name, grain.flatness, grain.elongation) for grain in grains]
+    table = pd.DataFrame(rows, columns=["grain", "FL", "EL"])
+    return table.iloc[spread_order(table.FL, table.EL)]
+
+
+def read_spread(path):
+    """Read the names of grains in their order from a CSV file of `spread_table`."""
+    with open(path, newline="", encoding="utf-8") as file:
+        return [line["grain"] for line in csv.DictReader(file)]

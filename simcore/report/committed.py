@@ -40,6 +40,7 @@ PLAIN_STUDIES = (
 )
 # Of a mixture what was asked for, and what the diagram of its statistics calls that.
 NOMINAL = {"mean_FL": "mu_FL", "mean_EL": "mu_EL", "std_FL": "sigma_FL", "std_EL": "sigma_EL"}
+EARLIER = "These rows are of settings that the campaign had before; what their bias is, is not told here."
 _RESULT = ("n", "n_std_error", "grains", "cpu_s")
 _OF_A_PACKING = {name: ours for ours, name in NAMES.items()}
 
@@ -73,6 +74,27 @@ def findings(folder, seed=0, folds=FOLDS, studies=None):
     whole |= _biases(folder)
     whole |= _trends(folder, studies)
     return whole.tables, whole.figures
+
+
+def gathered_packings(folder, studies):
+    """What was packed of these studies, as {"collected": DataFrame}; empty where there is no collected.csv."""
+    path = Path(folder) / "collected.csv"
+    if not path.exists():
+        return {}
+    rows = pd.read_csv(path)
+    return {"collected": rows[rows["study"].isin(studies)].drop(columns=["table", "code", "command", "machine"])}
+
+
+def notes_of_rows(biases, gathered):
+    """The notes on bias of each study, which describe the settings of today; rows of earlier settings have another.
+
+    biases: note by study. gathered: of `gathered_packings`; a study none of whose packings has the settings of today
+    has only rows of earlier ones.
+    """
+    if "collected" not in gathered:
+        return dict(biases)
+    packed = gathered["collected"].groupby("study")["packings"].sum()
+    return biases | {study: EARLIER for study, packings in packed.items() if packings == 0}
 
 
 def read_rows(path):

@@ -1,5 +1,6 @@
 """What a part of a page consists of: tables, figures and models, by name; and how they are written to files."""
 
+from pathlib import Path
 from typing import NamedTuple
 
 from simcore.campaign.study_tables import mark
@@ -27,6 +28,15 @@ class Findings(NamedTuple):
             mark(table, test_only).to_csv(output[name], index=False)
         for name, figure in self.figures.items():
             save_figure(figure, output[name], test_only)
+
+    def write_into(self, folder) -> None:
+        """Write all tables as CSV and all figures as PNG and PDF, by their names, into a new folder."""
+        folder = Path(folder)
+        folder.mkdir(parents=True)
+        # A table and its figure may share a name.
+        self._replace(figures={}).write({name: folder / f"{name}.csv" for name in self.tables})
+        paths = {name: [folder / f"{name}{suffix}" for suffix in (".png", ".pdf")] for name in self.figures}
+        self._replace(tables={}).write(paths)
 
     def write_models(self, path, title: str, test_only: bool = False) -> None:
         """Write the models with the covariances of their coefficients to a netCDF file."""

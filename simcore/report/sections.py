@@ -39,7 +39,6 @@ COLLECTED = (
     "What was packed of each study, of how many packings planned, and how long the rest would take. Rows of earlier "
     "settings stand in the tables and are not counted here."
 )
-EARLIER = "These rows are of settings that the campaign had before; what their bias is, is not told here."
 BIASES = "How far porosities are off for settings, size of the bed, time of shaking and births, measured on other beds."
 # Of the tables and figures of simcore.report.committed those that tell of models, the models themselves first; and
 # those of a study by its name. What is not named follows the one whose name it begins with.

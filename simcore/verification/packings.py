@@ -60,6 +60,37 @@ def name_changes(packings: pd.DataFrame, varied: list[str]) -> pd.Series:
     )
 
 
+def change_errors(tables: list[pd.DataFrame], varied: list[list[str]]) -> pd.DataFrame:
+    """What each change does to porosity: rows of `porosity_errors` with the column grain, study by study.
+
+    tables: packings of each study; varied: names of what each study varies. Each grain has a reference of its own.
+    """
+    parts = []
+    for packings, names in zip(tables, varied, strict=True):
+        packings = packings.assign(change=name_changes(packings, names))
+        groups = packings.groupby("grain", sort=False) if "grain" in packings else [("", packings)]
+        parts += [porosity_errors(rows, ["change"]).assign(grain=grain) for grain, rows in groups]
+    return pd.concat(parts, ignore_index=True)
+
+
+def study_errors(tables: list[pd.DataFrame], rows: list[list[dict]]) -> pd.DataFrame:
+    """Rows of `porosity_errors` of several studies.
+
+    tables: packings of each study; rows: of each study the rows of its packings as simcore.campaign.studies has them.
+    """
+    parts = [porosity_errors(table, own[0]["varied"]) for table, own in zip(tables, rows, strict=True)]
+    return pd.concat(parts, ignore_index=True)
+
+
+def work_precision_of_studies(errors, studies, titles, rows) -> pd.DataFrame:
+    """Rows of `work_precision_runs`, the base of each study marked as its default.
+
+    errors: of `study_errors`; studies: names, with rows in the same order; titles: by name.
+    """
+    defaults = {study: base_setting(own) for study, own in zip(studies, rows, strict=True)}
+    return work_precision_runs(errors, titles, defaults)
+
+
 def compare(runs: pd.Series, reference: pd.Series) -> tuple[float, float]:
     """Mean difference of runs to reference, both with the seed as index, and its standard error.
 

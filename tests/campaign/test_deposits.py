@@ -15,6 +15,8 @@ from simcore.campaign.deposits import (
     experiment_differences,
     family,
     means,
+    read_deposits,
+    tabulate_deposits,
 )
 from simcore.evaluation.deposit import deposit
 
@@ -178,3 +180,20 @@ def test_fabrics_of_the_diagonal_are_means_over_seeds(found):
     fabrics = diagonal_fabrics(studies, [found(1), found(2), found(3)])
     assert list(fabrics) == ["η = ζ = 1.3"] and fabrics["η = ζ = 1.3"].attrs["packings"] == 2
     assert crossings(studies, [found(1), found(2), found(3)]).angle.isna().all()
+
+
+def test_deposits_are_tabulated_study_by_study(found):
+    """Each beside the first packing of its own study, in whatever order the packings stand."""
+    studies = ["deposit_change", "deposit_map", "deposit_change"]
+    widths = (4.0, 6.0, 8.0)
+    rows = [{"packing": f"p{width:g}", "varied": {"eta": 1.3, "width_m": width}} for width in widths]
+    table = tabulate_deposits(studies, rows, [found(seed) for seed in (1, 2, 3)])
+    assert list(table.packing) == ["p4", "p8", "p6"] and list(table.seed) == [1, 3, 2]
+    assert list(table.family) == ["change", "change", "map"] and list(table.change) == ["none", "width_m 8", ""]
+
+
+def test_committed_rows_of_deposits_keep_what_is_none(tmp_path):
+    rows = pd.DataFrame([made_up(1.0, 1.0, 1), made_up(1.0, 1.2, 1, study="deposit_change", change="none")])
+    rows.to_csv(tmp_path / "deposits.csv", index=False)
+    table = read_deposits(tmp_path / "deposits.csv")
+    assert list(table.change) == ["", "none"] and list(table.family) == ["map", "change"]

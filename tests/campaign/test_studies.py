@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import yaml
 
-from simcore.campaign.studies import choose_form, expand
+from simcore.campaign.studies import choose_form, expand, specification_text
 from simcore.grains.sources import set_name
-from simcore.grains.spread import spread_order
+from simcore.grains.spread import read_spread, spread_order, spread_table
+from simcore.grains.synthetic import synthetic_grains
 from simcore.scene.setup import set_up
 from simcore.scene.specification import CONFIG, read_presets, resolve
 
@@ -117,6 +118,17 @@ def test_spread_forms_carry_their_rank_and_the_name_follows():
     assert {shapes["choice"] for shapes in chosen} == {"one"}
     with pytest.raises(ValueError, match="form 3 of a set of 2 grains"):
         choose_form(table.specification[2], 3, names[:2])
+
+
+def test_the_text_of_a_packing_names_its_grain_and_reads_as_the_same_packing(tmp_path):
+    grains = synthetic_grains(seed=1, n=21)
+    spread_table(grains).to_csv(tmp_path / "forms.csv", index=False)
+    names = read_spread(tmp_path / "forms.csv")
+    order = spread_order([grain.flatness for grain in grains], [grain.elongation for grain in grains])
+    assert names == [grains[k].name for k in order] != [grain.name for grain in grains]
+    (specification,) = expand(campaign(varies={"sizes.case": ["U1"]}, forms={"spread": 1})).specification
+    read = resolve(yaml.safe_load(specification_text(specification, 1, names)))
+    assert read == choose_form(specification, 1, names) and read["shapes"]["grain"] == names[0]
 
 
 def test_named_forms():

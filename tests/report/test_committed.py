@@ -5,9 +5,11 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 
 from simcore.models.unified import UNIFIED, unified_features
-from simcore.report.committed import findings, read_rows
+from simcore.report.committed import EARLIER, findings, gathered_packings, notes_of_rows, read_rows
+from simcore.report.findings import Findings
 
 ROWS = {"n_error": 0.002, "grains": 1200, "cpu_s": 100.0}
 
@@ -118,3 +120,22 @@ def test_cases_come_in_the_order_of_their_table(tmp_path):
 def test_a_folder_without_rows_is_refused(tmp_path):
     with pytest.raises(ValueError, match="has no table of packings; gather some first"):
         findings(tmp_path)
+
+
+def test_rows_of_earlier_settings_have_no_note_on_today_s_bias(tmp_path):
+    columns = dict.fromkeys(("table", "code", "command", "machine"), "x")
+    rows = [("one", "synthetic", 0), ("two", "synthetic", 0), ("two", "scans", 3), ("not_shown", "synthetic", 1)]
+    table = pd.DataFrame(rows, columns=["study", "source", "packings"]).assign(**columns)
+    assert gathered_packings(tmp_path, ["one"]) == {}
+    table.to_csv(tmp_path / "collected.csv", index=False)
+    gathered = gathered_packings(tmp_path, ["one", "two", "three"])
+    assert list(gathered["collected"]) == ["study", "source", "packings"] and len(gathered["collected"]) == 3
+    biases = {"one": "1", "two": "2", "three": "3"}
+    assert notes_of_rows(biases, gathered) == biases | {"one": EARLIER}
+    assert notes_of_rows(biases, {}) == biases
+
+
+def test_findings_are_written_into_a_new_folder_by_their_names(tmp_path):
+    figure = Figure()
+    Findings({"both": pd.DataFrame({"n": [0.4]})}, {"both": figure}).write_into(tmp_path / "new")
+    assert sorted(path.name for path in (tmp_path / "new").iterdir()) == ["both.csv", "both.pdf", "both.png"]

@@ -6,10 +6,13 @@ import pytest
 
 from simcore.verification.packings import (
     base_setting,
+    change_errors,
     cheapest_settings,
     compare,
     name_changes,
     porosity_errors,
+    study_errors,
+    work_precision_of_studies,
     work_precision_runs,
 )
 from simcore.verification.work_precision import settings_table
@@ -87,3 +90,29 @@ def test_a_setting_that_is_not_set_is_the_default():
     rows = pd.DataFrame({"study": "s", "seed": [1, 2] * 2, "skin": [np.nan, np.nan, 0.1, 0.1], "n": 0.4, "cpu_s": 9.0})
     planned = [{"varied": {"skin": 0.1, "seed": 1}, "is_base": False}, {"varied": {"skin": None}, "is_base": True}]
     assert base_setting(planned) == porosity_errors(rows, ["skin", "seed"]).setting[0] == "not set"
+
+
+def test_each_grain_has_its_own_reference():
+    """Both grains differ by more than the change: only differences within a grain are counted."""
+    parts = [
+        packings({40: 0.0, 20: shift}, (10.0, 5.0)).assign(grain=name) for name, shift in (("a", 0.01), ("b", 0.02))
+    ]
+    parts[1]["n"] += 0.2
+    whole = packings({"x": 0.0, "y": -0.004}, (10.0, 5.0), study="other")
+    table = change_errors([pd.concat(parts, ignore_index=True), whole], [["seed", "step"], ["step", "seed"]])
+    assert list(table.grain) == ["a", "a", "b", "b", "", ""]
+    assert table.difference.to_numpy() == pytest.approx([0.0, 0.01, 0.0, 0.02, 0.0, -0.004])
+    assert list(table.setting) == ["ours", "step 20", "ours", "step 20", "ours", "step y"]
+
+
+def test_the_errors_of_several_studies_have_their_own_defaults():
+    steps = packings({40: 0.0, 20: 0.003}, (10.0, 5.0), study="steps")
+    faces = packings({300: 0.0, 100: 0.001}, (9.0, 3.0), study="faces").rename(columns={"step": "faces"})
+    rows = [
+        [{"varied": {"seed": 1, "step": step}, "is_base": step == 20} for step in (40, 20)],
+        [{"varied": {"seed": 1, "faces": count}, "is_base": count == 300} for count in (300, 100)],
+    ]
+    errors = study_errors([steps, faces], rows)
+    assert list(errors.study) == ["steps"] * 2 + ["faces"] * 2 and list(errors.varied[::2]) == ["step", "faces"]
+    runs = work_precision_of_studies(errors, ["steps", "faces"], {"steps": "Steps", "faces": "Faces"}, rows)
+    assert dict(zip(runs.setting, runs.default, strict=True)) == {"40": False, "20": True, "300": True, "100": False}

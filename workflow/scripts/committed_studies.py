@@ -3,29 +3,17 @@
 import logging
 from pathlib import Path
 
-import pandas as pd
-
-from simcore.report.committed import findings
-from simcore.report.figures.saving import save_figure
-from simcore.report.sections import EARLIER, committed_page
+from simcore.campaign.gathering import check_gathered
+from simcore.report.committed import findings, gathered_packings, notes_of_rows
+from simcore.report.findings import Findings
+from simcore.report.sections import committed_page
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
-p = snakemake.params
-if not p.folder:
-    raise ValueError("this campaign is not gathered: `reference` names no folder; config/workstation.yaml has one")
+p, folder = snakemake.params, Path(snakemake.output.folder)
+check_gathered(p.folder, False, "config/workstation.yaml")
 tables, figures = findings(p.folder, p.seed, p.folds, list(p.titles))
-biases, gathered = dict(p.biases), Path(p.folder) / "collected.csv"
-if gathered.exists():
-    known = pd.read_csv(gathered)
-    tables["collected"] = known[known["study"].isin(p.titles)].drop(columns=["table", "code", "command", "machine"])
-    # A bias is told of the settings of today, which rows in the tables need not have.
-    packed = tables["collected"].groupby("study")["packings"].sum()
-    biases |= {study: EARLIER for study, packings in packed.items() if packings == 0}
-folder = Path(snakemake.output.folder)
-folder.mkdir(parents=True)
-for name, table in tables.items():
-    table.to_csv(folder / f"{name}.csv", index=False)
-for name, figure in figures.items():
-    save_figure(figure, [folder / f"{name}{suffix}" for suffix in (".png", ".pdf")])
+gathered = gathered_packings(p.folder, list(p.titles))
+Findings(tables | gathered, figures).write_into(folder)
 captions = Path(snakemake.scriptdir).parent / "report"
-(folder / "report.html").write_text(committed_page(folder, p.titles, biases, captions), encoding="utf-8")
+page = committed_page(folder, p.titles, notes_of_rows(p.biases, gathered), captions)
+(folder / "report.html").write_text(page, encoding="utf-8")

@@ -1,0 +1,50 @@
+"""Tables and figures about a set of grains, beside the grains of Rettinger et al. (2022) and published scans."""
+
+import pandas as pd
+
+from simcore.grains.scan_shapes import scan_ranges, shape_table
+from simcore.grains.tables import (
+    decimation_summary,
+    decimation_table,
+    factor_correlations,
+    form_statistics,
+    form_table,
+    principal_components,
+    shape_comparison,
+)
+from simcore.reference.r22_tables import read_study_table
+from simcore.report.figures import grains as figures
+from simcore.report.findings import Findings
+
+
+def grain_findings(grains) -> Findings:
+    """Return form factors, their statistics and correlations, shapes beside scans, and what decimation changes.
+
+    grains: list of Grain. Each table has its row names as its first column.
+    """
+    forms, shapes, decimation = form_table(grains), shape_table(grains), decimation_table(grains)
+    correlations, summary = factor_correlations(forms), decimation_summary(decimation)
+    r22 = read_study_table("table2_form_statistics")
+    of_the_rhine = r22.iloc[0]  # the grains of Rettinger et al. (2022)
+    tables = {
+        "forms": forms,
+        "statistics": pd.concat([form_statistics(forms).assign(source="this set"), r22]).set_index("source"),
+        "correlations": correlations,
+        "components": principal_components(forms),
+        "decimation": decimation.set_index("grain"),
+        "decimation_summary": summary,
+        "shapes": shape_comparison(shapes),
+    }
+    pictures = {
+        "zingg": figures.zingg_diagram({"this set": forms}, of_the_rhine),
+        "histograms": figures.form_histograms(forms, of_the_rhine),
+        "matrix": figures.correlation_matrix(correlations),
+        "scans": figures.shapes_against_scans({"this set": shapes}, scan_ranges()),
+        "changes": figures.decimation_changes(summary),
+    }
+    return Findings({name: _names_first(table) for name, table in tables.items()}, pictures)
+
+
+def _names_first(table):
+    """The table with its index as its first column, whose heading is empty where the index has no name."""
+    return table.rename_axis(index=table.index.name or "").reset_index()

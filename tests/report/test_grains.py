@@ -1,0 +1,23 @@
+"""What a page says of a set of grains."""
+
+import pandas as pd
+import pytest
+
+from simcore.grains.synthetic import synthetic_grains
+from simcore.grains.tables import factor_correlations, form_table
+from simcore.report.grains import grain_findings
+
+
+def test_grains_have_tables_with_their_row_names_and_figures(tmp_path):
+    grains = synthetic_grains(seed=1, n=21)
+    found = grain_findings(grains)
+    output = {name: tmp_path / f"{name}.csv" for name in found.tables}
+    found._replace(figures={}).write(output)
+    forms = pd.read_csv(output["forms"])
+    assert list(forms.grain) == [grain.name for grain in grains]
+    assert pd.read_csv(output["statistics"]).source[0] == "this set"
+    table = pd.read_csv(output["correlations"], index_col=0)
+    expected = factor_correlations(form_table(grains))
+    assert list(table.index) == list(table) == list(expected)
+    assert table.to_numpy() == pytest.approx(expected.to_numpy())
+    assert set(found.figures) == {"zingg", "histograms", "matrix", "scans", "changes"} and not found.models
