@@ -14,7 +14,7 @@ from simcore.scene.domain import Domain
 from simcore.scene.impact import derive_hertzian, fall_speed
 from simcore.scene.scene import GRAINS, Convergence, Damping, Generation, Material, Numerics, Scene, Shaking
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, Draw, unit_sphere
-from simcore.scene.sizes import check_top_class, lattice_spacing, size_curve
+from simcore.scene.sizes import check_amount, check_top_class, lattice_spacing, size_curve
 
 KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "mesh": POLYHEDRON, "mixed": MIXED}
 BIRTH_STREAM = 1  # random numbers of birth stand apart from those of size and form
@@ -52,6 +52,7 @@ def set_up(specification: dict, load_grains) -> Setup:
     if choice.kind != "mesh":
         bases.append(unit_sphere())
     curve = size_curve(specification["sizes"], grains=grains)
+    check_amount(specification, curve)
     seed = specification["seed"]
 
     def sample(ids):

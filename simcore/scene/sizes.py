@@ -9,6 +9,7 @@ from simcore.grains.sieve import SieveCurve, read_cases
 from simcore.paths import CONFIG
 
 MINIMUM_OF_TOP_CLASS = 5
+MOST_GRAINS = 10_000_000  # the maximum of amount.grains in the schema, for a mass too
 # Upright grains need √(S² + I²) = √2 D across; the rest is clearance.
 UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
 
@@ -74,6 +75,19 @@ def check_top_class(spec, where=""):
             curve.check_top_class(mass, density, MINIMUM_OF_TOP_CLASS)
     except ValueError as error:
         raise ValueError(f"{where}: {error}" if where else str(error)) from None
+
+
+def check_amount(spec, curve):
+    """ValueError where the mass of a specification is that of more grains than can be packed; curve: of its sizes."""
+    mass, density = spec["amount"]["mass"], spec["material"]["density"]
+    if mass is None:
+        return
+    grains = mass / (density * np.pi / 6.0 * curve.mean(3))
+    if grains > MOST_GRAINS:
+        raise ValueError(
+            f"amount.mass: {mass:.3g} kg are about {grains:.2g} grains, more than {MOST_GRAINS}; give at most "
+            f"{mass * MOST_GRAINS / grains:.3g} kg, or leave out the finest classes"
+        )
 
 
 def _check_own(shapes):

@@ -52,10 +52,7 @@ def read_specification(path, schema="packing"):
     path = Path(path)
     if not path.is_file():
         raise ValueError(f"{path}: there is no such file")
-    try:
-        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path} is not valid YAML: {' '.join(str(error).split())}") from None
+    raw = _read_yaml(path)
     try:
         resolved = resolve(raw if raw is not None else {}, schema, unused="refuse")
         if schema == "packing":
@@ -63,6 +60,41 @@ def read_specification(path, schema="packing"):
         return resolved
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
+
+
+def _read_yaml(path):
+    """The content of the YAML file at `path`, in UTF-8, or in UTF-16 with a mark; ValueError where a key is twice."""
+    data = path.read_bytes()
+    try:
+        document = yaml.compose(data, Loader=yaml.SafeLoader)
+        content = yaml.safe_load(data)
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: of a date that there is not
+        raise ValueError(f"{path} is not valid YAML: {' '.join(str(error).split())}") from None
+    except RecursionError:
+        raise ValueError(f"{path} is not valid YAML: it is nested too deeply") from None
+    _check_keys(path, document)
+    return content
+
+
+def _check_keys(path, document):
+    """ValueError where a group of a composed YAML document has a key twice; YAML would take the last one silently."""
+    nodes, checked = [document], set()
+    while nodes:
+        node = nodes.pop()
+        if not isinstance(node, yaml.CollectionNode) or id(node) in checked:
+            continue
+        checked.add(id(node))
+        if isinstance(node, yaml.SequenceNode):
+            nodes += node.value
+            continue
+        lines = {}
+        for key, value in node.value:
+            nodes += [key, value]
+            if isinstance(key, yaml.ScalarNode):
+                line, again = key.start_mark.line + 1, lines.get(key.value)
+                if again is not None:
+                    raise ValueError(f"{path}, line {line}: {key.value} is given in line {again} already; drop one")
+                lines[key.value] = line
 
 
 def read_schema(schema):

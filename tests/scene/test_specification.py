@@ -177,6 +177,38 @@ def test_errors_of_a_file_name_the_file(tmp_path):
         read_specification(path)
 
 
+TEXT = "domain: {width: 0.2 m, height: 1 m}\nsizes: {case: U1}\namount: {mass: 2 kg}\n"
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_a_file_may_be_saved_as_unicode(tmp_path, encoding):
+    path = tmp_path / "mine.yaml"
+    path.write_text(f"# Körnung\n{TEXT}", encoding=encoding)
+    assert read_specification(path)["domain"]["height"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("amount: {mass: 3 kg}\n", r"mine\.yaml, line 4: amount is given in line 3 already; drop one"),
+        ("faces: 50\nshapes: {kind: mesh,\n  kind: sphere}\n", r"line 6: kind is given in line 5 already"),
+        (f"faces: {3000 * '['}", "mine.yaml is not valid YAML: it is nested too deeply"),
+        ("name: 2001-99-99\n", "mine.yaml is not valid YAML: month must be in"),
+    ],
+)
+def test_what_yaml_takes_silently_or_stumbles_over_is_refused(tmp_path, text, message):
+    path = tmp_path / "mine.yaml"
+    path.write_text(TEXT + text)
+    with pytest.raises(ValueError, match=message):
+        read_specification(path)
+
+
+def test_merged_groups_may_override_keys(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text(TEXT.replace("domain: {", "domain: {<<: {").replace("1 m}", "1 m}, height: 2 m}"))
+    assert read_specification(path)["domain"]["height"] == 2.0
+
+
 def leaves(schema, path=""):
     for key, sub in schema.get("properties", {}).items():
         if sub.get("type") == "object":
