@@ -179,6 +179,7 @@ def body_steps(
     law: ContactLaw,
     friction: bool,
     body: int,
+    *,
     certain: bool = True,
     hold: float | None = None,
     ranks=ONE_RANK,

@@ -5,11 +5,28 @@ height enters. The volume of a polyhedron below a plane is the sum over its face
 height (divergence theorem with the field (0, 0, zeta - z), whose flux through the cut itself is zero).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from simcore.compilation import kernel, leaf
 
 METHODS = ("spheres", "exact")
+
+
+class Geometry(NamedTuple):
+    """Arrays that place n grains and list the corners and triangles of their shapes, one after the other."""
+
+    position: np.ndarray  # (n, 3) [m]
+    orientation: np.ndarray  # (n, 4), quaternions w, x, y, z
+    scale: np.ndarray  # (n, 3) [m], along the axes of the shape
+    shape: np.ndarray  # (n,), which shape
+    vertex_start: np.ndarray  # of each shape
+    vertex_count: np.ndarray
+    vertices: np.ndarray  # (m, 3), in units of the scale
+    face_start: np.ndarray  # of each shape
+    face_count: np.ndarray
+    faces: np.ndarray  # (k, 3), vertices of the shape
 
 
 def slab_volumes(packing, edges, method="spheres", per_grain=False):
@@ -31,7 +48,7 @@ def slab_volumes(packing, edges, method="spheres", per_grain=False):
     half_heights = _half_heights(packing, method)
     _add_balls(out, rows, round_ones, heights, half_heights, volumes, edges)
     if polyhedral.any():
-        _add_polyhedra(out, rows, np.flatnonzero(polyhedral), *_geometry(packing), edges)
+        _add_polyhedra(out, rows, np.flatnonzero(polyhedral), _geometry(packing), edges)
     return out if per_grain else out[0]
 
 
@@ -42,7 +59,7 @@ def vertical_extent(packing, method="spheres"):
     low, high = z - half, z + half
     polyhedral = np.flatnonzero(_polyhedral(packing, method))
     if len(polyhedral):
-        _polyhedral_extent(low, high, polyhedral, *_geometry(packing))
+        _polyhedral_extent(low, high, polyhedral, _geometry(packing))
     return low, high
 
 
@@ -68,8 +85,8 @@ def _half_heights(packing, method):
 
 
 def _geometry(packing):
-    """Arrays that place the polyhedra, in the order the kernels take them."""
-    return (
+    """Return the Geometry of all grains; that of shapes other than polyhedra is empty."""
+    return Geometry(
         packing["position"].values,
         packing["orientation"].values,
         packing["scale"].values,
@@ -104,9 +121,11 @@ def _add_balls(out, rows, grains, heights, half_heights, volumes, edges):
 
 
 @kernel
-def world_vertices(points, g, orientation, scale, start, count, vertices):
-    """Fill points[:count] with the grain's vertices, rotated and scaled, relative to its centre [m]."""
-    w, x, y, z = orientation[g]
+def world_vertices(points, g, geometry):
+    """Fill points[:count] with the grain's vertices, rotated and scaled, relative to its centre [m]; returns count."""
+    s, scale, vertices = geometry.shape[g], geometry.scale, geometry.vertices
+    start, count = geometry.vertex_start[s], geometry.vertex_count[s]
+    w, x, y, z = geometry.orientation[g]
     for i in range(count):
         a = scale[g, 0] * vertices[start + i, 0]
         b = scale[g, 1] * vertices[start + i, 1]
@@ -114,6 +133,7 @@ def world_vertices(points, g, orientation, scale, start, count, vertices):
         points[i, 0] = (1 - 2 * (y * y + z * z)) * a + 2 * (x * y - w * z) * b + 2 * (x * z + w * y) * c
         points[i, 1] = 2 * (x * y + w * z) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z - w * x) * c
         points[i, 2] = 2 * (x * z - w * y) * a + 2 * (y * z + w * x) * b + (1 - 2 * (x * x + y * y)) * c
+    return count
 
 
 @leaf
@@ -133,21 +153,19 @@ def _volume_over_face(z, a, b, c):
 
 
 @kernel
-def _add_polyhedra(
-    out, rows, grains, position, orientation, scale, shape, v_start, v_count, vertices, f_start, f_count, faces, edges
-):
+def _add_polyhedra(out, rows, grains, geometry, edges):
     """Add to out[row, slab] what each convex polyhedron has there."""
-    points = np.empty((np.max(v_count), 3))
+    position, faces = geometry.position, geometry.faces
+    points = np.empty((np.max(geometry.vertex_count), 3))
     below = np.empty(len(edges))
     for g in grains:
-        s = shape[g]
-        count = v_count[s]
-        world_vertices(points, g, orientation, scale, v_start[s], count, vertices)
+        s = geometry.shape[g]
+        count = world_vertices(points, g, geometry)
         low, high = points[:count, 2].min(), points[:count, 2].max()
         first = max(np.searchsorted(edges, position[g, 2] + low) - 1, 0)
         last = min(np.searchsorted(edges, position[g, 2] + high), len(edges) - 1)
         below[first : last + 1] = 0.0
-        for f in range(f_start[s], f_start[s] + f_count[s]):
+        for f in range(geometry.face_start[s], geometry.face_start[s] + geometry.face_count[s]):
             p, q, r = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
             area = 0.5 * ((q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]))
             a, c = min(p[2], q[2], r[2]), max(p[2], q[2], r[2])
@@ -160,13 +178,11 @@ def _add_polyhedra(
 
 
 @kernel
-def _polyhedral_extent(
-    low, high, grains, position, orientation, scale, shape, v_start, v_count, vertices, f_start, f_count, faces
-):
+def _polyhedral_extent(low, high, grains, geometry):
     """Set low[g], high[g] to the lowest and highest vertex of each polyhedron [m]."""
-    points = np.empty((np.max(v_count), 3))
+    position = geometry.position
+    points = np.empty((np.max(geometry.vertex_count), 3))
     for g in grains:
-        count = v_count[shape[g]]
-        world_vertices(points, g, orientation, scale, v_start[shape[g]], count, vertices)
+        count = world_vertices(points, g, geometry)
         low[g] = position[g, 2] + points[:count, 2].min()
         high[g] = position[g, 2] + points[:count, 2].max()

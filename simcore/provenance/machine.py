@@ -6,16 +6,9 @@ import platform
 import numba
 import numpy
 
-from simcore.compilation import source_digest
-
-
-def describe_machine() -> str:
-    """Processor, cores, versions and the digest of the compiled sources, in one line."""
-    return f"{describe_host()}, code {source_digest()}"
-
 
 def describe_host() -> str:
-    """The same without the code: for tables whose rows say the code that made each."""
+    """Return processor, cores and versions in one line."""
     versions = f"Python {platform.python_version()}, numba {numba.__version__}, numpy {numpy.__version__}"
     return f"{_processor()}, {os.cpu_count()} cores, {versions}"
 

@@ -140,123 +140,142 @@ def attitude_error(first, second) -> float:
 
 
 # -- schemes ------------------------------------------------------------------------------------------------
-# step(w, x, y, z, L (3), I (3), dt) -> (quaternion (4), L (3)): L the angular momentum in world axes.
+# step(q, momentum, inertia, dt) -> (q, momentum): Quaternion, and Vec of the angular momentum in world axes.
 
 
 @_compiled
-def _rotated(w, x, y, z, a, b, c):
-    """Vector (a, b, c) of body axes in world axes."""
+def _rotated(q, v):
+    """Vector v of body axes in world axes."""
+    w, x, y, z = q
+    a, b, c = v
     s, t, u = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    return a + w * s + y * u - z * t, b + w * t + z * s - x * u, c + w * u + x * t - y * s
+    return Vec(a + w * s + y * u - z * t, b + w * t + z * s - x * u, c + w * u + x * t - y * s)
 
 
 @_compiled
-def _spin_of(w, x, y, z, l, m, n, i1, i2, i3):
+def _spin_of(q, momentum, inertia):
     """Angular velocity in body axes."""
-    a, b, c = _rotated(w, -x, -y, -z, l, m, n)
-    return a / i1, b / i2, c / i3
+    turned = _rotated(Quaternion(q.w, -q.x, -q.y, -q.z), momentum)
+    return Vec(turned.x / inertia.x, turned.y / inertia.y, turned.z / inertia.z)
 
 
 @_compiled
-def _product(w, x, y, z, s, a, b, c):
-    return (
+def _momentum_of(q, spin, inertia):
+    """Momentum in world axes of an angular velocity in body axes."""
+    return _rotated(q, Vec(inertia.x * spin.x, inertia.y * spin.y, inertia.z * spin.z))
+
+
+@_compiled
+def _product(p, q):
+    """Product of two quaternions."""
+    w, x, y, z = p
+    s, a, b, c = q
+    return Quaternion(
         w * s - x * a - y * b - z * c, w * a + x * s + y * c - z * b,
         w * b + y * s + z * a - x * c, w * c + z * s + x * b - y * a,
     )  # fmt: skip
 
 
 @_compiled
-def _unit(w, x, y, z):
+def _unit(q):
+    """Quaternion brought back to length one."""
+    w, x, y, z = q
     norm = np.sqrt(w * w + x * x + y * y + z * z)
-    return w / norm, x / norm, y / norm, z / norm
+    return Quaternion(w / norm, x / norm, y / norm, z / norm)
 
 
 @_compiled
-def _turned(w, x, y, z, a, b, c):
-    """The orientation turned by the rotation vector (a, b, c) in body axes."""
+def _turned(q, v):
+    """The orientation turned by the rotation vector v in body axes."""
+    a, b, c = v
     angle = np.sqrt(a * a + b * b + c * c)
     s = 0.5 if angle < 1e-8 else np.sin(0.5 * angle) / angle
-    return _product(w, x, y, z, np.cos(0.5 * angle), s * a, s * b, s * c)
+    return _product(q, Quaternion(np.cos(0.5 * angle), s * a, s * b, s * c))
 
 
 @_compiled
-def _ours(w, x, y, z, l, m, n, i1, i2, i3, dt):
-    w, x, y, z = rotate_free(Quaternion(w, x, y, z), Vec(l, m, n), Vec(i1, i2, i3), dt)
-    return w, x, y, z, l, m, n
+def _ours(q, momentum, inertia, dt):
+    w, x, y, z = rotate_free(q, momentum, inertia, dt)
+    return Quaternion(w, x, y, z), momentum
 
 
 @_compiled
-def _euler_slope(a, b, c, i1, i2, i3):
-    return (i2 - i3) / i1 * b * c, (i3 - i1) / i2 * c * a, (i1 - i2) / i3 * a * b
+def _euler_slope(spin, inertia):
+    """Rate of the angular velocity in body axes."""
+    a, b, c = spin
+    i1, i2, i3 = inertia
+    return Vec((i2 - i3) / i1 * b * c, (i3 - i1) / i2 * c * a, (i1 - i2) / i3 * a * b)
 
 
 @_compiled
-def _back(w, x, y, z, a, b, c, i1, i2, i3):
-    """Momentum in world axes of an angular velocity in body axes, beside the orientation."""
-    l, m, n = _rotated(w, x, y, z, i1 * a, i2 * b, i3 * c)
-    return w, x, y, z, l, m, n
+def _attitude_slope(q, spin):
+    """Rate of the orientation."""
+    return _product(q, Quaternion(0.0, 0.5 * spin.x, 0.5 * spin.y, 0.5 * spin.z))
 
 
 @_compiled
-def _explicit_euler(w, x, y, z, l, m, n, i1, i2, i3, dt):
+def _stepped(v, h, rate):
+    """Vector after h [s] at a rate."""
+    return Vec(v.x + h * rate.x, v.y + h * rate.y, v.z + h * rate.z)
+
+
+@_compiled
+def _attitude_stepped(q, h, rate):
+    """Quaternion after h [s] at a rate, not of length one."""
+    return Quaternion(q.w + h * rate.w, q.x + h * rate.x, q.y + h * rate.y, q.z + h * rate.z)
+
+
+@_compiled
+def _explicit_euler(q, momentum, inertia, dt):
     """Both from the state before the step, the quaternion brought back to length one."""
-    a, b, c = _spin_of(w, x, y, z, l, m, n, i1, i2, i3)
-    da, db, dc = _euler_slope(a, b, c, i1, i2, i3)
-    dw, dx, dy, dz = _product(w, x, y, z, 0.0, 0.5 * a, 0.5 * b, 0.5 * c)
-    w, x, y, z = _unit(w + dt * dw, x + dt * dx, y + dt * dy, z + dt * dz)
-    return _back(w, x, y, z, a + dt * da, b + dt * db, c + dt * dc, i1, i2, i3)
+    spin = _spin_of(q, momentum, inertia)
+    after = _unit(_attitude_stepped(q, dt, _attitude_slope(q, spin)))
+    return after, _momentum_of(after, _stepped(spin, dt, _euler_slope(spin, inertia)), inertia)
 
 
 @_compiled
-def _momentum_euler(w, x, y, z, l, m, n, i1, i2, i3, dt):
+def _momentum_euler(q, momentum, inertia, dt):
     """The momentum kept, and the orientation turned by its angular velocity before the step."""
-    a, b, c = _spin_of(w, x, y, z, l, m, n, i1, i2, i3)
-    w, x, y, z = _turned(w, x, y, z, dt * a, dt * b, dt * c)
-    return w, x, y, z, l, m, n
+    spin = _spin_of(q, momentum, inertia)
+    return _turned(q, Vec(dt * spin.x, dt * spin.y, dt * spin.z)), momentum
 
 
 @_compiled
-def _leapfrog(w, x, y, z, l, m, n, i1, i2, i3, dt):
+def _leapfrog(q, momentum, inertia, dt):
     """Predictor-corrector of Zhao & van Wachem (2013): the turn is that of the spin half a step ahead, in body axes."""
-    a, b, c = _spin_of(w, x, y, z, l, m, n, i1, i2, i3)
-    da, db, dc = _euler_slope(a, b, c, i1, i2, i3)
-    h = 0.5 * dt
-    a2, b2, c2 = a + h * da, b + h * db, c + h * dc
-    w, x, y, z = _unit(*_turned(w, x, y, z, dt * a2, dt * b2, dt * c2))
-    da, db, dc = _euler_slope(a2, b2, c2, i1, i2, i3)
-    return _back(w, x, y, z, a + dt * da, b + dt * db, c + dt * dc, i1, i2, i3)
+    spin = _spin_of(q, momentum, inertia)
+    middle = _stepped(spin, 0.5 * dt, _euler_slope(spin, inertia))
+    after = _unit(_turned(q, Vec(dt * middle.x, dt * middle.y, dt * middle.z)))
+    return after, _momentum_of(after, _stepped(spin, dt, _euler_slope(middle, inertia)), inertia)
 
 
 @_compiled
-def _runge_kutta(w, x, y, z, l, m, n, i1, i2, i3, dt):
+def _runge_kutta(q, momentum, inertia, dt):
     """The classical fourth-order scheme on spin and quaternion, brought back to length one."""
-    a, b, c = _spin_of(w, x, y, z, l, m, n, i1, i2, i3)
-    sw, sx, sy, sz, sa, sb, sc = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    kw, kx, ky, kz, ka, kb, kc = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    spin = _spin_of(q, momentum, inertia)
+    attitude_sum, attitude_rate = Quaternion(0.0, 0.0, 0.0, 0.0), Quaternion(0.0, 0.0, 0.0, 0.0)
+    spin_sum, spin_rate = Vec(0.0, 0.0, 0.0), Vec(0.0, 0.0, 0.0)
     for stage in range(4):
         h = 0.0 if stage == 0 else (dt if stage == 3 else 0.5 * dt)
-        a1, b1, c1 = a + h * ka, b + h * kb, c + h * kc
-        kw, kx, ky, kz = _product(
-            w + h * kw, x + h * kx, y + h * ky, z + h * kz, 0.0, 0.5 * a1, 0.5 * b1, 0.5 * c1
-        )  # fmt: skip
-        ka, kb, kc = _euler_slope(a1, b1, c1, i1, i2, i3)
+        spin_there = _stepped(spin, h, spin_rate)
+        attitude_rate = _attitude_slope(_attitude_stepped(q, h, attitude_rate), spin_there)
+        spin_rate = _euler_slope(spin_there, inertia)
         weight = dt / 6.0 if stage == 0 or stage == 3 else dt / 3.0
-        sw, sx, sy, sz = sw + weight * kw, sx + weight * kx, sy + weight * ky, sz + weight * kz
-        sa, sb, sc = sa + weight * ka, sb + weight * kb, sc + weight * kc
-    w, x, y, z = _unit(w + sw, x + sx, y + sy, z + sz)
-    return _back(w, x, y, z, a + sa, b + sb, c + sc, i1, i2, i3)
+        attitude_sum = _attitude_stepped(attitude_sum, weight, attitude_rate)
+        spin_sum = _stepped(spin_sum, weight, spin_rate)
+    after = _unit(_attitude_stepped(q, 1.0, attitude_sum))
+    return after, _momentum_of(after, _stepped(spin, 1.0, spin_sum), inertia)
 
 
 def _make_run(step):
     @_compiled
     def run(momentum, inertia, dt, n_steps):
-        w, x, y, z = 1.0, 0.0, 0.0, 0.0
-        l, m, n = momentum
-        i1, i2, i3 = inertia
+        q, momentum, inertia = Quaternion(1.0, 0.0, 0.0, 0.0), Vec(*momentum), Vec(*inertia)
         for _ in range(n_steps):
-            w, x, y, z, l, m, n = step(w, x, y, z, l, m, n, i1, i2, i3, dt)
-        a, b, c = _spin_of(w, x, y, z, l, m, n, i1, i2, i3)
-        return (w, x, y, z), 0.5 * (i1 * a * a + i2 * b * b + i3 * c * c)
+            q, momentum = step(q, momentum, inertia, dt)
+        spin = _spin_of(q, momentum, inertia)
+        energy = inertia.x * spin.x * spin.x + inertia.y * spin.y * spin.y + inertia.z * spin.z * spin.z
+        return (q.w, q.x, q.y, q.z), 0.5 * energy
 
     return run
 

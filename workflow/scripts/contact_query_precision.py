@@ -1,10 +1,10 @@
 """Depth and normal of touching pairs against the time of a query: the runs, and error against CPU time."""
 
 from simcore.compilation import set_threads
-from simcore.provenance.machine import describe_machine
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import work_precision_figure
 from simcore.verification.contact_query import study
+from simcore.verification.machine import describe_machine
 
 set_threads(1)
 machine = describe_machine()

@@ -1,9 +1,9 @@
 """Error of a packing's porosity by how it is evaluated, against CPU time."""
 
 from simcore.packing.file import read_packing
-from simcore.provenance.machine import describe_machine
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import work_precision_figure
+from simcore.verification.machine import describe_machine
 from simcore.verification.porosity_evaluation import study
 
 machine = describe_machine()

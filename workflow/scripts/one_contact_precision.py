@@ -1,9 +1,9 @@
 """Restitution of one impact against the time step: its runs, and error against CPU time."""
 
 from simcore.compilation import set_threads
-from simcore.provenance.machine import describe_machine
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import work_precision_figure
+from simcore.verification.machine import describe_machine
 from simcore.verification.one_contact import study
 
 set_threads(1)

@@ -2,9 +2,9 @@
 
 import pandas as pd
 
-from simcore.provenance.machine import describe_machine
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import work_precision_figure
+from simcore.verification.machine import describe_machine
 from simcore.verification.packings import cheapest_settings, study_errors, work_precision_of_studies
 
 p, output, machine = snakemake.params, snakemake.output, describe_machine()

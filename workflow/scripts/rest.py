@@ -1,9 +1,9 @@
 """At how many steps per contact time a bed rests, with either dashpot."""
 
 from simcore.compilation import set_threads
-from simcore.provenance.machine import describe_machine
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import rest_figure
+from simcore.verification.machine import describe_machine
 from simcore.verification.rest import study
 
 set_threads(1)

@@ -1,8 +1,8 @@
 """Attitude and energy of free bodies against the time step: the runs, and error against CPU time."""
 
-from simcore.provenance.machine import describe_machine
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import work_precision_figure
+from simcore.verification.machine import describe_machine
 from simcore.verification.rotation import study
 
 machine = describe_machine()

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import xarray as xr
 
-from simcore.provenance.machine import describe_machine
 from simcore.report.figures.outside import outside_figure
 from simcore.report.figures.saving import save_figure
+from simcore.verification.machine import describe_machine
 from simcore.verification.outside.table import case_table
 
 paths = {Path(path).stem: path for path in snakemake.input.packings}

@@ -5,7 +5,7 @@ import trimesh
 from scipy.ndimage import gaussian_filter
 
 from simcore.compilation import kernel
-from simcore.evaluation.slicing import world_vertices
+from simcore.evaluation.slicing import Geometry, world_vertices
 
 LIGHT = np.array([-0.45, 0.55, 0.70])  # direction to the light seen from the camera: from the upper left
 AMBIENT = 0.35
@@ -46,8 +46,8 @@ def project(points, azimuth, elevation):
 def _depth_buffer(packing, camera, pixels):
     """Grain index (-1: none), depth [m] and normal (camera axes) of what each pixel sees, and the picture's extent."""
     surfaces = _surfaces(packing)
-    farthest = np.maximum.reduceat(np.linalg.norm(surfaces[6], axis=1), surfaces[4])  # of each shape
-    reach = (packing["scale"].values.max(axis=1) * farthest[surfaces[3]])[:, None]
+    farthest = np.maximum.reduceat(np.linalg.norm(surfaces.vertices, axis=1), surfaces.vertex_start)  # of each shape
+    reach = (packing["scale"].values.max(axis=1) * farthest[surfaces.shape])[:, None]
     centres = packing["position"].values @ camera[:2].T
     low, high = (centres - reach).min(axis=0), (centres + reach).max(axis=0)
     pixel = (high - low).max() / pixels
@@ -55,7 +55,7 @@ def _depth_buffer(packing, camera, pixels):
     grain = np.full((rows, columns), -1, np.int64)
     depth = np.full((rows, columns), -np.inf)
     normal = np.zeros((rows, columns, 3))
-    _draw(grain, depth, normal, low, pixel, camera, *surfaces)
+    _draw(grain, depth, normal, low, pixel, camera, surfaces)
     return grain[::-1], depth[::-1], normal[::-1], (low[0], low[0] + columns * pixel, low[1], low[1] + rows * pixel)
 
 
@@ -69,7 +69,7 @@ def _surfaces(packing):
         faces.append(_part(packing, "face", "shape_faces", s) if convex else sphere.faces)
     counts = [np.array([len(part) for part in parts]) for parts in (vertices, faces)]
     starts = [np.cumsum(count) - count for count in counts]
-    return (
+    return Geometry(
         packing["position"].values,
         packing["orientation"].values,
         packing["scale"].values,
@@ -90,39 +90,22 @@ def _part(packing, name, values, shape):
 
 
 @kernel
-def _draw(
-    grain,
-    depth,
-    normal,
-    low,
-    pixel,
-    camera,
-    position,
-    orientation,
-    scale,
-    shape,
-    v_start,
-    v_count,
-    vertices,
-    f_start,
-    f_count,
-    faces,
-):
+def _draw(grain, depth, normal, low, pixel, camera, surfaces):
     """Draw the faces that look at the camera; a pixel keeps the nearest."""
-    points = np.empty((np.max(v_count), 3))
-    seen = np.empty((np.max(v_count), 3))
+    position, faces = surfaces.position, surfaces.faces
+    points = np.empty((np.max(surfaces.vertex_count), 3))
+    seen = np.empty((np.max(surfaces.vertex_count), 3))
     rows, columns = grain.shape
     for g in range(len(position)):
-        s = shape[g]
-        world_vertices(points, g, orientation, scale, v_start[s], v_count[s], vertices)
-        for i in range(v_count[s]):
+        s = surfaces.shape[g]
+        for i in range(world_vertices(points, g, surfaces)):
             for a in range(3):
                 seen[i, a] = 0.0
                 for b in range(3):
                     seen[i, a] += camera[a, b] * (points[i, b] + position[g, b])
             seen[i, 0] = (seen[i, 0] - low[0]) / pixel
             seen[i, 1] = (seen[i, 1] - low[1]) / pixel
-        for f in range(f_start[s], f_start[s] + f_count[s]):
+        for f in range(surfaces.face_start[s], surfaces.face_start[s] + surfaces.face_count[s]):
             p, q, r = seen[faces[f, 0]], seen[faces[f, 1]], seen[faces[f, 2]]
             area = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1])
             if area <= 0.0:

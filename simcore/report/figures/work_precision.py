@@ -37,7 +37,8 @@ def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=T
         raise ValueError(f"{table['method'].nunique()} methods, but only {len(STYLES)} styles tell them apart")
     unit = 1e6 if micro else 1.0
     if len(quantities) == 1 and len(cases) > MOST_COLUMNS:
-        return _panels_in_rows(table, cases, methods, unit, cost_label, error_labels, setting_label, note, name_all)
+        explained = {"setting_label": setting_label, "note": note, "name_all": name_all}
+        return _panels_in_rows(table, cases, methods, unit, cost_label, error_labels, **explained)
     figure = Figure(figsize=(1.2 + 3.7 * len(cases), 1.3 + 2.7 * len(quantities)), layout="constrained")
     grid = figure.subplots(len(quantities), len(cases), squeeze=False, sharex="col", sharey="row")
     handles = {}
@@ -56,7 +57,7 @@ def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=T
     return figure
 
 
-def _panels_in_rows(table, cases, methods, unit, cost_label, error_labels, setting_label, note, name_all):
+def _panels_in_rows(table, cases, methods, unit, cost_label, error_labels, *, setting_label, note, name_all):
     """The panels of one quantity, MOST_COLUMNS in a row."""
     rows = -(-len(cases) // MOST_COLUMNS)
     figure = Figure(figsize=(1.2 + 3.7 * MOST_COLUMNS, 1.3 + 3.1 * rows), layout="constrained")
