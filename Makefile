@@ -1,11 +1,25 @@
-# `make` sets up an environment and runs the default campaign; `make test` sets it up and runs the tests; `make verify`
-# runs every extreme case, also those that take too long for the tests.
+# `make` sets up an environment and runs the default campaign; `make check` sets it up and checks style and some tests of
+# each package within two minutes; `make test` runs the tests; `make verify` runs every extreme case, also those that
+# take too long for the tests.
 VENV ?= .venv
 PYTHON ?= python3
 CORES ?= all
 # Files of tests that run beside each other.
 WORKERS ?= 2
 PYTEST_ARGS ?=
+# Tests of `make check`: some of each package, 75 s of CPU time in all once their kernels are compiled.
+QUICK_TESTS := $(addprefix tests/,test_structure.py test_command_line.py \
+  $(addprefix grains/,test_form.py test_mesh.py test_sieve.py) \
+  $(addprefix scene/,test_specification.py test_identity.py) \
+  $(addprefix dem/,test_vectors.py forces/test_spring_dashpot.py contact/pairs/test_ellipsoids.py step/test_near_pairs.py) \
+  physics/test_contact_law.py \
+  $(addprefix packing/,test_cost.py test_file.py test_watch.py) \
+  $(addprefix evaluation/,test_slicing.py test_porosity.py) \
+  reference \
+  $(addprefix models/,test_regression.py test_formulas.py) \
+  $(addprefix campaign/,test_plan.py test_study_tables.py) \
+  $(addprefix report/,test_sections.py test_page.py) \
+  verification/test_work_precision_tables.py provenance)
 
 # Neither make nor the scripts of an environment work below a folder whose path has spaces.
 ifneq ($(words $(CURDIR)),1)
@@ -15,7 +29,7 @@ endif
 bin := $(abspath $(VENV))/bin
 installed := $(VENV)/.installed
 
-.PHONY: all environment test verify
+.PHONY: all environment check test verify
 
 # In an environment that is not activated, snakemake would find the system's python: hence PATH. Steps are compiled
 # first, so that no two packings at once compile the same.
@@ -26,6 +40,12 @@ all: environment
 	@echo "Report:  results/report.html"
 	@echo "Tables:  results/models/*.csv (models), results/tables/*.csv (studies), results/grains/"
 	@echo "Figures: results/figures/"
+
+check: environment
+	$(bin)/ruff check .
+	$(bin)/ruff format --check .
+	$(bin)/snakefmt --check Snakefile workflow
+	PATH="$(bin):$$PATH" python -m pytest -n $(WORKERS) --dist loadfile $(QUICK_TESTS)
 
 test: environment
 	PATH="$(bin):$$PATH" python -m pytest -n $(WORKERS) --dist loadfile $(PYTEST_ARGS)

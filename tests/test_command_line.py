@@ -39,7 +39,7 @@ def test_pack_then_porosity(folder, capsys):
     log = (folder / "logs" / "tiny.log").read_text()
     assert log == told.err
     for part in (
-        "40 grains born",
+        "40 grains inserted",
         "shaking",
         "damping",
         "kinetic energy",

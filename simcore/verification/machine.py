@@ -1,7 +1,7 @@
 """What the run times in tables of error against CPU time were measured on."""
 
 from simcore.compilation import source_digest
-from simcore.verification.machine import describe_host
+from simcore.provenance.machine import describe_host
 
 
 def describe_machine() -> str:

@@ -3,7 +3,7 @@
 import logging
 
 from simcore.campaign.gathering import check_gathered, finished, gather, record, rows_of, table_of, trends_of
-from simcore.verification.machine import describe_host
+from simcore.provenance.machine import describe_host
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
 p = snakemake.params

@@ -4,7 +4,7 @@ import logging
 
 from simcore.campaign.deposits import SOURCE, TABLE, deposit_rows
 from simcore.campaign.gathering import check_gathered, finished, gather, record
-from simcore.verification.machine import describe_host
+from simcore.provenance.machine import describe_host
 
 logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
 p = snakemake.params
