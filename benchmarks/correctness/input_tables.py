@@ -110,6 +110,9 @@ def confirm_porosities(said):
     evaluated = [row for row in said["predictions"] if row["n"] is not None]
     if not evaluated:
         raise Contradiction(f"sample {said['name']} was answered without a porosity")
+    for row in said["predictions"]:
+        if row["n"] is None and (not row["refused"] or row["lower"] is not None or row["upper"] is not None):
+            raise Contradiction(f"sample {said['name']}: no porosity of {row['model']}, and no reason or an interval")
     for row in evaluated:
         lower, upper = (row["n"] if row[key] is None else row[key] for key in ("lower", "upper"))
         if not (0 < lower <= row["n"] <= upper < 1) or row["refused"] or (row["by"] == "ours" and row["lower"] is None):

@@ -14,6 +14,7 @@ import collections
 import contextlib
 import io
 import random
+import re
 import resource
 import signal
 import sys
@@ -135,15 +136,16 @@ def summarise(tried):
     answered = sum(ended.status == 0 for _, ended, _ in tried)
     refused = [(given, ended) for given, ended, _ in tried if ended.status == 2]
     reasons = collections.Counter(kind_of_refusal(given, ended) for given, ended in refused)
-    lines = [
-        f"{len(tried)} inputs: {answered} answered, {len(refused)} refused, {sum(bool(t[2]) for t in tried)} failures"
-    ]
+    failures = sum(bool(wrong) for *_, wrong in tried)
+    lines = [f"{len(tried)} inputs: {answered} answered, {len(refused)} refused, {failures} failures"]
     return lines + [f"  {number:3} {reason}" for reason, number in reasons.most_common()]
 
 
 def kind_of_refusal(given, ended):
-    """The first words of a message after the place of the file."""
+    """The first words of a message without file, row and values."""
     text = ended.errors.strip().replace(str(given.path), "").split(":", 1)[-1].lstrip(" :,")
+    text = re.sub(r"^(row|line) \d+: ", "", text)
+    text = re.sub(r"'[^']*'|\[.*?\]|(?<!\w)[-+]?\d[\d.e+-]*", "...", text)
     return f"{given.arguments[0]}: {' '.join(text.split()[:4])}"
 
 
