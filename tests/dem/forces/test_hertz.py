@@ -109,9 +109,9 @@ def test_stiffer_and_faster_scenes_take_shorter_steps():
 def test_a_pinched_grain_sets_the_least_steps_and_fewer_are_refused():
     made = scene()
     law = linear_law(compose(made).law, made.hertzian.least_mass, made.hertzian.least_mass, made.hertzian.deepest)
-    assert made.continuous_law == law
+    assert compose(made).continuous_law == law
     needed = made.numerics.contact_time / longest_stable_step(law, False)
-    assert made.least_steps == needed
+    assert compose(made).least_steps == needed
     # Jury's conditions for two contacts, verification.md 1.2 with twice the matrix
     h = made.numerics.contact_time / needed
     assert 2.0 * (h**2 * law.stiffness + 2.0 * h * law.damping) == pytest.approx(4.0, rel=1e-9)
@@ -172,9 +172,9 @@ def test_the_watch_samples_the_stiffness_there_is(deposit):
     """Far less than if all contacts were as firm as the deepest expected one."""
     running, _ = deposit
     made = running.scene
-    load = contact_load(made.continuous_law, running.dt, False)
+    load = contact_load(compose(made).continuous_law, running.dt, False)
     width = running.stepper.box.width
-    found = stiffest_body(running.bodies, running.near, width, load, firmness=made.firmness)
+    found = stiffest_body(running.bodies, running.near, width, load, firmness=compose(made).firmness)
     alike = stiffest_body(running.bodies, running.near, width, load)
     assert 0.0 < found.load < alike.load
     # Half of the firmness of springs and dashpots is half of the load, but for what slides.
@@ -187,7 +187,14 @@ def test_the_watch_samples_the_stiffness_there_is(deposit):
     assert half.body == whole.body
     time = made.numerics.contact_time
     steps = body_steps(
-        running.bodies, running.near, width, made.continuous_law, False, found.body, firmness=made.firmness, time=time
+        running.bodies,
+        running.near,
+        width,
+        compose(made).continuous_law,
+        False,
+        found.body,
+        firmness=compose(made).firmness,
+        time=time,
     )
     assert 0.0 < steps < made.numerics.steps_per_contact_time
     assert running.state.watch.needed > 0.0 and running.state.watch.stiffest >= 0
