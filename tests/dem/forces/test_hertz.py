@@ -116,7 +116,7 @@ def test_a_pinched_grain_sets_the_least_steps_and_fewer_are_refused():
     h = made.numerics.contact_time / needed
     assert 2.0 * (h**2 * law.stiffness + 2.0 * h * law.damping) == pytest.approx(4.0, rel=1e-9)
     with pytest.raises(ValueError, match=rf"at least {needed:.2f} steps are needed"):
-        set_up_few(material=HERTZ, numerics={"steps_per_contact_time": 0.99 * needed})
+        compose(set_up_few(material=HERTZ, numerics={"steps_per_contact_time": 0.99 * needed}).scene)
 
 
 def test_a_bed_is_expected_to_need_what_its_weight_calls_for():
@@ -171,10 +171,11 @@ def test_its_contacts_remember_nothing_and_push_within_coulombs_limit(deposit):
 def test_the_watch_samples_the_stiffness_there_is(deposit):
     """Far less than if all contacts were as firm as the deepest expected one."""
     running, _ = deposit
-    made = running.scene
-    load = contact_load(compose(made).continuous_law, running.dt, False)
+    made, composition = running.scene, compose(running.scene)
+    law, firmness = composition.continuous_law, composition.firmness
+    load = contact_load(law, running.dt, False)
     width = running.stepper.box.width
-    found = stiffest_body(running.bodies, running.near, width, load, firmness=compose(made).firmness)
+    found = stiffest_body(running.bodies, running.near, width, load, firmness=firmness)
     alike = stiffest_body(running.bodies, running.near, width, load)
     assert 0.0 < found.load < alike.load
     # Half of the firmness of springs and dashpots is half of the load, but for what slides.
@@ -190,10 +191,10 @@ def test_the_watch_samples_the_stiffness_there_is(deposit):
         running.bodies,
         running.near,
         width,
-        compose(made).continuous_law,
+        law,
         False,
         found.body,
-        firmness=compose(made).firmness,
+        firmness=firmness,
         time=time,
     )
     assert 0.0 < steps < made.numerics.steps_per_contact_time

@@ -60,7 +60,7 @@ def test_thin_grains_lie_on_each_other(extreme, form):
         made, edges, np.column_stack([0 * height, 0 * height, height]), orientation=turn, bases=[extreme.box()]
     )
     extreme.run(pile, 0.1, damped=True)
-    mass, stiffness = pile.bodies.mass[0], made.law.stiffness
+    mass, stiffness = pile.bodies.mass[0], compose(made).law.stiffness
     found = [extreme.overlap(pile, k, k + 1) for k in range(n - 1)]
     np.testing.assert_allclose(found, [2 * GRAVITY / (0.5 * stiffness), GRAVITY / (0.5 * stiffness)], rtol=0.02)
     assert extreme.floor_force(pile) == pytest.approx(n * mass * GRAVITY, rel=1e-3)
@@ -106,7 +106,7 @@ def test_a_ball_of_5000_faces_is_a_sphere_to_its_contacts(extreme):
     made = setting(extreme, "hull")
     pair = extreme.place(made, size, [[0, 0, size], [0, 0, 3.0 * size]], bases=[ball(extreme)])
     extreme.run(pair, 0.02, damped=True)
-    gives = GRAVITY / made.law.stiffness
+    gives = GRAVITY / compose(made).law.stiffness
     low, high = pair.bodies.position[:, 2]
     assert size * (1.0 - 0.0032) - 3 * gives < low < size
     assert size * (2.0 - 0.0064) - 3 * gives < high - low < 2.0 * size
@@ -193,7 +193,7 @@ def test_a_sphere_set_down_spinning_ends_rolling(extreme, rate):
     """Angular momentum about the contact is kept: u = 2/7 R ω, up to 160 turns a second."""
     radius, contact_time = 3e-3, 1e-4
     made = extreme.scene(numerics={"contact_time": contact_time}, material={"friction": 0.5})
-    sunk = GRAVITY / made.law.stiffness
+    sunk = GRAVITY / compose(made).law.stiffness
     ball = extreme.place(made, radius, [0, 0, radius - sunk], spin=[0, rate, 0])
     ends = 2.0 / 7.0 * radius * rate / (0.5 * GRAVITY)
     extreme.run(ball, 1.2 * ends)

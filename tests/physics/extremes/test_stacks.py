@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from simcore.dem.from_scene import compose
+
 GRAVITY = 9.81
 EDGE = 0.01
 CONTACT_TIME = 1e-3
@@ -38,7 +40,7 @@ def check_it_stands(extreme, stack, start, compliance):
 
 def gives(made, weights):
     """Twice what contacts that carry `weights` [equal grains] one over the other give together [m]."""
-    return 2.0 * sum(weights) * GRAVITY / (0.5 * made.law.stiffness)
+    return 2.0 * sum(weights) * GRAVITY / (0.5 * compose(made).law.stiffness)
 
 
 @pytest.mark.parametrize("n", [2, 12])
