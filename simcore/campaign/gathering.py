@@ -16,6 +16,7 @@ import xarray as xr
 from simcore.campaign.cost_table import study_hours
 from simcore.campaign.study_tables import tabulate
 from simcore.campaign.trend_tables import tabulate_trends
+from simcore.reference.columns import COMMITTED_NAMES
 from simcore.scene.identity import result_digest, same_result
 
 log = logging.getLogger(__name__)
@@ -43,16 +44,6 @@ ORDER = {
 LEDGER = ["study", "source", "packing", "settings", "cpu_s", "grain_steps", "code"]
 # Studies whose name begins so go into one table; any other study has its own.
 TABLES = {"single_form": "single_form", "equivalent_ellipsoids": "single_form", "form_mixtures": "form_mixture"}
-NAMES = {
-    "kind": "representation",
-    "n_std_error": "n_error",
-    "mean_FL": "mu_FL_nominal",
-    "std_FL": "sigma_FL_nominal",
-    "mean_EL": "mu_EL_nominal",
-    "std_EL": "sigma_EL_nominal",
-    "EQ": "mu_EQ",
-    "EL": "mu_EL",
-}
 DECIMALS = {"n": 6, "n_error": 6, "cpu_s": 1} | dict.fromkeys("LIS", 7)
 DECIMALS |= dict.fromkeys(["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"], 6)
 
@@ -123,11 +114,11 @@ def rows_of(study, rows, evaluations, source):
     """
     table = tabulate(study, rows, evaluations).assign(source=source)
     table = table.drop(columns=[name for name in ("mu_EQ", "mu_EL") if name in table])
-    table = table.rename(columns=NAMES).assign(run=table["seed"])
+    table = table.rename(columns=COMMITTED_NAMES).assign(run=table["seed"])
     name = table_of(study)
     if name not in COLUMNS:
         varied = [column for column in rows[0]["varied"] if column not in ("seed", "case")]
-        varied = [NAMES.get(column, column) for column in varied]
+        varied = [COMMITTED_NAMES.get(column, column) for column in varied]
         return table[["case", *dict.fromkeys(varied), *(["grain"] if "grain" in table else []), "seed", *RESULT]]
     return table[_order(name)]
 

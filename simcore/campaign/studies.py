@@ -8,27 +8,11 @@ import pandas as pd
 import yaml
 
 from simcore.grains.sources import check_source, needs_grains, set_name
+from simcore.reference.columns import COLUMN_OF_KEY
 from simcore.scene.identity import deciding_but_seed
 from simcore.scene.sizes import check_top_class
 from simcore.scene.specification import express, read_schema, resolve, with_presets
 from simcore.scene.unused import given_keys, is_shared, needed_settings, why_unused
-
-# Columns of what a study varies, with their units; others have the last part of their key as their name.
-_COLUMNS = {
-    "sizes.case": "case",
-    "domain.width": "width_m",
-    "domain.height": "height_m",
-    "amount.mass": "mass_kg",
-    "amount.grains": "grains_asked",
-    "shaking.duration": "shaking_s",
-    "shapes.kind": "shape_kind",
-    "shapes.flatness.mean": "mean_FL",
-    "shapes.flatness.std": "std_FL",
-    "shapes.elongation.mean": "mean_EL",
-    "shapes.elongation.std": "std_EL",
-    "numerics.contact_time": "contact_time_s",
-    "grains.source": "grain_source",
-}
 
 
 def expand(config):
@@ -242,7 +226,8 @@ def _with_grain_set(spec, path):
 
 
 def _column(key):
-    return _COLUMNS.get(key, key.split(".")[-1])
+    """Name of the column of a key that a study varies: its own one, or the last part of the key."""
+    return COLUMN_OF_KEY.get(key, key.split(".")[-1])
 
 
 def _put(raw, path, value, where):

@@ -5,15 +5,9 @@ import json
 import numpy as np
 import pandas as pd
 
+from simcore.reference.columns import FORM
+
 STATISTICS_ASKED_FOR = ("mean_FL", "mean_EL")  # of a mixture, before grains were drawn
-FORM = {
-    "FL": "mu_FL",
-    "EL": "mu_EL",
-    "EQ": "mu_EQ",
-    "sigma_FL": "sigma_FL",
-    "sigma_EL": "sigma_EL",
-    "sigma_EQ": "sigma_EQ",
-}
 
 
 def tabulate(study, rows, evaluations):

@@ -2,14 +2,9 @@
 
 import pandas as pd
 
-# The table of a study has the means over the grains under these names; the committed rows have what was asked for.
-_MEANS_OF_A_STUDY = {"EQ": "mu_EQ", "EL": "mu_EL"}
+from simcore.reference.columns import FORM, study_names
+
 _STATISTICS = ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]
-_NOMINAL = {
-    f"{kind}_{feature}_nominal": f"{word}_{feature}"
-    for feature in ("FL", "EL")
-    for kind, word in (("mu", "mean"), ("sigma", "std"))
-}
 
 
 def read_single_forms(path):
@@ -37,9 +32,10 @@ def read_mixtures(path):
     """
     table = pd.read_csv(path)
     if "mu_EQ" not in table:
-        table = table.rename(columns=_MEANS_OF_A_STUDY)
-    table = table.rename(columns=_NOMINAL)
-    sample = table[list(_NOMINAL.values())].astype(str).agg(" ".join, axis=1)
+        table = table.rename(columns={name: FORM[name] for name in ("EQ", "EL")})
+    asked_for = ["mean_FL", "std_FL", "mean_EL", "std_EL"]
+    table = table.rename(columns=study_names(*asked_for))
+    sample = table[asked_for].astype(str).agg(" ".join, axis=1)
     return table.assign(sample=sample)[["case", "sample", "n", "mean_FL", "mean_EL", *_STATISTICS]]
 
 

@@ -9,8 +9,7 @@ import numpy as np
 import pandas as pd
 
 from simcore.campaign.biases import measured_biases
-from simcore.campaign.gathering import NAMES
-from simcore.campaign.study_tables import FORM, summarise
+from simcore.campaign.study_tables import summarise
 from simcore.campaign.trend_tables import summarise_trends
 from simcore.grains.form import features as form_features
 from simcore.grains.sieve import read_cases
@@ -21,6 +20,7 @@ from simcore.models.single_form import single_form_models
 from simcore.models.tables import compare_predictions
 from simcore.models.unified import STATISTICS, UNIFIED, unified_features, unified_models
 from simcore.paths import CONFIG
+from simcore.reference.columns import ASKED_FOR, FORM, study_names
 from simcore.reference.r22_tables import add_reference, read_study_table
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.report.figures.studies import porosities_figure, trends_figure
@@ -38,11 +38,8 @@ PLAIN_STUDIES = (
     "near_spheres",
     "application",
 )
-# Of a mixture what was asked for, and what the diagram of its statistics calls that.
-NOMINAL = {"mean_FL": "mu_FL", "mean_EL": "mu_EL", "std_FL": "sigma_FL", "std_EL": "sigma_EL"}
 EARLIER = "These rows are of settings that the campaign had before; what their bias is, is not told here."
 _RESULT = ("n", "n_std_error", "grains", "cpu_s")
-_OF_A_PACKING = {name: ours for ours, name in NAMES.items()}
 
 
 def findings(folder, seed=0, folds=FOLDS, studies=None):
@@ -104,7 +101,7 @@ def read_rows(path):
     Cases are in the order of config/cases.tsv, others behind.
     """
     table = pd.read_csv(path)
-    table = table.rename(columns={**_OF_A_PACKING, "run": "seed"})
+    table = table.rename(columns={**study_names(), "run": "seed"})
     place = {case: i for i, case in enumerate(read_cases(CONFIG / "cases.tsv"))}
     table = table.sort_values("case", key=lambda case: case.map(place), kind="stable", ignore_index=True)
     if "L" in table:
@@ -212,7 +209,7 @@ def _mixtures(packings, seed, folds):
     )
     tables = {("form_mixture" if name == "models" else f"form_mixture_{name}"): part for name, part in fitted.items()}
     figures = {}
-    means = add_reference(summarise(packings, list(NOMINAL)), "form_mixtures")
+    means = add_reference(summarise(packings, list(ASKED_FOR)), "form_mixtures")
     tables["form_mixture_porosities"] = means
     if models:
         compared = pd.concat([means[["case", "n", "n_std_error", "study_n"]], _statistics(means)], axis=1)
@@ -221,7 +218,7 @@ def _mixtures(packings, seed, folds):
         means["model_n"] = predictions["predicted"]
         means["model_difference"] = means["model_n"] - means["study_n"]
         figures["form_mixture_prediction"] = prediction_figure(predictions, list(models.values()))
-    asked_for = means.drop(columns=list(NOMINAL.values()), errors="ignore").rename(columns=NOMINAL)
+    asked_for = means.drop(columns=list(ASKED_FOR.values()), errors="ignore").rename(columns=ASKED_FOR)
     figures["form_mixture_sets"] = form_sets_figure(asked_for)
     return Findings(tables, figures, models)
 
@@ -235,7 +232,7 @@ def _unified(forms, mixtures, seed, folds):
 
 def _samples(packings):
     """Mixtures as the models take them; packings that differ in their seed alone are of one sample."""
-    sample = packings[list(NOMINAL)].astype(str).agg(" ".join, axis=1)
+    sample = packings[list(ASKED_FOR)].astype(str).agg(" ".join, axis=1)
     beds = packings[["case", "n", "mean_FL", "mean_EL"]].assign(sample=sample)
     return pd.concat([beds, _statistics(packings)], axis=1)
 

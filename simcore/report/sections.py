@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from simcore.campaign.study_tables import FORM
 from simcore.models.formulas import BEDS, formulas
+from simcore.reference.columns import FORM
 from simcore.report.page import bullets, page, paragraph, picture, rows_table, table
 
 TITLE = "Scree: porosity from the form of grains"

@@ -11,6 +11,7 @@ from simcore.evaluation.evaluate import evaluate
 from simcore.grains.statistics import mixture_features
 from simcore.models.shape_kinds import pair_shape_kinds
 from simcore.models.tables import compare_predictions
+from simcore.reference.columns import COLUMNS
 
 
 class Line:
@@ -35,6 +36,7 @@ def evaluation(packings):
 
 def test_a_row_holds_the_setting_the_form_and_the_result(evaluation):
     table = tabulate("s", [{"packing": "p", "varied": {"shaking_s": 1.0}}], [evaluation])
+    assert set(table) <= {column.name for column in COLUMNS}
     row = table.iloc[0]
     assert (row.study, row.packing, row.case, row.grain, row.seed, row.grains) == ("s", "p", "U1", "G01", 7, 300)
     assert (row.FL, row.sigma_EQ) == pytest.approx((1.0, 0.0))
