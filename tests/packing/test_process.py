@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 
+from simcore.dem.from_scene import compose
 from simcore.packing.packed import GENERATING, PackingError
 from simcore.packing.process import Process, pack
 from simcore.scene.domain import lattice_sites
@@ -225,7 +226,7 @@ def test_a_bed_that_lies_too_high_is_not_waited_for():
 
 def test_an_unstable_time_step_is_refused():
     with pytest.raises(ValueError, match=r"numerics.steps_per_contact_time: 5.5 is unstable .* at least 5.89 steps"):
-        set_up_few(numerics={"steps_per_contact_time": 5.5})
+        compose(set_up_few(numerics={"steps_per_contact_time": 5.5}).scene)
 
 
 def test_grains_that_float_are_refused():
