@@ -55,7 +55,10 @@ def test_a_cylinder_narrower_than_two_grains_is_filled(ratio):
     packed = pack(made.scene, made.bases, made.draw)
     position = packed.bodies.position
     assert len(position) == 12
-    assert np.hypot(*position[:, :2].T).max() < 3.5e-3 * (ratio - 1.0) + 1e-5
+    # Friction wedges grains between the walls, so that they keep some of what they were pressed by in their fall.
+    pressed = packed.walls.overlap[packed.walls.touching > 0].max()
+    assert pressed < 0.02 * 3.5e-3
+    assert np.hypot(*position[:, :2].T).max() < 3.5e-3 * (ratio - 1.0) + pressed + 1e-6  # sizes are up to 7.001 mm
     # Neighbours up the column touch: their rise follows from the width where they lean on opposite sides.
     rise = np.diff(np.sort(position[:, 2]))
     across = 7e-3 * (ratio - 1.0)
