@@ -1,5 +1,6 @@
 """The bed predicted before a run: its height, what of it is evaluated, its sampling error, and what is refused."""
 
+import dataclasses
 from dataclasses import replace
 
 import numpy as np
@@ -244,12 +245,10 @@ def test_what_hulls_add_is_told_and_warned_of():
     lines = "\n".join(grain_lines(setup, draw_packing(setup)))
     assert "convex hull" in lines
 
-    class Concave:
-        name, hull_ratio = "cross", 1.7
-
-    concave = setup._replace(grains=(Concave(),))
+    cross = dataclasses.replace(cube, name="cross", hull_ratio=1.7)
+    concave = setup._replace(grains=(cross,), notes=tuple(grain_warnings([cross])))
     (text,) = [text for text in setup_warnings(concave, low_bed=False) if "concave" in text]
-    assert "1 of 1 grains" in text and "1.70 times (cross)" in text
+    assert "1 of 1 grains" in text and "cross 1.70" in text
     assert "adds 70.0 %" in "\n".join(grain_lines(concave, draw_packing(concave)))
 
 
