@@ -16,6 +16,7 @@ from simcore.evaluation.evaluate import evaluate
 from simcore.evaluation.porosity import bulk_porosity
 from simcore.grains.mesh import make_grain
 from simcore.grains.sieve import class_fractions, read_cases
+from simcore.grains.sources import grain_warnings
 from simcore.packing.file import read_packing
 from simcore.packing.forecast import (
     ERROR_FACTOR,
