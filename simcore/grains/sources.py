@@ -122,7 +122,7 @@ def size_note(grains, sizes):
 def left_out_files(group):
     """`name: reason` of each file that was left out of the folders behind the resolved group `grains`."""
     files = source_files(group)
-    if not files:
+    if not all(Path(path).exists() for path in files) or not files:  # grains of other origin stand for them
         return []
     if Path(files[0]).suffix == ".nc":
         return (read_attribute(files[0], "left_out") or "").splitlines()
