@@ -21,7 +21,7 @@ studies:
       domain: {width: 24 mm, height: 0.3 m}
       amount: {grains: 90}
       sizes: {beta: {radius: 3 mm, spread: 0}}
-      shapes: {kind: sphere, choice: ratios, eta: 1.0, zeta: 1.0}
+      shapes: {kind: ellipsoid, choice: ratios, eta: 1.0, zeta: 1.0}
       material:
         {law: hertz, youngs_modulus: 5 MPa, end_of_contact: clamped, restitution: 0.3, friction_law: dynamic}
       generation: {placement: random, orientation: random, drop_height: 5 mm, velocity_z: -2 m/s, batch_grains: 30}
@@ -68,7 +68,7 @@ def test_committed_rows_become_tables_and_figures_without_a_packing(workplace, t
 
 @pytest.fixture(scope="session")
 def deposited(tmp_path_factory):
-    """A workplace in which a tiny campaign of deposits has run; the spheres are said to be of different forms."""
+    """A workplace in which a tiny campaign of deposits has run."""
     from .conftest import Workplace
 
     workplace = Workplace(tmp_path_factory.mktemp("deposits"))
