@@ -96,25 +96,25 @@ def pack(checkout: Path, name: str, output: Path) -> None:
 
 def differing(first: Path, second: Path) -> tuple[list[str], list[str]]:
     """(differences, names that only one file has) of two packings, arrays to the bit."""
-    told, alone = [], []
+    differences, only_in_one = [], []
     with xr.open_dataset(first) as a, xr.open_dataset(second) as b:
         for name in sorted({*a.variables, *b.variables}, key=str):
             if name not in a.variables or name not in b.variables:
-                alone.append(str(name))
+                only_in_one.append(str(name))
                 continue
             x, y = a[name].values, b[name].values
             if x.shape != y.shape or x.dtype != y.dtype:
-                told.append(f"{name}: {x.dtype} {x.shape} and {y.dtype} {y.shape}")
+                differences.append(f"{name}: {x.dtype} {x.shape} and {y.dtype} {y.shape}")
             elif x.dtype.kind in "OU":
-                told += [str(name)] if list(x.ravel()) != list(y.ravel()) else []
+                differences += [str(name)] if list(x.ravel()) != list(y.ravel()) else []
             elif x.tobytes() != y.tobytes():
-                told.append(f"{name}: {np.sum(x != y)} of {x.size} numbers differ")
+                differences.append(f"{name}: {np.sum(x != y)} of {x.size} numbers differ")
         for name in sorted({*a.attrs, *b.attrs} - set(NAMES_THE_CODE)):
             if name not in a.attrs or name not in b.attrs:
-                alone.append(f"attribute {name}")
+                only_in_one.append(f"attribute {name}")
             elif not np.array_equal(a.attrs[name], b.attrs[name]):
-                told.append(f"attribute {name}: {a.attrs[name]} and {b.attrs[name]}")
-    return told, alone
+                differences.append(f"attribute {name}: {a.attrs[name]} and {b.attrs[name]}")
+    return differences, only_in_one
 
 
 def main(arguments=None) -> int:
@@ -132,14 +132,14 @@ def main(arguments=None) -> int:
         for which, checkout in (("before", options.before.resolve()), ("after", ROOT)):
             if not paths[which].exists():
                 pack(checkout, name, paths[which])
-        told, alone = differing(*paths.values())
+        differences, only_in_one = differing(*paths.values())
         with xr.open_dataset(paths["after"]) as packing:
             size = (
                 f"{packing.sizes['grain']} grains, {packing.attrs['steps']} steps, {packing.sizes['contact']} contacts"
             )
-        note = f"; in one of them only: {', '.join(alone)}" if alone else ""
-        print(f"{name}: {size}: {'; '.join(told) if told else 'equal to the bit'}{note}", flush=True)
-        failed += bool(told)
+        note = f"; in one of them only: {', '.join(only_in_one)}" if only_in_one else ""
+        print(f"{name}: {size}: {'; '.join(differences) if differences else 'equal to the bit'}{note}", flush=True)
+        failed += bool(differences)
     return int(failed > 0)
 
 

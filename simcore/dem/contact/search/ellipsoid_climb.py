@@ -54,13 +54,6 @@ def gap_along(m, pair, normal):
 
 
 @leaf
-def tangents(nx, ny, nz):
-    """Two unit vectors that complete n to a right-handed frame, as six numbers (`basis` returns vectors)."""
-    p, q = basis(Vec(nx, ny, nz))
-    return p.x, p.y, p.z, q.x, q.y, q.z
-
-
-@leaf
 def curvatures(m, i, p, q, point, height):
     """Second derivatives of h of ellipsoid i along the tangents p and q at n: (pp, qq, pq).
 

@@ -123,9 +123,3 @@ def support_afar(shapes, f, normal):
     d = negative(direction_b(f, normal))
     b = climb_from_hint(shapes, f.shape_b, d.x, d.y, d.z)
     return Support(a, b, difference(shapes, f, a, b))
-
-
-@leaf
-def facet_of(vertices):
-    """The facet of the three pairs of vertices in an array (n, 2)."""
-    return Facet(vertices[0, 0], vertices[1, 0], vertices[2, 0], vertices[0, 1], vertices[1, 1], vertices[2, 1])
