@@ -38,7 +38,7 @@ PLAIN_STUDIES = (
     "near_spheres",
     "application",
 )
-EARLIER = "These rows are of settings that the campaign had before; what their bias is, is not told here."
+EARLIER = "These rows are of settings that the campaign had before; this page does not give their bias."
 _RESULT = ("n", "n_std_error", "grains", "cpu_s")
 
 

@@ -12,10 +12,10 @@ TITLE = "Scree: porosity from the form of grains"
 LEAD = (
     "How porous is a bed of gravel, given the form of its grains? Beds were packed by the discrete element method: "
     "grains fall into a box, are shaken, and come to rest. This page has the models of porosity fitted to them, "
-    "what each study cost, {grains}and each study. Porosity n is the share of voids, from 0 to 1; form is told "
+    "what each study cost, {grains}and each study. Porosity n is the share of voids, from 0 to 1; form is described "
     "by the axes L, I, S of a grain: flatness FL = S/I, elongation EL = I/L, equancy EQ = S/L, of which X_inv is "
-    "1/X, mu and sigma mean and standard deviation over the grains. Columns that begin with study_ are the source "
-    "study's (Rettinger, Rüde, Vollmer, Frings 2022)."
+    "1/X, mu and sigma mean and standard deviation over the grains. Columns that begin with study_ hold "
+    "the values of Rettinger, Rüde, Vollmer and Frings (2022)."
 )
 STUDIES = (
     "n: bulk porosity by volume-equivalent spheres, as in the study; n_exact: by slicing the grains themselves. "

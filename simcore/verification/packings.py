@@ -28,7 +28,7 @@ def porosity_errors(packings: pd.DataFrame, varied: list[str]) -> pd.DataFrame:
     for setting in order:
         runs = table[table.setting == setting].set_index("seed")
         if len(runs) < 2:
-            raise ValueError(f"study {table.study.iloc[0]}: {setting} has one seed, and no error can be told from it")
+            raise ValueError(f"study {table.study.iloc[0]}: {setting} has one seed; give two or more for an error")
         difference, error = compare(runs.n, reference.n)
         rows.append(
             {
