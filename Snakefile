@@ -1,5 +1,5 @@
 # Scree: from grains to a model of porosity. This file is the table of contents.
-#   config/      the science: what is packed (config.yaml, work_precision.yaml; overlays smoke.yaml, paper.yaml,
+#   config/      the science: what is packed (config.yaml, work_precision.yaml; overlays smoke.yaml, r22.yaml,
 #                deposits.yaml and others)
 #   profiles/    the machine: how it is run
 #   workflow/    the rules, and a script for each

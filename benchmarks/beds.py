@@ -25,7 +25,7 @@ from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
 FORMAT = 1  # of the file; a bed of another one is not read
-SHAPES = {"sphere": "sphere", "ellipsoid": "ellipsoid", "polyhedron": "mesh"}
+SHAPES = {"sphere": "sphere", "ellipsoid": "ellipsoid", "polyhedron": "polyhedron"}
 SPHERE_DIAMETER = 6.7e-3  # [m], the geometric middle of U1
 # Volume over π/6 D³ of the default ellipsoid; the synthetic pebbles' is like it. The box's width needs no more.
 FILLING = {"sphere": 1.0, "ellipsoid": 1.45, "polyhedron": 1.45}

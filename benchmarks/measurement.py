@@ -99,7 +99,7 @@ def solid_fraction(setup, process, specification):
     """
     process.evaluate()
     packed = Packed(
-        process.bodies, process.near, process.checks[-1][2], process.step, process.step * process.dt, 0.0, []
+        process.bodies, process.candidates, process.checks[-1][2], process.step, process.step * process.dt, 0.0, []
     )
     sample = setup.sample(range(len(process.bodies.mass)))
     packing = packing_dataset(

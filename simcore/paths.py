@@ -7,7 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 CONFIG = ROOT / "config"  # schemas, presets, sieve curves
 REFERENCE = ROOT / "results" / "reference"  # committed rows
-R22_TABLES = REFERENCE / "study"  # the tables of Rettinger et al. (2022)
+R22_TABLES = REFERENCE / "r22"  # the tables of Rettinger et al. (2022)
 
 
 def find_this_python_first() -> None:

@@ -22,6 +22,7 @@ import yaml
 from simcore.campaign.studies import merge
 from simcore.packing.file import RUN_ATTRIBUTES
 from simcore.paths import ROOT
+from simcore.scene.identity import with_former_names
 
 EXAMPLES = ("spheres", "ellipsoids", "polyhedra", "mixture", "cylinder", "deposit")
 # The draw of a curve whose classes have unequal ratios has been corrected since: the example's cylinder with U3's.
@@ -60,10 +61,10 @@ FURTHER = {
     },
     "cylinder_patches": {
         "domain": {"type": "cylinder", "width": "36 mm"},
-        "numerics": {"contact_region": "patch"},
+        "numerics": {"polyhedron_contact": "patch"},
     },
     "implicit_dashpot": {
-        "numerics": {"contact_region": "patch", "dashpot": "implicit", "steps_per_contact_time": 14},
+        "numerics": {"polyhedron_contact": "patch", "dashpot": "implicit", "steps_per_contact_time": 14},
     },
     "two_ranks": {"shapes": {"kind": "sphere"}, "domain": {"width": "45 mm"}, "amount": {"grains": 120}},
 }
@@ -84,7 +85,10 @@ def specification(name) -> dict:
 def pack(checkout: Path, name: str, output: Path) -> None:
     """Pack a scene with the code of a checkout; RuntimeError with its last lines where that fails."""
     source = output.with_suffix(".yaml")
-    source.write_text(yaml.safe_dump(specification(name)), encoding="utf-8")
+    scene = specification(name)
+    if "polyhedron_contact" not in (checkout / "config" / "packing.schema.yaml").read_text(encoding="utf-8"):
+        scene = with_former_names(scene)
+    source.write_text(yaml.safe_dump(scene), encoding="utf-8")
     command = [sys.executable, "-m", "simcore", "launch", str(source), str(output), "--ranks", str(RANKS.get(name, 1))]
     environment = {**os.environ, "PYTHONPATH": str(checkout)}
     usage = subprocess.run([*command[:4], "--help"], cwd=checkout, env=environment, capture_output=True, text=True)

@@ -56,7 +56,7 @@ SCENES = {
         "numerics": {"ellipsoid_contact": "potential"},
         "material": {"friction_law": "preloaded"},
     },
-    "polyhedra": {"shapes": {"kind": "mesh"}},
+    "polyhedra": {"shapes": {"kind": "polyhedron"}},
     "mixed": {"shapes": {"kind": "mixed", "ellipsoid_share": 0.5}},
     "deposit": {
         "shapes": {"kind": "sphere"},
@@ -71,7 +71,7 @@ LARGE_SCENES = {
     **SCENES,
     "spheres": {"shapes": {"kind": "sphere"}, "amount": {"grains": 4000}},
     "ellipsoids_cylinder": {"shapes": {"kind": "ellipsoid"}, "domain": {"type": "cylinder"}, "amount": {"grains": 700}},
-    "polyhedra_cylinder": {"shapes": {"kind": "mesh"}, "domain": {"type": "cylinder"}, "amount": {"grains": 700}},
+    "polyhedra_cylinder": {"shapes": {"kind": "polyhedron"}, "domain": {"type": "cylinder"}, "amount": {"grains": 700}},
 }
 
 

@@ -192,11 +192,11 @@ def _draw_base(rng):
             {"kind": "ellipsoid", "choice": "form_distribution", "flatness": _normal(rng), "elongation": _normal(rng)},
             {"kind": "ellipsoid", "choice": "ratios", "eta": round(rng.uniform(1, 2), 2), "zeta": 1.3},
             {"kind": "ellipsoid"},
-            {"kind": "mesh", "choice": "form_distribution", "flatness": _normal(rng), "elongation": _normal(rng)},
+            {"kind": "polyhedron", "choice": "form_distribution", "flatness": _normal(rng), "elongation": _normal(rng)},
             {},
         ]
     )
-    if asked["shapes"].get("kind", "mesh") == "mesh":
+    if asked["shapes"].get("kind", "polyhedron") == "polyhedron":
         asked |= {"grains": {"number": 21}, "faces": rng.choice([50, 100])}
     if rng.random() < 0.3:
         asked["material"] = {"density": rng.choice(["2650 kg/m3", "2.4 g/cm3", "3100 kg/m3"])}

@@ -27,7 +27,7 @@ FEATURES = (
     ("no friction, no history, contacts as with it", {"material": {"friction": 0.0}}, False),
     ("no shaking", {"shaking": {"amplitude": "0 m"}}, False),
     ("clamped end of contact", {"material": {"end_of_contact": "clamped"}}, False),
-    ("deepest point, no patch", {"numerics": {"contact_region": "point"}}, False),
+    ("deepest point, no patch", {"numerics": {"polyhedron_contact": "point"}}, False),
     ("cylinder", {"domain": {"type": "cylinder"}}, True),
     ("two sizes 1:2.8 by half their mass", {"sizes": TWO_SIZES}, True),
 )
@@ -134,7 +134,7 @@ def levels(options):
     from simcore.campaign.studies import merge
     from simcore.compilation import source_digest
     from simcore.dem.state.contacts import Box
-    from simcore.dem.step.near_pairs import _search, _sort_into_cells, _spheres, find_pairs
+    from simcore.dem.step.candidate_pairs import _search, _sort_into_cells, _spheres, find_pairs
     from simcore.packing.neighbour_lists import SKIN
 
     few = {"allow_few_top_grains": True} if options.shape == "sphere" else {}

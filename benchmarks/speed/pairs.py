@@ -22,7 +22,7 @@ from simcore.dem.shapes.hulls import POLYHEDRON, Base, collect_shapes
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import list_near
+from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.grains.mesh import make_grain
 
 SEMI_AXES = np.array([1.0, 0.75, 0.5])  # [m]: tolerances are relative to the pair's size, here and there
@@ -104,7 +104,7 @@ def measure(bases, rotation, position):
         for pose in range(2)
     ]
     features = Features(kind=POLYHEDRON, friction=False, periodic=False)
-    contacts = list_near(poses[0], shapes, Box(0.0), 0.01, features).contacts
+    contacts = list_candidates(poses[0], shapes, Box(0.0), 0.01, features).contacts
     if not (len(contacts.body_a) == n and (contacts.body_a == 2 * np.arange(n)).all()):
         raise RuntimeError("the neighbour list is not that of the pairs")
     result = {}

@@ -171,7 +171,7 @@ def _kept(process, keeper):
     seconds = time.perf_counter() - began
     keeper.close()
     digest = hashlib.sha256()
-    parts = list(process.ranks.parts(process.bodies, process.near))
+    parts = list(process.ranks.parts(process.bodies, process.candidates))
     if process.ranks.rank == 0:
         bodies, near = assemble(parts, np.arange(process.state.inserted))
         for array in take_part(bodies, near, bodies.own).values():

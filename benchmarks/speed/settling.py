@@ -66,7 +66,7 @@ def prepared(options, seed, accuracy, change):
         "seed": seed,
         "accuracy": accuracy,
         "domain": {"type": "cylinder", "width": options.width, "height": "0.6 m"},
-        "shapes": {"kind": "mesh", "choice": "random"},
+        "shapes": {"kind": "polyhedron", "choice": "random"},
         "sizes": {"case": "U1"},
         "amount": {"grains": options.grains},
         "numerics": {"progress_interval": "30 s"},
@@ -95,14 +95,14 @@ def ours(options, seed, accuracy, change):
 
 
 def theirs(options, seed):
-    """MuJoCo's bed of the grains of `paper`, evaluated by ours."""
+    """MuJoCo's bed of the grains of `r22`, evaluated by ours."""
     import numpy as np
 
     from benchmarks.beds import Bed, export_bed, start
     from simcore.packing.packed import Packed
     from simcore.scene.domain import lattice_sites
 
-    setup, specification = prepared(options, seed, "paper", {})
+    setup, specification = prepared(options, seed, "r22", {})
     drawn = setup.draw(np.arange(options.grains))
     spacing = setup.scene.generation.spacing
     sites = lattice_sites(setup.scene.domain, spacing, spacing, 100.0 * setup.scene.domain.height)[: options.grains]
@@ -124,8 +124,8 @@ def theirs(options, seed):
     process.evaluate()
     from simcore.packing.observation import observe
 
-    seen = observe(process.bodies, process.near)
-    packed = Packed(process.bodies, process.near, seen, told["steps"], told["simulated_s"], 0.0, [])
+    seen = observe(process.bodies, process.candidates)
+    packed = Packed(process.bodies, process.candidates, seen, told["steps"], told["simulated_s"], 0.0, [])
     return figures(setup, specification, packed, options, seed) | told | {"max_speed_m_s": told["max_speed"]}
 
 
@@ -141,7 +141,7 @@ def figures(setup, specification, packed, options, seed):
         setup.scene, setup.bases, packed, sample, specification, largest_sieve_size=setup.curve.largest
     )
     bulk = bulk_porosity(packing, method="exact")
-    seen = observe(packed.bodies, packed.near)
+    seen = observe(packed.bodies, packed.candidates)
     return {
         "seed": seed,
         "grains": options.grains,

@@ -33,7 +33,7 @@ from simcore.dem.shapes.hulls import ELLIPSOID, collect_shapes, ellipsoid, unit_
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import list_near
+from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.dem.vectors import ZERO, minus_scaled, read, scaled, write
 from simcore.verification import brute_force as brute
 
@@ -277,7 +277,7 @@ def costs(rng):
                 shape, places = np.zeros(2 * PAIRS, int), position.reshape(-1, 3)
                 poses.append(make_bodies([unit_sphere()], shape, semi, places, turned, still, still, density=1.0))
             for construction, ask in asking.items():
-                contacts = list_near(poses[0], ball, Box(0.0), 0.1, features).contacts
+                contacts = list_candidates(poses[0], ball, Box(0.0), 0.1, features).contacts
                 if len(contacts.body_a) != PAIRS:
                     raise RuntimeError(f"{form}, {case}: {len(contacts.body_a)} pairs are listed, not {PAIRS}")
                 ask(*poses, contacts, 1, fresh)

@@ -38,16 +38,18 @@ class Bed:
         self.bodies = make_bodies(
             bases, shape, scale, position, orientation, velocity, spin, density=2650.0, features=features
         )
-        self.box, self.skin, self.near = Box(width), 0.6 * SIZE, None
-        self.list_near()
+        self.box, self.skin, self.candidates = Box(width), 0.6 * SIZE, None
+        self.list_candidates()
         self.advance_steps = make_advance(features)
         self.room = make_workspace(self.shapes, get_num_threads())
         self.clock, self.step = np.zeros(len(STAGES), np.int64), 0
 
-    def list_near(self):
-        from simcore.dem.step.near_pairs import list_near
+    def list_candidates(self):
+        from simcore.dem.step.candidate_pairs import list_candidates
 
-        self.near = list_near(self.bodies, self.shapes, self.box, 0.5 * self.skin, self.features, self.near)
+        self.candidates = list_candidates(
+            self.bodies, self.shapes, self.box, 0.5 * self.skin, self.features, self.candidates
+        )
 
     def advance(self, dt, n_steps):
         """n_steps of dt; with dt = 0 forces of the current positions."""
@@ -56,19 +58,19 @@ class Bed:
 
         drive = Drive(dt, self.gravity, 0.0, 0.0, 1.0, self.box.width, np.inf)
         while n_steps > 0:
-            state = State(self.shapes, self.bodies, *self.near, self.room)
+            state = State(self.shapes, self.bodies, *self.candidates, self.room)
             done, stale = self.advance_steps(state, self.law, drive, self.clock, self.step, n_steps)
             n_steps -= done
             self.step += done
             if stale:
-                self.list_near()
+                self.list_candidates()
 
     def energy(self, dt):
         """Energy (an Energy) of the current positions; dt as in mechanical_energy."""
         from simcore.packing.energy import mechanical_energy
 
         self.advance(0.0, 1)
-        return mechanical_energy(self.bodies, self.near, self.law, self.gravity, dt)
+        return mechanical_energy(self.bodies, self.candidates, self.law, self.gravity, dt)
 
 
 def pebble(seed, n_points=40):
@@ -150,7 +152,7 @@ def follow(bed, duration, steps, samples):
         raw.append(bed.energy(0.0).total - start)
         springs.append(energy.springs.sum())
         motion.append(energy.motion.sum())
-        contacts += (bed.near.contacts.touching > 0).sum() + (bed.near.walls.touching > 0).sum()
+        contacts += (bed.candidates.contacts.touching > 0).sum() + (bed.candidates.walls.touching > 0).sum()
     unit = np.mean(motion)
     return Record(np.array(error) / unit, np.array(raw) / unit, np.array(springs) / unit, contacts / samples)
 
@@ -236,7 +238,7 @@ def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, 
     for _ in range(round(2.5 * (1.0 if floor else 2.0) * b.radius.max() / speed / dt)):
         x, v, w, rotation = b.position.copy(), b.velocity.copy(), b.angular_velocity.copy(), b.rotation.copy()
         bed.advance(dt, 1)
-        touches = bed.near.walls if floor else bed.near.contacts
+        touches = bed.candidates.walls if floor else bed.candidates.contacts
         on = np.flatnonzero(touches.touching > 0)
         i = touches.body[on] if floor else touches.body_a[on]
         k = unit[i]

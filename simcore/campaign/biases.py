@@ -8,13 +8,24 @@ import pandas as pd
 from simcore.scene.identity import differing_keys
 from simcore.scene.specification import resolve
 
-COLUMNS = ["of", "setting", "against", "bed", "born", "kind", "beds", "difference", "difference_std_error", "source"]
+COLUMNS = [
+    "of",
+    "setting",
+    "against",
+    "bed",
+    "inserted",
+    "kind",
+    "beds",
+    "difference",
+    "difference_std_error",
+    "source",
+]
 GRAINS, ELLIPSOIDS = "grains", "ellipsoids"  # of which SETTINGS are told
-SETTINGS, SIZE, SHAKING, BIRTHS = "settings", "size of the bed", "time of shaking", "births"
-BORN = {"bed": "just above the bed", "study": "at the study's heights"}  # by generation.fill
-REFERENCE, REFERENCE_BED = "paper", (63.0, 1200)  # the accuracy, and width [mm] and grains, that others stand beside
+SETTINGS, SIZE, SHAKING, INSERTIONS = "settings", "size of the bed", "time of shaking", "insertion"
+INSERTED = {"bed": "just above the bed", "r22": "at the heights of Rettinger et al."}  # by generation.fill
+REFERENCE, REFERENCE_BED = "r22", (63.0, 1200)  # the accuracy, and width [mm] and grains, that others stand beside
 LEAST_PAIRS = 3  # of fewer no standard error is told
-CONTACT_TIME, REGION, GATE = "numerics.contact_time", "numerics.contact_region", "convergence.max_unbalanced_force"
+CONTACT_TIME, REGION, GATE = "numerics.contact_time", "numerics.polyhedron_contact", "convergence.max_unbalanced_force"
 
 
 def measured_biases(folder):
@@ -24,11 +35,11 @@ def measured_biases(folder):
     the study's heights; difference_ellipsoid_steps.csv (config/differences.yaml), ellipsoids as campaigns have them,
     born so, and with stiffer contacts; bed_size.csv, single forms in beds of several sizes
     (benchmarks/studies/bed_size.py); work_precision/packings.csv, of which the time of shaking is taken;
-    difference_process.csv (config/differences.yaml), of which where grains are born.
+    difference_process.csv (config/differences.yaml), of which where grains are inserted.
 
-    of: SETTINGS (all that an accuracy stands for, the time step among it, beside `paper`, or stiffer contacts), SIZE
-    (beside 1200 grains in a box of 63 mm), SHAKING (beside the longest) or BIRTHS (beside the study's). difference:
-    mean over the pairs of beds, with its standard error. Of SETTINGS, born: where, and kind: GRAINS or ELLIPSOIDS.
+    of: SETTINGS (all that an accuracy stands for, the time step among it, beside `r22`, or stiffer contacts), SIZE
+    (beside 1200 grains in a box of 63 mm), SHAKING (beside the longest) or INSERTIONS (beside the study's). difference:
+    mean over the pairs of beds, with its standard error. Of SETTINGS, inserted: where, and kind: GRAINS or ELLIPSOIDS.
     """
     folder = Path(folder)
     parts = [
@@ -39,25 +50,25 @@ def measured_biases(folder):
             ("difference_ellipsoid_steps.csv", _of_ellipsoids),
             ("bed_size.csv", _of_size),
             ("work_precision/packings.csv", _of_shaking),
-            ("difference_process.csv", _of_births),
+            ("difference_process.csv", _of_insertions),
         )
         if (folder / name).exists()
     ]
     found = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=COLUMNS)
-    return found.reindex(columns=COLUMNS).fillna({"born": "", "kind": ""})
+    return found.reindex(columns=COLUMNS).fillna({"inserted": "", "kind": ""})
 
 
-def _of_settings(rows, born="bed"):
+def _of_settings(rows, inserted="bed"):
     n = rows.pivot(index=["case", "seed"], columns="accuracy", values="n")
     found = [_mean(name, n[name] - n[REFERENCE]) for name in n if name != REFERENCE and REFERENCE in n]
-    bed = f"{rows['grains'].iloc[0]} grains of all forms, born {BORN[born]}"
-    return pd.DataFrame(found).assign(of=SETTINGS, against=REFERENCE, bed=bed, born=BORN[born], kind=GRAINS)
+    bed = f"{rows['grains'].iloc[0]} grains of all forms, inserted {INSERTED[inserted]}"
+    return pd.DataFrame(found).assign(of=SETTINGS, against=REFERENCE, bed=bed, inserted=INSERTED[inserted], kind=GRAINS)
 
 
 def _of_settings_at_heights(rows):
-    settings = zip(rows["accuracy"], rows["contact_region"], rows["contact_time_s"], strict=True)
+    settings = zip(rows["accuracy"], rows["polyhedron_contact"], rows["contact_time_s"], strict=True)
     names = [_name_settings(*each) for each in settings]
-    return _of_settings(rows.assign(accuracy=names), "study")
+    return _of_settings(rows.assign(accuracy=names), "r22")
 
 
 def _of_ellipsoids(rows):
@@ -72,8 +83,8 @@ def _of_ellipsoids(rows):
     return pd.DataFrame(found).assign(
         of=SETTINGS,
         against=f"a contact time of {1e3 * stiff:g} ms",
-        bed=f"{rows['grains'].iloc[0]} ellipsoids of one of {forms} forms, born {BORN['study']}",
-        born=BORN["study"],
+        bed=f"{rows['grains'].iloc[0]} ellipsoids of one of {forms} forms, inserted {INSERTED['r22']}",
+        inserted=INSERTED["r22"],
         kind=ELLIPSOIDS,
     )
 
@@ -96,14 +107,14 @@ def _of_shaking(rows):
     return found.assign(of=SHAKING, against=f"{longest:g} s", bed="600 grains of all forms, draft")
 
 
-def _of_births(rows):
+def _of_insertions(rows):
     alike = [name for name in rows if name not in ("fill", "n", "n_error", "cpu_s")]
     # What was left to a case's own value is empty in the table; no number is a group of its own there.
     n = rows.assign(**rows[alike].map(str)).pivot_table(index=alike, columns="fill", values="n")
-    n = n.reindex(columns=list(BORN))
-    found = pd.DataFrame([_mean(BORN["bed"], n["bed"] - n["study"])])
+    n = n.reindex(columns=list(INSERTED))
+    found = pd.DataFrame([_mean(INSERTED["bed"], n["bed"] - n["r22"])])
     found = found[found["beds"] >= LEAST_PAIRS]
-    return found.assign(of=BIRTHS, against=BORN["study"], bed=f"{rows['grains'].iloc[0]} grains of all forms")
+    return found.assign(of=INSERTIONS, against=INSERTED["r22"], bed=f"{rows['grains'].iloc[0]} grains of all forms")
 
 
 def _mean(setting, differences):
@@ -135,10 +146,10 @@ def describe_settings(specification):
     other = set(other) - {"numerics.progress_interval"}
     if other - {CONTACT_TIME} - ({REGION, GATE} if REGION in other else set()):
         return None
-    if specification["numerics"]["contact_region"] == "inflated":
+    if specification["numerics"]["polyhedron_contact"] == "inflated":
         return None
     numerics = specification["numerics"]
-    return _name_settings(specification["accuracy"], numerics["contact_region"], numerics["contact_time"])
+    return _name_settings(specification["accuracy"], numerics["polyhedron_contact"], numerics["contact_time"])
 
 
 def _settings_of(accuracy):
@@ -149,7 +160,7 @@ def _settings_of(accuracy):
 def _name_settings(accuracy, region, contact_time):
     """An accuracy, and what of the two is not its own."""
     its = _settings_of(accuracy)["numerics"]
-    at_point = region != its["contact_region"]
+    at_point = region != its["polyhedron_contact"]
     words = ["at the deepest point"] if at_point else []
     if not np.isclose(contact_time, its["contact_time"], rtol=1e-9, atol=0.0):
         words.append(f"contact time {1e3 * contact_time:g} ms")
@@ -167,11 +178,11 @@ def bias_note(specifications, biases):
         SETTINGS: [describe_settings(spec) for spec in specifications],
         SIZE: [_bed_of(spec) for spec in specifications],
         SHAKING: [f"{spec['shaking']['duration']:g} s" for spec in specifications],
-        BIRTHS: [_births_of(spec["generation"]) for spec in specifications],
+        INSERTIONS: [_insertions_of(spec["generation"]) for spec in specifications],
     }
-    # Settings do to grains that fall far what they need not do to those that are born just above the bed.
-    born = set(found[BIRTHS]) if len(set(found[BIRTHS])) == 1 else ()
-    known = biases[(biases["of"] != SETTINGS) | biases["born"].isin(born)]
+    # Settings do to grains that fall far what they need not do to those that are inserted just above the bed.
+    inserted = set(found[INSERTIONS]) if len(set(found[INSERTIONS])) == 1 else ()
+    known = biases[(biases["of"] != SETTINGS) | biases["inserted"].isin(inserted)]
     # Ellipsoids have no faces, whose error makes up for others; where nothing is known of them, it is told of grains.
     smooth = all(spec["shapes"]["kind"] in ("ellipsoid", "sphere") for spec in specifications)
     of_kind = known["setting"].isin(known["setting"][known["kind"] == ELLIPSOIDS]) & smooth
@@ -187,8 +198,8 @@ def _bed_of(spec):
     return describe_bed(round(1e3 * spec["domain"]["width"], 3), spec["amount"]["grains"])
 
 
-def _births_of(generation):
-    return BORN.get(generation["fill"]) if generation["placement"] == "lattice" else None
+def _insertions_of(generation):
+    return INSERTED.get(generation["fill"]) if generation["placement"] == "lattice" else None
 
 
 def _phrase(values, biases):

@@ -3,7 +3,7 @@
 import pandas as pd
 
 # A packing of the study, 20 000 grains for 1.5 million steps, takes 230 core-hours (its program; it says 230 to 250).
-STUDY_HOURS, STUDY_GRAINS, STUDY_STEPS = 230.0, 20_000, 1.5e6
+R22_HOURS, R22_GRAINS, R22_STEPS = 230.0, 20_000, 1.5e6
 
 
 def cost_table(packings):
@@ -11,7 +11,7 @@ def cost_table(packings):
 
     packings: one row a packing, as from study_tables.tabulate, of all studies. Columns: study, packings, grains (of all
     packings), cpu_h, cpu_h_per_packing, grain_steps, the sum of grains times steps, cpu_us_per_grain_step [µs], and
-    study_cpu_h, the core-hours of the study's program for as many grain-steps, counted alike: all grains of a packing
+    r22_cpu_h, the core-hours of the study's program for as many grain-steps, counted alike: all grains of a packing
     in all its steps.
     """
     of_packing = packings[["study", "grains"]].assign(
@@ -26,13 +26,13 @@ def cost_table(packings):
         cpu_h_per_packing=table["cpu_h"] / table["packings"],
         grain_steps=table["grain_steps"],
         cpu_us_per_grain_step=3600.0e6 * table["cpu_h"] / table["grain_steps"],
-        study_cpu_h=study_hours(table["grain_steps"]),
+        r22_cpu_h=r22_hours(table["grain_steps"]),
     )
 
 
-def study_hours(grain_steps):
+def r22_hours(grain_steps):
     """Core-hours of the study's program for that many grains times steps."""
-    return STUDY_HOURS * grain_steps / (STUDY_GRAINS * STUDY_STEPS)
+    return R22_HOURS * grain_steps / (R22_GRAINS * R22_STEPS)
 
 
 def read_packings(paths):

@@ -74,7 +74,7 @@ def deposit_row(study, row, found, base):
         "mean_overlap": float(found["mean_overlap"]),
         "steps": int(found.attrs["steps"]),
         "time_s": float(found.attrs["time"]),
-        "last_birth_s": float(found.attrs["last_birth"]),
+        "last_insertion_s": float(found.attrs["last_insertion"]),
         "cpu_s": float(found.attrs["cpu_seconds"]),
         "change": _change(row, base) if family(study) == "change" else "",
     }

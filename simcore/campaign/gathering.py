@@ -13,7 +13,7 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from simcore.campaign.cost_table import study_hours
+from simcore.campaign.cost_table import r22_hours
 from simcore.campaign.study_tables import tabulate
 from simcore.campaign.trend_tables import tabulate_trends
 from simcore.reference.columns import COMMITTED_NAMES
@@ -165,7 +165,7 @@ def record(folder, table, study, source, packings, made, command, machine):
 
     table: name of the one that the rows went into. packings and made: as of `finished`, which does not know those
     whose files are gone. command, of the campaign, and machine: where packings are of several, all stand there. What
-    another campaign says of the study stays where this one has no packing of it. study_cpu_h there: core-hours of the
+    another campaign says of the study stays where this one has no packing of it. r22_cpu_h there: core-hours of the
     source study's program for as many grain-steps, of packings that state theirs.
     """
     key = {"study": study, "source": source}
@@ -186,7 +186,7 @@ def record(folder, table, study, source, packings, made, command, machine):
         "packings": len(done),
         "planned": len(packings),
         "cpu_h": round(done.cpu_s.sum() / 3600.0, 2),
-        "study_cpu_h": round(study_hours(steps), 2) if pd.notna(steps) else "",
+        "r22_cpu_h": round(r22_hours(steps), 2) if pd.notna(steps) else "",
         "cpu_h_left_estimated": round(hours_left, 2),
         "code": " ".join(sorted(set(done.code))),
     }

@@ -57,13 +57,13 @@ def _features(scene: Scene) -> Features:
         cylinder=not scene.domain.periodic,
         periodic=scene.domain.periodic,
         shaken=scene.shaking.amplitude > 0.0,
-        patch=scene.kind in (POLYHEDRON, MIXED) and scene.numerics.contact_region == "patch",
+        patch=scene.kind in (POLYHEDRON, MIXED) and scene.numerics.polyhedron_contact == "patch",
         implicit=scene.implicit,
         potential=scene.kind == ELLIPSOID and scene.numerics.ellipsoid_contact == "potential",
         hertz=scene.hertzian is not None,
         sliding=_sliding(scene),
         preloaded=springs and scene.material.friction_law == "preloaded",
-        inflated=scene.numerics.contact_region == "inflated",
+        inflated=scene.numerics.polyhedron_contact == "inflated",
     )
 
 

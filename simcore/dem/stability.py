@@ -25,7 +25,7 @@ from simcore.dem.forces.spring_dashpot import ContactLaw, explicit_dashpot, impl
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.shapes.hulls import Base
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.state.contacts import Near
+from simcore.dem.state.contacts import CandidatePairs
 
 LARGEST_LOAD = 4.0  # eigenvalue at which a mode alternates undamped
 LOOKED_AT = 32  # bodies whose eigenvalues are found, of all; the others are taken by the sums of theirs
@@ -74,14 +74,19 @@ class Estimate(NamedTuple):
     cautious: float  # for CAUTIOUS_CONTACTS, more than fit
 
 
-def contact_load(law: ContactLaw, dt: float, friction: bool = True, hold: float | None = None) -> Load:
+def contact_load(law: ContactLaw, dt: float, friction: bool = True, effective_contacts: float | None = None) -> Load:
     """Load of a contact at a time step [s]. The one place that knows how a dashpot enters the step.
 
-    law: the continuous one. hold: with an implicit dashpot, the contacts of the body; None with an explicit one.
+    law: the continuous one. effective_contacts: with an implicit dashpot, the contacts of the body; None with an
+    explicit one.
     """
-    if hold is not None:
+    if effective_contacts is not None:
         law = implicit_law(law, dt)
-    normal, across = explicit_dashpot.py_func(law) if hold is None else implicit_dashpot.py_func(law, max(hold, 1.0))
+    normal, across = (
+        explicit_dashpot.py_func(law)
+        if effective_contacts is None
+        else implicit_dashpot.py_func(law, max(effective_contacts, 1.0))
+    )
     spring, dashpot = law.stiffness * dt**2, 2.0 * normal * dt
     along = law.tangential * spring + 2.0 * across * dt if friction else 0.0
     return Load(spring + dashpot, along, dashpot, 2.0 * law.sliding * dt)
@@ -130,19 +135,19 @@ def longest_stable_step(
 
 
 def steps_needed(
-    law: ContactLaw, friction: bool, load_at, hold: float | None = None, time: float | None = None
+    law: ContactLaw, friction: bool, load_at, effective_contacts: float | None = None, time: float | None = None
 ) -> float:
     """Least steps per contact time at which load_at(Load) stays below LARGEST_LOAD; it grows with each of Load.
 
-    law, hold: as of contact_load. time [s]: in place of the law's contact time.
+    law, effective_contacts: as of contact_load. time [s]: in place of the law's contact time.
     """
     time = contact_time(law) if time is None else time
     few, many = 1e-3, 1.0
-    while load_at(contact_load(law, time / many, friction, hold)) > LARGEST_LOAD:
+    while load_at(contact_load(law, time / many, friction, effective_contacts)) > LARGEST_LOAD:
         few, many = many, 2.0 * many
     for _ in range(50):
         steps = 0.5 * (few + many)
-        if load_at(contact_load(law, time / steps, friction, hold)) > LARGEST_LOAD:
+        if load_at(contact_load(law, time / steps, friction, effective_contacts)) > LARGEST_LOAD:
             few = steps
         else:
             many = steps
@@ -150,7 +155,13 @@ def steps_needed(
 
 
 def stiffest_body(
-    bodies: Bodies, near: Near, width: float, load: Load, certain: bool = True, ranks=ONE_RANK, firmness=None
+    bodies: Bodies,
+    candidates: CandidatePairs,
+    width: float,
+    load: Load,
+    certain: bool = True,
+    ranks=ONE_RANK,
+    firmness=None,
 ) -> Stiffest:
     """The body (its id) of the largest load in its present contacts; body −1 where nothing touches.
 
@@ -159,7 +170,7 @@ def stiffest_body(
     firmness(mass, partner's, overlap), each (k,) -> (k,): springs and dashpots of contacts over those of `load`, the
     mass of a wall being inf; None: all have those of `load`.
     """
-    grips = _grips(bodies, near, width, certain, firmness)
+    grips = _grips(bodies, candidates, width, certain, firmness)
     traces, contacts = _traces(bodies, grips, load), np.bincount(grips.body, minlength=len(bodies.mass))
     held = bodies.own[contacts[bodies.own] > 0]
     some = held[np.argsort(-traces[held], kind="stable")[:LOOKED_AT]]
@@ -174,38 +185,38 @@ def stiffest_body(
 
 def body_steps(
     bodies: Bodies,
-    near: Near,
+    candidates: CandidatePairs,
     width: float,
     law: ContactLaw,
     friction: bool,
     body: int,
     *,
     certain: bool = True,
-    hold: float | None = None,
+    effective_contacts: float | None = None,
     ranks=ONE_RANK,
     firmness=None,
     time: float | None = None,
 ) -> float:
     """Least steps per contact time that one body (its id) needs in its present contacts, see `stiffest_body`.
 
-    law, hold: as of contact_load. time: as of steps_needed.
+    law, effective_contacts: as of contact_load. time: as of steps_needed.
     """
     rows = np.flatnonzero(bodies.id[bodies.own] == body)
     needed = []
     for row in bodies.own[rows]:
-        grips = _grips(bodies, near, width, certain, firmness)
-        needed.append(_steps_of_row(bodies, grips, law, friction, row, hold, time))
-    return float(ranks.most([max(needed, default=0.0)])[0])
+        grips = _grips(bodies, candidates, width, certain, firmness)
+        needed.append(_steps_of_row(bodies, grips, law, friction, row, effective_contacts, time))
+    return float(ranks.maximum([max(needed, default=0.0)])[0])
 
 
-def _steps_of_row(bodies, grips, law, friction, row, hold, time):
+def _steps_of_row(bodies, grips, law, friction, row, effective_contacts, time):
     # The matrix is linear in the load.
     parts = [_matrices(bodies, grips, Load(*unit), np.array([row]))[0] for unit in np.eye(len(Load._fields))]
 
     def load_at(load):
         return np.linalg.eigvalsh(sum(value * part for value, part in zip(load, parts, strict=True)))[-1]
 
-    return steps_needed(law, friction, load_at, hold, time)
+    return steps_needed(law, friction, load_at, effective_contacts, time)
 
 
 def estimate_steps(
@@ -292,8 +303,8 @@ class _Grips(NamedTuple):
     spread: np.ndarray  # (k, 6) [m²], or (0, 6)
 
 
-def _grips(bodies, near, width, certain, firmness=None):
-    contacts, walls = near
+def _grips(bodies, candidates, width, certain, firmness=None):
+    contacts, walls = candidates
     p, w = np.flatnonzero(contacts.touching), np.flatnonzero(walls.touching)
     a, b = contacts.body_a[p], contacts.body_b[p]
     offset = bodies.position[b] - bodies.position[a]

@@ -18,5 +18,5 @@ def deposit(packing):
     diameter = np.cbrt(6.0 / np.pi * float(packing["volume"].mean()))
     share = overlap[between].mean() / diameter if between.any() else 0.0
     found["mean_overlap"] = ((), share, {"units": "1", "long_name": "mean overlap over the grains' diameter"})
-    known = {name: packing.attrs[name] for name in ("steps", "time", "last_birth", "cpu_seconds")}
+    known = {name: packing.attrs[name] for name in ("steps", "time", "last_insertion", "cpu_seconds")}
     return found.assign_attrs(known, n_grains=packing.sizes["grain"])

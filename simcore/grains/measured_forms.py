@@ -26,7 +26,7 @@ from simcore.grains.table_file import read_table
 log = logging.getLogger(__name__)
 
 _LONGEST = 100.0  # L/S; grains of FL and EL of 0.1, the least of Rettinger et al. (2022), have it
-_MOST_GRAINS = 1e12  # of one row; more is no count
+_MAX_GRAINS = 1e12  # of one row; more is no count
 ALIKE = 1e-9  # relative; measured grains differ by more, copies of one row by rounding
 _SHOWN = 5  # values that a notice lists one by one
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity)", re.IGNORECASE)
@@ -152,7 +152,7 @@ def _read_counts(path, header, cells, columns):
         if _AMBIGUOUS.fullmatch(text) and not marks == {mark for mark in ".," if mark in text}:
             raise ValueError(f"{where}: {name} is {text}; write it without a separator of thousands")
         weights[row] = _number(where, name, text)
-        if not 0 <= weights[row] <= _MOST_GRAINS:
+        if not 0 <= weights[row] <= _MAX_GRAINS:
             raise ValueError(f"{where}: {name} = {weights[row]:g}; a number of grains lies between 0 and 1e12")
     values = list(weights.values())
     if len(values) > 1 and may_number_rows(name) and all(b - a == 1 for a, b in zip(values, values[1:], strict=False)):

@@ -11,7 +11,7 @@ from simcore.grains.own_sizes import OwnSizes
 
 # The study redraws normal FL and EL until they lie in this interval.
 FORM_RANGE = (0.1, 1.0)
-MOST_RATIO = 10.0  # of L/I and I/S, as flatness and elongation are at least 0.1
+MAX_RATIO = 10.0  # of L/I and I/S, as flatness and elongation are at least 0.1
 _NUMBERS_PER_GRAIN = 8
 _SIZE_CLASS, _SIZE_IN_CLASS, _SHAPE, _FLATNESS, _ELONGATION = range(5)
 # Stream of the numbers that say which grains of a mixture of kinds are ellipsoids: sizes and forms are those of meshes.
@@ -22,16 +22,16 @@ _KIND_STREAM = 2
 class ShapeChoice:
     """Which shapes the grains of a packing get.
 
-    kind: "mesh", "ellipsoid", "sphere", or "mixed": as "mesh", but each grain with the chance `ellipsoid_share` in its
-    place the ellipsoid of the same axes.
+    kind: "polyhedron", "ellipsoid", "sphere", or "mixed": as "polyhedron", but each grain is, with the
+    probability `ellipsoid_share`, the ellipsoid of the same axes instead.
     choice: "one" (the grain named `grain`), "random" (each grain of the set equally likely), "form" (given
     flatness and elongation, ellipsoids only), or "form_distribution" (flatness and elongation independent
     normals, here means, with the two standard deviations, redrawn into FORM_RANGE), or "ratios" (eta = L/I and
     zeta = I/S of ellipsoids, independent normals with their standard deviations, redrawn until at least 1 and at most
-    MOST_RATIO; given ones where a deviation is 0). Spheres ignore it.
+    MAX_RATIO; given ones where a deviation is 0). Spheres ignore it.
     """
 
-    kind: str = "mesh"
+    kind: str = "polyhedron"
     choice: str = "random"
     grain: str | None = None
     flatness: float | None = None
@@ -45,8 +45,8 @@ class ShapeChoice:
     zeta_std: float = 0.0
 
     def __post_init__(self):
-        if self.kind not in ("mesh", "ellipsoid", "sphere", "mixed"):
-            raise ValueError(f"shapes: kind {self.kind!r} is unknown: use mesh, ellipsoid, sphere or mixed")
+        if self.kind not in ("polyhedron", "ellipsoid", "sphere", "mixed"):
+            raise ValueError(f"shapes: kind {self.kind!r} is unknown: use polyhedron, ellipsoid, sphere or mixed")
         if self.choice not in ("one", "random", "form", "form_distribution", "ratios"):
             raise ValueError(
                 f"shapes: choice {self.choice!r} is unknown: use one, random, form, form_distribution or ratios"
@@ -67,8 +67,8 @@ class ShapeChoice:
                 raise ValueError("shapes: choice `ratios` is for ellipsoids: use kind ellipsoid")
             for key in ("eta", "zeta"):
                 value, std = getattr(self, key), getattr(self, f"{key}_std")
-                if value is None or not 1.0 <= value <= MOST_RATIO:
-                    raise ValueError(f"shapes: {key} {value} must be given and lie in [1, {MOST_RATIO:g}]")
+                if value is None or not 1.0 <= value <= MAX_RATIO:
+                    raise ValueError(f"shapes: {key} {value} must be given and lie in [1, {MAX_RATIO:g}]")
                 if not std >= 0:
                     raise ValueError(f"shapes: {key}_std {std} must not be negative")
         if self.choice in ("form", "form_distribution"):
@@ -159,7 +159,7 @@ def _forms(shapes, grains, uniforms):
     index = np.zeros(n, int)
     if shapes.kind == "sphere":
         return np.ones(n), np.ones(n), index
-    hulls = shapes.kind in ("mesh", "mixed")
+    hulls = shapes.kind in ("polyhedron", "mixed")
     if (hulls or shapes.choice in ("one", "random")) and not grains:
         raise ValueError(f"shapes: {shapes.kind} with choice {shapes.choice} needs a grain set, it is empty")
     if shapes.choice == "one":
@@ -172,8 +172,8 @@ def _forms(shapes, grains, uniforms):
     if shapes.choice == "form":
         return np.full(n, shapes.flatness), np.full(n, shapes.elongation), index
     if shapes.choice == "ratios":
-        eta = _truncated_normal(uniforms[:, _ELONGATION], shapes.eta, shapes.eta_std, (1.0, MOST_RATIO))
-        zeta = _truncated_normal(uniforms[:, _FLATNESS], shapes.zeta, shapes.zeta_std, (1.0, MOST_RATIO))
+        eta = _truncated_normal(uniforms[:, _ELONGATION], shapes.eta, shapes.eta_std, (1.0, MAX_RATIO))
+        zeta = _truncated_normal(uniforms[:, _FLATNESS], shapes.zeta, shapes.zeta_std, (1.0, MAX_RATIO))
         return 1.0 / zeta, 1.0 / eta, index
     if shapes.choice == "form_distribution":
         return (

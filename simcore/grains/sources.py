@@ -59,7 +59,7 @@ def check_source(grains):
 
 def needs_grains(shapes):
     """Whether the resolved group `shapes` takes its forms from grains: meshes, and ellipsoids of their forms."""
-    return shapes["kind"] in ("mesh", "mixed") or (
+    return shapes["kind"] in ("polyhedron", "mixed") or (
         shapes["kind"] == "ellipsoid" and shapes["choice"] in ("one", "random")
     )
 

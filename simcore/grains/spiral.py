@@ -1,4 +1,4 @@
-"""Near-uniform directions on the sphere."""
+"""CandidatePairs-uniform directions on the sphere."""
 
 import numpy as np
 

@@ -24,7 +24,7 @@ def formulas(rows):
     """One row a model: what beds it is of, its formula, error and range, and the study's formula.
 
     rows: as from PorosityModel.to_rows, several models after each other; with columns source (of the grains) and
-    study_coefficient these are told too. Models that BEDS does not name are left out. Returns a DataFrame with columns
+    r22_coefficient these are told too. Models that BEDS does not name are left out. Returns a DataFrame with columns
     beds, case, source, porosity, error (cross-validated, mean absolute), samples, range and study, None where nothing
     is known.
     """
@@ -47,7 +47,7 @@ def formulas(rows):
                     for row in terms.itertuples()
                     if row.term in ("EQ_inv", "EL_inv", "mu_EQ_inv", "mu_EL_inv")
                 ),
-                "study": _formula(terms, "study_coefficient") if "study_coefficient" in terms else None,
+                "r22": _formula(terms, "r22_coefficient") if "r22_coefficient" in terms else None,
             }
         )
     return pd.DataFrame(table)

@@ -22,7 +22,7 @@ MIXTURE_SETS = (
 )
 
 
-def mixture_models(packings, study_correlations=None, study_sets=None, study_models=None, seed=0, folds=FOLDS):
+def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=None, seed=0, folds=FOLDS):
     """Tables and models of the form-mixture study, per case; returns (tables, models) as single_form_models.
 
     packings: one row a packing, columns case, n and the 104 of mixture_features; where there is a column sample, the
@@ -59,16 +59,16 @@ def mixture_models(packings, study_correlations=None, study_sets=None, study_mod
         "feature_sets": pd.DataFrame(sets, columns=None if sets else ["case", *MIXTURE]),
         "models": pd.concat([m.to_rows() for m in models.values()], ignore_index=True) if models else pd.DataFrame(),
     }
-    if study_correlations is not None:
-        study = study_correlations.query("study == 'form_mixture'")
+    if r22_correlations is not None:
+        study = r22_correlations.query("study == 'form_mixture'")
         study = study.assign(feature=study["feature"].str.replace(" inverse", "_inv"))
-        tables["correlations"] = beside(tables["correlations"], study, ["case", "feature"], {"r": "study_r"})
-    if study_sets is not None:
-        study = _long_sets(study_sets)
-        columns = {"mae_1e-3": "study_error", "R2": "study_r_squared"}
+        tables["correlations"] = beside(tables["correlations"], study, ["case", "feature"], {"r": "r22_r"})
+    if r22_sets is not None:
+        study = _long_sets(r22_sets)
+        columns = {"mae_1e-3": "r22_error", "R2": "r22_r_squared"}
         tables["feature_sets"] = beside(tables["feature_sets"], study, ["case", *MIXTURE], columns)
-    if study_models is not None and models:
-        tables["models"] = beside_models(tables["models"], study_models)
+    if r22_models is not None and models:
+        tables["models"] = beside_models(tables["models"], r22_models)
     return tables, models
 
 
@@ -94,8 +94,8 @@ def application_table(models, packings, study=None):
                 {
                     "case": study["case"],
                     "kind": kind,
-                    "study_predicted": study["predicted"],
-                    "study_simulated": study[f"{kind}_simulated"],
+                    "r22_predicted": study["predicted"],
+                    "r22_simulated": study[f"{kind}_simulated"],
                     "study_abs_error": 1e-3 * study[f"{kind}_abs_error_1e-3"],
                 }
             )

@@ -13,7 +13,7 @@ from simcore.grains.statistics import equancy_statistics
 from simcore.models.fitted_range import FAR, RangedValue
 from simcore.models.unified import STATISTICS, unified_features
 from simcore.paths import R22_TABLES
-from simcore.reference.r22_tables import read_study_table
+from simcore.reference.r22_tables import read_r22_table
 
 ONE_CLASS = "one-class"  # any single sieve class
 _OF_ONE_CLASS = "U1"
@@ -40,7 +40,7 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES):
     of the prediction intervals. r22_tables: folder of the tables of Rettinger et al. (2022).
 
     Columns: the fields of Sample, taken_as ("one form" or "a distribution"), and those of PREDICTION: by ("ours", or
-    "study" for Rettinger et al.), model, preferred (of ours: the one to take), n, lower, upper (nan for Rettinger et
+    "r22" for Rettinger et al.), model, preferred (of ours: the one to take), n, lower, upper (nan for Rettinger et
     al., who publish no covariance), outside (in words, empty where the sample lies within what was fitted), distance
     (how far it lies outside, in widths of the range) and refused. A model that is not evaluated for a sample, as this
     lies too far outside or as its formula or interval leaves (0, 1), has n, lower and upper nan and the reason in
@@ -51,9 +51,9 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES):
     ValueError if there is no model of the case or for a kind of sample, or if for any sample no model is evaluated.
     """
     case = model_case(case)
-    published = read_study_table("models", r22_tables).query("case == @case").set_index("model")
+    published = read_r22_table("models", r22_tables).query("case == @case").set_index("model")
     if case not in fitted.cases() and published.empty:
-        cases = sorted({*fitted.cases(), *read_study_table("models", r22_tables)["case"]})
+        cases = sorted({*fitted.cases(), *read_r22_table("models", r22_tables)["case"]})
         raise ValueError(f"case {case}: no model was fitted to it; there are {', '.join(cases)}, {ONE_CLASS}")
     tables = []
     for sample in samples:
@@ -89,7 +89,7 @@ def _require_answers(tables, case):
 
 def describe_model(by, name):
     """Return a model's name with whose it is, for people."""
-    return f"{'Rettinger et al.' if by == 'study' else by} {name}"
+    return f"{'Rettinger et al.' if by == 'r22' else by} {name}"
 
 
 def _features(sample):
@@ -137,7 +137,7 @@ def _predict_r22(sample, features, published, folder):
     quantities += [RangedValue(key, values[key], *limits) for key, limits in _feature_ranges(ranges, values.index)]
     outside = [quantity for quantity in quantities if quantity.distance > 0]
     remark = f"sigma_FL and sigma_EL are below {least:g}: taken for one form" if nearly else ""
-    return [_row("study", name, n, np.nan, np.nan, outside, digits=3, remark=remark)]
+    return [_row("r22", name, n, np.nan, np.nan, outside, digits=3, remark=remark)]
 
 
 def _r22_form_range(folder):
@@ -145,7 +145,7 @@ def _r22_form_range(folder):
 
     They are not published: two deviations about the means of their grains, the first data set of their Table 2.
     """
-    grains = read_study_table("table2_form_statistics", folder).iloc[0]
+    grains = read_r22_table("table2_form_statistics", folder).iloc[0]
     return {
         f"mu_{X}": (
             grains[f"mu_{X}"] - 2 * grains[f"sigma_{X}"],

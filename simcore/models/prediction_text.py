@@ -8,7 +8,7 @@ from simcore.grains.measured_forms import read_measured
 from simcore.models.fitted_range import FAR, NEAR
 from simcore.models.fitting import fit_reference_models, read_campaign_models
 from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case, predict_samples
-from simcore.reference.r22_tables import read_study_table
+from simcore.reference.r22_tables import read_r22_table
 
 FEW_GRAINS = 30  # whose spread of form is not well determined
 
@@ -90,7 +90,7 @@ def _samples_in_columns(table):
     for _, rows in table.groupby("name", sort=False):
         sample = rows.iloc[0]
         preferred = rows[rows.preferred]
-        other, r22 = rows[(rows.by == "ours") & ~rows.preferred], rows[rows.by == "study"]
+        other, r22 = rows[(rows.by == "ours") & ~rows.preferred], rows[rows.by == "r22"]
         cells.append(
             [
                 str(sample["name"]),
@@ -139,8 +139,8 @@ def _what_to_mind(table, level):
 
 
 def _equation(by, name, case, fitted):
-    if by == "study":
-        row = read_study_table("models").query("case == @case and model == @name").iloc[0]
+    if by == "r22":
+        row = read_r22_table("models").query("case == @case and model == @name").iloc[0]
         slopes = row.drop(["model", "case", "intercept", "equation_arxiv"]).dropna()
         text = _terms(row["intercept"], slopes.index, slopes)
         return f"{describe_model(by, name)}: {text}; its Eq. {row['equation_arxiv']}"

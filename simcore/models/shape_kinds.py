@@ -38,4 +38,4 @@ def shape_kind_table(packings, study=None):
             "forms": groups.size(),
         }
     ).reset_index()
-    return table if study is None else beside(table, study, ["case"], {"rms_difference": "study_rms_difference"})
+    return table if study is None else beside(table, study, ["case"], {"rms_difference": "r22_rms_difference"})

@@ -14,7 +14,7 @@ log = logging.getLogger(__name__)
 SINGLE_FORM = ("EQ_inv", "EL_inv")
 
 
-def single_form_models(packings, study_correlations=None, study_errors=None, study_models=None, seed=0, folds=FOLDS):
+def single_form_models(packings, r22_correlations=None, r22_errors=None, r22_models=None, seed=0, folds=FOLDS):
     """Tables and models of the single-form study, per case.
 
     packings: one row a packing, columns case, L, I, S [any length] and n; where there is a column grain, the packings
@@ -48,16 +48,16 @@ def single_form_models(packings, study_correlations=None, study_errors=None, stu
         "second_features": pd.DataFrame(errors),
         "models": pd.concat([model.to_rows() for model in models.values()], ignore_index=True),
     }
-    if study_correlations is not None:
-        study = study_correlations.query("study == 'single_form'")
-        tables["correlations"] = beside(tables["correlations"], study, ["case", "feature"], {"r": "study_r"})
-    if study_errors is not None:
-        study = study_errors.melt(id_vars="case", var_name="feature", value_name="study_error")
-        study["study_error"] *= 1e-3
-        columns = {"study_error": "study_error"}
+    if r22_correlations is not None:
+        study = r22_correlations.query("study == 'single_form'")
+        tables["correlations"] = beside(tables["correlations"], study, ["case", "feature"], {"r": "r22_r"})
+    if r22_errors is not None:
+        study = r22_errors.melt(id_vars="case", var_name="feature", value_name="r22_error")
+        study["r22_error"] *= 1e-3
+        columns = {"r22_error": "r22_error"}
         tables["second_features"] = beside(tables["second_features"], study, ["case", "feature"], columns)
-    if study_models is not None:
-        tables["models"] = beside_models(tables["models"], study_models)
+    if r22_models is not None:
+        tables["models"] = beside_models(tables["models"], r22_models)
     return tables, models
 
 

@@ -18,9 +18,9 @@ def compare_predictions(models, name, table):
     """One row a packing: case, simulated, predicted by the model `name` of its case; cases without one are left out.
 
     models: dict from (name, case) to PorosityModel; table: columns case, n and the features of the models. Its columns
-    n_std_error and study_n, where it has them, are kept, the latter as study_predicted.
+    n_std_error and r22_n, where it has them, are kept, the latter as r22_predicted.
     """
-    kept = {"n_std_error": "n_std_error", "study_n": "study_predicted"}
+    kept = {"n_std_error": "n_std_error", "r22_n": "r22_predicted"}
     names = ["case", "simulated", "predicted", *(new for old, new in kept.items() if old in table)]
     parts = [
         rows.rename(columns={"n": "simulated", **kept}).assign(predicted=models[name, case].predict(rows))[names]
@@ -38,4 +38,4 @@ def beside(ours, study, keys, columns):
 def beside_models(ours, study):
     """Our coefficients beside the study's, which come one row a model."""
     study = study.melt(id_vars=["model", "case"], value_name="coefficient", var_name="term").dropna()
-    return beside(ours, study, ["model", "case", "term"], {"coefficient": "study_coefficient"})
+    return beside(ours, study, ["model", "case", "term"], {"coefficient": "r22_coefficient"})

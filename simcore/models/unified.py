@@ -72,12 +72,12 @@ def fit_unified(single_forms, mixtures, seed=0, folds=FOLDS):
     }
 
 
-def unified_models(single_forms, mixtures, study_models=None, seed=0, folds=FOLDS):
+def unified_models(single_forms, mixtures, r22_models=None, seed=0, folds=FOLDS):
     """Tables and models of the unified model, per case that both studies have; returns (tables, models).
 
     single_forms: one row a packing, columns case, L, I, S, n, and grain if there are several seeds. mixtures: case, n,
     mu_EQ, sigma_EQ, mu_EL, sigma_EL, and sample if there are several seeds; with mean_FL and mean_EL, sets of one mean
-    form are left out of a fit together. study_models: models.csv. folds: of the cross-validation.
+    form are left out of a fit together. r22_models: models.csv. folds: of the cross-validation.
 
     Tables: `models`, coefficients; `feature_sets`, errors over the same beds of the unified model with each set of
     features, of the separate models (each sees its own kind of bed alone), all cross-validated with the same groups,
@@ -102,11 +102,11 @@ def unified_models(single_forms, mixtures, study_models=None, seed=0, folds=FOLD
                 {"case": case, "model": "separate", "features": " ".join([*SINGLE_FORM, *MIXTURE])}
                 | _errors(separate, n, mixed)
             )
-        if study_models is not None:
-            published = _published(features, mixed, study_models[study_models["case"] == case])
+        if r22_models is not None:
+            published = _published(features, mixed, r22_models[r22_models["case"] == case])
             if published is not None:
                 rows.append(
-                    {"case": case, "model": "study", "features": " ".join([*SINGLE_FORM, *MIXTURE])}
+                    {"case": case, "model": "r22", "features": " ".join([*SINGLE_FORM, *MIXTURE])}
                     | _errors(published, n, mixed)
                 )
     tables = {

@@ -47,7 +47,7 @@ def compile_step(setup, report) -> None:
         ),
         float(drawn.sieve_size.mean()),
     )
-    process.list_near()  # a second list also takes over what is remembered
+    process.list_candidates()  # a second list also takes over what is remembered
     process.evaluate()
 
 

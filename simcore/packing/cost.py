@@ -14,32 +14,34 @@ import numpy as np
 from simcore.grains.sampling import sample_grains
 from simcore.packing.insertion.random_placement import fall_time, layer_grains, zone_height
 from simcore.scene.domain import lattice_sites
-from simcore.scene.scene import REFILL_HEIGHT, STUDY_FIRST_FILL, Scene
+from simcore.scene.scene import R22_FIRST_FILL, REFILL_HEIGHT, Scene
 from simcore.scene.setup import KINDS, make_scene, shape_choice
 from simcore.scene.sizes import size_curve
 
 # CPU time of a grain and step [µs], one thread, at the study's contact time and step: kind of grain, whether patches
-# are found. The one table of it. Of patches from the packings of `paper` in results/reference/accuracy.csv (1.1 to 1.7
+# are found. The one table of it. Of patches from the packings of `r22` in results/reference/accuracy.csv (1.1 to 1.7
 # on three machines), the others by `python -m benchmarks.speed.throughput --shape ...` (docs/cost.md), where
 # ellipsoids had 0.55 and 0.76 on two machines.
-STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.65, ("mesh", False): 1.0, ("mesh", True): 1.4}
-# What searching each contact anew adds, as the study's program does (numerics.contact_region inflated): 6 to 8 µs a
+STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.65, ("polyhedron", False): 1.0, ("polyhedron", True): 1.4}
+# What searching each contact anew adds, as the study's program does (numerics.polyhedron_contact inflated): 6 to 8 µs a
 # search (`python -m benchmarks.studies.inflated`), 4 and 7 µs a grain and step in the first two beds of
 # difference_search.
 INFLATED_COST = 6.0
 # Half of the one and half of the other cost the mean of both, to 2 %.
-STEP_COST |= {("mixed", patch): 0.5 * (STEP_COST["ellipsoid", False] + STEP_COST["mesh", patch]) for patch in (0, 1)}
+STEP_COST |= {
+    ("mixed", patch): 0.5 * (STEP_COST["ellipsoid", False] + STEP_COST["polyhedron", patch]) for patch in (0, 1)
+}
 # The dearer, the longer the step (memory of a contact holds for less) and the softer the contacts (patches are wide,
 # more pairs touch): powers of both, from the CPU times of results/reference/work_precision/packings.csv, 10 to 80
 # steps in 2 ms and 0.25 to 2 ms in 10 steps, pebbles with patches; of other grains
 # ASSUME: the same.
-STUDY_STEP, LONGER = 5e-6, 0.12
-STUDY_CONTACT_TIME, SOFTER = 2e-4, 0.25
-# Near pairs that a grain at rest brings into the list; measured in the packings of examples/.
-NEAR_PAIRS = {"sphere": 5.2, "ellipsoid": 10.0, "mesh": 13.4}
-NEAR_PAIRS["mixed"] = 0.5 * (NEAR_PAIRS["ellipsoid"] + NEAR_PAIRS["mesh"])
-# Bytes of a grain with its near pairs, as `explain` says them for examples/, rounded up.
-GRAIN_MEMORY = {"sphere": 1200, "ellipsoid": 2600, "mesh": 4400, "mixed": 4400}
+R22_TIME_STEP, LONGER = 5e-6, 0.12
+R22_CONTACT_TIME, SOFTER = 2e-4, 0.25
+# CandidatePairs pairs that a grain at rest brings into the list; measured in the packings of examples/.
+CANDIDATE_PAIRS = {"sphere": 5.2, "ellipsoid": 10.0, "polyhedron": 13.4}
+CANDIDATE_PAIRS["mixed"] = 0.5 * (CANDIDATE_PAIRS["ellipsoid"] + CANDIDATE_PAIRS["polyhedron"])
+# Bytes of a grain with its candidate pairs, as `explain` says them for examples/, rounded up.
+GRAIN_MEMORY = {"sphere": 1200, "ellipsoid": 2600, "polyhedron": 4400, "mixed": 4400}
 # ASSUME: solid fraction of a poured bed, to tell how high it stands when the next batch is born.
 SOLID_FRACTION = 0.6
 # ASSUME: time until a shaken bed is at rest; 0.08 to 0.24 s in the packings of examples/.
@@ -50,7 +52,7 @@ CREEPING = 1.5
 # that of the sphere of its sieve size, and its longest axis over that size, means by number.
 SET_VOLUME, SET_LENGTH = 1.5, 1.84
 # Hulls are longer than the ellipsoids of the same mass and inertia; measured on the same 63.
-HULL_LENGTH = {"sphere": 1.0, "ellipsoid": 1.0, "mesh": 1.09, "mixed": 1.05}
+HULL_LENGTH = {"sphere": 1.0, "ellipsoid": 1.0, "polyhedron": 1.09, "mixed": 1.05}
 SAMPLED = 400  # grains that say what those of a form, or of a distribution of form, are in the mean
 
 # ASSUME: what is asked of a scheduler for a process with numba's compiler; the arrays are there several times while
@@ -165,17 +167,17 @@ def _form_factors(specification, curve) -> tuple[float, float]:
 def scene_step_cost(scene: Scene) -> float:
     """Return the CPU time of a grain and step of the scene [µs], one thread."""
     numerics = scene.numerics
-    return step_cost(WORDS[scene.kind], numerics.contact_region, numerics.contact_time, numerics.time_step)
+    return step_cost(WORDS[scene.kind], numerics.polyhedron_contact, numerics.contact_time, numerics.time_step)
 
 
 def step_cost(kind: str, region: str, contact_time: float, time_step: float) -> float:
     """CPU time of a grain and step [µs], one thread, at this contact time and step [s].
 
-    region: where polyhedra press, numerics.contact_region.
+    region: where polyhedra press, numerics.polyhedron_contact.
     """
-    patch = kind in ("mesh", "mixed") and region == "patch"
+    patch = kind in ("polyhedron", "mixed") and region == "patch"
     searched = INFLATED_COST if region == "inflated" else 0.0
-    slower = (time_step / STUDY_STEP) ** LONGER * (contact_time / STUDY_CONTACT_TIME) ** SOFTER
+    slower = (time_step / R22_TIME_STEP) ** LONGER * (contact_time / R22_CONTACT_TIME) ** SOFTER
     return STEP_COST[kind, patch] * slower + searched
 
 
@@ -212,7 +214,7 @@ def _lattice_batches(scene, pour):
     or third layer of its lattice.
     """
     generation, domain = scene.generation, scene.domain
-    height, spacing, study = domain.height, generation.spacing, generation.fill == "study"
+    height, spacing, study = domain.height, generation.spacing, generation.fill == "r22"
     stride = int(np.ceil(pour.height / (spacing * np.sqrt(6.0) / 3.0)))
     wait = round(
         _fall_time(scene, (1.0 - REFILL_HEIGHT) * height + (0.0 if study else generation.drop_height))
@@ -221,7 +223,7 @@ def _lattice_batches(scene, pour):
     inserted, steps = [], []
     done = 0
     while True:
-        low = (STUDY_FIRST_FILL if done == 0 else REFILL_HEIGHT) * height
+        low = (R22_FIRST_FILL if done == 0 else REFILL_HEIGHT) * height
         if not study:
             # The batch before has just fallen below the height where this one may begin.
             bed = pour.solid(done) / (SOLID_FRACTION * domain.area)

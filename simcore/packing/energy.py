@@ -6,7 +6,7 @@ import numpy as np
 
 from simcore.dem.forces.hertz import local_law
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.state.contacts import Near
+from simcore.dem.state.contacts import CandidatePairs
 
 
 class TotalEnergy(NamedTuple):
@@ -29,14 +29,14 @@ class Energy(NamedTuple):
         return float(self.motion.sum() + self.height.sum() + self.springs.sum())
 
 
-def mechanical_energy(bodies: Bodies, near: Near, law, gravity: float, dt: float = 0.0) -> Energy:
+def mechanical_energy(bodies: Bodies, candidates: CandidatePairs, law, gravity: float, dt: float = 0.0) -> Energy:
     """Energy of a state whose forces have been evaluated (a step of dt = 0). law: ContactLaw or HertzLaw.
 
     dt: the step [s]. Semi-implicit Euler is leapfrog whose velocities are known half a step before the positions;
     they are brought up to them, so that the energy is seen at second order. With 0 they are taken as they stand.
     """
     n = len(bodies.mass)
-    contacts, walls = near
+    contacts, walls = candidates
     touching, wall = contacts.touching > 0, walls.touching > 0
     body_a, body_b, walled = contacts.body_a[touching], contacts.body_b[touching], walls.body[wall]
     torque = np.zeros((n, 3))
@@ -62,10 +62,10 @@ def mechanical_energy(bodies: Bodies, near: Near, law, gravity: float, dt: float
     )
 
 
-def spring_energy(bodies: Bodies, near: Near, law) -> np.ndarray:
+def spring_energy(bodies: Bodies, candidates: CandidatePairs, law) -> np.ndarray:
     """Energy (n,) [J] of the springs of contacts, tangential ones and twisted patches too; half is each body's."""
     energy = np.zeros(len(bodies.mass))
-    contacts, walls = near
+    contacts, walls = candidates
     p, w = np.flatnonzero(contacts.touching), np.flatnonzero(walls.touching)
     a, b, i = contacts.body_a[p], contacts.body_b[p], walls.body[w]
     mass = bodies.mass[a] * bodies.mass[b] / (bodies.mass[a] + bodies.mass[b])

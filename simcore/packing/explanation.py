@@ -11,7 +11,7 @@ from simcore.dem.shapes.hulls import collect_shapes
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import bytes_per_pair
 from simcore.dem.state.features import PARTS, Features
-from simcore.packing.cost import NEAR_PAIRS, WORDS, PackingCost, Pour, cost_of, scene_step_cost
+from simcore.packing.cost import CANDIDATE_PAIRS, WORDS, PackingCost, Pour, cost_of, scene_step_cost
 from simcore.packing.expectation import Expectation, expect, warnings
 from simcore.packing.forecast import draw_packing
 from simcore.packing.forecast_text import bed_lines, grain_lines, setup_warnings
@@ -59,7 +59,7 @@ def estimate_cost(setup: Setup, sample=None) -> Cost:
         mass=scene.material.density * float(volumes.sum()),
         bytes_per_grain=per_grain,
         bytes_per_pair=per_pair,
-        memory=fixed + n * (per_grain + NEAR_PAIRS[WORDS[scene.kind]] * per_pair),
+        memory=fixed + n * (per_grain + CANDIDATE_PAIRS[WORDS[scene.kind]] * per_pair),
     )
 
 
@@ -100,7 +100,7 @@ def explain(setup: Setup) -> str:
         "            Compiling takes a minute or two more where a step of this kind has not run before",
         f"Memory      {_size(estimated.memory)} of arrays: {estimated.bytes_per_grain} bytes per grain, and "
         f"{estimated.bytes_per_pair} per candidate pair, of which a grain has about "
-        f"{NEAR_PAIRS[WORDS[scene.kind]]:g}",
+        f"{CANDIDATE_PAIRS[WORDS[scene.kind]]:g}",
         *_stability_lines(scene, expected),
         *(f"Warning     {text}" for text in warnings(scene, expected)),
         *(f"Warning     {text}" for text in setup_warnings(setup, sample)),

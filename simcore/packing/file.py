@@ -72,7 +72,7 @@ def packing_dataset(
         "converged": 1,
         "steps": packed.steps,
         "time": packed.time,
-        "last_birth": packed.last_insertion,
+        "last_insertion": packed.last_insertion,
         "max_speed": seen.max_speed,
         "unbalanced_force": seen.unbalanced_force,
         "kinetic_energy": seen.kinetic_energy,
@@ -224,7 +224,7 @@ def _shape_variables(bases):
 
 def _contact_variables(packed, shift, width):
     """Contacts between grains in the order of their key, then those with the walls in the order of grains."""
-    bodies, contacts, walls = packed.bodies, packed.near.contacts, packed.near.walls
+    bodies, contacts, walls = packed.bodies, packed.candidates.contacts, packed.candidates.walls
     p = np.flatnonzero(contacts.touching)
     a, b = contacts.body_a[p], contacts.body_b[p]
     # Of unwrapped centres image i is that of wrapped ones shifted by what the wrapping took from each.

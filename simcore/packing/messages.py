@@ -7,7 +7,7 @@ import numpy as np
 from simcore.dem.from_scene import stiffening_advice
 from simcore.packing.run_checks import PINCHING, DeepImpact, DeepOverlap, EnergyGain, NotFinite, TooFast
 
-BED_NEEDS = (
+BED_STEP_FACTORS = (
     1.2,
     1.35,
 )  # steps of a bed over those of its stiffest grain by itself; docs/constants_packing.md
@@ -19,10 +19,10 @@ def steps_advice(scene) -> str:
 
 
 def about_stiffest(memory) -> str:
-    """The steps that the stiffest grain needs. memory: WatchMemory."""
+    """The steps that the stiffest grain needs. memory: WatchState."""
     return (
         f"grain {memory.stiffest} with {memory.contacts} contacts alone needs {memory.needed:.1f} steps a contact "
-        f"time, a bed {BED_NEEDS[0]:g} to {BED_NEEDS[1]:g} times that"
+        f"time, a bed {BED_STEP_FACTORS[0]:g} to {BED_STEP_FACTORS[1]:g} times that"
     )
 
 
@@ -33,13 +33,13 @@ def hint(scene, memory) -> str:
 
 def may_jitter(scene, memory) -> bool:
     """Whether the time step may be too long for the stiffest grain, as it was held in the bed."""
-    return BED_NEEDS[1] * memory.needed > scene.numerics.steps_per_contact_time
+    return BED_STEP_FACTORS[1] * memory.needed > scene.numerics.steps_per_contact_time
 
 
 def advice_on_rest(scene, memory) -> str:
     """The sentence that says what helps a bed that does not come to rest."""
     if may_jitter(scene, memory):
-        enough = int(np.ceil(BED_NEEDS[1] * memory.needed))
+        enough = int(np.ceil(BED_STEP_FACTORS[1] * memory.needed))
         steps = scene.numerics.steps_per_contact_time
         return f"Raise numerics.steps_per_contact_time from {steps:g} to at least {enough}."
     return "Shake or damp longer, or loosen `convergence`."
@@ -84,7 +84,7 @@ def pinching_warning(scene, problem: DeepOverlap, step) -> str:
 
 @singledispatch
 def describe(problem, scene, step, memory) -> str:
-    """The message about a problem of simcore.packing.run_checks. memory: WatchMemory, for what it says of the step."""
+    """The message about a problem of simcore.packing.run_checks. memory: WatchState, for what it says of the step."""
     raise TypeError(f"no message describes {problem!r}")
 
 

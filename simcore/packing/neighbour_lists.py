@@ -7,7 +7,7 @@ import numpy as np
 
 SKIN = 0.3  # twice the margin of a body at rest, in mean sieve sizes
 WIDEST_MARGIN = 1.0  # cap on the extra margin of a fast body, in mean sieve sizes
-LIST_HOLDS = (100, 1000)  # steps: lists that hold for fewer look farther ahead, for more less far
+LIST_INTERVAL = (100, 1000)  # steps: lists that hold for fewer look farther ahead, for more less far
 AHEAD_STEP = 1.5
 
 
@@ -19,9 +19,9 @@ def skin_of(scene, mean_size) -> float:
 def adapt_look_ahead(state, dt) -> None:
     """Lengthen or shorten the look-ahead time by how many steps the last list held, and note the list of this step."""
     held = state.step - state.listed_step
-    if 0 < held < LIST_HOLDS[0]:
-        state.look_ahead = min(max(AHEAD_STEP * state.look_ahead, held * dt), LIST_HOLDS[0] * dt)
-    elif held > LIST_HOLDS[1]:
+    if 0 < held < LIST_INTERVAL[0]:
+        state.look_ahead = min(max(AHEAD_STEP * state.look_ahead, held * dt), LIST_INTERVAL[0] * dt)
+    elif held > LIST_INTERVAL[1]:
         state.look_ahead /= AHEAD_STEP
     state.listed_step = state.step
 

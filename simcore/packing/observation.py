@@ -6,7 +6,7 @@ import numpy as np
 
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.state.contacts import Near
+from simcore.dem.state.contacts import CandidatePairs
 
 
 class Observation(NamedTuple):
@@ -21,16 +21,16 @@ class Observation(NamedTuple):
     coordination: float  # grain-grain contacts per grain, each counted for both
 
 
-def observe(bodies: Bodies, near: Near, ranks=ONE_RANK) -> Observation:
+def observe(bodies: Bodies, candidates: CandidatePairs, ranks=ONE_RANK) -> Observation:
     """Observation of the current state, of all ranks; forces and overlaps are those of the last evaluation."""
     own = bodies.own
-    contacts, walls = near
+    contacts, walls = candidates
     # A contact counts where its first body moves: once.
     touching = (contacts.touching > 0) & bodies.moves_here[contacts.body_a]
     wall = walls.touching > 0
     speed2 = (bodies.velocity[own] ** 2).sum(axis=1)
     n, n_contacts, n_walls = ranks.add([len(own), touching.sum(), wall.sum()])
-    fastest, deepest, deepest_wall = ranks.most(
+    fastest, deepest, deepest_wall = ranks.maximum(
         [speed2.max(initial=0.0), contacts.overlap[touching].max(initial=0.0), walls.overlap[wall].max(initial=0.0)]
     )
     motion, spin, mass, height, overlap, net, force = ranks.totals(

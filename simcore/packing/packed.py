@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from simcore.dem.stability import Estimate
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.state.contacts import Near
+from simcore.dem.state.contacts import CandidatePairs
 from simcore.packing.observation import Observation
 
 GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"
@@ -33,7 +33,7 @@ class Packed(NamedTuple):
     """A packing that came to rest."""
 
     bodies: Bodies
-    near: Near
+    candidates: CandidatePairs
     observation: Observation
     steps: int
     time: float  # [s], simulated
@@ -44,8 +44,8 @@ class Packed(NamedTuple):
 
     @property
     def contacts(self):
-        return self.near.contacts
+        return self.candidates.contacts
 
     @property
     def walls(self):
-        return self.near.walls
+        return self.candidates.walls

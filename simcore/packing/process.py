@@ -51,7 +51,7 @@ class Process:
     """A packing under way; `pack` runs it through, benchmarks and tests step it themselves.
 
     It advances in stretches, at whose end it is checked and the next one is chosen. All that later steps depend on is
-    in the bodies, their near pairs and `state`, so that a checkpoint can be written after any step.
+    in the bodies, their candidate pairs and `state`, so that a checkpoint can be written after any step.
     """
 
     def __init__(self, scene, bases, draw, report, timed=False, ranks=ONE_RANK, keeper=None, **changes):
@@ -69,15 +69,15 @@ class Process:
         self.shaking_steps = round(scene.shaking.duration / self.dt)
         self.state = State()
         self.bodies = None
-        self.near = None
+        self.candidates = None
 
     @property
     def contacts(self):
-        return self.near.contacts
+        return self.candidates.contacts
 
     @property
     def walls(self):
-        return self.near.walls
+        return self.candidates.walls
 
     @property
     def step(self) -> int:
@@ -100,13 +100,13 @@ class Process:
         observation = self.settle()
         self.evaluate()
         stability = self.watch.stability(state.watch, expected.stability)
-        parts = list(self.ranks.parts(self.bodies, self.near))
+        parts = list(self.ranks.parts(self.bodies, self.candidates))
         if self.ranks.rank > 0:
             return None
-        bodies, near = assemble(parts, np.arange(state.inserted))
+        bodies, candidates = assemble(parts, np.arange(state.inserted))
         last_insertion, end = state.last_insertion * self.dt, state.step * self.dt
         told = (*warnings(self.scene, expected), *self.watch.warnings(state.watch))
-        return Packed(bodies, near, observation, state.step, end, last_insertion, state.checks, stability, told)
+        return Packed(bodies, candidates, observation, state.step, end, last_insertion, state.checks, stability, told)
 
     def expect(self):
         """What is expected of the scene before it runs; its warnings are reported."""
@@ -121,14 +121,14 @@ class Process:
         self.state.inserted = int(self.ranks.add([len(bodies.own)])[0])
         self.watch.begin_anew(self.state, bodies)
         self.state.skin = skin_of(self.scene, mean_size)
-        self.list_near()
+        self.list_candidates()
 
     # -- phases ---------------------------------------------------------------------------------------------
 
     def generate(self):
         """Insert batches until the amount is reached; returns the step of the last insertion."""
         while not self.state.complete:
-            if self.insertion.is_due(self.state, self.bodies, self.near):
+            if self.insertion.is_due(self.state, self.bodies, self.candidates):
                 self.insert_batch()
             else:
                 self.advance(self.interval_steps, GENERATING)
@@ -151,7 +151,7 @@ class Process:
         scene, state = self.scene, self.state
         if state.phase != DAMPING:
             state.phase, state.phase_end = DAMPING, state.step + round(scene.damping.max_time / self.dt)
-            state.mean_height = observe(self.bodies, self.near, self.ranks).mean_height
+            state.mean_height = observe(self.bodies, self.candidates, self.ranks).mean_height
         while state.in_stretch or state.step < state.phase_end:
             seen = self.advance(self.interval_steps, DAMPING, state.phase_end)
             verdict = self._judge(seen)
@@ -185,7 +185,7 @@ class Process:
 
     def keep(self):
         """Hand the state to the keeper; it changes nothing."""
-        self.keeper.keep(self.state.to_header(), self.ranks.parts(self.bodies, self.near))
+        self.keeper.keep(self.state.to_header(), self.ranks.parts(self.bodies, self.candidates))
 
     def resume(self):
         """Go to where the keeper's latest checkpoint was, if there is one."""
@@ -194,7 +194,7 @@ class Process:
             return
         header, sections = latest
         self.state = state = State.from_header(header)
-        self.bodies, self.near = self.ranks.restore(sections, self.stepper.box, self.stepper.features)
+        self.bodies, self.candidates = self.ranks.restore(sections, self.stepper.box, self.stepper.features)
         self.progress.phase(f"goes on from step {state.step}, t = {state.step * self.dt:.3f} s, {state.phase}")
 
     # -- steps ----------------------------------------------------------------------------------------------
@@ -208,7 +208,7 @@ class Process:
             stale, wish = self._advance(drive, state.stretch_end - state.step)
             if stale:
                 self.watch.check_finite(self.bodies, state.step)
-                self.list_near()
+                self.list_candidates()
             if wish:
                 self.keep()
                 if wish == KEEP_AND_STOP:
@@ -217,15 +217,15 @@ class Process:
                         f"was asked to; the same command goes on from there"
                     )
         state.in_stretch = False
-        seen = observe(self.bodies, self.near, self.ranks)
-        self.watch.check(state, self.bodies, self.near, drive, falling=phase != DAMPING)
+        seen = observe(self.bodies, self.candidates, self.ranks)
+        self.watch.check(state, self.bodies, self.candidates, drive, falling=phase != DAMPING)
         state.checks.append((state.step * self.dt, phase, seen))
         self.progress.line(phase, state.step, self.dt, state.inserted, seen, end)
         return seen
 
     def evaluate(self):
         """Forces, overlaps and contact points of the final positions, without moving anything."""
-        self.stepper.step(self.bodies, self.near, self.stepper.drive(DAMPING, 0.0), self.state.step, 1)
+        self.stepper.step(self.bodies, self.candidates, self.stepper.drive(DAMPING, 0.0), self.state.step, 1)
 
     def _advance(self, drive, n_steps):
         """Some steps, at most n_steps: (whether the list is stale, wish of the keeper)."""
@@ -236,16 +236,21 @@ class Process:
         return stale, wish
 
     def _step(self, drive, n_steps):
-        done, stale = self.stepper.step(self.bodies, self.near, drive, self.state.step, n_steps)
+        done, stale = self.stepper.step(self.bodies, self.candidates, drive, self.state.step, n_steps)
         self.state.step += done
         return done, stale
 
-    def list_near(self):
+    def list_candidates(self):
         """List what can touch, looking as far ahead as the last lists call for."""
         started = time.perf_counter()
         adapt_look_ahead(self.state, self.dt)
         stepper = self.stepper
-        self.bodies, self.near = self.ranks.list_near(
-            self.bodies, stepper.shapes, stepper.box, margins(self.bodies, self.state), stepper.features, self.near
+        self.bodies, self.candidates = self.ranks.list_candidates(
+            self.bodies,
+            stepper.shapes,
+            stepper.box,
+            margins(self.bodies, self.state),
+            stepper.features,
+            self.candidates,
         )
         stepper.seconds["neighbour search"] += time.perf_counter() - started

@@ -9,7 +9,7 @@ import numpy as np
 
 from simcore.dem.from_scene import Composition
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.state.contacts import Near
+from simcore.dem.state.contacts import CandidatePairs
 from simcore.packing.energy import TotalEnergy, spring_energy
 from simcore.packing.expectation import depth_of_impact, fall_speed
 
@@ -87,9 +87,9 @@ def check_impact(bodies: Bodies, thickness, scene, backing: float, ranks) -> Dee
     return DeepImpact(grain, speed, depth) if relative > DEEPEST else None
 
 
-def deepest_of_all(bodies: Bodies, near: Near, thickness, ranks, counted=None) -> DeepOverlap:
+def deepest_of_all(bodies: Bodies, candidates: CandidatePairs, thickness, ranks, counted=None) -> DeepOverlap:
     """The deepest overlap of all ranks against the thinner grain's half thickness; ratio 0 where nothing touches."""
-    overlap, (thin, other), ratio = deepest_overlap(near, thickness, bodies.id, counted)
+    overlap, (thin, other), ratio = deepest_overlap(candidates, thickness, bodies.id, counted)
     thin, other = (int(bodies.id[row]) if row >= 0 else -1 for row in (thin, other))
     # Of several as deep, that of the lowest grains.
     order = ratio, other >= 0, -min(thin, other), -max(thin, other)
@@ -102,9 +102,9 @@ def too_deep(overlap: DeepOverlap) -> bool:
     return overlap.ratio > DEEPEST
 
 
-def pinched(bodies: Bodies, near: Near) -> np.ndarray:
+def pinched(bodies: Bodies, candidates: CandidatePairs) -> np.ndarray:
     """Bodies (n,) that touch a PINCHING times heavier one, and those of other ranks, which judge them."""
-    contacts = near.contacts
+    contacts = candidates.contacts
     p = np.flatnonzero(contacts.touching)
     a, b, mass = contacts.body_a[p], contacts.body_b[p], bodies.mass
     caught = ~bodies.moves_here
@@ -113,7 +113,7 @@ def pinched(bodies: Bodies, near: Near) -> np.ndarray:
     return caught
 
 
-def total_energy(bodies: Bodies, near: Near, law, drive, ranks):
+def total_energy(bodies: Bodies, candidates: CandidatePairs, law, drive, ranks):
     """(TotalEnergy of all ranks, energy of motion and springs of the own bodies (k,) [J]) at the last force evaluation.
 
     Velocities are the means of those before and after it.
@@ -123,7 +123,7 @@ def total_energy(bodies: Bodies, near: Near, law, drive, ranks):
     moving = 0.5 * bodies.mass * (velocity**2).sum(axis=1)
     moving += 0.5 * (bodies.angular_momentum * bodies.angular_velocity).sum(axis=1)
     height = bodies.mass * drive.gravity * (bodies.position[:, 2] - back * bodies.velocity[:, 2])
-    moving = (moving + spring_energy(bodies, near, law))[bodies.own]
+    moving = (moving + spring_energy(bodies, candidates, law))[bodies.own]
     height = height[bodies.own]
     return TotalEnergy(*ranks.totals(moving, height, np.abs(height))), moving
 
@@ -136,7 +136,7 @@ class Interval(NamedTuple):
     composition: Composition  # laws of the contacts
 
 
-def check_energy(bodies: Bodies, near: Near, before: TotalEnergy | None, interval: Interval, ranks):
+def check_energy(bodies: Bodies, candidates: CandidatePairs, before: TotalEnergy | None, interval: Interval, ranks):
     """(TotalEnergy now, EnergyGain or None): whether more energy is there than before and than the interval explains.
 
     Contacts only take energy, so the mechanical energy grows by no more than shaking puts in: ∫ a(t) P dt with the
@@ -145,7 +145,7 @@ def check_energy(bodies: Bodies, near: Near, before: TotalEnergy | None, interva
     own error comes on top, as a share of the energy of motion and springs. before: None after bodies were added.
     """
     drive, time = interval.drive, interval.time
-    now, moving = total_energy(bodies, near, interval.composition.law, drive, ranks)
+    now, moving = total_energy(bodies, candidates, interval.composition.law, drive, ranks)
     if before is None:
         return now, None
     own = bodies.own
@@ -163,13 +163,13 @@ def check_energy(bodies: Bodies, near: Near, before: TotalEnergy | None, interva
     return now, EnergyGain(gained, allowed, time, grain)
 
 
-def deepest_overlap(near: Near, thickness, ids, counted=None):
+def deepest_overlap(candidates: CandidatePairs, thickness, ids, counted=None):
     """The overlap [m] that is largest against the thinner grain's half thickness: (overlap, (thinner, other), ratio).
 
     thickness: of each grain, (n,) [m]; ids (n,): of two as thick the lower counts as thinner. counted (n,) bool: of
     contacts those whose thinner grain is; None: all. A wall counts as grain -1; (0, (-1, -1), 0) where nothing touches.
     """
-    contacts, walls = near
+    contacts, walls = candidates
     counted = np.ones(len(thickness), bool) if counted is None else counted
     deepest = 0.0, (-1, -1), 0.0
     p = np.flatnonzero(contacts.touching)

@@ -1,4 +1,4 @@
-"""The state of a packing under way, besides its bodies and their near pairs: what a checkpoint writes and reads."""
+"""State of a running packing besides its bodies and their candidate pairs; checkpoints write and read it."""
 
 from dataclasses import asdict, dataclass, field
 
@@ -8,7 +8,7 @@ from simcore.packing.packed import GENERATING
 
 
 @dataclass
-class WatchMemory:
+class WatchState:
     """What the checks remember from one to the next."""
 
     load: float = 0.0  # of the stiffest grain so far; see simcore.dem.stability
@@ -35,7 +35,7 @@ class State:
     inserted: int = 0  # grains
     complete: bool = False  # no grain is left to insert
     next_insertion: int = 0  # step before which no batch is inserted
-    room_deadline: int = 0  # step until which the last batch must have left room for the next
+    space_deadline: int = 0  # step until which the last batch must have left room for the next
     last_insertion: int = 0
     mean_size: float = 0.0  # [m], of the sieve sizes of the last batch
     mean_height: float = 0.0  # [m], at the last check while damping
@@ -43,7 +43,7 @@ class State:
     look_ahead: float = 0.0  # [s], time whose way, at its speed, a body's margin includes
     listed_step: int = 0  # step of the last neighbour list
     checks: list = field(default_factory=list)  # (time [s], phase, Observation) at the end of each stretch
-    watch: WatchMemory = field(default_factory=WatchMemory)
+    watch: WatchState = field(default_factory=WatchState)
 
     def to_header(self) -> dict:
         """The state as a dict that JSON can store."""
@@ -55,7 +55,7 @@ class State:
     def from_header(cls, header: dict):
         """The state that `to_header` stored; other keys of the header are ignored."""
         fields = {name: header[name] for name in cls.__dataclass_fields__}
-        memory = WatchMemory(**fields.pop("watch"))
+        memory = WatchState(**fields.pop("watch"))
         if memory.energy is not None:
             memory.energy = TotalEnergy(*memory.energy)
         checks = [(time, phase, Observation(*seen)) for time, phase, *seen in fields.pop("checks")]

@@ -1,4 +1,4 @@
-"""The compiled step of a scene with what it needs besides bodies and near pairs: shapes, box, law, drive, workspace."""
+"""The compiled step of a scene and its arguments besides bodies and candidate pairs."""
 
 import time
 
@@ -43,17 +43,17 @@ class Stepper:
             wall_radius=0.5 * scene.domain.width,
         )
 
-    def step(self, bodies, near, drive, first_step, n_steps):
+    def step(self, bodies, candidates, drive, first_step, n_steps):
         """(steps done, whether the list is stale): at most n_steps, fewer where a body has left its margin."""
-        state = State(self.shapes, bodies, *near, self.workspace)
+        state = State(self.shapes, bodies, *candidates, self.workspace)
         return self.advance_steps(state, self.law, drive, self.clock, first_step, n_steps)
 
-    def touching_pairs(self, bodies, near, drive):
+    def touching_pairs(self, bodies, candidates, drive):
         """Pairs (m, 2) of bodies that touch where they are, by the step's own contacts; nothing moves."""
         clock = np.zeros_like(self.clock)
-        state = State(self.shapes, bodies, *near, self.workspace)
+        state = State(self.shapes, bodies, *candidates, self.workspace)
         self.advance_steps(state, self.law, drive, clock, 0, 1)
-        contacts = near.contacts
+        contacts = candidates.contacts
         return np.column_stack([contacts.body_a, contacts.body_b])[contacts.touching != 0]
 
     def count(self, started, before) -> None:

@@ -4,7 +4,7 @@ from simcore.dem.from_scene import compose
 from simcore.dem.ranks.one_rank import ONE_RANK
 from simcore.dem.stability import Estimate, body_steps, contact_load, stiffest_body
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.state.contacts import Near
+from simcore.dem.state.contacts import CandidatePairs
 from simcore.dem.step.step import Drive
 from simcore.packing.expectation import backing
 from simcore.packing.messages import advice_on_rest, describe, few_steps_warning, hint, let_pass, pinching_warning
@@ -20,7 +20,7 @@ from simcore.packing.run_checks import (
     pinched,
     too_deep,
 )
-from simcore.packing.state import State, WatchMemory
+from simcore.packing.state import State, WatchState
 from simcore.scene.scene import Scene
 
 STIFFNESS_LOOKS = 5  # checks between two searches for the stiffest grain
@@ -39,7 +39,7 @@ class Watch:
         state.watch.energy = None
         self._check_speeds(state, bodies, half_thickness(bodies))
 
-    def check(self, state: State, bodies: Bodies, near: Near, drive: Drive, falling: bool) -> None:
+    def check(self, state: State, bodies: Bodies, candidates: CandidatePairs, drive: Drive, falling: bool) -> None:
         """PackingError where something is wrong at the end of a stretch of steps with this drive.
 
         falling: whether grains may still be falling from where they were inserted, as long as the last batch is young.
@@ -48,33 +48,33 @@ class Watch:
         self.check_finite(bodies, step)
         thickness = half_thickness(bodies)
         self._check_speeds(state, bodies, thickness)
-        self._check_overlap(state, bodies, near, thickness, falling and step < state.room_deadline)
+        self._check_overlap(state, bodies, candidates, thickness, falling and step < state.space_deadline)
         time = (step - state.stretch_start) * drive.dt
         interval = Interval(drive, time, self.composition)
-        memory.energy, problem = check_energy(bodies, near, memory.energy, interval, self.ranks)
+        memory.energy, problem = check_energy(bodies, candidates, memory.energy, interval, self.ranks)
         self._stop_for(problem, step, memory)
         if memory.looks % STIFFNESS_LOOKS == 0:
-            self._note_stiffest(memory, bodies, near, drive.dt, step)
+            self._note_stiffest(memory, bodies, candidates, drive.dt, step)
         memory.looks += 1
 
     def check_finite(self, bodies: Bodies, step: int) -> None:
         """PackingError where a position is no number."""
         self._stop_for(check_finite(bodies, self.ranks), step, None)
 
-    def stability(self, memory: WatchMemory, expected: Estimate | None) -> Stability:
+    def stability(self, memory: WatchState, expected: Estimate | None) -> Stability:
         """The time step that the run had and needed."""
         steps = self.scene.numerics.steps_per_contact_time
         return Stability(steps, expected, memory.needed, memory.stiffest, memory.contacts, memory.deepest)
 
-    def hint(self, memory: WatchMemory) -> str:
+    def hint(self, memory: WatchState) -> str:
         """An addition to a message where the time step may be too long for the stiffest grain, or nothing."""
         return hint(self.scene, memory)
 
-    def advice_on_rest(self, memory: WatchMemory) -> str:
+    def advice_on_rest(self, memory: WatchState) -> str:
         """The sentence that says what helps a bed that does not come to rest."""
         return advice_on_rest(self.scene, memory)
 
-    def warnings(self, memory: WatchMemory) -> list[str]:
+    def warnings(self, memory: WatchState) -> list[str]:
         """A sentence for each thing that was let pass."""
         return let_pass(self.scene, memory)
 
@@ -87,13 +87,13 @@ class Watch:
         impact = check_impact(bodies, thickness, self.scene, self.backing, self.ranks)
         self._stop_for(impact, state.step, state.watch)
 
-    def _check_overlap(self, state, bodies, near, thickness, falling):
+    def _check_overlap(self, state, bodies, candidates, thickness, falling):
         """A pebble under a far heavier stone may be deep in it while grains fall: it is warned of once."""
         memory = state.watch
-        deepest = deepest_of_all(bodies, near, thickness, self.ranks)
+        deepest = deepest_of_all(bodies, candidates, thickness, self.ranks)
         memory.deepest = max(memory.deepest, deepest.ratio)
         if too_deep(deepest) and falling:
-            others = deepest_of_all(bodies, near, thickness, self.ranks, ~pinched(bodies, near))
+            others = deepest_of_all(bodies, candidates, thickness, self.ranks, ~pinched(bodies, candidates))
             if not too_deep(others) and not memory.warned_of_pinching:
                 memory.warned_of_pinching = True
                 self.report(pinching_warning(self.scene, deepest, state.step))
@@ -101,22 +101,22 @@ class Watch:
         if too_deep(deepest):
             self._stop_for(deepest, state.step, memory)
 
-    def _note_stiffest(self, memory, bodies, near, dt, step):
+    def _note_stiffest(self, memory, bodies, candidates, dt, step):
         """Remember the grain whose contacts call for the shortest time step; warn once where the run's is longer."""
         scene, law, firmness = self.scene, self.composition.continuous_law, self.composition.firmness
         friction, implicit = self.composition.features.friction, self.composition.features.implicit
         # With an implicit dashpot bodies are ranked as if each had one contact.
         load = contact_load(law, dt, friction, 1.0 if implicit else None)
-        stiffest = stiffest_body(bodies, near, self.width, load, ranks=self.ranks, firmness=firmness)
+        stiffest = stiffest_body(bodies, candidates, self.width, load, ranks=self.ranks, firmness=firmness)
         if stiffest.load <= memory.load:
             return
         memory.load, memory.stiffest, memory.contacts = stiffest.load, stiffest.body, stiffest.contacts
-        hold = stiffest.contacts if implicit else None
+        effective_contacts = stiffest.contacts if implicit else None
         # Of law hertz the linear one has no contact time: it may be overdamped.
         time = None if firmness is None else scene.numerics.contact_time
         memory.needed = body_steps(
-            bodies, near, self.width, law, friction, stiffest.body,
-            hold=hold, ranks=self.ranks, firmness=firmness, time=time,
+            bodies, candidates, self.width, law, friction, stiffest.body,
+            effective_contacts=effective_contacts, ranks=self.ranks, firmness=firmness, time=time,
         )  # fmt: skip
         if memory.needed > scene.numerics.steps_per_contact_time and not memory.warned_of_steps:
             memory.warned_of_steps = True

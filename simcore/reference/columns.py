@@ -41,7 +41,7 @@ COLUMNS = (
     Column("faces", "", "faces of a polyhedron at most, or original"),
     Column("accuracy", "", "preset of numerical settings"),
     Column("grain", "", "name of the grain whose form all grains have"),
-    Column("kind", "", "shape of the grains: mesh, ellipsoid, sphere or mixed", "representation"),
+    Column("kind", "", "shape of the grains: polyhedron, ellipsoid, sphere or mixed", "representation"),
     Column("seed", "", "seed of the packing"),
     Column("run", "", "number of a repeated packing: its seed"),
     Column("runs", "", "number of packings of a setting"),

@@ -15,7 +15,7 @@ def read_single_forms(path):
     """
     table = pd.read_csv(path)
     if "representation" in table:
-        table = table[table.representation == "mesh"]
+        table = table[table.representation == "polyhedron"]
     if "source" not in table:
         table = table.assign(source="")
     table = table.assign(grain=table.source + " " + table.grain)

@@ -19,7 +19,7 @@ ROUNDING = 1e-3 / np.sqrt(12.0)  # standard deviation of what three printed deci
 _STD_OF_MAE = np.sqrt(0.5 * np.pi)
 
 
-def read_study_table(name, folder=R22_TABLES):
+def read_r22_table(name, folder=R22_TABLES):
     """The source study's table of that name, as a DataFrame."""
     return pd.read_csv(folder / f"{name}.csv")
 
@@ -27,15 +27,15 @@ def read_study_table(name, folder=R22_TABLES):
 def add_reference(table, study, folder=R22_TABLES):
     """The summarised table of a study beside the source study's values, and how far the two are apart.
 
-    table: as from study_tables.summarise. New columns: study_n, study_n_std (over its runs), study_n_error (standard
-    error of study_n), difference (ours less the study's) and z, the difference in standard errors of both; nan where
+    table: as from study_tables.summarise. New columns: r22_n, r22_n_std (over its runs), r22_n_error (standard
+    error of r22_n), difference (ours less the study's) and z, the difference in standard errors of both; nan where
     the study has no value. For the validation also experiment_n, experiment_n_std, experiment_error_percent of ours
-    and study_error_percent of the study's packings; for the resolution of meshes cpu_h_per_run, and the study's
-    study_volume_change_percent and study_runtime_h.
+    and r22_error_percent of the study's packings; for the resolution of meshes cpu_h_per_run, and the study's
+    r22_volume_change_percent and r22_runtime_h.
 
-    For single forms and mixtures the study gives no table of porosities: there study_n is what its fitted model
-    says for the forms of our packing, and study_n_error the error of such a prediction, from the mean absolute error
-    of its cross-validation. Elsewhere study_n_error is its standard deviation over the square root of its runs less one
+    For single forms and mixtures the study gives no table of porosities: there r22_n is what its fitted model
+    says for the forms of our packing, and r22_n_error the error of such a prediction, from the mean absolute error
+    of its cross-validation. Elsewhere r22_n_error is its standard deviation over the square root of its runs less one
     (it divides by the number of runs: see the three of Table 6) and the rounding to three decimals; where it states no
     deviation it is the rounding alone, and z is too large. Its values hold for its own sizes of domain, not for
     smaller ones.
@@ -56,9 +56,9 @@ def add_reference(table, study, folder=R22_TABLES):
         added = _cost_of_faces(table, folder)
     difference = table["n"] - value
     return table.assign(
-        study_n=value,
-        study_n_std=std,
-        study_n_error=np.where(np.isnan(value), np.nan, error),
+        r22_n=value,
+        r22_n_std=std,
+        r22_n_error=np.where(np.isnan(value), np.nan, error),
         difference=difference,
         z=difference / np.hypot(table["n_std_error"], error),
         **added,
@@ -74,7 +74,7 @@ def _from_table(table, file, columns, value, std, runs, folder):
 
 def _look_up(table, file, columns, name, folder):
     """The column `name` of the study's table `file`, where `columns` of both agree, (n,); nan elsewhere."""
-    theirs = read_study_table(file, folder).rename(columns=columns)
+    theirs = read_r22_table(file, folder).rename(columns=columns)
     keys = list(columns.values())
     if name is None or not set(keys) <= set(table.columns):
         return np.full(len(table), np.nan)
@@ -92,7 +92,7 @@ def _experiment(table, folder):
         "experiment_n": measured,
         "experiment_n_std": std,
         "experiment_error_percent": 100.0 * (table["n"] / measured - 1.0),
-        "study_error_percent": theirs,
+        "r22_error_percent": theirs,
     }
 
 
@@ -102,20 +102,20 @@ def _cost_of_faces(table, folder):
     return {
         "cpu_h_per_run": table["cpu_h"] / table["runs"],
     } | {
-        f"study_{name}": _look_up(table, "table4_mesh_resolution", columns, name, folder)
+        f"r22_{name}": _look_up(table, "table4_mesh_resolution", columns, name, folder)
         for name in ("volume_change_percent", "runtime_h")
     }
 
 
 def _single_form_error(table, folder):
     """Standard deviation of the error of the study's {EQ^-1, EL^-1} model for one packing."""
-    errors = read_study_table("table9_second_factor_mae", folder).set_index("case")["EL_inv"]
+    errors = read_r22_table("table9_second_factor_mae", folder).set_index("case")["EL_inv"]
     return 1e-3 * _STD_OF_MAE * errors.reindex(table["case"]).to_numpy()
 
 
 def _mixture_error(table, folder):
     """The same of its model of form mixtures, which has four features."""
-    sets = read_study_table("table10_form_mixture_features", folder)
+    sets = read_r22_table("table10_form_mixture_features", folder)
     full = sets[(sets.filter(regex="_inv$") == 1).all(axis=1)].iloc[0]
     errors = [full.get(f"{case}_mae_1e-3", np.nan) for case in table["case"]]
     return 1e-3 * _STD_OF_MAE * np.array(errors, float)
@@ -131,7 +131,7 @@ def _plain(value):
 
 def _from_model(table, model, folder):
     """What the study's linear model says for the mean and standard deviation of EQ and EL over the grains."""
-    models = read_study_table("models", folder).query("model == @model").set_index("case")
+    models = read_r22_table("models", folder).query("model == @model").set_index("case")
     features = {
         "EQ_inv": 1 / table.EQ,
         "EL_inv": 1 / table.EL,
@@ -149,6 +149,6 @@ def _from_model(table, model, folder):
 
 
 def _application(table, folder):
-    theirs = read_study_table("table11_application", folder).set_index("case").reindex(table.case)
+    theirs = read_r22_table("table11_application", folder).set_index("case").reindex(table.case)
     drawn = (table.get("choice", pd.Series("random", table.index)) == "random").to_numpy()
     return np.where(drawn, theirs.discrete_simulated, theirs.continuous_simulated)

@@ -21,13 +21,13 @@ from simcore.models.tables import compare_predictions
 from simcore.models.unified import STATISTICS, UNIFIED, unified_features, unified_models
 from simcore.paths import CONFIG
 from simcore.reference.columns import ASKED_FOR, FORM, study_names
-from simcore.reference.r22_tables import add_reference, read_study_table
+from simcore.reference.r22_tables import add_reference, read_r22_table
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.report.figures.studies import porosities_figure, trends_figure
 from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
 from simcore.report.findings import Findings
 
-MESH, ELLIPSOID = "mesh", "ellipsoid"
+MESH, ELLIPSOID = "polyhedron", "ellipsoid"
 # Studies whose rows stand beside a table of the source study's, or by themselves.
 PLAIN_STUDIES = (
     "mesh_resolution",
@@ -128,25 +128,25 @@ def _single_forms(packings, seed, folds):
 
 def _single_forms_of(source, rows, seed, folds):
     """Porosities of one source of grains, and the models of its cases with more than four forms."""
-    correlations, study_models = read_study_table("correlations"), read_study_table("models")
+    correlations, r22_models = read_r22_table("correlations"), read_r22_table("models")
     means = add_reference(summarise(rows, ["case"]), "single_form")
     tables = {"single_form_porosities": means}
     fitted = rows.groupby("case", sort=False).filter(lambda cases: cases["grain"].nunique() > 4)
     if fitted.empty:
         return Findings(tables)
     of_source, models = single_form_models(
-        fitted, correlations, read_study_table("table9_second_factor_mae"), study_models, seed, folds
+        fitted, correlations, read_r22_table("table9_second_factor_mae"), r22_models, seed, folds
     )
     for name, table in of_source.items():
         tables["single_form" if name == "models" else f"single_form_{name}"] = table
-    tables["single_form_mean_form"] = _at_mean_form(models, study_models)
+    tables["single_form_mean_form"] = _at_mean_form(models, r22_models)
     shown = {case: model for (name, case), model in models.items() if name == "single_form"}
     axes = rows.groupby(["case", "grain"])[list("LIS")].mean().reset_index()
     beds = means[means["case"].isin(shown)].merge(axes, on=["case", "grain"]).reset_index(drop=True)
     features = form_features(*(beds[axis] for axis in "LIS"))
-    compared = pd.concat([beds[["case", "n", "n_std_error", "study_n"]], features], axis=1)
+    compared = pd.concat([beds[["case", "n", "n_std_error", "r22_n"]], features], axis=1)
     figures = {
-        f"single_form_features_{source}": form_figure(beds, study=correlations, study_models=study_models),
+        f"single_form_features_{source}": form_figure(beds, study=correlations, r22_models=r22_models),
         f"single_form_zingg_{source}": porosity_zingg_figure(beds, shown),
         f"single_form_prediction_{source}": prediction_figure(
             compare_predictions(models, "single_form", compared), list(shown.values())
@@ -160,20 +160,20 @@ def _of_source(table, source):
     return table.assign(source=source)[["source", *table.columns.drop("source", errors="ignore")]]
 
 
-def _at_mean_form(models, study_models):
+def _at_mean_form(models, r22_models):
     """Porosity of beds of the study's mean form, by our models and by its own: one row a case."""
-    form = read_study_table("table2_form_statistics").iloc[0]
+    form = read_r22_table("table2_form_statistics").iloc[0]
     features = pd.DataFrame({"EQ_inv": [1.0 / (form["mu_FL"] * form["mu_EL"])], "EL_inv": [1.0 / form["mu_EL"]]})
     rows = []
     for (name, case), model in models.items():
         if name == "single_form":
             n, lower, upper = (value[0] for value in model.predict_interval(features))
-            published = study_models.query("model == 'single_form' and case == @case").iloc[:1]
-            study_n = published["intercept"] + sum(published[each] * features[each][0] for each in features)
+            published = r22_models.query("model == 'single_form' and case == @case").iloc[:1]
+            r22_n = published["intercept"] + sum(published[each] * features[each][0] for each in features)
             row = {"case": case, "FL": form["mu_FL"], "EL": form["mu_EL"], "n": n, "lower_95": lower, "upper_95": upper}
-            rows.append(row | {"study_n": study_n.iloc[0] if len(study_n) else np.nan})
+            rows.append(row | {"r22_n": r22_n.iloc[0] if len(r22_n) else np.nan})
     table = pd.DataFrame(rows)
-    return table.assign(difference=table["n"] - table["study_n"])
+    return table.assign(difference=table["n"] - table["r22_n"])
 
 
 def _shape_kinds(packings, near_spheres):
@@ -182,7 +182,7 @@ def _shape_kinds(packings, near_spheres):
     pairs = pair_shape_kinds(own[own["kind"] == MESH], own[own["kind"] == ELLIPSOID])
     if pairs.empty:
         return Findings()
-    table = shape_kind_table(pairs, read_study_table("mesh_ellipsoid_difference"))
+    table = shape_kind_table(pairs, read_r22_table("polyhedron_ellipsoid_difference"))
     round_ones = None if near_spheres is None else _beside(near_spheres, "near_spheres")
     return Findings(
         {"shape_kind_pairs": pairs, "shape_kinds": table}, {"shape_kinds": shape_kind_figure(pairs, round_ones)}
@@ -194,16 +194,16 @@ def _application(packings, models):
     kind = np.where(packings["choice"] == "random", "discrete", "continuous")
     unseen = pd.concat([packings[["case", "n"]].assign(kind=kind), _statistics(packings)], axis=1)
     seen = unseen.groupby(["case", "kind"], sort=False).mean().reset_index()
-    return application_table(models, seen, read_study_table("table11_application"))
+    return application_table(models, seen, read_r22_table("table11_application"))
 
 
 def _mixtures(packings, seed, folds):
     """The model of mixtures, its tables and figures."""
     fitted, models = mixture_models(
         _samples(packings).drop(columns=["mean_FL", "mean_EL"]),
-        read_study_table("correlations"),
-        read_study_table("table10_form_mixture_features"),
-        read_study_table("models"),
+        read_r22_table("correlations"),
+        read_r22_table("table10_form_mixture_features"),
+        read_r22_table("models"),
         seed,
         folds,
     )
@@ -212,11 +212,11 @@ def _mixtures(packings, seed, folds):
     means = add_reference(summarise(packings, list(ASKED_FOR)), "form_mixtures")
     tables["form_mixture_porosities"] = means
     if models:
-        compared = pd.concat([means[["case", "n", "n_std_error", "study_n"]], _statistics(means)], axis=1)
+        compared = pd.concat([means[["case", "n", "n_std_error", "r22_n"]], _statistics(means)], axis=1)
         predictions = compare_predictions(models, "form_mixture", compared)
         # Model beside model: what one leaves of its own beds is not told of the study's, which are not published.
         means["model_n"] = predictions["predicted"]
-        means["model_difference"] = means["model_n"] - means["study_n"]
+        means["model_difference"] = means["model_n"] - means["r22_n"]
         figures["form_mixture_prediction"] = prediction_figure(predictions, list(models.values()))
     asked_for = means.drop(columns=list(ASKED_FOR.values()), errors="ignore").rename(columns=ASKED_FOR)
     figures["form_mixture_sets"] = form_sets_figure(asked_for)
@@ -226,7 +226,7 @@ def _mixtures(packings, seed, folds):
 def _unified(forms, mixtures, seed, folds):
     """The model for beds of one form and for mixtures alike."""
     synthetic = forms[(forms["kind"] == MESH) & (forms["source"] == "synthetic")]
-    unified, models = unified_models(synthetic, _samples(mixtures), read_study_table("models"), seed, folds)
+    unified, models = unified_models(synthetic, _samples(mixtures), read_r22_table("models"), seed, folds)
     return Findings({"unified": unified["models"], "unified_feature_sets": unified["feature_sets"]}, {}, models)
 
 

@@ -12,7 +12,7 @@ from simcore.grains.tables import (
     principal_components,
     shape_comparison,
 )
-from simcore.reference.r22_tables import read_study_table
+from simcore.reference.r22_tables import read_r22_table
 from simcore.report.figures import grains as figures
 from simcore.report.findings import Findings
 
@@ -24,7 +24,7 @@ def grain_findings(grains) -> Findings:
     """
     forms, shapes, decimation = form_table(grains), shape_table(grains), decimation_table(grains)
     correlations, summary = factor_correlations(forms), decimation_summary(decimation)
-    r22 = read_study_table("table2_form_statistics")
+    r22 = read_r22_table("table2_form_statistics")
     of_the_rhine = r22.iloc[0]  # the grains of Rettinger et al. (2022)
     tables = {
         "forms": forms,

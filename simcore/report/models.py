@@ -9,7 +9,7 @@ from simcore.models.shape_kinds import pair_shape_kinds, shape_kind_table
 from simcore.models.single_form import single_form_models
 from simcore.models.tables import compare_predictions
 from simcore.models.unified import unified_models
-from simcore.reference.r22_tables import add_reference, read_study_table
+from simcore.reference.r22_tables import add_reference, read_r22_table
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
 from simcore.report.findings import Findings
@@ -22,12 +22,12 @@ def single_form_findings(packings, committed, seed, folds) -> Findings:
     read_single_forms; they are fitted, and marked so in the column packed_by. seed and folds: of the cross-validation.
     """
     packings = add_reference(pd.concat(packings, ignore_index=True), "single_form")
-    correlations, study_models = read_study_table("correlations"), read_study_table("models")
+    correlations, r22_models = read_r22_table("correlations"), read_r22_table("models")
     tables, models = single_form_models(
         pd.concat([packings, committed], ignore_index=True) if len(committed) else packings,
         correlations,
-        read_study_table("table9_second_factor_mae"),
-        study_models,
+        read_r22_table("table9_second_factor_mae"),
+        r22_models,
         seed=seed,
         folds=folds,
     )
@@ -35,11 +35,11 @@ def single_form_findings(packings, committed, seed, folds) -> Findings:
     for table in tables.values():
         table["packed_by"] = ["this campaign" if case in own else "committed rows" for case in table.case]
     shown = {case: model for (name, case), model in models.items() if name == "single_form" and case in own}
-    columns = packings[["case", "n", "n_std_error", "study_n"]]
+    columns = packings[["case", "n", "n_std_error", "r22_n"]]
     compared = pd.concat([columns, form_features(packings.L, packings.I, packings.S)], axis=1)
     predictions = compare_predictions(models, "single_form", compared)
     figures = {
-        "features": form_figure(packings, study=correlations, study_models=study_models),
+        "features": form_figure(packings, study=correlations, r22_models=r22_models),
         "zingg": porosity_zingg_figure(packings, shown),
         "prediction": prediction_figure(predictions, list(shown.values())),
     }
@@ -54,15 +54,15 @@ def form_mixture_findings(features, packings, application, seed, folds) -> Findi
     """
     tables, models = mixture_models(
         features.drop(columns=["packing", "kind", "note"], errors="ignore"),
-        read_study_table("correlations"),
-        read_study_table("table10_form_mixture_features"),
-        read_study_table("models"),
+        read_r22_table("correlations"),
+        read_r22_table("table10_form_mixture_features"),
+        read_r22_table("models"),
         seed=seed,
         folds=folds,
     )
     if application is not None:
-        tables["application"] = application_table(models, application, read_study_table("table11_application"))
-    rows = add_reference(packings, "form_mixtures")[["packing", "n_std_error", "study_n"]]
+        tables["application"] = application_table(models, application, read_r22_table("table11_application"))
+    rows = add_reference(packings, "form_mixtures")[["packing", "n_std_error", "r22_n"]]
     predictions = compare_predictions(models, "form_mixture", features.merge(rows, on="packing"))
     figures = {
         "sets": form_sets_figure(features),
@@ -79,7 +79,7 @@ def unified_findings(single_forms, mixtures, features, seed, folds) -> Findings:
     asked_for = ["packing", *STATISTICS_ASKED_FOR]
     if set(asked_for) <= set(mixtures):
         features = features.merge(mixtures[asked_for], on="packing")
-    tables, models = unified_models(single_forms, features, read_study_table("models"), seed=seed, folds=folds)
+    tables, models = unified_models(single_forms, features, read_r22_table("models"), seed=seed, folds=folds)
     return Findings(tables, {}, models)
 
 
@@ -89,5 +89,5 @@ def shape_kind_findings(polyhedra, ellipsoids, near_spheres) -> Findings:
     near_spheres: table of rounder ellipsoids, or None.
     """
     pairs = pair_shape_kinds(polyhedra, ellipsoids)
-    table = shape_kind_table(pairs, read_study_table("mesh_ellipsoid_difference"))
+    table = shape_kind_table(pairs, read_r22_table("polyhedron_ellipsoid_difference"))
     return Findings({"pairs": pairs, "table": table}, {"figure": shape_kind_figure(pairs, near_spheres)})

@@ -14,19 +14,19 @@ LEAD = (
     "grains fall into a box, are shaken, and come to rest. This page has the models of porosity fitted to them, "
     "what each study cost, {grains}and each study. Porosity n is the share of voids, from 0 to 1; form is described "
     "by the axes L, I, S of a grain: flatness FL = S/I, elongation EL = I/L, equancy EQ = S/L, of which X_inv is "
-    "1/X, mu and sigma mean and standard deviation over the grains. Columns that begin with study_ hold "
+    "1/X, mu and sigma mean and standard deviation over the grains. Columns that begin with r22_ hold "
     "the values of Rettinger, Rüde, Vollmer and Frings (2022)."
 )
 STUDIES = (
     "n: bulk porosity by volume-equivalent spheres, as in the study; n_exact: by slicing the grains themselves. "
     "n_std_error: sampling error of the mean; n_seed_error: standard error from the scatter over the seeds; "
     "difference: ours less the study's; z: the same in standard errors of both. cpu_h: of all runs of a row. "
-    "study_n holds for the study's own, larger domains; for single forms and mixtures it is what the study's fitted "
+    "r22_n holds for the study's own, larger domains; for single forms and mixtures it is what the study's fitted "
     "model says for the forms of our packings; model_n is what ours says, model_difference that less the study's, "
     "without what either model leaves of its own beds."
 )
 CAMPAIGN = (
-    "study_cpu_h: core-hours of the source study's program for as many grains times steps. relative_change: from the "
+    "r22_cpu_h: core-hours of the source study's program for as many grains times steps. relative_change: from the "
     "lower to the upper end of the beds; spearman_z: rank correlation with height in its standard errors; isotropic: "
     "mean angle of long axes that point anywhere [rad], beside the mean."
 )
@@ -70,8 +70,8 @@ BEHIND = (
     "n_std",
     "n_seed_error",
     *FORM,
-    "study_n_std",
-    "study_n_error",
+    "r22_n_std",
+    "r22_n_error",
     "grains",
     "n_exact",
     "coordination_number",

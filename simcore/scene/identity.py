@@ -21,11 +21,18 @@ WITHOUT_EFFECT = (
     ("sizes", "allow_few_top_grains"),
 )
 # Keys that change no porosity: the grain of a rank in a spread may be any, and what came to rest waited no longer.
-WITHOUT_RESULT = (("shapes", "grain"), ("numerics", "progress_interval"), ("damping", "max_time"))
+WITHOUT_RESULT = (("name",), ("shapes", "grain"), ("numerics", "progress_interval"), ("damping", "max_time"))
 BY_CHANCE = (("name",), ("seed",))
 # Keys that were added after rows had been committed, with the value that packings had before. A specification with this
 # value is the one without the key.
 ADDED = {("grains", "bodies"): "one", ("sizes", "own"): False}
+# Keys and values that were renamed after rows had been committed: the digests of those rows are of the former names.
+FORMER_KEYS = {("numerics", "polyhedron_contact"): "contact_region"}
+FORMER_VALUES = {
+    ("accuracy",): {"r22": "paper"},
+    ("generation", "fill"): {"r22": "study"},
+    ("shapes", "kind"): {"polyhedron": "mesh"},
+}
 
 
 def same_bits(first: dict, second: dict) -> bool:
@@ -50,7 +57,7 @@ def deciding_bits(specification: dict) -> dict:
 
 def deciding_result(specification: dict) -> dict:
     """The part of a resolved specification on which its porosity depends, as JSON stores it."""
-    part = without(specification, WITHOUT_RESULT)
+    part = with_former_names(without(specification, WITHOUT_RESULT))
     for path, value in ADDED.items():
         if _get(part, path) == value:
             part = without(part, (path,))
@@ -89,6 +96,19 @@ def without(group: dict, paths, above: tuple = ()) -> dict:
         for key, value in group.items()
         if (*above, key) not in paths
     }
+
+
+def with_former_names(group, above=()):
+    """The nested dict under the names that it had before they were changed; one under former names stays as it is."""
+    renamed = {}
+    for key, value in group.items():
+        path = (*above, key)
+        if isinstance(value, dict):
+            value = with_former_names(value, path)
+        elif path in FORMER_VALUES:
+            value = FORMER_VALUES[path].get(value, value)
+        renamed[FORMER_KEYS.get(path, key)] = value
+    return renamed
 
 
 def _get(group, path):

@@ -14,7 +14,7 @@ from simcore.scene.shapes import MIXED, POLYHEDRON
 SPRUNG = ("static", "preloaded")  # friction laws with a tangential spring
 # Of the domain's height: where batches begin at the heights of Rettinger et al. (2022), and where their first begins.
 REFILL_HEIGHT = 0.6
-STUDY_FIRST_FILL = 0.1
+R22_FIRST_FILL = 0.1
 GRAINS = 1000  # first grains of a packing, which represent all of them where a scene is set up or judged
 
 
@@ -96,7 +96,7 @@ class Numerics:
     contact_time: float
     steps_per_contact_time: float
     dashpot: str
-    contact_region: str
+    polyhedron_contact: str
     skin: float | None
     progress_interval: float
     ellipsoid_contact: str = "common_normal"
@@ -145,10 +145,10 @@ class Scene:
                 "numerics.ellipsoid_contact: potential is for scenes of ellipsoids alone; set it to common_normal, or "
                 "shapes.kind to ellipsoid"
             )
-        if self.kind != POLYHEDRON and self.numerics.contact_region == "inflated":
+        if self.kind != POLYHEDRON and self.numerics.polyhedron_contact == "inflated":
             raise ValueError(
-                "numerics.contact_region: inflated is for scenes of polyhedra alone; set it to patch or point, or "
-                "shapes.kind to mesh"
+                "numerics.polyhedron_contact: inflated is for scenes of polyhedra alone; set it to patch or point, or "
+                "shapes.kind to polyhedron"
             )
 
     @property

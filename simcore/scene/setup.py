@@ -16,8 +16,8 @@ from simcore.scene.scene import GRAINS, Convergence, Damping, Generation, Materi
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, Draw, unit_sphere
 from simcore.scene.sizes import check_amount, check_top_class, lattice_spacing, size_curve
 
-KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "mesh": POLYHEDRON, "mixed": MIXED}
-BIRTH_STREAM = 1  # random numbers of birth stand apart from those of size and form
+KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": POLYHEDRON, "mixed": MIXED}
+INSERTION_STREAM = 1  # random numbers of birth stand apart from those of size and form
 
 
 class Setup(NamedTuple):
@@ -41,7 +41,7 @@ def set_up(specification: dict, load_grains) -> Setup:
     """
     check_top_class(specification)
     choice = shape_choice(specification["shapes"])
-    hulls = choice.kind in ("mesh", "mixed")
+    hulls = choice.kind in ("polyhedron", "mixed")
     grains = load_grains(specification["grains"]) if needs_grains(specification["shapes"]) else []
     grains, bases = _chosen(grains, choice), []
     notes = tuple(grain_warnings(grains, specification["grains"])) if grains else ()
@@ -49,7 +49,7 @@ def set_up(specification: dict, load_grains) -> Setup:
         if specification["faces"] != "original":
             grains = [decimate(grain, specification["faces"]) for grain in grains]
         bases = [Base(g.name, g.vertices, g.faces, g.volume, g.second_moments) for g in grains]
-    if choice.kind != "mesh":
+    if choice.kind != "polyhedron":
         bases.append(unit_sphere())
     curve = size_curve(specification["sizes"], grains=grains)
     check_amount(specification, curve)
@@ -60,7 +60,7 @@ def set_up(specification: dict, load_grains) -> Setup:
 
     def draw(ids):
         drawn = sample(ids)
-        return Draw(drawn.shape, drawn.scale, drawn.D, grain_uniforms(ids, seed, stream=BIRTH_STREAM))
+        return Draw(drawn.shape, drawn.scale, drawn.D, grain_uniforms(ids, seed, stream=INSERTION_STREAM))
 
     def masses():
         # As many as `expect` looks at; all of a packing may be a million.

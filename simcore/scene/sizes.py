@@ -9,7 +9,7 @@ from simcore.grains.sieve import SieveCurve, read_cases
 from simcore.paths import CONFIG
 
 MINIMUM_OF_TOP_CLASS = 5
-MOST_GRAINS = 10_000_000  # the maximum of amount.grains in the schema, for a mass too
+MAX_GRAINS = 10_000_000  # the maximum of amount.grains in the schema, for a mass too
 # Upright grains need √(S² + I²) = √2 D across; the rest is clearance.
 UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
 
@@ -44,7 +44,7 @@ def lattice_spacing(spec, curve):
     """Distance of nearest lattice points [m] on which grains are born.
 
     # ASSUME: without one given, batches just above the bed stand as close as the largest grain allows, but not
-    # farther than the case's own spacing; fill "study" takes that of the case.
+    # farther than the case's own spacing; fill "r22" takes that of the case.
     """
     spacing = spec["generation"]["spacing"]
     if spacing is not None:
@@ -53,7 +53,7 @@ def lattice_spacing(spec, curve):
     of_case = case_spacing(spec["sizes"])
     if of_case is None:
         return needed
-    return of_case if spec["generation"]["fill"] == "study" else min(needed, of_case)
+    return of_case if spec["generation"]["fill"] == "r22" else min(needed, of_case)
 
 
 def check_top_class(spec, where=""):
@@ -83,10 +83,10 @@ def check_amount(spec, curve):
     if mass is None:
         return
     grains = mass / (density * np.pi / 6.0 * curve.mean(3))
-    if grains > MOST_GRAINS:
+    if grains > MAX_GRAINS:
         raise ValueError(
-            f"amount.mass: {mass:.3g} kg are about {grains:.2g} grains, more than {MOST_GRAINS}; give at most "
-            f"{mass * MOST_GRAINS / grains:.3g} kg, or leave out the finest classes"
+            f"amount.mass: {mass:.3g} kg are about {grains:.2g} grains, more than {MAX_GRAINS}; give at most "
+            f"{mass * MAX_GRAINS / grains:.3g} kg, or leave out the finest classes"
         )
 
 
@@ -94,5 +94,5 @@ def _check_own(shapes):
     if shapes["kind"] == "sphere" or shapes["choice"] not in ("one", "random"):
         raise ValueError(
             f"sizes.own: shapes of kind {shapes['kind']} and choice {shapes['choice']} have no size of their own; set "
-            "shapes.kind to mesh, ellipsoid or mixed and shapes.choice to one or random"
+            "shapes.kind to polyhedron, ellipsoid or mixed and shapes.choice to one or random"
         )

@@ -4,6 +4,7 @@ The schema (config/<name>.schema.yaml, JSON Schema with keywords of our own) is 
 which keys there are, with unit, bounds, default and meaning. `x-unit` marks a quantity: text with a unit
 outside, a float in SI inside. Bounds hold in SI. `x-error` replaces the message of a rule that reads badly, `x-hint` is
 added to one that names a bound. `x-used-with` names the settings without which a key has no effect (unused.py).
+`x-renamed` lists former names of keys or choices, which are refused with the present one.
 `x-presets` marks a key at the top that stands for settings: the file it names has a group of them for each choice,
 which are laid under what is given.
 """
@@ -184,6 +185,8 @@ def _convert_object(value, schema, path):
     for key in value:
         if not isinstance(key, str):
             raise ValueError(f"{_shown(path)}: the key {key!r} must be text")
+        if key in schema.get("x-renamed", {}):
+            raise ValueError(f"{_join(path, key)}: this key is called {schema['x-renamed'][key]} now; rename it")
         if key not in properties and others is False:
             raise ValueError(f"{_join(path, key)}: unknown key{_guess(key, properties)}")
     converted = {}
@@ -226,6 +229,8 @@ def _explain(error):
     if rule in bounds:
         hint = f" ({schema['x-hint']})" if "x-hint" in schema else ""
         return f"{value}{unit} is out of bounds; it must be {bounds[rule]} {bound}{unit}{hint}"
+    if rule == "enum" and isinstance(value, str) and value in schema.get("x-renamed", {}):
+        return f"{value!r} is called {schema['x-renamed'][value]!r} now; write that"
     if rule == "enum":
         return f"{value!r} is not a choice; choose one of {_listed(bound)}"
     if rule == "pattern":

@@ -24,7 +24,7 @@ from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, Base, collect_shapes
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import list_near
+from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.dem.vectors import read, write
 from simcore.verification import brute_force as brute
 
@@ -33,7 +33,7 @@ DEPTH, MOTION = 1e-3, 1e-4  # of the pair's size
 PAIRS, POINTS, REPEATS, ROUNDS = 48, 40, 5, 20
 DIRECTIONS = (64, 256, 1024, 4096, 16384)
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)
-OURS, AGAIN, SCAN, COAL = "ours, from nothing", "ours, a motion later", "best of n directions", "coal (GJK + EPA)"
+OUR_STYLE, AGAIN, SCAN, COAL = "ours, from nothing", "ours, a motion later", "best of n directions", "coal (GJK + EPA)"
 NO_SETTING = "exact"
 
 # Uncached: a cache on disk notices changes of its own file only, and these call the core.
@@ -232,7 +232,7 @@ def ask_again(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
         turned = pairs.quaternion[pose].reshape(-1, 4)
         poses.append(make_bodies(bases, index, pairs.scale, position.reshape(-1, 3), turned, still, still, 1.0))
     features = Features(pairs.kind, friction=False, periodic=False)
-    contacts = list_near(poses[0], shapes, Box(0.0), 0.01, features).contacts
+    contacts = list_candidates(poses[0], shapes, Box(0.0), 0.01, features).contacts
     if not (len(contacts.body_a) == n and (contacts.body_a == 2 * np.arange(n)).all()):
         raise RuntimeError("the neighbour list is not that of the pairs")
     check = _make_checks(pairs.kind)
@@ -337,7 +337,7 @@ def study(directions=DIRECTIONS, tolerances=TOLERANCES, repeats=REPEATS, pairs=P
     for case, kind in (("polyhedra", POLYHEDRON), ("ellipsoids", ELLIPSOID)):
         made = make_pairs(kind, pairs)
         truths = [true_contacts(made, pose) for pose in range(2)]
-        runs = [(OURS, NO_SETTING, truths[0], ask(made, repeats))]
+        runs = [(OUR_STYLE, NO_SETTING, truths[0], ask(made, repeats))]
         if again:
             runs.append((AGAIN, NO_SETTING, truths[0], ask_again(made, repeats)))
         runs += [(SCAN, f"{n}", truths[0], scan(made, n, repeats)) for n in directions]

@@ -20,7 +20,7 @@ from simcore.dem.stability import longest_stable_step
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import list_near
+from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.dem.step.step import STAGES, Drive, make_advance
 
 RESTITUTION, POISSON_RATIO, FRICTION = 0.1, 0.22, 0.5  # the study's
@@ -185,9 +185,9 @@ def simulate(dashpot, attractive, steps, phases=PHASES, angle=ANGLE, repeats=1):
                 [base], np.zeros(phases, int), np.full((phases, 3), RADIUS),
                 position, upright, thrown, still, 1.0, features=features,
             )  # fmt: skip
-            near = list_near(bodies, shapes, box, 0.5 * skin, features, None)
+            candidates = list_candidates(bodies, shapes, box, 0.5 * skin, features, None)
             began = time.process_time()
-            advance(State(shapes, bodies, *near, room), law, drive, clock, 0, count)
+            advance(State(shapes, bodies, *candidates, room), law, drive, clock, 0, count)
             elapsed += time.process_time() - began
         if repeat:
             spent.append(elapsed / rounds / phases)

@@ -20,7 +20,7 @@ from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
 STEPS = (40, 20, 14, 10, 8, 6)
-SHAPES = ("sphere", "mesh")
+SHAPES = ("sphere", "polyhedron")
 DAMPED, FREE, CHECKS = 0.3, 0.3, 6  # [s], [s], looks at the free bed
 SPECIFICATION = {
     "name": "rest",

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.campaign.biases import BIRTHS, SETTINGS, SHAKING, SIZE, bias_note, describe_settings, measured_biases
+from simcore.campaign.biases import INSERTIONS, SETTINGS, SHAKING, SIZE, bias_note, describe_settings, measured_biases
 from simcore.scene.specification import resolve
 
 RAW = {
@@ -26,16 +26,16 @@ def folder(tmp_path):
     n = 0.35 + 0.001 * np.arange(4)
     pd.concat(
         pd.DataFrame({"accuracy": accuracy, "case": "U1", "seed": range(4), "grains": 600, "n": n + more})
-        for accuracy, more in (("paper", 0.0), ("draft", 0.01), ("standard", [0.001, 0.003, 0.001, 0.003]))
+        for accuracy, more in (("r22", 0.0), ("draft", 0.01), ("standard", [0.001, 0.003, 0.001, 0.003]))
     ).to_csv(tmp_path / "accuracy.csv", index=False)
     # Of grains that fall from the study's heights, with what a packing's row says of its settings.
-    settings = ["accuracy", "contact_region", "contact_time_s"]
+    settings = ["accuracy", "polyhedron_contact", "contact_time_s"]
     pd.concat(
         pd.DataFrame(
             {"case": "U1", **dict(zip(settings, values, strict=True)), "seed": range(4), "grains": 600}
         ).assign(n=n - 0.01 + more)
         for *values, more in (
-            ("paper", "patch", 0.2e-3, 0.0),
+            ("r22", "patch", 0.2e-3, 0.0),
             ("standard", "patch", 2e-3, 0.004),
             ("standard", "point", 1e-3, -0.003),
         )
@@ -65,7 +65,7 @@ def folder(tmp_path):
     rows.to_csv(tmp_path / "work_precision/packings.csv", index=False)
     # Five seeds, of which one lacks its partner; a row that differs in more is nobody's partner.
     born = pd.DataFrame({"case": "U1", "fill": "bed", "spacing": np.nan, "seed": range(5), "grains": 600, "n": 0.35})
-    other = born[:4].assign(fill="study", n=0.35 - 0.001 * np.array([8, 10, 8, 10]))
+    other = born[:4].assign(fill="r22", n=0.35 - 0.001 * np.array([8, 10, 8, 10]))
     pd.concat([born, other, other.assign(spacing=0.016, n=0.2)]).to_csv(
         tmp_path / "difference_process.csv", index=False
     )
@@ -74,14 +74,14 @@ def folder(tmp_path):
 
 def test_differences_are_those_of_the_pairs(folder):
     found = measured_biases(folder)
-    heights = found[(found.of == SETTINGS) & (found.born == "at the study's heights")]
+    heights = found[(found.of == SETTINGS) & (found.inserted == "at the heights of Rettinger et al.")]
     smooth = heights[heights.kind == "ellipsoids"]
     assert smooth.difference.tolist() == pytest.approx([-0.005]) and smooth.beds.tolist() == [4]
     heights = heights[heights.kind == "grains"].set_index("setting").difference
     assert heights.to_dict() == pytest.approx(
         {"standard": 0.004, "standard at the deepest point and contact time 1 ms": -0.003}
     )
-    found = found.drop(found.index[found.born == "at the study's heights"]).set_index(["of", "setting"])
+    found = found.drop(found.index[found.inserted == "at the heights of Rettinger et al."]).set_index(["of", "setting"])
     assert found.difference[SETTINGS, "draft"] == pytest.approx(0.01)
     assert found.difference_std_error[SETTINGS, "draft"] == pytest.approx(0.0, abs=1e-12)
     assert found.difference[SETTINGS, "standard"] == pytest.approx(0.002)
@@ -91,8 +91,8 @@ def test_differences_are_those_of_the_pairs(folder):
     assert found.beds[SIZE, "300 grains in 45 mm"] == 3
     assert (SIZE, "300 grains in 32 mm") not in found.index  # two pairs tell no error
     assert found.difference[SHAKING, "6 s"] == 0.005 and found.against[SHAKING, "6 s"] == "12 s"
-    assert found.difference[BIRTHS, "just above the bed"] == pytest.approx(0.009)
-    assert found.beds[BIRTHS, "just above the bed"] == 4
+    assert found.difference[INSERTIONS, "just above the bed"] == pytest.approx(0.009)
+    assert found.beds[INSERTIONS, "just above the bed"] == 4
     assert len(found) == 5
 
 
@@ -105,12 +105,12 @@ def test_settings_are_known_by_their_accuracy_and_contact_time():
     assert describe_settings(specification()) == "standard"
     softer = specification(numerics={"contact_time": "1 ms", "progress_interval": "1 s"})
     assert describe_settings(softer) == "standard with contact time 1 ms"
-    point = {"contact_time": "1 ms", "contact_region": "point"}
+    point = {"contact_time": "1 ms", "polyhedron_contact": "point"}
     wide = {"max_unbalanced_force": 0.5}
     told = "standard at the deepest point and contact time 1 ms"
     assert describe_settings(specification(numerics=point, convergence=wide)) == told
     assert describe_settings(specification(convergence=wide)) is None
-    assert describe_settings(specification(numerics={"contact_region": "inflated"})) is None
+    assert describe_settings(specification(numerics={"polyhedron_contact": "inflated"})) is None
     assert describe_settings(specification(shaking={"duration": "1 s"})) is None
     assert describe_settings(specification(accuracy=None)) is None
     # Grains of a campaign come decimated, ellipsoids have no faces.
@@ -121,13 +121,14 @@ def test_a_study_is_told_the_bias_of_its_own_beds(folder):
     biases = measured_biases(folder)
     note = bias_note([specification(), specification(seed=2)], biases)
     assert (
-        "settings: +0.0020 ± 0.0006 (standard, beside paper; 600 grains of all forms, born just above the bed)" in note
+        "settings: +0.0020 ± 0.0006 (standard, beside r22; 600 grains of all forms, inserted just above the bed)"
+        in note
     )
     assert "size of the bed: -0.0200" in note and "beside 1200 grains in 63 mm; single forms)" in note
     assert "time of shaking: +0.0050 ± 0.0003 (6 s, beside 12 s;" in note
     # The same settings, where grains fall from the study's heights; no bias is told of both.
-    poured = specification(generation={"fill": "study"})
-    assert "settings: +0.0040 ± 0.0000 (standard, beside paper; 600" in bias_note([poured], biases)
+    poured = specification(generation={"fill": "r22"})
+    assert "settings: +0.0040 ± 0.0000 (standard, beside r22; 600" in bias_note([poured], biases)
     assert "settings: not measured for standard;" in bias_note([poured, specification()], biases)
     reference = {"domain": {"width": "63 mm", "height": "0.4 m"}, "amount": {"grains": 1200}}
     note = bias_note([specification(**reference)], biases)
@@ -136,21 +137,22 @@ def test_a_study_is_told_the_bias_of_its_own_beds(folder):
     note = bias_note([specification(shaking={"duration": t}, **cylinder) for t in ("1 s", "2 s")], biases)
     assert note.endswith(
         "of the size of the bed: not measured; of the time of shaking: not the same throughout; "
-        "of the births: +0.0090 ± 0.0006 (just above the bed, beside at the study's heights; 600 grains of all forms)."
+        "of the insertion: +0.0090 ± 0.0006 (just above the bed, beside at the heights of Rettinger et al.; 600 grains "
+        "of all forms)."
     )
     # Ellipsoids have a bias of their own where it was measured, and else that of grains.
-    point = {"numerics": {"contact_time": "1 ms", "contact_region": "point"}, "generation": {"fill": "study"}}
+    point = {"numerics": {"contact_time": "1 ms", "polyhedron_contact": "point"}, "generation": {"fill": "r22"}}
     note = bias_note([specification(**point)], biases)
-    assert "settings: -0.0030 ± 0.0000 (standard at the deepest point and contact time 1 ms, beside paper; 600" in note
+    assert "settings: -0.0030 ± 0.0000 (standard at the deepest point and contact time 1 ms, beside r22; 600" in note
     note = bias_note([specification(**point, shapes={"kind": "ellipsoid"})], biases)
     assert "settings: -0.0050 ± 0.0000 (standard at the deepest point and contact time 1 ms, beside a contact" in note
-    assert "time of 0.2 ms; 600 ellipsoids of one of 4 forms, born at the study's heights)" in note
-    poured_ellipsoids = specification(generation={"fill": "study"}, shapes={"kind": "ellipsoid"})
-    assert "settings: +0.0040 ± 0.0000 (standard, beside paper; 600 grains" in bias_note([poured_ellipsoids], biases)
+    assert "time of 0.2 ms; 600 ellipsoids of one of 4 forms, inserted at the heights of Rettinger et al.)" in note
+    poured_ellipsoids = specification(generation={"fill": "r22"}, shapes={"kind": "ellipsoid"})
+    assert "settings: +0.0040 ± 0.0000 (standard, beside r22; 600 grains" in bias_note([poured_ellipsoids], biases)
     # One packing of three has shorter steps, of which nothing is known.
     shorter = specification(numerics={"steps_per_contact_time": 14})
     note = bias_note([specification(), shorter, specification(seed=2)], biases)
-    assert "settings: of 2 packings +0.0020 ± 0.0006 (standard, beside paper;" in note
-    assert "born just above the bed), of the other 1 not measured; of the size" in note
+    assert "settings: of 2 packings +0.0020 ± 0.0006 (standard, beside r22;" in note
+    assert "inserted just above the bed), of the other 1 not measured; of the size" in note
     strewn = {"placement": "random", "orientation": "random"}
-    assert bias_note([specification(generation=strewn)], biases).endswith("of the births: not measured.")
+    assert bias_note([specification(generation=strewn)], biases).endswith("of the insertion: not measured.")

@@ -30,13 +30,13 @@ def campaign(*overlays):
 
 def test_the_settings_of_the_study_are_those_of_paper():
     """Nothing that the default campaign states for its own sizes may leak through."""
-    paper = read_presets("accuracy")["paper"]
-    for row in campaign("paper").itertuples():
+    r22 = read_presets("accuracy")["r22"]
+    for row in campaign("r22").itertuples():
         numerics = row.specification["numerics"]
         assert numerics["contact_time"] == 2e-4 and numerics["steps_per_contact_time"] == 40, row.packing
-        assert numerics["dashpot"] == paper["numerics"]["dashpot"]
+        assert numerics["dashpot"] == r22["numerics"]["dashpot"]
         assert row.specification["convergence"]["max_unbalanced_force"] == 0.02
-        assert row.specification["generation"]["fill"] == "study"
+        assert row.specification["generation"]["fill"] == "r22"
         if row.study not in ("mesh_resolution", "near_spheres"):
             assert row.grain_set.endswith("/faces_300"), row.packing
 
@@ -44,12 +44,12 @@ def test_the_settings_of_the_study_are_those_of_paper():
 def test_the_workstation_has_what_its_tables_are_to_hold():
     packings = campaign("workstation")
     assert set(packings.specification.map(lambda s: s["accuracy"])) == {"standard"}
-    assert set(packings.specification.map(lambda s: s["generation"]["fill"])) == {"study"}
+    assert set(packings.specification.map(lambda s: s["generation"]["fill"])) == {"r22"}
     assert packings.specification.map(lambda s: s["numerics"]["contact_time"]).max() == 1e-3
     # A stone that falls on a pebble of a thousandth of its mass: stiffness goes with the lighter one.
     uneven = [s for s in packings.specification if s["sizes"]["case"] not in ("U1", "U3")]
     assert uneven and {s["numerics"]["contact_time"] for s in uneven} == {2e-4}
-    assert {s["numerics"]["contact_region"] for s in uneven} == {"patch"}, (
+    assert {s["numerics"]["polyhedron_contact"] for s in uneven} == {"patch"}, (
         "at the deepest point pebbles hop between stones"
     )
     of = {study: rows for study, rows in packings.groupby("study")}
@@ -98,7 +98,7 @@ def test_boxes_of_deposits_are_four_long_axes_wide_and_leave_two_of_bulk(overlay
 
 def test_campaigns_do_not_write_over_each_other():
     folders = []
-    for name in ("config", "smoke", "workstation", "scans", "paper", "deposits", "deposits_large"):
+    for name in ("config", "smoke", "workstation", "scans", "r22", "deposits", "deposits_large"):
         raw = yaml.safe_load((CONFIG / f"{name}.yaml").read_text())
         folders.append(raw.get("pathvars", {}).get("results", "results"))
     assert len(set(folders)) == len(folders)
@@ -116,7 +116,9 @@ def test_no_impact_goes_through_a_grain(overlays):
     for specification in campaign(*overlays).specification:
         shapes, flatness = dict(specification["shapes"]), specification["shapes"]["flatness"]
         # The thinnest: the flattest grain, and of the mixtures the flattest and widest. Ellipsoids are as thick.
-        if shapes["kind"] != "mesh" or (isinstance(flatness, dict) and (flatness["mean"], flatness["std"]) not in THIN):
+        if shapes["kind"] != "polyhedron" or (
+            isinstance(flatness, dict) and (flatness["mean"], flatness["std"]) not in THIN
+        ):
             continue
         if shapes["choice"] == "one":
             shapes["grain"] = flattest

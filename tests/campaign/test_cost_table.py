@@ -20,7 +20,7 @@ def test_hours_of_each_study_and_of_all():
     assert table.loc["a", ["packings", "grains", "cpu_h", "cpu_h_per_packing"]].tolist() == [2, 400, 2.0, 1.0]
     assert table.loc["a", "grain_steps"] == 100 * 1000 + 300 * 2000
     # The second is a packing of the source study.
-    assert table.loc["b", "study_cpu_h"] == pytest.approx(230.0)
+    assert table.loc["b", "r22_cpu_h"] == pytest.approx(230.0)
     assert table.loc["b", "cpu_us_per_grain_step"] == pytest.approx(1.2)
     assert table.loc["all", "cpu_h"] == pytest.approx(12.0)
     assert table.loc["all", "cpu_us_per_grain_step"] == pytest.approx(12 * 3.6e9 / 3.00007e10, rel=1e-5)

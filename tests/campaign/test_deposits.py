@@ -150,7 +150,7 @@ def found(packings):
             "material": {"law": "hertz"},
             "shaking": {"duration": 0.0},
         }
-        attrs = dict(scene=json.dumps(scene), seed=seed, steps=7, time=0.5, last_birth=0.2, cpu_seconds=3.0)
+        attrs = dict(scene=json.dumps(scene), seed=seed, steps=7, time=0.5, last_insertion=0.2, cpu_seconds=3.0)
         bed = packings.make(centres, 0.5, width=width, contacts=pairs, images=images, **attrs)
         bed["contact_overlap"] = ("contact", np.full(bed.sizes["contact"], 2e-3))
         return deposit(bed)

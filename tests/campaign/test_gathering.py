@@ -63,7 +63,7 @@ def test_single_forms_have_the_columns_of_their_table(evaluated, tmp_path):
     written = pd.read_csv(tmp_path / "single_form.csv")
     assert ",".join(written) == "source,case,grain,representation,seed,L,I,S,n,n_error,grains,cpu_s"
     assert written.grain.tolist() == ["G01", "G02", "G02"]
-    assert written.representation.tolist() == ["mesh", "ellipsoid", "mesh"]
+    assert written.representation.tolist() == ["polyhedron", "ellipsoid", "polyhedron"]
     first = written.iloc[0]
     assert (first.L, first.I, first.S, first.grains, first.cpu_s) == (0.011, 0.009, 0.007, 300, 36.0)
     assert first.n == pytest.approx(float(beds[1].n), abs=5e-7)
@@ -109,11 +109,11 @@ def test_validation_counts_runs_and_other_studies_keep_what_they_vary(evaluated)
 
 def test_accuracies_lie_beside_rows_that_no_campaign_has(evaluated, tmp_path):
     path = tmp_path / "accuracy.csv"
-    path.write_text("accuracy,case,seed,grains,n,cpu_s\npaper,U1,1,600,0.35,900.0\nof old,U1,1,600,0.34,90.0\n")
-    varied = {"case": "U1", "seed": 1, "accuracy": "paper"}
+    path.write_text("accuracy,case,seed,grains,n,cpu_s\nr22,U1,1,600,0.35,900.0\nof old,U1,1,600,0.34,90.0\n")
+    varied = {"case": "U1", "seed": 1, "accuracy": "r22"}
     rows = rows_of("accuracy", [{"packing": "p", "varied": varied}], [evaluated(specify(), n=0.36)], "synthetic")
     gather(tmp_path, table_of("accuracy"), rows)
-    assert path.read_text().splitlines()[1:] == ["of old,U1,1,600,0.34,90.0", "paper,U1,1,300,0.36,36.0"]
+    assert path.read_text().splitlines()[1:] == ["of old,U1,1,600,0.34,90.0", "r22,U1,1,300,0.36,36.0"]
 
 
 def test_rows_stay_until_the_same_packing_comes_again(tmp_path):
@@ -155,7 +155,7 @@ def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
     found = written.iloc[1]
     assert (found.cpu_h, found.cpu_h_left_estimated, found.code, found.machine) == (0.4, 0.5, "v1 v3", "one; two")
     assert pd.isna(written.machine[0]), "nothing was packed"
-    assert found.study_cpu_h == round(4e9 * 230 / (20_000 * 1.5e6), 2)
+    assert found.r22_cpu_h == round(4e9 * 230 / (20_000 * 1.5e6), 2)
     older = pd.read_csv(tmp_path / "gathered.csv").drop(columns="grain_steps")
     older.to_csv(tmp_path / "gathered.csv", index=False)
     record(tmp_path, "single_form", "single_form", "synthetic", plan, made(2), "a", "two")

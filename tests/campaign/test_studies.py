@@ -51,11 +51,11 @@ def test_settings_of_a_group_vary_together():
 
 def test_groups_that_set_different_keys_are_told_apart_by_all_of_them():
     """Else a mean over the seeds would take them for one."""
-    groups = [{"faces": 300}, {"shapes.kind": "ellipsoid"}, {"generation.fill": "study"}]
+    groups = [{"faces": 300}, {"shapes.kind": "ellipsoid"}, {"generation.fill": "r22"}]
     rows = [row["varied"] for row in expand(campaign(varies={"sizes.case": ["U7"], "change": groups})).row]
     assert [row["faces"] for row in rows] == [300, 100, 100]
-    assert [row["shape_kind"] for row in rows] == ["mesh", "ellipsoid", "mesh"]
-    assert [row["fill"] for row in rows] == ["bed", "bed", "study"]
+    assert [row["shape_kind"] for row in rows] == ["polyhedron", "ellipsoid", "polyhedron"]
+    assert [row["fill"] for row in rows] == ["bed", "bed", "r22"]
 
 
 def test_a_study_goes_over_the_common_settings_and_these_over_the_defaults():
@@ -77,10 +77,10 @@ def test_an_accuracy_goes_over_the_settings_it_stands_for_of_a_layer_below():
         campaign(
             packing={"accuracy": "standard", "faces": 60},
             fixes={**STUDY["fixes"], "sizes": {"case": "U1"}, "numerics": {"contact_time": "3 ms"}},
-            varies={"accuracy": ["draft", "paper"], "shaking.duration": ["7 s"]},
+            varies={"accuracy": ["draft", "r22"], "shaking.duration": ["7 s"]},
         )
     )
-    for spec, accuracy in zip(table.specification, ["draft", "paper"], strict=True):
+    for spec, accuracy in zip(table.specification, ["draft", "r22"], strict=True):
         alone = resolve({**STUDY["fixes"], "sizes": {"case": "U1"}, "accuracy": accuracy})
         assert spec["numerics"] == alone["numerics"]
         assert spec["shaking"]["duration"] == 7.0
@@ -94,7 +94,7 @@ def test_an_accuracy_goes_over_the_settings_it_stands_for_of_a_layer_below():
         ({"kind": "sphere"}, False),
         ({"kind": "ellipsoid", "choice": "form", "flatness": 0.6, "elongation": 0.7}, False),
         ({"kind": "ellipsoid"}, True),
-        ({"kind": "mesh"}, True),
+        ({"kind": "polyhedron"}, True),
     ],
 )
 def test_shapes_that_are_no_grains_ask_for_none(shapes, needed):
@@ -202,7 +202,7 @@ def test_a_key_that_some_packings_of_a_study_use_is_no_mistake():
     fixes = {**STUDY["fixes"], "shapes": forms, "sizes": {"case": "U1"}}
     table = expand(campaign(fixes=fixes, varies={"shapes.choice": ["random", "form_distribution"]}))
     assert [spec["shapes"]["flatness"] for spec in table.specification] == [FORMS, FORMS]
-    shared = {"faces": 50, "numerics": {"contact_region": "point"}}
+    shared = {"faces": 50, "numerics": {"polyhedron_contact": "point"}}
     expand(campaign(packing=shared, fixes={**STUDY["fixes"], **shared, "shapes": {"kind": "sphere"}}))
 
 

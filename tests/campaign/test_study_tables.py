@@ -27,7 +27,7 @@ def evaluation(packings):
     rng = np.random.default_rng(4)
     radius = np.repeat([0.008, 0.01], 150)
     position = rng.uniform(0.01, 0.1, (300, 3))
-    scene = {"shapes": {"choice": "one", "grain": "G01", "kind": "mesh"}, "sizes": {"case": "U1"}}
+    scene = {"shapes": {"choice": "one", "grain": "G01", "kind": "polyhedron"}, "sizes": {"case": "U1"}}
     packing = packings.make(
         position, radius, scene=json.dumps(scene), seed=7, cpu_seconds=1.5, steps=4000, largest=0.02
     )
@@ -45,7 +45,7 @@ def test_a_row_holds_the_setting_the_form_and_the_result(evaluation):
     assert (row.n, row.n_exact) == (float(evaluation.n), float(evaluation.n_exact))
     features = tabulate_features(table, [evaluation])
     assert (features.mu_EQ[0], features.kind[0], features.n[0]) == (1.0, "continuous", row.n)
-    assert features["sample"][0] == "case U1, shaking_s 1.0, grain G01, kind mesh"
+    assert features["sample"][0] == "case U1, shaking_s 1.0, grain G01, kind polyhedron"
     assert set(mixture_features([2.0, 3.0], [1.0, 1.0], [0.5, 0.6]).index) <= set(features.columns)
 
 
@@ -109,9 +109,9 @@ def test_predictions_leave_out_cases_without_a_model():
 
 
 def test_predictions_keep_the_error_and_what_the_study_predicts():
-    table = pd.DataFrame({"case": ["U1"], "n": [0.4], "x": [0.2], "n_std_error": [0.003], "study_n": [0.35]})
+    table = pd.DataFrame({"case": ["U1"], "n": [0.4], "x": [0.2], "n_std_error": [0.003], "r22_n": [0.35]})
     row = compare_predictions({("m", "U1"): Line()}, "m", table).iloc[0]
-    assert (row.simulated, row.predicted, row.n_std_error, row.study_predicted) == (0.4, 0.4, 0.003, 0.35)
+    assert (row.simulated, row.predicted, row.n_std_error, row.r22_predicted) == (0.4, 0.4, 0.003, 0.35)
 
 
 def test_mark_says_test_only_in_every_row():

@@ -81,7 +81,7 @@ def spheres(position, radius, density=1.0):
 
 
 def touching_spheres(position, radius, reach=1.0, width=None):
-    """Near of spheres closer than reach times the sum of their radii, and the images (k, 3) in a periodic cube.
+    """Candidate pairs of spheres closer than reach times the sum of their radii, and the images (k, 3) in a cube.
 
     The core knows no image along z, so those stand beside.
     """

@@ -223,7 +223,7 @@ def test_packings_that_do_not_belong_together_are_refused(packings):
         fabric_over_seeds([first])
     with pytest.raises(ValueError, match=r"seeds \[1, 1\] are not distinct"):
         fabric_over_seeds([first, first])
-    other = {"shapes": {"kind": "mesh"}, "seed": 2, "name": "x"}
+    other = {"shapes": {"kind": "polyhedron"}, "seed": 2, "name": "x"}
     with pytest.raises(
         ValueError, match="seeds 1 and 2 differ in shapes.kind; give packings that differ in their seed"
     ):

@@ -37,7 +37,7 @@ def specification(folder, sizes=None, **shapes):
     )
 
 
-@pytest.mark.parametrize("kind", ["mesh", "ellipsoid", "mixed"])
+@pytest.mark.parametrize("kind", ["polyhedron", "ellipsoid", "mixed"])
 def test_each_grain_is_packed_at_its_own_size(folder, kind):
     shapes = {"kind": kind} | ({"ellipsoid_share": 0.5} if kind == "mixed" else {})
     spec = specification(folder, **shapes)
@@ -49,7 +49,7 @@ def test_each_grain_is_packed_at_its_own_size(folder, kind):
     drawn = np.column_stack([sample.L, sample.I, sample.S])
     nearest = np.abs(drawn[:, None] / own - 1).max(axis=2)
     assert nearest.min(axis=1).max() < (1e-12 if kind == "ellipsoid" else 0.01)
-    if kind == "mesh":
+    if kind == "polyhedron":
         assert (sample.scale == 1).all()
         volumes = np.array([grain.volume for grain in grains])
         np.testing.assert_allclose(sample.volume, volumes[sample.shape], rtol=1e-12)
@@ -60,7 +60,7 @@ def test_each_grain_is_packed_at_its_own_size(folder, kind):
     assert setup.scene.generation.spacing == pytest.approx(UPRIGHT_REACH * setup.curve.largest)
 
 
-@pytest.mark.parametrize("kind", ["mesh", "ellipsoid"])
+@pytest.mark.parametrize("kind", ["polyhedron", "ellipsoid"])
 def test_one_grain_keeps_its_size(folder, kind):
     setup = set_up(specification(folder, kind=kind, choice="one", grain="s3"), load_grains)
     (grain,) = (grain for grain in load_grains(specification(folder)["grains"]) if grain.name == "s3")

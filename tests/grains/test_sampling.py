@@ -55,11 +55,11 @@ def test_empty_classes_stay_empty():
     "shapes",
     [
         ShapeChoice(),
-        ShapeChoice("mesh", "one", grain="g2"),
+        ShapeChoice("polyhedron", "one", grain="g2"),
         ShapeChoice("ellipsoid", "one", grain="g2"),
         ShapeChoice("ellipsoid", "random"),
         ShapeChoice("ellipsoid", "form", flatness=0.5, elongation=0.7),
-        ShapeChoice("mesh", "form_distribution", **MIXTURE),
+        ShapeChoice("polyhedron", "form_distribution", **MIXTURE),
         ShapeChoice("ellipsoid", "form_distribution", **MIXTURE),
         ShapeChoice("sphere"),
     ],
@@ -70,7 +70,7 @@ def test_scaled_base_has_the_stated_axes_volume_and_size(shapes, grains):
     np.testing.assert_allclose(np.sqrt((sample.S**2 + sample.I**2) / 2), sample.D, rtol=1e-13)
     np.testing.assert_array_equal(sample.D, sample_sizes(CURVE, np.arange(200), 3))
     for i in (0, 57, 199):
-        if shapes.kind == "mesh":
+        if shapes.kind == "polyhedron":
             body = grains[sample.shape[i]].scaled(sample.scale[i])
             axes, volume = (body.S, body.I, body.L), body.volume
         else:
@@ -84,7 +84,7 @@ def test_scaled_base_has_the_stated_axes_volume_and_size(shapes, grains):
 
 
 def test_one_shape_is_scaled_uniformly_and_random_ones_equally_often(grains):
-    one = sample_grains(IDS, 3, CURVE, ShapeChoice("mesh", "one", grain="g2"), grains)
+    one = sample_grains(IDS, 3, CURVE, ShapeChoice("polyhedron", "one", grain="g2"), grains)
     assert np.all(one.shape == 2) and np.all(one.scale == one.scale[:, :1])
     random = sample_grains(IDS, 3, CURVE, ShapeChoice(), grains)
     assert stats.chisquare(np.bincount(random.shape, minlength=4)).pvalue > 1e-3
@@ -133,7 +133,7 @@ def test_form_distribution_is_the_redrawn_normal(grains):
         ({"choice": "form_distribution", "flatness": 0.5, "elongation": 0.5}, "flatness_std"),
         ({"kind": "mixed"}, "needs `ellipsoid_share` from 0 to 1"),
         ({"kind": "mixed", "ellipsoid_share": 1.1}, "not 1.1"),
-        ({"ellipsoid_share": 0.5}, "is for kind mixed, not mesh"),
+        ({"ellipsoid_share": 0.5}, "is for kind mixed, not polyhedron"),
         ({"kind": "mixed", "ellipsoid_share": 0.5, "choice": "form"}, "for ellipsoids"),
     ],
 )
@@ -144,7 +144,7 @@ def test_impossible_choices_are_refused(arguments, reason):
 
 def test_unknown_grain_and_empty_set_are_refused(grains):
     with pytest.raises(ValueError, match="no grain 'G99'.*g0, g1, g2, g3"):
-        sample_grains([0], 1, CURVE, ShapeChoice("mesh", "one", grain="G99"), grains)
+        sample_grains([0], 1, CURVE, ShapeChoice("polyhedron", "one", grain="G99"), grains)
     with pytest.raises(ValueError, match="it is empty"):
         sample_grains([0], 1, CURVE, ShapeChoice(), [])
 
@@ -169,7 +169,7 @@ def test_ratios_of_axes_are_given_ones_or_normals_above_one():
 @pytest.mark.parametrize(
     "wrong, said",
     [
-        ({"kind": "mesh", "eta": 1.6, "zeta": 1.6}, "is for ellipsoids"),
+        ({"kind": "polyhedron", "eta": 1.6, "zeta": 1.6}, "is for ellipsoids"),
         ({"kind": "ellipsoid", "eta": 0.9, "zeta": 1.6}, "eta 0.9 must be given"),
         ({"kind": "ellipsoid", "eta": 1.6}, "zeta None must be given"),
         ({"kind": "ellipsoid", "eta": 1.6, "zeta": 1.6, "eta_std": -1.0}, "eta_std -1.0 must not be negative"),

@@ -28,7 +28,7 @@ def write_reference(folder):
         table = pd.DataFrame({"grain": [f"G{i}" for i in range(20)], "L": 5 / elongation, "I": 5.0, "S": 5 * flatness})
         n = single_truth(flatness, elongation) + (0.01 if source == "scans" else 0.0)
         for run, sign in ((1, 1), (2, -1)):
-            mesh = table.assign(source=source, case="U1", representation="mesh", seed=run, n=n + sign * 1e-3)
+            mesh = table.assign(source=source, case="U1", representation="polyhedron", seed=run, n=n + sign * 1e-3)
             parts += [mesh, mesh.assign(representation="ellipsoid", n=0.2)]
     pd.concat(parts).to_csv(folder / "single_form.csv", index=False)
     table = mixtures()

@@ -81,7 +81,7 @@ def energy(process):
     process.evaluate()
     made = process.scene
     return mechanical_energy(
-        process.bodies, process.near, compose(made).law, made.material.effective_gravity, process.dt
+        process.bodies, process.candidates, compose(made).law, made.material.effective_gravity, process.dt
     ).total
 
 

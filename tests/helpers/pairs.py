@@ -20,7 +20,7 @@ from simcore.dem.shapes.hulls import POLYHEDRON, Base, collect_shapes, unit_sphe
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import list_near
+from simcore.dem.step.candidate_pairs import list_candidates
 
 EVERYTHING = Features(POLYHEDRON, True, patch=True)  # all fields of contacts are there
 
@@ -85,7 +85,7 @@ def place_pairs(bases, scale, orientation, offsets, size=1.0, common=0.0):
     distance = np.linalg.norm(bodies.position[1::2] - bodies.position[0::2], axis=1)
     skin = 1.001 * distance.max() + 1e-3 * size  # no gap is wider than the distance of the centres
     shapes = collect_shapes(list(shapes.values()))
-    contacts = list_near(bodies, shapes, Box(0.0), 0.5 * skin, EVERYTHING).contacts
+    contacts = list_candidates(bodies, shapes, Box(0.0), 0.5 * skin, EVERYTHING).contacts
     assert (contacts.body_a == np.arange(0, 2 * n, 2)).all() and (contacts.body_b == contacts.body_a + 1).all()
     return bodies, shapes, contacts
 

@@ -9,8 +9,8 @@ from simcore.dem.shapes.hulls import MIXED, POLYHEDRON, collect_shapes, unit_sph
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
+from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.dem.step.motion import derive_form_matrix, derive_rotation
-from simcore.dem.step.near_pairs import list_near
 from simcore.dem.step.step import STAGES, Drive, make_advance
 
 
@@ -68,7 +68,7 @@ class Stage:
             sliding=sliding,
             preloaded=preloaded,
         )
-        self.near = None
+        self.candidates = None
         self._list()
         self.drive = {
             "gravity": 0.0, "shaking": 0.0, "shaking_rate": 0.0, "damping": 1.0, "wall_radius": np.inf,
@@ -83,7 +83,7 @@ class Stage:
         drive = Drive(dt=dt, width=self.width, **self.drive)
         left = n_steps
         while left > 0:
-            state = State(self.shapes, self.bodies, *self.near, self.room)
+            state = State(self.shapes, self.bodies, *self.candidates, self.room)
             done, stale = self._advance(state, self.law, drive, self.clock, self.step, left)
             left -= done
             self.step += done
@@ -91,15 +91,17 @@ class Stage:
                 self._list()
 
     def _list(self):
-        self.near = list_near(self.bodies, self.shapes, Box(self.width), 0.5 * self.skin, self.features, self.near)
+        self.candidates = list_candidates(
+            self.bodies, self.shapes, Box(self.width), 0.5 * self.skin, self.features, self.candidates
+        )
 
     @property
     def contacts(self):
-        return self.near.contacts
+        return self.candidates.contacts
 
     @property
     def walls(self):
-        return self.near.walls
+        return self.candidates.walls
 
     def derive(self):
         """After positions, orientations or momenta were set by hand."""

@@ -14,7 +14,7 @@ def test_the_formula_is_that_of_the_fit():
     n = 0.27 + 0.02 * features["EQ_inv"] - 0.015 * features["EL_inv"] + rng.normal(0.0, 0.002, 30)
     model = fit_and_validate(features, n.to_numpy(), "single_form", "U1", seed=1)
     told = formulas(model.to_rows().assign(source="scans")).iloc[0]
-    assert list(told[["beds", "case", "source", "samples", "study"]]) == ["of one form", "U1", "scans", 30, None]
+    assert list(told[["beds", "case", "source", "samples", "r22"]]) == ["of one form", "U1", "scans", 30, None]
     text = told["porosity"].removeprefix("n = ").replace("−", "-").replace("L/S", "* EQ_inv").replace("L/I", "* EL_inv")
     np.testing.assert_allclose(features.eval(text), model.predict(features), atol=1e-3)
     assert told["error"] == model.mean_absolute_error
@@ -31,7 +31,7 @@ def test_the_study_stands_beside_and_helpers_of_the_fit_do_not():
             "case": "U1",
             "term": ["intercept", "mu_EQ_inv", "sigma_EL_inv", "intercept"],
             "coefficient": [0.2866, 0.0278, -0.00266, 0.28],
-            "study_coefficient": [0.287, 0.032, np.nan, np.nan],
+            "r22_coefficient": [0.287, 0.032, np.nan, np.nan],
             "feature_min": [np.nan, 1.6, 5.3, np.nan],
             "feature_max": [np.nan, 6.3, 10.3, np.nan],
             "mean_absolute_error": 0.006,
@@ -40,5 +40,5 @@ def test_the_study_stands_beside_and_helpers_of_the_fit_do_not():
     )
     told = formulas(rows)
     assert list(told["porosity"]) == ["n = 0.287 + 0.0278 µ_EQ⁻¹ − 0.00266 σ_EL⁻¹"]
-    assert list(told["study"]) == ["n = 0.287 + 0.032 µ_EQ⁻¹"]
+    assert list(told["r22"]) == ["n = 0.287 + 0.032 µ_EQ⁻¹"]
     assert list(told["source"]) == [None]

@@ -11,7 +11,7 @@ from simcore.grains.measured_forms import Sample, read_samples
 from simcore.models.fitting import fit_reference_models
 from simcore.models.prediction import predict_samples
 from simcore.models.regression import fit
-from simcore.reference.r22_tables import read_study_table
+from simcore.reference.r22_tables import read_r22_table
 from tests.helpers.committed import mixtures, one_form, single_truth
 
 TABLE_2 = Path(__file__).resolve().parents[2] / "examples" / "table2.csv"
@@ -32,7 +32,7 @@ def test_one_form_and_a_distribution_take_their_own_models(reference):
     # The unified model does not jump where the study's runs away.
     unified = table.query("model == 'unified'").set_index("name").n
     assert unified["narrow"] == pytest.approx(unified["one"], abs=1e-3)
-    study = table.query("name == 'narrow' and by == 'study'").iloc[0]
+    study = table.query("name == 'narrow' and by == 'r22'").iloc[0]
     assert study.model == "single_form" and "below 0.05: taken for one form" in study.outside
     assert study.n == pytest.approx(0.278 + 0.019 / 0.42 + 0.014 / 0.7)
 
@@ -53,7 +53,7 @@ def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
     one = [one_form(0.6, 0.7)]
     pd.testing.assert_frame_equal(predict_samples(one, "one-class", fitted), predict_samples(one, "U1", fitted))
     alone = predict_samples(one, "B50", fitted)
-    assert alone.by.tolist() == ["study"]
+    assert alone.by.tolist() == ["r22"]
     assert alone.n.item() == pytest.approx(0.217 + 0.014 / 0.42 - 0.006 / 0.7)
     wide = Sample("wide", 50, 0.6, 0.15, 0.7, 0.15, 0.42, 0.12)
     with pytest.raises(
@@ -149,7 +149,7 @@ def test_the_models_of_r22_follow_the_same_rule(reference):
         mu_EQ = mu_FL * mu_EL
         sigma_EQ = np.sqrt((mu_FL**2 + sigma_FL**2) * (mu_EL**2 + sigma_EL**2) - mu_EQ**2)
         sample = Sample("s", 0, mu_FL, sigma_FL, mu_EL, sigma_EL, mu_EQ, sigma_EQ)
-        return predict_samples([sample], "U1", fitted).set_index("by").loc["study", "refused"]
+        return predict_samples([sample], "U1", fitted).set_index("by").loc["r22", "refused"]
 
     assert refused(0.6, 0.15, 0.6, 0.15) == ""
     assert refused(0.6, 0.051, 0.6, 0.15) == "" and "sigma_FL = 0.049 is below 0.05" in refused(0.6, 0.049, 0.6, 0.15)
@@ -161,7 +161,7 @@ def test_the_models_of_r22_follow_the_same_rule(reference):
     # All grains of one EQ, though FL and EL differ.
     sample = Sample("s", 2, 0.65, 0.15, 0.65, 0.15, 0.4, 0.0)
     table = predict_samples([sample], "U1", fitted).set_index(["by", "model"])
-    assert "sigma_EQ_inv = inf is above" in table.loc[("study", "form_mixture"), "refused"]
+    assert "sigma_EQ_inv = inf is above" in table.loc[("r22", "form_mixture"), "refused"]
     assert table.preferred.sum() == table.preferred[("ours", "unified")] == 1
 
 
@@ -176,7 +176,7 @@ def test_a_formula_or_an_interval_that_leaves_0_to_1_is_refused(reference):
     )
     wide = predict_samples([sample], "U1", fit_reference_models(reference), level=0.99999).set_index("by")
     assert (wide.loc["ours", "refused"] == "its prediction interval leaves (0, 1)").all()
-    assert wide.loc["ours", "n"].isna().all() and np.isfinite(wide.loc["study", "n"])
+    assert wide.loc["ours", "n"].isna().all() and np.isfinite(wide.loc["r22", "n"])
     rows.assign(n=rows.n - 0.37).to_csv(reference / "single_form.csv", index=False)
     table = predict_samples([sample], "U1", fit_reference_models(reference))
     assert table.refused.tolist()[0] == "its formula leaves (0, 1)"
@@ -187,16 +187,16 @@ def test_table_2_is_the_studys_and_gives_its_predictions():
 
     The published coefficients have three decimals: 5e-4 in each, times 1, 2.3, 6.2, 1.5 (and 7.2).
     """
-    theirs, ours = read_study_table("table2_form_statistics"), pd.read_csv(TABLE_2)
+    theirs, ours = read_r22_table("table2_form_statistics"), pd.read_csv(TABLE_2)
     names = {"mu_FL": "mean_FL", "sigma_FL": "std_FL", "mu_EL": "mean_EL", "sigma_EL": "std_EL"}
     np.testing.assert_array_equal(ours[list(names.values())], theirs[list(names)])
     samples = read_samples(TABLE_2)
     assert len(samples) == 9 and all(sample.grains == 0 for sample in samples)
     fitted = fit_reference_models()
-    predicted = read_study_table("table11_application").set_index("case").predicted
+    predicted = read_r22_table("table11_application").set_index("case").predicted
     for case, rounding in (("U1", 11.0), ("U7", 18.2)):
         table = predict_samples(samples, case, fitted)
-        study = table[table.by == "study"].set_index("name")
+        study = table[table.by == "r22"].set_index("name")
         assert len(study) == 9
         assert study.n["Rhine"] == pytest.approx(predicted[case], abs=5e-4 * (rounding + 1))
         assert {name for name, text in study.outside.items() if text} == {"Kall", "rock aggregate"}

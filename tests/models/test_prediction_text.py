@@ -34,7 +34,7 @@ def test_on_the_command_line(capsys, tmp_path):
     assert [(row["sample"], row["by"], row["model"]) for row in rows[:3]] == [
         ("Rhine", "ours", "form_mixture"),
         ("Rhine", "ours", "unified"),
-        ("Rhine", "study", "form_mixture"),
+        ("Rhine", "r22", "form_mixture"),
     ]
     assert len(rows) == 27
     assert main(["predict", "--case", "U1", str(TABLE_2), "--json", "--level", "0.5"]) == 0
@@ -135,7 +135,7 @@ def test_where_none_of_ours_can_be_evaluated_it_is_said(reference):
     (reference / "form_mixture.csv").unlink()
     fitted = fit_reference_models(reference)
     table = predict_samples([one_form(0.5, 0.6)], "U1", fitted)
-    assert table[table.refused == ""].by.tolist() == ["study"] and not table.preferred.any()
+    assert table[table.refused == ""].by.tolist() == ["r22"] and not table.preferred.any()
     text = describe(table, "U1", fitted)
     assert "None of our models can be evaluated, that of Rettinger et al. alone: one" in text
     assert "Too few" not in text

@@ -43,9 +43,9 @@ def mixture_packings():
 
 
 def test_single_form_tables_stand_beside_the_studys(single_form_packings):
-    study_r = pd.DataFrame({"study": "single_form", "case": ["U1"], "feature": ["EQ_inv"], "r": [0.964]})
-    study_errors = pd.DataFrame({"case": ["U1"], "EQ_inv": [5.74], "EL_inv": [4.66]})
-    study_models = pd.DataFrame(
+    r22_r = pd.DataFrame({"study": "single_form", "case": ["U1"], "feature": ["EQ_inv"], "r": [0.964]})
+    r22_errors = pd.DataFrame({"case": ["U1"], "EQ_inv": [5.74], "EL_inv": [4.66]})
+    r22_models = pd.DataFrame(
         {
             "model": "single_form",
             "case": ["U1"],
@@ -55,7 +55,7 @@ def test_single_form_tables_stand_beside_the_studys(single_form_packings):
             "mu": [np.nan],
         }
     )
-    tables, models = single_form_models(single_form_packings, study_r, study_errors, study_models)
+    tables, models = single_form_models(single_form_packings, r22_r, r22_errors, r22_models)
     for case, truth in SINGLE.items():
         model = models["single_form", case]
         np.testing.assert_allclose(model.coefficients, truth, atol=5e-4)
@@ -63,16 +63,16 @@ def test_single_form_tables_stand_beside_the_studys(single_form_packings):
     for _, of_case in tables["correlations"].groupby("case"):
         assert of_case["r"].abs().is_monotonic_decreasing
     r = tables["correlations"].set_index(["case", "feature"])
-    assert r.loc[("U1", "EQ_inv"), "study_r"] == 0.964 and r.loc[("U1", "EQ_inv"), "kept"]
-    assert np.isnan(r.loc[("B50", "EQ_inv"), "study_r"]) and not r.loc[("U1", "EQ"), "kept"]
+    assert r.loc[("U1", "EQ_inv"), "r22_r"] == 0.964 and r.loc[("U1", "EQ_inv"), "kept"]
+    assert np.isnan(r.loc[("B50", "EQ_inv"), "r22_r"]) and not r.loc[("U1", "EQ"), "kept"]
     errors = tables["second_features"].set_index(["case", "feature"])
-    assert errors.loc[("U1", "EL_inv"), "study_error"] == pytest.approx(4.66e-3)
+    assert errors.loc[("U1", "EL_inv"), "r22_error"] == pytest.approx(4.66e-3)
     # EL_inv is what the data hold: its error is that of the noise, sqrt(2/pi) 1e-4, and the least of all.
     assert errors.loc["U1"]["mean_absolute_error"].idxmin() == "EL_inv"
     assert errors.loc[("U1", "EL_inv"), "mean_absolute_error"] == pytest.approx(8e-5, rel=0.5)
     assert errors.loc[("U1", "EQ_inv"), "mean_absolute_error"] > 1e-3
     rows = tables["models"].set_index(["model", "case", "term"])
-    assert rows.loc[("single_form", "U1", "EL_inv"), "study_coefficient"] == 0.014
+    assert rows.loc[("single_form", "U1", "EL_inv"), "r22_coefficient"] == 0.014
 
 
 def test_a_case_with_few_packings_is_left_out_with_a_message(single_form_packings, caplog):
@@ -104,13 +104,13 @@ def test_mixture_models_recover_their_coefficients(mixture_packings):
             "U7_R2": [0.867, 0.914],
         }
     )
-    tables, models = mixture_models(mixture_packings, study_sets=study)
+    tables, models = mixture_models(mixture_packings, r22_sets=study)
     model = models["form_mixture", "U1"]
     np.testing.assert_allclose(model.coefficients, [0.287, 0.032, -0.003, 0.011, 0.0], atol=2e-4)
     sets = tables["feature_sets"]
     assert len(sets) == 6
     assert sets["r_squared"].iloc[3] == sets["r_squared"].max()
-    assert sets["study_error"].dropna().tolist() == pytest.approx([6.93e-3, 4.33e-3])
+    assert sets["r22_error"].dropna().tolist() == pytest.approx([6.93e-3, 4.33e-3])
     table = application_table(
         models,
         mixture_packings.iloc[:2].assign(kind=["continuous", "discrete"]),
@@ -126,7 +126,7 @@ def test_mixture_models_recover_their_coefficients(mixture_packings):
         ),
     )
     assert table["abs_error"].max() < 1e-4
-    assert table["study_simulated"].tolist() == [0.356, 0.353]
+    assert table["r22_simulated"].tolist() == [0.356, 0.353]
 
 
 def test_a_set_that_packings_do_not_carry_is_left_out_with_a_message(mixture_packings, caplog):
@@ -159,7 +159,7 @@ def test_mesh_and_ellipsoid_differ_by_their_rms():
     table = shape_kind_table(packings, pd.DataFrame({"case": ["U1"], "rms_difference": [0.0087]}))
     assert table["rms_difference"][0] == pytest.approx(np.sqrt(2.5e-4))
     assert table["mean_difference"][0] == pytest.approx(-0.005)
-    assert table["study_rms_difference"][0] == 0.0087
+    assert table["r22_rms_difference"][0] == 0.0087
 
 
 def test_tables_survive_netcdf(tmp_path, single_form_packings):

@@ -96,11 +96,11 @@ def test_the_studys_models_stand_beside_it_as_published(beds):
     table = unified_models(*beds, STUDY)[0]["feature_sets"].set_index("model")
     means = forms.groupby("grain", sort=False)[["L", "I", "S", "n"]].mean()
     difference = 0.25 + 0.02 * means.L / means.S + 0.01 * means.L / means.I - means.n
-    assert table.single_form_error["study"] == pytest.approx(difference.abs().mean())
+    assert table.single_form_error["r22"] == pytest.approx(difference.abs().mean())
     many = mixtures.groupby("sample", sort=False)[["mu_EQ", "sigma_EQ", "mu_EL", "n"]].mean()
     many = 0.35 + 0.03 / many.mu_EQ - 0.003 / many.sigma_EQ + 0.01 / many.mu_EL - many.n
-    assert table.form_mixture_error["study"] == pytest.approx(many.abs().mean())
-    assert table.bias["study"] == pytest.approx(np.concatenate([difference, many]).mean())
+    assert table.form_mixture_error["r22"] == pytest.approx(many.abs().mean())
+    assert table.bias["r22"] == pytest.approx(np.concatenate([difference, many]).mean())
 
 
 def test_a_case_that_lacks_one_kind_is_left_out_with_a_message(beds, caplog):

@@ -29,7 +29,7 @@ CYLINDER = {
     "domain": {"type": "cylinder", "width": "104 mm", "height": "1 m"},
     "amount": {"mass": "3 kg"},
     "sizes": {"case": "U1"},
-    "generation": {"fill": "study"},
+    "generation": {"fill": "r22"},
 }
 
 
@@ -44,17 +44,17 @@ def example(name):
         # Its 0.1 kg may be a batch more by one count, and none by the other.
         {**example("cylinder"), "amount": {"grains": 90}},
         LARGE,
-        {**LARGE, "generation": {"fill": "study"}},
-        {**CYLINDER, "shapes": {"kind": "mesh", "choice": "random"}},
+        {**LARGE, "generation": {"fill": "r22"}},
+        {**CYLINDER, "shapes": {"kind": "polyhedron", "choice": "random"}},
         {**CYLINDER, "shapes": {"kind": "ellipsoid"}, "sizes": {"case": "U7", "allow_few_top_grains": True}},
         # Long grains, of which a layer of sites holds a third; and what the specification leaves to the set, strewn.
         {
             **{**LARGE, "domain": {"width": "63 mm", "height": "0.8 m"}, "amount": {"grains": 1200}},
-            "generation": {"fill": "study"},
-            "shapes": {"kind": "mesh", "choice": "form_distribution", **LONG},
+            "generation": {"fill": "r22"},
+            "shapes": {"kind": "polyhedron", "choice": "form_distribution", **LONG},
         },
         {
-            **{**LARGE, "shapes": {"kind": "mesh", "choice": "random"}, "amount": {"grains": 1200}},
+            **{**LARGE, "shapes": {"kind": "polyhedron", "choice": "random"}, "amount": {"grains": 1200}},
             "generation": {"placement": "random"},
         },
         {**LARGE, "shapes": {"kind": "sphere"}, "sizes": {"case": "B50", "allow_few_top_grains": True}},
@@ -72,7 +72,7 @@ def test_near_the_estimate_from_the_grains(raw):
     assert cost.memory < packing_cost.COPIES * near.array_bytes
 
 
-@pytest.mark.parametrize("accuracy", ["draft", "standard", "paper"])
+@pytest.mark.parametrize("accuracy", ["draft", "standard", "r22"])
 def test_near_the_measured_cost_of_the_accuracies(accuracy):
     """To 30 %: packings of one accuracy scatter by 15 %, and what a grain in flight spares is not counted."""
     measured = pd.read_csv(ROOT / "results/reference/accuracy.csv").query("accuracy == @accuracy")

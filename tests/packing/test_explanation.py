@@ -57,7 +57,7 @@ def test_every_example_is_explained(example, capsys):
     assert re.search(rf"shaking +{shaking},", told)
     left_out = told.split("It leaves out")[1].split("Steps of")[0]
     assert ("cylinder" in left_out) == (specification["domain"]["type"] == "periodic")
-    assert ("polyhedra" in left_out) == (specification["shapes"]["kind"] != "mesh")
+    assert ("polyhedra" in left_out) == (specification["shapes"]["kind"] != "polyhedron")
 
 
 def test_the_specification_of_a_workflow_is_explained(tmp_path, capsys):
@@ -67,7 +67,7 @@ def test_the_specification_of_a_workflow_is_explained(tmp_path, capsys):
     assert main(["explain", str(tmp_path / "packing.yaml")]) == 0
     assert capsys.readouterr().out.startswith("few: 40 grains, ")
     grains = {**specification["grains"], "source": "results/grains/none.nc"}
-    mesh = {**specification, "grains": grains, "shapes": {**specification["shapes"], "kind": "mesh"}}
+    mesh = {**specification, "grains": grains, "shapes": {**specification["shapes"], "kind": "polyhedron"}}
     (tmp_path / "mesh.yaml").write_text(yaml.safe_dump(express(mesh), allow_unicode=True))
     assert main(["explain", str(tmp_path / "mesh.yaml")]) == 2
     assert "'results/grains/none.nc' does not exist" in capsys.readouterr().err
@@ -86,8 +86,8 @@ def test_the_estimate_is_that_of_the_grains_themselves():
     estimated = estimate_cost(setup)
     cost = estimated.packing
     process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
-    last_birth = process.generate()
-    assert cost.grains == 40 and cost.batches == 1 and cost.generating == last_birth == 0
+    last_insertion = process.generate()
+    assert cost.grains == 40 and cost.batches == 1 and cost.generating == last_insertion == 0
     assert estimated.mass == pytest.approx(process.bodies.mass.sum(), rel=1e-12)
     assert estimated.bytes_per_grain * 40 == sum(array.nbytes for array in process.bodies)
     # The list has one more start than bodies.

@@ -102,7 +102,7 @@ import warnings
 implicit = {"dashpot": "implicit", "steps_per_contact_time": 20}
 ellipsoid = {"kind": "ellipsoid", "choice": "form", "flatness": 0.6, "elongation": 0.7}
 for kind, dashpot in (({"kind": "sphere"}, {}), ({"kind": "sphere"}, implicit), (ellipsoid, {}),
-                      ({"kind": "mesh", "choice": "random"}, {})):
+                      ({"kind": "polyhedron", "choice": "random"}, {})):
     specification = resolve({"name": "threads", "domain": {"width": "25 mm", "height": "0.2 m"}, "shapes": kind,
         "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]}, "amount": {"grains": 30},
         "shaking": {"duration": "0.15 s"}, "numerics": {"contact_time": "1 ms", **dashpot},
@@ -115,7 +115,7 @@ for kind, dashpot in (({"kind": "sphere"}, {}), ({"kind": "sphere"}, implicit), 
         seen.append(packed)
     one, two = seen
     assert one.observation.coordination > 1.0 and one.steps == two.steps, one.steps
-    for first, second in ((one.bodies, two.bodies), *zip(one.near, two.near, strict=True)):
+    for first, second in ((one.bodies, two.bodies), *zip(one.candidates, two.candidates, strict=True)):
         for name in first._fields:
             assert np.array_equal(getattr(first, name), getattr(second, name)), (kind, name)
     print(kind["kind"], one.steps, one.observation.coordination)
@@ -132,7 +132,7 @@ def test_two_threads_give_the_bits_of_one():
         timeout=900,  # compiling on a busy machine
     )
     assert done.returncode == 0, done.stderr[-2000:]
-    assert [line.split()[0] for line in done.stdout.splitlines()] == ["sphere", "sphere", "ellipsoid", "mesh"]
+    assert [line.split()[0] for line in done.stdout.splitlines()] == ["sphere", "sphere", "ellipsoid", "polyhedron"]
 
 
 def test_grains_are_drawn_by_id():
@@ -152,7 +152,7 @@ def test_amount_by_mass_ends_with_the_grain_that_reaches_it():
 def test_the_fill_of_the_study_makes_whole_batches():
     made = set_up_few(
         amount={"mass": "20 g", "grains": None},
-        generation={"fill": "study", "spacing": "12 mm"},
+        generation={"fill": "r22", "spacing": "12 mm"},
         sizes={"allow_few_top_grains": True},
         domain={"height": "0.1 m"},
     )
@@ -221,7 +221,7 @@ def test_a_bed_that_lies_too_high_is_not_waited_for():
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     with pytest.raises(PackingError, match=r"the bed reaches \d+ mm and leaves no room for another batch"):
         running.generate()
-    assert (running.step - running.state.room_deadline) * running.dt < 5.0 * running.insertion.fall_time()
+    assert (running.step - running.state.space_deadline) * running.dt < 5.0 * running.insertion.fall_time()
 
 
 def test_an_unstable_time_step_is_refused():

@@ -53,7 +53,7 @@ def test_a_sound_packing_is_not_stopped_and_its_margin_is_kept():
 @pytest.mark.parametrize(
     "changes",
     [
-        {"domain": {"height": "10 m"}, "generation": {"fill": "study", "spacing": "9 mm"}},
+        {"domain": {"height": "10 m"}, "generation": {"fill": "r22", "spacing": "9 mm"}},
         {"material": {"restitution": 1.0}, "damping": {"factor": 1e-9, "max_time": "20 s"}},
         {"material": {"restitution": 0.01, "friction": 10.0}, "numerics": {"steps_per_contact_time": 80}},
         {"material": {"gravity": "100 m/s2"}},
@@ -118,12 +118,12 @@ def test_the_energy_seen_falls_while_a_bed_is_damped():
     for before, after in zip(seen[:-1], seen[1:], strict=True):
         gained = after.moving + after.height - before.moving - before.height
         assert gained < 1e-2 * before.moving
-    assert spring_energy(running.bodies, running.near, law).sum() > 0.0
+    assert spring_energy(running.bodies, running.candidates, law).sum() > 0.0
 
 
 def test_springs_hold_half_k_times_the_squares(settled):
     """Tangential ones as far as friction holds them: slipping leaves more in them, which never comes back."""
-    bodies, (contacts, walls), law = settled.bodies, settled.near, compose(settled.scene).law
+    bodies, (contacts, walls), law = settled.bodies, settled.candidates, compose(settled.scene).law
 
     def squares(rows, normal, p, k):
         held = law.friction * abs(rows.force[p] @ normal[p]) / (law.tangential * k)
@@ -137,12 +137,12 @@ def test_springs_hold_half_k_times_the_squares(settled):
     for w in np.flatnonzero(walls.touching):
         k = law.stiffness * bodies.mass[walls.body[w]]
         total += 0.5 * k * squares(walls, walls.normal, w, k)
-    assert spring_energy(bodies, settled.near, law).sum() == pytest.approx(total, rel=1e-12)
+    assert spring_energy(bodies, settled.candidates, law).sum() == pytest.approx(total, rel=1e-12)
 
 
 def test_a_sliding_grain_gains_no_energy_in_the_eyes_of_the_watch(settled):
     """A spring that slipping at u has stretched by d u / k, a thousand times what friction holds, counts as held."""
-    bodies, near, law = settled.bodies, settled.near, compose(settled.scene).law
+    bodies, near, law = settled.bodies, settled.candidates, compose(settled.scene).law
     before = spring_energy(bodies, near, law).sum()
     kept = near.walls.spring.copy()
     near.walls.spring[near.walls.touching > 0] *= 1e3
@@ -154,7 +154,7 @@ def test_an_overlap_of_half_a_grain_names_both(settled):
     """As if the grains of a bed at rest were ten thousand times as thin."""
     thin = 1e-4 * half_thickness(settled.bodies)
     with pytest.raises(PackingError, match=r"grain \d+ and (grain \d+|the wall) overlap by \S+ mm at step") as caught:
-        settled.watch._check_overlap(settled.state, settled.bodies, settled.near, thin, falling=False)
+        settled.watch._check_overlap(settled.state, settled.bodies, settled.candidates, thin, falling=False)
     assert "numerics.contact_time, which is 0.001 s" in str(caught.value)
 
 
@@ -171,7 +171,7 @@ def test_an_impact_too_deep_stops_the_run_before_it_is_over():
 def test_the_deepest_overlap_is_against_the_thinner_grain(settled):
     thickness = half_thickness(settled.bodies)
     np.testing.assert_allclose(thickness, settled.bodies.radius, rtol=1e-12)
-    overlap, (thin, other), ratio = deepest_overlap(settled.near, thickness, settled.bodies.id)
+    overlap, (thin, other), ratio = deepest_overlap(settled.candidates, thickness, settled.bodies.id)
     assert ratio == overlap / thickness[thin]
     assert other == -1 or thickness[thin] <= thickness[other]
     contacts = settled.contacts
@@ -192,10 +192,10 @@ def test_the_stiffest_grain_of_a_bed_is_among_those_looked_at(settled):
     from simcore.dem import stability
 
     load = contact_load(compose(settled.scene).law, settled.dt)
-    found = stiffest_body(settled.bodies, settled.near, settled.stepper.box.width, load)
+    found = stiffest_body(settled.bodies, settled.candidates, settled.stepper.box.width, load)
     looked_at, stability.LOOKED_AT = stability.LOOKED_AT, 1000
     try:
-        assert stiffest_body(settled.bodies, settled.near, settled.stepper.box.width, load) == found
+        assert stiffest_body(settled.bodies, settled.candidates, settled.stepper.box.width, load) == found
     finally:
         stability.LOOKED_AT = looked_at
 
@@ -224,7 +224,7 @@ def pressed(radius, overlap):
 
 def test_a_pebble_under_a_stone_is_let_pass_while_grains_fall():
     running, lines = pressed(6e-3, 1.5e-3)
-    running.state.room_deadline = 3
+    running.state.space_deadline = 3
     running.advance(1, SHAKING)
     running.advance(1, SHAKING)
     (line,) = [line for line in lines if "let pass" in line]
@@ -237,7 +237,7 @@ def test_a_pebble_under_a_stone_is_let_pass_while_grains_fall():
 @pytest.mark.parametrize("phase, radius", [(DAMPING, 6e-3), (SHAKING, 2.5e-3)])
 def test_it_is_not_once_beds_are_damped_nor_under_one_of_a_few_times_its_mass(phase, radius):
     running, lines = pressed(radius, 1.5e-3)
-    running.state.room_deadline = 3
+    running.state.space_deadline = 3
     with pytest.raises(PackingError, match=r"grain 0 and grain 1 overlap by 1.\d+ mm at step 1"):
         running.advance(1, phase)
     assert not [line for line in lines if "let pass" in line]

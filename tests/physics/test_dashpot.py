@@ -153,7 +153,7 @@ def test_a_held_sphere_at_the_limit(stage, name, implicit):
     """At 0.99 of the limit the compiled step lets a small motion die out, at 1.01 it grows; friction 1e3: all stick."""
     neighbours, friction, turning, mode = MODES[name]
     law = contact_law(0.1, T_C, NU, friction)
-    # Like radii but other masses: a contact weighs 2 on the light sphere (note_hold).
+    # Like radii but other masses: a contact weighs 2 on the light sphere (count_effective_contacts).
     limit = longest_stable_step(law, implicit, contacts=2.0 * len(neighbours), **mode)
     below, above = (growth(stage, neighbours, law, implicit, factor * limit, turning) for factor in (0.99, 1.01))
     assert below < 1.0 < above

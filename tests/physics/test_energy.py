@@ -35,7 +35,7 @@ def test_a_scene_without_friction_is_one_with_friction_zero():
     beds = [energy.jumping_bed("sphere", step) for step in (features("sphere"), Features(SPHERE, False, shaken=False))]
     for bed in beds:
         bed.advance(energy.CONTACT_TIME / 40, 4000)
-    assert beds[1].near.contacts.spring.shape == (0, 3)
+    assert beds[1].candidates.contacts.spring.shape == (0, 3)
     np.testing.assert_array_equal(beds[0].bodies.position, beds[1].bodies.position)
 
 

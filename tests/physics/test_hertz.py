@@ -85,7 +85,7 @@ def test_two_spheres_meet_with_the_effective_mass_and_radius(stage):
         if deepest > 0.0:
             # Springs hold what motion has lost, to second order in the step: (ω h)² = 1e-4 where it is stiffest
             pair.advance(0.0, 1)
-            now = mechanical_energy(pair.bodies, pair.near, pair.law, 0.0, dt)
+            now = mechanical_energy(pair.bodies, pair.candidates, pair.law, 0.0, dt)
             assert now.total == pytest.approx(before, rel=1e-4)
     assert steps * dt == pytest.approx(time, abs=2.0 * dt)
     assert deepest == pytest.approx(impact_depth(MODULUS, 0.5 * MASS, 0.5 * R, speed), rel=2e-4)

@@ -200,7 +200,7 @@ def test_spheres_carry_no_rotation(stage):
         features=Features(SPHERE, True),
     )
     empty = [name for name in bodies._fields if len(getattr(bodies, name)) == 0]
-    assert empty == ["orientation", "turned", "listed_turned", "rotation", "form_matrix", "hold"]
+    assert empty == ["orientation", "turned", "listed_turned", "rotation", "form_matrix", "effective_contacts"]
     still = stage.Stage(
         stage.SPHERE, stage.law(1.0, 1e-3, 0.22, 0.0), [1.0] * 3, [0, 0, 5.0], [0, 0, 0], [3.0, 1.0, 2.0]
     )

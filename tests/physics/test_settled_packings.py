@@ -92,7 +92,7 @@ def test_the_settled_ellipsoids_of_the_study():
             shapes={"kind": "ellipsoid", "choice": "form", "flatness": 2.0 / 3.0, "elongation": 0.75},
             sizes={"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]},
             amount={"grains": 265},
-            generation={"fill": "study", "spacing": "12 mm"},
+            generation={"fill": "r22", "spacing": "12 mm"},
             shaking={"duration": "0.13 s"},  # the second batch is born at 0.17 s
             numerics={"contact_time": "2e-4 s", "steps_per_contact_time": 40},
         )

@@ -38,7 +38,7 @@ def test_each_column_of_means_over_seeds_is_in_the_table():
 
 def test_the_keys_that_columns_vary_are_keys_of_a_specification():
     spread = {"mean": 0.6, "std": 0.1}
-    form = {"kind": "mesh", "choice": "form_distribution", "flatness": spread, "elongation": spread}
+    form = {"kind": "polyhedron", "choice": "form_distribution", "flatness": spread, "elongation": spread}
     bare = {"name": "any", "domain": {"width": "1 m", "height": "1 m"}, "sizes": {"case": "U1"}, "shapes": form}
     specification = resolve(bare | {"amount": {"grains": 9}})
     for key in COLUMN_OF_KEY:

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.reference.r22_tables import add_reference, read_study_table
+from simcore.reference.r22_tables import add_reference, read_r22_table
 
 
 def beside(study, **columns):
@@ -13,54 +13,54 @@ def beside(study, **columns):
 
 def test_faces_stand_for_at_most_so_many():
     table = beside("mesh_resolution", case=["U7", "B50", "U3"], faces=["original", 300, 300], cpu_h=1.0, runs=1)
-    assert table.study_n.tolist()[:2] == [0.309, 0.278]
-    assert np.isnan(table.study_n[2])
+    assert table.r22_n.tolist()[:2] == [0.309, 0.278]
+    assert np.isnan(table.r22_n[2])
 
 
 def test_shaking_time_as_a_float():
     table = beside("shaking_cylinder", case=["U7", "B50"], shaking_s=[0.0, 3.0])
-    assert table.study_n.tolist() == [0.323, 0.277]
-    assert table.study_n_std.tolist() == [0.001, 0.004]
+    assert table.r22_n.tolist() == [0.323, 0.277]
+    assert table.r22_n_std.tolist() == [0.001, 0.004]
 
 
 def test_a_setting_that_the_study_does_not_have_stays_empty():
-    assert beside("shaking_periodic", case=["U7"], shaking_s=[0.5]).study_n.isna().all()
-    assert beside("shaking_periodic", case=["U7"]).study_n.isna().all()
-    assert beside("a_study_of_ones_own", case=["U1"]).study_n.isna().all()
+    assert beside("shaking_periodic", case=["U7"], shaking_s=[0.5]).r22_n.isna().all()
+    assert beside("shaking_periodic", case=["U7"]).r22_n.isna().all()
+    assert beside("a_study_of_ones_own", case=["U1"]).r22_n.isna().all()
 
 
 def test_single_forms_take_the_fitted_model():
     """Eq. 17 for EQ = 0.5 and EL = 0.8: 0.278 + 0.019 / 0.5 + 0.014 / 0.8 = 0.3335."""
     form = {"EQ": [0.5, 0.5], "EL": [0.8, 0.8], "sigma_EQ": [0.0, 0.0], "sigma_EL": [0.0, 0.0]}
     table = beside("single_form", case=["U1", "own"], **form)
-    assert table.study_n[0] == pytest.approx(0.3335)
-    assert np.isnan(table.study_n[1])
+    assert table.r22_n[0] == pytest.approx(0.3335)
+    assert np.isnan(table.r22_n[1])
 
 
 def test_mixtures_take_the_fitted_model():
     """Eq. 24 at EQ 0.4 ± 0.1, EL 0.8 ± 0.2: 0.239 + 0.024/0.4 − 0.003/0.1 + 0.002/0.8 + 0.001/0.2 = 0.2765."""
     table = beside("form_mixtures", case=["U7"], EQ=[0.4], EL=[0.8], sigma_EQ=[0.1], sigma_EL=[0.2])
-    assert table.study_n[0] == pytest.approx(0.2765)
+    assert table.r22_n[0] == pytest.approx(0.2765)
 
 
 def test_application_tells_drawn_from_continuous_forms():
     table = beside("application", case=["U1", "U7"], choice=["random", "form_distribution"])
-    assert table.study_n.tolist() == [0.353, 0.288]
+    assert table.r22_n.tolist() == [0.353, 0.288]
 
 
 def test_the_difference_is_counted_in_standard_errors_of_both():
     """Table 6, U1: 0.383 with 0.002 over three runs, divided by their number, so 0.002/sqrt(2) of the mean."""
     table = beside("validation", case=["U1", "own"], n=[0.393, 0.4])
     error = np.hypot(2e-3 / np.sqrt(2.0), 1e-3 / np.sqrt(12.0))
-    assert table.study_n_error[0] == pytest.approx(error)
+    assert table.r22_n_error[0] == pytest.approx(error)
     assert table.difference[0] == pytest.approx(0.010)
     assert table.z[0] == pytest.approx(0.010 / np.hypot(4e-3, error))
-    assert table.loc[1, ["study_n", "study_n_error", "difference", "z"]].isna().all()
+    assert table.loc[1, ["r22_n", "r22_n_error", "difference", "z"]].isna().all()
 
 
 def test_the_studys_deviations_divide_by_the_number_of_runs():
     """What add_reference takes for granted, on the only table that gives the runs themselves."""
-    table = read_study_table("table6_validation")
+    table = read_r22_table("table6_validation")
     runs = table[["run1", "run2", "run3"]]
     agree = {ddof: (runs.std(axis=1, ddof=ddof).round(3) == table["std"]).sum() for ddof in (0, 1)}
     # B70's runs differ by less than they are rounded by.
@@ -73,15 +73,15 @@ def test_the_validation_stands_beside_the_experiment():
     table = beside("validation", case=["U3", "own"], n=[0.3738, 0.4])
     assert table.experiment_n[0] == 0.356
     assert table.experiment_error_percent[0] == pytest.approx(5.0)
-    assert table.study_error_percent[0] == 3.76
+    assert table.r22_error_percent[0] == 3.76
     assert np.isnan(table.experiment_error_percent[1])
 
 
 def test_run_times_of_the_study_stand_beside_ours():
     table = beside("mesh_resolution", case=["U7", "B50"], faces=[300, 50], cpu_h=6.0, runs=[3, 2])
     assert table.cpu_h_per_run.tolist() == [2.0, 3.0]
-    assert table.study_runtime_h.tolist() == [1.92, 4.04]
-    assert table.study_volume_change_percent.tolist() == [-0.2, -3.6]
+    assert table.r22_runtime_h.tolist() == [1.92, 4.04]
+    assert table.r22_volume_change_percent.tolist() == [-0.2, -3.6]
 
 
 def test_predictions_of_the_studys_models_have_the_error_of_their_cross_validation():
@@ -89,4 +89,4 @@ def test_predictions_of_the_studys_models_have_the_error_of_their_cross_validati
     form = {"EQ": [0.5], "EL": [0.8], "sigma_EQ": [0.1], "sigma_EL": [0.1], "case": ["U1"]}
     expected = {"single_form": 4.66e-3, "form_mixtures": 4.33e-3}
     for study, magnitude in expected.items():
-        assert beside(study, **form).study_n_error[0] == pytest.approx(np.sqrt(np.pi / 2.0) * magnitude)
+        assert beside(study, **form).r22_n_error[0] == pytest.approx(np.sqrt(np.pi / 2.0) * magnitude)

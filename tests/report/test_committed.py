@@ -26,11 +26,11 @@ def folder(tmp_path):
         {"source": "synthetic", "case": "U1", "grain": f"G{i}", "representation": kind, "seed": seed}
         | {"L": L, "I": I, "S": S, "n": single(L, I, S) - lower + (-1) ** seed * 1e-3, **ROWS}
         for i, (L, I, S) in enumerate(forms)
-        for kind, lower in (("mesh", 0.0), ("ellipsoid", 0.01))
+        for kind, lower in (("polyhedron", 0.0), ("ellipsoid", 0.01))
         for seed in (1, 2)
     ]
     # Scans of the same forms, and looser by as much as can be seen.
-    rows += [{**row, "source": "scans", "n": row["n"] + 0.03} for row in rows if row["representation"] == "mesh"]
+    rows += [{**row, "source": "scans", "n": row["n"] + 0.03} for row in rows if row["representation"] == "polyhedron"]
     pd.DataFrame(rows).to_csv(tmp_path / "single_form.csv", index=False)
     rows = []
     for FL, EL, a, b in product((0.4, 0.6), (0.5, 0.7), (0.1, 0.2), (0.1, 0.2)):
@@ -59,8 +59,8 @@ def test_models_of_rows_are_the_lines_that_they_follow(folder):
     at = tables["single_form_mean_form"].set_index("source")
     assert at.n["synthetic"] == pytest.approx(0.28 + 0.02 / (0.647 * 0.682) + 0.01 / 0.682, abs=1e-9)
     assert at.n["scans"] - at.n["synthetic"] == pytest.approx(0.03, abs=1e-9)
-    assert at.study_n["scans"] == pytest.approx(0.278 + 0.019 / (0.647 * 0.682) + 0.014 / 0.682)
-    assert at.difference["scans"] == pytest.approx(at.n["scans"] - at.study_n["scans"])
+    assert at.r22_n["scans"] == pytest.approx(0.278 + 0.019 / (0.647 * 0.682) + 0.014 / 0.682)
+    assert at.difference["scans"] == pytest.approx(at.n["scans"] - at.r22_n["scans"])
     assert (tables["single_form"].query("source == 'scans'").samples == 9).all(), "seeds do not pass for forms"
 
 
@@ -79,14 +79,14 @@ def test_mixtures_predict_what_was_not_fitted(folder):
     expected = {"mu_EQ_inv": 0.02, "sigma_EQ_inv": -0.003, "mu_EL_inv": 0.01, "sigma_EL_inv": -0.001}
     assert models[list(expected)].to_dict() == pytest.approx(expected, abs=1e-9)
     (row,) = tables["application_predictions"].itertuples()
-    assert row.abs_error == pytest.approx(0.004, abs=1e-9) and row.study_simulated == pytest.approx(0.353)
+    assert row.abs_error == pytest.approx(0.004, abs=1e-9) and row.r22_simulated == pytest.approx(0.353)
     unified = tables["unified"].set_index("term").coefficient
     statistics = pd.DataFrame({"mu_EQ": [0.42], "sigma_EQ": [np.hypot(0.14, 0.12)], "mu_EL": [0.7], "sigma_EL": [0.2]})
     features = unified_features(statistics).iloc[0]
     by_hand = unified["intercept"] + sum(unified[name] * features[name] for name in UNIFIED)
     assert row.unified_predicted == pytest.approx(by_hand, abs=1e-12)
     assert row.unified_abs_error == pytest.approx(abs(by_hand - row.simulated), abs=1e-12)
-    assert set(tables["unified_feature_sets"].model) == {"unified", "separate", "study"}
+    assert set(tables["unified_feature_sets"].model) == {"unified", "separate", "r22"}
     assert {"form_mixture_sets", "form_mixture_prediction"} <= set(figures)
 
 
@@ -99,14 +99,14 @@ def test_our_own_model_stands_beside_the_studys_for_each_mixture(folder):
     features = unified_features(rows[["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]])
     by_hand = terms["intercept"] + sum(terms[name] * features[name] for name in terms.index.drop("intercept"))
     np.testing.assert_allclose(sets.model_n, by_hand, atol=1e-12)
-    np.testing.assert_allclose(sets.model_difference, by_hand - sets.study_n, atol=1e-12)
+    np.testing.assert_allclose(sets.model_difference, by_hand - sets.r22_n, atol=1e-12)
     assert (sets.model_n - sets.n).abs().max() > 1e-3
 
 
 def test_other_studies_stand_beside_the_studys_values(folder):
     tables, figures = findings(folder)
     cases = tables["validation"].set_index("case")
-    assert cases.runs.tolist() == [2, 2] and cases.study_n["U1"] == 0.383
+    assert cases.runs.tolist() == [2, 2] and cases.r22_n["U1"] == 0.383
     assert cases.experiment_error_percent["U1"] == pytest.approx(100 * (0.38 / 0.371 - 1))
     assert "validation" in figures and "mesh_resolution" not in tables
 

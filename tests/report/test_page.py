@@ -36,9 +36,9 @@ def test_a_table_shows_numbers_shortly_and_no_note(tmp_path):
 
 def test_what_is_read_first_stands_first_and_what_has_no_value_is_left_out(tmp_path):
     path = tmp_path / "n.csv"
-    path.write_text("study,n,grains,n_exact,study_n\nvalidation,0.38,11805.5,,0.37\n")
+    path.write_text("study,n,grains,n_exact,r22_n\nvalidation,0.38,11805.5,,0.37\n")
     html = table(path, behind=("grains", "study", "absent"))
-    assert re.findall("<th[^>]*>(.+?)</th>", html) == ["n", "study_<wbr>n", "grains", "study"]
+    assert re.findall("<th[^>]*>(.+?)</th>", html) == ["n", "r22_<wbr>n", "grains", "study"]
     assert re.findall("<td[^>]*>([^<]+)", html) == ["0.38", "0.37", "11806", "validation"]
 
 

@@ -42,11 +42,11 @@ def test_the_page_holds_every_table_once_under_its_heading(tmp_path):
 
 
 def test_a_study_shows_its_difference_before_its_details(tmp_path):
-    row = {"case": "U1", "n": 0.384, "n_std": 0.001, "grains": 4700, "study_n": 0.383, "difference": 0.001}
+    row = {"case": "U1", "n": 0.384, "n_std": 0.001, "grains": 4700, "r22_n": 0.383, "difference": 0.001}
     pd.DataFrame([row]).to_csv(tmp_path / "validation.csv", index=False)
     html = committed_page(tmp_path, {"validation": "Against the experiment"}, {"validation": ""}, CAPTIONS)
     names = [name.replace("<wbr>", "") for name in re.findall("<th[^>]*>(.+?)</th>", html)]
-    assert names == ["case", "n", "study_n", "difference", "n_std", "grains"]
+    assert names == ["case", "n", "r22_n", "difference", "n_std", "grains"]
 
 
 def _model(name):

@@ -81,3 +81,25 @@ def test_a_key_that_was_added_later_changes_no_digest_at_its_earlier_value():
             group = group[name]
         del group[key]
         assert result_digest(earlier) == result_digest(without), path
+
+
+@pytest.mark.parametrize(
+    "path, present, former",
+    [("accuracy", "r22", "paper"), ("generation.fill", "r22", "study"), ("shapes.kind", "polyhedron", "mesh")],
+)
+def test_a_renamed_choice_is_the_same_packing(path, present, former):
+    *groups, key = path.split(".")
+    new, old = copy.deepcopy(SPECIFICATION), copy.deepcopy(SPECIFICATION)
+    for specification, value in ((new, present), (old, former)):
+        group = specification[groups[0]] if groups else specification
+        group[key] = value
+    assert same_result(new, old) and result_digest(new) == result_digest(old)
+    assert not same_result(new, changed("seed", 7))
+
+
+def test_a_renamed_key_is_the_same_packing():
+    old = copy.deepcopy(SPECIFICATION)
+    old["numerics"]["contact_region"] = old["numerics"].pop("polyhedron_contact")
+    assert same_result(SPECIFICATION, old)
+    old["numerics"]["contact_region"] = "point"
+    assert not same_result(SPECIFICATION, old)

@@ -3,7 +3,7 @@
 import pytest
 
 from simcore.scene.setup import set_up
-from simcore.scene.sizes import MOST_GRAINS
+from simcore.scene.sizes import MAX_GRAINS
 from simcore.scene.specification import read_schema, resolve
 
 
@@ -23,4 +23,4 @@ def test_a_mass_of_too_many_grains_is_refused():
 
 
 def test_a_mass_may_be_that_of_as_many_grains_as_a_number():
-    assert read_schema("packing")["properties"]["amount"]["properties"]["grains"]["maximum"] == MOST_GRAINS
+    assert read_schema("packing")["properties"]["amount"]["properties"]["grains"]["maximum"] == MAX_GRAINS

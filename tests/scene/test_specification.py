@@ -47,7 +47,7 @@ def test_quantity_is_the_float_nearest_to_what_was_written(text, unit, expected)
 
 
 def test_defaults_are_the_parameters_of_the_study():
-    """Values of the source study as listed in results/reference/study/README.md."""
+    """Values of the source study as listed in results/reference/r22/README.md."""
     spec = resolve(MINIMAL)
     assert spec["domain"] == {"type": "periodic", "width": 0.2, "height": 0.8}
     assert spec["material"] == {
@@ -122,7 +122,7 @@ def test_express_is_the_inverse_of_resolve():
         ("shapes.choice", "one", r"shapes\.grain: choice \"one\" needs the name of a grain"),
         (
             "shapes",
-            {"kind": "mesh", "choice": "form", "flatness": 0.5, "elongation": 0.5},
+            {"kind": "polyhedron", "choice": "form", "flatness": 0.5, "elongation": 0.5},
             r"shapes\.kind: choice \"form\" is for kind \"ellipsoid\"",
         ),
         ("shapes.kind", "mixed", r"shapes\.ellipsoid_share: kind \"mixed\" needs a number from 0 to 1"),
@@ -191,7 +191,7 @@ def test_a_file_may_be_saved_as_unicode(tmp_path, encoding):
     ("text", "message"),
     [
         ("amount: {mass: 3 kg}\n", r"mine\.yaml, line 4: amount is given in line 3 already; drop one"),
-        ("faces: 50\nshapes: {kind: mesh,\n  kind: sphere}\n", r"line 6: kind is given in line 5 already"),
+        ("faces: 50\nshapes: {kind: polyhedron,\n  kind: sphere}\n", r"line 6: kind is given in line 5 already"),
         (f"faces: {3000 * '['}", "mine.yaml is not valid YAML: it is nested too deeply"),
         ("name: 2001-99-99\n", "mine.yaml is not valid YAML: month must be in"),
     ],
@@ -226,7 +226,7 @@ def test_every_key_has_a_meaning_and_every_group_refuses_unknown_keys(name):
 
 
 def test_accuracy_lays_its_settings_under_what_is_given():
-    study = resolve({**MINIMAL, "accuracy": "paper"})
+    study = resolve({**MINIMAL, "accuracy": "r22"})
     assert study["faces"] == 300
     assert study["shaking"]["duration"] == 6.0
     assert study["numerics"]["contact_time"] == 2e-4
@@ -238,16 +238,34 @@ def test_accuracy_lays_its_settings_under_what_is_given():
     assert resolve(express(mine)) == mine
 
 
-@pytest.mark.parametrize("choice", ["draft", "standard", "paper"])
+@pytest.mark.parametrize("choice", ["draft", "standard", "r22"])
 def test_each_accuracy_gives_a_whole_specification(choice):
     """Every choice sets the same keys, so that changing from one to another leaves nothing of it behind."""
     presets = read_presets("accuracy")
     assert {key: list(group) if isinstance(group, dict) else None for key, group in presets[choice].items()} == {
-        key: list(group) if isinstance(group, dict) else None for key, group in presets["paper"].items()
+        key: list(group) if isinstance(group, dict) else None for key, group in presets["r22"].items()
     }
     assert resolve({**MINIMAL, "accuracy": choice})["accuracy"] == choice
 
 
 def test_an_accuracy_that_is_not_there_is_refused():
-    with pytest.raises(ValueError, match=r"accuracy: 'papr' is not a choice; choose one of draft, standard, paper"):
+    with pytest.raises(ValueError, match=r"accuracy: 'papr' is not a choice; choose one of draft, standard, r22"):
         resolve({**MINIMAL, "accuracy": "papr"})
+
+
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        ({"accuracy": "paper"}, "accuracy: 'paper' is called 'r22' now; write that"),
+        ({"generation": {"fill": "study"}}, "generation.fill: 'study' is called 'r22' now; write that"),
+        ({"shapes": {"kind": "mesh"}}, "shapes.kind: 'mesh' is called 'polyhedron' now; write that"),
+        (
+            {"numerics": {"contact_region": "point"}},
+            "numerics.contact_region: this key is called polyhedron_contact now; rename it",
+        ),
+    ],
+)
+def test_former_names_are_refused_with_the_present_ones(given, message):
+    with pytest.raises(ValueError) as error:
+        resolve({**MINIMAL, **given})
+    assert str(error.value) == message

@@ -53,7 +53,7 @@ CASES = {
         {"generation": {"placement": "random", "drop_height": "5 mm"}},
         STRANGE,
     ),
-    "generation.drop_height": ({"generation": {"drop_height": "5 mm"}}, {"generation": {"fill": "study"}}, STRANGE),
+    "generation.drop_height": ({"generation": {"drop_height": "5 mm"}}, {"generation": {"fill": "r22"}}, STRANGE),
     "generation.orientation": ({"generation": {"orientation": "random"}}, SPHERES, ELLIPSOIDS),
     "shaking.period": ({"shaking": {"period": "20 ms"}}, {"shaking": {"amplitude": "0 m"}}, {}),
     "convergence.kinetic_energy": ({"convergence": {"kinetic_energy": 1e-4}}, {}, SETTLED),
@@ -63,7 +63,7 @@ CASES = {
     "convergence.max_speed": ({"convergence": {"max_speed": "1 cm/s"}}, SETTLED, {}),
     "convergence.max_unbalanced_force": ({"convergence": {"max_unbalanced_force": 0.1}}, SETTLED, {}),
     "numerics.contact_time": ({"numerics": {"contact_time": "1 ms"}}, HERTZ, {}),
-    "numerics.contact_region": ({"numerics": {"contact_region": "point"}}, ELLIPSOIDS, {}),
+    "numerics.polyhedron_contact": ({"numerics": {"polyhedron_contact": "point"}}, ELLIPSOIDS, {}),
     "numerics.ellipsoid_contact": ({"numerics": {"ellipsoid_contact": "potential"}}, {}, ELLIPSOIDS),
 }
 
@@ -102,7 +102,7 @@ def test_null_is_not_given():
 
 def test_a_specification_that_was_written_out_tells_no_choices():
     """As the workflow writes it: every key is there, whether or not it has an effect."""
-    resolved = resolve(merge(BED, ELLIPSOIDS, {"faces": 50, "numerics": {"contact_region": "point"}}))
+    resolved = resolve(merge(BED, ELLIPSOIDS, {"faces": 50, "numerics": {"polyhedron_contact": "point"}}))
     assert resolve(express(resolved), unused="refuse") == resolved
     written = express(resolved)
     del written["damping"]["factor"]
@@ -115,7 +115,7 @@ def test_what_studies_have_in_common():
     assert {key for key in marked(schema) if is_shared(key, schema)} == {
         "faces",
         "numerics.contact_time",
-        "numerics.contact_region",
+        "numerics.polyhedron_contact",
     }
 
 

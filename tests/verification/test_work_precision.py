@@ -132,7 +132,7 @@ def test_directions_come_near_as_their_spacing(queries, case, slope):
 
 
 def test_our_query_is_exact_to_round_off(queries):
-    rows = queries[queries["method"] == contact_query.OURS].set_index(["case", "quantity"])["error"]
+    rows = queries[queries["method"] == contact_query.OUR_STYLE].set_index(["case", "quantity"])["error"]
     for case in ("polyhedra", "ellipsoids"):
         assert rows[case, "depth"] < 16 * np.finfo(float).eps
         assert rows[case, "normal"] < 1e-13

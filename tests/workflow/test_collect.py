@@ -128,7 +128,7 @@ def test_beds_of_other_settings_and_other_campaigns_are_left_out(campaign, workp
 
 def test_a_dry_run_tells_packings_hours_and_pieces(workplace):
     """Of the study's own sizes: more hours than a machine has, and as many pieces as packings of more than two."""
-    status, said = workplace.run("--dry-run", "--configfile", "config/paper.yaml", "--", "validation_piece_1")
+    status, said = workplace.run("--dry-run", "--configfile", "config/r22.yaml", "--", "validation_piece_1")
     assert status == 0, said
     line = re.search(r"^validation +(\d+) +\d+ +([0-9.]+) +([0-9.]+) +(\d+)$", said, re.MULTILINE)
     packings, hours, longest, pieces = map(float, line.groups())

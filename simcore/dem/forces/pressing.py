@@ -18,7 +18,9 @@ class Motion(NamedTuple):
     """How body b, or the body at a wall, moves against its partner."""
 
     mass: float  # [kg], effective
-    hold: float  # the larger of the two bodies', at least 1 (simcore.dem.forces.spring_dashpot); of implicit dashpots
+    effective_contacts: (
+        float  # the larger of the two bodies', at least 1 (simcore.dem.forces.spring_dashpot); of implicit dashpots
+    )
     velocity: Vec  # [m/s], at the contact point
     spin: Vec  # [1/s], of the angular velocities
 
@@ -50,7 +52,7 @@ def press(touches, k, normal, motion, law, dt, has):
     normal: from a, or from the wall, to b. has: features of the scene. Springs are updated.
     """
     if has.implicit:
-        damping, tangential_damping = implicit_dashpot(law, motion.hold)
+        damping, tangential_damping = implicit_dashpot(law, motion.effective_contacts)
     else:
         damping, tangential_damping = explicit_dashpot(law)
     push = normal_force(law, damping, motion.mass, touches.overlap[k], dot(motion.velocity, normal), has.attractive)
@@ -76,12 +78,12 @@ def press_contact(bodies, contacts, law, drive, p, has):
     i, j = contacts.body_a[p], contacts.body_b[p]
     arm_a = read(contacts.point, p)
     arm_b = minus(arm_a, partner_offset(bodies, contacts, p, drive.width, has.periodic))
-    hold = 1.0
+    effective_contacts = 1.0
     if has.implicit:
-        hold = max(1.0, bodies.hold[i], bodies.hold[j])
+        effective_contacts = max(1.0, bodies.effective_contacts[i], bodies.effective_contacts[j])
     motion = Motion(
         bodies.mass[i] * bodies.mass[j] / (bodies.mass[i] + bodies.mass[j]),
-        hold,
+        effective_contacts,
         contact_velocity(bodies, i, j, arm_a, arm_b),
         minus(read(bodies.angular_velocity, j), read(bodies.angular_velocity, i)),
     )
@@ -95,10 +97,10 @@ def press_contact(bodies, contacts, law, drive, p, has):
 def press_wall(bodies, walls, law, drive, w, has):
     """Update the force and the torque of touching wall w on its body, and its springs; see press_contact."""
     i, arm = walls.body[w], read(walls.point, w)
-    hold = 1.0
+    effective_contacts = 1.0
     if has.implicit:
-        hold = max(1.0, bodies.hold[i])
-    motion = Motion(bodies.mass[i], hold, wall_velocity(bodies, i, arm), read(bodies.angular_velocity, i))
+        effective_contacts = max(1.0, bodies.effective_contacts[i])
+    motion = Motion(bodies.mass[i], effective_contacts, wall_velocity(bodies, i, arm), read(bodies.angular_velocity, i))
     force, torque = press(walls, w, read(walls.normal, w), motion, law, drive.dt, has)
     write(walls.force, w, force)
     write(walls.torque, w, plus(cross(arm, force), torque))

@@ -10,9 +10,10 @@ as the contact alone would change them: v' = v + h F / m. With γ = d_n / m and 
 F / m = ω² δ − γ (v + v') / 2, so F / m = (ω² δ − γ v) / (1 + γ h / 2): the central difference, of second order, and for
 one contact stable up to h = 2 / ω whatever the damping. Along the tangent the same with γ_t = LEVER d_t / m.
 
-The velocity of a grain is changed by all of its contacts. Its hold counts them, and with c, the larger hold of the two,
-the dashpot is divided by 1 + (c − 1/2) γ h: half of its own share, all of the others'. The spring is not, or a bed at
-rest would be the softer the more contacts its grains have; as it is, all springs are softer by 1 + γ h / 2.
+All contacts of a grain change its velocity. Its `effective_contacts` count them, and with c, the larger count of the
+two grains, the dashpot is divided by 1 + (c − 1/2) γ h: half of its own share, all of the others'. The spring is not
+divided, because a bed at rest would become softer with each contact of a grain. As it is, all springs are softer by
+1 + γ h / 2.
 """
 
 from typing import NamedTuple
@@ -67,9 +68,12 @@ def explicit_dashpot(law):
 
 
 @leaf
-def implicit_dashpot(law, hold):
-    """Normal and tangential damping per effective mass [1/s]. hold: the larger of the two grains', at least 1."""
-    share = (hold - 0.5) * law.step
+def implicit_dashpot(law, effective_contacts):
+    """Normal and tangential damping per effective mass [1/s].
+
+    effective_contacts: the larger count of the two grains, at least 1.
+    """
+    share = (effective_contacts - 0.5) * law.step
     tangential = law.root_tangential * law.damping
     return law.damping / (1.0 + share * law.damping), tangential / (1.0 + LEVER * share * tangential)
 

@@ -20,15 +20,15 @@ from mpi4py import MPI
 from simcore.dem.ranks.one_rank import OneRank
 from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, SPHERE
 from simcore.dem.state.bodies import Bodies, join_bodies
-from simcore.dem.state.contacts import Near
+from simcore.dem.state.contacts import CandidatePairs
 from simcore.dem.state.features import Features
 from simcore.dem.state.parts import assemble, take_part
-from simcore.dem.step.near_pairs import list_contacts, list_pairs
+from simcore.dem.step.candidate_pairs import list_contacts, list_pairs
 
 BINS = 512  # of the histograms from which blocks are cut
 UNEVEN = 1.02  # largest load over the mean from which blocks are cut anew
 MARGIN = 1e-9  # of the reach; boxes are less than 1e6 grains wide, and rounding 1e-16 of their width
-# What a body's near pairs and contacts cost, as loads; measured shares of a step of polyhedra, roughly.
+# What a body's candidate pairs and contacts cost, as loads; measured shares of a step of polyhedra, roughly.
 BODY, PAIR, CONTACT = 4, 1, 8
 
 
@@ -58,7 +58,7 @@ class ManyRanks(OneRank):
 
     # -- decisions ------------------------------------------------------------------------------------------
 
-    def most(self, values):
+    def maximum(self, values):
         values = np.asarray(values, float)
         found = np.empty_like(values)
         self.comm.Allreduce(values, found, op=MPI.MAX)
@@ -89,8 +89,10 @@ class ManyRanks(OneRank):
         own = np.concatenate([bodies.own, len(bodies.mass) + np.arange(len(mine))])
         return join_bodies(bodies, new)._replace(own=own)
 
-    def list_near(self, bodies, shapes, box, margin, features: Features, old: Near | None) -> tuple[Bodies, Near]:
-        """Own bodies and ghosts with their Near: as simcore.dem.step.near_pairs.list_near, over all ranks."""
+    def list_candidates(
+        self, bodies, shapes, box, margin, features: Features, old: CandidatePairs | None
+    ) -> tuple[Bodies, CandidatePairs]:
+        """Own bodies and ghosts with their candidate pairs: as candidate_pairs.list_candidates, over all ranks."""
         bodies.margin[:] = margin
         part = self._migrate(bodies, old, box)
         own = part["body.id"]
@@ -103,32 +105,32 @@ class ManyRanks(OneRank):
         if len(rows) < len(kept):
             bodies, old = assemble([take_part(bodies, old, rows, shared=True)], own)
             pairs[:, :2] = (np.cumsum(kept) - 1)[pairs[:, :2]]
-        near = list_contacts(pairs, bodies, shapes, box, features, old)
+        candidates = list_contacts(pairs, bodies, shapes, box, features, old)
         sources = {rank: each["body.id"] for rank, each in ghosts.items()}
         self.halo = _Halo(self.comm, bodies, features, sources)
         self.shared = int((~bodies.moves_here[pairs[:, :2]]).any(axis=1).sum())
-        return bodies, near
+        return bodies, candidates
 
-    def _migrate(self, bodies, near, box):
+    def _migrate(self, bodies, candidates, box):
         """All that is known of the bodies that this rank moves from now on, as a part."""
         place = _wrapped(bodies.position[bodies.own], box)
-        load = _loads(bodies, near)[bodies.own]
+        load = _loads(bodies, candidates)[bodies.own]
         loads = np.array(self.comm.allgather(load.sum()))
         if loads.max() > UNEVEN * loads.mean():
             self.blocks = self._cut([place], [load], box)
         target = self.blocks.rank_of(place)
         stays, goes = bodies.own[target == self.rank], np.unique(target[target != self.rank])
-        part = take_part(bodies, near, stays, shared=True)
+        part = take_part(bodies, candidates, stays, shared=True)
         if self.add([len(goes)])[0] == 0:
             return part
         leaving = [None] * self.size
         for rank in goes:
-            leaving[rank] = take_part(bodies, near, bodies.own[target == rank], shared=True)
+            leaving[rank] = take_part(bodies, candidates, bodies.own[target == rank], shared=True)
         parts = [part, *(each for each in self.comm.alltoall(leaving) if each is not None)]
         return {name: np.concatenate([each[name] for each in parts]) for name in part}
 
     def _ghosts_from_others(self, part, box):
-        """Parts of other ranks' bodies that may come near, by rank."""
+        """Parts of other ranks' bodies that may come candidates, by rank."""
         place = _wrapped(part["body.position"], box)
         # Somewhat too far, since places are rounded otherwise than distances in the list.
         reach = (1.0 + MARGIN) * (part["body.radius"] + part["body.margin"])
@@ -174,9 +176,9 @@ class ManyRanks(OneRank):
 
     # -- all together ---------------------------------------------------------------------------------------
 
-    def parts(self, bodies, near):
+    def parts(self, bodies, candidates):
         """The parts of all ranks one after the other, on rank 0; nothing on the others, which send theirs."""
-        part = take_part(bodies, near, bodies.own)
+        part = take_part(bodies, candidates, bodies.own)
         if self.rank > 0:
             self.comm.recv(source=0, tag=1)  # so that only one is under way
             self.comm.send(part, dest=0, tag=2)
@@ -186,8 +188,8 @@ class ManyRanks(OneRank):
             self.comm.send(None, dest=rank, tag=1)
             yield self.comm.recv(source=rank, tag=2)
 
-    def restore(self, sections, box, features: Features) -> tuple[Bodies, Near]:
-        """Own bodies, ghosts and Near from the parts of all ranks that were; sections(): iterates over them."""
+    def restore(self, sections, box, features: Features) -> tuple[Bodies, CandidatePairs]:
+        """Own bodies, ghosts and candidate pairs from the parts of all former ranks; sections() iterates over them."""
         places = [_wrapped(part["body.position"], box) for part in sections()]
         self.blocks = self._cut(places, [np.ones(len(place)) for place in places], box, together=False)
         ranks = [self.blocks.rank_of(place) for place in places]
@@ -201,9 +203,9 @@ class ManyRanks(OneRank):
             kept.append({name: _if_rows(part, name, rows) for name in part if name.startswith("body.")})
             for each, ids in sources.items():
                 ids.append(part["body.id"][rows][rank[rows] == each])
-        bodies, near = assemble(kept, own)
+        bodies, candidates = assemble(kept, own)
         self.halo = _Halo(self.comm, bodies, features, {rank: np.concatenate(ids) for rank, ids in sources.items()})
-        return bodies, near
+        return bodies, candidates
 
     def _cut(self, places, loads, box, together=True):
         """Blocks with the same load each; together: places are this rank's own, else those of all."""
@@ -254,7 +256,7 @@ class _Halo:
         self.fields = ["position", "velocity", "angular_velocity"]
         self.fields += ["rotation", "turned"] if features.kind != SPHERE else []
         self.fields += ["form_matrix"] if features.kind in (ELLIPSOID, MIXED) else []
-        self.fields += ["hold"] if features.implicit else []
+        self.fields += ["effective_contacts"] if features.implicit else []
         width = sum(int(np.prod(getattr(bodies, name).shape[1:])) for name in self.fields)
         self.sent_rows, self.sent_slices = np.concatenate(sent), _slices(sent)
         self.ghost_rows, self.ghost_slices = np.concatenate(received), _slices(received)
@@ -318,11 +320,11 @@ def _slices(rows):
     }
 
 
-def _loads(bodies, near):
+def _loads(bodies, candidates):
     """What a step of each body costs, (n,) in some unit."""
     load = np.full(len(bodies.mass), float(BODY))
-    if near is not None:
-        contacts = near.contacts
+    if candidates is not None:
+        contacts = candidates.contacts
         for side in (contacts.body_a, contacts.body_b):
             load += np.bincount(side, PAIR + CONTACT * contacts.touching, minlength=len(load))
     return load

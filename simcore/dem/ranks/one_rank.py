@@ -12,7 +12,7 @@ import numpy as np
 
 from simcore.dem.state.bodies import join_bodies
 from simcore.dem.state.parts import assemble, take_part
-from simcore.dem.step.near_pairs import list_near
+from simcore.dem.step.candidate_pairs import list_candidates
 
 # Of the sign and the largest magnitude of an int64.
 _BITS = 62
@@ -23,13 +23,13 @@ class OneRank:
     """All bodies are here."""
 
     rank, size = 0, 1
-    shared = 0  # near pairs that another rank computes too
+    shared = 0  # candidate pairs that another rank computes too
     exchanging, bytes_sent, steps = 0.0, 0, 0  # [s], bytes and steps of what ranks tell each other
 
     def __init__(self):
         self.at_once = 1  # steps, of late, in about HEARS
 
-    def most(self, values) -> np.ndarray:
+    def maximum(self, values) -> np.ndarray:
         """Maxima over ranks of each of some numbers, (k,) floats."""
         return np.asarray(values, float)
 
@@ -66,7 +66,9 @@ class OneRank:
         numbers, 1e-12 for 2000. nan where a number is not finite.
         """
         groups = [np.asarray(group, float).ravel() for group in groups]
-        tops = self.most([np.abs(group).max(initial=0.0) if np.isfinite(group).all() else np.inf for group in groups])
+        tops = self.maximum(
+            [np.abs(group).max(initial=0.0) if np.isfinite(group).all() else np.inf for group in groups]
+        )
         counts = self.add([len(group) for group in groups])
         powers = _BITS - np.frexp(np.where(np.isfinite(tops), tops, 0.0))[1] - np.ceil(np.log2(counts + 1)).astype(int)
         sums = self.add(
@@ -104,9 +106,9 @@ class OneRank:
         """`bodies` (or None) and of the newborn those that move here."""
         return born if bodies is None else join_bodies(bodies, born)
 
-    def list_near(self, bodies, shapes, box, margin, features, old):
-        """The bodies that are here now, and their Near; see simcore.dem.step.near_pairs.list_near."""
-        return bodies, list_near(bodies, shapes, box, margin, features, old)
+    def list_candidates(self, bodies, shapes, box, margin, features, old):
+        """The bodies that are here now, and their candidate pairs; see candidate_pairs.list_candidates."""
+        return bodies, list_candidates(bodies, shapes, box, margin, features, old)
 
     def advance(self, step, bodies, n_steps, wish):
         """Steps done, at most n_steps; whether the list is stale; the wish, if any, at which it stopped before.
@@ -124,12 +126,12 @@ class OneRank:
             self.at_once = 2 * done
         return done, stale, wish()
 
-    def parts(self, bodies, near):
+    def parts(self, bodies, candidates):
         """The parts (simcore.dem.state.parts) of all ranks, one after the other, on rank 0."""
-        yield take_part(bodies, near, bodies.own)
+        yield take_part(bodies, candidates, bodies.own)
 
     def restore(self, sections, box, features):
-        """Bodies and Near from the parts of all ranks that were; sections(): iterates over them."""
+        """Bodies and CandidatePairs from the parts of all ranks that were; sections(): iterates over them."""
         parts = list(sections())
         return assemble(parts, np.concatenate([part["body.id"] for part in parts]))
 

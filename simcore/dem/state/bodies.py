@@ -40,7 +40,9 @@ class Bodies(NamedTuple):
     angular_velocity: np.ndarray  # (n, 3) [1/s], derived, world axes
     form_matrix: np.ndarray  # (n, 6) [m²], derived: R diag(s²) Rᵀ as xx, yy, zz, xy, xz, yz; of ellipsoids
     net_force: np.ndarray  # (n, 3) [N], output: of contacts and gravity, without shaking
-    hold: np.ndarray  # (n,), memory: contacts of the last step, each as far as it moves this body; implicit dashpot
+    effective_contacts: (
+        np.ndarray
+    )  # (n,), memory: contacts of the last step, each as far as it moves this body; implicit dashpot
 
     @property
     def ghosts(self) -> np.ndarray:
@@ -56,7 +58,7 @@ class Bodies(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """Near pairs in the order of their key (a, b, image), a < b or a = b with a positive image.
+    """CandidatePairs pairs in the order of their key (a, b, image), a < b or a = b with a positive image.
 
     Memory: what the last step found. Output: what the current step gives to the bodies. Fields marked with a
     feature are empty in scenes without it. The facet of two hulls is that of the Minkowski difference along the normal
@@ -145,7 +147,7 @@ def make_bodies(
         angular_velocity=angular_velocity,
         form_matrix=np.zeros((n, 6)),
         net_force=np.zeros((n, 3)),
-        hold=np.zeros(n),
+        effective_contacts=np.zeros(n),
     )
     spin = np.einsum("nji,nj->ni", bodies.rotation, bodies.angular_velocity)
     bodies.angular_momentum[:] = np.einsum("nij,nj->ni", bodies.rotation, bodies.inertia * spin)
@@ -154,7 +156,7 @@ def make_bodies(
     if features is None:
         return bodies
     if not features.implicit:
-        bodies = without(bodies, "hold")
+        bodies = without(bodies, "effective_contacts")
     if features.kind == SPHERE:
         return without(bodies, "orientation", "turned", "listed_turned", "rotation", "form_matrix")
     if features.kind == POLYHEDRON:

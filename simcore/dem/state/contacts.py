@@ -20,7 +20,7 @@ class Box(NamedTuple):
     wall_radius: float = np.inf
 
 
-class Near(NamedTuple):
+class CandidatePairs(NamedTuple):
     """What can touch until neighbours are listed anew."""
 
     contacts: Contacts
@@ -75,9 +75,9 @@ def list_incident(body_a, body_b, image, n_bodies):
     # Contacts of a body in order of (partner, image). Sides of one self pair differ in the sign of the image.
     owner = np.concatenate([body_a, body_b])
     partner = np.concatenate([body_b, body_a])
-    seen_image = np.concatenate([image, -image])
+    signed_image = np.concatenate([image, -image])
     code = np.concatenate([2 * np.arange(m), 2 * np.arange(m) + 1])
-    order = np.lexsort((seen_image[:, 1], seen_image[:, 0], partner, owner))
+    order = np.lexsort((signed_image[:, 1], signed_image[:, 0], partner, owner))
     start = np.concatenate(([0], np.cumsum(np.bincount(owner, minlength=n_bodies)))).astype(np.int64)
     return start, code[order].astype(np.int32)
 
@@ -113,13 +113,13 @@ def list_walls_of(body, n_bodies):
     return np.concatenate(([0], np.cumsum(np.bincount(body, minlength=n_bodies)))).astype(np.int64)
 
 
-def carry_memory(old: Contacts, new: Contacts) -> None:
+def carry_remembered_contacts(old: Contacts, new: Contacts) -> None:
     """Copy memory and output of the pairs that are in both lists."""
     rows, old_rows = _common_rows((old.body_a, old.body_b, old.image), (new.body_a, new.body_b, new.image))
     _carry(old, new, rows, old_rows, ("body_a", "body_b", "image", "pending", "incident_start", "incident"))
 
 
-def carry_wall_memory(old: Walls, new: Walls) -> None:
+def carry_remembered_walls(old: Walls, new: Walls) -> None:
     """Copy memory and output of the rows that are in both lists; (body, wall) is unique in each."""
     _, rows, old_rows = np.intersect1d(2 * new.body + new.wall, 2 * old.body + old.wall, return_indices=True)
     _carry(old, new, rows, old_rows, ("body", "wall", "start"))

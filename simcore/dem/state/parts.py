@@ -8,23 +8,23 @@ from the rows alone (own, incident, start) is not in it.
 import numpy as np
 
 from simcore.dem.state.bodies import Bodies, Contacts, Walls
-from simcore.dem.state.contacts import Near, list_incident, list_walls_of
+from simcore.dem.state.contacts import CandidatePairs, list_incident, list_walls_of
 
 _DERIVED = {"body": {"own"}, "contact": {"incident_start", "incident"}, "wall": {"start"}}
 _GROUPS = {"body": Bodies, "contact": Contacts, "wall": Walls}
 
 
-def take_part(bodies: Bodies, near: Near | None, rows, shared: bool = False) -> dict:
+def take_part(bodies: Bodies, candidates: CandidatePairs | None, rows, shared: bool = False) -> dict:
     """Part of the bodies in `rows` with their walls and the contacts whose first body is among them.
 
-    shared: also those whose second is, so that the part is all that is known of these bodies. near None: none.
+    shared: also those whose second is, so that the part is all that is known of these bodies. candidates None: none.
     """
     part = _take("body", bodies, rows, len(bodies.mass))
-    if near is None:
+    if candidates is None:
         return part
     among = np.zeros(len(bodies.mass), np.bool_)
     among[rows] = True
-    contacts, walls = near
+    contacts, walls = candidates
     kept = among[contacts.body_a] | among[contacts.body_b] if shared else among[contacts.body_a]
     part |= _take("contact", contacts, np.flatnonzero(kept), len(contacts.body_a))
     part |= _take("wall", walls, np.flatnonzero(among[walls.body]), len(walls.body))
@@ -42,11 +42,11 @@ def _take(group, arrays, rows, count):
     }
 
 
-def assemble(parts: list[dict], own) -> tuple[Bodies, Near | None]:
+def assemble(parts: list[dict], own) -> tuple[Bodies, CandidatePairs | None]:
     """Bodies in order of their id, and the contacts and walls of those in `own` (k,), ids of bodies that move here.
 
     Bodies and contacts that stand in several parts are taken once. Contacts with a body that is in no part are left
-    out. No Near where no part tells of contacts.
+    out. No CandidatePairs where no part tells of contacts.
     """
     body = _join(parts, "body")
     body = _unique(body, [body["id"]])
@@ -57,9 +57,9 @@ def assemble(parts: list[dict], own) -> tuple[Bodies, Near | None]:
     if not any("contact.body_a" in part for part in parts):
         return bodies, None
     contact = _join(parts, "contact")
-    a, known_a = _locate(ids, contact["body_a"])
-    b, known_b = _locate(ids, contact["body_b"])
-    kept = np.flatnonzero(known_a & known_b)
+    a, has_a = _locate(ids, contact["body_a"])
+    b, has_b = _locate(ids, contact["body_b"])
+    kept = np.flatnonzero(has_a & has_b)
     kept = kept[moves_here[a[kept]] | moves_here[b[kept]]]
     contact = _rows(contact | {"body_a": a.astype(np.int32), "body_b": b.astype(np.int32)}, kept, len(a))
     images = [contact["image"][:, 1], contact["image"][:, 0]] if len(contact["image"]) else []
@@ -74,7 +74,7 @@ def assemble(parts: list[dict], own) -> tuple[Bodies, Near | None]:
     kept = kept[moves_here[row[kept]]]
     wall = _rows(wall | {"body": row.astype(np.int32)}, kept, len(row))
     wall = _unique(wall, [wall["wall"], wall["body"]])
-    return bodies, Near(
+    return bodies, CandidatePairs(
         Contacts(incident_start=start, incident=incident, **contact),
         Walls(start=list_walls_of(wall["body"], len(ids)), **wall),
     )

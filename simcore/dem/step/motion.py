@@ -176,7 +176,7 @@ def note_net_force(bodies, i, force):
 
 
 @leaf
-def note_hold(bodies, contacts, walls, i, walled):
+def count_effective_contacts(bodies, contacts, walls, i, walled):
     """How firmly its contacts hold body i: the contacts it has, each weighed by how far it moves this body.
 
     A pair's relative motion u_a − u_b holds back at most the motion m_a w_a u_a² + m_b w_b u_b² of its bodies with the
@@ -184,18 +184,20 @@ def note_hold(bodies, contacts, walls, i, walled):
     body's contacts add up to a bound of the modes it takes part in. With p = R_b / (R_a + R_b) a contact of like grains
     weighs 1 on both, one of a small and a large grain 1 on the small and little on the large. A wall weighs 1.
     """
-    hold = 0.0
+    effective_contacts = 0.0
     mass, radius = bodies.mass[i], bodies.radius[i]
     for k in range(contacts.incident_start[i], contacts.incident_start[i + 1]):
         p = contacts.incident[k] >> 1
         if contacts.touching[p] != 0:
             j = contacts.body_a[p] if contacts.incident[k] & 1 else contacts.body_b[p]
-            hold += bodies.mass[j] * (radius + bodies.radius[j]) / ((mass + bodies.mass[j]) * bodies.radius[j])
+            effective_contacts += (
+                bodies.mass[j] * (radius + bodies.radius[j]) / ((mass + bodies.mass[j]) * bodies.radius[j])
+            )
     if walled:
         for w in range(walls.start[i], walls.start[i + 1]):
             if walls.touching[w] != 0:
-                hold += 1.0
-    bodies.hold[i] = hold
+                effective_contacts += 1.0
+    bodies.effective_contacts[i] = effective_contacts
 
 
 @leaf

@@ -9,10 +9,10 @@ from simcore.compilation import leaf, loops
 from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, is_hull
 from simcore.dem.step.motion import (
     add_forces,
+    count_effective_contacts,
     derive_form_matrix,
     has_left,
     move,
-    note_hold,
     note_net_force,
     spin_sphere,
     turn,
@@ -52,5 +52,5 @@ def _balance(bodies, contacts, walls, drive, i, has):
     force, torque = add_forces(bodies, contacts, walls, drive.gravity, i, walled)
     note_net_force(bodies, i, force)
     if has.implicit and drive.dt > 0.0:
-        note_hold(bodies, contacts, walls, i, walled)
+        count_effective_contacts(bodies, contacts, walls, i, walled)
     return force, torque

@@ -31,7 +31,7 @@ DTYPES = {"float64": "<f8", "int64": "<i8", "int32": "<i4", "uint8": "|u1", "boo
 PART = ".part"
 BLOCK = 1 << 20  # bytes read at a time for the digest
 READABLE = "see that it is there, may be read, and is written by nothing else"
-MOST_DIMENSIONS = 32  # of an array, within what every numpy can make
+MAX_DIMENSIONS = 32  # of an array, within what every numpy can make
 
 _FRONT = struct.Struct("<8sIQ")
 _LENGTH = struct.Struct("<Q")
@@ -257,7 +257,7 @@ def _row(row):
     """Name, dtype and shape of an array, from a row of a table."""
     try:
         name, dtype, shape = row
-        known = isinstance(name, str) and dtype in DTYPES and isinstance(shape, list) and len(shape) <= MOST_DIMENSIONS
+        known = isinstance(name, str) and dtype in DTYPES and isinstance(shape, list) and len(shape) <= MAX_DIMENSIONS
         # Lengths beside a zero are not bounded by the file, but numpy must be able to count them
         if known and all(type(n) is int and n >= 0 for n in shape) and math.prod(n or 1 for n in shape) < 1 << 59:
             return name, DTYPES[dtype], tuple(shape)

@@ -13,7 +13,7 @@ from simcore.packing.insertion.initial_states import occupy_sites
 from simcore.packing.insertion.random_placement import fall_time, layer_grains, release_places, zone_height
 from simcore.packing.packed import PackingError
 from simcore.scene.domain import lattice_sites
-from simcore.scene.scene import REFILL_HEIGHT, STUDY_FIRST_FILL, Scene
+from simcore.scene.scene import R22_FIRST_FILL, REFILL_HEIGHT, Scene
 from simcore.scene.shapes import Base, Draw, grain_volumes
 
 MEAN_REACH = 200  # grains whose size says how many make up a layer
@@ -34,16 +34,16 @@ class Pouring:
         """bases: shapes of the grains; draw(ids (n,)) -> Draw."""
         self.scene, self.bases, self.draw = scene, bases, draw
 
-    def has_room(self, born: int, top: float, highest: Callable, last: bool = False) -> bool:
+    def has_space(self, born: int, top: float, highest: Callable, last: bool = False) -> bool:
         """Whether a batch finds room above `top` [m]; last: be it as little as a layer of its lattice.
 
-        highest() -> height of the highest centre and largest bounding radius [m], asked for fill "study" alone.
+        highest() -> height of the highest centre and largest bounding radius [m], asked for fill "r22" alone.
         """
         generation, height = self.scene.generation, self.scene.domain.height
         if generation.placement == "random":
             _, drawn, reach = self._next_strewn(born)
             return top + generation.drop_height + self._zone(drawn, reach) <= height
-        if generation.fill == "study":
+        if generation.fill == "r22":
             high, radius = highest()
             return bool(high < REFILL_HEIGHT * height - max(generation.spacing, 2.0 * radius))
         return top + generation.drop_height < (1.0 if last else REFILL_HEIGHT) * height
@@ -106,8 +106,8 @@ class Pouring:
     def _on_lattice(self, born, top):
         """Places may be fewer than the grains drawn; the next is due when there is room for it."""
         scene, generation = self.scene, self.scene.generation
-        if generation.fill == "study":
-            low = (STUDY_FIRST_FILL if born == 0 else REFILL_HEIGHT) * scene.domain.height
+        if generation.fill == "r22":
+            low = (R22_FIRST_FILL if born == 0 else REFILL_HEIGHT) * scene.domain.height
         else:
             low = top + generation.drop_height
         sites = lattice_sites(scene.domain, generation.spacing, low, scene.domain.height)

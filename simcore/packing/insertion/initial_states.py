@@ -9,7 +9,7 @@ from simcore.scene.domain import Domain
 from simcore.scene.scene import Generation
 
 
-class Birth(NamedTuple):
+class InitialStates(NamedTuple):
     """State of n newborn grains; SI units."""
 
     position: np.ndarray  # (n, 3)
@@ -64,7 +64,7 @@ def _occupy(sites, reach, half_height, width, limit):
     return taken[:n].copy()
 
 
-def give_birth(generation: Generation, position, sieve_size, uniforms) -> Birth:
+def initial_states(generation: Generation, position, sieve_size, uniforms) -> InitialStates:
     """Orientations and velocities of grains at `position` (n, 3).
 
     sieve_size (n,) [m]. uniforms (n, 8): random numbers of the grains in (0, 1): five for the velocities, three
@@ -81,4 +81,4 @@ def give_birth(generation: Generation, position, sieve_size, uniforms) -> Birth:
         orientation = np.column_stack([b * np.cos(w), a * np.sin(v), a * np.cos(v), b * np.sin(w)])
     else:
         orientation = np.tile([1.0, 0.0, 0.0, 0.0], (len(position), 1))
-    return Birth(position, orientation, velocity, angular)
+    return InitialStates(position, orientation, velocity, angular)

@@ -3,9 +3,9 @@
 import numpy as np
 
 from simcore.dem.state.bodies import make_bodies
-from simcore.dem.step.near_pairs import list_near
+from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.packing.insertion.batches import Pouring
-from simcore.packing.insertion.initial_states import give_birth
+from simcore.packing.insertion.initial_states import initial_states
 from simcore.packing.insertion.random_placement import fall_time
 from simcore.packing.packed import GENERATING, PackingError
 
@@ -20,27 +20,27 @@ class Insertion:
         self.dt = scene.numerics.time_step
         self.pouring = Pouring(scene, bases, draw)
 
-    def is_due(self, state, bodies, near) -> bool:
+    def is_due(self, state, bodies, candidates) -> bool:
         """Whether a batch is inserted now; PackingError where none will ever find room."""
         if bodies is None:
             return True
         if state.in_stretch or state.step < state.next_insertion:
             return False
         top = self._top(bodies)
-        if self._has_room(state, bodies, top):
+        if self._has_space(state, bodies, top):
             return True
-        if state.step < state.room_deadline:
+        if state.step < state.space_deadline:
             return False
         # A heavy grain that falls on a light one can throw it above the insertion height: it is waited for, not too
         # long.
-        waits = (state.step - state.room_deadline) * self.dt < LONG_FLIGHT * self.fall_time()
-        lying = self._top(bodies, _touches(bodies, near))
-        if waits and self._has_room(state, bodies, lying):
+        waits = (state.step - state.space_deadline) * self.dt < LONG_FLIGHT * self.fall_time()
+        lying = self._top(bodies, _touches(bodies, candidates))
+        if waits and self._has_space(state, bodies, lying):
             return False
         # The bed itself has come to where batches begin: what is left of the domain takes the next.
-        if self._has_room(state, bodies, top, last=True):
+        if self._has_space(state, bodies, top, last=True):
             return True
-        if waits and self._has_room(state, bodies, lying, last=True):
+        if waits and self._has_space(state, bodies, lying, last=True):
             return False
         raise PackingError(
             f"{self.scene.name}: after {state.inserted} grains the bed reaches {top * 1e3:.0f} mm and leaves no room "
@@ -64,7 +64,7 @@ class Insertion:
                 # ASSUME: Rettinger et al. (2022) end with a whole batch and overshoot; a batch just above the bed can
                 # be larger than the packing, so the grain that reaches the mass is the last.
                 count = int(np.searchsorted(mass, scene.amount_mass)) + 1
-        state.room_deadline = max(state.step, state.next_insertion) + round(2.0 * self.fall_time() / self.dt)
+        state.space_deadline = max(state.step, state.next_insertion) + round(2.0 * self.fall_time() / self.dt)
         new = self._new_bodies(drawn, places, count)
         new.id[:] += inserted
         return new, float(np.mean(drawn.sieve_size[:count]))
@@ -77,7 +77,7 @@ class Insertion:
     def _new_bodies(self, drawn, places, count):
         """Bodies of the first `count` grains drawn, at these places, with ids from 0 on."""
         scene = self.scene
-        states = give_birth(scene.generation, places[:count], drawn.sieve_size[:count], drawn.uniforms[:count])
+        states = initial_states(scene.generation, places[:count], drawn.sieve_size[:count], drawn.uniforms[:count])
         return make_bodies(
             self.bases,
             drawn.shape[:count],
@@ -90,11 +90,11 @@ class Insertion:
     def _touching(self, drawn, places):
         """Pairs (m, 2) of the grains drawn that touch each other at these places."""
         bodies = self._new_bodies(drawn, places, len(places))
-        near = list_near(bodies, self.stepper.shapes, self.stepper.box, 0.0, self.stepper.features)
-        return self.stepper.touching_pairs(bodies, near, self.stepper.drive(GENERATING, 0.0))
+        candidates = list_candidates(bodies, self.stepper.shapes, self.stepper.box, 0.0, self.stepper.features)
+        return self.stepper.touching_pairs(bodies, candidates, self.stepper.drive(GENERATING, 0.0))
 
-    def _has_room(self, state, bodies, top, last=False):
-        return self.pouring.has_room(state.inserted, top, lambda: self._highest(bodies), last)
+    def _has_space(self, state, bodies, top, last=False):
+        return self.pouring.has_space(state.inserted, top, lambda: self._highest(bodies), last)
 
     def _top(self, bodies, among=None):
         """Height below which all grains are [m], or all of the bodies `among` (n,)."""
@@ -105,17 +105,17 @@ class Insertion:
         if among is not None:
             counted &= among
         tops = bodies.position[counted, 2] + bodies.radius[counted]
-        return float(self.ranks.most([tops.max(initial=-np.inf)])[0])
+        return float(self.ranks.maximum([tops.max(initial=-np.inf)])[0])
 
     def _highest(self, bodies):
         """Height of the highest centre and largest bounding radius [m]."""
         own = bodies.own
-        return self.ranks.most([bodies.position[own, 2].max(initial=-np.inf), bodies.radius[own].max(initial=0.0)])
+        return self.ranks.maximum([bodies.position[own, 2].max(initial=-np.inf), bodies.radius[own].max(initial=0.0)])
 
 
-def _touches(bodies, near):
+def _touches(bodies, candidates):
     """Whether a body of this rank touches something, as of the last step (n,)."""
-    contacts, walls = near
+    contacts, walls = candidates
     touching = np.zeros(len(bodies.id), bool)
     for rows, touch in (
         (contacts.body_a, contacts.touching),

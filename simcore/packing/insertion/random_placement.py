@@ -11,7 +11,7 @@ RELEASE_STREAM = 3  # of the counter-based generator; 0 to 2 are those of size, 
 # ASSUME: share of the zone that the grains of a batch fill. Spheres find no more room at 0.38 and long grains earlier;
 # at a tenth even ellipsoids of L/S = 6 find theirs in some tens of tries.
 DILUTE = 0.1
-MOST_TRIES = 10_000
+MAX_TRIES = 10_000
 
 
 def zone_height(reach, volumes, area: float) -> float:
@@ -27,7 +27,7 @@ def release_places(ids, reach, height: float, domain, low: float, seed: int, tou
 
     reach (n,) [m]: radii of their bounding spheres. domain: of a Scene. touching(places (n, 3)) -> (m, 2) indices of
     the grains that touch each other there.
-    ValueError where a grain finds no free place within MOST_TRIES, or is wider than the domain.
+    ValueError where a grain finds no free place within MAX_TRIES, or is wider than the domain.
     """
     ids, reach = np.asarray(ids, np.int64), np.asarray(reach, float)
     width, periodic = domain.width, domain.periodic
@@ -43,7 +43,7 @@ def release_places(ids, reach, height: float, domain, low: float, seed: int, tou
     ]
 
     def next_place(k):
-        for _ in range(MOST_TRIES):
+        for _ in range(MAX_TRIES):
             x, y, z = streams[k].random(3)
             place = width * x, width * y, low + reach[k] + (height - 2.0 * reach[k]) * z
             if periodic:
@@ -57,7 +57,7 @@ def release_places(ids, reach, height: float, domain, low: float, seed: int, tou
         )
 
     places = np.array([next_place(k) for k in range(len(ids))]).reshape(-1, 3)
-    for _ in range(MOST_TRIES):
+    for _ in range(MAX_TRIES):
         give_way = np.unique(np.max(touching(places), axis=1, initial=-1))
         if len(give_way) == 0:
             return places

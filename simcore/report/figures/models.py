@@ -14,14 +14,14 @@ FEATURE_LABELS = {
     "WFI": "WFI = (L + I)/(2 S) [-]",
     "EL_inv": "EL$^{-1}$ = L/I [-]",
 }
-STUDY_SPHERES = {"U1": 0.36}  # of equal spheres, to which the ellipsoids of its Fig. 10 rise
+R22_SPHERES = {"U1": 0.36}  # of equal spheres, to which the ellipsoids of its Fig. 10 rise
 
 
-def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), study=None, study_models=None):
+def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), study=None, r22_models=None):
     """Porosity against features of the form with fit lines and Pearson's r, one panel a feature, one row a case.
 
     packings: columns case, L, I, S, n and, if known, n_std_error; study: correlations.csv, whose r stand beside ours;
-    study_models: models.csv, whose single-form model is drawn over EQ^-1, at the mean EL^-1 of our packings. The study
+    r22_models: models.csv, whose single-form model is drawn over EQ^-1, at the mean EL^-1 of our packings. The study
     gives no line over the other features.
     """
     cases = list(packings.groupby("case", sort=False))
@@ -31,8 +31,8 @@ def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), study=None, stu
         values = form_features(*(rows[axis].to_numpy() for axis in "LIS"))
         for axes, feature in zip(row, features, strict=True):
             _draw_feature(axes, case, values[feature], rows, feature, style, study)
-            if feature == "EQ_inv" and study_models is not None:
-                _draw_study_line(axes, case, values, study_models)
+            if feature == "EQ_inv" and r22_models is not None:
+                _draw_r22_line(axes, case, values, r22_models)
             axes.legend(frameon=False, fontsize="x-small", loc="upper left")
         low, high = row[0].get_ylim()
         row[0].set_ylim(low, high + 0.25 * (high - low))  # room for the legends
@@ -51,13 +51,13 @@ def _draw_feature(axes, case, x, rows, feature, style, study):
     )  # fmt: skip
     if len(rows) > 2 and np.ptp(x) > 0.0:
         line = np.array([x.min(), x.max()])
-        label = f"fit: r = {np.corrcoef(x, n)[0, 1]:.3f}" + _study_r(study, case, feature)
+        label = f"fit: r = {np.corrcoef(x, n)[0, 1]:.3f}" + _r22_r(study, case, feature)
         axes.plot(line, np.polyval(np.polyfit(x, n, 1), line), color=color, lw=1.2, label=label)
 
 
-def _draw_study_line(axes, case, values, study_models):
+def _draw_r22_line(axes, case, values, r22_models):
     """The study's model of single forms over EQ^-1."""
-    model = study_models.query("model == 'single_form' and case == @case")
+    model = r22_models.query("model == 'single_form' and case == @case")
     if len(model) == 0:
         return
     model = model.iloc[0]
@@ -70,11 +70,11 @@ def _draw_study_line(axes, case, values, study_models):
 def prediction_figure(predictions, models=()):
     """Predicted against simulated porosity: by our models and, beside them, by the study's.
 
-    predictions: columns case, simulated, predicted and, if known, n_std_error of the simulated and study_predicted;
+    predictions: columns case, simulated, predicted and, if known, n_std_error of the simulated and r22_predicted;
     models: PorosityModels, whose R² and root mean square error stand in the legend.
     """
-    by_study = "study_predicted" in predictions and predictions["study_predicted"].notna().any()
-    panels = {"predicted": "our model"} | ({"study_predicted": "the study's model"} if by_study else {})
+    by_study = "r22_predicted" in predictions and predictions["r22_predicted"].notna().any()
+    panels = {"predicted": "our model"} | ({"r22_predicted": "the study's model"} if by_study else {})
     figure = Figure(figsize=(0.4 + 4.2 * len(panels), 4.6), layout="constrained")
     grid = figure.subplots(1, len(panels), squeeze=False, sharex=True, sharey=True)[0]
     both = predictions[["simulated", *panels]].to_numpy()
@@ -134,8 +134,8 @@ def shape_kind_figure(pairs, near_spheres=None):
         )  # fmt: skip
         if near_spheres is not None and (near_spheres["case"] == case).any():
             _draw_near_spheres(axes, near_spheres[near_spheres["case"] == case], bars)
-            if case in STUDY_SPHERES:
-                n = STUDY_SPHERES[case]
+            if case in R22_SPHERES:
+                n = R22_SPHERES[case]
                 axes.plot([1.0, 1.5], [n, n], "--", color="0.4", lw=1.0, zorder=0, label=f"equal spheres, study: {n:g}")
         axes.axvline(2.0, color="0.6", lw=0.8, ls=":", zorder=0)
         rms = np.sqrt(np.mean((rows["n_mesh"] - rows["n_ellipsoid"]) ** 2))
@@ -161,7 +161,7 @@ def _draw_near_spheres(axes, rows, bars):
         )  # fmt: skip
 
 
-def _study_r(study, case, feature):
+def _r22_r(study, case, feature):
     """The study's r of the single-form study as text, empty if unknown."""
     if study is None:
         return ""

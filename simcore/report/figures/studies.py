@@ -6,7 +6,7 @@ from matplotlib.lines import Line2D
 
 from simcore.report.figures.models import FEATURE_LABELS, LINES, STYLES
 
-OURS, THEIRS = {"color": "#20313b", "fmt": "o"}, {"color": "#b3541e", "fmt": "D", "mfc": "white"}
+OUR_STYLE, R22_STYLE = {"color": "#20313b", "fmt": "o"}, {"color": "#b3541e", "fmt": "D", "mfc": "white"}
 # What is drawn as an axis of its own: column, label, factor to the label's unit.
 SWEEPS = {
     "shaking_s": ("time of shaking [s]", 1.0),
@@ -40,18 +40,18 @@ def porosities_figure(table, varied):
 def study_figure(table, label):
     """Simulated porosity beside the study's and, where it was measured, the experiment's, one line a row of `table`.
 
-    table: columns n, n_std_error, study_n and, if known, n_std, study_n_std, experiment_n, experiment_n_std; label:
+    table: columns n, n_std_error, r22_n and, if known, n_std, r22_n_std, experiment_n, experiment_n_std; label:
     column names that name the row. Bars are one standard error of our mean and standard deviations over runs.
     """
     figure = Figure(figsize=(6.0, 1.5 + 0.36 * len(table)), layout="constrained")
     axes = figure.subplots()
     y = np.arange(len(table))[::-1]
     axes.errorbar(
-        table["n"], y + 0.17, xerr=table["n_std_error"], ms=5, capsize=2, label="simulated (± std. error)", **OURS
+        table["n"], y + 0.17, xerr=table["n_std_error"], ms=5, capsize=2, label="simulated (± std. error)", **OUR_STYLE
     )
-    if table["study_n"].notna().any():
-        std = table.get("study_n_std")
-        axes.errorbar(table["study_n"], y, xerr=std, ms=5, capsize=2, label="study" + _bars(std), **THEIRS)
+    if table["r22_n"].notna().any():
+        std = table.get("r22_n_std")
+        axes.errorbar(table["r22_n"], y, xerr=std, ms=5, capsize=2, label="study" + _bars(std), **R22_STYLE)
     if "experiment_n" in table:
         axes.errorbar(
             table["experiment_n"], y - 0.17, xerr=table["experiment_n_std"], fmt="s", color="0.55", ms=5, capsize=2,
@@ -85,10 +85,10 @@ def sweep_figure(table, column):
             x, rows["n"], rows["n_std_error"], marker=marker, color=color, ls=line, ms=5, lw=1.2, capsize=2,
             label=f"{case}, simulated (± std. error)",
         )  # fmt: skip
-        if rows["study_n"].notna().any():
+        if rows["r22_n"].notna().any():
             axes.errorbar(
-                x, rows["study_n"], rows.get("study_n_std"), marker=marker, color=color, mfc="white", ls=line, ms=6,
-                lw=0.6, capsize=2, label=f"{case}, study" + _bars(rows.get("study_n_std")),
+                x, rows["r22_n"], rows.get("r22_n_std"), marker=marker, color=color, mfc="white", ls=line, ms=6,
+                lw=0.6, capsize=2, label=f"{case}, study" + _bars(rows.get("r22_n_std")),
             )  # fmt: skip
     if factor is None:
         axes.set_xticks(range(len(settings)), [str(value) for value in settings])
@@ -103,18 +103,20 @@ def sweep_figure(table, column):
 def equancy_figure(table):
     """Porosity of packings of given forms over EQ^-1 of their mean, one panel a case, with what the study's model says.
 
-    table: columns case, EQ, n, n_std_error, study_n and, if known, study_n_error.
+    table: columns case, EQ, n, n_std_error, r22_n and, if known, r22_n_error.
     """
     cases = list(table.groupby("case", sort=False))
     figure = Figure(figsize=(0.6 + 3.9 * len(cases), 3.9), layout="constrained")
     grid = figure.subplots(1, len(cases), sharey=True, squeeze=False)[0]
     for axes, (case, rows) in zip(grid, cases, strict=True):
         x = 1.0 / rows["EQ"]
-        axes.errorbar(x, rows["n"], rows["n_std_error"], ms=5, elinewidth=0.8, label="simulated (± std. error)", **OURS)
-        if rows["study_n"].notna().any():
+        axes.errorbar(
+            x, rows["n"], rows["n_std_error"], ms=5, elinewidth=0.8, label="simulated (± std. error)", **OUR_STYLE
+        )
+        if rows["r22_n"].notna().any():
             axes.errorbar(
-                x, rows["study_n"], rows.get("study_n_error"), ms=5, elinewidth=0.8,
-                label="the study's model for these forms (± its error)", **THEIRS,
+                x, rows["r22_n"], rows.get("r22_n_error"), ms=5, elinewidth=0.8,
+                label="the study's model for these forms (± its error)", **R22_STYLE,
             )  # fmt: skip
         axes.set(xlabel=FEATURE_LABELS["EQ_inv"].replace("EQ", "mean EQ"), title=case)
         axes.title.set_fontsize("medium")

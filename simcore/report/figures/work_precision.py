@@ -6,7 +6,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from simcore.verification.work_precision import settings_table
 
-MOST_COLUMNS = 4
+MAX_COLUMNS = 4
 FEW_DECADES = 40.0  # last over first number of an axis, up to which 2 and 5 are labelled beside 1
 # Lightness, line and marker tell the methods apart, in grey too.
 STYLES = [
@@ -36,7 +36,7 @@ def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=T
     if len(methods) < table["method"].nunique():
         raise ValueError(f"{table['method'].nunique()} methods, but only {len(STYLES)} styles tell them apart")
     unit = 1e6 if micro else 1.0
-    if len(quantities) == 1 and len(cases) > MOST_COLUMNS:
+    if len(quantities) == 1 and len(cases) > MAX_COLUMNS:
         explained = {"setting_label": setting_label, "note": note, "name_all": name_all}
         return _panels_in_rows(table, cases, methods, unit, cost_label, error_labels, **explained)
     figure = Figure(figsize=(1.2 + 3.7 * len(cases), 1.3 + 2.7 * len(quantities)), layout="constrained")
@@ -58,10 +58,10 @@ def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=T
 
 
 def _panels_in_rows(table, cases, methods, unit, cost_label, error_labels, *, setting_label, note, name_all):
-    """The panels of one quantity, MOST_COLUMNS in a row."""
-    rows = -(-len(cases) // MOST_COLUMNS)
-    figure = Figure(figsize=(1.2 + 3.7 * MOST_COLUMNS, 1.3 + 3.1 * rows), layout="constrained")
-    grid = figure.subplots(rows, MOST_COLUMNS, squeeze=False, sharey=True)
+    """The panels of one quantity, MAX_COLUMNS in a row."""
+    rows = -(-len(cases) // MAX_COLUMNS)
+    figure = Figure(figsize=(1.2 + 3.7 * MAX_COLUMNS, 1.3 + 3.1 * rows), layout="constrained")
+    grid = figure.subplots(rows, MAX_COLUMNS, squeeze=False, sharey=True)
     handles = {}
     for axes, case in zip(grid.flat, cases, strict=False):
         _draw_panel(axes, table[table["case"] == case], methods, unit, handles, name_all)
@@ -164,7 +164,7 @@ def rest_figure(table, allowed_unbalanced=0.02):
             axes.set_xticks(steps, [f"{n:g}" for n in steps])
             axes.minorticks_off()
     for axes, shape in zip(grid[0], shapes, strict=True):
-        axes.set_title({"sphere": "spheres", "mesh": "pebbles"}.get(shape, shape), fontsize="medium")
+        axes.set_title({"sphere": "spheres", "polyhedron": "pebbles"}.get(shape, shape), fontsize="medium")
     for axes in grid[-1]:
         axes.set_xlabel("steps per contact time [-]")
     figure.legend(*grid[1, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)

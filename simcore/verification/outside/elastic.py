@@ -43,5 +43,5 @@ def _energy(process):
     process.evaluate()
     scene = process.scene
     return mechanical_energy(
-        process.bodies, process.near, compose(scene).law, scene.material.effective_gravity, process.dt
+        process.bodies, process.candidates, compose(scene).law, scene.material.effective_gravity, process.dt
     ).total

@@ -74,7 +74,7 @@ def _bidisperse(coarse_share, grains):
 # steps, and are fewer.
 DICE = {
     "domain": {"width": "60 mm", "height": "0.5 m"},
-    "shapes": {"kind": "mesh", "choice": "random"},
+    "shapes": {"kind": "polyhedron", "choice": "random"},
     "faces": "original",
     "sizes": _equal(10.0),
     "amount": {"grains": 300},

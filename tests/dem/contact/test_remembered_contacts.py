@@ -16,7 +16,7 @@ from simcore.dem.shapes.hulls import MIXED, POLYHEDRON, collect_shapes, convex, 
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import list_near
+from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.dem.step.step import Drive, make_advance
 
 ROOT = Path(__file__).parents[3]
@@ -96,14 +96,14 @@ def follow(core, end, kind=POLYHEDRON, searching=search_hulls):
     features = Features(kind, True, patch=True)
     advance, clock = make_advance(features), np.zeros(3, np.int64)
     room = make_workspace(shapes, numba.get_num_threads())
-    near = list_near(bodies, shapes, Box(WIDTH), 0.5 * skin, features)
+    near = list_candidates(bodies, shapes, Box(WIDTH), 0.5 * skin, features)
     step, touches, others, excess_others = 0, np.zeros(3, int), 0, []
     while step < end:
         # Odd numbers of steps, so that the look falls anywhere between two lists
         done, stale = advance(State(shapes, bodies, *near, room), law, drive, clock, step, 37)
         step += done
         if stale:
-            near = list_near(bodies, shapes, Box(WIDTH), 0.5 * skin, features, near)
+            near = list_candidates(bodies, shapes, Box(WIDTH), 0.5 * skin, features, near)
         if step % 10 and step < end - 1000:
             continue
         advance(State(shapes, bodies, *near, room), law, still, clock, step, 1)
@@ -111,7 +111,7 @@ def follow(core, end, kind=POLYHEDRON, searching=search_hulls):
         listed, turned, margin = (
             field.copy() for field in (bodies.listed_position, bodies.listed_turned, bodies.margin)
         )
-        fresh = list_near(bodies, shapes, Box(WIDTH), 0.0, features).contacts
+        fresh = list_candidates(bodies, shapes, Box(WIDTH), 0.0, features).contacts
         bodies.listed_position[:], bodies.listed_turned[:], bodies.margin[:] = listed, turned, margin
         search(bodies, fresh)
         remembered = {

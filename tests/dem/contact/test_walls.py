@@ -18,7 +18,7 @@ from simcore.dem.shapes.hulls import POLYHEDRON, collect_shapes
 from simcore.dem.state.bodies import CYLINDER, FLOOR, make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import list_near
+from simcore.dem.step.candidate_pairs import list_candidates
 
 WALL = 1.5  # radius of the cylinder
 
@@ -50,7 +50,7 @@ def place(bases, kind, scale, position, orientation, shape=None):
     bodies = make_bodies(bases, shape, scale, position, orientation, still, still, density=1.0)
     shapes = collect_shapes(bases)
     features = Features(POLYHEDRON, True, cylinder=True, periodic=False, patch=True)
-    walls = list_near(bodies, shapes, Box(0.0, WALL), 100.0, features).walls
+    walls = list_candidates(bodies, shapes, Box(0.0, WALL), 100.0, features).walls
     meet_walls(shapes, bodies, walls, WALL, kind)
     return bodies, Met(walls)
 

@@ -159,7 +159,7 @@ def test_batches_are_born_as_they_are_asked_for(deposit):
 
 def test_its_contacts_remember_nothing_and_push_within_coulombs_limit(deposit):
     running, _ = deposit
-    contacts, walls = running.near
+    contacts, walls = running.candidates
     assert len(contacts.spring) == len(walls.spring) == 0
     rows = contacts.touching > 0
     assert rows.sum() > 40
@@ -175,13 +175,15 @@ def test_the_watch_samples_the_stiffness_there_is(deposit):
     law, firmness = composition.continuous_law, composition.firmness
     load = contact_load(law, running.dt, False)
     width = running.stepper.box.width
-    found = stiffest_body(running.bodies, running.near, width, load, firmness=firmness)
-    alike = stiffest_body(running.bodies, running.near, width, load)
+    found = stiffest_body(running.bodies, running.candidates, width, load, firmness=firmness)
+    alike = stiffest_body(running.bodies, running.candidates, width, load)
     assert 0.0 < found.load < alike.load
     # Half of the firmness of springs and dashpots is half of the load, but for what slides.
     held = load._replace(sliding=0.0)
     whole, half = (
-        stiffest_body(running.bodies, running.near, width, held, firmness=lambda m, *_, share=share: share + 0.0 * m)
+        stiffest_body(
+            running.bodies, running.candidates, width, held, firmness=lambda m, *_, share=share: share + 0.0 * m
+        )
         for share in (1.0, 0.5)
     )
     assert half.load == pytest.approx(0.5 * whole.load, rel=1e-9)
@@ -189,7 +191,7 @@ def test_the_watch_samples_the_stiffness_there_is(deposit):
     time = made.numerics.contact_time
     steps = body_steps(
         running.bodies,
-        running.near,
+        running.candidates,
         width,
         law,
         False,
@@ -203,7 +205,7 @@ def test_the_watch_samples_the_stiffness_there_is(deposit):
 
 def test_its_springs_hold_two_fifths_k_times_the_overlap_to_five_halves(deposit):
     running, _ = deposit
-    bodies, (contacts, walls), law = running.bodies, running.near, compose(running.scene).law
+    bodies, (contacts, walls), law = running.bodies, running.candidates, compose(running.scene).law
     radius, total = sphere_radius(bodies.mass, 2650.0), 0.0
     for p in np.flatnonzero(contacts.touching):
         a, b = contacts.body_a[p], contacts.body_b[p]
@@ -211,7 +213,7 @@ def test_its_springs_hold_two_fifths_k_times_the_overlap_to_five_halves(deposit)
         total += 0.4 * k * contacts.overlap[p] ** 2.5
     for w in np.flatnonzero(walls.touching):
         total += 0.4 * law.modulus * np.sqrt(radius[walls.body[w]]) * walls.overlap[w] ** 2.5
-    assert spring_energy(bodies, running.near, law).sum() == pytest.approx(total, rel=1e-12)
+    assert spring_energy(bodies, running.candidates, law).sum() == pytest.approx(total, rel=1e-12)
 
 
 def test_explain_says_what_follows_from_the_stiffness():
@@ -235,7 +237,7 @@ def test_explain_says_what_follows_from_the_stiffness():
             "implicit is for material.friction_law static",
         ),
         ({"generation": {"batch_grains": 5}}, 'it is for placement "random"'),
-        ({"generation": {"placement": "random", "fill": "study"}}, 'placement "random" is for fill "bed"'),
+        ({"generation": {"placement": "random", "fill": "r22"}}, 'placement "random" is for fill "bed"'),
         ({"sizes": {"beta": {"radius": "3 mm", "spread": 0.2}}}, "give either a case, such as U1, or both bounds"),
         ({"shapes": {"kind": "ellipsoid", "choice": "ratios", "eta": 1.6}}, 'choice "ratios" needs a number'),
     ],

@@ -14,7 +14,7 @@ from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE, collect_shap
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import list_near
+from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.dem.step.step import STAGES, Drive, make_advance
 
 LAW = contact_law(0.5, 1e-3, 0.22, 0.0)  # friction 0: the same as none, to the bit
@@ -46,8 +46,8 @@ def bodies_of(base, kind, scale):
 
 
 def run(features, bodies, shapes, room, box, law, drive, steps=800):
-    """Near pairs, all listed from the start, after some steps."""
-    near = list_near(bodies, shapes, box, 1.0, features)
+    """CandidatePairs pairs, all listed from the start, after some steps."""
+    near = list_candidates(bodies, shapes, box, 1.0, features)
     clock = np.zeros(len(STAGES), np.int64)
     done, _ = make_advance(features)(State(shapes, bodies, *near, room), law, drive, clock, 0, steps)
     assert done == steps
@@ -102,7 +102,7 @@ def test_ellipsoids_read_no_hull():
     results = []
     for some in (shapes, poisoned(shapes)):
         bodies = bodies_of(base, ELLIPSOID, np.array([4e-3, 5e-3, 6e-3]))
-        near = list_near(bodies, shapes, Box(100.0), 1.0, features)
+        near = list_candidates(bodies, shapes, Box(100.0), 1.0, features)
         workspace, drive, clock = make_workspace(shapes, 1), STILL._replace(width=100.0), np.zeros(3, np.int64)
         state = State(some, bodies, *near, workspace)
         make_advance(features)(state, LAW, drive, clock, 0, 800)

@@ -33,15 +33,15 @@ def test_any_parts_make_the_whole(packed, shared):
     """Shared parts tell of contacts between them twice, and of each once it counts."""
     rng = np.random.default_rng(3)
     owner = rng.integers(0, 3, len(packed.bodies.mass))
-    parts = [take_part(packed.bodies, packed.near, np.flatnonzero(owner == k), shared) for k in (2, 0, 1)]
+    parts = [take_part(packed.bodies, packed.candidates, np.flatnonzero(owner == k), shared) for k in (2, 0, 1)]
     whole = assemble(parts, np.arange(len(owner)))
-    assert_same(arrays_of(packed.bodies, packed.near), arrays_of(*whole))
+    assert_same(arrays_of(packed.bodies, packed.candidates), arrays_of(*whole))
 
 
 def test_what_is_not_here_is_left_out(packed):
     """Own bodies 0 to 9 beside ghosts 10 to 19: contacts among ghosts and with others are not here."""
     some = np.arange(20)
-    bodies, near = assemble([take_part(packed.bodies, packed.near, some, shared=True)], np.arange(10))
+    bodies, near = assemble([take_part(packed.bodies, packed.candidates, some, shared=True)], np.arange(10))
     assert list(bodies.id) == list(some) and list(bodies.own) == list(range(10))
     assert list(bodies.ghosts) == list(range(10, 20))
     a, b = packed.contacts.body_a, packed.contacts.body_b

@@ -47,7 +47,7 @@ def whole(made):
 
 
 def assert_packed_alike(first, second):
-    assert_same(arrays_of(first.bodies, first.near), arrays_of(second.bodies, second.near))
+    assert_same(arrays_of(first.bodies, first.candidates), arrays_of(second.bodies, second.candidates))
     for name in ("observation", "steps", "time", "last_insertion", "checks", "stability"):
         assert getattr(first, name) == getattr(second, name), name
 

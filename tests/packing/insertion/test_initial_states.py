@@ -7,9 +7,9 @@ from scipy.spatial.distance import pdist, squareform
 from simcore.dem.shapes.hulls import collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
-from simcore.dem.step.near_pairs import list_near
+from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.packing.insertion.batches import extents
-from simcore.packing.insertion.initial_states import give_birth, occupy_sites
+from simcore.packing.insertion.initial_states import initial_states, occupy_sites
 from simcore.scene.domain import Domain, lattice_sites
 from simcore.scene.scene import Generation
 from simcore.scene.shapes import Draw
@@ -69,7 +69,7 @@ def test_no_overlap_at_birth(core, domain, orientation, kind):
     assert count > 100
     assert (np.diff(taken) > 0).all()
     generation = Generation(0.012, "bed", 0.01, -1.0, 0.1, 0.1, orientation)
-    birth = give_birth(generation, sites[taken], drawn.sieve_size[:count], drawn.uniforms[:count])
+    birth = initial_states(generation, sites[taken], drawn.sieve_size[:count], drawn.uniforms[:count])
     np.testing.assert_allclose(np.linalg.norm(birth.orientation, axis=1), 1.0, atol=1e-14)
     still = np.zeros((count, 3))
     bodies = make_bodies(
@@ -77,7 +77,7 @@ def test_no_overlap_at_birth(core, domain, orientation, kind):
     )
     width = domain.width if domain.periodic else 0.0
     shapes = collect_shapes(bases)
-    contacts = list_near(bodies, shapes, Box(width), 0.0025, core.features).contacts
+    contacts = list_candidates(bodies, shapes, Box(width), 0.0025, core.features).contacts
     assert len(contacts.body_a) > 0 or orientation == "random", "nothing was near: the test shows nothing"
     if kind == "ellipsoid":
         core.look_at_ellipsoids(bodies, contacts, width)
@@ -96,7 +96,7 @@ def test_velocities_and_orientations_of_the_newborn():
     uniforms = np.random.default_rng(2).uniform(size=(n, 8))
     size = np.full(n, 0.005)
     generation = Generation(0.01, "bed", 0.01, -1.0, 0.1, 0.1, "random")
-    birth = give_birth(generation, np.zeros((n, 3)), size, uniforms)
+    birth = initial_states(generation, np.zeros((n, 3)), size, uniforms)
     assert (birth.velocity[:, 2] == -1.0).all()
     for values, limit in ((birth.velocity[:, :2], 0.1), (birth.angular_velocity, 0.1 / 0.005)):
         assert np.abs(values).max() <= limit

@@ -8,7 +8,7 @@ from benchmarks.correctness.equality import load_grains
 from simcore.dem.contact.query import query_many
 from simcore.dem.shapes.hulls import convex, ellipsoid
 from simcore.packing.insertion import random_placement as release
-from simcore.packing.insertion.initial_states import give_birth
+from simcore.packing.insertion.initial_states import initial_states
 from simcore.packing.insertion.random_placement import DILUTE, fall_time, layer_grains, release_places, zone_height
 from simcore.packing.process import Process
 from simcore.scene.domain import Domain
@@ -80,7 +80,7 @@ def test_places_belong_to_the_seed_and_the_id(reach):
     assert not np.any(first == strewn(np.arange(50, 100), reach[:50], BOX, 0.2, seed=5)[0])
 
 
-@pytest.mark.parametrize("kind", ["ellipsoid", "mesh"])
+@pytest.mark.parametrize("kind", ["ellipsoid", "polyhedron"])
 def test_grains_of_a_batch_are_apart_by_the_exact_query(kind):
     """Closer than bounding spheres allow, through the sides of the box too, and nowhere overlapping."""
     form = {"choice": "ratios", "eta": 2.5, "zeta": 2.5} if kind == "ellipsoid" else {"choice": "random"}
@@ -101,7 +101,7 @@ def test_grains_of_a_batch_are_apart_by_the_exact_query(kind):
     process = Process(made.scene, made.bases, made.draw, lambda line: None)
     process.insert_batch()
     bodies, drawn = process.bodies, made.draw(np.arange(120))
-    birth = give_birth(made.scene.generation, bodies.position, drawn.sieve_size, drawn.uniforms)
+    birth = initial_states(made.scene.generation, bodies.position, drawn.sieve_size, drawn.uniforms)
     assert (bodies.velocity == birth.velocity).all()
     solids = [
         convex(made.bases[shape].vertices * scale) if len(made.bases[shape].vertices) else ellipsoid(*scale)
@@ -123,7 +123,7 @@ def test_what_does_not_fit_is_told(monkeypatch, reach):
         strewn(np.arange(1), np.array([0.026]), BOX, 0.0, seed=1)
     with pytest.raises(ValueError, match="grain 0, 50 mm across, finds no place clear of the wall"):
         strewn(np.arange(1), np.array([0.02499999]), CYLINDER, 0.0, seed=1)
-    monkeypatch.setattr(release, "MOST_TRIES", 1)
+    monkeypatch.setattr(release, "MAX_TRIES", 1)
     with pytest.raises(ValueError, match=r"grain \d+ finds no free place; lower generation.batch_grains"):
         strewn(np.arange(N), reach, BOX, 0.0, seed=1)
 

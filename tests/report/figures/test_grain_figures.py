@@ -6,7 +6,7 @@ import pytest
 from simcore.grains.scan_shapes import scan_ranges, shape_table
 from simcore.grains.synthetic import synthetic_grains
 from simcore.grains.tables import decimation_summary, decimation_table, factor_correlations, form_table
-from simcore.reference.r22_tables import read_study_table
+from simcore.reference.r22_tables import read_r22_table
 from simcore.report.figures import grains as figures
 
 
@@ -38,7 +38,7 @@ def test_zingg_diagram_holds_every_grain(table, tmp_path):
 
 
 def test_the_studys_grains_stand_beside_ours(table, tmp_path):
-    study = read_study_table("table2_form_statistics").iloc[0]
+    study = read_r22_table("table2_form_statistics").iloc[0]
     figure = figures.zingg_diagram({"a": table}, study)
     (cross,) = figure.axes[0].containers
     np.testing.assert_allclose(cross[0].get_xydata()[0], [0.647, 0.682])

@@ -74,7 +74,7 @@ def bars(axes):
 
 
 def test_form_figure_has_a_fit_for_each_case_and_feature(forms, study, tmp_path):
-    figure = form_figure(forms, study=study[0], study_models=study[1])
+    figure = form_figure(forms, study=study[0], r22_models=study[1])
     figure.savefig(tmp_path / "figure.pdf")
     assert len(figure.axes) == 2 * 3
     # Panels share their axes: the labels stand below and at the left.
@@ -106,7 +106,7 @@ def test_prediction_figure_holds_every_packing(forms, tmp_path):
 
 
 def test_the_studys_predictions_stand_beside_ours_with_their_error(forms, tmp_path):
-    predictions = forms.assign(simulated=forms.n, predicted=forms.n, study_predicted=forms.n - 0.01)
+    predictions = forms.assign(simulated=forms.n, predicted=forms.n, r22_predicted=forms.n - 0.01)
     figure = prediction_figure(predictions, [])
     check(figure, tmp_path)
     ours, theirs = figure.axes

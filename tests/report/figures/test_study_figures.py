@@ -13,11 +13,11 @@ def bars(axes):
 
 
 def table(**columns):
-    return pd.DataFrame({"n_std_error": 0.004, "study_n": np.nan, **columns})
+    return pd.DataFrame({"n_std_error": 0.004, "r22_n": np.nan, **columns})
 
 
 def test_settings_are_rows_with_the_study_and_the_experiment(tmp_path):
-    rows = table(case=["U7", "B50"], run=[1.0, 2.5], n=[0.3, 0.26], study_n=[0.29, np.nan], study_n_std=[0.001, np.nan])
+    rows = table(case=["U7", "B50"], run=[1.0, 2.5], n=[0.3, 0.26], r22_n=[0.29, np.nan], r22_n_std=[0.001, np.nan])
     figure = study_figure(rows.assign(experiment_n=0.31, experiment_n_std=0.002), ["case", "run"])
     figure.savefig(tmp_path / "f.png", dpi=40)
     axes = figure.axes[0]
@@ -30,7 +30,7 @@ def test_settings_are_rows_with_the_study_and_the_experiment(tmp_path):
 
 
 def test_a_time_is_an_axis_in_order(tmp_path):
-    rows = table(case=["U7"] * 3, shaking_s=[6.0, 1.0, 3.0], n=[0.28, 0.3, 0.29], study_n=[0.282, 0.291, 0.285])
+    rows = table(case=["U7"] * 3, shaking_s=[6.0, 1.0, 3.0], n=[0.28, 0.3, 0.29], r22_n=[0.282, 0.291, 0.285])
     figure = porosities_figure(rows, ["case", "shaking_s"])
     figure.savefig(tmp_path / "f.png", dpi=40)
     axes = figure.axes[0]
@@ -56,7 +56,7 @@ def test_original_meshes_stand_after_the_numbers():
 
 def test_forms_are_drawn_over_their_equancy(tmp_path):
     rows = table(case=["U1", "U1", "U7"], grain=["a", "b", "a"], EQ=[0.5, 0.25, 0.5], n=[0.36, 0.4, 0.3])
-    rows = rows.assign(study_n=[0.35, 0.38, np.nan], study_n_error=0.006)
+    rows = rows.assign(r22_n=[0.35, 0.38, np.nan], r22_n_error=0.006)
     figure = porosities_figure(rows, ["case"])
     figure.savefig(tmp_path / "f.png", dpi=40)
     first, second = figure.axes
@@ -73,7 +73,7 @@ def test_one_setting_is_a_row_whatever_varies():
 
 @pytest.mark.parametrize("empty", [False, True])
 def test_trends_are_marked_where_they_are_beyond_chance(empty, tmp_path):
-    keys = {"study": "validation", "case": "U7", "kind": "mesh"}
+    keys = {"study": "validation", "case": "U7", "kind": "polyhedron"}
     trends = pd.DataFrame(
         [
             {**keys, "quantity": "D", "spearman_z": -3.0, "relative_change": -0.02, "relative_change_std_error": 0.005},
@@ -92,4 +92,4 @@ def test_trends_are_marked_where_they_are_beyond_chance(empty, tmp_path):
     assert tuple(point.get_facecolor()[0][:3]) < (0.5, 0.5, 0.5)
     (point,) = (c for c in flatness.collections if len(c.get_offsets()) and len(c.get_facecolor()))
     assert tuple(point.get_facecolor()[0]) == (1.0, 1.0, 1.0, 1.0)
-    assert [label.get_text() for label in size.get_yticklabels()] == ["validation, U7, mesh"]
+    assert [label.get_text() for label in size.get_yticklabels()] == ["validation, U7, polyhedron"]

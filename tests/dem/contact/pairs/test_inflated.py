@@ -195,10 +195,10 @@ def test_a_lost_contact_forgets_its_springs_and_is_looked_for_again(core, pebble
 
 
 def test_only_polyhedra_have_it():
-    scene = set_up_few(numerics={"contact_region": "point"}).scene
-    inflated = dataclasses.replace(scene.numerics, contact_region="inflated")
+    scene = set_up_few(numerics={"polyhedron_contact": "point"}).scene
+    inflated = dataclasses.replace(scene.numerics, polyhedron_contact="inflated")
     assert compose(dataclasses.replace(scene, kind=POLYHEDRON, numerics=inflated)).features.inflated
     assert not compose(scene).features.inflated
     for kind in (SPHERE, ELLIPSOID, MIXED):
-        with pytest.raises(ValueError, match="numerics.contact_region: inflated is for scenes of polyhedra alone"):
+        with pytest.raises(ValueError, match="numerics.polyhedron_contact: inflated is for scenes of polyhedra alone"):
             dataclasses.replace(scene, kind=kind, numerics=inflated)

@@ -1,4 +1,4 @@
-"""Near pairs: linked cells on as many levels as the sizes need, a list with margins, and the memory of pairs.
+"""CandidatePairs pairs: linked cells on as many levels as the sizes need, a list with margins, and the memory of pairs.
 
 Each body has its own margin, so that a few that are fast make neither all lists rare nor all lists long.
 Of bodies that are not spheres only pairs that can meet before the list is made anew are in it.
@@ -15,14 +15,23 @@ from simcore.compilation import kernel, leaf
 from simcore.dem.contact.search.ellipsoid_climb import support_height
 from simcore.dem.shapes.hulls import SPHERE, Shapes, base_direction, climb_from_hint, is_hull
 from simcore.dem.state.bodies import Bodies
-from simcore.dem.state.contacts import Box, Near, carry_memory, carry_wall_memory, empty_contacts, empty_walls
+from simcore.dem.state.contacts import (
+    Box,
+    CandidatePairs,
+    carry_remembered_contacts,
+    carry_remembered_walls,
+    empty_contacts,
+    empty_walls,
+)
 from simcore.dem.state.features import Features
 from simcore.dem.vectors import Vec
 
 FINEST = 4.0  # cells to the width of a level
 
 
-def list_near(bodies: Bodies, shapes: Shapes, box: Box, margin, features: Features, old: Near | None = None) -> Near:
+def list_candidates(
+    bodies: Bodies, shapes: Shapes, box: Box, margin, features: Features, old: CandidatePairs | None = None
+) -> CandidatePairs:
     """Pairs that may be closer than their margins together, and bodies whose bounding sphere is within it from a wall.
 
     margin [m], one or (n,): becomes the bodies'. What was near before keeps its memory. Marks where the bodies are: the
@@ -36,7 +45,7 @@ def list_near(bodies: Bodies, shapes: Shapes, box: Box, margin, features: Featur
 
 
 def list_pairs(bodies, shapes, box, features, old) -> np.ndarray:
-    """Keys (m, 4) of the near pairs of which a body moves here, by the bodies' margins; see `list_near`."""
+    """Keys (m, 4) of the near pairs of which a body moves here, by the bodies' margins; see `list_candidates`."""
     pairs = find_pairs(bodies.position, bodies.radius + bodies.margin, box, bodies.moves_here)
     if features.kind == SPHERE:
         return pairs
@@ -44,17 +53,17 @@ def list_pairs(bodies, shapes, box, features, old) -> np.ndarray:
     return pairs[_can_meet(pairs, bodies, shapes, before, box.width)]
 
 
-def list_contacts(pairs, bodies, shapes, box, features, old) -> Near:
-    """Rows for near pairs, and for bodies near a wall, with their memory; see `list_near`."""
+def list_contacts(pairs, bodies, shapes, box, features, old) -> CandidatePairs:
+    """Rows for near pairs, and for bodies near a wall, with their memory; see `list_candidates`."""
     contacts = empty_contacts(pairs, len(bodies.mass), features)
     walls = empty_walls(bodies, shapes, box, features)
     if old is not None:
-        carry_memory(old.contacts, contacts)
-        carry_wall_memory(old.walls, walls)
+        carry_remembered_contacts(old.contacts, contacts)
+        carry_remembered_walls(old.walls, walls)
     bodies.listed_position[:] = bodies.position
     if features.kind != SPHERE:
         bodies.listed_turned[:] = bodies.turned
-    return Near(contacts, walls)
+    return CandidatePairs(contacts, walls)
 
 
 def find_pairs(position, reach, box: Box, moves_here=None) -> np.ndarray:

@@ -8,7 +8,7 @@ from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, collect_shape
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
-from simcore.dem.step.near_pairs import find_pairs, list_near
+from simcore.dem.step.candidate_pairs import find_pairs, list_candidates
 
 SHAPES = collect_shapes([unit_sphere()])
 
@@ -88,7 +88,7 @@ def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair(core):
     bodies = make_bodies([unit_sphere()], np.zeros(n, int), np.full((n, 3), 0.03), position, upright, still, still, 1.0)
     bodies.position[:, 2] += 0.01  # some near the floor, some not
     features = core.features._replace(preloaded=True)
-    first = list_near(bodies, SHAPES, Box(0.3), 0.005, features)
+    first = list_candidates(bodies, SHAPES, Box(0.3), 0.005, features)
     old = first.contacts
     first.walls.spring[:] = 1.0 + first.walls.body[:, None]
     first.walls.stuck[:] = 1 + first.walls.body
@@ -102,7 +102,7 @@ def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair(core):
     key = lambda c, p: (c.body_a[p], c.body_b[p], *c.image[p])  # noqa: E731
     remembered = {key(old, p): p for p in range(m)}
     bodies.position[:] += 0.02 * rng.standard_normal((n, 3))
-    second = list_near(bodies, SHAPES, Box(0.3), 0.01, features, first)
+    second = list_candidates(bodies, SHAPES, Box(0.3), 0.01, features, first)
     new = second.contacts
     was_near = np.isin(second.walls.body, first.walls.body)
     assert was_near.any() and not was_near.all()
@@ -141,7 +141,7 @@ def test_every_body_lists_its_contacts_in_order_of_partner_and_image(core):
     position, still = rng.uniform(0.0, 0.1, (n, 3)), np.zeros((n, 3))
     upright = np.tile([1.0, 0, 0, 0], (n, 1))
     bodies = make_bodies([unit_sphere()], np.zeros(n, int), np.full((n, 3), 0.04), position, upright, still, still, 1.0)
-    contacts = list_near(bodies, SHAPES, Box(0.1), 0.0, core.features).contacts
+    contacts = list_candidates(bodies, SHAPES, Box(0.1), 0.0, core.features).contacts
     seen = 0
     for i in range(n):
         sides = contacts.incident[contacts.incident_start[i] : contacts.incident_start[i + 1]]
@@ -175,14 +175,14 @@ def test_no_pair_that_is_left_out_can_touch_before_the_next_list(core, kind):
         "ellipsoid": lambda b, c: core.look_at_ellipsoids(b, c, width),
         "mixed": lambda b, c: core.look_at_mixed(shapes, b, c, width),
     }[kind]
-    near = list_near(bodies, shapes, Box(width), margin, features)
+    near = list_candidates(bodies, shapes, Box(width), margin, features)
     assert len(near.contacts.body_a) < 0.7 * len(find_pairs(position, bodies.radius + margin, Box(width)))
     key = lambda c: set(zip(c.body_a, c.body_b, *c.image.T, strict=True))  # noqa: E731
     touched = 0
     for trial in range(20):
         if trial == 10:  # with what the pairs remember by now
             look(bodies, near.contacts)
-            near = list_near(bodies, shapes, Box(width), margin, features, near)
+            near = list_candidates(bodies, shapes, Box(width), margin, features, near)
         share = rng.uniform(0.0, 1.0, (n, 1))  # of the way that is spent on moving; the rest on turning
         unit = rng.standard_normal((n, 3))
         way = 0.998 * margin[:, None]
@@ -192,7 +192,7 @@ def test_no_pair_that_is_left_out_can_touch_before_the_next_list(core, kind):
         turn = Rotation.from_rotvec(angle * spin / np.linalg.norm(spin, axis=1, keepdims=True))
         moved_turns = (turn * Rotation.from_quat(bodies.orientation, scalar_first=True)).as_quat(scalar_first=True)
         moved = make_bodies(bases, shape, scale, bodies.position + move, moved_turns, still, still, 1.0)
-        every = list_near(moved, shapes, Box(width), 1.25, features).contacts
+        every = list_candidates(moved, shapes, Box(width), 1.25, features).contacts
         look(moved, every)
         touching = every._replace(
             body_a=every.body_a[every.touching > 0],
