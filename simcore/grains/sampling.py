@@ -8,14 +8,14 @@ from scipy.special import ndtr, ndtri
 
 from simcore.grains.form import axes_from_form, sieve_size_of_volume
 from simcore.grains.own_sizes import OwnSizes
+from simcore.grains.quota import ELONGATION, FLATNESS, NUMBERS_PER_GRAIN, SHAPE, SIZE_CLASS, SIZE_IN_CLASS, stratify
 
 # The study redraws normal FL and EL until they lie in this interval.
 FORM_RANGE = (0.1, 1.0)
 MAX_RATIO = 10.0  # of L/I and I/S, as flatness and elongation are at least 0.1
-_NUMBERS_PER_GRAIN = 8
-_SIZE_CLASS, _SIZE_IN_CLASS, _SHAPE, _FLATNESS, _ELONGATION = range(5)
 # Stream of the numbers that say which grains of a mixture of kinds are ellipsoids: sizes and forms are those of meshes.
 _KIND_STREAM = 2
+_QUOTA_STREAM = 3  # of the numbers that shuffle the strata of a draw by quota
 
 
 @dataclass(frozen=True)
@@ -107,12 +107,18 @@ def grain_uniforms(grain_ids, seed, stream=0):
     """
     grain_ids = np.asarray(grain_ids, np.int64)
     if grain_ids.size == 0:
-        return np.empty((0, _NUMBERS_PER_GRAIN))
+        return np.empty((0, NUMBERS_PER_GRAIN))
     first, last = int(grain_ids.min()), int(grain_ids.max())
     generator = np.random.Philox(key=[seed, stream])
-    generator.advance(first * _NUMBERS_PER_GRAIN // 4)  # one step of the counter makes four numbers
-    words = generator.random_raw((last - first + 1) * _NUMBERS_PER_GRAIN).reshape(-1, _NUMBERS_PER_GRAIN)
+    generator.advance(first * NUMBERS_PER_GRAIN // 4)  # one step of the counter makes four numbers
+    words = generator.random_raw((last - first + 1) * NUMBERS_PER_GRAIN).reshape(-1, NUMBERS_PER_GRAIN)
     return ((words[grain_ids - first] >> np.uint64(11)) + 0.5) * 2.0**-53
+
+
+def quota_uniforms(curve, number, seed):
+    """Stratified random numbers (number, 8) of all grains of a packing, as of simcore.grains.quota.stratify."""
+    ids = np.arange(number)
+    return stratify(curve, grain_uniforms(ids, seed), grain_uniforms(ids, seed, stream=_QUOTA_STREAM))
 
 
 def sample_sizes(curve, grain_ids, seed):
@@ -120,19 +126,23 @@ def sample_sizes(curve, grain_ids, seed):
 
     Of BetaSizes diameters of spheres of the grains' volume, of OwnSizes those of the grains whose shape is drawn.
     """
-    columns = [_SHAPE] if isinstance(curve, OwnSizes) else [_SIZE_CLASS, _SIZE_IN_CLASS]
-    return curve.sizes(grain_uniforms(grain_ids, seed)[:, columns])
+    return _sizes(curve, grain_uniforms(grain_ids, seed))
 
 
-def sample_grains(grain_ids, seed, curve, shapes, grains):
+def _sizes(curve, uniforms):
+    return curve.sizes(uniforms[:, [SHAPE] if isinstance(curve, OwnSizes) else [SIZE_CLASS, SIZE_IN_CLASS]])
+
+
+def sample_grains(grain_ids, seed, curve, shapes, grains, quota=None):
     """Draw the grains with these ids: a GrainSample.
 
     curve: SieveCurve, BetaSizes, or OwnSizes of the grains; shapes: ShapeChoice; grains: list of Grain, may be empty
     where the form is given.
-    Random numbers belong to the id (see grain_uniforms). ValueError if the chosen grain is not in the set.
+    Random numbers belong to the id (see grain_uniforms). quota: as of quota_uniforms, to draw sizes and forms by quota.
+    ValueError if the chosen grain is not in the set.
     """
-    uniforms = grain_uniforms(grain_ids, seed)
-    D = sample_sizes(curve, grain_ids, seed)
+    uniforms = grain_uniforms(grain_ids, seed) if quota is None else quota[grain_ids]
+    D = _sizes(curve, uniforms)
     flatness, elongation, index = _forms(shapes, grains, uniforms)
     if curve.of_volume:
         D = sieve_size_of_volume(D, flatness, elongation)
@@ -168,17 +178,17 @@ def _forms(shapes, grains, uniforms):
             raise ValueError(f"shapes: no grain {shapes.grain!r} in the set, there are {', '.join(names)}")
         index[:] = names.index(shapes.grain)
     elif hulls or shapes.choice == "random":
-        index = (uniforms[:, _SHAPE] * len(grains)).astype(int)
+        index = (uniforms[:, SHAPE] * len(grains)).astype(int)
     if shapes.choice == "form":
         return np.full(n, shapes.flatness), np.full(n, shapes.elongation), index
     if shapes.choice == "ratios":
-        eta = _truncated_normal(uniforms[:, _ELONGATION], shapes.eta, shapes.eta_std, (1.0, MAX_RATIO))
-        zeta = _truncated_normal(uniforms[:, _FLATNESS], shapes.zeta, shapes.zeta_std, (1.0, MAX_RATIO))
+        eta = _truncated_normal(uniforms[:, ELONGATION], shapes.eta, shapes.eta_std, (1.0, MAX_RATIO))
+        zeta = _truncated_normal(uniforms[:, FLATNESS], shapes.zeta, shapes.zeta_std, (1.0, MAX_RATIO))
         return 1.0 / zeta, 1.0 / eta, index
     if shapes.choice == "form_distribution":
         return (
-            _truncated_normal(uniforms[:, _FLATNESS], shapes.flatness, shapes.flatness_std),
-            _truncated_normal(uniforms[:, _ELONGATION], shapes.elongation, shapes.elongation_std),
+            _truncated_normal(uniforms[:, FLATNESS], shapes.flatness, shapes.flatness_std),
+            _truncated_normal(uniforms[:, ELONGATION], shapes.elongation, shapes.elongation_std),
             index,
         )
     flatness = np.array([grain.flatness for grain in grains])

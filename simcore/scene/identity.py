@@ -3,7 +3,7 @@
 Three relations, from the strictest to the loosest:
 
     same_bits      the same bits of positions and contacts, on any threads and ranks: checkpoints are shared
-    same_result    the same porosity: a committed row is of this packing
+    same_result    the same porosity, of packings of one name in one study: a committed row is of this packing
     same_but_seed  packings of one scene that differ by chance alone: their scatter is an error over seeds
 """
 
@@ -20,12 +20,13 @@ WITHOUT_EFFECT = (
     ("numerics", "progress_interval"),
     ("sizes", "allow_few_top_grains"),
 )
-# Keys that change no porosity: the grain of a rank in a spread may be any, and what came to rest waited no longer.
+# Keys that change no porosity of a packing of one name: the name of the grain that has a rank in a spread of forms (the
+# packing is named by the rank), and limits that a bed at rest did not reach.
 WITHOUT_RESULT = (("name",), ("shapes", "grain"), ("numerics", "progress_interval"), ("damping", "max_time"))
 BY_CHANCE = (("name",), ("seed",))
 # Keys that were added after rows had been committed, with the value that packings had before. A specification with this
 # value is the one without the key.
-ADDED = {("grains", "bodies"): "one", ("sizes", "own"): False}
+ADDED = {("grains", "bodies"): "one", ("sizes", "own"): False, ("sizes", "draw"): "random"}
 # Keys and values that were renamed after rows had been committed: the digests of those rows are of the former names.
 FORMER_KEYS = {("numerics", "polyhedron_contact"): "contact_region"}
 FORMER_VALUES = {
@@ -41,7 +42,7 @@ def same_bits(first: dict, second: dict) -> bool:
 
 
 def same_result(first: dict, second: dict) -> bool:
-    """Whether two resolved specifications give the same porosity. Where their grains are stored does not count."""
+    """Whether two resolved specifications of one packing name give the same porosity, wherever grains are stored."""
     return deciding_result(first) == deciding_result(second)
 
 

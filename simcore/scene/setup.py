@@ -7,7 +7,7 @@ import numpy as np
 from simcore.grains.beta_sizes import BetaSizes
 from simcore.grains.mesh import decimate
 from simcore.grains.own_sizes import OwnSizes
-from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains
+from simcore.grains.sampling import ShapeChoice, grain_uniforms, quota_uniforms, sample_grains
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sources import grain_warnings, needs_grains, size_note
 from simcore.scene.domain import Domain
@@ -53,10 +53,13 @@ def set_up(specification: dict, load_grains) -> Setup:
         bases.append(unit_sphere())
     curve = size_curve(specification["sizes"], grains=grains)
     check_amount(specification, curve)
-    seed = specification["seed"]
+    seed, quota, number = specification["seed"], None, specification["amount"]["grains"]
+    if specification["sizes"]["draw"] == "quota":
+        number = number or _number_of_mass(specification, curve, choice, grains)
+        quota = quota_uniforms(curve, number, seed)
 
     def sample(ids):
-        return sample_grains(ids, seed, curve, choice, grains)
+        return sample_grains(ids, seed, curve, choice, grains, quota)
 
     def draw(ids):
         drawn = sample(ids)
@@ -64,11 +67,11 @@ def set_up(specification: dict, load_grains) -> Setup:
 
     def masses():
         # As many as `expect` looks at; all of a packing may be a million.
-        volume = sample(np.arange(min(GRAINS, specification["amount"]["grains"] or GRAINS))).volume
+        volume = sample(np.arange(min(GRAINS, number or GRAINS))).volume
         mass = specification["material"]["density"] * volume
         return float(mass.mean()), float(mass.min())
 
-    scene = make_scene(specification, curve, masses)
+    scene = make_scene(specification, curve, masses, number)
     _check_height(scene, sample)
     return Setup(
         scene,
@@ -82,10 +85,11 @@ def set_up(specification: dict, load_grains) -> Setup:
     )
 
 
-def make_scene(specification: dict, curve, masses) -> Scene:
+def make_scene(specification: dict, curve, masses, number: int | None = None) -> Scene:
     """Return the Scene of a resolved specification.
 
     curve: of its sizes. masses() -> (mean, least) mass of its grains [kg]; called for material.law hertz alone.
+    number: of grains to pack; None packs as many, or as much mass, as is specified.
     """
     generation, numerics, hertzian = specification["generation"], specification["numerics"], None
     spacing = lattice_spacing(specification, curve)
@@ -100,8 +104,8 @@ def make_scene(specification: dict, curve, masses) -> Scene:
         name=specification["name"],
         seed=specification["seed"],
         kind=KINDS[specification["shapes"]["kind"]],
-        amount_mass=specification["amount"]["mass"],
-        amount_grains=specification["amount"]["grains"],
+        amount_mass=specification["amount"]["mass"] if number is None else None,
+        amount_grains=specification["amount"]["grains"] if number is None else number,
         domain=domain,
         material=material,
         generation=born,
@@ -111,6 +115,18 @@ def make_scene(specification: dict, curve, masses) -> Scene:
         numerics=Numerics(**numerics),
         hertzian=hertzian,
     )
+
+
+def _number_of_mass(specification, curve, choice, grains) -> int:
+    """Number of grains drawn by quota whose mass comes closest to the mass that is specified."""
+    mass, density, seed = specification["amount"]["mass"], specification["material"]["density"], specification["seed"]
+    number = max(1, round(mass / (density * np.pi / 6.0 * curve.mean(3))))
+    # The mean volume of the grains drawn differs from that of spheres of the same sieve sizes; it hardly depends on
+    # their number, so that two steps are enough.
+    for _ in range(2):
+        drawn = sample_grains(np.arange(number), seed, curve, choice, grains, quota_uniforms(curve, number, seed))
+        number = max(1, round(mass / (density * float(drawn.volume.mean()))))
+    return number
 
 
 def shape_choice(shapes: dict) -> ShapeChoice:

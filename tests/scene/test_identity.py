@@ -40,7 +40,7 @@ def changed(path, value):
 @pytest.mark.parametrize(
     "path, value, relations",
     [
-        ("name", "other", {same_bits, same_but_seed}),
+        ("name", "other", {same_bits, same_result, same_but_seed}),
         ("seed", 2, {same_but_seed}),
         ("accuracy", "standard", {same_bits}),
         ("numerics.progress_interval", 1.0, {same_bits, same_result}),
