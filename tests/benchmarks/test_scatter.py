@@ -1,0 +1,43 @@
+"""The table of scatter over seeds: exact for made-up rows, and right for rows whose scatter is the stated error."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import f
+
+from benchmarks.studies.scatter import scatter, scatter_table
+
+
+def rows(n, error=0.01, case="U5"):
+    return pd.DataFrame({"case": case, "n": n, "n_error": error})
+
+
+def test_the_scatter_of_three_seeds():
+    result = scatter(rows([0.30, 0.31, 0.32], error=[0.01, 0.01, 0.02]))
+    assert result["n"] == pytest.approx(0.31) and result["std"] == pytest.approx(0.01)
+    assert result["stated"] == pytest.approx(np.sqrt(2.0) * 0.01)
+    assert result["chi2"] == pytest.approx(1.0)  # 2 * 0.01² / 0.02 * 0.01
+    # Quantiles of chi-squared of 2 degrees of freedom are -2 ln(1 - p).
+    assert result["chi2_lower"] == pytest.approx(-2 * np.log(0.975))
+    assert result["std_upper"] == pytest.approx(0.01 * np.sqrt(2 / result["chi2_lower"]))
+
+
+def test_confidence_limits_contain_the_true_scatter_in_95_of_100():
+    rng = np.random.default_rng(3)
+    inside = agrees = 0
+    for _ in range(2000):
+        result = scatter(rows(rng.normal(0.3, 0.01, 8)))
+        inside += result["std_lower"] <= 0.01 <= result["std_upper"]
+        agrees += result["chi2_lower"] <= result["chi2"] <= result["chi2_upper"]
+    assert inside == agrees and inside / 2000 == pytest.approx(0.95, abs=0.02)
+
+
+def test_variances_are_compared_for_curves_with_both_draws_alone():
+    tables = {
+        "random": pd.concat([rows([0.30, 0.32, 0.34]), rows([0.2, 0.3], case="B50")]),
+        "quota": rows([0.31, 0.32, 0.33]),
+    }
+    table = scatter_table(tables).set_index(["case", "draw"])
+    assert table.loc[("U5", "quota"), "variance_ratio"] == pytest.approx(0.25)
+    assert table.loc[("U5", "quota"), "limit"] == pytest.approx(f.ppf(0.05, 2, 2))
+    assert table["variance_ratio"].count() == 1
