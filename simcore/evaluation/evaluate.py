@@ -2,6 +2,7 @@
 
 import xarray as xr
 
+from simcore.evaluation.composition import composition, separation_warnings
 from simcore.evaluation.coordination import coordination_number
 from simcore.evaluation.height_trends import height_trends
 from simcore.evaluation.porosity import bulk_porosity, porosity_profile
@@ -14,10 +15,13 @@ def evaluate(packing, slice_height=1e-3, cut=None):
     packing: Dataset as in packing_io; slice_height, cut [m]: see simcore.evaluation.porosity. What ends in _exact comes
     from slicing the grains themselves, the rest from volume-equivalent spheres as in the study. profile is n(z) over
     z; form holds the 104 features of simcore.grains.statistics; axes the mean L, I, S. The trends stand over layer
-    and quantity; if the bed is too low for them, the attribute height_trends says so instead.
+    and quantity; if the bed is too low for them, the attribute height_trends gives the reason instead. The sieve curve
+    and the forms of the whole bed and of its evaluated part are those of simcore.evaluation.composition; where sizes
+    separate, the attribute warnings has a line more.
     """
     bulk = bulk_porosity(packing, "spheres", cut, slice_height)
     exact = bulk_porosity(packing, "exact", cut, slice_height)[["n", "n_std_error"]]
+    composed = composition(packing, float(bulk.z_lower), float(bulk.z_upper))
     parts = [
         bulk,
         exact.rename(n="n_exact", n_std_error="n_std_error_exact"),
@@ -25,8 +29,11 @@ def evaluate(packing, slice_height=1e-3, cut=None):
         _profile(packing, slice_height, "exact", "profile_exact"),
         coordination_number(packing).drop_vars("contacts"),
         _form(packing),
+        composed,
     ]
     notes = {"slice_height": slice_height, "n_grains": packing.sizes["grain"]}
+    warnings = [*filter(None, packing.attrs.get("warnings", "").split("\n")), *separation_warnings(composed)]
+    notes |= {"warnings": "\n".join(warnings)} if warnings else {}
     try:
         parts.append(_trends(packing, bulk))
     except ValueError as error:
