@@ -194,7 +194,7 @@ def support_vertex_along(shapes, bodies, i, vertex, normal):
     return support_vertex(shapes, bodies, i, vertex, normal.x, normal.y, normal.z)
 
 
-# Share of the extent of a polyhedron. If it is thinner, the normals of its faces are less accurate than a query requires
+# Share of the extent of a polyhedron. If it is thinner, its face normals are less accurate than a query requires.
 FLATTEST = 1e-7
 
 
