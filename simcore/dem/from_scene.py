@@ -1,4 +1,4 @@
-"""What follows from a scene for its step: the parts of the step, the force laws and the limits of the time step."""
+"""From a scene to its time step: the parts of the step, the force laws and the limits of the time step."""
 
 import functools
 from collections.abc import Callable
@@ -12,27 +12,27 @@ from simcore.dem.state.features import Features
 from simcore.scene.scene import SPRUNG, Scene
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON
 
-# Steps per contact time with which beds of the default material came to rest: `snakemake work_precision`, rest.csv.
+# Steps per contact time with which packings of the default material came to rest: `snakemake work_precision`, rest.csv.
 STEPS_FOR_REST = {"explicit": 40, "implicit": 10}
 
 
 @dataclass(frozen=True, eq=False)
 class Composition:
-    """The step of a scene: its parts, and the laws of its contacts."""
+    """The step of a scene: its parts and the laws of its contacts."""
 
     features: Features
     law: ContactLaw | HertzLaw  # as the time step applies it
-    # What `law` tends to with the time step; of law hertz the linear law of the stiffest expected contact.
+    # The limit of `law` for small time steps; for law hertz, the linear law of the stiffest expected contact.
     continuous_law: ContactLaw
-    stiffest_law: ContactLaw  # linear law of contacts as stiff as any is expected to become
-    least_steps: float  # per contact time: fewer are unstable for a grain pinched between two others
-    # Springs and dashpots of contacts over those of continuous_law, see stability.stiffest_body; None: all are 1.
+    stiffest_law: ContactLaw  # linear law of the stiffest expected contacts
+    least_steps: float  # per contact time; with fewer, a grain pinched between two others is unstable
+    # Factor on springs and dashpots relative to continuous_law, see stability.stiffest_body; None: all factors are 1.
     firmness: Callable | None
 
 
 @functools.lru_cache
 def compose(scene: Scene) -> Composition:
-    """Return what the step of a scene is composed of. ValueError where its time step is unstable for any bed."""
+    """Return the parts and laws of the step of a scene. ValueError if its time step is unstable in any bed."""
     law, continuous = _laws(scene)
     hertz = scene.hertzian is not None
     composition = Composition(
@@ -68,19 +68,19 @@ def _features(scene: Scene) -> Features:
 
 
 def _sliding(scene: Scene) -> int:
-    """Return which friction against the sliding velocity acts, of simcore.dem.forces.sliding_friction."""
+    """Return the friction against the sliding velocity, a constant of simcore.dem.forces.sliding_friction."""
     if scene.material.friction_law == "dynamic":
         return CAPPED if scene.material.friction > 0.0 else NONE
     return VISCOUS if scene.material.friction_law == "viscous" else NONE
 
 
 def _laws(scene: Scene) -> tuple[ContactLaw | HertzLaw, ContactLaw]:
-    """Return the law as the scene's time step applies it, and the continuous one."""
-    m, found = scene.material, scene.hertzian
+    """Return the law as the time step of the scene applies it, and the continuous one."""
+    m, hertzian = scene.material, scene.hertzian
     sliding_rate = 1.0 / m.sliding_time if _sliding(scene) != NONE else 0.0
-    if found is not None:
-        law = hertz_law(found, m.poisson_ratio, m.friction, m.density, sliding_rate)
-        return law, linear_law(law, found.least_mass, found.least_mass, found.deepest)
+    if hertzian is not None:
+        law = hertz_law(hertzian, m.poisson_ratio, m.friction, m.density, sliding_rate)
+        return law, linear_law(law, hertzian.least_mass, hertzian.least_mass, hertzian.deepest)
     law = contact_law(m.restitution, scene.numerics.contact_time, m.poisson_ratio, m.friction, sliding_rate)
     return implicit_law(law, scene.numerics.time_step) if scene.implicit else law, law
 
@@ -99,14 +99,14 @@ def _check_steps(scene: Scene, needed: float):
     steps, dashpot = scene.numerics.steps_per_contact_time, scene.numerics.dashpot
     if steps < needed:
         raise ValueError(
-            f"numerics.steps_per_contact_time: {steps:g} is unstable for a grain pinched between two others; at "
-            f"restitution {scene.material.restitution:g} with an {dashpot} dashpot at least {needed:.2f} steps are "
-            f"needed, and {STEPS_FOR_REST[dashpot]} for beds whose grains have many contacts to come to rest"
+            f"numerics.steps_per_contact_time: {steps:g} is unstable for a grain pinched between two others. At "
+            f"restitution {scene.material.restitution:g} with an {dashpot} dashpot, at least {needed:.2f} steps are "
+            f"needed. Set {STEPS_FOR_REST[dashpot]}, so that grains with many contacts also come to rest."
         )
 
 
 def stiffening_advice(scene: Scene) -> str:
-    """Return the sentence that says which setting makes contacts stiffer, and its present value."""
+    """Return a sentence with the setting that makes contacts stiffer and its present value."""
     material = scene.material
     if material.youngs_modulus is not None:
         return f"Raise material.youngs_modulus, which is {material.youngs_modulus:g} Pa, to make contacts stiffer."

@@ -1,19 +1,19 @@
-"""How long a time step may be: of a grain in its contacts, of a whole bed, and what a scene can be expected to need.
+"""Stability limits of the time step: for a grain in its contacts, for a whole bed, and an estimate for a scene.
 
 Semi-implicit Euler, v' = v − h (K x + D v), x' = x + h v', per unit of mass, is central differences with the mass
-I − h D / 2 and a dashpot in the middle of the step; it loses energy in every mode as long as 4 − (h² K + 2 h D) is
-positive definite, and with the first eigenvalue that vanishes a mode alternates from step to step. So a system is
-stable while the largest eigenvalue of h² K + 2 h D is below 4, whether or not K and D have the same modes. What one
-contact adds to that matrix is called its load: for one direction m_eff (h² k + 2 h d).
+I − h D / 2 and a dashpot in the middle of the step. It loses energy in every mode as long as 4 − (h² K + 2 h D) is
+positive definite; when an eigenvalue vanishes, its mode alternates from step to step. A system is therefore stable
+while the largest eigenvalue of h² K + 2 h D is below 4, whether or not K and D have the same modes. The load of a
+contact is its part of that matrix: for one direction m_eff (h² k + 2 h d).
 
-Of a body held by neighbours that stand still the matrix has six rows, and its largest eigenvalue is at most that of
-the whole bed (interlacing): beyond its limit the bed is unstable for certain, while its contacts stick. For all
-bodies together, |u_a − u_b|² <= (1 + t) |u_a|² + (1 + 1/t) |u_b|² shares each contact out to its two bodies; with
-t = √(m_a / m_b) that is exact for two bodies, and for the densest packing of equal spheres. Below the limit of every
-body with such shares, the bed is stable for certain.
+For a body between fixed neighbours the matrix has six rows, and its largest eigenvalue is at most that of the whole bed
+(interlacing). Beyond the limit of such a body the bed is certainly unstable while its contacts stick. For all bodies
+together, |u_a − u_b|² <= (1 + t) |u_a|² + (1 + 1/t) |u_b|² divides each contact between its two bodies; with
+t = √(m_a / m_b) this is exact for two bodies, and for the densest packing of equal spheres. Below the limit of every
+body with such shares, the bed is certainly stable.
 
-Where forces are known the contacts are those of a moment: springs of what slips, and what the turn of a patch does to
-its depth, are not told apart.
+The contacts of a bed are those of one moment. Slipping contacts are treated as if their springs still acted, and the
+effect of the rotation of a patch on its depth is left out.
 """
 
 from typing import NamedTuple
@@ -28,33 +28,33 @@ from simcore.dem.state.bodies import Bodies
 from simcore.dem.state.contacts import CandidatePairs
 
 LARGEST_LOAD = 4.0  # eigenvalue at which a mode alternates undamped
-LOOKED_AT = 32  # bodies whose eigenvalues are found, of all; the others are taken by the sums of theirs
-# Contacts, each as stiff as one with a wall, all over the surface of the stiffest grain. Twelve equals fit about a
-# sphere and weigh half of that each; heavier neighbours weigh more and fewer fit (six at 2.4 times the size, four at
-# 4.4), so that by itself no sphere has more than about six. Bodies move against each other, which counts up to twice:
-# ASSUME: 1.5 times in a bed. At rest whole beds of equal spheres, of spheres of 2.8 to 16 mm and of ellipsoids needed
-# 27.5, 25.0 and 28.3 steps, 1.34, 1.22 and 1.29 times those of their stiffest grain by itself, where 33.8, 33.8 and
-# 34.3 are expected.
+LOOKED_AT = 32  # number of bodies whose eigenvalues are computed; they are selected by the sums of eigenvalues
+# Number of contacts, each as stiff as one with a wall, spread over the surface of the stiffest grain. Twelve equal
+# spheres fit around a sphere, and each counts half of that. Heavier neighbours count more but fewer fit (six at 2.4
+# times the size, four at 4.4), so that the sum for a sphere among fixed neighbours is at most about six.
+# ASSUME: in a bed, where neighbours move too, a factor of 1.5; two at most. Settled beds of equal spheres, of spheres
+# of 2.8 to 16 mm and of ellipsoids required 27.5, 25.0 and 28.3 steps, 1.34, 1.22 and 1.29 times those of their
+# stiffest grain among fixed neighbours; the estimates are 33.8, 33.8 and 34.3.
 EXPECTED_CONTACTS, CAUTIOUS_CONTACTS = 9, 12
-# Contacts of a hull with at most POINTED corners are at a corner with this chance, else anywhere on its faces: a corner
-# of one of two polyhedra meets a face of the other. Corners of a hull with BLUNT ones and more are blunt: they differ
-# little from its faces. Measured needs of such beds: docs/accuracy.md, "Grains of few corners".
+# With the probability AT_CORNERS a contact of a polyhedron with at most POINTED corners is at a corner, otherwise
+# anywhere on its faces, because a corner of one of two polyhedra meets a face of the other. The corners of a polyhedron
+# with at least BLUNT corners differ little from its faces. Measurements: docs/accuracy.md, "Grains of few corners".
 AT_CORNERS, POINTED, BLUNT = 0.5, 8, 24
-SAMPLE = 200  # grains whose form is looked at before a run
-DIRECTIONS = 256
+SAMPLE = 200  # maximum number of grains whose form enters the estimate
+DIRECTIONS = 256  # points on the surface of an ellipsoid
 
 
 class Load(NamedTuple):
-    """What a contact adds to h² K + 2 h D per effective mass."""
+    """The part of a contact in h² K + 2 h D, per effective mass."""
 
     normal: float
     tangential: float  # 0 without friction
-    rocking: float  # of a patch, per area: rocking has a dashpot and no spring of its own
+    rocking: float  # of a patch, per area; rocking has a dashpot and no spring of its own
     sliding: float = 0.0  # along the tangent, of a friction that has a dashpot and no spring
 
 
 class Stiffest(NamedTuple):
-    """The body nearest to its limit, or beyond it."""
+    """The body with the largest load."""
 
     body: int
     contacts: int
@@ -62,23 +62,24 @@ class Stiffest(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """Least steps per contact time of a scene, from the form of its grains and the contact law.
+    """Minimum steps per contact time of a scene, from the form of its grains and the contact law.
 
-    With fewer than expected, grains that have many contacts are likely to jitter in them: they take up energy until
-    contacts slip or part, and the bed may not come to rest. Between the two, where the study's 40 steps lie, such
-    modes are unstable in principle: a small grain held by many that are heavier or move against it. They are rare and
-    short, since grains that fit so well are, and what energy they take up friction and damping take out.
+    With fewer steps than `expected`, grains that have many contacts are likely to jitter: they gain energy until
+    contacts slip or open, and the bed may not come to rest. Between the two values, which include the 40 steps of
+    Rettinger et al. (2022), a mode may be unstable if a small grain is held by many neighbours that are heavier or move
+    against it. Such modes are rare and short, because few grains fit so well; friction and damping remove the energy
+    that they gain.
     """
 
     expected: float  # for EXPECTED_CONTACTS
-    cautious: float  # for CAUTIOUS_CONTACTS, more than fit
+    cautious: float  # for CAUTIOUS_CONTACTS, more than fit around a grain
 
 
 def contact_load(law: ContactLaw, dt: float, friction: bool = True, effective_contacts: float | None = None) -> Load:
-    """Load of a contact at a time step [s]. The one place that knows how a dashpot enters the step.
+    """Return the load of a contact at a time step [s]; no other function depends on how a dashpot enters the step.
 
-    law: the continuous one. effective_contacts: with an implicit dashpot, the contacts of the body; None with an
-    explicit one.
+    law: the continuous one. effective_contacts: with an implicit dashpot, the effective contacts of the body; None with
+    an explicit one.
     """
     if effective_contacts is not None:
         law = implicit_law(law, dt)
@@ -93,32 +94,32 @@ def contact_load(law: ContactLaw, dt: float, friction: bool = True, effective_co
 
 
 def contact_time(law: ContactLaw) -> float:
-    """Contact time [s] of the law."""
+    """Return the contact time [s] of the law."""
     return float(2.0 * np.pi / np.sqrt(4.0 * law.stiffness - law.damping**2))
 
 
 def minimum_steps_per_contact_time(law: ContactLaw, implicit: bool = False, **mode: float) -> float:
-    """Steps per contact time at which a mode is just stable; for law, implicit and mode see longest_stable_step."""
+    """Return the steps per contact time at which a mode is just stable; arguments as in longest_stable_step."""
     return contact_time(law) / longest_stable_step(law, implicit, **mode)
 
 
 def longest_stable_step(
     law: ContactLaw, implicit: bool, contacts: float = 2.0, normal: float | None = None, tangential: float = 0.0
 ) -> float:
-    """Time step [s] at which semi-implicit Euler is just stable for a mode of a grain.
+    """Return the time step [s] at which semi-implicit Euler is just stable for a mode of a grain.
 
-    law: the continuous one. contacts: of the grain, at least 1. normal, tangential: how many springs of each kind act
-    on the mode, per effective mass; None: all contacts along one line, of which a grain pinched between two, as it
-    occurs in any bed, has two. A sphere among z fixed ones that surround it evenly has z / 3 and 2 z / 3 when it moves,
-    0 and 5 z / 3 when it turns.
+    law: the continuous one. contacts: number of contacts of the grain; ValueError if less than 1.
+    normal, tangential: number of springs of each kind that act on the mode, per effective mass. None: all contacts lie
+    on one line; a grain pinched between two others, which occurs in any bed, has two of them. A sphere evenly
+    surrounded by z fixed spheres has z / 3 and 2 z / 3 in translation, 0 and 5 z / 3 in rotation.
 
     With stiffness K and damping D of the mode its motion is u' = -K x - D u, x' = u, and semi-implicit Euler is stable
-    where 4 - 2 D h - K h² > 0 (Jury's conditions). For s contacts along a line that is, with an explicit dashpot, up to
-    h = (√(γ² + 4 ω² / s) - γ) / ω²; with an implicit one, up to the positive root of
-    (4 + 2 (s - 1) γ h) (1 + γ h / 2) = s ω² h² (1 + (s - 1/2) γ h): h = 2 / ω for s = 1.
+    if 4 - 2 D h - K h² > 0 (Jury's conditions). For s contacts along a line the limit with an explicit dashpot is
+    h = (√(γ² + 4 ω² / s) - γ) / ω². With an implicit one it is the positive root of
+    (4 + 2 (s - 1) γ h) (1 + γ h / 2) = s ω² h² (1 + (s - 1/2) γ h), which is h = 2 / ω for s = 1.
     """
     if contacts < 1.0:
-        raise ValueError(f"contacts: {contacts:g}, but a mode needs at least 1")
+        raise ValueError(f"A mode needs at least one contact, but contacts is {contacts:g}.")
     normal = contacts if normal is None else normal
 
     def margin(h):
@@ -127,7 +128,7 @@ def longest_stable_step(
         stiffness = (normal + tangential * at_step.tangential) * at_step.stiffness
         return 4.0 - 2.0 * h * (normal * dashpots[0] + tangential * dashpots[1]) - h * h * stiffness
 
-    # The margin falls with h all the way: both h D and h² K grow.
+    # The margin decreases monotonically with h, because both h D and h² K grow.
     beyond = 1.0 / np.sqrt(law.stiffness)
     while margin(beyond) > 0.0:
         beyond *= 2.0
@@ -137,9 +138,10 @@ def longest_stable_step(
 def steps_needed(
     law: ContactLaw, friction: bool, load_at, effective_contacts: float | None = None, time: float | None = None
 ) -> float:
-    """Least steps per contact time at which load_at(Load) stays below LARGEST_LOAD; it grows with each of Load.
+    """Return the minimum steps per contact time at which load_at(Load) is at most LARGEST_LOAD.
 
-    law, effective_contacts: as of contact_load. time [s]: in place of the law's contact time.
+    load_at: must grow with each field of Load. law, effective_contacts: as in contact_load. time [s]: used instead of
+    the contact time of the law.
     """
     time = contact_time(law) if time is None else time
     few, many = 1e-3, 1.0
@@ -163,24 +165,25 @@ def stiffest_body(
     ranks=ONE_RANK,
     firmness=None,
 ) -> Stiffest:
-    """The body (its id) of the largest load in its present contacts; body −1 where nothing touches.
+    """Find the body (its id) with the largest load in its present contacts; body −1 if nothing touches.
 
-    width [m]: of the periodic box. certain: with neighbours that stand still, a lower bound of the whole bed's; else
-    with shares that make it an upper bound. Looked for among the LOOKED_AT bodies that many or far contacts hold.
-    firmness(mass, partner's, overlap), each (k,) -> (k,): springs and dashpots of contacts over those of `load`, the
-    mass of a wall being inf; None: all have those of `load`.
+    width [m]: of the periodic box. certain: True: neighbours are fixed, and the load is a lower bound for that of the
+    whole bed; False: the shares of the contacts make it an upper bound. Only the LOOKED_AT bodies with the largest sums
+    of eigenvalues, that is with many contacts or long lever arms, are evaluated.
+    firmness(mass, mass of the partner, overlap), each (k,) -> (k,): factor on the springs and dashpots of contacts
+    relative to `load`; the mass of a wall is inf. None: the factor is 1.
     """
     grips = _grips(bodies, candidates, width, certain, firmness)
     traces, contacts = _traces(bodies, grips, load), np.bincount(grips.body, minlength=len(bodies.mass))
     held = bodies.own[contacts[bodies.own] > 0]
-    some = held[np.argsort(-traces[held], kind="stable")[:LOOKED_AT]]
-    # Those of all ranks compete, so that the choice does not depend on who has which.
-    best = sorted(ranks.all([(-traces[row], bodies.id[row]) for row in some]))[:LOOKED_AT]
+    rows = held[np.argsort(-traces[held], kind="stable")[:LOOKED_AT]]
+    # The selection is made over all ranks, so that it does not depend on how the bodies are distributed.
+    best = sorted(ranks.all([(-traces[row], bodies.id[row]) for row in rows]))[:LOOKED_AT]
     ids = {id_ for _, id_ in best}
-    some = np.array([row for row in some if bodies.id[row] in ids], np.int64)
-    loads = np.linalg.eigvalsh(_matrices(bodies, grips, load, some))[:, -1]
-    load_, body, contacts = ranks.largest(loads, bodies.id[some], contacts[some])
-    return Stiffest(body, int(contacts or 0), max(load_, 0.0))
+    rows = np.array([row for row in rows if bodies.id[row] in ids], np.int64)
+    loads = np.linalg.eigvalsh(_matrices(bodies, grips, load, rows))[:, -1]
+    largest_load, body, contacts = ranks.largest(loads, bodies.id[rows], contacts[rows])
+    return Stiffest(body, int(contacts or 0), max(largest_load, 0.0))
 
 
 def body_steps(
@@ -197,9 +200,9 @@ def body_steps(
     firmness=None,
     time: float | None = None,
 ) -> float:
-    """Least steps per contact time that one body (its id) needs in its present contacts, see `stiffest_body`.
+    """Return the minimum steps per contact time of one body (its id) in its present contacts; see `stiffest_body`.
 
-    law, effective_contacts: as of contact_load. time: as of steps_needed.
+    law, effective_contacts: as in contact_load. time: as in steps_needed.
     """
     rows = np.flatnonzero(bodies.id[bodies.own] == body)
     needed = []
@@ -222,12 +225,13 @@ def _steps_of_row(bodies, grips, law, friction, row, effective_contacts, time):
 def estimate_steps(
     law: ContactLaw, friction: bool, bases: list[Base], shape, scale, implicit: bool = False, time: float | None = None
 ) -> Estimate:
-    """Estimate for a bed of grains of shape (n,) and scale (n, 3): that of its form with the largest lever arms.
+    """Estimate the minimum steps per contact time of a bed of grains of shape (n,) and scale (n, 3).
 
-    A contact is as likely on each part of a grain's surface. time: as of steps_needed.
+    The estimate is the largest over the forms of the grains. Contacts are equally probable on every part of the surface
+    of a grain. time: as in steps_needed.
     """
-    some = np.unique(np.linspace(0, len(shape) - 1, min(SAMPLE, len(shape))).astype(int))
-    parts = [_all_over(bases[shape[i]], scale[i]) for i in some]
+    sample = np.unique(np.linspace(0, len(shape) - 1, min(SAMPLE, len(shape))).astype(int))
+    parts = [_mean_over_surface(bases[shape[i]], scale[i]) for i in sample]
     normal, tangential = (np.array([part[k] for part in parts]) for k in range(2))
 
     def load_at(load):
@@ -244,10 +248,11 @@ def estimate_steps(
     )
 
 
-def _all_over(base, scale):
-    """Mean of the normal and of the tangential part (6, 6) of a contact over the surface, per unit of load.
+def _mean_over_surface(base, scale):
+    """Return the mean normal and tangential part (6, 6) of a contact over the surface of a grain, per unit of load.
 
-    A hull of few corners is held at these, as each contact of two polyhedra is at a corner, or at an edge, of one.
+    Contacts of a polyhedron with few corners are mostly at its corners: each contact of two polyhedra is at a corner,
+    or at an edge, of one of them.
     """
     moments = base.second_moments * scale**2
     if not len(base.vertices):
@@ -262,7 +267,7 @@ def _all_over(base, scale):
         return at_faces
     normals, areas = np.tile(n, (3, 1)), np.tile(area, 3)
     at_corners = _mean_contact(np.concatenate(np.moveaxis(corners, 1, 0)), normals, areas, moments)
-    # Middles of edges integrate what is quadratic in the place over a triangle exactly.
+    # The midpoints of the edges integrate a quadratic function over a triangle exactly.
     middles = 0.5 * (corners + np.roll(corners, 1, axis=1))
     on_faces = _mean_contact(np.concatenate(np.moveaxis(middles, 1, 0)), normals, areas, moments)
     return tuple(
@@ -272,19 +277,22 @@ def _all_over(base, scale):
 
 
 def _ellipsoid_surface(scale):
-    """Points (n, 3), normals (n, 3) and weights (n,) on the surface of an ellipsoid."""
+    """Return points (n, 3), normals (n, 3) and weights (n,) on the surface of an ellipsoid."""
     k = np.arange(DIRECTIONS) + 0.5
     z, angle = 1.0 - 2.0 * k / DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * k
     n = np.column_stack([np.sqrt(1.0 - z**2) * np.cos(angle), np.sqrt(1.0 - z**2) * np.sin(angle), z])
     height = np.linalg.norm(scale * n, axis=1)
-    # Area seen along n, the inverse of the Gaussian curvature, less a constant.
+    # The weight is the area per solid angle of normals, the inverse Gaussian curvature, up to a constant factor.
     return scale**2 * n / height[:, None], n, height**-4.0
 
 
 def _mean_contact(point, n, weight, moments):
-    """Weighted mean of the normal and of the tangential part (6, 6) of contacts at points (k, 3), normals n (k, 3)."""
+    """Return the weighted mean of the normal and tangential parts (6, 6) of contacts at points (k, 3) with normals n.
+
+    n (k, 3), weight (k,); moments (3,): mean second moments of the grain.
+    """
     weight = weight / weight.sum()
-    arm = 1.0 / np.sqrt(moments.sum() - moments)  # of the inertia per mass
+    arm = 1.0 / np.sqrt(moments.sum() - moments)  # inverse root of the inertia per mass
     eye = np.broadcast_to(np.eye(3), (len(n), 3, 3))
     rows = np.concatenate([eye, np.cross(point[:, None, :], eye) * arm], axis=2)
     along = np.einsum("nk,nkj->nj", n, rows)
@@ -293,13 +301,13 @@ def _mean_contact(point, n, weight, moments):
 
 
 class _Grips(NamedTuple):
-    """Touching contacts, each once for every body it holds; rows of the two vectors are unit vectors and arms."""
+    """Touching contacts and walls, one row for each body that takes part; a contact of two bodies has two rows."""
 
     body: np.ndarray  # (k,)
-    share: np.ndarray  # (k,) of the contact's load, in units of the body's mass
-    normal: np.ndarray  # (k, 3)
-    arm: np.ndarray  # (k, 3) [m], from the body's centre
-    firmness: np.ndarray  # (k,) of its springs and dashpots, in units of the load; not of what slides
+    share: np.ndarray  # (k,) of the load of the contact, in units of the mass of the body
+    normal: np.ndarray  # (k, 3), unit vectors
+    arm: np.ndarray  # (k, 3) [m], from the centre of the body to the contact point
+    firmness: np.ndarray  # (k,) factor on springs and dashpots relative to the load; not on the sliding friction
     spread: np.ndarray  # (k, 6) [m²], or (0, 6)
 
 
@@ -329,22 +337,22 @@ def _grips(bodies, candidates, width, certain, firmness=None):
     )
 
 
-def _matrices(bodies, grips, load, some):
-    """Matrices (len(some), 6, 6) of some bodies, in their own axes and units of their mass."""
+def _matrices(bodies, grips, load, selected):
+    """Return the matrices (k, 6, 6) of the bodies in `selected` (k,), in their own axes and in units of their mass."""
     place = np.full(len(bodies.mass), -1)
-    place[some] = np.arange(len(some))
+    place[selected] = np.arange(len(selected))
     kept = np.flatnonzero(place[grips.body] >= 0)
     body = grips.body[kept]
-    rows = np.zeros((len(kept), 3, 6))  # what a contact feels of its body's motion along x, y, z
+    rows = np.zeros((len(kept), 3, 6))  # motion of the contact point along x, y, z by each of the six motions
     rows[:, :, :3] = np.eye(3)
     rows[:, :, 3:] = np.cross(grips.arm[kept, None, :], np.eye(3))
-    turns = np.zeros((len(kept), 3, 6))  # and of its turning about x, y, z
+    turns = np.zeros((len(kept), 3, 6))  # rotation of the body about x, y, z by each of the six motions
     turns[:, :, 3:] = np.eye(3)
     inverse = np.sqrt(bodies.mass[body, None] / bodies.inertia[body])
-    for each in (rows, turns):
+    for motion in (rows, turns):
         if len(bodies.rotation):
-            each[:, :, 3:] = each[:, :, 3:] @ bodies.rotation[body]
-        each[:, :, 3:] *= inverse[:, None, :]
+            motion[:, :, 3:] = motion[:, :, 3:] @ bodies.rotation[body]
+        motion[:, :, 3:] *= inverse[:, None, :]
     n = grips.normal[kept]
     along = np.einsum("kx,ky->kxy", n, n)
     across = np.eye(3) - along
@@ -353,10 +361,10 @@ def _matrices(bodies, grips, load, some):
     if len(grips.spread):
         moments = grips.spread[kept][:, [[0, 3, 4], [3, 1, 5], [4, 5, 2]]]
         moment = np.trace(moments, axis1=1, axis2=2)[:, None, None]
-        # Turning about u moves the patch by (u × x) · n: tr C − C in its plane, as the polar moment tr C about n.
+        # A rotation about u moves the patch by (u × x) · n. Its moments are tr C − C in the plane and tr C about n.
         rocking = load.rocking * (moment * across - moments) + load.tangential * moment * along
         added += _quadratic(turns, firm * rocking)
-    matrices = np.zeros((len(some), 6, 6))
+    matrices = np.zeros((len(selected), 6, 6))
     np.add.at(matrices, place[body], grips.share[kept, None, None] * added)
     return matrices
 
@@ -366,7 +374,7 @@ def _quadratic(rows, weights):
 
 
 def _traces(bodies, grips, load):
-    """Sums (n,) of the eigenvalues of each body's matrix, at least; patches are left out."""
+    """Return a low estimate (n,) of the sum of the eigenvalues of the matrix of each body; patches are left out."""
     body = grips.body
     moments = bodies.inertia.sum(axis=1) / 3.0
     arms = (grips.arm**2).sum(axis=1) * bodies.mass[body] / moments[body]

@@ -1,7 +1,7 @@
-"""Vectors of three numbers as values: what kernels compute with instead of three scalars each.
+"""Vectors of three numbers for compiled code, used instead of three separate scalars.
 
-A Vec is a NamedTuple, so numba keeps its numbers in registers. Each function states its sums in one order, on which the
-bits of results depend.
+A Vec is a NamedTuple, so numba keeps its numbers in registers. The order of the terms in each function must not change,
+because the last bits of the results depend on it.
 """
 
 from typing import NamedTuple
@@ -20,7 +20,7 @@ class Vec(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """Where two grains touch. overlap [m], positive; normal from a to b; point [m], relative to the centre of a."""
+    """Contact of two grains: overlap [m], positive; normal from a to b; point [m], relative to the centre of a."""
 
     overlap: float
     normal: Vec
@@ -32,7 +32,7 @@ ZERO = Vec(0.0, 0.0, 0.0)
 
 @leaf
 def read(array, i):
-    """Row i of an array (n, 3)."""
+    """Return row i of an array (n, 3) as a vector."""
     return Vec(array[i, 0], array[i, 1], array[i, 2])
 
 
@@ -44,84 +44,92 @@ def write(array, i, v):
 
 @leaf
 def plus(a, b):
+    """Return a + b."""
     return Vec(a.x + b.x, a.y + b.y, a.z + b.z)
 
 
 @leaf
 def minus(a, b):
+    """Return a − b."""
     return Vec(a.x - b.x, a.y - b.y, a.z - b.z)
 
 
 @leaf
 def plus_scaled(a, factor, b):
-    """a + factor b"""
+    """Return a + factor b."""
     return Vec(a.x + factor * b.x, a.y + factor * b.y, a.z + factor * b.z)
 
 
 @leaf
 def minus_scaled(a, factor, b):
-    """a − factor b"""
+    """Return a − factor b."""
     return Vec(a.x - factor * b.x, a.y - factor * b.y, a.z - factor * b.z)
 
 
 @leaf
 def negative(a):
+    """Return −a."""
     return Vec(-a.x, -a.y, -a.z)
 
 
 @leaf
 def scaled(factor, a):
+    """Return factor a."""
     return Vec(factor * a.x, factor * a.y, factor * a.z)
 
 
 @leaf
 def over(a, divisor):
-    """a / divisor, which rounds differently from a product with its inverse."""
+    """Return a / divisor, which rounds differently from the product with the inverse of the divisor."""
     return Vec(a.x / divisor, a.y / divisor, a.z / divisor)
 
 
 @leaf
 def dot(a, b):
+    """Return a · b."""
     return a.x * b.x + a.y * b.y + a.z * b.z
 
 
 @leaf
 def cross(a, b):
+    """Return a × b."""
     return Vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 
 @leaf
 def triple(a, b, c):
-    """(a × b) · c: six times the volume of the tetrahedron that the three vectors span, with its sign."""
+    """Return (a × b) · c, six times the signed volume of the tetrahedron that the three vectors span."""
     return dot(cross(a, b), c)
 
 
 @leaf
 def squared(a):
+    """Return a · a."""
     return a.x * a.x + a.y * a.y + a.z * a.z
 
 
 @leaf
 def length(a):
+    """Return the length of a."""
     return np.sqrt(a.x * a.x + a.y * a.y + a.z * a.z)
 
 
 @leaf
 def across(a, unit):
-    """The part of a that is perpendicular to a unit vector."""
+    """Return the part of a that is perpendicular to a unit vector."""
     along = dot(a, unit)
     return Vec(a.x - along * unit.x, a.y - along * unit.y, a.z - along * unit.z)
 
 
 @leaf
 def beside(a, unit):
-    """Length of the part of a that is perpendicular to a unit vector."""
+    """Return the length of the part of a that is perpendicular to a unit vector."""
     return length(across(a, unit))
 
 
 @leaf
 def direction_of(a):
-    """The unit vector along a, or along x where a is zero."""
+    """Return the unit vector along a, or along x if a is zero."""
     reach = length(a)
     if reach > 0.0:
         return over(a, reach)
@@ -130,7 +138,7 @@ def direction_of(a):
 
 @leaf
 def sideways(a):
-    """A vector perpendicular to a, not normalised: the cross product with the axis along which a is shortest."""
+    """Return a vector perpendicular to a, not normalised: the cross product with the axis along which a is shortest."""
     if abs(a.x) <= abs(a.y) and abs(a.x) <= abs(a.z):
         return Vec(0.0, -a.z, a.y)
     if abs(a.y) <= abs(a.z):
@@ -140,17 +148,17 @@ def sideways(a):
 
 @leaf
 def basis(unit):
-    """Two unit vectors that complete a unit vector to a right-handed frame (Duff et al. 2017)."""
+    """Return two unit vectors that complete a unit vector to a right-handed frame (Duff et al. 2017)."""
     sign = 1.0 if unit.z >= 0.0 else -1.0
     a = -1.0 / (sign + unit.z)
     b = unit.x * unit.y * a
-    first = Vec(1.0 + sign * unit.x * unit.x * a, sign * b, -sign * unit.x)
-    return first, Vec(b, sign + unit.y * unit.y * a, -unit.y)
+    tangent = Vec(1.0 + sign * unit.x * unit.x * a, sign * b, -sign * unit.x)
+    return tangent, Vec(b, sign + unit.y * unit.y * a, -unit.y)
 
 
 @leaf
 def into_axes(rotation, i, a):
-    """A world vector in the axes of body i: Rᵀ a, rotation (n, 3, 3)."""
+    """Return a world vector in the axes of body i: Rᵀ a, rotation (n, 3, 3)."""
     return Vec(
         rotation[i, 0, 0] * a.x + rotation[i, 1, 0] * a.y + rotation[i, 2, 0] * a.z,
         rotation[i, 0, 1] * a.x + rotation[i, 1, 1] * a.y + rotation[i, 2, 1] * a.z,
@@ -160,7 +168,7 @@ def into_axes(rotation, i, a):
 
 @leaf
 def out_of_axes(rotation, i, a):
-    """A vector in the axes of body i as a world vector: R a, rotation (n, 3, 3)."""
+    """Return a vector given in the axes of body i as a world vector: R a, rotation (n, 3, 3)."""
     return Vec(
         rotation[i, 0, 0] * a.x + rotation[i, 0, 1] * a.y + rotation[i, 0, 2] * a.z,
         rotation[i, 1, 0] * a.x + rotation[i, 1, 1] * a.y + rotation[i, 1, 2] * a.z,

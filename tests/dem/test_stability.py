@@ -10,7 +10,7 @@ from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.shapes.hulls import ELLIPSOID, SPHERE, Base, unit_sphere
 from simcore.dem.stability import (
     Load,
-    _all_over,
+    _mean_over_surface,
     body_steps,
     contact_load,
     contact_time,
@@ -214,7 +214,7 @@ def test_contacts_at_corners_are_those_of_few_corners():
         rows = np.hstack([np.eye(3), np.cross(point, np.eye(3)) * arm])
         along = np.outer(normal, normal)
         matrix += rows.T @ (load.normal * along + load.tangential * (np.eye(3) - along)) @ rows / n
-    normal, tangential = _all_over(base, np.ones(3))
+    normal, tangential = _mean_over_surface(base, np.ones(3))
     expected = np.linalg.eigvalsh(load.normal * normal + load.tangential * tangential)[-1]
     assert expected == pytest.approx(np.linalg.eigvalsh(matrix)[-1], rel=0.03)
 

@@ -1,9 +1,9 @@
-"""Where bodies touch each other: overlap, normal and point of each contact.
+"""The contacts of a step: overlap, normal and point of each candidate pair.
 
-First a contact is checked from what the last step left (`check_*`), by one function for each kind of scene, so that its
-step contains only what it needs; in a scene of mixed kinds the pair decides. What that does not answer is left pending
-and searched from nothing (`search_*`). Both write overlap, direction and point to the arrays, from which the force law
-presses (simcore.dem.forces.pressing).
+First each pair is checked from its remembered contact (`check_*`). There is one function for each kind of scene, so
+that its step contains only what it needs; in a scene of mixed kinds the shapes of the pair select the method. If the
+check is not sufficient, the pair is pending and is searched anew (`search_*`). Both write overlap, direction and point
+to the arrays that the force law reads (simcore.dem.forces.pressing).
 """
 
 from simcore.compilation import leaf, routine
@@ -24,14 +24,14 @@ recheck_mixed, search_mixed_contact = polyhedron_ellipsoid.recheck, polyhedron_e
 
 @leaf
 def _pair(bodies, contacts, p, width, periodic):
-    """The bodies of candidate pair p."""
+    """Return the Pair of candidate pair p."""
     offset = partner_offset(bodies, contacts, p, width, periodic)
     return pair_of(bodies, contacts.body_a[p], contacts.body_b[p], offset)
 
 
 @leaf
 def check_spheres(bodies, contacts, p, width, periodic):
-    """Update contact p between spheres."""
+    """Update contact p of two spheres."""
     pair = _pair(bodies, contacts, p, width, periodic)
     if squared(pair.offset) < pair.size * pair.size:
         _store(contacts, p, touch(bodies, pair))
@@ -40,7 +40,10 @@ def check_spheres(bodies, contacts, p, width, periodic):
 
 
 def _make_check(kind, potential=False):
-    """Function that updates contact p of a scene of this kind from what is remembered, or leaves it pending."""
+    """Return the function that updates contact p of a scene of this kind from its remembered contact.
+
+    The function leaves the pair pending if the remembered contact is not sufficient.
+    """
 
     @leaf
     def check(shapes, bodies, contacts, p, width, periodic):
@@ -69,7 +72,7 @@ def _make_check(kind, potential=False):
 
 
 def _make_search(kind, potential=False):
-    """Function that updates pending contact p of a scene of this kind from nothing."""
+    """Return the function that searches pending contact p of a scene of this kind."""
 
     @routine
     def search(shapes, bodies, contacts, p, width, periodic):
@@ -102,9 +105,9 @@ check_mixed, search_mixed = _make_check(MIXED), _make_search(MIXED)
 
 @routine
 def find_inflated(shapes, bodies, contacts, p, width, periodic):
-    """Touching contact p between convex polyhedra as the program of Rettinger et al. (2022) finds it.
+    """Update touching contact p of two convex polyhedra as the program of Rettinger et al. (2022) finds it.
 
-    Where it finds none the contact has ended: its springs are gone, and the next step searches it from nothing.
+    If that program finds no contact, the contact ends: its springs are reset, and the next step searches the pair anew.
     """
     pair = _pair(bodies, contacts, p, width, periodic)
     exists, contact = search_inflated(shapes, bodies, pair)
@@ -117,7 +120,7 @@ def find_inflated(shapes, bodies, contacts, p, width, periodic):
 
 @leaf
 def _store(contacts, p, contact):
-    """Write a contact to the arrays; one that ended loses its springs."""
+    """Write a contact to the arrays; reset its springs if it has ended."""
     write(contacts.direction, p, contact.normal)
     contacts.overlap[p] = contact.overlap
     if contact.overlap > 0.0:
@@ -129,5 +132,6 @@ def _store(contacts, p, contact):
 
 @leaf
 def _end(contacts, p):
+    """Mark contact p as apart and reset its springs."""
     contacts.touching[p] = 0
     forget_springs(contacts, p)

@@ -1,4 +1,4 @@
-"""Two bodies as the searches take them: their rows, the offset between their centres and their size."""
+"""A pair of bodies, the argument of all searches: rows, offset between the centres, and size."""
 
 from typing import NamedTuple
 
@@ -7,18 +7,18 @@ from simcore.dem.vectors import Vec, negative
 
 
 class Pair(NamedTuple):
-    """Bodies a and b. The offset is formed first, so that no result depends on where in the world the pair is."""
+    """Bodies a and b. All results follow from the offset and therefore do not depend on the position of the pair."""
 
-    a: int  # row of the one body
-    b: int  # row of the other
+    a: int  # row of the first body
+    b: int  # row of the second body
     offset: Vec  # [m], from the centre of a to that of b, or of an image of b; world axes
-    size: float  # [m], sum of the radii of the bounding spheres, to which all tolerances refer
+    size: float  # [m], sum of the radii of the bounding spheres; the unit of all tolerances
 
 
 class Closest(NamedTuple):
-    """Closest points of a pair, or its deepest points where the bodies overlap; point_b + r − point_a = distance n."""
+    """Closest points of a pair, or deepest points if the bodies overlap; point_b + r − point_a = distance n."""
 
-    distance: float  # [m], signed: positive a gap, negative an overlap
+    distance: float  # [m], signed: positive: the gap, negative: minus the overlap
     normal: Vec  # from a to b
     point_a: Vec  # [m], from the centre of a
     point_b: Vec  # [m], from the centre of b
@@ -26,11 +26,11 @@ class Closest(NamedTuple):
 
 @leaf
 def pair_of(bodies, i, j, offset):
-    """The pair of bodies i and j."""
+    """Return the pair of bodies i and j."""
     return Pair(i, j, offset, bodies.radius[i] + bodies.radius[j])
 
 
 @leaf
 def exchanged(pair):
-    """The same pair with b as the one body: offset and normals change their sign."""
+    """Return the pair with the bodies exchanged; offset and normals change their sign."""
     return Pair(pair.b, pair.a, negative(pair.offset), pair.size)

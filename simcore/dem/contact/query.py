@@ -1,12 +1,13 @@
-"""The stand-alone contact query: signed distance, normal and points of any two convex shapes, from nothing.
+"""Stand-alone contact query: signed distance, normal and points of any two convex shapes.
 
     query(ellipsoid(3, 2, 1), ((0, 0, 0), (1, 0, 0, 0)), convex(points), (position, quaternion)).signed_distance
 
 The signed distance is the maximum over unit directions n of  n·c − h_A(n) − h_B(−n), c from the origin of a to that
-of b and h the support functions: the gap, or minus the length of the shortest translation that separates the two.
-The answer is the global maximum also for deep and concentric pairs, without any memory or tolerance to set.
+of b and h the support functions. Positive: the gap. Negative: minus the length of the shortest translation that
+separates the shapes. The result is the global maximum, also for deep overlaps and concentric shapes. The query needs no
+remembered contact and no tolerance.
 
-A sphere is a point with a radius: against a polyhedron it is queried as a polyhedron of one vertex.
+With a polyhedron, a sphere is queried as a polyhedron of one vertex, and its radius is subtracted.
 """
 
 import functools
@@ -41,23 +42,23 @@ from simcore.dem.vectors import (
     write,
 )
 
-BESIDE = 1e-12  # of the pair's size: tangential distance of the two points that is left as it is
+BESIDE = 1e-12  # of the pair's size: tangential distance of the two points that is accepted
 
 
 class ContactQuery(NamedTuple):
-    """The result of a query; of `query_many` every field is an array with one row for each pair."""
+    """The result of a query; in a result of `query_many` every field is an array with one row for each pair."""
 
-    signed_distance: float  # [m], positive a gap, negative an overlap
+    signed_distance: float  # [m], positive: the gap, negative: minus the overlap
     normal: np.ndarray  # (3,) unit, from a to b
     point_a: np.ndarray  # (3,) [m], on the surface of a; point_b − point_a = signed_distance × normal
     point_b: np.ndarray  # (3,) [m], on the surface of b
 
 
 class Solids(NamedTuple):
-    """Placed shapes, as the compiled functions of this package read bodies."""
+    """Placed shapes with the fields of Bodies that the compiled functions of this package read."""
 
     kind: np.ndarray  # (n,) int64
-    shape: np.ndarray  # (n,) int64, index into Shapes; a sphere's is that of the single point
+    shape: np.ndarray  # (n,) int64, index into Shapes; for a sphere, the index of the single point
     scale: np.ndarray  # (n, 3)
     radius: np.ndarray  # (n,) [m]
     rotation: np.ndarray  # (n, 3, 3)
@@ -65,27 +66,27 @@ class Solids(NamedTuple):
 
 
 def query(shape_a: Shape, pose_a, shape_b: Shape, pose_b) -> ContactQuery:
-    """Signed distance [m], normal and closest (or deepest) points of two shapes of `simcore.dem.shapes.hulls`.
+    """Return signed distance [m], normal and closest (or deepest) points of two shapes of `simcore.dem.shapes.hulls`.
 
-    pose: position (3,) [m] and quaternion (4,) (w, x, y, z), of any length but zero, from the shape's frame to the
-    world's. ValueError for a pose that is not finite or has a zero quaternion.
+    pose: position (3,) [m] and quaternion (4,) (w, x, y, z), of any length but zero, from the frame of the shape to the
+    world. ValueError for a pose that is not finite or has a zero quaternion.
 
-    An overlap is the global one, the length of the shortest translation that separates the shapes; where several are
-    equally short (concentric spheres) one of them is given, the same at every call.
+    An overlap is the length of the shortest translation that separates the shapes. If several translations are equally
+    short (concentric spheres), one of them is returned, the same at every call.
     """
     position_a, orientation_a = _pose(pose_a, "a")
     position_b, orientation_b = _pose(pose_b, "b")
     one = np.zeros(1, np.int64)
-    answer = _query((shape_a, shape_b), one, position_a, orientation_a, one + 1, position_b, orientation_b)
-    return ContactQuery(float(answer[0][0]), *(field[0] for field in answer[1:]))
+    fields = _query((shape_a, shape_b), one, position_a, orientation_a, one + 1, position_b, orientation_b)
+    return ContactQuery(float(fields[0][0]), *(field[0] for field in fields[1:]))
 
 
 def query_many(shapes, index_a, poses_a, index_b, poses_b) -> ContactQuery:
-    """`query` for n pairs in one compiled loop.
+    """Query n pairs in one compiled loop; see `query`.
 
-    shapes: sequence of shapes; index_a, index_b (n,) say which of them a pair has. poses: positions (n, 3) [m] and
-    quaternions (n, 4). Fields of the answer are arrays (n,) and (n, 3). ValueError as in `query`, IndexError for a
-    shape that is not there.
+    shapes: sequence of shapes. index_a, index_b (n,): indices of the shapes of each pair. poses: positions (n, 3) [m]
+    and quaternions (n, 4). The fields of the result are arrays (n,) and (n, 3). ValueError as in `query`, and if the
+    numbers of indices and poses differ; IndexError for an index outside `shapes`.
     """
     position_a, orientation_a = _pose(poses_a, "a")
     position_b, orientation_b = _pose(poses_b, "b")
@@ -94,28 +95,30 @@ def query_many(shapes, index_a, poses_a, index_b, poses_b) -> ContactQuery:
 
 
 def _pose(pose, name: str):
-    """Positions (n, 3) and unit quaternions (n, 4)."""
+    """Return positions (n, 3) and unit quaternions (n, 4)."""
     position, quaternion = (np.atleast_2d(np.asarray(part, np.float64)) for part in pose)
     if position.shape[1:] != (3,) or quaternion.shape != (len(position), 4):
         raise ValueError(
-            f"pose {name}: a position (3,) and a quaternion (4,) are needed, "
-            f"their shapes are {position.shape} and {quaternion.shape}"
+            f"pose {name}: give a position (3,) and a quaternion (4,), or n of each. "
+            f"The shapes are {position.shape} and {quaternion.shape}."
         )
     if not np.isfinite(position).all():
-        raise ValueError(f"pose {name}: position {position[~np.isfinite(position).all(axis=1)][0]} is not finite")
+        wrong = position[~np.isfinite(position).all(axis=1)][0]
+        raise ValueError(f"pose {name}: the position {wrong} is not finite. Give finite coordinates in metres.")
     largest = np.abs(quaternion).max(axis=1, keepdims=True)
     wrong = ~(np.isfinite(largest[:, 0]) & (largest[:, 0] > 0.0))
     if wrong.any():
         raise ValueError(
-            f"pose {name}: quaternion {quaternion[wrong][0]} gives no orientation; (1, 0, 0, 0) is none turned"
+            f"pose {name}: the quaternion {quaternion[wrong][0]} is not an orientation. Its components must be finite "
+            "and not all zero; (1, 0, 0, 0) is no rotation."
         )
-    quaternion = quaternion / largest  # the square of a tiny or a huge one would leave the range of numbers
+    quaternion = quaternion / largest  # the square of a tiny or a huge component could underflow or overflow
     return position, quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
 
 
 @functools.lru_cache(maxsize=32)
 def table_of(shapes: tuple[Shape, ...]):
-    """(Shapes of all polyhedra with a single point at the end, index of each shape there)."""
+    """Return (Shapes of all polyhedra with a single point at the end, index of each shape in it)."""
     hulls = {}
     for shape in shapes:
         if shape.kind == POLYHEDRON:
@@ -136,7 +139,7 @@ def table_of(shapes: tuple[Shape, ...]):
 
 
 def place_solids(shapes, index, rotation):
-    """Solids of the shapes with these indices, turned by these matrices (n, 3, 3)."""
+    """Return Solids of the shapes with these indices, rotated by these matrices (n, 3, 3)."""
     _, index_in_table = table_of(shapes)
     kind = np.array([shape.kind for shape in shapes], np.int64)[index]
     scale = np.array([shape.scale for shape in shapes])[index]
@@ -155,14 +158,14 @@ def _query(shapes, index_a, position_a, orientation_a, index_b, position_b, orie
     table, _ = table_of(shapes)
     n = len(position_a)
     if not len(index_a) == len(index_b) == len(position_b) == n:
-        raise ValueError("query_many: indices and poses must be as many for a as for b")
+        raise ValueError("query_many: give the same number of indices and poses for a and for b.")
     index = np.stack([index_a, index_b], axis=1).ravel()
     if len(index) and not (0 <= index.min() and index.max() < len(shapes)):
-        raise IndexError(f"query_many: a shape's index must be 0 to {len(shapes) - 1}")
+        raise IndexError(f"query_many: the indices of shapes must be 0 to {len(shapes) - 1}.")
     rotation = rotation_matrix(np.stack([orientation_a, orientation_b], axis=1).reshape(-1, 4))
     solids = place_solids(shapes, index, rotation)
     center = np.einsum("nij,nj->ni", rotation, np.array([shape.center for shape in shapes])[index])
-    # Far from the world's origin the difference of positions is exact; it is formed first.
+    # The difference of positions is formed first, because it is exact also far from the origin of the world.
     offset = (position_b - position_a) + (center[1::2] - center[0::2])
     distance, normal, point_a, point_b = np.empty(n), np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
     query_pairs(table, solids, offset, distance, normal, point_a, point_b)
@@ -171,7 +174,7 @@ def _query(shapes, index_a, position_a, orientation_a, index_b, position_b, orie
 
 @kernel
 def query_pairs(shapes, solids, offset, distance, normal, point_a, point_b):
-    """Query solids 2k and 2k + 1 at offset k of their centres; the points are from the centres."""
+    """Query solids 2k and 2k + 1 with offset k between their centres; points are relative to the centres."""
     for k in range(len(offset)):
         closest = _query_pair(shapes, solids, pair_of(solids, 2 * k, 2 * k + 1, read(offset, k)))
         distance[k] = closest.distance
@@ -182,7 +185,7 @@ def query_pairs(shapes, solids, offset, distance, normal, point_a, point_b):
 
 @routine
 def _query_pair(shapes, solids, pair):
-    """Closest points of any two solids."""
+    """Return the closest points of any two solids."""
     swapped = solids.kind[pair.a] != POLYHEDRON and solids.kind[pair.b] == POLYHEDRON
     if swapped:
         pair = exchanged(pair)
@@ -206,14 +209,14 @@ def _query_pair(shapes, solids, pair):
 @leaf
 def _query_spheres(solids, pair):
     radius_a, radius_b = solids.scale[pair.a, 0], solids.scale[pair.b, 0]
-    normal = direction_of(pair.offset)  # concentric: any direction is the shortest way out
+    normal = direction_of(pair.offset)  # for concentric spheres every direction gives the shortest translation
     gap = length(pair.offset) - radius_a - radius_b
     return Closest(gap, normal, scaled(radius_a, normal), scaled(-radius_b, normal))
 
 
 @leaf
 def _surface_point(solids, i, normal):
-    """Point of ellipsoid i farthest along n, from its centre."""
+    """Return the point of ellipsoid i farthest along n, relative to its centre."""
     point, _ = surface_point(solids.form_matrix, i, normal)
     return point
 
@@ -228,14 +231,15 @@ def _query_ellipsoids(shapes, solids, pair):
 
 @routine
 def _query_mixed(shapes, solids, pair):
-    """Polyhedron a and ellipsoid b."""
+    """Return the closest points of polyhedron a and ellipsoid b."""
     top = search_mixed_normal(shapes, solids, pair, np.inf)
     normal, on_a = top.normal, top.point
     on_b = _surface_point(solids, pair.b, negative(normal))
     target = plus(pair.offset, on_b)
     aside = beside(minus(target, on_a), normal)
     if aside > BESIDE * pair.size:
-        # The climb ended on a face or an edge without all its corners: the point of that face beside the ellipsoid's
+        # The climb ended on a face or an edge without all of its corners, so that its point may be beside the nearest
+        # one. The nearest point of the whole face is computed here.
         simplex = take_simplex()
         f = frame_of(solids, Pair(pair.a, pair.b, target, pair.size))
         lone = len(shapes.vertices) - 1  # the single point at the end of the table

@@ -1,10 +1,10 @@
-r"""Floor and cylinder: where a body touches them, found exactly.
+r"""Exact contacts of bodies with the floor and the cylinder.
 
 |   ____   |          Every function updates one row of Walls: whether body and wall touch, overlap [m], normal
-|  /    \  |          into the body, and the point midway between the surfaces, relative to the body's centre.
-| /  *   \_|__        The point is that of the body's deepest point x behind the wall. Polyhedra with a patch
-| \      / |x         contact press at the mean of their vertices behind the wall, weighted by depth, which moves
-|  \__x_/  |          continuously where a face or an edge comes to lie on the wall.
+|  /    \  |          into the body, and the contact point midway between the surfaces, relative to the centre of
+| /  *   \_|__        the body. The contact point belongs to the deepest point x of the body behind the wall. With
+| \      / |x         patch contact, polyhedra press at the mean of their vertices behind the wall, weighted by
+|  \__x_/  |          depth. It moves continuously also where a face or an edge comes to rest on the wall.
 +----------+  z = 0
      r = 0            The axis of the cylinder is x = y = 0, the floor is z = 0.
 """
@@ -20,12 +20,12 @@ from simcore.dem.vectors import ZERO, Vec, plus_scaled, read, write
 
 UP = Vec(0.0, 0.0, 1.0)
 DOWNWARD = Axes(Vec(1.0, 0.0, 0.0), Vec(0.0, 1.0, 0.0), Vec(0.0, 0.0, -1.0))
-ALIKE = 1e-6  # of the sum of depths: a sum of normals that is shorter has no direction
+ALIKE = 1e-6  # of the sum of depths: a shorter sum of normals has no reliable direction
 
 
 @leaf
 def _clear(walls, w):
-    """Body and wall are apart: reset what a touch has left."""
+    """Mark body and wall as apart and reset force, torque and springs of a touch."""
     if walls.touching[w] != 0:
         walls.touching[w] = 0
         walls.overlap[w] = 0.0
@@ -36,7 +36,7 @@ def _clear(walls, w):
 
 @leaf
 def _note(walls, w, overlap, normal, deepest):
-    """Store a touch. normal: into the body; deepest: the body's deepest point, from its centre."""
+    """Store a touch. normal: into the body; deepest: deepest point of the body, relative to its centre."""
     walls.touching[w] = 1
     walls.overlap[w] = overlap
     write(walls.normal, w, normal)
@@ -45,6 +45,7 @@ def _note(walls, w, overlap, normal, deepest):
 
 @leaf
 def floor_sphere(bodies, walls, w):
+    """Update row w: a sphere at the floor."""
     i = walls.body[w]
     radius = bodies.scale[i, 0]
     overlap = radius - bodies.position[i, 2]
@@ -56,6 +57,7 @@ def floor_sphere(bodies, walls, w):
 
 @leaf
 def floor_ellipsoid(bodies, walls, w):
+    """Update row w: an ellipsoid at the floor."""
     i, m = walls.body[w], bodies.form_matrix
     height = np.sqrt(m[i, 2])
     overlap = height - bodies.position[i, 2]
@@ -67,7 +69,10 @@ def floor_ellipsoid(bodies, walls, w):
 
 @leaf
 def floor_convex(shapes, bodies, walls, w):
-    """Climb from the vertex that was lowest in the last step, and remember the new one; returns whether it touches."""
+    """Update row w: a polyhedron at the floor; return whether it touches.
+
+    The climb starts from the vertex that was lowest in the last step, and the new lowest vertex is stored.
+    """
     i = walls.body[w]
     if bodies.position[i, 2] >= bodies.radius[i]:
         _clear(walls, w)
@@ -85,9 +90,9 @@ def floor_convex(shapes, bodies, walls, w):
 
 @leaf
 def floor_patch(shapes, bodies, walls, w, workspace, thread):
-    """Patch of a touching polyhedron: mean of its vertices below the floor, weighted by depth, and second moments.
+    """Update the patch of a touching polyhedron: depth-weighted moments of its vertices below the floor.
 
-    These vertices are connected by edges among them, by convexity.
+    Because the polyhedron is convex, edges connect these vertices with each other, and a walk along edges visits all.
     """
     i = walls.body[w]
     base = axes_in_base(bodies, i, DOWNWARD)
@@ -119,7 +124,7 @@ def floor_patch(shapes, bodies, walls, w, workspace, thread):
 
 @leaf
 def _note_outward(bodies, walls, w, overlap, deepest):
-    """Store a touch with the cylinder at the body's deepest point."""
+    """Store a touch with the cylinder at the deepest point of the body."""
     i = walls.body[w]
     px, py = bodies.position[i, 0] + deepest.x, bodies.position[i, 1] + deepest.y
     distance = np.sqrt(px * px + py * py)
@@ -128,6 +133,7 @@ def _note_outward(bodies, walls, w, overlap, deepest):
 
 @leaf
 def cylinder_sphere(bodies, walls, w, wall_radius):
+    """Update row w: a sphere at the cylinder."""
     i = walls.body[w]
     px, py = bodies.position[i, 0], bodies.position[i, 1]
     distance = np.sqrt(px * px + py * py)
@@ -143,9 +149,10 @@ def cylinder_sphere(bodies, walls, w, wall_radius):
 
 @leaf
 def cylinder_convex(shapes, bodies, walls, w, wall_radius):
-    """Distance from the axis is convex, so a vertex is the farthest point; all vertices are measured.
+    """Update row w: a polyhedron at the cylinder.
 
-    A climb along edges could end at the wrong one: a long grain across the cylinder has two far ends.
+    The distance from the axis is a convex function, so that the farthest point is a vertex. All vertices are tested,
+    because a climb along edges could end at the wrong one: a long grain across the cylinder has two far ends.
     """
     i = walls.body[w]
     px, py = bodies.position[i, 0], bodies.position[i, 1]
@@ -168,9 +175,9 @@ def cylinder_convex(shapes, bodies, walls, w, wall_radius):
 
 @leaf
 def cylinder_patch(shapes, bodies, walls, w, wall_radius):
-    """Patch of a touching polyhedron: means over its vertices behind the cylinder, weighted by depth.
+    """Update the patch of a touching polyhedron: depth-weighted means over its vertices behind the cylinder.
 
-    The normal is their mean too: a long grain across the cylinder is pressed at both ends at once.
+    The normal is such a mean too, because a long grain across the cylinder touches it at both ends.
     """
     i = walls.body[w]
     px, py = bodies.position[i, 0], bodies.position[i, 1]
@@ -193,7 +200,7 @@ def cylinder_patch(shapes, bodies, walls, w, wall_radius):
     cx, cy, cz = mx / m0, my / m0, mz / m0
     length = np.sqrt(nx * nx + ny * ny)
     if not length > ALIKE * m0:
-        return  # both ends are equally deep: the deepest vertex decides
+        return  # both ends are equally deep: the contact stays at the deepest vertex
     write(walls.normal, w, Vec(nx / length, ny / length, 0.0))
     write(walls.point, w, Vec(cx, cy, cz))
     walls.spread[w, 0], walls.spread[w, 1], walls.spread[w, 2] = (
@@ -206,15 +213,15 @@ def cylinder_patch(shapes, bodies, walls, w, wall_radius):
 
 @leaf
 def _is_inside(bodies, i, wall_radius):
-    """Whether the bounding sphere is inside the cylinder."""
+    """Return whether the bounding sphere of body i is inside the cylinder."""
     px, py = bodies.position[i, 0], bodies.position[i, 1]
     return np.sqrt(px * px + py * py) + bodies.radius[i] <= wall_radius
 
 
 @leaf
 def _farthest_multiplier(p1, p2, c1, c2):
-    """λ of cylinder_ellipsoid: the largest root of Σ c_k² p_k / (λ − p_k)² = 1, for p1 >= p2."""
-    # Both brackets of λ: one term alone, and all of |c|² under the larger or the smaller eigenvalue
+    """Return λ of cylinder_ellipsoid: the largest root of Σ c_k² p_k / (λ − p_k)² = 1, for p1 >= p2."""
+    # Lower bound of λ: each term alone. Upper bound: p1 in both denominators.
     low = max(p1 + abs(c1) * np.sqrt(p1), p2 + abs(c2) * np.sqrt(p2))
     high = p1 + np.sqrt(c1 * c1 * p1 + c2 * c2 * p2)
     root = high
@@ -228,7 +235,7 @@ def _farthest_multiplier(p1, p2, c1, c2):
         else:
             high = min(high, root)
         slope = -2.0 * (c1 * c1 * p1 / (d1 * d1 * d1) + c2 * c2 * p2 / (d2 * d2 * d2))
-        # Newton on 1/√(value + 1), nearly linear in λ
+        # Newton's iteration for 1/√(value + 1), which is nearly linear in λ
         step = 2.0 * (value + 1.0) / slope * (1.0 - np.sqrt(value + 1.0))
         trial = root + step if slope < 0.0 else low
         if not (trial >= low and trial <= high):
@@ -242,10 +249,11 @@ def _farthest_multiplier(p1, p2, c1, c2):
 
 @leaf
 def cylinder_ellipsoid(bodies, walls, w, wall_radius):
-    """Farthest point from the axis of the ellipsoid's shadow, an ellipse with matrix P about (px, py).
+    """Update row w: an ellipsoid at the cylinder.
 
-    With eigenvalues p1 >= p2 of P and the centre c in their frame, the farthest point c + y has
-    y_k = c_k p_k / (λ − p_k), and λ >= p1 is the largest root of Σ c_k² p_k / (λ − p_k)² = 1.
+    The projection of the ellipsoid to the floor is an ellipse with matrix P about (px, py). With eigenvalues p1 >= p2
+    of P and the centre c in their frame, its point farthest from the axis is c + y with y_k = c_k p_k / (λ − p_k),
+    where λ >= p1 is the largest root of Σ c_k² p_k / (λ − p_k)² = 1.
     """
     i, m = walls.body[w], bodies.form_matrix
     px, py = bodies.position[i, 0], bodies.position[i, 1]
@@ -264,8 +272,8 @@ def cylinder_ellipsoid(bodies, walls, w, wall_radius):
     if root - p1 > 1e-3 * p1:
         y1 = c1 * p1 / (root - p1)
     else:
-        # The hard case, c1 almost or exactly zero: root − p1 is lost in rounding, but the point lies on the ellipse.
-        # With c1 = 0 both ends of the axis are equally far.
+        # If c1 is almost or exactly zero, root − p1 is lost in rounding; y1 follows from the equation of the ellipse.
+        # For c1 = 0 both ends of the axis are equally far.
         y1 = np.sqrt(max(p1 * (1.0 - y2 * y2 / p2), 0.0))
         if c1 < 0.0:
             y1 = -y1
@@ -273,7 +281,7 @@ def cylinder_ellipsoid(bodies, walls, w, wall_radius):
     if not farthest > wall_radius:
         _clear(walls, w)
         return
-    # The body's point above the shadow's: support along the outward direction there
+    # The point of the ellipsoid above that of its projection is the support point along the outward direction.
     ux, uy = (cos * (c1 + y1) - sin * (c2 + y2)) / farthest, (sin * (c1 + y1) + cos * (c2 + y2)) / farthest
     x, y, z = m[i, 0] * ux + m[i, 3] * uy, m[i, 3] * ux + m[i, 1] * uy, m[i, 4] * ux + m[i, 5] * uy
     height = np.sqrt(x * ux + y * uy)

@@ -1,1 +1,1 @@
-"""Force laws of contacts, one module each, and pressing, which applies them to contacts and walls."""
+"""Force laws of contacts, one module each; `pressing` applies them to contacts and walls."""

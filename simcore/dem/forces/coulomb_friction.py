@@ -1,4 +1,4 @@
-"""Coulomb friction with memory: a tangential spring and dashpot at each contact, cut back to µ |F_n| where it slips."""
+"""Coulomb friction with history: a tangential spring and dashpot at each contact; slip limits the force to µ |F_n|."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from simcore.dem.vectors import across, minus, negative, over, plus, scaled, squ
 
 
 class Tangent(NamedTuple):
-    """Coefficients of one contact along its tangent plane."""
+    """Coefficients of one contact in its tangent plane."""
 
     stiffness: float  # [N/m]
     damping: float  # [N s/m]
@@ -18,16 +18,16 @@ class Tangent(NamedTuple):
 
 @leaf
 def tangent_of(law, damping, mass, push):
-    """Tangent for the normal force `push` [N]. damping: tangential, per effective mass. mass: effective."""
+    """Return the Tangent for the normal force `push` [N]. damping: tangential, per effective mass. mass: effective."""
     return Tangent(law.tangential * law.stiffness * mass, damping * mass, law.friction * abs(push))
 
 
 @leaf
 def tangential_force(tangent, dt, normal, velocity, spring):
-    """Tangential force on b [N] and the new tangential spring [m], both vectors.
+    """Return the tangential force on b [N] and the new tangential spring [m], both vectors.
 
-    velocity: of b against a at the contact point. The spring is turned into the new tangent plane keeping its length,
-    grows by the tangential velocity, and is cut back to what the limit can hold where the contact slips.
+    velocity: of b relative to a at the contact point. The spring is turned into the new tangent plane at constant
+    length and extended by the tangential velocity. If the contact slips, it is shortened to the limit of friction.
     """
     velocity = across(velocity, normal)
     length2 = squared(spring)
@@ -48,16 +48,17 @@ def tangential_force(tangent, dt, normal, velocity, spring):
 
 @leaf
 def preload(tangent, normal, velocity, force, spring, stuck, k):
-    """Tangential spring [m] of contact k by the preloaded law: a contact that starts to stick is loaded to the limit.
+    """Return the spring [m] of contact k by the preloaded law: it is loaded to the limit where sticking begins.
 
-    The program of Rettinger et al. does so at the first touch and where slip ends: the tangential force of that step
-    stays as it is, but from the next step on the spring pushes as hard as friction allows, however little it moved. A
-    contact without any tangential force sticks at rest. This is no law of friction (a sphere that lands almost straight
-    is thrown aside); it is here to measure what it does to packings. force, spring: of `tangential_force`, which also
-    takes the others. stuck: (m,) uint8, whether each contact stuck in the step before; that of k is set.
+    The program of Rettinger et al. (2022) does this at the first touch and at the end of slip. The tangential force of
+    that step is not changed, but from the next step on the spring pushes with the limit of friction, even after a small
+    displacement. A contact without tangential force sticks at rest. This is not a law of friction (a sphere with an
+    almost normal impact is thrown aside); it serves to measure the effect on packings. force, spring: results of
+    `tangential_force`, which also takes the other arguments. stuck: (m,) uint8, whether each contact stuck in the step
+    before; the value of k is updated.
     """
     size = np.sqrt(squared(force))
-    sticks = size < (1.0 - 1e-12) * tangent.limit  # a force that was cut back is the limit but for rounding
+    sticks = size < (1.0 - 1e-12) * tangent.limit  # a slipping contact has the limit as its force, to rounding
     if sticks and stuck[k] == 0 and size > 0.0:
         drag = scaled(tangent.damping, across(velocity, normal))
         spring = over(negative(plus(scaled(tangent.limit / size, force), drag)), tangent.stiffness)

@@ -1,14 +1,14 @@
-"""Hertzian normal force with a viscous term: F = k (ξ^1.5 + τ √ξ ξ'), beside the linear spring-dashpot.
+"""Hertzian normal force with a viscous term: F = k (ξ^1.5 + τ √ξ ξ'), an alternative to the linear spring-dashpot.
 
-The text of Baram & Lind (arXiv:1110.2792) lacks the formula. Its words describe a Hertzian force k ξ^1.5 with a viscous
-term whose coefficient is large, so that grains come to rest quickly. We take γ √ξ ξ' with γ = τ k, after Kuwabara and
-Kono, not γ ξ'. Viscoelastic spheres behave so (Brilliantov et al. 1996); the term vanishes where a contact begins, so
-that the force has no jump there; and its dashpot grows as the spring does, so that one limit of the time step holds for
-both.
+The formula is missing from the text of Baram & Lind (arXiv:1110.2792). The text describes a Hertzian force k ξ^1.5 with
+a viscous term whose coefficient is large, so that grains come to rest quickly. We use γ √ξ ξ' with γ = τ k, after
+Kuwabara and Kono, not γ ξ', for three reasons. Viscoelastic spheres have this term (Brilliantov et al. 1996). It
+vanishes where a contact begins, so that the force has no jump there. Its dashpot grows as the spring does, so that one
+limit of the time step applies to both.
 
-At its present overlap a Hertzian contact is one of the linear law with the stiffness k √ξ and the damping τ k √ξ. So
-all functions of the linear law are used unchanged, with the coefficients of that overlap. Along the tangent a spring is
-as stiff as Mindlin's without slip, 2 (1 - ν) / (2 - ν) of dF/dξ = 1.5 k √ξ.
+At its present overlap a Hertzian contact equals one of the linear law with the stiffness k √ξ and the damping τ k √ξ.
+All functions of the linear law are therefore used unchanged, with the coefficients of that overlap. The tangential
+stiffness is that of Mindlin without slip, 2 (1 - ν) / (2 - ν) times dF/dξ = 1.5 k √ξ.
 
 k = B √R with the effective radius R of spheres of the grains' masses; B = (4/3) E*; see simcore.scene.impact.
 """
@@ -21,8 +21,8 @@ from simcore.compilation import leaf
 from simcore.dem.forces.spring_dashpot import ContactLaw
 from simcore.scene.impact import Hertzian
 
-TANGENT = 1.5  # slope of the force over its ratio to the overlap
-STORED = 0.8  # energy of the normal force, (2/5) k ξ^2.5, over half of stiffness times overlap squared
+TANGENT = 1.5  # ratio of the slope dF/dξ to F/ξ
+STORED = 0.8  # ratio of the elastic energy (2/5) k ξ^2.5 to half of stiffness times overlap squared
 
 
 class HertzLaw(NamedTuple):
@@ -30,15 +30,15 @@ class HertzLaw(NamedTuple):
 
     modulus: float  # [Pa], B
     damping_time: float  # [s], τ
-    tangential: float  # stiffness of the tangential spring over k √ξ
-    root_tangential: float  # of the dashpots
+    tangential: float  # ratio of the stiffness of the tangential spring to k √ξ
+    root_tangential: float  # ratio of the tangential to the normal dashpot
     friction: float
     sliding: float  # [1/s], see simcore.dem.forces.sliding_friction
-    size: float  # [m/kg^(1/3)], radius of a sphere over the cube root of its mass
+    size: float  # [m/kg^(1/3)], ratio of the radius of a sphere to the cube root of its mass
 
 
 def hertz_law(hertzian: Hertzian, poisson_ratio, friction, density, sliding=0.0) -> HertzLaw:
-    """The law of grains of that density [kg/m³]; sliding [1/s]: rate of the dynamic friction."""
+    """Return the law for grains of this density [kg/m³]; sliding [1/s]: rate of the dynamic friction."""
     ratio = 2.0 * (1.0 - poisson_ratio) / (2.0 - poisson_ratio)
     size = float(np.cbrt(3.0 / (4.0 * np.pi * density)))
     return HertzLaw(
@@ -48,7 +48,7 @@ def hertz_law(hertzian: Hertzian, poisson_ratio, friction, density, sliding=0.0)
 
 @leaf
 def law_at(law, mass, partner_mass, overlap):
-    """The linear law that equals this one at that overlap [m], per effective mass. partner_mass: inf for a wall."""
+    """Return the linear law, per effective mass, equal to this one at an overlap [m]. partner_mass: inf for walls."""
     effective = mass / (1.0 + mass / partner_mass)
     radius, partner_radius = law.size * np.cbrt(mass), law.size * np.cbrt(partner_mass)
     radius = radius / (1.0 + radius / partner_radius)
@@ -60,26 +60,26 @@ def law_at(law, mass, partner_mass, overlap):
 
 @leaf
 def contact_law_at(law, bodies, contacts, p):
-    """The linear law of touching contact p."""
+    """Return the linear law of touching contact p."""
     return law_at(law, bodies.mass[contacts.body_a[p]], bodies.mass[contacts.body_b[p]], contacts.overlap[p])
 
 
 @leaf
 def wall_law_at(law, bodies, walls, w):
-    """The linear law of touching wall w."""
+    """Return the linear law of touching wall w."""
     return law_at(law, bodies.mass[walls.body[w]], np.inf, walls.overlap[w])
 
 
 def linear_law(law: HertzLaw, mass, partner_mass, overlap) -> ContactLaw:
-    """The linear law whose small motions are those about that overlap; arguments and its fields may be arrays."""
+    """Return the linear law for small motions about an overlap [m]; arguments and fields may be arrays."""
     at = law_at.py_func(law, mass, partner_mass, overlap)
     return at._replace(stiffness=TANGENT * at.stiffness, tangential=at.tangential / TANGENT)
 
 
 def local_law(law, mass, partner_mass, overlap) -> tuple[ContactLaw, float]:
-    """(linear law of contacts at their overlaps, share of ½ stiffness overlap² that their springs store); (k,) arrays.
+    """Return (linear law of contacts at their overlaps, share of ½ stiffness overlap² that is elastic energy).
 
-    law: of either kind; a linear law is returned as it is.
+    mass, partner_mass, overlap: (k,) arrays. law: of either kind; a linear law is returned unchanged.
     """
     if isinstance(law, HertzLaw):
         return law_at.py_func(law, mass, partner_mass, overlap), STORED

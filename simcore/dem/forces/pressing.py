@@ -1,7 +1,7 @@
-"""How a contact presses: the force law applied to one touching contact, or to one touching wall.
+"""The force law applied to one touching contact or to one touching wall.
 
-A wall is a partner of infinite mass that does not move: contacts and walls differ in what moves against what, and in
-which bodies get the torque. What lies between, `press`, is one text.
+A wall is a partner of infinite mass that does not move. Contacts and walls differ in the relative motion and in the
+bodies on which the torques act; they share the force law, `press`.
 """
 
 from typing import NamedTuple
@@ -15,19 +15,18 @@ from simcore.dem.vectors import ZERO, Vec, cross, dot, minus, negative, plus, re
 
 
 class Motion(NamedTuple):
-    """How body b, or the body at a wall, moves against its partner."""
+    """Motion of body b, or of the body at a wall, relative to its partner."""
 
     mass: float  # [kg], effective
-    effective_contacts: (
-        float  # the larger of the two bodies', at least 1 (simcore.dem.forces.spring_dashpot); of implicit dashpots
-    )
+    # The larger value of the two bodies, at least 1 (simcore.dem.forces.spring_dashpot); for implicit dashpots
+    effective_contacts: float
     velocity: Vec  # [m/s], at the contact point
-    spin: Vec  # [1/s], of the angular velocities
+    spin: Vec  # [1/s], difference of the angular velocities
 
 
 @leaf
 def contact_velocity(bodies, i, j, arm_a, arm_b):
-    """Velocity [m/s] of body j against body i at the contact point. arms [m]: from the centres to that point."""
+    """Return the velocity [m/s] of body j relative to body i at the contact point. arms [m]: from the centres to it."""
     spin = bodies.angular_velocity
     centres = minus(read(bodies.velocity, j), read(bodies.velocity, i))
     return plus(centres, minus(cross(read(spin, j), arm_b), cross(read(spin, i), arm_a)))
@@ -35,9 +34,9 @@ def contact_velocity(bodies, i, j, arm_a, arm_b):
 
 @leaf
 def wall_velocity(bodies, i, arm):
-    """Velocity [m/s] of body i where it touches a wall. arm [m]: from its centre to that point."""
+    """Return the velocity [m/s] of body i where it touches a wall. arm [m]: from its centre to that point."""
     v, w = read(bodies.velocity, i), read(bodies.angular_velocity, i)
-    # Sums run from the left; with the cross product formed first, as in contact_velocity, they would round differently.
+    # The sums run from left to right; forming the cross product first, as in contact_velocity, would round differently.
     return Vec(
         v.x + w.y * arm.z - w.z * arm.y,
         v.y + w.z * arm.x - w.x * arm.z,
@@ -47,9 +46,9 @@ def wall_velocity(bodies, i, arm):
 
 @leaf
 def press(touches, k, normal, motion, law, dt, has):
-    """Apply the force law at row k of contacts or walls: (force [N] on b, torque [N m] on b of a patch).
+    """Apply the force law at row k of contacts or walls; return (force [N] on b, torque [N m] of a patch on b).
 
-    normal: from a, or from the wall, to b. has: features of the scene. Springs are updated.
+    normal: from a, or from the wall, to b. has: features of the scene. The springs of row k are updated.
     """
     if has.implicit:
         damping, tangential_damping = implicit_dashpot(law, motion.effective_contacts)
@@ -71,9 +70,9 @@ def press(touches, k, normal, motion, law, dt, has):
 
 @leaf
 def press_contact(bodies, contacts, law, drive, p, has):
-    """Update the force of touching contact p on b, the torques on both bodies, and its springs.
+    """Update the force of touching contact p on b, the torques on both bodies, and the springs.
 
-    law: the ContactLaw at this contact. drive: of the step. has: features of the scene.
+    law: the ContactLaw at this contact. drive: Drive of the step. has: features of the scene.
     """
     i, j = contacts.body_a[p], contacts.body_b[p]
     arm_a = read(contacts.point, p)
@@ -95,7 +94,7 @@ def press_contact(bodies, contacts, law, drive, p, has):
 
 @leaf
 def press_wall(bodies, walls, law, drive, w, has):
-    """Update the force and the torque of touching wall w on its body, and its springs; see press_contact."""
+    """Update the force and the torque of touching wall w on its body, and the springs; see press_contact."""
     i, arm = walls.body[w], read(walls.point, w)
     effective_contacts = 1.0
     if has.implicit:

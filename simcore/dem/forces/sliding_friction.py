@@ -1,13 +1,13 @@
-"""Friction without springs: it resists sliding in proportion to the speed, and nothing sticks at rest.
+"""Friction without springs: it resists sliding in proportion to the speed, and no contact sticks at rest.
 
 Baram & Lind (arXiv:1110.2792) write "-(coefficient) v_t": dynamic friction only and no static spring. Taken literally
 (VISCOUS) the force is F_t = -c m v_t with the effective mass m and a rate c, so that light and heavy grains slow down
-alike and one limit of the time step serves all. A grain that skims another would so be slowed down more strongly than
-any friction could: our law (CAPPED) cuts the force at Coulomb's limit µ F_n, as Haff and Werner (1986) do. Either way a
-grain on a slope creeps, at g sin θ / c where the limit is not reached: a bed settles toward one without friction, the
-slower the larger c is.
+alike and one limit of the time step applies to all. A grain that grazes another is then slowed down more strongly than
+by any real friction. Our law (CAPPED) therefore limits the force to Coulomb's µ F_n, as Haff and Werner (1986) do. With
+either law a grain on a slope creeps, at g sin θ / c where the limit is not reached, and a bed settles towards one
+without friction, more slowly the larger c is.
 
-It acts where a contact has pressed, after the normal force of whichever law, and needs no array of its own.
+The friction is added to the normal force of either contact law and needs no array of its own.
 """
 
 import numpy as np
@@ -22,7 +22,7 @@ NONE, CAPPED, VISCOUS = 0, 1, 2
 
 @leaf
 def sliding_force(law, mass, limit, normal, velocity):
-    """Tangential force [N], a vector, against a velocity. mass: effective. limit [N]: largest force."""
+    """Return the tangential force [N], a vector, against a velocity. mass: effective. limit [N]: largest force."""
     velocity = across(velocity, normal)
     rate = law.sliding * mass
     force = rate * length(velocity)
@@ -33,7 +33,7 @@ def sliding_force(law, mass, limit, normal, velocity):
 
 @leaf
 def rub(touches, k, normal, velocity, law, mass, has):
-    """Add the sliding friction to the force [N] of row k of contacts or walls; returns the friction."""
+    """Add the sliding friction to the force [N] of row k of contacts or walls; return the friction."""
     pressed = read(touches.force, k)
     limit = np.inf
     if has.sliding == CAPPED:

@@ -1,1 +1,1 @@
-"""One process or many: who has which grains, and what travels between them."""
+"""Packings on one or several MPI ranks: which rank moves which bodies, and what the ranks exchange."""

@@ -1,13 +1,13 @@
-"""Bodies shared out to the ranks of MPI, each to the rank of the horizontal block it is in.
+"""A packing on several MPI ranks: the domain is divided into horizontal blocks, and each rank moves the bodies of one.
 
-Between two lists of neighbours a body stays where it is, and every rank steps its own bodies beside ghosts: copies of
-those of other ranks that they may touch, sent after each step. A contact across a border is computed on both sides,
-from the same numbers in the same order, so that forces need not travel; its memory is on both sides too, and goes with
-a body that changes its rank. When neighbours are listed, bodies go to the rank whose block they are in, and blocks
-follow the grains where the load has become uneven. Periodic images are found by the neighbour list, on any number of
-ranks: a ghost, or an own body, is met through each image that is near.
+Between two listings of candidate pairs a body stays on its rank. Every rank steps its own bodies beside ghosts: copies
+of the bodies of other ranks that they may touch, updated after each step. A contact across a border is computed on both
+sides, from the same numbers in the same order, so that no forces are sent. Both sides store the remembered contact, and
+it moves with a body that changes its rank. At each listing a body moves to the rank of the block that contains it,
+and the blocks are cut again if the load has become uneven. The neighbour search treats periodic images on any number of
+ranks: each near image of a ghost, or of an own body, gives a pair.
 
-What a rank does, or which rank does it, decides no bit: see simcore.dem.ranks.one_rank for what is decided together.
+The results are the same, to the bit, for any number of ranks; simcore.dem.ranks.one_rank contains the reductions.
 """
 
 import time
@@ -26,30 +26,37 @@ from simcore.dem.state.parts import assemble, take_part
 from simcore.dem.step.candidate_pairs import list_contacts, list_pairs
 
 BINS = 512  # of the histograms from which blocks are cut
-UNEVEN = 1.02  # largest load over the mean from which blocks are cut anew
-MARGIN = 1e-9  # of the reach; boxes are less than 1e6 grains wide, and rounding 1e-16 of their width
-# What a body's candidate pairs and contacts cost, as loads; measured shares of a step of polyhedra, roughly.
+UNEVEN = 1.02  # ratio of the largest load to the mean above which the blocks are cut again
+MARGIN = 1e-9  # share of the reach; boxes are less than 1e6 grains wide, and rounding is 1e-16 of their width
+# Loads of a body, a candidate pair and a contact: approximate measured shares of a step of polyhedra.
 BODY, PAIR, CONTACT = 4, 1, 8
 
 
 class ManyRanks(OneRank):
-    """The ranks of a communicator; with one rank the result is that of OneRank, to the bit."""
+    """The ranks of a communicator; the results are those of OneRank, to the bit."""
 
     def __init__(self, comm=None, layout=None):
-        """layout: (columns, rows) of blocks along x and y, by default as square as their number allows."""
+        """Divide the domain into blocks, one a rank.
+
+        layout: (columns, rows) of blocks along x and y; by default as close to a square as their number allows.
+        ValueError if the layout has not one block for each rank.
+        """
         self.comm = MPI.COMM_WORLD if comm is None else comm
         self.rank, self.size = self.comm.Get_rank(), self.comm.Get_size()
         self.layout = _layout(self.size) if layout is None else tuple(layout)
         if self.layout[0] * self.layout[1] != self.size:
-            raise ValueError(f"layout {self.layout[0]} x {self.layout[1]} has not as many blocks as ranks, {self.size}")
+            raise ValueError(
+                f"The layout {self.layout[0]} x {self.layout[1]} must have one block for each rank, but there are "
+                f"{self.size} ranks. Choose a layout with columns × rows = {self.size}."
+            )
         self.blocks = None
         self.halo = None
-        self.bytes_sent = self.steps = 0  # to tell what a step sends
-        self.exchanging = 0.0  # [s], waiting for others included
+        self.bytes_sent = self.steps = 0  # their ratio is the number of bytes per step
+        self.exchanging = 0.0  # [s], including the time spent waiting for other ranks
 
     @contextmanager
     def together(self):
-        """An exception that one rank alone would meet ends all, who would else wait for it."""
+        """End all ranks if one rank raises an exception; the others would otherwise wait for it forever."""
         try:
             yield
         except BaseException:
@@ -60,30 +67,34 @@ class ManyRanks(OneRank):
 
     def maximum(self, values):
         values = np.asarray(values, float)
-        found = np.empty_like(values)
-        self.comm.Allreduce(values, found, op=MPI.MAX)
-        return found
+        result = np.empty_like(values)
+        self.comm.Allreduce(values, result, op=MPI.MAX)
+        return result
 
     def add(self, counts):
         counts = np.asarray(counts, np.int64)
-        found = np.empty_like(counts)
-        self.comm.Allreduce(counts, found, op=MPI.SUM)
-        return found
+        result = np.empty_like(counts)
+        self.comm.Allreduce(counts, result, op=MPI.SUM)
+        return result
 
-    def first(self, found, n_keys):
-        return max(self.comm.allgather(found), key=lambda each: each[:n_keys])
+    def first(self, candidate, n_keys):
+        return max(self.comm.allgather(candidate), key=lambda of_rank: of_rank[:n_keys])
 
-    def all(self, found):
-        return [each for some in self.comm.allgather(found) for each in some]
+    def all(self, values):
+        return [value for of_rank in self.comm.allgather(values) for value in of_rank]
 
-    # -- who has what ---------------------------------------------------------------------------------------
+    # -- distribution of the bodies -------------------------------------------------------------------------
 
-    def welcome(self, bodies: Bodies | None, born: Bodies, box) -> Bodies:
-        """`bodies` and those of the newborn that this rank moves; born: all of them, the same on every rank."""
+    def welcome(self, bodies: Bodies | None, inserted: Bodies, box) -> Bodies:
+        """Return `bodies` joined with those of the inserted bodies that this rank moves.
+
+        inserted: all inserted bodies, the same on every rank.
+        """
         if self.blocks is None:
-            self.blocks = self._cut([_wrapped(born.position, box)], [np.ones(len(born.mass))], box, together=False)
-        mine = np.flatnonzero(self.blocks.rank_of(_wrapped(born.position, box)) == self.rank)
-        new, _ = assemble([take_part(born, None, mine)], born.id[mine])
+            load = np.ones(len(inserted.mass))
+            self.blocks = self._cut([_wrapped(inserted.position, box)], [load], box, together=False)
+        mine = np.flatnonzero(self.blocks.rank_of(_wrapped(inserted.position, box)) == self.rank)
+        new, _ = assemble([take_part(inserted, None, mine)], inserted.id[mine])
         if bodies is None:
             return new
         own = np.concatenate([bodies.own, len(bodies.mass) + np.arange(len(mine))])
@@ -92,7 +103,7 @@ class ManyRanks(OneRank):
     def list_candidates(
         self, bodies, shapes, box, margin, features: Features, old: CandidatePairs | None
     ) -> tuple[Bodies, CandidatePairs]:
-        """Own bodies and ghosts with their candidate pairs: as candidate_pairs.list_candidates, over all ranks."""
+        """Return own bodies and ghosts with their candidate pairs: candidate_pairs.list_candidates over all ranks."""
         bodies.margin[:] = margin
         part = self._migrate(bodies, old, box)
         own = part["body.id"]
@@ -106,13 +117,13 @@ class ManyRanks(OneRank):
             bodies, old = assemble([take_part(bodies, old, rows, shared=True)], own)
             pairs[:, :2] = (np.cumsum(kept) - 1)[pairs[:, :2]]
         candidates = list_contacts(pairs, bodies, shapes, box, features, old)
-        sources = {rank: each["body.id"] for rank, each in ghosts.items()}
+        sources = {rank: ghost_part["body.id"] for rank, ghost_part in ghosts.items()}
         self.halo = _Halo(self.comm, bodies, features, sources)
         self.shared = int((~bodies.moves_here[pairs[:, :2]]).any(axis=1).sum())
         return bodies, candidates
 
     def _migrate(self, bodies, candidates, box):
-        """All that is known of the bodies that this rank moves from now on, as a part."""
+        """Exchange bodies between ranks; return the part of the bodies that this rank moves from now on."""
         place = _wrapped(bodies.position[bodies.own], box)
         load = _loads(bodies, candidates)[bodies.own]
         loads = np.array(self.comm.allgather(load.sum()))
@@ -126,13 +137,13 @@ class ManyRanks(OneRank):
         leaving = [None] * self.size
         for rank in goes:
             leaving[rank] = take_part(bodies, candidates, bodies.own[target == rank], shared=True)
-        parts = [part, *(each for each in self.comm.alltoall(leaving) if each is not None)]
-        return {name: np.concatenate([each[name] for each in parts]) for name in part}
+        parts = [part, *(arriving for arriving in self.comm.alltoall(leaving) if arriving is not None)]
+        return {name: np.concatenate([piece[name] for piece in parts]) for name in part}
 
     def _ghosts_from_others(self, part, box):
-        """Parts of other ranks' bodies that may come candidates, by rank."""
+        """Return the parts of the bodies of other ranks that may form candidate pairs with own bodies, by rank."""
         place = _wrapped(part["body.position"], box)
-        # Somewhat too far, since places are rounded otherwise than distances in the list.
+        # The reach is slightly enlarged because wrapped positions round differently from distances in the list.
         reach = (1.0 + MARGIN) * (part["body.radius"] + part["body.margin"])
         low, high = place - reach[:, None], place + reach[:, None]
         extent = np.array([low.min(axis=0, initial=np.inf), high.max(axis=0, initial=-np.inf)])
@@ -153,34 +164,34 @@ class ManyRanks(OneRank):
                 )
             rows = np.flatnonzero(near)
             sent[rank] = {name: _if_rows(part, name, rows) for name in part if name.startswith("body.")}
-        return {rank: each for rank, each in enumerate(self.comm.alltoall(sent)) if each is not None}
+        return {rank: received for rank, received in enumerate(self.comm.alltoall(sent)) if received is not None}
 
     # -- steps ----------------------------------------------------------------------------------------------
 
-    def advance(self, step, bodies, n_steps, wish):
-        """Steps done, whether the list is stale, and the greatest wish of any rank; see OneRank.advance."""
-        flags, found = np.zeros(2, np.int64), np.zeros(2, np.int64)
+    def advance(self, step, bodies, n_steps, stop_request):
+        """Advance; return (steps done, whether the list is stale, largest stop request of all ranks); see OneRank."""
+        flags, largest_flags = np.zeros(2, np.int64), np.zeros(2, np.int64)
         for done in range(1, n_steps + 1):
             _, flags[0] = step(1)
-            flags[1] = 0 if wish is None else wish()
+            flags[1] = 0 if stop_request is None else stop_request()
             began = time.perf_counter()
             self.halo.send(bodies)
-            self.comm.Allreduce(flags, found, op=MPI.MAX)
+            self.comm.Allreduce(flags, largest_flags, op=MPI.MAX)
             self.halo.receive(bodies)
             self.exchanging += time.perf_counter() - began
             self.steps += 1
             self.bytes_sent += self.halo.bytes_sent
-            if found.any():
-                return done, bool(found[0]), int(found[1])
+            if largest_flags.any():
+                return done, bool(largest_flags[0]), int(largest_flags[1])
         return n_steps, False, 0
 
-    # -- all together ---------------------------------------------------------------------------------------
+    # -- whole packings -------------------------------------------------------------------------------------
 
     def parts(self, bodies, candidates):
-        """The parts of all ranks one after the other, on rank 0; nothing on the others, which send theirs."""
+        """Yield the parts of all ranks one after the other on rank 0; other ranks send theirs and yield nothing."""
         part = take_part(bodies, candidates, bodies.own)
         if self.rank > 0:
-            self.comm.recv(source=0, tag=1)  # so that only one is under way
+            self.comm.recv(source=0, tag=1)  # waits for its turn, so that only one part is in transit at a time
             self.comm.send(part, dest=0, tag=2)
             return
         yield part
@@ -189,26 +200,29 @@ class ManyRanks(OneRank):
             yield self.comm.recv(source=rank, tag=2)
 
     def restore(self, sections, box, features: Features) -> tuple[Bodies, CandidatePairs]:
-        """Own bodies, ghosts and candidate pairs from the parts of all former ranks; sections() iterates over them."""
+        """Return own bodies with ghosts, and candidate pairs, from the parts of all former ranks.
+
+        sections() iterates over the parts.
+        """
         places = [_wrapped(part["body.position"], box) for part in sections()]
         self.blocks = self._cut(places, [np.ones(len(place)) for place in places], box, together=False)
         ranks = [self.blocks.rank_of(place) for place in places]
         own = np.concatenate([part["body.id"][rank == self.rank] for part, rank in zip(sections(), ranks, strict=True)])
-        # Contacts and walls of own bodies; then, now that it is known which they are, these bodies and their partners.
+        # Contacts and walls of own bodies come first; they determine which bodies are needed as partners.
         kept = [_rows_about(part, own) for part in sections()]
         wanted = np.concatenate([own, *(part[f"contact.body_{side}"] for part in kept for side in "ab")])
         sources = {rank: [] for rank in range(self.size)}
         for part, rank in zip(sections(), ranks, strict=True):
             rows = np.flatnonzero(np.isin(part["body.id"], wanted))
             kept.append({name: _if_rows(part, name, rows) for name in part if name.startswith("body.")})
-            for each, ids in sources.items():
-                ids.append(part["body.id"][rows][rank[rows] == each])
+            for source, ids in sources.items():
+                ids.append(part["body.id"][rows][rank[rows] == source])
         bodies, candidates = assemble(kept, own)
         self.halo = _Halo(self.comm, bodies, features, {rank: np.concatenate(ids) for rank, ids in sources.items()})
         return bodies, candidates
 
     def _cut(self, places, loads, box, together=True):
-        """Blocks with the same load each; together: places are this rank's own, else those of all."""
+        """Return blocks of equal load. together: True: `places` are of this rank's bodies; False: of all bodies."""
         columns, rows = self.layout
         span = (0.0, box.width) if box.width > 0.0 else (-box.wall_radius, box.wall_radius)
 
@@ -221,18 +235,18 @@ class ManyRanks(OneRank):
         cuts_x = _quantiles(counted(along_x, BINS), columns)
         column = [np.searchsorted(cuts_x, bins, side="right") for bins in along_x]
         flat = counted([c * BINS + y for c, y in zip(column, along_y, strict=True)], columns * BINS)
-        cuts_y = [_quantiles(each, rows) for each in flat.reshape(columns, BINS)]
+        cuts_y = [_quantiles(counts, rows) for counts in flat.reshape(columns, BINS)]
         return _Blocks(span, cuts_x, cuts_y, rows)
 
 
 class _Blocks:
-    """Columns along x, each cut into rows along y."""
+    """The blocks of the ranks: columns along x, each cut into rows along y."""
 
     def __init__(self, span, cuts_x, cuts_y, rows):
         self.span, self.cuts_x, self.cuts_y, self.rows = span, cuts_x, cuts_y, rows
 
     def rank_of(self, place):
-        """Ranks (n,) of wrapped places (n, 2) [m]."""
+        """Return the ranks (n,) whose blocks contain wrapped positions (n, 2) [m]."""
         column = np.searchsorted(self.cuts_x, _bin(place[:, 0], self.span), side="right")
         y = _bin(place[:, 1], self.span)
         rank = np.zeros(len(place), np.int64)
@@ -243,16 +257,18 @@ class _Blocks:
 
 
 class _Halo:
-    """Sends what a step changes of own bodies that are ghosts elsewhere, and receives the same of the ghosts here."""
+    """The exchange of ghosts: after a step it sends the state of own bodies and receives that of the ghosts here."""
 
     def __init__(self, comm, bodies, features, sources):
-        """sources: ids of bodies of other ranks, by rank; those that are ghosts here are asked for."""
+        """Request from the other ranks the bodies that are ghosts here. sources: ids of their bodies, by rank."""
         self.comm = comm
         ghosts = bodies.id[bodies.ghosts]
         none = np.zeros(0, np.int64)
-        asked = [np.intersect1d(sources.get(rank, none), ghosts) for rank in range(comm.Get_size())]
-        wanted = comm.alltoall(asked)
-        sent, received = ([np.searchsorted(bodies.id, ids) for ids in each] for each in (wanted, asked))
+        requested_here = [np.intersect1d(sources.get(rank, none), ghosts) for rank in range(comm.Get_size())]
+        requested_there = comm.alltoall(requested_here)
+        sent, received = (
+            [np.searchsorted(bodies.id, ids) for ids in by_rank] for by_rank in (requested_there, requested_here)
+        )
         self.fields = ["position", "velocity", "angular_velocity"]
         self.fields += ["rotation", "turned"] if features.kind != SPHERE else []
         self.fields += ["form_matrix"] if features.kind in (ELLIPSOID, MIXED) else []
@@ -266,6 +282,7 @@ class _Halo:
         self.requests = []
 
     def send(self, bodies):
+        """Start to send the own bodies that are ghosts on other ranks, and to receive the ghosts."""
         column = 0
         for name in self.fields:
             sent = getattr(bodies, name)[self.sent_rows]
@@ -273,13 +290,14 @@ class _Halo:
             self.sending[:, column : column + width] = sent.reshape(len(sent), width)
             column += width
         self.requests = [
-            self.comm.Irecv(self.receiving[some], source=rank, tag=0) for rank, some in self.ghost_slices.items()
+            self.comm.Irecv(self.receiving[rows], source=rank, tag=0) for rank, rows in self.ghost_slices.items()
         ]
         self.requests += [
-            self.comm.Isend(self.sending[some], dest=rank, tag=0) for rank, some in self.sent_slices.items()
+            self.comm.Isend(self.sending[rows], dest=rank, tag=0) for rank, rows in self.sent_slices.items()
         ]
 
     def receive(self, bodies):
+        """Wait for the exchange to end and update the ghosts."""
         MPI.Request.Waitall(self.requests)
         column = 0
         for name in self.fields:
@@ -308,20 +326,22 @@ def _bin(places, span):
 
 
 def _quantiles(counts, number):
-    """Bins (number - 1,) at which a histogram is cut into equal parts."""
+    """Return the bins (number - 1,) at which a histogram is cut into equal parts."""
     total = np.cumsum(counts)
     return np.searchsorted(total, total[-1] * np.arange(1, number) / number) + 1
 
 
 def _slices(rows):
-    ends = np.cumsum([len(each) for each in rows])
+    ends = np.cumsum([len(of_rank) for of_rank in rows])
     return {
-        rank: slice(end - len(each), end) for rank, (each, end) in enumerate(zip(rows, ends, strict=True)) if len(each)
+        rank: slice(end - len(of_rank), end)
+        for rank, (of_rank, end) in enumerate(zip(rows, ends, strict=True))
+        if len(of_rank)
     }
 
 
 def _loads(bodies, candidates):
-    """What a step of each body costs, (n,) in some unit."""
+    """Return the cost of a step of each body, (n,), in the unit of BODY, PAIR and CONTACT."""
     load = np.full(len(bodies.mass), float(BODY))
     if candidates is not None:
         contacts = candidates.contacts
@@ -331,7 +351,7 @@ def _loads(bodies, candidates):
 
 
 def _rows_about(part, ids):
-    """Contacts and walls of a part that any of the bodies has."""
+    """Return the contacts and walls of a part in which any of the bodies takes part."""
     contacts = np.flatnonzero(np.isin(part["contact.body_a"], ids) | np.isin(part["contact.body_b"], ids))
     walls = np.flatnonzero(np.isin(part["wall.body"], ids))
     return {name: _if_rows(part, name, contacts) for name in part if name.startswith("contact.")} | {
@@ -340,7 +360,7 @@ def _rows_about(part, ids):
 
 
 def _if_rows(part, name, rows):
-    """Those rows of a field; a field that the scene does not need has none."""
+    """Return these rows of a field; a field that the scene does not need has no rows and is returned unchanged."""
     group = name.partition(".")[0]
     count = len(part[{"body": "body.id", "contact": "contact.body_a", "wall": "wall.body"}[group]])
     return part[name][rows] if len(part[name]) == count else part[name]

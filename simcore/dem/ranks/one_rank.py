@@ -1,8 +1,8 @@
-"""What is decided about all bodies together, and how: by maxima, and by sums that do not depend on their order.
+"""A packing on one rank, and the reductions over all bodies, which do not depend on the number of ranks.
 
 A packing runs on one rank (OneRank) or on several that share its bodies (simcore.dem.ranks.many_ranks.ManyRanks, which
-has the same methods). Sums of floats depend on their order, and so would every decision on the number of ranks;
-`totals` adds whole numbers instead.
+has the same methods). Decisions rest on maxima and sums over all bodies. A sum of floats depends on the order of its
+terms and therefore on the number of ranks; `totals` adds integers instead.
 """
 
 import time
@@ -14,56 +14,55 @@ from simcore.dem.state.bodies import join_bodies
 from simcore.dem.state.parts import assemble, take_part
 from simcore.dem.step.candidate_pairs import list_candidates
 
-# Of the sign and the largest magnitude of an int64.
-_BITS = 62
-HEARS = 0.5  # [s], about how often a rank by itself looks whether it is wished to stop
+_BITS = 62  # sums of integers stay below 2^62, so that an int64 cannot overflow
+HEARS = 0.5  # [s], approximate interval at which a single rank checks for a stop request
 
 
 class OneRank:
-    """All bodies are here."""
+    """The only rank: it moves all bodies."""
 
     rank, size = 0, 1
     shared = 0  # candidate pairs that another rank computes too
-    exchanging, bytes_sent, steps = 0.0, 0, 0  # [s], bytes and steps of what ranks tell each other
+    exchanging, bytes_sent, steps = 0.0, 0, 0  # of the exchange between ranks: time [s], bytes, number of steps
 
     def __init__(self):
-        self.at_once = 1  # steps, of late, in about HEARS
+        self.at_once = 1  # number of steps that recently took about HEARS
 
     def maximum(self, values) -> np.ndarray:
-        """Maxima over ranks of each of some numbers, (k,) floats."""
+        """Return the maximum over all ranks of each value, (k,) floats."""
         return np.asarray(values, float)
 
     def add(self, counts) -> np.ndarray:
-        """Sums over ranks of each of some whole numbers, (k,) int64."""
+        """Return the sum over all ranks of each integer, (k,) int64."""
         return np.asarray(counts, np.int64)
 
-    def first(self, found: tuple, n_keys: int) -> tuple:
-        """That of the ranks' tuples whose first n_keys members are the greatest."""
-        return found
+    def first(self, candidate: tuple, n_keys: int) -> tuple:
+        """Return the greatest of the tuples of all ranks, by their first n_keys members."""
+        return candidate
 
-    def all(self, found: list) -> list:
-        """The ranks' lists, one after the other."""
-        return found
+    def all(self, values: list) -> list:
+        """Return the lists of all ranks joined to one, in the order of the ranks."""
+        return values
 
     def largest(self, values, ids, *more) -> tuple:
-        """(value, id, ...) of the largest value of all ranks, of the lowest id among equals; `more` goes with the ids.
+        """Return (value, id, ...) of the largest value of all ranks; among equal values the lowest id is taken.
 
-        values (n,), ids (n,), more: further arrays (n, ...). (-inf, -1, ...) with None for each of `more` where there
-        is none.
+        values (n,), ids (n,), more: further arrays (n, ...), of which the row of the same body is returned. If no rank
+        has a value, the result is (-inf, -1, ...) with None for each array of `more`.
         """
-        found = -np.inf, 1, *(None for _ in more)
+        candidate = -np.inf, 1, *(None for _ in more)
         if len(values):
             k = int(np.argmax(values))
-            found = float(values[k]), -int(ids[k]), *(each[k] for each in more)
-        value, minus_id, *more = self.first(found, 2)
+            candidate = float(values[k]), -int(ids[k]), *(array[k] for array in more)
+        value, minus_id, *more = self.first(candidate, 2)
         return value, -minus_id, *more
 
     def totals(self, *groups) -> list[float]:
-        """Sum of each group of numbers over all ranks, rounded the same whatever their order.
+        """Return the sum of each group of numbers over all ranks, with the same rounding for any order of the terms.
 
-        Each number is taken as a whole multiple of a power of two, chosen from the largest and from how many there are
-        so that the sum of an int64 cannot overflow: the error is below count² 2^-62 of the largest, 3e-7 of it for 10⁶
-        numbers, 1e-12 for 2000. nan where a number is not finite.
+        Each number is rounded to a multiple of a power of two. The power follows from the largest number and the count,
+        so that the int64 sum cannot overflow. The error is below count² 2^-62 of the largest number: 3e-7 of it for 10⁶
+        numbers, 1e-12 for 2000. The sum is nan if a number is not finite.
         """
         groups = [np.asarray(group, float).ravel() for group in groups]
         tops = self.maximum(
@@ -84,11 +83,11 @@ class OneRank:
 
     @contextmanager
     def together(self):
-        """Within it, an exception that no rank expects ends all ranks."""
+        """Return a context in which an unexpected exception of one rank ends all ranks."""
         yield
 
     def on_first(self, act, expected=OSError):
-        """What `act` returns on rank 0, None elsewhere; an `expected` exception is raised on all ranks."""
+        """Call `act` on rank 0 and return its result there, None elsewhere; raise an `expected` error on all ranks."""
         result, failure = None, None
         if self.rank == 0:
             try:
@@ -100,22 +99,22 @@ class OneRank:
             raise failure
         return result
 
-    # -- who has what ---------------------------------------------------------------------------------------
+    # -- distribution of the bodies -------------------------------------------------------------------------
 
-    def welcome(self, bodies, born, box):
-        """`bodies` (or None) and of the newborn those that move here."""
-        return born if bodies is None else join_bodies(bodies, born)
+    def welcome(self, bodies, inserted, box):
+        """Return `bodies` (or None) joined with those of the inserted bodies that this rank moves."""
+        return inserted if bodies is None else join_bodies(bodies, inserted)
 
     def list_candidates(self, bodies, shapes, box, margin, features, old):
-        """The bodies that are here now, and their candidate pairs; see candidate_pairs.list_candidates."""
+        """Return the bodies of this rank and their candidate pairs; see candidate_pairs.list_candidates."""
         return bodies, list_candidates(bodies, shapes, box, margin, features, old)
 
-    def advance(self, step, bodies, n_steps, wish):
-        """Steps done, at most n_steps; whether the list is stale; the wish, if any, at which it stopped before.
+    def advance(self, step, bodies, n_steps, stop_request):
+        """Advance by at most n_steps; return (steps done, whether the list is stale, stop request or 0).
 
-        step(n) -> (steps done, stale). wish() -> a whole number, 0 for none; None where nobody wishes.
+        step(n) -> (steps done, stale). stop_request() -> an integer, 0 if no stop is requested; None: never checked.
         """
-        if wish is None:
+        if stop_request is None:
             return *step(n_steps), 0
         started = time.monotonic()
         done, stale = step(min(n_steps, self.at_once))
@@ -124,20 +123,20 @@ class OneRank:
             self.at_once = max(done // 2, 1)
         elif elapsed < 0.4 * HEARS and done == self.at_once:
             self.at_once = 2 * done
-        return done, stale, wish()
+        return done, stale, stop_request()
 
     def parts(self, bodies, candidates):
-        """The parts (simcore.dem.state.parts) of all ranks, one after the other, on rank 0."""
+        """Yield the parts (simcore.dem.state.parts) of all ranks, one after the other, on rank 0."""
         yield take_part(bodies, candidates, bodies.own)
 
     def restore(self, sections, box, features):
-        """Bodies and CandidatePairs from the parts of all ranks that were; sections(): iterates over them."""
+        """Return Bodies and CandidatePairs from the parts of all former ranks; sections() iterates over the parts."""
         parts = list(sections())
         return assemble(parts, np.concatenate([part["body.id"] for part in parts]))
 
 
 def started_by_mpi(environment) -> bool:
-    """Whether a launcher of MPI (mpiexec of MPICH or Open MPI, srun) started this process."""
+    """Return whether an MPI launcher (mpiexec of MPICH or Open MPI, srun) started this process."""
     return any(name in environment for name in ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK"))
 
 

@@ -1,1 +1,1 @@
-"""Shapes as the kernels have them: tables of hulls, their support points and their moments."""
+"""Shapes for the kernels: tables of polyhedra, their support points and their moments."""

@@ -1,9 +1,9 @@
-"""Shapes: a base and three scales.
+"""Shapes: a base shape and three scales.
 
-The base is the unit sphere or a convex hull whose principal axes are the coordinate axes. A body carries the
-scale (sx, sy, sz): spheres, ellipsoids, sieve scaling and the rescaling of form are then one thing. A diagonal
-scaling keeps the principal axes (mean second moments <x_i x_j> -> s_i s_j <x_i x_j>), so volume and inertia
-follow in closed form, and the edge graph of the hull stays valid.
+The base is the unit sphere or a convex polyhedron whose principal axes are the coordinate axes. Each body has a scale
+(sx, sy, sz), which represents spheres, ellipsoids, sieve scaling and the rescaling of form alike. A diagonal scaling
+does not change the principal axes (mean second moments <x_i x_j> -> s_i s_j <x_i x_j>), so that volume and inertia
+follow in closed form and the edge graph of the polyhedron stays valid.
 """
 
 from dataclasses import dataclass
@@ -15,22 +15,22 @@ from simcore.compilation import leaf
 from simcore.dem.vectors import Vec
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, unit_sphere  # noqa: F401
 
-HINT_GRID = 6  # cells along the edge of a cube of directions: a climb from the cell's vertex is one or two edges long
+HINT_GRID = 6  # cells along the edge of the cube of directions; a climb from the hint of a cell takes 1 or 2 edges
 HINT_CELLS = 6 * HINT_GRID * HINT_GRID
 
 
 class Shapes(NamedTuple):
-    """All base shapes of a scene; the vertices of all hulls stand in one array, with their edge graph (CSR)."""
+    """All base shapes of a scene: the vertices of all polyhedra in one array, with their edge graph (CSR)."""
 
     vertex_start: np.ndarray  # (n_shapes + 1,) int64
     vertices: np.ndarray  # (n_vertices, 3)
     neighbor_start: np.ndarray  # (n_vertices + 1,) int64
-    neighbors: np.ndarray  # int64, indices into vertices; counterclockwise about each vertex, seen from outside
+    neighbors: np.ndarray  # int64, indices into vertices; counterclockwise around each vertex, viewed from outside
     hints: np.ndarray  # (n_shapes, HINT_CELLS) int32: vertex farthest along the middle of each cell of directions
 
 
 def collect_shapes(bases: list[Base]) -> Shapes:
-    """Shapes of the core from base shapes. ValueError where a hull's vertex has no edge."""
+    """Return the Shapes of base shapes. ValueError if a vertex has no face or the faces around it do not close."""
     counts = [len(base.vertices) for base in bases]
     vertex_start = np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
     starts, rings = [np.zeros(1, np.int64)], []
@@ -43,14 +43,14 @@ def collect_shapes(bases: list[Base]) -> Shapes:
         np.concatenate([base.vertices for base in bases]).astype(np.float64).reshape(-1, 3),
         np.concatenate(starts),
         np.concatenate(rings),
-        np.array([_hints(base) + first for base, first in zip(bases, vertex_start[:-1], strict=True)], np.int32),
+        np.array([_hints(base) + offset for base, offset in zip(bases, vertex_start[:-1], strict=True)], np.int32),
     )
 
 
 def _rings(base: Base):
-    """Neighbours of every vertex, counterclockwise seen from outside: (start (n + 1,), neighbours).
+    """Return the neighbours of every vertex, counterclockwise viewed from outside: (start (n + 1,), neighbours).
 
-    Consecutive neighbours u, w of a vertex v make the face v, u, w, so the faces need no array of their own.
+    Consecutive neighbours u, w of a vertex v make the face v, u, w, so that no array of faces is needed.
     """
     n = len(base.vertices)
     after = [{} for _ in range(n)]
@@ -59,19 +59,24 @@ def _rings(base: Base):
     ring, start = [], np.zeros(n + 1, np.int64)
     for v in range(n):
         if not after[v]:
-            raise ValueError(f"shape {base.name}: vertex {v} belongs to no face; drop points that are not on the hull")
-        first = u = min(after[v])
+            raise ValueError(
+                f"shape {base.name}: vertex {v} belongs to no face. Remove points that are not corners of the hull."
+            )
+        start_neighbor = u = min(after[v])
         for _ in range(len(after[v])):
             ring.append(u)
             u = after[v].get(u, -1)
-        if u != first:
-            raise ValueError(f"shape {base.name}: the faces about vertex {v} do not close; the hull must be closed")
+        if u != start_neighbor:
+            raise ValueError(
+                f"shape {base.name}: the faces around vertex {v} do not close. The surface of the polyhedron must be "
+                "closed and all faces must be outward."
+            )
         start[v + 1] = len(ring)
     return start, np.array(ring, np.int64)
 
 
 def _hints(base: Base) -> np.ndarray:
-    """Vertex (HINT_CELLS,) of the base farthest along the middle of each cell, numbered as by `hint_cell`."""
+    """Return the vertices (HINT_CELLS,) of the base farthest along the middle of each cell; numbers as `hint_cell`."""
     if not len(base.vertices):
         return np.zeros(HINT_CELLS, np.int64)
     middle = (np.arange(HINT_GRID) + 0.5) * (2.0 / HINT_GRID) - 1.0
@@ -86,7 +91,10 @@ def _hints(base: Base) -> np.ndarray:
 
 @leaf
 def hint_cell(x, y, z):
-    """Cell of a direction of the base frame: on a cube, axis and side of its largest component, then the other two."""
+    """Return the cell of a direction of the base frame on the cube of directions.
+
+    The axis and sign of the largest component select the face of the cube, the other two components row and column.
+    """
     ax, ay, az = abs(x), abs(y), abs(z)
     if ax >= ay and ax >= az:
         first, main, size, u, v = 0, x, ax, y, z
@@ -102,7 +110,7 @@ def hint_cell(x, y, z):
 
 @leaf
 def climb_from_hint(shapes, shape, dx, dy, dz):
-    """As `climb`, from the vertex noted for such directions: where the last vertex is far from the next."""
+    """Climb as `climb`, but start from the hint for the direction; for directions far from the last one."""
     if not abs(dx) + abs(dy) + abs(dz) > 0.0:
         return shapes.vertex_start[shape]
     return climb(shapes, shapes.hints[shape, hint_cell(dx, dy, dz)], dx, dy, dz)
@@ -110,9 +118,9 @@ def climb_from_hint(shapes, shape, dx, dy, dz):
 
 @leaf
 def climb(shapes, vertex, dx, dy, dz):
-    """Vertex farthest along a direction of the base frame, climbing the hull's edges from `vertex`.
+    """Return the vertex farthest along a direction of the base frame, by a climb along the edges from `vertex`.
 
-    On a convex hull a vertex above all its neighbours is the farthest of all.
+    On a convex polyhedron a vertex that is above all its neighbours is the farthest of all.
     """
     vertices, start, neighbors = shapes.vertices, shapes.neighbor_start, shapes.neighbors
     best = vertices[vertex, 0] * dx + vertices[vertex, 1] * dy + vertices[vertex, 2] * dz
@@ -131,14 +139,14 @@ def climb(shapes, vertex, dx, dy, dz):
 
 @leaf
 def is_hull(shapes, bodies, i):
-    """Whether body i is a convex hull: its base has vertices."""
+    """Return whether body i is a polyhedron, that is whether its base has vertices."""
     shape = bodies.shape[i]
     return shapes.vertex_start[shape] < shapes.vertex_start[shape + 1]
 
 
 @leaf
 def base_direction(bodies, i, nx, ny, nz):
-    """A world direction as the direction in which the base of body i has its support point: s ∘ (Rᵀ n)."""
+    """Return the direction in the base of body i whose support point is that of the world direction n: s ∘ (Rᵀ n)."""
     r = bodies.rotation
     return (
         bodies.scale[i, 0] * (r[i, 0, 0] * nx + r[i, 1, 0] * ny + r[i, 2, 0] * nz),
@@ -149,7 +157,7 @@ def base_direction(bodies, i, nx, ny, nz):
 
 @leaf
 def vertex_offset(shapes, bodies, i, vertex):
-    """World vector from the centre of body i to a vertex: R (s ∘ v)."""
+    """Return the world vector from the centre of body i to a vertex: R (s ∘ v)."""
     r = bodies.rotation
     x = bodies.scale[i, 0] * shapes.vertices[vertex, 0]
     y = bodies.scale[i, 1] * shapes.vertices[vertex, 1]
@@ -163,84 +171,87 @@ def vertex_offset(shapes, bodies, i, vertex):
 
 @leaf
 def support_vertex(shapes, bodies, i, vertex, nx, ny, nz):
-    """Vertex of body i farthest along the world direction n, climbing from `vertex`."""
+    """Return the vertex of body i farthest along the world direction n, by a climb from `vertex`."""
     dx, dy, dz = base_direction(bodies, i, nx, ny, nz)
     return climb(shapes, vertex, dx, dy, dz)
 
 
 @leaf
 def base_direction_of(bodies, i, normal):
-    """`base_direction` of a vector."""
+    """Return `base_direction` for a vector, as a vector."""
     return Vec(*base_direction(bodies, i, normal.x, normal.y, normal.z))
 
 
 @leaf
 def vertex_of(shapes, bodies, i, vertex):
-    """`vertex_offset` as a vector."""
+    """Return `vertex_offset` as a vector."""
     return Vec(*vertex_offset(shapes, bodies, i, vertex))
 
 
 @leaf
 def support_vertex_along(shapes, bodies, i, vertex, normal):
-    """`support_vertex` along a vector."""
+    """Return `support_vertex` along a vector."""
     return support_vertex(shapes, bodies, i, vertex, normal.x, normal.y, normal.z)
 
 
-FLATTEST = 1e-7  # of a hull's extent: thinner, its faces' normals are no longer known to the digits that a query gives
+# Share of the extent of a polyhedron. If it is thinner, its face normals are less accurate than a query requires.
+FLATTEST = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """One convex shape of its own frame, as `contact.query` takes it. Made by `sphere`, `ellipsoid` and `convex`."""
+    """One convex shape in its own frame, for `contact.query`. Created by `sphere`, `ellipsoid` and `convex`."""
 
     kind: int  # SPHERE, ELLIPSOID or POLYHEDRON
-    base: Base  # of a convex hull: about `center`
-    scale: tuple[float, float, float]  # semi-axes [m]; 1 for a convex hull
+    base: Base  # for a polyhedron: relative to `center`
+    scale: tuple[float, float, float]  # semi-axes [m]; 1 for a polyhedron
     center: tuple[float, float, float]  # [m], of the base in the frame in which the shape was given
     radius: float  # [m], of the bounding sphere about the centre
 
 
 def sphere(radius: float) -> Shape:
-    """Sphere about the origin. radius [m]; ValueError unless positive and finite."""
+    """Return a sphere about the origin. radius [m]; ValueError unless positive and finite."""
     (radius,) = _lengths("sphere", radius=radius)
     return Shape(SPHERE, unit_sphere(), (radius, radius, radius), (0.0, 0.0, 0.0), radius)
 
 
 def ellipsoid(a: float, b: float, c: float) -> Shape:
-    """Ellipsoid about the origin with semi-axes a, b, c [m] along x, y, z, in any order of size.
+    """Return an ellipsoid about the origin with semi-axes a, b, c [m] along x, y, z, in any order of size.
 
-    ValueError unless positive and finite.
+    ValueError unless all are positive and finite.
     """
     scale = _lengths("ellipsoid", a=a, b=b, c=c)
     return Shape(ELLIPSOID, unit_sphere(), scale, (0.0, 0.0, 0.0), max(scale))
 
 
 def convex(vertices) -> Shape:
-    """Convex hull of points (n, 3) [m], in the frame in which they are given: neither moved nor turned.
+    """Return the convex hull of points (n, 3) [m] as a polyhedron, in the frame in which the points are given.
 
     Duplicates and points inside are dropped. ValueError for fewer than four different points, numbers that are not
     finite, and points in a plane (to 1e-7 of their extent).
     """
-    from scipy.spatial import ConvexHull, QhullError  # here: the step's modules start without it
+    from scipy.spatial import ConvexHull, QhullError  # imported here because the modules of the step do not need it
 
     points = np.array(vertices, np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise ValueError(f"convex: vertices must be an array (n, 3), this one has the shape {points.shape}")
+        raise ValueError(f"convex: vertices must be an array of shape (n, 3), but the shape is {points.shape}.")
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(wrong):
-        raise ValueError(f"convex: vertex {wrong[0]} is not finite, {points[wrong[0]]}; drop or mend it")
+        raise ValueError(f"convex: vertex {wrong[0]}, {points[wrong[0]]}, is not finite. Remove or correct it.")
     points = np.unique(points, axis=0)
     if len(points) < 4:
-        raise ValueError(f"convex: {len(points)} different points are no body; give at least 4, not all in a plane")
+        raise ValueError(
+            f"convex: {len(points)} different points do not make a body. Give at least 4, not all in a plane."
+        )
     center = 0.5 * points.min(axis=0) + 0.5 * points.max(axis=0)
     points = points - center
     extent = np.abs(points).max()
     thickness = np.linalg.svd(points / extent - (points / extent).mean(axis=0), compute_uv=False)
     flat = ValueError(
-        "convex: the points lie in a plane or on a line, to 1e-7 of their extent; a contact needs a body with volume: "
-        "give points on both sides, or thicken the plate"
+        "convex: the points are in a plane or on a line, to 1e-7 of their extent, but a contact needs a body with "
+        "volume. Add points off the plane, or make the plate thicker."
     )
-    # The smallest singular value is at most √n times the half thickness, and the rest of n points may lie in the plane.
+    # The smallest singular value is at most √n times half the thickness; most of the n points may be in a plane.
     if not thickness[2] > FLATTEST:
         raise flat
     try:
@@ -265,12 +276,12 @@ def _lengths(name: str, **lengths: float) -> tuple[float, ...]:
     values = tuple(float(value) for value in lengths.values())
     for key, value in zip(lengths, values, strict=True):
         if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name}: {key} must be a positive length [m], not {value}")
+            raise ValueError(f"{name}: {key} must be a positive length [m], but it is {value}.")
     return values
 
 
 def _moments(corners: np.ndarray) -> tuple[float, np.ndarray]:
-    """Volume, and mean of x_i² over it, of a closed outward mesh with triangles (n, 3, 3) about the origin."""
+    """Return the volume of a closed surface of outward triangles (n, 3, 3), and the mean of x_i² in it about 0."""
     p, q, s = corners[:, 0], corners[:, 1], corners[:, 2]
     six_volumes = (np.cross(p, q) * s).sum(axis=1)
     volume = six_volumes.sum() / 6.0

@@ -1,1 +1,1 @@
-"""What the step changes: bodies, contacts and walls, and which of their columns a scene has."""
+"""The state that a step changes: bodies, contacts and walls, and the columns that a scene requires."""

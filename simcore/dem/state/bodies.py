@@ -1,8 +1,8 @@
-"""Bodies and contacts: structures of arrays that hold all state that can influence a later bit.
+"""Bodies, contacts and walls: structures of arrays with all state on which later steps depend.
 
-Bodies stand in order of their id. Where one rank has them all, the id is the index; else a rank holds the bodies it
-moves and, between them, ghosts: copies of those of other ranks that they may touch. Centres are not wrapped into a
-periodic box: a pair is met through an integer image, so that its relative position never depends on who looks at it.
+Bodies are sorted by id. On a single rank the id is the index. On several ranks each rank stores the bodies that it
+moves and, among them, ghosts: copies of the bodies of other ranks that they may touch. Centres are not wrapped into the
+periodic box; each pair has an integer image instead, so that its relative position is the same on every rank.
 """
 
 from typing import NamedTuple
@@ -15,15 +15,15 @@ FLOOR, CYLINDER = 0, 1  # walls, as Walls.wall numbers them
 
 
 class Bodies(NamedTuple):
-    """n bodies. What is derived from other fields is marked; it is kept so that a step computes it once.
+    """n bodies. Derived fields follow from others and are stored so that a step computes them once.
 
-    Fields marked with a kind are empty, (0, ...), in scenes of other kinds. Scenes of mixed kinds have all fields; the
-    form matrix of hulls is not kept up there.
+    Fields marked with a kind are empty, (0, ...), in scenes of other kinds. Scenes of mixed kinds have all fields, but
+    the form matrix of polyhedra is not updated there.
     """
 
     id: np.ndarray  # (n,) int64, in the whole packing
-    own: np.ndarray  # (k,) int64, rows of the bodies that move here; the others are ghosts
-    shape: np.ndarray  # (n,) int64, index of the base
+    own: np.ndarray  # (k,) int64, rows of the bodies that this rank moves; the others are ghosts
+    shape: np.ndarray  # (n,) int64, index of the base shape
     scale: np.ndarray  # (n, 3)
     position: np.ndarray  # (n, 3) [m], not wrapped
     orientation: np.ndarray  # (n, 4) unit quaternion (w, x, y, z), body to world; not for spheres
@@ -32,17 +32,16 @@ class Bodies(NamedTuple):
     mass: np.ndarray  # (n,) [kg]
     inertia: np.ndarray  # (n, 3) [kg m²], principal
     radius: np.ndarray  # (n,) [m], of the bounding sphere about the centre
-    turned: np.ndarray  # (n,) [m], way no point can have exceeded by turning since the start; not for spheres
-    margin: np.ndarray  # (n,) [m], way that its points may go before neighbours are listed anew
-    listed_position: np.ndarray  # (n, 3) [m], where the body was when neighbours were last listed
-    listed_turned: np.ndarray  # (n,) [m], `turned` at that time; not for spheres
+    turned: np.ndarray  # (n,) [m], upper bound of the path of any point by rotation since the start; not for spheres
+    margin: np.ndarray  # (n,) [m], distance that points of the body may move before the next listing
+    listed_position: np.ndarray  # (n, 3) [m], position at the last listing
+    listed_turned: np.ndarray  # (n,) [m], `turned` at the last listing; not for spheres
     rotation: np.ndarray  # (n, 3, 3), derived: matrix of the orientation; not for spheres
     angular_velocity: np.ndarray  # (n, 3) [1/s], derived, world axes
     form_matrix: np.ndarray  # (n, 6) [m²], derived: R diag(s²) Rᵀ as xx, yy, zz, xy, xz, yz; of ellipsoids
     net_force: np.ndarray  # (n, 3) [N], output: of contacts and gravity, without shaking
-    effective_contacts: (
-        np.ndarray
-    )  # (n,), memory: contacts of the last step, each as far as it moves this body; implicit dashpot
+    # (n,), remembered: contacts of the last step, weighted by how much each moves this body; implicit dashpot
+    effective_contacts: np.ndarray
 
     @property
     def ghosts(self) -> np.ndarray:
@@ -51,37 +50,37 @@ class Bodies(NamedTuple):
 
     @property
     def moves_here(self) -> np.ndarray:
-        """(n,) bool."""
+        """Whether this rank moves each body, (n,) bool."""
         here = np.zeros(len(self.mass), np.bool_)
         here[self.own] = True
         return here
 
 
 class Contacts(NamedTuple):
-    """CandidatePairs pairs in the order of their key (a, b, image), a < b or a = b with a positive image.
+    """Candidate pairs in the order of their key (a, b, image), a < b or a = b with a positive image.
 
-    Memory: what the last step found. Output: what the current step gives to the bodies. Fields marked with a
-    feature are empty in scenes without it. The facet of two hulls is that of the Minkowski difference along the normal
-    where the pair touches, the simplex next to the origin where it is apart; of a hull and an ellipsoid the hull's
-    corner, edge or face, a0 a1 a2. Apart at and safe until also tell, of polyhedra that touch, how long no other facet
-    can have become the nearest.
+    Remembered fields are results of the last step that the next step reuses. Output fields are results of the current
+    step. Fields marked with a feature are empty in scenes without it. `facet` of two polyhedra is the facet of the
+    Minkowski difference along the normal if the pair touches, and the simplex nearest to the origin if it is apart. For
+    a polyhedron and an ellipsoid it is the corner, edge or face a0 a1 a2 of the polyhedron. For polyhedra that touch,
+    `apart_at` and `safe_until` give the range of motion within which no other facet can have become the nearest.
     """
 
     body_a: np.ndarray  # (m,) int32
     body_b: np.ndarray  # (m,) int32
     image: np.ndarray  # (m, 2) int32: the partner is body b shifted by image × width; periodic
     touching: np.ndarray  # (m,) uint8
-    pending: np.ndarray  # (m,) uint8, within a step: the memory did not answer, the pair must be searched
-    direction: np.ndarray  # (m, 3), memory: last normal or separating direction; zero where nothing is known
-    facet: np.ndarray  # (m, 6) int32, memory: vertices a0 a1 a2 b0 b1 b2; -1 unknown; convex, mixed
-    apart_at: np.ndarray  # (m, 3) [m], memory: relative position where a gap was last seen; not for spheres
-    safe_until: np.ndarray  # (m,) [m], memory: apart while |moved since apart_at| + turned_a + turned_b is below
-    spring: np.ndarray  # (m, 3) [m], memory: tangential spring; friction
-    twist: np.ndarray  # (m,), memory: angle of the spring that holds a patch about its normal; patch with friction
-    stuck: np.ndarray  # (m,) uint8, memory: whether friction held it; preloaded
-    overlap: np.ndarray  # (m,) [m], output; of a pair apart: memory, minus the gap that was searched last
+    pending: np.ndarray  # (m,) uint8, within a step: the remembered contact is not sufficient, a search must follow
+    direction: np.ndarray  # (m, 3), remembered: last normal or separating direction; zero if there is none
+    facet: np.ndarray  # (m, 6) int32, remembered: vertices a0 a1 a2 b0 b1 b2, -1 for none; polyhedra, mixed
+    apart_at: np.ndarray  # (m, 3) [m], remembered: relative position at the last certain gap; not for spheres
+    safe_until: np.ndarray  # (m,) [m], remembered: apart while |moved since apart_at| + turned_a + turned_b is below
+    spring: np.ndarray  # (m, 3) [m], remembered: tangential spring; friction
+    twist: np.ndarray  # (m,), remembered: angle of the torsional spring of a patch about its normal; patch, friction
+    stuck: np.ndarray  # (m,) uint8, remembered: whether the contact stuck in the last step; preloaded
+    overlap: np.ndarray  # (m,) [m], output; of a pair apart remembered: minus the gap of the last search
     point: np.ndarray  # (m, 3) [m], output: contact point relative to the centre of a
-    spread: np.ndarray  # (m, 6) [m²], output: second moments of the patch, xx yy zz xy xz yz, zero of a point; patch
+    spread: np.ndarray  # (m, 6) [m²], output: second moments xx yy zz xy xz yz of the patch, 0 for a point; patch
     force: np.ndarray  # (m, 3) [N], output: on b; a gets the opposite
     torque_a: np.ndarray  # (m, 3) [N m], output
     torque_b: np.ndarray  # (m, 3) [N m], output
@@ -90,15 +89,15 @@ class Contacts(NamedTuple):
 
 
 class Walls(NamedTuple):
-    """Bodies near a wall, in order of (body, wall): what Contacts is for pairs."""
+    """Bodies near a wall, in order of (body, wall); the fields correspond to those of Contacts."""
 
     body: np.ndarray  # (w,) int32
     wall: np.ndarray  # (w,) int32: FLOOR or CYLINDER
     touching: np.ndarray  # (w,) uint8
-    vertex: np.ndarray  # (w,) int32, memory: vertex last found lowest, where a climb to the floor starts
-    spring: np.ndarray  # (w, 3) [m], memory; friction
-    twist: np.ndarray  # (w,), memory; patch with friction
-    stuck: np.ndarray  # (w,) uint8, memory; preloaded
+    vertex: np.ndarray  # (w,) int32, remembered: vertex that was lowest, from which the climb to the floor starts
+    spring: np.ndarray  # (w, 3) [m], remembered; friction
+    twist: np.ndarray  # (w,), remembered; patch with friction
+    stuck: np.ndarray  # (w,) uint8, remembered; preloaded
     overlap: np.ndarray  # (w,) [m], output
     normal: np.ndarray  # (w, 3), output: from the wall into the body
     point: np.ndarray  # (w, 3) [m], output: contact point relative to the centre of the body
@@ -111,13 +110,13 @@ class Walls(NamedTuple):
 def make_bodies(
     bases: list[Base], shape, scale, position, orientation, velocity, angular_velocity, density, *, features=None
 ) -> Bodies:
-    """Bodies of the given density [kg/m³] that have turned nowhere yet.
+    """Return new bodies of the given density [kg/m³]; `turned` is zero.
 
     shape (n,), scale (n, 3), position (n, 3), orientation (n, 4), velocity (n, 3), angular_velocity (n, 3), SI.
     features: of the scene; fields that it does not need stay empty. None: all fields.
     """
     shape = np.asarray(shape, np.int64)
-    # C order whatever is given: another layout would be another type, and compile the step anew.
+    # The arrays are copied to C order, because another layout is another type, for which the step would be compiled.
     scale, position, orientation, velocity, angular_velocity = (
         np.array(field, np.float64, order="C") for field in (scale, position, orientation, velocity, angular_velocity)
     )
@@ -165,18 +164,18 @@ def make_bodies(
 
 
 def without(group, *names):
-    """A copy of a NamedTuple of arrays in which the named ones have no rows: the compiled types stay the same."""
+    """Return a copy of a NamedTuple of arrays without the rows of the named ones; the compiled types stay the same."""
     return group._replace(**{name: getattr(group, name)[:0].copy() for name in names})
 
 
-def join_bodies(first: Bodies, second: Bodies) -> Bodies:
-    """Bodies of both, all of which move here: those of the second after those of the first, as their ids are."""
-    both = Bodies(*(np.concatenate(fields) for fields in zip(first, second, strict=True)))
+def join_bodies(bodies: Bodies, added: Bodies) -> Bodies:
+    """Return `bodies` followed by `added`, whose ids must be higher; this rank moves all of them."""
+    both = Bodies(*(np.concatenate(fields) for fields in zip(bodies, added, strict=True)))
     return both._replace(own=np.arange(len(both.mass)))
 
 
 def rotation_matrix(orientation) -> np.ndarray:
-    """Matrices (n, 3, 3), body to world, of unit quaternions (n, 4)."""
+    """Return the matrices (n, 3, 3), body to world, of unit quaternions (n, 4)."""
     w, x, y, z = np.asarray(orientation).T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

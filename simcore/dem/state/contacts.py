@@ -1,6 +1,6 @@
-"""Rows of contacts and walls: what can touch until neighbours are listed anew, with what is remembered of it.
+"""Rows of contacts and walls: candidate pairs and bodies near a wall, with their remembered contacts.
 
-Columns that only some scenes have stand in one table, simcore.dem.state.features.COLUMNS.
+The columns that only some scenes require are listed in simcore.dem.state.features.COLUMNS.
 """
 
 from typing import NamedTuple
@@ -14,21 +14,21 @@ from simcore.dem.state.features import Features, columns
 
 
 class Box(NamedTuple):
-    """Horizontal extent [m]: periodic with width, or open (width 0), then perhaps within a cylinder."""
+    """Horizontal extent [m]: periodic with a width, or open (width 0), optionally within a cylinder."""
 
     width: float
     wall_radius: float = np.inf
 
 
 class CandidatePairs(NamedTuple):
-    """What can touch until neighbours are listed anew."""
+    """The pairs of bodies, and the bodies and walls, that may touch before the next listing."""
 
     contacts: Contacts
     walls: Walls
 
 
 class State(NamedTuple):
-    """All that a step reads and writes, as one argument. workspace: working memory of patches, a row a thread."""
+    """All that a step reads and writes, as one argument. workspace: of patches, with one row for each thread."""
 
     shapes: Shapes
     bodies: Bodies
@@ -38,12 +38,12 @@ class State(NamedTuple):
 
 
 def bytes_per_pair(features: Features) -> int:
-    """Memory of a candidate pair of a scene with these features."""
+    """Return the memory [bytes] of a candidate pair in a scene with these features."""
     return sum(array.nbytes for array in empty_contacts(np.zeros((1, 4), np.int64), 0, features)) - 8
 
 
 def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Contacts:
-    """Contacts of the given keys (m, 4) of which nothing is remembered."""
+    """Return contacts with the given keys (m, 4) and no remembered contacts."""
     m = len(pairs)
     body_a, body_b, image = pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:].astype(np.int32)
     start, incident = list_incident(body_a, body_b, image, n_bodies)
@@ -70,9 +70,10 @@ def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Cont
 
 
 def list_incident(body_a, body_b, image, n_bodies):
-    """incident_start and incident of Contacts with these keys."""
+    """Return `incident_start` and `incident` of Contacts with these keys."""
     m = len(body_a)
-    # Contacts of a body in order of (partner, image). Sides of one self pair differ in the sign of the image.
+    # Contacts of a body are in order of (partner, image). The two sides of a pair of a body with its own image differ
+    # in the sign of the image.
     owner = np.concatenate([body_a, body_b])
     partner = np.concatenate([body_b, body_a])
     signed_image = np.concatenate([image, -image])
@@ -83,7 +84,7 @@ def list_incident(body_a, body_b, image, n_bodies):
 
 
 def empty_walls(bodies: Bodies, shapes: Shapes, box: Box, features: Features) -> Walls:
-    """Rows for bodies that are closer to a wall of the scene than their margin, of which nothing is remembered."""
+    """Return rows for the bodies whose distance from a wall is below their margin, without remembered contacts."""
     n, reach = len(bodies.mass), bodies.radius + bodies.margin
     near = np.zeros((n, 2), np.bool_)
     if features.floor:
@@ -109,18 +110,18 @@ def empty_walls(bodies: Bodies, shapes: Shapes, box: Box, features: Features) ->
 
 
 def list_walls_of(body, n_bodies):
-    """start of Walls of these bodies, in order."""
+    """Return `start` of Walls whose rows have these bodies, in order."""
     return np.concatenate(([0], np.cumsum(np.bincount(body, minlength=n_bodies)))).astype(np.int64)
 
 
 def carry_remembered_contacts(old: Contacts, new: Contacts) -> None:
-    """Copy memory and output of the pairs that are in both lists."""
+    """Copy the remembered and output fields of the pairs that are in both lists."""
     rows, old_rows = _common_rows((old.body_a, old.body_b, old.image), (new.body_a, new.body_b, new.image))
     _carry(old, new, rows, old_rows, ("body_a", "body_b", "image", "pending", "incident_start", "incident"))
 
 
 def carry_remembered_walls(old: Walls, new: Walls) -> None:
-    """Copy memory and output of the rows that are in both lists; (body, wall) is unique in each."""
+    """Copy the remembered and output fields of the rows that are in both lists; (body, wall) is unique in each."""
     _, rows, old_rows = np.intersect1d(2 * new.body + new.wall, 2 * old.body + old.wall, return_indices=True)
     _carry(old, new, rows, old_rows, ("body", "wall", "start"))
 
@@ -134,7 +135,7 @@ def _carry(old, new, rows, old_rows, without):
 
 @kernel
 def _common_rows(old, new):
-    """Rows (k,) of the keys of `new` that are in `old`, and their rows (k,) there; both are sorted."""
+    """Return the rows (k,) of the keys of `new` that are in `old`, and their rows (k,) in `old`; both are sorted."""
     rows, old_rows = np.empty(len(new[0]), np.int64), np.empty(len(new[0]), np.int64)
     count, k = 0, 0
     for p in range(len(new[0])):
@@ -147,10 +148,10 @@ def _common_rows(old, new):
 
 
 @leaf
-def _before(first, k, second, p):
-    """Whether key k of the first list comes before key p of the second."""
-    a, b, image = first
-    other_a, other_b, other_image = second
+def _before(keys, k, other_keys, p):
+    """Return whether key k of the one list comes before key p of the other list."""
+    a, b, image = keys
+    other_a, other_b, other_image = other_keys
     if a[k] != other_a[p]:
         return a[k] < other_a[p]
     if b[k] != other_b[p]:

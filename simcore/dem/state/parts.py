@@ -1,8 +1,8 @@
-"""Part of a packing: rows of some bodies, of contacts and of walls, named by ids instead of by where they lie.
+"""Parts of a packing: rows of bodies, contacts and walls that refer to bodies by id instead of by row.
 
-Bodies that change their rank travel as parts, checkpoints consist of them, and a packing of many ranks is put together
-from them. A part is a dict from "body.position", "contact.spring", "wall.vertex" and so on to arrays; what follows
-from the rows alone (own, incident, start) is not in it.
+Bodies that change their rank are sent as parts, checkpoints consist of parts, and a packing of many ranks is assembled
+from parts. A part is a dict from "body.position", "contact.spring", "wall.vertex" and so on to arrays; fields that
+follow from the rows alone (own, incident, start) are not in it.
 """
 
 import numpy as np
@@ -15,9 +15,10 @@ _GROUPS = {"body": Bodies, "contact": Contacts, "wall": Walls}
 
 
 def take_part(bodies: Bodies, candidates: CandidatePairs | None, rows, shared: bool = False) -> dict:
-    """Part of the bodies in `rows` with their walls and the contacts whose first body is among them.
+    """Return the part of the bodies in `rows`, with their walls and the contacts whose body a is among them.
 
-    shared: also those whose second is, so that the part is all that is known of these bodies. candidates None: none.
+    shared: True: also the contacts whose body b is among them, so that the part contains all contacts of these bodies.
+    candidates: None: the part has no contacts and walls.
     """
     part = _take("body", bodies, rows, len(bodies.mass))
     if candidates is None:
@@ -34,7 +35,7 @@ def take_part(bodies: Bodies, candidates: CandidatePairs | None, rows, shared: b
 
 
 def _take(group, arrays, rows, count):
-    # Fields that the scene does not need have no rows, whatever the count.
+    # Fields that the scene does not need have no rows.
     return {
         f"{group}.{name}": array[rows] if len(array) == count else array
         for name, array in arrays._asdict().items()
@@ -43,10 +44,11 @@ def _take(group, arrays, rows, count):
 
 
 def assemble(parts: list[dict], own) -> tuple[Bodies, CandidatePairs | None]:
-    """Bodies in order of their id, and the contacts and walls of those in `own` (k,), ids of bodies that move here.
+    """Assemble Bodies in order of their id, with the contacts and walls of the bodies in `own`.
 
-    Bodies and contacts that stand in several parts are taken once. Contacts with a body that is in no part are left
-    out. No CandidatePairs where no part tells of contacts.
+    own (k,): ids of the bodies that this rank moves. Bodies and contacts that are in several parts are taken once.
+    Contacts with a body that is in no part are left out. If no part has contacts, None is returned instead of
+    CandidatePairs.
     """
     body = _join(parts, "body")
     body = _unique(body, [body["id"]])
@@ -64,13 +66,13 @@ def assemble(parts: list[dict], own) -> tuple[Bodies, CandidatePairs | None]:
     contact = _rows(contact | {"body_a": a.astype(np.int32), "body_b": b.astype(np.int32)}, kept, len(a))
     images = [contact["image"][:, 1], contact["image"][:, 0]] if len(contact["image"]) else []
     contact = _unique(contact, [*images, contact["body_b"], contact["body_a"]])
-    # Without images all are zero.
+    # In scenes that are not periodic all images are zero.
     image = contact["image"] if images else np.zeros((len(contact["body_a"]), 2), np.int32)
     start, incident = list_incident(contact["body_a"], contact["body_b"], image, len(ids))
 
     wall = _join(parts, "wall")
-    row, known = _locate(ids, wall["body"])
-    kept = np.flatnonzero(known)
+    row, has_body = _locate(ids, wall["body"])
+    kept = np.flatnonzero(has_body)
     kept = kept[moves_here[row[kept]]]
     wall = _rows(wall | {"body": row.astype(np.int32)}, kept, len(row))
     wall = _unique(wall, [wall["wall"], wall["body"]])
@@ -88,14 +90,14 @@ def _join(parts, group):
 
 
 def _locate(ids, wanted):
-    """Rows (k,) of ids in the sorted `ids`, and whether they are there."""
+    """Return the rows (k,) of the `wanted` ids in the sorted `ids`, and whether each is there, (k,) bool."""
     rows = np.searchsorted(ids, wanted)
     rows = np.minimum(rows, max(len(ids) - 1, 0))
     return rows, (ids[rows] == wanted if len(ids) else np.zeros(len(wanted), np.bool_))
 
 
 def _unique(arrays, keys):
-    """Rows in order of the keys, the last first, each key once."""
+    """Return the rows sorted by the keys, of which the last is the primary one; each combination occurs once."""
     order = np.lexsort(keys)
     if len(order):
         differs = np.any([key[order[1:]] != key[order[:-1]] for key in keys], axis=0)

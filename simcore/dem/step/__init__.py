@@ -1,1 +1,1 @@
-"""One time step: candidate pairs, forces, motion."""
+"""The time step: candidate pairs, contacts, forces and motion."""

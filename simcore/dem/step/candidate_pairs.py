@@ -1,10 +1,11 @@
-"""CandidatePairs pairs: linked cells on as many levels as the sizes need, a list with margins, and the memory of pairs.
+"""Candidate pairs: the neighbour search in linked cells, with a margin for each body.
 
-Each body has its own margin, so that a few that are fast make neither all lists rare nor all lists long.
-Of bodies that are not spheres only pairs that can meet before the list is made anew are in it.
-A body lives on the level whose width is just wider than its bounding sphere with margin; a pair is found from its
-finer body. Horizontally periodic boxes wrap cells, and each wrap counts the image, so that a pair close through
-several images, or a grain close to its own, is listed once for each.
+Each body has its own margin, so that a few fast bodies make neither the listings frequent nor all lists long.
+Pairs of bodies that are not spheres are listed only if they can meet before the next listing.
+The cells form as many levels as the sizes of the bodies require. A body belongs to the level whose cells are just wider
+than its bounding sphere with margin, and a pair is searched from its smaller body. In horizontally periodic boxes cells
+wrap around, and each wrap counts the image: a pair that is close through several images, or a grain that is close to
+an image of itself, is listed once for each image.
 """
 
 from typing import NamedTuple
@@ -26,18 +27,18 @@ from simcore.dem.state.contacts import (
 from simcore.dem.state.features import Features
 from simcore.dem.vectors import Vec
 
-FINEST = 4.0  # cells to the width of a level
+FINEST = 4.0  # largest factor by which the cells of a crowded level are made smaller
 
 
 def list_candidates(
     bodies: Bodies, shapes: Shapes, box: Box, margin, features: Features, old: CandidatePairs | None = None
 ) -> CandidatePairs:
-    """Pairs that may be closer than their margins together, and bodies whose bounding sphere is within it from a wall.
+    """List the pairs whose gap may be less than the sum of their margins, and the bodies within their margin of a wall.
 
-    margin [m], one or (n,): becomes the bodies'. What was near before keeps its memory. Marks where the bodies are: the
-    list holds while no point of a body has moved by its margin. Pairs are those whose bounding spheres are close, less
-    those that are seen to be apart by more than both margins from what they remember, or along the line between their
-    centres.
+    margin [m], a scalar or (n,): is stored in `bodies.margin`. Pairs and walls that `old` contains keep their
+    remembered contacts. The positions of the bodies are stored as well: the list is valid while no point of a body has
+    moved by more than the body's margin. Pairs with close bounding spheres are left out if their remembered contact, or
+    the line between their centres, shows a gap of more than both margins.
     """
     bodies.margin[:] = margin
     pairs = list_pairs(bodies, shapes, box, features, old)
@@ -45,7 +46,10 @@ def list_candidates(
 
 
 def list_pairs(bodies, shapes, box, features, old) -> np.ndarray:
-    """Keys (m, 4) of the near pairs of which a body moves here, by the bodies' margins; see `list_candidates`."""
+    """Return the keys (m, 4) of the candidate pairs with a body that this rank moves; see `list_candidates`.
+
+    The margins are those stored in `bodies`.
+    """
     pairs = find_pairs(bodies.position, bodies.radius + bodies.margin, box, bodies.moves_here)
     if features.kind == SPHERE:
         return pairs
@@ -54,7 +58,7 @@ def list_pairs(bodies, shapes, box, features, old) -> np.ndarray:
 
 
 def list_contacts(pairs, bodies, shapes, box, features, old) -> CandidatePairs:
-    """Rows for near pairs, and for bodies near a wall, with their memory; see `list_candidates`."""
+    """Build the rows of candidate pairs and of bodies near a wall, with remembered contacts; see `list_candidates`."""
     contacts = empty_contacts(pairs, len(bodies.mass), features)
     walls = empty_walls(bodies, shapes, box, features)
     if old is not None:
@@ -67,10 +71,10 @@ def list_contacts(pairs, bodies, shapes, box, features, old) -> CandidatePairs:
 
 
 def find_pairs(position, reach, box: Box, moves_here=None) -> np.ndarray:
-    """Pairs (m, 4) of a, b and image whose spheres meet, sorted: a < b, or a = b with a positive image.
+    """Find the pairs of spheres that meet: sorted rows (m, 4) of a, b and image, a < b, or a = b with positive image.
 
-    The partner is b shifted by image × width. position (n, 3) [m], not wrapped; reach (n,) [m], of each sphere.
-    moves_here (n,) bool: pairs of which neither does are left out; None: all do.
+    The partner is b shifted by image × width. position (n, 3) [m], not wrapped; reach (n,) [m], radius of each sphere.
+    moves_here (n,) bool: pairs in which neither body moves here are left out; None: all bodies move here.
     """
     if len(reach) == 0:
         return np.zeros((0, 4), np.int64)
@@ -85,21 +89,21 @@ def find_pairs(position, reach, box: Box, moves_here=None) -> np.ndarray:
         else None
         for k in range(len(cell_width))
     ]
-    found = []
+    pairs_of_levels = []
     for fine, grid in enumerate(grids):
         if grid is None:
             continue
         for coarse in range(fine, len(grids)):
             if grids[coarse] is not None:
-                # The pair's range is at most the mean of the two cell widths.
+                # The range of a pair is at most the mean of the two cell widths.
                 span = 0.5 * (cell_width[fine] + cell_width[coarse])
-                found.append(_search(spheres, grid.members, grids[coarse], span, fine == coarse))
-    pairs = np.concatenate(found)
+                pairs_of_levels.append(_search(spheres, grid.members, grids[coarse], span, fine == coarse))
+    pairs = np.concatenate(pairs_of_levels)
     return pairs[np.lexsort((pairs[:, 3], pairs[:, 2], pairs[:, 1], pairs[:, 0]))]
 
 
 class _Grid(NamedTuple):
-    members: np.ndarray  # (k,) bodies in order of their cell
+    members: np.ndarray  # (k,) bodies in the order of their cells
     cell_start: np.ndarray  # (nx * ny * nz + 1,)
     counts: np.ndarray  # (3,) number of cells along each axis
     origin: np.ndarray  # (3,)
@@ -111,7 +115,7 @@ class _Spheres(NamedTuple):
     reach: np.ndarray  # (n,) [m]
     moves_here: np.ndarray  # (n,) bool
     wrapped: np.ndarray  # (n, 3) [m], in [0, width) horizontally
-    shift: np.ndarray  # (n, 2) int64, how many widths they were away from there
+    shift: np.ndarray  # (n, 2) int64: position = wrapped + shift × width
     width: float  # [m], 0 where not periodic
 
 
@@ -129,11 +133,11 @@ def _sort_into_cells(wrapped, members, cell_width, box: Box) -> _Grid:
     extent = wrapped[members].max(axis=0) - low
     if box.width > 0.0:
         low[:2], extent[:2] = 0.0, box.width
-    # Where bounding spheres overlap much, as those of long grains do, finer cells hold fewer that are too far away.
+    # Bounding spheres of long grains overlap much; finer cells then contain fewer bodies that are too far away.
     crowd = len(members) / np.prod(np.maximum(extent / cell_width, 1.0))
     cell_width /= np.clip(np.floor(np.cbrt(crowd)), 1.0, FINEST)
     counts = np.maximum(np.floor(extent / cell_width), 1).astype(np.int64)
-    # A few grains far above the bed must not make the grid larger than the bed is.
+    # A few grains far above the bed must not make the grid larger than the bed requires.
     counts = np.minimum(counts, 4 + 2 * len(members))
     widths = np.where(extent > 0.0, extent / counts, cell_width)
     cell = np.clip(((wrapped[members] - low) / widths).astype(np.int64), 0, counts - 1)
@@ -145,11 +149,11 @@ def _sort_into_cells(wrapped, members, cell_width, box: Box) -> _Grid:
 
 @kernel
 def _search(spheres, members, grid, span, same_level):
-    """Pairs of `members` with the bodies of `grid` whose spheres meet; on one level each pair once."""
+    """Find the pairs of `members` and bodies of `grid` whose spheres meet; pairs of one level are returned once."""
     position, wrapped, shift, width = spheres.position, spheres.wrapped, spheres.shift, spheres.width
     moves_here, reach = spheres.moves_here, spheres.reach
-    found = np.empty((16 * len(members) + 16, 4), np.int64)
-    n_found = 0
+    pairs = np.empty((16 * len(members) + 16, 4), np.int64)
+    n_pairs = 0
     low = np.empty(3, np.int64)
     high = np.empty(3, np.int64)
     for i in members:
@@ -176,24 +180,24 @@ def _search(spheres, members, grid, span, same_level):
                     image_x, image_y = ix - shift[j, 0] + shift[i, 0], iy - shift[j, 1] + shift[i, 1]
                     if i > j:
                         a, b, image_x, image_y = j, i, -image_x, -image_y
-                    # Rounded the same from whichever side, on whichever rank, it is found.
+                    # In this order the sums round alike on every rank and from either body.
                     dx = position[b, 0] - position[a, 0] + image_x * width
                     dy = position[b, 1] - position[a, 1] + image_y * width
                     dz = position[b, 2] - position[a, 2]
                     range_ = reach[a] + reach[b]
                     if dx * dx + dy * dy + dz * dz >= range_ * range_:
                         continue
-                    if n_found == len(found):
-                        found = _twice_as_long(found)
-                    found[n_found, 0], found[n_found, 1] = a, b
-                    found[n_found, 2], found[n_found, 3] = image_x, image_y
-                    n_found += 1
-    return found[:n_found].copy()
+                    if n_pairs == len(pairs):
+                        pairs = _twice_as_long(pairs)
+                    pairs[n_pairs, 0], pairs[n_pairs, 1] = a, b
+                    pairs[n_pairs, 2], pairs[n_pairs, 3] = image_x, image_y
+                    n_pairs += 1
+    return pairs[:n_pairs].copy()
 
 
 @kernel
 def _twice_as_long(pairs):
-    # Written out: assigning a slice compiles for seconds.
+    # The loops are written out because an assignment to a slice takes seconds to compile.
     longer = np.empty((2 * len(pairs), 4), np.int64)
     for p in range(len(pairs)):
         for k in range(4):
@@ -203,7 +207,7 @@ def _twice_as_long(pairs):
 
 @kernel
 def _can_meet(pairs, bodies, shapes, old, width):
-    """Whether each pair (m, 4) can touch before the next list, as far as is seen at once: (m,) bool."""
+    """Return for each pair (m, 4) whether it may touch before the next listing, by a quick test: (m,) bool."""
     can = np.ones(len(pairs), np.bool_)
     k, n_old = 0, len(old.body_a)
     for p in range(len(pairs)):
@@ -232,7 +236,7 @@ def _can_meet(pairs, bodies, shapes, old, width):
 
 @leaf
 def _reach(shapes, bodies, i, nx, ny, nz):
-    """How far body i, a hull or an ellipsoid, reaches along n from its centre."""
+    """Return how far body i, a polyhedron or an ellipsoid, extends from its centre along n."""
     if not is_hull(shapes, bodies, i):
         return support_height(bodies.form_matrix, i, Vec(nx, ny, nz))
     dx, dy, dz = base_direction(bodies, i, nx, ny, nz)
@@ -242,7 +246,7 @@ def _reach(shapes, bodies, i, nx, ny, nz):
 
 @leaf
 def _key_before(old, k, pairs, p):
-    """Whether key k of the old list comes before pair p."""
+    """Return whether key k of the old list comes before pair p."""
     if old.body_a[k] != pairs[p, 0]:
         return old.body_a[k] < pairs[p, 0]
     if old.body_b[k] != pairs[p, 1]:

@@ -1,8 +1,8 @@
-"""The stage of a step that finds contacts: one kernel for each kind of shape, and for each kind of wall.
+"""The stage of a step that finds contacts: kernels for each kind of scene, for pairs and for walls.
 
-The kernels do not depend on the force law: `simcore.dem.step.step` chooses among them by constants. All leave whether a
-pair or a wall touches, its overlap, direction and point in the arrays. A parallel loop of numba can use a tuple only
-where its function gets it as an argument, hence no State here.
+The kernels do not depend on the force law: `simcore.dem.step.step` selects them by constants. Each kernel writes to the
+arrays whether a pair or a wall touches, its overlap, direction and point. The kernels take the parts of State one by
+one, because a parallel loop of numba can use a tuple only if the tuple is an argument of the function.
 """
 
 from numba import get_thread_id, prange
@@ -38,16 +38,16 @@ from simcore.dem.state.touches import partner_offset
 
 @loops
 def find_spheres(bodies, contacts, drive, has):
-    """Contacts of spheres; nothing is ever left pending."""
+    """Find the contacts of spheres; no pair is ever pending."""
     for p in prange(len(contacts.body_a)):
         check_spheres(bodies, contacts, p, drive.width, has.periodic)
 
 
 @loops
 def find_ellipsoids(shapes, bodies, contacts, drive, has):
-    """Contacts of ellipsoids by their common normal: first from what is remembered, then by search.
+    """Find the contacts of ellipsoids by their common normal: first from remembered contacts, then by search.
 
-    The search is a loop of its own, here as below: what is rare and long stays out of the loop that is neither.
+    The search has its own loop, as in the kernels below: it is rare and slow, and stays out of the fast loop.
     """
     for p in prange(len(contacts.body_a)):
         check_ellipsoids(shapes, bodies, contacts, p, drive.width, has.periodic)
@@ -58,7 +58,7 @@ def find_ellipsoids(shapes, bodies, contacts, drive, has):
 
 @loops
 def find_potentials(shapes, bodies, contacts, drive, has):
-    """Contacts of ellipsoids by their potentials."""
+    """Find the contacts of ellipsoids by their potentials."""
     for p in prange(len(contacts.body_a)):
         check_potentials(shapes, bodies, contacts, p, drive.width, has.periodic)
     for p in prange(len(contacts.body_a)):
@@ -68,7 +68,7 @@ def find_potentials(shapes, bodies, contacts, drive, has):
 
 @loops
 def find_polyhedra(shapes, bodies, contacts, drive, has):
-    """Contacts of convex polyhedra."""
+    """Find the contacts of convex polyhedra."""
     for p in prange(len(contacts.body_a)):
         check_polyhedra(shapes, bodies, contacts, p, drive.width, has.periodic)
     for p in prange(len(contacts.body_a)):
@@ -78,7 +78,7 @@ def find_polyhedra(shapes, bodies, contacts, drive, has):
 
 @loops
 def find_mixed(shapes, bodies, contacts, drive, has):
-    """Contacts of ellipsoids and convex polyhedra, each pair by the kinds of its bodies."""
+    """Find the contacts of ellipsoids and convex polyhedra, by the kinds of the two bodies."""
     for p in prange(len(contacts.body_a)):
         check_mixed(shapes, bodies, contacts, p, drive.width, has.periodic)
     for p in prange(len(contacts.body_a)):
@@ -88,7 +88,7 @@ def find_mixed(shapes, bodies, contacts, drive, has):
 
 @loops
 def find_inflated(shapes, bodies, contacts, drive, has):
-    """Touching contacts of convex polyhedra again, as the program of Rettinger et al. (2022) finds them."""
+    """Find the touching contacts of convex polyhedra again, as the program of Rettinger et al. (2022) finds them."""
     for p in prange(len(contacts.body_a)):
         if contacts.touching[p] != 0:
             find_inflated_contact(shapes, bodies, contacts, p, drive.width, has.periodic)
@@ -96,7 +96,7 @@ def find_inflated(shapes, bodies, contacts, drive, has):
 
 @loops
 def find_patches(shapes, bodies, contacts, workspace, drive, has):
-    """Patches of the touching contacts between two polyhedra."""
+    """Find the patches of the touching contacts between two polyhedra."""
     for p in prange(len(contacts.body_a)):
         if contacts.touching[p] != 0:
             i, j = contacts.body_a[p], contacts.body_b[p]
@@ -107,7 +107,7 @@ def find_patches(shapes, bodies, contacts, workspace, drive, has):
 
 @loops
 def find_walls_of_spheres(bodies, walls, drive):
-    """Spheres at the walls."""
+    """Find the contacts of spheres with the walls."""
     for w in prange(len(walls.body)):
         if walls.wall[w] == FLOOR:
             floor_sphere(bodies, walls, w)
@@ -117,7 +117,7 @@ def find_walls_of_spheres(bodies, walls, drive):
 
 @loops
 def find_walls_of_ellipsoids(bodies, walls, drive):
-    """Ellipsoids at the walls."""
+    """Find the contacts of ellipsoids with the walls."""
     for w in prange(len(walls.body)):
         if walls.wall[w] == FLOOR:
             floor_ellipsoid(bodies, walls, w)
@@ -127,7 +127,7 @@ def find_walls_of_ellipsoids(bodies, walls, drive):
 
 @loops
 def find_walls_of_polyhedra(shapes, bodies, walls, drive):
-    """Convex polyhedra at the walls."""
+    """Find the contacts of convex polyhedra with the walls."""
     for w in prange(len(walls.body)):
         if walls.wall[w] == FLOOR:
             floor_convex(shapes, bodies, walls, w)
@@ -137,7 +137,7 @@ def find_walls_of_polyhedra(shapes, bodies, walls, drive):
 
 @loops
 def find_walls_of_mixed(shapes, bodies, walls, drive):
-    """Ellipsoids and convex polyhedra at the walls."""
+    """Find the contacts of ellipsoids and convex polyhedra with the walls."""
     for w in prange(len(walls.body)):
         hull = is_hull(shapes, bodies, walls.body[w])
         if walls.wall[w] == FLOOR and hull:
@@ -152,7 +152,7 @@ def find_walls_of_mixed(shapes, bodies, walls, drive):
 
 @loops
 def find_wall_patches(shapes, bodies, walls, workspace, drive):
-    """Patches of the polyhedra that touch a wall."""
+    """Find the patches of the polyhedra that touch a wall."""
     for w in prange(len(walls.body)):
         if walls.touching[w] != 0 and is_hull(shapes, bodies, walls.body[w]):
             if walls.wall[w] == FLOOR:

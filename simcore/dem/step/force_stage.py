@@ -1,6 +1,7 @@
-"""The stage of a step that presses what touches: a kernel for each force law. Each writes forces and torques.
+"""The stage of a step that computes forces and torques of touching contacts and walls: a kernel for each force law.
 
-A parallel loop of numba can use a tuple only where its function gets it as an argument, hence no State here.
+The kernels take the parts of State one by one, because a parallel loop of numba can use a tuple only if the tuple is an
+argument of the function.
 """
 
 from numba import prange
@@ -13,7 +14,7 @@ from simcore.dem.forces.sliding_friction import rub_contact, rub_wall
 
 @loops
 def press_contacts(bodies, contacts, law, drive, has):
-    """Touching contacts, by the linear law."""
+    """Compute the forces of touching contacts by the linear law."""
     for p in prange(len(contacts.body_a)):
         if contacts.touching[p] != 0:
             press_contact(bodies, contacts, law, drive, p, has)
@@ -21,7 +22,7 @@ def press_contacts(bodies, contacts, law, drive, has):
 
 @loops
 def press_hertzian_contacts(bodies, contacts, law, drive, has):
-    """Touching contacts, by Hertz's law."""
+    """Compute the forces of touching contacts by Hertz's law."""
     for p in prange(len(contacts.body_a)):
         if contacts.touching[p] != 0:
             press_contact(bodies, contacts, contact_law_at(law, bodies, contacts, p), drive, p, has)
@@ -29,7 +30,7 @@ def press_hertzian_contacts(bodies, contacts, law, drive, has):
 
 @loops
 def rub_contacts(bodies, contacts, law, drive, has):
-    """Touching contacts: adds friction without memory."""
+    """Add friction without springs to the forces of touching contacts."""
     for p in prange(len(contacts.body_a)):
         if contacts.touching[p] != 0:
             rub_contact(bodies, contacts, law, drive, p, has)
@@ -37,7 +38,7 @@ def rub_contacts(bodies, contacts, law, drive, has):
 
 @loops
 def press_walls(bodies, walls, law, drive, has):
-    """Touching walls, by the linear law."""
+    """Compute the forces of touching walls by the linear law."""
     for w in prange(len(walls.body)):
         if walls.touching[w] != 0:
             press_wall(bodies, walls, law, drive, w, has)
@@ -45,7 +46,7 @@ def press_walls(bodies, walls, law, drive, has):
 
 @loops
 def press_hertzian_walls(bodies, walls, law, drive, has):
-    """Touching walls, by Hertz's law."""
+    """Compute the forces of touching walls by Hertz's law."""
     for w in prange(len(walls.body)):
         if walls.touching[w] != 0:
             press_wall(bodies, walls, wall_law_at(law, bodies, walls, w), drive, w, has)
@@ -53,7 +54,7 @@ def press_hertzian_walls(bodies, walls, law, drive, has):
 
 @loops
 def rub_walls(bodies, walls, law, has):
-    """Touching walls: adds friction without memory."""
+    """Add friction without springs to the forces of touching walls."""
     for w in prange(len(walls.body)):
         if walls.touching[w] != 0:
             rub_wall(bodies, walls, law, w, has)

@@ -1,8 +1,9 @@
-"""Semi-implicit Euler for the centre, and rotation that is free of torque over one step.
+"""Motion of a body in one step: semi-implicit Euler for the centre, torque-free rotation for the orientation.
 
-The state is the angular momentum in world axes, which a free body keeps to the last bit, and the orientation.
-The orientation follows by a symmetric splitting of the kinetic energy into rotations about the principal axes
-(Dullweber, Leimkuhler & McLachlan 1997): second order, no drift of the energy, ω × Iω included.
+The rotational state is the orientation and the angular momentum in world axes, which stays the same to the last bit
+for a free body. The orientation is advanced by a symmetric splitting of the kinetic energy into rotations about the
+principal axes (Dullweber, Leimkuhler & McLachlan 1997). It is of second order, includes ω × Iω, and its energy does not
+drift.
 """
 
 from typing import NamedTuple
@@ -14,7 +15,7 @@ from simcore.dem.vectors import Vec, minus, plus, read, write
 
 
 class Quaternion(NamedTuple):
-    """An orientation, body to world: of length 1."""
+    """An orientation, body to world; a quaternion of length 1."""
 
     w: float
     x: float
@@ -24,9 +25,9 @@ class Quaternion(NamedTuple):
 
 @leaf
 def _cos_sin(angle):
-    """Cosine and sine; in a bed a step turns by some 1e-3, where Taylor's series ends early.
+    """Return cosine and sine; a short Taylor series suffices for the angles of a step in a bed, about 1e-3.
 
-    Below 0.05 the first terms left out are 0.05¹⁰ / 10! = 3e-20 and 0.05¹¹ / 11!.
+    The first neglected terms are at most 0.05¹⁰ / 10! = 3e-20 and 0.05¹¹ / 11!.
     """
     if abs(angle) < 0.05:
         a = angle * angle
@@ -38,7 +39,7 @@ def _cos_sin(angle):
 
 @leaf
 def _turned(q, axis, c, s):
-    """Quaternion q times the rotation about a body axis; c and s: cosine and sine of half its angle."""
+    """Return quaternion q times the rotation about a body axis; c and s: cosine and sine of half its angle."""
     w, x, y, z = q
     if axis == 0:
         return Quaternion(c * w - s * x, c * x + s * w, c * y + s * z, c * z - s * y)
@@ -49,7 +50,7 @@ def _turned(q, axis, c, s):
 
 @leaf
 def _matrix(q):
-    """Rows (3 Vec) of the rotation matrix of q."""
+    """Return the rows (3 Vec) of the rotation matrix of q."""
     w, x, y, z = q
     return (
         Vec(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
@@ -60,17 +61,18 @@ def _matrix(q):
 
 @leaf
 def _to_body(rows, v):
-    """Components in body axes of the world vector v: the transposed matrix times v."""
+    """Return the components in body axes of the world vector v: the transposed matrix times v."""
     a, b, c = rows
     return Vec(a.x * v.x + b.x * v.y + c.x * v.z, a.y * v.x + b.y * v.y + c.y * v.z, a.z * v.x + b.z * v.y + c.z * v.z)
 
 
 @leaf
 def rotate_free(orientation, momentum, inertia, dt):
-    """Orientation after dt of a free body. momentum [kg m²/s]: angular, world axes; inertia [kg m²]: principal.
+    """Return the orientation of a free body after dt.
 
-    Half steps about the first and second axis, a full one about the third, and back. The momentum in body axes
-    turns against the body in each.
+    momentum [kg m²/s]: angular, world axes; inertia [kg m²]: principal. The body turns by half steps about the first
+    and second axis, by a full step about the third, and by half steps about the second and first. In each of them the
+    momentum in body axes turns the other way.
     """
     o = orientation
     p, q, r = _to_body(_matrix(o), momentum)
@@ -104,13 +106,14 @@ def rotate_free(orientation, momentum, inertia, dt):
 
 @leaf
 def read_orientation(bodies, i):
+    """Return the orientation of body i."""
     o = bodies.orientation
     return Quaternion(o[i, 0], o[i, 1], o[i, 2], o[i, 3])
 
 
 @leaf
 def derive_rotation(bodies, i):
-    """Fill what follows from orientation and angular momentum of body i: matrix and angular velocity."""
+    """Update rotation matrix and angular velocity of body i from its orientation and angular momentum."""
     rows = _matrix(read_orientation(bodies, i))
     a, b, c = rows
     r = bodies.rotation
@@ -125,7 +128,7 @@ def derive_rotation(bodies, i):
 
 @leaf
 def derive_form_matrix(bodies, i):
-    """Fill R diag(s²) Rᵀ of body i."""
+    """Update the form matrix R diag(s²) Rᵀ of body i."""
     r, m = bodies.rotation, bodies.form_matrix
     a, b, c = bodies.scale[i, 0] ** 2, bodies.scale[i, 1] ** 2, bodies.scale[i, 2] ** 2
     m[i, 0] = a * r[i, 0, 0] * r[i, 0, 0] + b * r[i, 0, 1] * r[i, 0, 1] + c * r[i, 0, 2] * r[i, 0, 2]
@@ -138,7 +141,7 @@ def derive_form_matrix(bodies, i):
 
 @leaf
 def add_forces(bodies, contacts, walls, gravity, i, walled):
-    """Force [N] and torque [N m] on body i: its weight, its contacts in order of (partner, image), then its walls."""
+    """Return force [N] and torque [N m] on body i: weight, contacts in order of (partner, image), then walls."""
     force, torque = _add_contacts(bodies, contacts, gravity, i)
     if walled:
         wall_force, wall_torque = _add_walls(walls, i)
@@ -171,18 +174,22 @@ def _add_walls(walls, i):
 
 @leaf
 def note_net_force(bodies, i, force):
-    """A leaf, since numba drops a parallel loop's own writes to a tuple's array that the kernel never reads."""
+    """Store the net force of body i.
+
+    This is a leaf because numba drops the writes of a parallel loop to an array of a tuple that the kernel never reads.
+    """
     write(bodies.net_force, i, force)
 
 
 @leaf
 def count_effective_contacts(bodies, contacts, walls, i, walled):
-    """How firmly its contacts hold body i: the contacts it has, each weighed by how far it moves this body.
+    """Store the effective contacts of body i: the sum of its contacts, weighted by how much each moves this body.
 
-    A pair's relative motion u_a − u_b holds back at most the motion m_a w_a u_a² + m_b w_b u_b² of its bodies with the
-    weights w_a = m_b / (m_a + m_b) / p, w_b = m_a / (m_a + m_b) / (1 − p) and any p within (0, 1); so the weights of a
-    body's contacts add up to a bound of the modes it takes part in. With p = R_b / (R_a + R_b) a contact of like grains
-    weighs 1 on both, one of a small and a large grain 1 on the small and little on the large. A wall weighs 1.
+    The relative motion u_a − u_b of a pair is bounded by the motion of its bodies, m_a w_a u_a² + m_b w_b u_b², with
+    the weights w_a = m_b / (m_a + m_b) / p, w_b = m_a / (m_a + m_b) / (1 − p) and any p within (0, 1). The weights of
+    the contacts of a body therefore add up to a bound for the modes in which the body takes part. With
+    p = R_b / (R_a + R_b) a contact of equal grains has the weight 1 for both; a contact of a small and a large grain
+    has the weight 1 for the small one and little for the large one. A wall has the weight 1.
     """
     effective_contacts = 0.0
     mass, radius = bodies.mass[i], bodies.radius[i]
@@ -202,10 +209,10 @@ def count_effective_contacts(bodies, contacts, walls, i, walled):
 
 @leaf
 def move(bodies, i, force, torque, push, dt, damping):
-    """Semi-implicit Euler: velocity and momentum from force and torque, then the position from the new velocity.
+    """Advance body i by semi-implicit Euler: velocity and momentum first, then the position by the new velocity.
 
-    push: acceleration by shaking [m/s²], along x. damping: factor on the velocity once the position is known; `turn`
-    and `spin_sphere` see the momentum before it.
+    push: acceleration by shaking [m/s²], along x. damping: factor on velocity and angular momentum, applied after the
+    position has been advanced.
     """
     step = dt / bodies.mass[i]
     vx = bodies.velocity[i, 0] + step * force.x + dt * push
@@ -222,7 +229,7 @@ def move(bodies, i, force, torque, push, dt, damping):
 
 @leaf
 def spin_sphere(bodies, i):
-    """Angular velocity of a sphere; its orientation matters to nothing."""
+    """Update the angular velocity of a sphere; its orientation has no effect."""
     inverse = 1.0 / bodies.inertia[i, 0]
     bodies.angular_velocity[i, 0] = inverse * bodies.angular_momentum[i, 0]
     bodies.angular_velocity[i, 1] = inverse * bodies.angular_momentum[i, 1]
@@ -231,9 +238,9 @@ def spin_sphere(bodies, i):
 
 @leaf
 def turn(bodies, i, dt, damping):
-    """New orientation, rotation matrix and angular velocity of body i; adds the way of its farthest point.
+    """Update orientation, rotation matrix and angular velocity of body i, and add to `turned` the path of its points.
 
-    damping: factor that the momentum already carries, taken out again for the step itself.
+    damping: factor that `move` has applied to the momentum; the rotation of this step uses the momentum without it.
     """
     inverse = 1.0 / damping
     momentum = Vec(
@@ -243,7 +250,7 @@ def turn(bodies, i, dt, damping):
     )
     old = read_orientation(bodies, i)
     w, x, y, z = rotate_free(old, momentum, read(bodies.inertia, i), dt)
-    # Vector part of the turn from the old orientation: sin(angle / 2), and a point at R moves by 2 R sin(angle / 2).
+    # The vector part of the rotation has the length sin(angle / 2); a point at R moves by 2 R sin(angle / 2).
     ow, ox, oy, oz = old
     dx, dy, dz = (
         ow * x - w * ox - (oy * z - oz * y), ow * y - w * oy - (oz * x - ox * z), ow * z - w * oz - (ox * y - oy * x)
@@ -256,7 +263,7 @@ def turn(bodies, i, dt, damping):
 
 @leaf
 def has_left(bodies, i, turning):
-    """Whether a point of body i can be farther than its margin from where it was listed, or is nowhere (nan)."""
+    """Return whether a point of body i may have moved by more than the margin since the listing, or is nan."""
     margin = bodies.margin[i]
     dx = bodies.position[i, 0] - bodies.listed_position[i, 0]
     dy = bodies.position[i, 1] - bodies.listed_position[i, 1]

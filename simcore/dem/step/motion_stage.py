@@ -1,6 +1,7 @@
-"""The stage of a step that moves the bodies: each adds what presses on it, and is integrated.
+"""The stage of a step that moves the bodies: it adds the forces on each body and integrates its motion.
 
-A parallel loop of numba can use a tuple only where its function gets it as an argument, hence no State here.
+The kernels take the parts of State one by one, because a parallel loop of numba can use a tuple only if the tuple is an
+argument of the function.
 """
 
 from numba import prange
@@ -21,7 +22,10 @@ from simcore.dem.step.motion import (
 
 @loops
 def move_spheres(bodies, contacts, walls, drive, push, moved, has):
-    """Spheres that move here. push [m/s²]: of shaking; moved (k,): becomes whether each has left its listed place."""
+    """Move the spheres that this rank moves.
+
+    push [m/s²]: acceleration by shaking. moved (k,): set to whether each body has left its listed position.
+    """
     for k in prange(len(bodies.own)):
         i = bodies.own[k]
         force, torque = _balance(bodies, contacts, walls, drive, i, has)
@@ -33,7 +37,7 @@ def move_spheres(bodies, contacts, walls, drive, push, moved, has):
 
 @loops
 def move_bodies(shapes, bodies, contacts, walls, drive, push, moved, has):
-    """Bodies of other kinds, as move_spheres."""
+    """Move bodies of other kinds; see move_spheres."""
     for k in prange(len(bodies.own)):
         i = bodies.own[k]
         force, torque = _balance(bodies, contacts, walls, drive, i, has)
@@ -47,7 +51,7 @@ def move_bodies(shapes, bodies, contacts, walls, drive, push, moved, has):
 
 @leaf
 def _balance(bodies, contacts, walls, drive, i, has):
-    """Force and torque on body i, and what is noted of them."""
+    """Return force and torque on body i; store the net force and, for implicit dashpots, the effective contacts."""
     walled = has.floor != 0 or has.cylinder != 0
     force, torque = add_forces(bodies, contacts, walls, drive.gravity, i, walled)
     note_net_force(bodies, i, force)

@@ -1,12 +1,13 @@
-"""The step of a scene, composed of what the scene has and nothing else.
+"""The time step of a scene, compiled from only the parts that the scene requires.
 
-`make_advance(features)` returns a compiled function that steps until the neighbour list no longer holds. The features
-are captured as constants: numba prunes every branch not taken, and each variant is cached on disk.
+`make_advance(features)` returns a compiled function that steps until the neighbour list is no longer valid. The
+features are captured as constants: numba removes every branch not taken, and each variant is cached on disk.
 
-One step: contacts of all candidate pairs and walls are found, each pair once, in its canonical order, from unshifted
-coordinates; forces press on what touches; then every body that moves here adds its contacts in order of (partner,
-image), then its walls, and is integrated (semi-implicit Euler: velocity first). All loops write only what belongs to
-their index, so the thread count cannot change a bit.
+One step has three stages. First the contacts of all candidate pairs and walls are found, each pair once, in its
+canonical order, from unshifted coordinates. Then the forces of all touching contacts are computed. Last, the forces on
+every body that this rank moves are added, contacts in order of (partner, image) and then walls, and the body is
+integrated (semi-implicit Euler: velocity first). Each iteration of a loop writes only to its own index, so the results
+are the same, to the bit, for any number of threads.
 """
 
 from functools import cache
@@ -46,27 +47,28 @@ STAGES = ("contact", "force", "integration")
 
 
 class Drive(NamedTuple):
-    """Numbers of a stretch of steps, SI. Changing them compiles nothing."""
+    """Values that are constant over a number of steps, SI. A change of them does not compile the step again."""
 
     dt: float
     gravity: float  # [m/s²], less buoyancy, downward
-    shaking: float  # [m/s²], amplitude of the horizontal acceleration; 0 when still
-    shaking_rate: float  # [1/s], angular
-    damping: float  # factor on the velocities after each step; 1 without
+    shaking: float  # [m/s²], amplitude of the horizontal acceleration; 0 without shaking
+    shaking_rate: float  # [1/s], angular frequency
+    damping: float  # factor on the velocities after each step; 1 without damping
     width: float  # [m], of the periodic box; 0 in a cylinder
     wall_radius: float  # [m], of the cylinder
 
 
 def make_advance(features: Features):
-    """advance(state, law, drive, clock, first_step, n_steps) -> (steps done, stale).
+    """Return the compiled function advance(state, law, drive, clock, first_step, n_steps) -> (steps done, stale).
 
-    Steps until n_steps are done or a body has left its listed place by its margin (also where a position ceased to be
-    finite); then the caller lists anew. With dt = 0 forces are evaluated and nothing moves.
-    state: State. law: ContactLaw, or HertzLaw where features.hertz.
-    clock: (3,) int64, cycles of each of STAGES, added to where features.timed.
+    It steps until n_steps are done or the list is stale: a point of a body has moved by the body's margin since the
+    listing, or a position is not finite. The caller then lists the candidate pairs again. With dt = 0 forces are
+    evaluated and nothing moves.
+    state: State. law: ContactLaw, or HertzLaw if features.hertz is set.
+    clock: (3,) int64, to which the processor cycles of each of STAGES are added if features.timed is set.
     """
-    # Integers, so that True and 1 are one variant. Asking for the threads also starts numba's, whose functions the
-    # compiled code calls.
+    # Integers make True and 1 one variant. get_num_threads also starts numba's threads, whose functions the compiled
+    # code calls.
     return _make_advance(Features(*(int(value) for value in features)), get_num_threads() > 1)
 
 
@@ -77,7 +79,7 @@ def _make_advance(has: Features, several_threads: bool):
     potential, inflated, hertz, sliding = has.potential, has.inflated, has.hertz, has.sliding
     shaken, timed = has.shaken, has.timed
 
-    # Without a loop over prange: this tells the kernels that have some what to be compiled for.
+    # This function has no prange loop itself; its decorator selects how the kernels with prange loops are compiled.
     @(parallel_kernel if several_threads else kernel)
     def advance(state, law, drive: Drive, clock, first_step, n_steps):
         shapes, bodies, contacts, walls, workspace = state
@@ -145,7 +147,7 @@ def _make_advance(has: Features, several_threads: bool):
 
 @leaf
 def count_cycles(clock, stage, since):
-    """Add the cycles since then to those of the stage; returns the cycles now."""
+    """Add the cycles since `since` to those of the stage; return the present cycle count."""
     now = cycles()
     clock[stage] += now - since
     return now

@@ -56,5 +56,5 @@ def test_layouts_are_as_square_as_they_can_be(size, layout):
 def test_a_layout_of_another_number_of_blocks_is_refused():
     from mpi4py import MPI
 
-    with pytest.raises(ValueError, match="layout 2 x 2 has not as many blocks as ranks, 1"):
+    with pytest.raises(ValueError, match="The layout 2 x 2 must have one block for each rank, but there are 1 ranks"):
         ManyRanks(MPI.COMM_SELF, layout=(2, 2))

@@ -1,1 +1,1 @@
-"""Contact of two grains that remembers what the previous step found, one module for each pair of kinds."""
+"""Contacts of two grains from the remembered contact of the previous step, one module for each pair of shapes."""

@@ -1,33 +1,37 @@
-"""Ellipsoid against ellipsoid by the least potential of the one on the surface of the other.
+"""Contacts of two ellipsoids by the least potential of each on the surface of the other.
 
-The construction of Baram and Lind (arXiv:1110.2792), after Perram et al. (1996). The potential of an ellipsoid is its
-quadratic form, 0 at its centre and 1 on its surface. Where it is least on the other's surface, the other is deepest in
-it. Two such points, one on each surface, span the contact vector: its length is the overlap, its middle the contact
-point. With M = R diag(s²) Rᵀ and r from a to b, b's point is r − M_b g and a's is M_a g, where for each
+This is the construction of Baram and Lind (arXiv:1110.2792), after Perram et al. (1996). The potential of an ellipsoid
+is its quadratic form, 0 at its centre and 1 on its surface. The point of the other surface where the potential is least
+is the deepest one. Two such points, one on each surface, span the contact vector: its length is the overlap and its
+middle the contact point. With M = R diag(s²) Rᵀ and r from a to b, the point of b is r − M_b g and that of a is M_a g,
+where for each
 
-    (M_near + λ M_far) g = r,   φ(λ) = gᵀ M_near g = 1,
+    (M_near + λ M_far) g = r,   φ(λ) = gᵀ M_near g = 1.
 
-g the gradient of the surface's own ellipsoid there (half of it, for b reversed) and λ >= 0, as long as neither centre
-lies in the other body. φ falls and 1/√φ is concave in λ (as in trust regions, Moré and Sorensen 1983), so Newton's
-iteration climbs to the one root from any start below it, and a start above it falls below in one step. λ follows from
-the normal: λ = h_near (n·r − h_near) / h_far², which the last step's normal answers to second order. No other memory.
+Here g is half the gradient of the potential of the surface's own ellipsoid at that point (reversed for b), and λ >= 0
+as long as neither centre is inside the other body. φ decreases and 1/√φ is concave in λ (as in trust regions, Moré and
+Sorensen 1983). Newton's iteration therefore climbs to the only root from any start below it, and a start above it goes
+below in one step. λ follows from the normal as h_near (n·r − h_near) / h_far²; the remembered normal gives it to second
+order, and nothing else is remembered.
 
-Direction. The contact vector is no normal: as the depth δ goes to zero it tends to δ (n + t), n the common normal, t
-tangential, of the order of the tangents of the angles between n and the lines to the centres, and none for spheres. A
-force along it feeds or eats energy in every oblique impact. The gradients at both points tend to ±n.
-# ASSUME: the paper replaces the direction by the averaged gradients where it deviates from them, by an angle that its
-# text has lost. Here always: the vector deviates by 20 degrees on average in pairs of 1.6 : 1 : 0.6, however shallow.
-The length stays: |n + t| times the depth along the normal, a spring that is stiffer by as much. Since that factor
-changes as the contact slides, elastic impacts lose some energy, in proportion to their depth. What all this does is
-measured in benchmarks/studies/ellipsoid_contact.py.
+Direction. The contact vector is not a normal. As the depth δ goes to zero it tends to δ (n + t), n the common normal
+and t a tangential vector of the order of the tangents of the angles between n and the lines to the centres; t is zero
+for spheres. A force along the contact vector would add or remove energy in every oblique impact. The gradients at both
+points tend to ±n.
+# ASSUME: the paper replaces the direction by the averaged gradients if it deviates from them by more than an angle that
+# is missing from its text. Here it is always replaced, because the deviation does not vanish with the depth: it is 20
+# degrees on average in pairs of 1.6 : 1 : 0.6.
+The length is not changed: it is |n + t| times the depth along the normal, which makes the spring stiffer by this
+factor. Since the factor changes as the contact slides, elastic impacts lose some energy, in proportion to their depth.
+benchmarks/studies/ellipsoid_contact.py measures these effects.
 
-Separation. For λ > 0, det(λA + B) of the 4 × 4 forms has the sign of λ rᵀ (M_a + λ M_b)⁻¹ r − 1 − λ. It has two
-distinct positive roots where that is positive for some λ, and then the pair is apart (Wang et al. 2001). Divided by
-1 + λ it is Perram and Wertheim's function of λ / (1 + λ) less one, which is concave, so its maximum decides. Where it
-is positive, q = (M_a + λ M_b)⁻¹ r is normal to a separating plane, and the gap along q is certain. That plane is
-remembered and tried first; and the pair is not checked at all until the bodies can have closed the gap (`gap_memory`).
+Separation. For λ > 0, det(λA + B) of the 4 × 4 forms has the sign of λ rᵀ (M_a + λ M_b)⁻¹ r − 1 − λ. If that is
+positive for some λ, it has two distinct positive roots, and the pair is apart (Wang et al. 2001). Divided by 1 + λ it
+is the function of Perram and Wertheim of λ / (1 + λ) minus one, which is concave, so that its maximum decides. If the
+maximum is positive, q = (M_a + λ M_b)⁻¹ r is normal to a separating plane, and the gap along q is certain. That plane
+is remembered and tried first, and the pair is not checked until the bodies can have closed the gap (`gap_memory`).
 
-A plane has no centre; the walls press at the deepest point, whatever the construction for pairs.
+The walls press at the deepest point of a body with either construction, because a plane has no centre.
 """
 
 from typing import NamedTuple
@@ -54,14 +58,14 @@ from simcore.dem.vectors import (
     read,
 )
 
-CLOSE = 1e-8  # |√φ − 1| from which one more step, with g taken as linear in it, is right to rounding
-FEW, MANY = 8, 60  # iterations from the last normal, which takes one to three, and from nothing
-FLAT = 1e-8  # |Δ log λ| at the maximum that decides on separation: its value is right to the square of this
-ENOUGH = 0.1  # the same where the value shows a gap already
+CLOSE = 1e-8  # |√φ − 1| below which one more step, with g linear in λ, is accurate to rounding
+FEW, MANY = 8, 60  # maximum number of iterations from the last normal, which needs one to three, and in a search
+FLAT = 1e-8  # |Δ log λ| at the maximum that decides on separation; its value is accurate to the square of this
+ENOUGH = 0.1  # |Δ log λ| that is sufficient where the value is positive, that is where it shows a gap
 
 
 class Factors(NamedTuple):
-    """A symmetric matrix as L D Lᵀ."""
+    """Factors L D Lᵀ of a symmetric matrix."""
 
     d: Vec
     lyx: float
@@ -70,34 +74,34 @@ class Factors(NamedTuple):
 
 
 class Deepest(NamedTuple):
-    """Where the surface of one ellipsoid is deepest in the other."""
+    """The point of the surface of one ellipsoid that is deepest in the other."""
 
-    reached: bool  # False: the iteration ended elsewhere, as where the centre of the other lies in this one
+    reached: bool  # False: the iteration did not converge, for example because a centre is inside the other body
     factor: float  # λ
     gradient: Vec  # g, with gᵀ M g = 1 but for rounding
 
 
 class Meeting(NamedTuple):
-    """Where two ellipsoids are deepest in each other."""
+    """The points at which two ellipsoids are deepest in each other."""
 
     reached: bool
     overlapping: bool
-    vector: Vec  # [m], of contact; apart it points backwards, from b to a, and its length is no bound of the gap
+    vector: Vec  # [m], of contact; for a pair apart it points from b to a, and its length is no bound of the gap
     normal: Vec
     middle: Vec  # [m], from the centre of a
 
 
 class Characteristic(NamedTuple):
-    """det(λA + B) over a positive number, at one λ."""
+    """det(λA + B) divided by a positive number, at one λ."""
 
     value: float
     q: Vec  # (M_a + λ M_b)⁻¹ r
-    step: float  # Newton's, of log λ to the maximum of the value over 1 + λ
+    step: float  # Newton step of log λ towards the maximum of value / (1 + λ)
 
 
 @leaf
 def _factorise(m, i, j, factor):
-    """M_i + factor M_j."""
+    """Return the factors of M_i + factor M_j."""
     xx, yy, zz = m[i, 0] + factor * m[j, 0], m[i, 1] + factor * m[j, 1], m[i, 2] + factor * m[j, 2]
     xy, xz, yz = m[i, 3] + factor * m[j, 3], m[i, 4] + factor * m[j, 4], m[i, 5] + factor * m[j, 5]
     lyx, lzx = xy / xx, xz / xx
@@ -108,7 +112,7 @@ def _factorise(m, i, j, factor):
 
 @leaf
 def _solve(factors, v):
-    """The matrix's inverse times v."""
+    """Return the inverse of the matrix times v."""
     y = v.y - factors.lyx * v.x
     z = v.z - factors.lzx * v.x - factors.lzy * y
     z = z / factors.d.z
@@ -118,9 +122,9 @@ def _solve(factors, v):
 
 @leaf
 def deepest_gradient(m, pair, offset, start, iterations):
-    """Where the surface of the pair's a is deepest in its b: Deepest. start: of λ.
+    """Find the point of the surface of pair.a that is deepest in pair.b: Deepest. start: initial λ.
 
-    offset: r from the one body to the other, whichever is a; both points follow from the same.
+    offset: r of the original pair, also if the bodies of `pair` are exchanged; both points follow from the same r.
     """
     factor, gradient = max(start, 0.0), ZERO
     for _ in range(iterations):
@@ -141,7 +145,7 @@ def deepest_gradient(m, pair, offset, start, iterations):
 
 @routine
 def meeting_of(m, pair, normal, iterations):
-    """Where two ellipsoids are deepest in each other, from a normal close to that of their contact: Meeting."""
+    """Find the points at which two ellipsoids are deepest in each other, from a normal close to theirs: Meeting."""
     across, other = dot(normal, pair.offset), exchanged(pair)
     height_a, height_b = support_height(m, pair.a, normal), support_height(m, pair.b, normal)
     start_a = height_a * (across - height_a) / (height_b * height_b)
@@ -151,10 +155,10 @@ def meeting_of(m, pair, normal, iterations):
     point_a, point_b = image(m, pair.a, a.gradient), image(m, pair.b, b.gradient)
     point_a = over(point_a, np.sqrt(dot(a.gradient, point_a)))
     point_b = over(point_b, np.sqrt(dot(b.gradient, point_b)))
-    # Each one's potential at the other's point, 1 where they only touch
+    # The potential of each ellipsoid at the point of the other, 1 where they only touch
     of_b = a.factor * support_height(m, pair.b, a.gradient)
     of_a = b.factor * support_height(m, pair.a, b.gradient)
-    # Sums that do not depend on which of the two comes first: exchanged, they are the same to the bit
+    # These sums are symmetric: they are the same to the bit if the bodies are exchanged.
     vector = minus(plus(point_a, point_b), pair.offset)
     normal = direction_of(plus(over(a.gradient, length(a.gradient)), over(b.gradient, length(b.gradient))))
     return Meeting(a.reached and b.reached, of_a + of_b < 2.0, vector, normal, minus_scaled(point_a, 0.5, vector))
@@ -162,9 +166,9 @@ def meeting_of(m, pair, normal, iterations):
 
 @leaf
 def characteristic(m, pair, factor):
-    """det(λA + B) at λ = factor > 0, over a positive number.
+    """Return det(λA + B) at λ = factor > 0, divided by a positive number: Characteristic.
 
-    Over 1 + λ the value is largest where √(qᵀ M_a q) = λ √(qᵀ M_b q).
+    value / (1 + λ) is largest where √(qᵀ M_a q) = λ √(qᵀ M_b q).
     """
     factors = _factorise(m, pair.a, pair.b, factor)
     q = _solve(factors, pair.offset)
@@ -180,7 +184,7 @@ def characteristic(m, pair, factor):
 
 @leaf
 def separation(m, pair, normal):
-    """Whether the pair is apart, by the roots of det(λA + B): (apart, normal of a separating plane)."""
+    """Decide by the roots of det(λA + B) whether the pair is apart: (apart, normal of a separating plane)."""
     guess = np.log(support_height(m, pair.a, normal) / support_height(m, pair.b, normal))
     low, high = -np.inf, np.inf
     apart, q = False, normal
@@ -204,10 +208,10 @@ def separation(m, pair, normal):
 
 @leaf
 def recheck(shapes, bodies, contacts, p, pair):
-    """Candidate pair p from its remembered normal: (whether that is certain, Contact).
+    """Check candidate pair p from its remembered normal: (whether the result is certain, Contact).
 
-    The pair is apart where the overlap is not positive. Not certain: there is no remembered normal, the remembered
-    plane no longer separates, the iteration takes long, or a centre lies in the other body.
+    The pair is apart if the overlap is not positive. The result is not certain if there is no remembered normal, the
+    remembered plane no longer separates, the iteration did not converge, or a centre is inside the other body.
     """
     normal, m = read(contacts.direction, p), bodies.form_matrix
     if normal.x == 0.0 and normal.y == 0.0 and normal.z == 0.0:
@@ -226,10 +230,10 @@ def recheck(shapes, bodies, contacts, p, pair):
 
 @routine
 def search_contact(shapes, bodies, contacts, p, pair):
-    """Contact of candidate pair p, from nothing.
+    """Search the contact of candidate pair p, without a remembered contact.
 
-    Where a centre lies in the other body the potential there falls outwards, and what is least on the surface is the
-    far side: such a pair, thousands of times deeper than any in a packing, meets along its common normal.
+    If a centre is inside the other body, the point of least potential on the surface is on the far side. Such a pair is
+    thousands of times deeper than any in a packing, and its contact is that of the common normal.
     """
     m = bodies.form_matrix
     normal = start_normal(m, pair)
@@ -246,7 +250,7 @@ def search_contact(shapes, bodies, contacts, p, pair):
 
 @leaf
 def _conclude(bodies, contacts, p, pair, meeting):
-    """Contact whose overlap is the length of the contact vector; a gap is remembered and negative."""
+    """Return the contact whose overlap is the length of the contact vector; a gap is negative and remembered."""
     if meeting.overlapping:
         return Contact(length(meeting.vector), meeting.normal, meeting.middle)
     gap = max(gap_along(bodies.form_matrix, pair, meeting.normal), 0.0)

@@ -1,9 +1,10 @@
-"""Ellipsoid against ellipsoid by the common normal.
+"""Contacts of two ellipsoids by their common normal.
 
-f(n) = n·r − h_A(n) − h_B(n) with h(n) = √(nᵀ M n), M = R diag(s²) Rᵀ, has its stationary points where the surfaces
-have parallel tangent planes and the line between the two points is normal to both. Newton's iteration on the unit
-sphere converges from the last step's normal in one or two steps. A gap is concave in n and has one maximum; an
-overlap may have several, so a pair without a remembered contact is searched for the least one (`deep_overlap`).
+f(n) = n·r − h_A(n) − h_B(n) with h(n) = √(nᵀ M n), M = R diag(s²) Rᵀ, is stationary where the surfaces have parallel
+tangent planes and the line between the two surface points is normal to both. Newton's iteration on the unit sphere
+converges from the normal of the last step in one or two steps. A gap is concave in n and has one maximum. An overlap
+may have several local minima, so that a pair without a remembered contact is searched for the least one
+(`deep_overlap`).
 """
 
 import numpy as np
@@ -16,15 +17,15 @@ from simcore.dem.vectors import ZERO, Contact, plus_scaled, read
 
 __all__ = ["TOLERANCE", "recheck", "search_contact", "search_normal"]
 
-ENOUGH_GAP = 0.02  # of the pair's size: a step needs no digits of a wider gap
+ENOUGH_GAP = 0.02  # of the pair's size: a step needs no accurate value of a wider gap
 
 
 @routine
 def search_normal(shapes, bodies, pair, enough):
-    """Summit of f: the global maximum, from nothing. A gap f > enough ends the search early.
+    """Search the global maximum of f: Summit. A gap f > enough ends the search early.
 
-    A gap is concave in n: its maximum is the only one. A shallow overlap is certain to be the least (`deep_overlap`
-    says why); from any other the search goes on through all directions.
+    A gap is concave in n, so that its maximum is the only one. A shallow overlap is certainly the least one
+    (`deep_overlap` explains why). After any other result the search continues through all directions.
     """
     m, rotation = bodies.form_matrix, bodies.rotation
     top = climb_from(m, pair, start_normal(m, pair), enough)
@@ -36,15 +37,15 @@ def search_normal(shapes, bodies, pair, enough):
 
 @leaf
 def recheck(shapes, bodies, contacts, p, pair):
-    """Candidate pair p from its remembered normal: (whether that is certain, Contact).
+    """Check candidate pair p from its remembered normal: (whether the result is certain, Contact).
 
-    The pair is apart where the overlap is not positive. Not certain: there is no remembered normal, or the iteration
-    did not converge; then the pair has to be searched.
+    The pair is apart if the overlap is not positive. The result is not certain if there is no remembered normal or the
+    iteration did not converge; the pair must then be searched.
     """
     normal = read(contacts.direction, p)
     if normal.x == 0.0 and normal.y == 0.0 and normal.z == 0.0:
         return False, Contact(0.0, ZERO, ZERO)
-    # A direction that still shows much of the gap searched last needs no better one; a contact needs the best.
+    # A direction that shows much of the gap of the last search suffices for a pair apart; a contact needs the best one.
     enough = np.inf if contacts.touching[p] != 0 else -STILL_GAP * contacts.overlap[p]
     top = climb_normal(bodies.form_matrix, pair, normal, enough)
     contact = _conclude(bodies, contacts, p, pair, top)
@@ -56,13 +57,13 @@ def recheck(shapes, bodies, contacts, p, pair):
 
 @routine
 def search_contact(shapes, bodies, contacts, p, pair):
-    """Contact of candidate pair p, from nothing."""
+    """Search the contact of candidate pair p, without a remembered contact."""
     return _conclude(bodies, contacts, p, pair, search_normal(shapes, bodies, pair, ENOUGH_GAP * pair.size))
 
 
 @leaf
 def _conclude(bodies, contacts, p, pair, top):
-    """Contact from the maximum of f; a gap is remembered."""
+    """Return the contact at the maximum of f; remember a gap."""
     if top.value >= 0.0:
         remember_apart(bodies, contacts, p, pair, top.value)
         return Contact(-top.value, top.normal, ZERO)

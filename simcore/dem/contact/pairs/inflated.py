@@ -1,9 +1,9 @@
-"""Two polyhedra as the program of Rettinger et al. (2022) finds their contact: for a comparison with it only.
+"""Contacts of two polyhedra as the program of Rettinger et al. (2022) finds them; only for a comparison with it.
 
-Its GJK and EPA (waLBerla: `GeneralContactDetection.h`, `EPA.cpp`) blow up both bodies by MARGIN, an absolute length, so
-that the Minkowski difference M has rounded edges and corners, and make at most MAX_FACES faces, those given up since
-counted too. Where these do not suffice, the face of the polytope next to the origin is the result. It lies inside M:
-it shows less overlap than there is, along another normal, or none at all, the oftener the longer the grains are:
+Its GJK and EPA (waLBerla: `GeneralContactDetection.h`, `EPA.cpp`) inflate both bodies by MARGIN, an absolute length, so
+that the Minkowski difference M has rounded edges and corners. They create at most MAX_FACES faces, including faces that
+are removed later. If these do not suffice, the result is the face of the polytope nearest to the origin, which is
+inside M: it shows too small an overlap along another normal, or none at all, more often the longer the grains are. See
 `python -m benchmarks.studies.inflated`, results/reference/inflated.csv.
 """
 
@@ -47,36 +47,39 @@ from simcore.dem.vectors import (
 )
 
 MARGIN = 1e-4  # [m], of each body
-MAX_FACES = 100  # made in all
+MAX_FACES = 100  # maximum number of faces created
 TOLERANCE = 1e-6  # of the distance from the origin to the rounded M
-GJK_ITERATIONS = 64  # a bound, not a budget
+GJK_ITERATIONS = 64  # an upper bound that is not reached in practice
 
 _VERTICES = 4 + MAX_FACES // 3
 
-# Capacity of twice the faces: the last insertion is made whole, and counted then.
+# The capacity is twice MAX_FACES, because the faces of the last insertion are counted after it is complete.
 _take_polytope = polytope_scratch(_VERTICES, 2 * MAX_FACES)
 _take_weights = scratch(types.float64, 4)
 
 
 class Nearest(NamedTuple):
-    """The face next to the origin of the polytope in the rounded M."""
+    """The face of the polytope in the rounded M that is nearest to the origin."""
 
     distance: float  # [m]
     normal: Vec
-    p: int  # its points
+    p: int  # points of the face
     q: int
     s: int
 
 
 @leaf
 def _rounded(m, normal):
-    """The support point of the rounded M along the unit vector n, from that of M."""
+    """Return the support point of the rounded M along the unit vector n, from that of M."""
     return Support(m.a, m.b, plus_scaled(m.point, 2.0 * MARGIN, normal))
 
 
 @routine
 def _enclose_origin(shapes, f, normal, simplex):
-    """GJK from direction n: fills the tetrahedron of support points round the origin, True where there is one."""
+    """Search with GJK from direction n for a tetrahedron of support points around the origin; return whether it exists.
+
+    The tetrahedron is stored in the simplex.
+    """
     weights, points = _take_weights(), simplex.points
     put_support(simplex, 0, _rounded(support_afar(shapes, f, normal), normal))
     nearest, n = read(points, 0), 1
@@ -92,13 +95,14 @@ def _enclose_origin(shapes, f, normal, simplex):
             return True
         nearest = weighted_point(points, weights, n + 1)
         n = keep_weighted(simplex, weights, n + 1)
-        if n == 4:  # the origin on a side, by rounding
+        if n == 4:  # the origin is on a side, to rounding
             return True
     return False
 
 
 @leaf
 def _count_new(polytope, n_faces, mark):
+    """Return the number of faces that the insertion with this mark created."""
     new = 0
     for k in range(n_faces):
         if polytope.mark[k] == mark and polytope.distances[k] < np.inf:
@@ -108,7 +112,7 @@ def _count_new(polytope, n_faces, mark):
 
 @leaf
 def _grow(shapes, f, polytope):
-    """Grow the polytope inside the rounded M from its tetrahedron until it is near enough, or too large: Nearest."""
+    """Grow the polytope inside the rounded M from its tetrahedron until it is accurate, or too large: Nearest."""
     start_polytope(polytope, f.size)
     n_faces, n_free, made = 4, 0, 4
     upper, nearest = np.inf, Nearest(0.0, ZERO, 0, 0, 0)
@@ -134,7 +138,7 @@ def _grow(shapes, f, polytope):
 
 @leaf
 def _contact_point(shapes, f, polytope, nearest):
-    """Midway between the points of a and b, of the bodies as they are, that meet on the face below the origin."""
+    """Return the contact point: midway between the points of a and b (not inflated) of the origin's projection."""
     vertices, p, q, s = polytope.vertices, nearest.p, nearest.q, nearest.s
     u, v, w = shadows(polytope.points, p, q, s, nearest.normal)
     point = f.offset
@@ -146,7 +150,7 @@ def _contact_point(shapes, f, polytope, nearest):
 
 @routine
 def search_inflated(shapes, bodies, pair):
-    """Overlapping pair: (whether a contact is found, Contact)."""
+    """Search the contact of an overlapping pair: (whether there is a contact, Contact)."""
     simplex, polytope, rotation = take_simplex(), _take_polytope(), bodies.rotation
     f = frame_of(bodies, pair)
     if not _enclose_origin(shapes, f, into_axes(rotation, pair.a, Vec(0.0, 0.6, 0.8)), simplex):

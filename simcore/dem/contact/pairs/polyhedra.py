@@ -1,10 +1,11 @@
-"""Convex polyhedron against convex polyhedron, from the remembered contact.
+"""Contacts of two convex polyhedra, from the remembered contact.
 
-In one step a grain moves about 1e-4 of its size. An overlapping pair remembers the three support pairs of its facet of
-the Minkowski difference: the plane is rebuilt, the edge graphs are climbed from its vertices, and where no support
-point lies beyond and the origin's projection stays well inside, the facet is still the minimum of the overlap.
-Otherwise the pair is searched from nothing. A separated pair remembers the simplex next to the origin, and is not
-checked before the bodies can have closed the gap; then the same simplex mostly still shows one.
+In one step a grain moves about 1e-4 of its size. The remembered contact of an overlapping pair is the three support
+pairs of its facet of the Minkowski difference. The check computes the plane of the facet again and climbs the edge
+graphs from its vertices. If no support point is beyond the plane and the projection of the origin is well inside, the
+facet is still the minimum of the overlap. Otherwise the pair is searched anew. For a pair apart the simplex nearest to
+the origin is remembered. The pair is not checked before the bodies can have closed the gap; the same simplex then
+mostly still shows a gap.
 """
 
 from typing import NamedTuple
@@ -41,23 +42,25 @@ from simcore.dem.vectors import (
 )
 
 _take_points = scratch(types.float64, 4, 3)
-CHECK_TOLERANCE = 1e-11  # of the pair's size; wider than the search's, so that what it returns passes
+CHECK_TOLERANCE = 1e-11  # of the pair's size; wider than that of the search, so that results of the search pass
 INSIDE_TOLERANCE = 1e-9  # barycentric
-GAP_SLACK = 0.1  # a step only needs a certain gap; the last tenth of its length is not worth iterations
-CERTAIN_REACH = 2.0  # of the overlap: farther from its sides a facet is the nearest (docs/constants_contact.md)
+GAP_SLACK = 0.1  # a step needs a certain gap only; its last tenth is not worth further iterations
+# Distance in units of the overlap: if the projection of the origin is farther from the sides, the facet is the nearest
+# one (docs/constants_contact.md).
+CERTAIN_REACH = 2.0
 
 INVALID, APART, OVERLAPPING, UNCERTAIN = 0, 1, 2, 3
 
 
 class Judgement(NamedTuple):
-    """What a remembered facet shows."""
+    """The result of the check of a remembered facet."""
 
     verdict: int  # INVALID, APART (the overlap is minus a certain gap), OVERLAPPING or UNCERTAIN
     contact: Contact
 
 
 class SimplexGap(NamedTuple):
-    """What the simplex next to the origin shows of a pair apart."""
+    """The gap of a pair apart, from the simplex nearest to the origin."""
 
     gap: float  # [m], certain
     distance: float  # [m], of the simplex: an upper bound of the gap
@@ -66,17 +69,17 @@ class SimplexGap(NamedTuple):
 
 @leaf
 def facet_contact(shapes, bodies, pair, facet):
-    """Judge a remembered facet.
+    """Check a remembered facet: Judgement.
 
-    UNCERTAIN: a local minimum of the overlap so near to a side of the facet that another facet may show less: the
-    origin's projection is nearer to it than CERTAIN_REACH times the overlap.
+    UNCERTAIN: the facet is a local minimum of the overlap, but another facet may show less, because the projection of
+    the origin is nearer to a side of the facet than CERTAIN_REACH times the overlap.
     """
     at_0, at_1, at_2 = (
         vertex_of(shapes, bodies, pair.a, facet.a0),
         vertex_of(shapes, bodies, pair.a, facet.a1),
         vertex_of(shapes, bodies, pair.a, facet.a2),
     )
-    # The corners of the facet, its sides from the first, and its normal
+    # The corners p, q, s of the facet, its sides from p, and its normal
     p = minus(minus(at_0, vertex_of(shapes, bodies, pair.b, facet.b0)), pair.offset)
     q = minus(minus(at_1, vertex_of(shapes, bodies, pair.b, facet.b1)), pair.offset)
     s = minus(minus(at_2, vertex_of(shapes, bodies, pair.b, facet.b2)), pair.offset)
@@ -88,11 +91,11 @@ def facet_contact(shapes, bodies, pair, facet):
     normal = over(normal, area)
     depth = dot(normal, plus(plus(p, q), s)) / 3.0
     reach = dot(world_support(shapes, bodies, pair, facet.a0, facet.b0, normal).point, normal)
-    if reach <= 0.0:  # 0 too: a contact that ended must not keep the lead of its facet as if it were a gap
+    if reach <= 0.0:  # includes 0, so that the remembered lead of the facet is not taken for a gap
         return Judgement(APART, Contact(reach, normal, ZERO))
     if reach - depth > CHECK_TOLERANCE * pair.size:
         return Judgement(INVALID, Contact(0.0, normal, ZERO))
-    # Barycentric weights of the origin's projection: areas seen along the normal
+    # Barycentric weights of the origin's projection: areas projected along the normal
     w0, w1 = triple(q, s, normal) / area, triple(s, p, normal) / area
     w2 = 1.0 - w0 - w1
     if min(w0, w1, w2) < -INSIDE_TOLERANCE:
@@ -107,13 +110,13 @@ def facet_contact(shapes, bodies, pair, facet):
 
 @leaf
 def _too_near(double_area, far, side):
-    """Whether the point that spans such a triangle with the side is nearer to it than `far`."""
+    """Return whether a point that spans a triangle of this doubled area with the side is nearer to it than `far`."""
     return not (double_area > 0.0 and double_area * double_area >= far * far * squared(side))
 
 
 @leaf
 def _read_facet(contacts, p):
-    """The remembered facet of candidate pair p, as int64: of one type with what a search returns, compiled once."""
+    """Return the remembered facet of candidate pair p, as int64, the type that a search returns."""
     a0, a1, a2 = _vertex(contacts, p, 0), _vertex(contacts, p, 1), _vertex(contacts, p, 2)
     return Facet(a0, a1, a2, _vertex(contacts, p, 3), _vertex(contacts, p, 4), _vertex(contacts, p, 5))
 
@@ -131,19 +134,19 @@ def _write_facet(contacts, p, facet):
 
 @leaf
 def recheck(shapes, bodies, contacts, p, pair):
-    """Candidate pair p from its remembered contact: (whether that is certain, Contact).
+    """Check candidate pair p from its remembered contact: (whether the result is certain, Contact).
 
-    The pair is apart where the overlap is not positive. Not certain: the pair has to be searched, from the direction
-    and the vertices that are still remembered.
+    The pair is apart if the overlap is not positive. If the result is not certain, the pair must be searched; the
+    search starts from the remembered direction and vertices.
     """
     if contacts.touching[p] != 0:
         if contacts.facet[p, 1] < 0:
             return False, Contact(0.0, ZERO, ZERO)
         verdict, contact = facet_contact(shapes, bodies, pair, _read_facet(contacts, p))
-        if verdict == APART:  # the facet stays, as the simplex next to the origin
+        if verdict == APART:  # the facet is kept as the simplex nearest to the origin
             remember_apart(bodies, contacts, p, pair, -contact.overlap)
         if verdict == UNCERTAIN and still_apart(bodies, contacts, p, pair):
-            verdict = OVERLAPPING  # the search compared it with the others, and they cannot have caught up
+            verdict = OVERLAPPING  # the last search compared all facets, and no other can have become nearer since
         return verdict == OVERLAPPING or verdict == APART, contact
     if contacts.facet[p, 0] < 0:
         return False, Contact(0.0, ZERO, ZERO)
@@ -156,7 +159,7 @@ def recheck(shapes, bodies, contacts, p, pair):
 
 @leaf
 def _gap_of_simplex(shapes, bodies, contacts, p, pair):
-    """Gap from the remembered simplex of the Minkowski difference, which was next to the origin: SimplexGap."""
+    """Return the gap from the remembered simplex of the Minkowski difference nearest to the origin: SimplexGap."""
     points, facet = _take_points(), contacts.facet
     n = 1
     if facet[p, 1] >= 0:
@@ -186,7 +189,7 @@ def _gap_of_simplex(shapes, bodies, contacts, p, pair):
 
 @routine
 def search_contact(shapes, bodies, contacts, p, pair):
-    """Contact of candidate pair p by GJK and EPA."""
+    """Search the contact of candidate pair p by GJK and EPA."""
     a, b = _vertex(contacts, p, 0), _vertex(contacts, p, 3)
     if a < 0:
         a, b = shapes.vertex_start[bodies.shape[pair.a]], shapes.vertex_start[bodies.shape[pair.b]]
@@ -198,7 +201,7 @@ def search_contact(shapes, bodies, contacts, p, pair):
     if result.distance >= 0.0:
         remember_apart(bodies, contacts, p, pair, result.distance)
         return Contact(-result.distance, result.normal, ZERO)
-    # Support heights change by no more than the bodies move: half the lead for each of the two facets.
+    # Support heights change by no more than the bodies move, and both facets may change: hence half the lead.
     remember_apart(bodies, contacts, p, pair, 0.5 * result.lead)
     overlap = -result.distance
     return Contact(overlap, result.normal, facet_point(shapes, bodies, pair, overlap, result.normal, result.facet))
@@ -206,11 +209,11 @@ def search_contact(shapes, bodies, contacts, p, pair):
 
 @leaf
 def facet_point(shapes, bodies, pair, overlap, normal, facet):
-    """Contact point relative to a on a facet that the search returned: the origin's projection, kept inside it."""
+    """Return the contact point relative to a on a facet of the search: the projection of the origin, kept inside."""
     verdict, contact = facet_contact(shapes, bodies, pair, facet)
     if verdict == OVERLAPPING or verdict == UNCERTAIN:
         return contact.point
-    # Rounding put the projection outside a thin facet: the corner that it lies next to is as good.
+    # By rounding the projection is outside a thin facet; the corner nearest to it is used instead.
     least = _aside2(world_difference(shapes, bodies, pair, facet.a0, facet.b0), normal)
     corner = facet.a0
     for a, b in ((facet.a1, facet.b1), (facet.a2, facet.b2)):
@@ -222,6 +225,6 @@ def facet_point(shapes, bodies, pair, overlap, normal, facet):
 
 @leaf
 def _aside2(point, normal):
-    """Squared distance of a point from the line through the origin along the unit vector n."""
+    """Return the squared distance of a point from the line through the origin along the unit vector n."""
     along = dot(point, normal)
     return squared(point) - along * along

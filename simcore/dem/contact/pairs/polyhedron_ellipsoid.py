@@ -1,18 +1,20 @@
-"""Convex polyhedron against ellipsoid: by the common normal, from the remembered contact or from nothing.
+"""Contacts of a convex polyhedron and an ellipsoid by their common normal.
 
-The smooth body makes the contact a point that moves continuously, also where it rolls from a face over an edge: there
-is no patch. The ellipsoid's point along the normal is where they touch; the polyhedron's is less certain on flat faces.
+Because the ellipsoid is smooth, the contact is a point that moves continuously, also where the ellipsoid rolls from a
+face over an edge; there is no patch contact. The contact point is the point of the ellipsoid along the normal, because
+that of the polyhedron is less certain on flat faces.
 
-A pair remembers its normal and the corner, edge or face of the polyhedron that is touched. Within a step they change
-little: the normal of a face follows from its vertices, of an edge or a corner by one or two steps of Newton's
-iteration. Where the point still lies inside and no other vertex reaches farther, that is again the maximum of
-f(n) = n·r − h_polyhedron(n) − h_ellipsoid(n). Else the climb goes on from there (`polyhedron_ellipsoid_climb`).
+The remembered contact consists of the normal and the corner, edge or face of the polyhedron that is touched. They
+change little within a step. The normal of a face follows from its vertices, that of an edge or a corner from one or two
+steps of Newton's iteration. If the point is still inside and no other vertex reaches farther, the result is the maximum
+of f(n) = n·r − h_polyhedron(n) − h_ellipsoid(n). Otherwise the climb continues from there
+(`polyhedron_ellipsoid_climb`).
 
-A gap is concave in n and has one maximum. A maximum that is an overlap below the ellipsoid's rolling radius is the
-global one (`deep_overlap` says why), so a new contact needs no search as long as it is shallow; a deeper one is
-searched at every step.
+A gap is concave in n and has one maximum. A maximum whose overlap is below the rolling radius of the ellipsoid is the
+global one (`deep_overlap` explains why). A shallow new contact therefore needs no search; a deeper one is searched at
+every step.
 
-Either body of a pair may be the polyhedron; where it is body b, all is computed with the bodies exchanged.
+Either body of a pair may be the polyhedron; if it is body b, the computation exchanges the bodies.
 """
 
 import numpy as np
@@ -44,18 +46,18 @@ from simcore.dem.vectors import (
     triple,
 )
 
-ENOUGH_GAP = 0.02  # of the pair's size: a step needs no digits of a wider gap
-# Of the pair's size, as of ellipsoids: tangential distance of the two points that is left. f is flat there: its error
-# is the square of that over the radius of curvature.
+ENOUGH_GAP = 0.02  # of the pair's size: a step needs no accurate value of a wider gap
+# Of the pair's size, as for ellipsoids: tangential distance of the two points that is accepted. f is flat there: its
+# error is the square of this distance divided by the radius of curvature.
 BESIDE = 1e-11
-CHECK_TOLERANCE = 1e-12  # of the pair's size: by how much another vertex may reach farther; rounding is some 1e-15
+CHECK_TOLERANCE = 1e-12  # of the pair's size: by how much another vertex may reach farther; rounding is about 1e-15
 INSIDE_TOLERANCE = 1e-9  # barycentric
-ITERATIONS = 5  # of Newton's iteration; more is a case for the climb (docs/constants_contact.md)
+ITERATIONS = 5  # maximum number of Newton steps, after which the climb takes over (docs/constants_contact.md)
 
 
 @routine
 def search_normal(shapes, bodies, pair, enough):
-    """The feature at the global maximum of f from nothing, of polyhedron a and ellipsoid b.
+    """Search the feature at the global maximum of f, of polyhedron a and ellipsoid b.
 
     A gap f > enough ends the search early.
     """
@@ -72,7 +74,7 @@ def search_normal(shapes, bodies, pair, enough):
 
 @leaf
 def on_corner(m, pair, corner, normal):
-    """The ellipsoid on a corner of the polyhedron, from n: Summit of that corner's f."""
+    """Find the contact of the ellipsoid with a corner of the polyhedron, from n: Summit of f of that corner."""
     offset = minus(pair.offset, corner)
     for k in range(ITERATIONS + 1):
         point, height = surface_point(m, pair.b, normal)
@@ -97,9 +99,9 @@ def on_corner(m, pair, corner, normal):
 
 @leaf
 def on_edge(m, pair, corner, edge, normal):
-    """The ellipsoid on an edge of the polyhedron that begins at a corner, from n: Summit of f about the edge.
+    """Find the contact of the ellipsoid with an edge of the polyhedron from a corner, from n: Summit of f of the edge.
 
-    Not converged either where the ellipsoid's point is beyond the ends of the edge.
+    It is also not converged if the point of the ellipsoid is beyond the ends of the edge.
     """
     offset, reach = minus(pair.offset, corner), length(edge)
     for k in range(ITERATIONS + 1):
@@ -122,9 +124,10 @@ def on_edge(m, pair, corner, edge, normal):
 
 @leaf
 def on_face(m, pair, corner, edge, other, normal):
-    """The ellipsoid on a face of the polyhedron with two edges that begin at a corner: Summit of f, on n's side.
+    """Find the contact of the ellipsoid with a face of the polyhedron, on the side of n: Summit of f.
 
-    Not converged where the ellipsoid's point is beyond the sides of the face.
+    edge, other: two edges of the face from the corner. The result is not converged if the point of the ellipsoid is
+    beyond the sides of the face.
     """
     across = cross(edge, other)
     area = length(across)
@@ -141,9 +144,10 @@ def on_face(m, pair, corner, edge, other, normal):
 
 @routine
 def check_feature(shapes, bodies, pair, a, normal):
-    """Whether polyhedron a still touches ellipsoid b with its vertices a (3): the feature there, from n.
+    """Check whether polyhedron a still touches ellipsoid b with its vertices a (3): the feature there, from n.
 
-    Not converged: another vertex reaches farther, or the ellipsoid's point has left the corner, edge or face.
+    It is not converged if another vertex reaches farther or the point of the ellipsoid has left the corner, edge or
+    face.
     """
     m, a0, a1, a2 = bodies.form_matrix, a[0], a[1], a[2]
     corner = vertex_of(shapes, bodies, pair.a, a0)
@@ -163,10 +167,10 @@ def check_feature(shapes, bodies, pair, a, normal):
 
 @leaf
 def recheck(shapes, bodies, contacts, p, pair):
-    """Candidate pair p from its remembered contact: (whether that is certain, Contact).
+    """Check candidate pair p from its remembered contact: (whether the result is certain, Contact).
 
-    The pair is apart where the overlap is not positive. Not certain: nothing is remembered, the overlap need not be the
-    least, or the climb did not converge; then the pair has to be searched.
+    The pair is apart if the overlap is not positive. The result is not certain if there is no remembered contact, the
+    overlap may not be the least one, or the climb did not converge; the pair must then be searched.
     """
     a = np.int64(contacts.facet[p, 0]), np.int64(contacts.facet[p, 1]), np.int64(contacts.facet[p, 2])
     if a[0] < 0:
@@ -179,7 +183,7 @@ def recheck(shapes, bodies, contacts, p, pair):
     enough, top = np.inf, Feature(0.0, normal, False, ZERO, a[0], a[1], a[2])
     if contacts.touching[p] != 0:
         top = check_feature(shapes, bodies, ordered, a, normal)
-    else:  # a direction that still shows much of the gap searched last needs no better one
+    else:  # a direction that shows much of the gap of the last search suffices
         enough = -STILL_GAP * last
     if not top.converged:
         top = climb_feature(shapes, bodies, ordered, a[0], top.normal, enough)
@@ -195,7 +199,7 @@ def recheck(shapes, bodies, contacts, p, pair):
 
 @routine
 def search_contact(shapes, bodies, contacts, p, pair):
-    """Contact of candidate pair p, from nothing."""
+    """Search the contact of candidate pair p, without a remembered contact."""
     swapped = not is_hull(shapes, bodies, pair.a)
     ordered = pair
     if swapped:
@@ -203,19 +207,19 @@ def search_contact(shapes, bodies, contacts, p, pair):
     top = search_normal(shapes, bodies, ordered, ENOUGH_GAP * pair.size)
     contact = _conclude(bodies, contacts, p, pair, swapped, top)
     if not top.value >= -rolling_radius(bodies.form_matrix, bodies.rotation, ordered.b):
-        contacts.facet[p, 0] = -1  # the next step would not trust it
+        contacts.facet[p, 0] = -1  # so that the next step searches again
     return contact
 
 
 @leaf
 def _conclude(bodies, contacts, p, pair, swapped, top):
-    """Contact from the feature at the maximum of f, of the bodies exchanged where swapped. A gap is remembered."""
+    """Return the contact of the feature at the maximum of f, whose bodies are exchanged if swapped; remember a gap."""
     contacts.facet[p, 0], contacts.facet[p, 1], contacts.facet[p, 2] = top.a0, top.a1, top.a2
     ordered, normal = pair, top.normal
     if swapped:
         ordered, normal = exchanged(pair), negative(normal)
     on_ellipsoid, _ = surface_point(bodies.form_matrix, ordered.b, top.normal)
-    # From the polyhedron's centre to the middle between the two points, which are an overlap apart
+    # Vector from the centre of the polyhedron to the middle between the two points, which are `overlap` apart
     point = minus_scaled(minus(ordered.offset, on_ellipsoid), 0.5 * top.value, top.normal)
     if swapped:
         point = minus(point, ordered.offset)

@@ -6,9 +6,9 @@ from simcore.dem.vectors import Contact, Vec, length, over, scaled
 
 @leaf
 def touch(bodies, pair):
-    """Contact of two spheres; they are apart where its overlap is not positive.
+    """Return the contact of two spheres; they are apart if its overlap is not positive.
 
-    Concentric spheres separate along x: the direction is not unique there.
+    The normal of concentric spheres is not unique; x is returned.
     """
     radius_a, radius_b = bodies.scale[pair.a, 0], bodies.scale[pair.b, 0]
     distance = length(pair.offset)

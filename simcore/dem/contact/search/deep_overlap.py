@@ -1,15 +1,15 @@
-"""Deep overlap in which an ellipsoid takes part: the global least of many local ones.
+"""Deep overlaps of an ellipsoid with an ellipsoid or a polyhedron: the global minimum among several local ones.
 
 An overlap h(n), the support value of the Minkowski difference M, may have several local minima over the directions n.
-As in EPA a polytope grows inside M at its face nearest to the origin; here the local climb starts from every such face
-as well. The nearest face bounds the overlap from below, the best of the climbs from above, and where the two meet the
-answer is the global one, whatever M looks like. A ball that rolls inside M is taken off before (`roll`): what is left
-needs fewer faces.
+As in EPA, a polytope grows inside M at its face nearest to the origin; in addition, a local climb starts from every
+such face. The nearest face bounds the overlap from below and the best climb bounds it from above. Where the bounds
+meet, the result is the global minimum for any M. A ball that rolls inside M is subtracted first (`roll`), because the
+rest needs fewer faces.
 
-Shallow pairs need none of this. M is a sum of translates of an ellipsoid with semi-axes a >= b >= c, so a ball of
-radius c²/a rolls inside along all its boundary (Blaschke); two ellipsoids: the sum of both. At a stationary point with
-an overlap not larger than that radius the ball about the origin of radius overlap lies within the rolling ball there,
-and so in M: no direction has less.
+Shallow overlaps do not need this search. M is a union of translates of an ellipsoid with semi-axes a >= b >= c, so that
+a ball of radius c²/a rolls inside along its whole boundary (Blaschke); for two ellipsoids the radius is the sum of
+both. At a stationary point whose overlap is not larger than that radius, the ball about the origin with the radius of
+the overlap is inside the rolling ball, and therefore inside M: no direction has a smaller overlap.
 """
 
 import numpy as np
@@ -40,8 +40,8 @@ from simcore.dem.vectors import (
 )
 
 MAX_VERTICES = 320  # a capacity (docs/constants_contact.md#capacities-and-bounds-of-iterations)
-ROLLING = 0.99  # of the rolling radius, so that something is left of a sphere without the ball
-CERTAIN = 2e-9  # of the pair's size: how far the bounds may be apart
+ROLLING = 0.99  # of the rolling radius, so that a sphere minus the ball is not empty
+CERTAIN = 2e-9  # of the pair's size: accepted distance between the bounds
 
 _take_polytope = polytope_scratch(MAX_VERTICES, 2 * MAX_VERTICES)
 
@@ -53,15 +53,14 @@ def _semi_axis(m, rotation, i, axis):
 
 @leaf
 def rolling_radius(m, rotation, i):
-    """Least radius of curvature of ellipsoid i, (shortest semi-axis)² / longest; of a sphere a little less, so that
-    something is left without it."""
+    """Return the least radius of curvature of ellipsoid i, (shortest semi-axis)² / longest, times ROLLING."""
     a, b, c = _semi_axis(m, rotation, i, 0), _semi_axis(m, rotation, i, 1), _semi_axis(m, rotation, i, 2)
     return min(a, min(b, c)) ** 2 / max(a, max(b, c)) * ROLLING
 
 
 @leaf
 def start_normal(m, pair):
-    """Direction to start from: the normal of the ellipsoid with (M_a + M_b), much like both together, towards r.
+    """Return a start direction: the normal towards r of the ellipsoid with M_a + M_b, which resembles both together.
 
     The inverse is applied by the cofactors of the sum.
     """
@@ -73,7 +72,7 @@ def start_normal(m, pair):
         (e * f - c * d) * r.x + (a * c - e * e) * r.y + (d * e - a * f) * r.z,
         (d * f - b * e) * r.x + (d * e - a * f) * r.y + (a * b - d * d) * r.z,
     )
-    # Towards r: an overlap seen from behind is a local maximum of no use, so the rounding of thin pairs is kept out.
+    # The direction must point towards r, because the far side has a useless local maximum; thin pairs may round there.
     if not dot(normal, r) > 0.0:
         return direction_of(r)
     return direction_of(normal)
@@ -81,14 +80,14 @@ def start_normal(m, pair):
 
 @routine
 def climb_from(m, pair, normal, enough):
-    """`climb_normal`, as a call."""
+    """Call `climb_normal`; this routine is compiled as a function of its own, not inlined."""
     return climb_normal(m, pair, normal, enough)
 
 
 def _make_support(polyhedron: bool):
     @leaf
     def support(shapes, bodies, pair, roll, v, normal):
-        """Support point of M less the ball, along n: (the polyhedron's vertex, climbed to from v, the point)."""
+        """Return the support along n of M minus the ball: (vertex of the polyhedron, by a climb from v, the point)."""
         point_b, _ = surface_point(bodies.form_matrix, pair.b, normal)
         if polyhedron:
             v = support_vertex_along(shapes, bodies, pair.a, v, normal)
@@ -107,7 +106,7 @@ _support_of_mixed = _make_support(True)
 def _make_tetrahedron(polyhedron: bool):
     @leaf
     def tetrahedron_in(shapes, bodies, pair, roll, v, normal, points):
-        """Fill points 0 to 3 from a direction: along it and back, then as far to either side as M reaches; vertex v."""
+        """Store support points 0 to 3: along the direction and against it, then the farther ones sideways; return v."""
         if polyhedron:
             support = _support_of_mixed
         else:
@@ -138,10 +137,10 @@ _tetrahedron_of_mixed = _make_tetrahedron(True)
 def _make_least(polyhedron: bool):
     @routine
     def least(shapes, bodies, pair, roll, start):
-        """The global maximum of f, minus the least overlap, from where a climb has ended. A gap ends the search.
+        """Search the global maximum of f, which is minus the least overlap, from the end of a climb.
 
-        Of polyhedron a and ellipsoid b start and result are a Feature, of two ellipsoids a Summit. roll: radius of a
-        ball that rolls inside M; the polytope grows in M less that ball.
+        A gap ends the search. start and result: a Feature for polyhedron a and ellipsoid b, a Summit for two
+        ellipsoids. roll: radius of a ball that rolls inside M; the polytope grows in M minus that ball.
         """
         polytope, best, v = _take_polytope(), start, 0
         points, size = polytope.points, pair.size

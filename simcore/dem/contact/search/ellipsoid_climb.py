@@ -1,4 +1,4 @@
-"""Support function of ellipsoids, and the climb to a direction in which the gap that it shows is largest.
+"""Support function of ellipsoids, and the climb to the direction of the largest gap.
 
 f(n) = n·r − h_A(n) − h_B(n) with h(n) = √(nᵀ M n), M = R diag(s²) Rᵀ.
 """
@@ -10,13 +10,13 @@ import numpy as np
 from simcore.compilation import leaf, routine
 from simcore.dem.vectors import Vec, basis, dot, length, minus, over, plus_scaled
 
-TOLERANCE = 1e-11  # of the pair's size: tangential distance of the two surface points that is left
+TOLERANCE = 1e-11  # of the pair's size: tangential distance of the two surface points that is accepted
 ITERATIONS = 60
 SETTLINGS = 10
 
 
 class Summit(NamedTuple):
-    """Where a climb ended."""
+    """The end of a climb."""
 
     value: float  # [m], f: a gap, or minus an overlap
     normal: Vec
@@ -25,7 +25,7 @@ class Summit(NamedTuple):
 
 @leaf
 def image(m, i, v):
-    """M v of body i."""
+    """Return M v of body i."""
     return Vec(
         m[i, 0] * v.x + m[i, 3] * v.y + m[i, 4] * v.z,
         m[i, 3] * v.x + m[i, 1] * v.y + m[i, 5] * v.z,
@@ -35,13 +35,13 @@ def image(m, i, v):
 
 @leaf
 def support_height(m, i, normal):
-    """h(n) of body i: how far it reaches along n from its centre."""
+    """Return h(n) of body i, its extent along n from its centre."""
     return np.sqrt(dot(normal, image(m, i, normal)))
 
 
 @leaf
 def surface_point(m, i, normal):
-    """Returns the point of ellipsoid i that is farthest along n, from its centre, and its height h(n)."""
+    """Return the point of ellipsoid i farthest along n, relative to its centre, and its height h(n)."""
     point = image(m, i, normal)
     height = np.sqrt(dot(normal, point))
     return over(point, height), height
@@ -49,13 +49,13 @@ def surface_point(m, i, normal):
 
 @leaf
 def gap_along(m, pair, normal):
-    """f(n): the gap that the direction n shows, negative where it shows an overlap."""
+    """Return f(n), the gap along the direction n, negative for an overlap."""
     return dot(normal, pair.offset) - support_height(m, pair.a, normal) - support_height(m, pair.b, normal)
 
 
 @leaf
 def curvatures(m, i, p, q, point, height):
-    """Second derivatives of h of ellipsoid i along the tangents p and q at n: (pp, qq, pq).
+    """Return the second derivatives of h of ellipsoid i along the tangents p and q at n: (pp, qq, pq).
 
     They are the tangential part of M/h − (M n)(M n)ᵀ/h³. point, height: those of `surface_point` along n.
     """
@@ -70,7 +70,7 @@ def curvatures(m, i, p, q, point, height):
 
 @leaf
 def made_positive(kpp, kqq, kpq):
-    """The diagonal (pp, qq) of a symmetric matrix, shifted until the matrix is positive definite."""
+    """Return the diagonal (pp, qq) of a symmetric matrix, shifted so that the matrix is positive definite."""
     mean, spread = 0.5 * (kpp + kqq), np.sqrt(0.25 * (kpp - kqq) ** 2 + kpq * kpq)
     smaller, largest = mean - spread, max(abs(mean - spread), abs(mean + spread))
     if smaller < 1e-6 * largest:
@@ -80,24 +80,24 @@ def made_positive(kpp, kqq, kpq):
 
 @leaf
 def solved(kpp, kqq, kpq, gp, gq):
-    """K⁻¹ g of a symmetric matrix and a vector in two dimensions."""
+    """Return K⁻¹ g of a symmetric matrix and a vector in two dimensions."""
     det = kpp * kqq - kpq * kpq
     return (kqq * gp - kpq * gq) / det, (kpp * gq - kpq * gp) / det
 
 
 @leaf
 def turned(normal, sp, p, sq, q):
-    """The unit vector along n + s_p p + s_q q."""
+    """Return the unit vector along n + s_p p + s_q q."""
     v = plus_scaled(plus_scaled(normal, sp, p), sq, q)
     return over(v, length(v))
 
 
 @leaf
 def climb_normal(m, pair, normal, enough):
-    """Summit of f, climbed to from n: a local maximum. A gap f > enough ends the climb early.
+    """Climb from n to a local maximum of f: Summit. A gap f > enough ends the climb early.
 
-    Newton's iteration on the sphere. Where the Hessian does not belong to a maximum it is shifted until it does, and a
-    step that loses height is halved, so every step climbs.
+    This is Newton's iteration on the sphere. A Hessian that does not belong to a maximum is shifted until it does, and
+    a step that reduces f is halved, so that every step climbs.
     """
     value = gap_along(m, pair, normal)
     for _ in range(ITERATIONS):
@@ -133,10 +133,10 @@ def climb_normal(m, pair, normal, enough):
 
 @routine
 def settle_normal(m, pair, normal):
-    """The normal, from where a climb ended: Newton's iteration for a vanishing slope, while it reduces the slope.
+    """Refine the normal at the end of a climb by Newton's iteration for a vanishing slope, while the slope decreases.
 
-    The climb ends where f, flat at its maximum, is at it to rounding; the points of flat ellipsoids still move then by
-    some 1e-7 of their size. No step changes f by more than rounding: those that would are left out.
+    f is flat at its maximum, so that a climb ends at the maximum to rounding, where the points of flat ellipsoids may
+    still move by about 1e-7 of their size. No step changes f by more than rounding; larger steps are left out.
     """
     last, settled = np.inf, normal
     for _ in range(SETTLINGS):
@@ -156,7 +156,7 @@ def settle_normal(m, pair, normal):
         if not (kpp * kqq - kpq * kpq > 0.0 and kpp > 0.0):
             return settled
         sp, sq = solved(kpp, kqq, kpq, gp, gq)
-        if sp * sp + sq * sq > 1e-6:  # not near the end: the climb stopped for another reason
+        if sp * sp + sq * sq > 1e-6:  # not near the maximum: the climb stopped for another reason
             return settled
         normal = turned(normal, sp, p, sq, q)
     return settled
