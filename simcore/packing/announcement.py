@@ -1,4 +1,4 @@
-"""What is said while the step of a packing is compiled."""
+"""The progress line that a packing reports while its step is compiled."""
 
 from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
 from simcore.dem.state.features import Features
@@ -14,7 +14,7 @@ WORDS = {
 
 
 def announcement(features: Features) -> str:
-    """A sentence for who waits while the step with these features is compiled."""
+    """Return a sentence that says what is compiled and how long it takes, for the step with these features."""
     friction = "with" if features.friction or features.sliding else "without"
     return (
         f"Compiling the step for {WORDS[features.kind]} {friction} friction, once; this takes about "

@@ -1,4 +1,4 @@
-"""Compiling the steps of packings ahead of time, so that no two packings at once compile the same."""
+"""Compile the steps of packings ahead of time, so that packings which start together do not compile the same step."""
 
 import numpy as np
 
@@ -10,10 +10,10 @@ from simcore.scene.setup import set_up
 
 
 def compile_steps(specifications, report) -> int:
-    """Compile each step that the packings of these resolved specifications need; returns how many there are.
+    """Compile each step that the packings of these resolved specifications need; return the number of steps.
 
-    Those in the cache on disk are left as they are. report(text): called before one is compiled. No grain is read: what
-    is compiled does not depend on grains, so a cuboid takes their place.
+    A step that the cache on disk has is not compiled again. report(text): called before a step is compiled. No grain
+    file is read: the compiled code does not depend on the grains, so a cuboid takes their place.
     """
     compiled = set()
     for specification in specifications:
@@ -26,7 +26,7 @@ def compile_steps(specifications, report) -> int:
 
 
 def compile_step(setup, report) -> None:
-    """Compile all that the steps of a packing need, with two grains that touch nothing."""
+    """Compile all functions that the steps of a packing call, by stepping two grains that touch nothing."""
     process = Process(setup.scene, setup.bases, setup.draw, report)
     drawn = setup.draw(np.arange(2))
     position = np.zeros((2, 3))
@@ -47,12 +47,12 @@ def compile_step(setup, report) -> None:
         ),
         float(drawn.sieve_size.mean()),
     )
-    process.list_candidates()  # a second list also takes over what is remembered
+    process.list_candidates()  # only a second listing compiles the code that takes over remembered contacts
     process.evaluate()
 
 
 def _with_any_grain(specification):
-    """The specification with a grain by any name where one by its name is chosen."""
+    """Return the specification with a random choice of grains instead of one grain chosen by its name."""
     shapes = specification["shapes"]
     if shapes["choice"] != "one":
         return specification

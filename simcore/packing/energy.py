@@ -1,4 +1,4 @@
-"""Mechanical energy of a packing: of motion, height and springs."""
+"""Mechanical energy of a packing: kinetic energy, potential energy of the height, and energy of the springs."""
 
 from typing import NamedTuple
 
@@ -10,19 +10,19 @@ from simcore.dem.state.contacts import CandidatePairs
 
 
 class TotalEnergy(NamedTuple):
-    """Of all bodies together [J]."""
+    """Energy of all bodies together [J]."""
 
-    moving: float  # of motion and springs
+    moving: float  # kinetic energy and energy of the springs
     height: float
-    distance: float  # as height, each body's taken positive: the measure of its rounding
+    distance: float  # sum of the absolute values of the bodies' height energies: the scale of their round-off
 
 
 class Energy(NamedTuple):
-    """Each body's share (n,) [J]; of a contact's spring half is each body's."""
+    """Energy of each body (n,) [J]; each body of a contact gets half of the spring's energy."""
 
-    motion: np.ndarray  # of translation and rotation
-    height: np.ndarray  # above the floor, of the weight less buoyancy
-    springs: np.ndarray  # of normal springs; the tangential ones are not counted
+    motion: np.ndarray  # kinetic energy of translation and rotation
+    height: np.ndarray  # energy of the weight less buoyancy, above the floor
+    springs: np.ndarray  # energy of normal springs; tangential springs are not counted
 
     @property
     def total(self) -> float:
@@ -30,10 +30,11 @@ class Energy(NamedTuple):
 
 
 def mechanical_energy(bodies: Bodies, candidates: CandidatePairs, law, gravity: float, dt: float = 0.0) -> Energy:
-    """Energy of a state whose forces have been evaluated (a step of dt = 0). law: ContactLaw or HertzLaw.
+    """Return the Energy of a state whose forces have been evaluated (a step of dt = 0). law: ContactLaw or HertzLaw.
 
-    dt: the step [s]. Semi-implicit Euler is leapfrog whose velocities are known half a step before the positions;
-    they are brought up to them, so that the energy is seen at second order. With 0 they are taken as they stand.
+    dt: time step [s]. Semi-implicit Euler is a leapfrog scheme whose velocities lag the positions by half a step. The
+    velocities are advanced by half a step, so that the energy is accurate to second order. With dt = 0 they are used
+    unchanged.
     """
     n = len(bodies.mass)
     contacts, walls = candidates
@@ -63,7 +64,7 @@ def mechanical_energy(bodies: Bodies, candidates: CandidatePairs, law, gravity: 
 
 
 def spring_energy(bodies: Bodies, candidates: CandidatePairs, law) -> np.ndarray:
-    """Energy (n,) [J] of the springs of contacts, tangential ones and twisted patches too; half is each body's."""
+    """Return the energy (n,) [J] of normal and tangential springs and twisted patches; each body gets half."""
     energy = np.zeros(len(bodies.mass))
     contacts, walls = candidates
     p, w = np.flatnonzero(contacts.touching), np.flatnonzero(walls.touching)
@@ -79,12 +80,13 @@ def spring_energy(bodies: Bodies, candidates: CandidatePairs, law) -> np.ndarray
 
 
 def _stretch(rows, normal, mass, p, law, share):
-    """Sum (k,) [m²] of the squares of the springs of rows p, each as stiff as the normal one. mass (k,): effective.
+    """Return the sum (k,) [m²] of the squared springs of rows p, scaled to the stiffness of the normal spring.
 
-    share: of the square of the overlap, that counts.
+    mass (k,): effective masses. share: factor on the squared overlap.
 
-    Tangential ones count as far as friction can hold them: where a contact slips at u the cut-back leaves d u / k in
-    the spring, 1.4 times the energy of that motion at e = 0.1, of which nothing comes back.
+    A tangential spring counts only as far as friction can hold it. If a contact slips at speed u, cutting the spring
+    back to the friction limit leaves d u / k in it: 1.4 times the energy of that motion at e = 0.1, which is never
+    released.
     """
     square = share * rows.overlap[p] ** 2
     if len(rows.spring):

@@ -1,5 +1,4 @@
-"""What can be said of a packing before its first step: how long a step its grains bear, how deep impacts go, whether
-grains have room to lie."""
+"""Estimates before the first step of a packing: steps per contact time, depth of impacts, and fit into the domain."""
 
 from typing import NamedTuple
 
@@ -15,26 +14,26 @@ from simcore.scene.impact import impact_depth, sphere_radius
 from simcore.scene.scene import GRAINS, Scene
 from simcore.scene.shapes import Base, grain_volumes
 
-# ASSUME: force on a grain at the floor over the pressure of the whole bed on its cross-section. Forces scatter about
-# exponentially; few of a grain's contacts carry more than four times the mean.
+# ASSUME: ratio of the force on a grain at the floor to the pressure of the whole bed on its cross-section. Forces are
+# distributed about exponentially: few of a grain's contacts carry more than four times the mean.
 UNEVEN_FORCES = 4.0
-DEEP_IMPACT = 0.5  # of the thinnest grain's half thickness: a second grain that falls on the first doubles it
+DEEP_IMPACT = 0.5  # share of the thinnest grain's half thickness: a second grain that falls on top doubles the overlap
 
-BACKING_STEPS = 400  # in a contact time
+BACKING_STEPS = 400  # steps per contact time of the integration in `backing`
 
 
 class Expectation(NamedTuple):
-    """Of a scene with its grains."""
+    """Estimates for a scene with its grains."""
 
     stability: Estimate
-    fall_speed: float  # [m/s], of a grain through the whole domain
-    impact_depth: float  # [m], overlap of a grain of that speed
+    fall_speed: float  # [m/s], of a grain that has fallen through the whole domain
+    impact_depth: float  # [m], overlap when a grain hits at that speed
     half_thickness: float  # [m], of the thinnest grain
     longest: float  # [m], largest axis of a grain
 
 
 def expect(scene: Scene, bases: list[Base], draw) -> Expectation:
-    """Expectation from the first GRAINS grains of the packing; draw as `pack` takes it."""
+    """Return the Expectation from the first GRAINS grains of the packing. draw: as for `pack`."""
     drawn = draw(np.arange(min(GRAINS, scene.amount_grains or GRAINS)))
     stability = _estimate_stability(scene, bases, drawn)
     moments = np.array([base.second_moments for base in bases])[drawn.shape] * drawn.scale**2
@@ -46,7 +45,11 @@ def expect(scene: Scene, bases: list[Base], draw) -> Expectation:
 
 
 def _estimate_stability(scene, bases, drawn) -> Estimate:
-    """Of law hertz: expected with the contacts of a bed at rest, cautious with all as deep as the deepest impact."""
+    """Return the Estimate of the steps per contact time.
+
+    With law hertz, `expected` uses the contacts of a bed at rest, and `cautious` assumes that all contacts are as deep
+    as the deepest impact.
+    """
     composition = compose(scene)
     grains = composition.features.friction, bases, drawn.shape, drawn.scale
     law = composition.continuous_law
@@ -59,7 +62,7 @@ def _estimate_stability(scene, bases, drawn) -> Estimate:
 
 
 def overlap_at_rest(scene: Scene, bases: list[Base], drawn) -> float:
-    """Largest overlap [m] that a contact of law hertz between two of the least grains bears at the floor."""
+    """Return the largest overlap [m] of a contact of law hertz between two of the smallest grains at the floor."""
     material, least = scene.material, scene.hertzian.least_mass
     mass = scene.amount_mass or scene.amount_grains * material.density * float(grain_volumes(bases, drawn).mean())
     radius = sphere_radius(least, material.density)
@@ -68,34 +71,36 @@ def overlap_at_rest(scene: Scene, bases: list[Base], drawn) -> float:
 
 
 def fall_speed(scene: Scene) -> float:
-    """Speed [m/s] of a grain that has fallen through the domain from its birth."""
+    """Return the speed [m/s] of a grain that has fallen through the domain since its insertion."""
     return speed_after(scene.generation, scene.domain.height, scene.material.effective_gravity)
 
 
 def depth_of_impact(scene: Scene, speed, mass):
-    """Overlap [m] of a grain of that mass [kg], unused by the linear law, that meets the floor at speed."""
+    """Return the overlap [m] of a grain that hits the floor at `speed` [m/s]. mass [kg]: not used by the linear law."""
     if scene.hertzian is None:
         return speed * relative_depth(compose(scene).continuous_law)
     return impact_depth(scene.hertzian.modulus, mass, sphere_radius(mass, scene.material.density), speed)
 
 
 def relative_depth(law: ContactLaw) -> float:
-    """Largest overlap of an impact over its speed [s]: exp(-β t) sin(ω t) / ω at tan(ω t) = ω / β."""
+    """Return the largest overlap of an impact over its speed [s]: exp(-β t) sin(ω t) / ω at tan(ω t) = ω / β."""
     rate, beta = np.pi / contact_time(law), 0.5 * law.damping
     phase = np.arctan2(rate, beta)
     return float(np.exp(-beta / rate * phase) * np.sin(phase) / rate)
 
 
 def backing(scene: Scene) -> float:
-    """Overlap of an impact on a grain as heavy that lies on the floor, over that on a free one (`depth_of_impact`).
+    """Return the ratio of two overlaps: impact on an equally heavy grain on the floor, and `depth_of_impact`.
 
-    Of law hertz 1: its impact on the floor is already 2^(1/5) times deeper than one between two such grains.
+    With law hertz the ratio is 1: `depth_of_impact` is an impact on the floor, which is 2^(1/5) times deeper than one
+    between two such grains.
     """
     if scene.hertzian is not None:
         return 1.0
     law = compose(scene).continuous_law
     stiffness, damping = law.stiffness, law.damping
-    # Ways down of the upper and the lower grain and their speeds; between the two half a grain's mass is effective.
+    # State: downward displacements of the upper and the lower grain, then their speeds. The effective mass between the
+    # two grains is half a grain's mass.
     rates = np.zeros((4, 4))
     rates[:2, 2:] = np.eye(2)
     rates[2:, :2] = stiffness * np.array([[-0.5, 0.5], [0.5, -1.5]])
@@ -109,27 +114,27 @@ def backing(scene: Scene) -> float:
 
 
 def warnings(scene: Scene, expected: Expectation) -> list[str]:
-    """Return a sentence or two for each thing that may go wrong."""
+    """Return a warning of one or two sentences for each thing that may go wrong."""
     lines = []
     steps, needed = scene.numerics.steps_per_contact_time, expected.stability
     if needed.expected > steps:
         lines.append(
             f"{steps:g} steps per contact time are fewer than the {needed.expected:.1f} that a bed of such grains is "
-            f"expected to need: grains with many contacts would jitter in them and take up energy until they slip or "
-            f"part, and the bed may not come to rest. Raise numerics.steps_per_contact_time."
+            f"expected to need. Grains with many contacts would vibrate and gain energy until the contacts slip or "
+            f"open, and the bed may not come to rest. Raise numerics.steps_per_contact_time."
         )
     if expected.impact_depth > DEEP_IMPACT * expected.half_thickness:
         lines.append(
-            f"A grain that falls through the domain arrives at {expected.fall_speed:.2g} m/s and sinks "
-            f"{expected.impact_depth * 1e3:.2g} mm into another, where the thinnest grain is "
+            f"A grain that falls through the domain arrives at {expected.fall_speed:.2g} m/s and overlaps another by "
+            f"{expected.impact_depth * 1e3:.2g} mm, while the thinnest grain is "
             f"{2e3 * expected.half_thickness:.2g} mm thick. {stiffening_advice(scene)} Impacts also become shallower "
             f"if grains fall less far."
         )
     width = scene.domain.width
     if expected.longest > width:
-        beside = "comes to lie beside itself" if scene.domain.type == "periodic" else "cannot lie flat"
+        effect = "can touch its own periodic image" if scene.domain.type == "periodic" else "cannot lie flat"
         lines.append(
             f"The longest grain, {expected.longest * 1e3:.3g} mm, is longer than the domain is wide, "
-            f"{width * 1e3:.3g} mm, and {beside}; widen domain.width."
+            f"{width * 1e3:.3g} mm, and {effect}. Raise domain.width."
         )
     return lines

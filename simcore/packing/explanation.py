@@ -1,4 +1,4 @@
-"""What a packing will compute, and what it will cost, said without running it."""
+"""Report of `explain`: what a packing computes and what it costs, without running it."""
 
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ from simcore.scene.scene import GRAINS, Scene
 from simcore.scene.setup import Setup
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
 
-# Of each kind of scene what its step does, and what the steps of other kinds leave out.
+# For each kind of scene: what its step includes, and what the steps of the other kinds leave out.
 KINDS = {
     SPHERE: ("spheres, contacts in closed form", "spheres in closed form"),
     ELLIPSOID: ("ellipsoids, contacts by Newton from the last normal", "ellipsoids"),
@@ -30,24 +30,24 @@ KINDS = {
 
 
 class Cost(NamedTuple):
-    """What a packing is estimated to need, from its grains themselves."""
+    """Estimated needs of a packing, computed from its grains."""
 
     packing: PackingCost
     mass: float  # [kg]
     bytes_per_grain: int
     bytes_per_pair: int
-    memory: float  # [bytes], of all arrays of the core
+    memory: float  # [bytes], all arrays of simcore.dem
 
 
 def parts(features: Features) -> tuple[list[str], list[str]]:
-    """What a step with these features does, and what it leaves out, in words."""
-    has = [KINDS[features.kind][0]] + [text for there, text, _ in PARTS if there(features)]
+    """Return what a step with these features includes, and what it leaves out, in words."""
+    has = [KINDS[features.kind][0]] + [text for included, text, _ in PARTS if included(features)]
     lacks = [text for kind, (_, text) in KINDS.items() if kind != features.kind]
-    return has, lacks + [text for there, _, text in PARTS if not there(features)]
+    return has, lacks + [text for included, _, text in PARTS if not included(features)]
 
 
 def estimate_cost(setup: Setup, sample=None) -> Cost:
-    """Return the Cost of a packing. sample: all its grains, where they have been drawn already."""
+    """Return the Cost of a packing. sample: all its grains, if they have been drawn already."""
     scene = setup.scene
     volumes = (draw_packing(setup) if sample is None else sample).volume
     n = len(volumes)
@@ -65,15 +65,15 @@ def estimate_cost(setup: Setup, sample=None) -> Cost:
 
 def _pour(setup: Setup, volumes) -> Pour:
     """Return the Pour of the grains of these volumes (n,) [m³]."""
-    some = setup.draw(np.arange(min(len(volumes), GRAINS)))
+    drawn = setup.draw(np.arange(min(len(volumes), GRAINS)))
     generation = setup.scene.generation
-    height = 2.0 * extents(setup.bases, some, generation.orientation == "random")[1].mean()
-    reach = extents(setup.bases, some, True)[0]
+    height = 2.0 * extents(setup.bases, drawn, generation.orientation == "random")[1].mean()
+    reach = extents(setup.bases, drawn, True)[0]
     return Pour(len(volumes), lambda n: float(volumes[:n].sum()), height, reach)
 
 
 def explain(setup: Setup) -> str:
-    """Lines on what the packing of `setup` computes, costs, and how far it is from its limits."""
+    """Return the text of `explain`: what the packing of `setup` computes and costs, and its margins to the limits."""
     scene, sample = setup.scene, draw_packing(setup)
     estimated = estimate_cost(setup, sample)
     cost = estimated.packing
@@ -99,8 +99,8 @@ def explain(setup: Setup) -> str:
         f"{scene_step_cost(scene):.3g} µs per grain and step",
         "            Compiling takes a minute or two more where a step of this kind has not run before",
         f"Memory      {_size(estimated.memory)} of arrays: {estimated.bytes_per_grain} bytes per grain, and "
-        f"{estimated.bytes_per_pair} per candidate pair, of which a grain has about "
-        f"{CANDIDATE_PAIRS[WORDS[scene.kind]]:g}",
+        f"{estimated.bytes_per_pair} per candidate pair; a grain has about "
+        f"{CANDIDATE_PAIRS[WORDS[scene.kind]]:g} candidate pairs",
         *_stability_lines(scene, expected),
         *(f"Warning     {text}" for text in warnings(scene, expected)),
         *(f"Warning     {text}" for text in setup_warnings(setup, sample)),
@@ -129,23 +129,24 @@ def _stability_lines(scene: Scene, expected: Expectation) -> list[str]:
 
 
 def _hertz_lines(scene: Scene) -> list[str]:
-    """What follows from the stiffness that was asked for."""
-    found = scene.hertzian
-    if found is None:
+    """Return lines on the Hertzian contacts that follow from the specified stiffness."""
+    hertzian = scene.hertzian
+    if hertzian is None:
         return []
     material = scene.material
     return [
-        f"Contacts    The stiffness (4/3) E* is {found.modulus:.3g} Pa, the damping time {found.damping_time:.3g} s",
+        f"Contacts    The stiffness (4/3) E* is {hertzian.modulus:.3g} Pa, the damping time "
+        f"{hertzian.damping_time:.3g} s",
         f"            Two mean grains that meet at {material.restitution_speed:g} m/s have a restitution of "
         f"{material.restitution:g}, slower ones a higher one",
-        f"            The contact time of {found.duration:.3g} s is that of the smallest grains after a fall through "
-        f"the domain,",
-        f"            which sink {1e3 * found.deepest:.2g} mm into each other; gentler contacts last longer",
+        f"            The contact time of {hertzian.duration:.3g} s is that of the smallest grains after a fall "
+        f"through the domain,",
+        f"            which sink {1e3 * hertzian.deepest:.2g} mm into each other; gentler contacts last longer",
     ]
 
 
 def _sliding_lines(scene: Scene) -> list[str]:
-    """What friction without history does."""
+    """Return lines on friction without history."""
     sliding = compose(scene).features.sliding
     if not sliding:
         return []
@@ -158,7 +159,7 @@ def _sliding_lines(scene: Scene) -> list[str]:
 
 
 def _bytes_per_grain(setup: Setup) -> int:
-    """Of the arrays of Bodies in a scene of this kind."""
+    """Return the bytes per grain of the arrays of Bodies in a scene of this kind."""
     drawn = setup.draw(np.arange(1))
     zero = np.zeros((1, 3))
     upright = [[1.0, 0.0, 0.0, 0.0]]

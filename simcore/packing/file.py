@@ -1,4 +1,4 @@
-"""A packing and its netCDF file (CF conventions): positions, shapes, contacts, and where it comes from."""
+"""The netCDF file of a packing (CF conventions): positions, shapes, contacts and provenance."""
 
 import fcntl
 import functools
@@ -19,17 +19,17 @@ from simcore.paths import ROOT
 from simcore.scene.scene import Scene
 from simcore.scene.shapes import Base
 
-FLOOR_PARTNER, CYLINDER_PARTNER = -1, -2  # stand where a contact has a wall as second body
+FLOOR_PARTNER, CYLINDER_PARTNER = -1, -2  # numbers of the second body if a contact is with a wall
 
 
 def packing_dataset(
     scene: Scene, bases: list[Base], packed: Packed, sample, specification: dict, curve=None, **attributes
 ):
-    """Packing as an xarray Dataset, all there is to evaluate it and to know how it came about.
+    """Return a packing as an xarray Dataset, with all that is needed to evaluate it and to trace how it was made.
 
-    sample: the GrainSample of all its grains. specification: resolved, of which `scene` was made. curve: of its sizes;
-    of a SieveCurve the file stores the mass fractions asked for and drawn. attributes: further ones, such as
-    cpu_seconds. Centres are wrapped into the periodic box, and images with them.
+    sample: the GrainSample of all its grains. specification: the resolved one from which `scene` was made. curve: of
+    its sizes; for a SieveCurve the file stores the specified and the drawn mass fractions. attributes: further ones,
+    such as cpu_seconds. Centres are wrapped into the periodic box, and the images of contacts are adjusted to this.
     """
     bodies = packed.bodies
     width = scene.domain.width if scene.domain.periodic else 0.0
@@ -38,7 +38,7 @@ def packing_dataset(
         shift[:] = np.floor(bodies.position[:, :2] / width)
     position = bodies.position.copy()
     position[:, :2] -= shift * width
-    # Spheres carry none
+    # Spheres have no orientation.
     orientation = bodies.orientation if len(bodies.orientation) else np.tile([1.0, 0.0, 0.0, 0.0], (len(shift), 1))
     grain, xyz = "grain", ("grain", "xyz")
     data = {
@@ -55,7 +55,7 @@ def packing_dataset(
     }
     data |= _sieve_variables(curve, sample) if isinstance(curve, SieveCurve) else {}
     data |= _shape_variables(bases) | _contact_variables(packed, shift, width) | _history_variables(packed)
-    seen = packed.observation
+    observed = packed.observation
     attrs = {
         "Conventions": "CF-1.11",
         "title": f"Packing {scene.name}",
@@ -73,9 +73,9 @@ def packing_dataset(
         "steps": packed.steps,
         "time": packed.time,
         "last_insertion": packed.last_insertion,
-        "max_speed": seen.max_speed,
-        "unbalanced_force": seen.unbalanced_force,
-        "kinetic_energy": seen.kinetic_energy,
+        "max_speed": observed.max_speed,
+        "unbalanced_force": observed.unbalanced_force,
+        "kinetic_energy": observed.kinetic_energy,
         **_stability_attributes(packed.stability),
         **attributes,
     }
@@ -83,7 +83,7 @@ def packing_dataset(
 
 
 def _stability_attributes(stability):
-    """How far the time step was from what the grains bear; a margin below 1 is beyond the limit."""
+    """Return attributes that compare the time step with its limits; a margin below 1 exceeds the limit."""
     if stability is None:
         return {}
     return {
@@ -98,40 +98,42 @@ def _stability_attributes(stability):
 
 
 def write_packing(path, packing: xr.Dataset) -> None:
-    """Write under a temporary name and rename: half a file never bears the final name. OSError says why it failed."""
+    """Write under a temporary name and rename, so that `path` is never incomplete. OSError if this fails."""
     path = Path(path)
     part = path.with_name(path.name + ".part")
     try:
         packing.to_netcdf(part, engine="netcdf4")
         os.replace(part, path)
-    except (OSError, RuntimeError) as error:  # the netCDF library tells of a full disk by a RuntimeError
+    except (OSError, RuntimeError) as error:  # the netCDF library raises RuntimeError on a full disk
         part.unlink(missing_ok=True)
-        raise OSError(f"{path} cannot be written ({error}); see that there is room on its disk") from error
+        raise OSError(f"{path} cannot be written ({error}). Check that there is free space on its disk.") from error
 
 
 def read_packing(path) -> xr.Dataset:
-    """The packing in memory. ValueError where the file is missing, in use, truncated, or no packing."""
+    """Return the packing, read into memory. ValueError if the file is missing, in use, truncated, or not a packing."""
     path = Path(path)
     if not path.is_file():
-        raise ValueError(f"{path}: there is no such file; make it with `python -m simcore pack SPEC.yaml {path}`")
+        raise ValueError(f"{path}: there is no such file. Make it with `python -m simcore pack SPEC.yaml {path}`.")
     try:
         with xr.open_dataset(path, engine="netcdf4") as packing:
             packing.load()
     except (OSError, RuntimeError, ValueError) as error:
         if _is_in_use(path):
             raise ValueError(
-                f"{path} is in use by another program, which writes to it or keeps it open; wait until it has ended, "
-                "or close it there"
+                f"{path} is in use by another program, which writes to it or keeps it open. Wait until that program "
+                "has ended, or close the file there."
             ) from None
-        raise ValueError(f"{path} cannot be read as netCDF, it may be truncated ({error}); make it anew") from None
+        raise ValueError(f"{path} cannot be read as netCDF ({error}). It may be truncated; make it again.") from None
     missing = {"position", "orientation", "scale", "shape", "shape_vertices", "contact_body"} - set(packing.variables)
     if missing:
-        raise ValueError(f"{path} is no packing: {', '.join(sorted(missing))} missing; give a file of `simcore pack`")
+        raise ValueError(
+            f"{path} is not a packing: {', '.join(sorted(missing))} missing. Give a file that `simcore pack` wrote."
+        )
     return packing
 
 
 def _is_in_use(path):
-    """Whether another process has locked the file, as the HDF5 library does while it writes."""
+    """Return whether another process has locked the file, as the HDF5 library does while it writes."""
     try:
         with path.open("rb") as file:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
@@ -142,45 +144,46 @@ def _is_in_use(path):
     return False
 
 
-# Attributes in which two runs of one packing differ: how they were run.
+# Attributes in which two runs of one packing may differ: they describe how it was run.
 RUN_ATTRIBUTES = ("threads", "ranks", "cpu_seconds", "wall_seconds")
 
 
 def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
-    """What differs between two packings, to the bit, but for RUN_ATTRIBUTES; empty where nothing does."""
-    told = []
+    """Return what differs, bit by bit, between two packings except for RUN_ATTRIBUTES; empty if nothing differs."""
+    lines = []
     for name in sorted({*first.variables, *second.variables}, key=str):
         a, b = (packing.variables.get(name) for packing in (first, second))
         if a is None or b is None:
-            told.append(f"{name} is in one of them only")
+            lines.append(f"{name} is in only one of them")
         elif a.shape != b.shape:
-            told.append(f"{name}: {a.shape} and {b.shape}")
+            lines.append(f"{name}: {a.shape} and {b.shape}")
         elif a.dtype.kind in "OU":
-            told += [name] if list(a.values.ravel()) != list(b.values.ravel()) else []
+            lines += [name] if list(a.values.ravel()) != list(b.values.ravel()) else []
         elif a.dtype != b.dtype or a.values.tobytes() != b.values.tobytes():
-            told.append(f"{name}: {np.sum(a.values != b.values)} of {a.size} numbers")
+            lines.append(f"{name}: {np.sum(a.values != b.values)} of {a.size} numbers")
     for name in sorted({*first.attrs, *second.attrs} - set(RUN_ATTRIBUTES)):
         if not np.array_equal(first.attrs.get(name), second.attrs.get(name)):
-            told.append(f"attribute {name}: {first.attrs.get(name)} and {second.attrs.get(name)}")
-    return told
+            lines.append(f"attribute {name}: {first.attrs.get(name)} and {second.attrs.get(name)}")
+    return lines
 
 
 @functools.cache
 def code_version() -> str:
-    """Version, digest of the compiled sources, and, in a git checkout, its commit (+ where it was changed).
+    """Return the version, the digest of the compiled sources and, in a git checkout, the commit ("+": files changed).
 
-    Asked for the first time before a run starts, it tells what ran, even where files are changed meanwhile.
+    The first call fixes the result. It is made before a run starts, so that the result names the code that ran even if
+    files are changed in the meantime.
     """
     version = f"{__version__}+{source_digest()}"
     if not (ROOT / ".git").exists():
         return version
     try:
-        told = subprocess.run(
+        described = subprocess.run(
             ["git", "describe", "--always", "--dirty=+"], cwd=ROOT, capture_output=True, text=True, check=True
         )
     except (OSError, subprocess.CalledProcessError):
         return version
-    return f"{version} ({told.stdout.strip()})"
+    return f"{version} ({described.stdout.strip()})"
 
 
 def _m(long_name):
@@ -192,8 +195,8 @@ def _one(long_name):
 
 
 def _sieve_variables(curve, sample):
-    """The classes of a SieveCurve: what was asked for, and what the grains of the packing make of it."""
-    asked, drawn = "share of the mass asked for in the class", "share of the mass of the packed grains in the class"
+    """Return the classes of a SieveCurve, with the specified mass fractions and those of the grains of the packing."""
+    asked, drawn = "specified share of the mass in the class", "share of the mass of the packed grains in the class"
     bounds = np.column_stack([curve.bounds[:-1], curve.bounds[1:]])
     return {
         "sieve_bounds": (("sieve_class", "bound"), bounds, _m("sieve sizes between which the class lies")),
@@ -223,11 +226,11 @@ def _shape_variables(bases):
 
 
 def _contact_variables(packed, shift, width):
-    """Contacts between grains in the order of their key, then those with the walls in the order of grains."""
+    """Return the contacts between grains in the order of their key, then those with walls in the order of grains."""
     bodies, contacts, walls = packed.bodies, packed.candidates.contacts, packed.candidates.walls
     p = np.flatnonzero(contacts.touching)
     a, b = contacts.body_a[p], contacts.body_b[p]
-    # Of unwrapped centres image i is that of wrapped ones shifted by what the wrapping took from each.
+    # Wrapping shifts the centres of both bodies, so the image changes by the difference of their shifts.
     image = shift[b] - shift[a]
     if len(contacts.image):
         image = image + contacts.image[p]
@@ -259,7 +262,7 @@ def _contact_variables(packed, shift, width):
 
 
 def _history_variables(packed):
-    """What was observed at every convergence check."""
+    """Return the Observation of every check as time series."""
     phases = ["generating", "shaking", "damping"]
     series = {
         "kinetic_energy": "J",
@@ -278,6 +281,6 @@ def _history_variables(packed):
         ),
     }
     for name, units in series.items():
-        values = [getattr(seen, name) for _, _, seen in packed.checks]
+        values = [getattr(observed, name) for _, _, observed in packed.checks]
         history[f"history_{name}"] = ("check", values, {"units": units, "long_name": name.replace("_", " ")})
     return history

@@ -1,4 +1,4 @@
-"""What is predicted of a packing's grains and of its bed, in words: for `explain`, and as warnings of `pack`."""
+"""Text on the predicted grains and bed of a packing, for `explain` and for the warnings of `pack`."""
 
 import numpy as np
 
@@ -6,12 +6,12 @@ from simcore.grains.sieve import SieveCurve, class_fractions
 from simcore.packing.forecast import ERROR_FACTOR, bed_warnings, check_bed, forecast, grains_of
 from simcore.scene.setup import Setup
 
-FAR_OFF = 0.05  # difference of asked and drawn mass fractions that is worth a warning
+FAR_OFF = 0.05  # difference of specified and drawn mass fractions that causes a warning
 INDENT = 12 * " "
 
 
 def grain_lines(setup: Setup, sample) -> list[str]:
-    """Return lines on the shapes, sizes and hulls of the grains of a packing; sample: all of them."""
+    """Return lines on the shapes, sizes and convex hulls of the grains of a packing. sample: all of them."""
     flatness, elongation = (sample.S / sample.I).mean(), (sample.I / sample.L).mean()
     lines = [
         f"Grains      {_shapes(setup, sample)}. The mean flatness FL = S/I is {flatness:.3f} and the mean elongation "
@@ -28,30 +28,30 @@ def grain_lines(setup: Setup, sample) -> list[str]:
 
 
 def bed_lines(setup: Setup, sample) -> list[str]:
-    """Return lines on the height of the bed, on what of it is evaluated, and on the error of its porosity."""
+    """Return lines on the height of the bed, the part that is evaluated, and the sampling error of its porosity."""
     grains = grains_of(setup, sample)
     bed = forecast(setup.scene.domain, grains)
     lines = [
         f"Bed         It will be about {bed.height * 1e3:.0f} mm high, at a solid fraction of {bed.solid_fraction:.2f}"
     ]
     if np.isnan(bed.sampling_error):
-        return [*lines, f"{INDENT}None of it is left to evaluate: see the warning below"]
+        return [*lines, f"{INDENT}Nothing of it is left to evaluate: see the warning below"]
     left_out = ""
     if bed.at_floor > 0.0 or bed.at_surface > 0.0:
         left_out = f", without the lowest {bed.at_floor * 1e3:.0f} mm and the uppermost {bed.at_surface * 1e3:.0f} mm"
     return [
         *lines,
-        f"{INDENT}Its porosity is taken from a height of about {bed.evaluated * 1e3:.0f} mm{left_out}",
-        f"{INDENT}and will have a sampling error of about {bed.sampling_error:.2g}, which is known to a factor of "
-        f"{ERROR_FACTOR:g}",
+        f"{INDENT}Its porosity is evaluated over a height of about {bed.evaluated * 1e3:.0f} mm{left_out}",
+        f"{INDENT}and will have a sampling error of about {bed.sampling_error:.2g}; this estimate is right within a "
+        f"factor of {ERROR_FACTOR:g}",
     ]
 
 
 def setup_warnings(setup: Setup, sample=None, low_bed: bool = True) -> list[str]:
-    """Return a sentence for each thing about grains and bed that may make the result other than what is wanted.
+    """Return a warning for each property of the grains and the bed that may make the result differ from the intention.
 
-    sample: all grains of the packing, where they have been drawn already. low_bed: whether a bed that is too low to be
-    evaluated, or to be evaluated exactly, is worth a warning.
+    sample: all grains of the packing, if they have been drawn already. low_bed: whether to warn if the bed is too low
+    to be evaluated, or to be evaluated with a small sampling error.
     """
     grains = grains_of(setup, sample)
     scene = setup.scene
@@ -60,17 +60,17 @@ def setup_warnings(setup: Setup, sample=None, low_bed: bool = True) -> list[str]
 
 
 def check_setup(setup: Setup) -> None:
-    """ValueError where the bed of a packing will be too low for its porosity to be evaluated."""
+    """Raise ValueError if the bed of a packing will be too low for its porosity to be evaluated."""
     try:
         check_bed(setup.scene.domain, grains_of(setup), setup.scene.material.density)
     except ValueError as error:
         raise ValueError(
-            f"{error} To pack it all the same, and to evaluate it with a smaller `porosity --cut`, add --force."
+            f"{error} To pack it anyway, and to evaluate it with a smaller `porosity --cut`, add --force."
         ) from None
 
 
 def _shapes(setup, sample):
-    """Return how many shapes of which kind the grains have, in words."""
+    """Return the number and kinds of the grains' shapes, in words."""
     drawn = [setup.bases[shape] for shape in np.unique(sample.shape)]
     polyhedra = sum(len(base.vertices) > 0 for base in drawn)
     words = []
@@ -84,7 +84,7 @@ def _shapes(setup, sample):
 
 
 def hull_ratios(setup: Setup) -> dict:
-    """Return, by name, the volume of each grain's convex hull over that of its mesh, where it is known."""
+    """Return, by grain name, the volume of the convex hull over that of the grain's mesh, if the ratio is recorded."""
     ratios = {grain.name: getattr(grain, "hull_ratio", None) for grain in setup.grains}
     return {name: float(ratio) for name, ratio in ratios.items() if ratio is not None and np.isfinite(ratio)}
 
@@ -93,24 +93,24 @@ def _hull_line(setup, sample):
     ratios = hull_ratios(setup)
     if len(ratios) < len(setup.grains):
         return (
-            f"{INDENT}Each is packed as its convex hull; how much that adds to its volume is not known of these grains"
+            f"{INDENT}Each is packed as its convex hull; by how much the hull is larger is not recorded for all grains"
         )
     drawn = sample.shape[sample.shape < len(setup.grains)]
     added = np.array([ratios[grain.name] for grain in setup.grains])[drawn] - 1.0
-    name, most = max(ratios.items(), key=lambda item: item[1])
+    name, largest = max(ratios.items(), key=lambda item: item[1])
     return (
         f"{INDENT}Each is packed as its convex hull, which adds {100 * added.mean():.1f} % to its volume on average "
-        f"and {100 * (most - 1.0):.1f} % at most ({name})"
+        f"and {100 * (largest - 1.0):.1f} % at most ({name})"
     )
 
 
 def _class_lines(curve, sample):
-    asked, drawn = curve.mass_fractions, class_fractions(curve, sample.D, sample.volume)
+    specified, drawn = curve.mass_fractions, class_fractions(curve, sample.D, sample.volume)
     lines = ["Sizes       The sieve classes have these shares of the mass:"]
-    lines.append(f"{INDENT}  {'class':<18}{'asked':>8}{'drawn':>8}")
-    for low, high, share, got in zip(curve.bounds, curve.bounds[1:], asked, drawn, strict=False):
-        if share > 0.0 or got > 0.0:
-            lines.append(f"{INDENT}  {f'{low * 1e3:g} to {high * 1e3:g} mm':<18}{share:>8.1%}{got:>8.1%}")
+    lines.append(f"{INDENT}  {'class':<18}{'specified':>11}{'drawn':>8}")
+    for low, high, wanted, share in zip(curve.bounds, curve.bounds[1:], specified, drawn, strict=False):
+        if wanted > 0.0 or share > 0.0:
+            lines.append(f"{INDENT}  {f'{low * 1e3:g} to {high * 1e3:g} mm':<18}{wanted:>11.1%}{share:>8.1%}")
     return lines
 
 
@@ -118,13 +118,13 @@ def _class_warnings(setup, grains):
     if not isinstance(setup.curve, SieveCurve):
         return []
     drawn = class_fractions(setup.curve, grains.sieve_size, grains.volume)
-    off = drawn - setup.curve.mass_fractions
-    worst = int(np.argmax(np.abs(off)))
-    if abs(off[worst]) < FAR_OFF:
+    deviation = drawn - setup.curve.mass_fractions
+    worst = int(np.argmax(np.abs(deviation)))
+    if abs(deviation[worst]) < FAR_OFF:
         return []
     low, high = setup.curve.bounds[worst : worst + 2] * 1e3
     return [
-        f"The sieve class from {low:g} to {high:g} mm has {drawn[worst]:.1%} of the mass drawn, where "
-        f"{setup.curve.mass_fractions[worst]:.1%} are asked: so few grains do not represent the sieve curve. Raise "
-        f"amount, or pack several seeds."
+        f"The sieve class from {low:g} to {high:g} mm has {drawn[worst]:.1%} of the drawn mass instead of "
+        f"{setup.curve.mass_fractions[worst]:.1%}: so few grains do not represent the sieve curve. Raise amount, or "
+        f"pack several seeds."
     ]

@@ -1,19 +1,19 @@
-"""Sign of life of a run, for the watchdog that started it (launch.py): the time of a file."""
+"""Heartbeat of a run for the watchdog that started it (launch.py): the modification time of a file."""
 
 import os
 import time
 
-VARIABLE = "SCREE_HEARTBEAT"  # path of the file; not set where nobody watches
+VARIABLE = "SCREE_HEARTBEAT"  # path of the file; not set if there is no watchdog
 INTERVAL = 1.0  # [s]
 
 _last = -INTERVAL
 
 
 def beat() -> None:
-    """Touch the heartbeat file, at most once a second; nothing where the run is not watched.
+    """Touch the heartbeat file, at most once a second; do nothing if the run has no watchdog.
 
-    To be called by rank 0 at each look of the stepping and between the parts of what comes after, never before the
-    first step is compiled: the first beat ends the allowance for starting up.
+    Rank 0 calls this between steps, and between the parts of the work after the last step. It is never called before
+    the first step is compiled, because the first beat ends the time allowed for starting up.
     """
     global _last
     path = os.environ.get(VARIABLE)
@@ -22,5 +22,5 @@ def beat() -> None:
     _last = time.monotonic()
     try:
         os.utime(path)
-    except OSError:  # a file that cannot be touched for long is silence, and the watchdog's to judge
+    except OSError:  # if this goes on, the watchdog sees no heartbeat and decides
         pass

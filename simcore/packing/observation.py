@@ -1,4 +1,4 @@
-"""Measures by which a running packing is judged: energy, speed, unbalanced force, height."""
+"""Measures of a running packing for its convergence checks: energy, speed, unbalanced force, height."""
 
 from typing import NamedTuple
 
@@ -17,15 +17,15 @@ class Observation(NamedTuple):
     mean_height: float  # [m], mass-averaged
     mean_overlap: float  # [m], over grain-grain contacts; 0 without contacts
     max_overlap: float  # [m], over all contacts
-    unbalanced_force: float  # mean net force on a grain over the mean force of a contact; inf where nothing is touched
+    unbalanced_force: float  # mean net force on a grain over the mean contact force; inf if nothing touches
     coordination: float  # grain-grain contacts per grain, each counted for both
 
 
 def observe(bodies: Bodies, candidates: CandidatePairs, ranks=ONE_RANK) -> Observation:
-    """Observation of the current state, of all ranks; forces and overlaps are those of the last evaluation."""
+    """Return the Observation of the state of all ranks; forces and overlaps are those of the last evaluation."""
     own = bodies.own
     contacts, walls = candidates
-    # A contact counts where its first body moves: once.
+    # A contact is counted once, on the rank that moves its first body.
     touching = (contacts.touching > 0) & bodies.moves_here[contacts.body_a]
     wall = walls.touching > 0
     speed2 = (bodies.velocity[own] ** 2).sum(axis=1)
@@ -48,7 +48,7 @@ def observe(bodies: Bodies, candidates: CandidatePairs, ranks=ONE_RANK) -> Obser
         mean_height=height / mass,
         mean_overlap=overlap / n_contacts if n_contacts else 0.0,
         max_overlap=float(max(deepest, deepest_wall)),
-        # Not 0 without contacts: grains that have just begun to fall would be taken for a bed at rest.
+        # Without contacts it is not 0, so that grains which have just begun to fall do not count as at rest.
         unbalanced_force=net / n / (force / (n_contacts + n_walls)) if force > 0.0 else np.inf,
         coordination=2.0 * float(n_contacts) / float(n),
     )

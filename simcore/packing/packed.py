@@ -1,4 +1,4 @@
-"""A finished packing, the phases it went through, and the errors with which one ends unfinished."""
+"""A finished packing, the phases of a packing, and the errors that end it early."""
 
 from typing import NamedTuple
 
@@ -11,20 +11,20 @@ GENERATING, SHAKING, DAMPING = "generating", "shaking", "damping"
 
 
 class PackingError(RuntimeError):
-    """A packing that failed: it did not come to rest, blew up or does not fit. The message names grain and cause."""
+    """A packing failed: it did not come to rest, became unstable or does not fit. The message names grain and cause."""
 
 
 class Interrupted(Exception):
-    """A packing that stopped because its keeper asked it to; its checkpoint is written."""
+    """A packing stopped because its keeper returned KEEP_AND_STOP; its checkpoint is written."""
 
 
 class Stability(NamedTuple):
-    """The time step that a packing had, and the one that it needed."""
+    """The time step of a packing, and the one that it needed."""
 
     steps: float  # per contact time
-    expected: Estimate | None  # before the run
-    needed: float  # by the stiffest grain, each by itself; the whole bed needs more
-    grain: int  # the stiffest; -1 where nothing ever touched
+    expected: Estimate | None  # estimate before the run
+    needed: float  # steps that the stiffest grain needs by itself; the whole bed needs more
+    grain: int  # id of the stiffest; -1 if nothing ever touched
     contacts: int  # of that grain
     deepest: float  # largest overlap over the thinner grain's half thickness
 
@@ -40,7 +40,7 @@ class Packed(NamedTuple):
     last_insertion: float  # [s], simulated
     checks: list  # (time [s], phase, Observation) at every convergence interval
     stability: Stability | None = None
-    warnings: tuple = ()  # sentences on what may be wrong with it
+    warnings: tuple = ()  # sentences on what may be wrong with the packing
 
     @property
     def contacts(self):

@@ -1,8 +1,8 @@
-"""The packing process: generate, shake, damp, until the grains rest.
+"""The packing process: generate, shake and damp until the grains are at rest.
 
-Grains are inserted in batches until the amount is reached; shaking acts from the first step until its duration after
-the last insertion; then all velocities are damped until the packing has converged. Phase, batch and stop are decided
-from the whole packing at fixed steps, never from wall-clock time.
+Grains are inserted in batches until the amount is reached. Shaking starts with the first step and ends its duration
+after the last insertion. Then all velocities are damped until the packing has converged. Phases, batches and the end
+depend on the state of the whole packing at fixed steps, never on wall-clock time.
 """
 
 import time
@@ -37,25 +37,26 @@ def pack(
     ranks=ONE_RANK,
     keeper: Keeper | None = None,
 ) -> Packed | None:
-    """Run the packing of `scene`, or go on from the keeper's latest checkpoint.
+    """Run the packing of `scene`, or resume it from the keeper's latest checkpoint.
 
-    bases: shapes of the grains. draw(ids (n,)) -> Draw, the same for an id in each call. report(text): called with a
-    progress line every scene.numerics.progress_interval of wall-clock time and at each change of phase. ranks: that
-    share the bodies; the whole packing is returned on rank 0, None on the others. Raises PackingError, and Interrupted
-    where the keeper asks to stop.
+    bases: shapes of the grains. draw(ids (n,)) -> Draw, which is the same for an id in each call. report(text): called
+    with a progress line every scene.numerics.progress_interval of wall-clock time and at each change of phase. ranks:
+    the ranks that share the bodies; rank 0 returns the whole packing, the others None. Raises PackingError if the
+    packing fails, and Interrupted if the keeper returns KEEP_AND_STOP.
     """
     return Process(scene, bases, draw, report, ranks=ranks, keeper=keeper).run()
 
 
 class Process:
-    """A packing under way; `pack` runs it through, benchmarks and tests step it themselves.
+    """A running packing. `pack` runs it to the end; benchmarks and tests step it themselves.
 
-    It advances in stretches, at whose end it is checked and the next one is chosen. All that later steps depend on is
-    in the bodies, their candidate pairs and `state`, so that a checkpoint can be written after any step.
+    It advances in stretches of steps. At the end of a stretch the packing is checked and the next stretch is chosen.
+    Later steps depend only on the bodies, their candidate pairs and `state`, so that a checkpoint can be written after
+    any step.
     """
 
     def __init__(self, scene, bases, draw, report, timed=False, ranks=ONE_RANK, keeper=None, **changes):
-        """timed: count in `stepper.seconds` what each part takes. changes: of the features of the scene's step."""
+        """timed: measure in `stepper.seconds` the time of each part. changes: to the features of the scene's step."""
         self.scene, self.bases, self.draw, self.ranks = scene, bases, draw, ranks
         self.keeper = Keeper() if keeper is None else keeper
         self.progress = Progress(scene, report)
@@ -88,7 +89,7 @@ class Process:
         return self.state.checks
 
     def run(self):
-        """The whole packing: (Packed on rank 0, None on the others)."""
+        """Run the packing to its end; return Packed on rank 0 and None on the others."""
         expected = self.expect()
         self.resume()
         state = self.state
@@ -105,18 +106,20 @@ class Process:
             return None
         bodies, candidates = assemble(parts, np.arange(state.inserted))
         last_insertion, end = state.last_insertion * self.dt, state.step * self.dt
-        told = (*warnings(self.scene, expected), *self.watch.warnings(state.watch))
-        return Packed(bodies, candidates, observation, state.step, end, last_insertion, state.checks, stability, told)
+        sentences = (*warnings(self.scene, expected), *self.watch.warnings(state.watch))
+        return Packed(
+            bodies, candidates, observation, state.step, end, last_insertion, state.checks, stability, sentences
+        )
 
     def expect(self):
-        """What is expected of the scene before it runs; its warnings are reported."""
+        """Return the Expectation of the scene, and report its warnings."""
         expected = expect(self.scene, self.bases, self.draw)
         for text in warnings(self.scene, expected):
             self.progress.phase(f"warning: {text}")
         return expected
 
     def place(self, bodies, mean_size):
-        """Take these bodies from now on. mean_size [m]: of their sieve sizes, the measure of the skin."""
+        """Continue with these bodies. mean_size [m]: mean of their sieve sizes, which scales the skin."""
         self.bodies, self.state.mean_size = bodies, mean_size
         self.state.inserted = int(self.ranks.add([len(bodies.own)])[0])
         self.watch.begin_anew(self.state, bodies)
@@ -126,7 +129,7 @@ class Process:
     # -- phases ---------------------------------------------------------------------------------------------
 
     def generate(self):
-        """Insert batches until the amount is reached; returns the step of the last insertion."""
+        """Insert batches until the amount is reached; return the step of the last insertion."""
         while not self.state.complete:
             if self.insertion.is_due(self.state, self.bodies, self.candidates):
                 self.insert_batch()
@@ -137,7 +140,7 @@ class Process:
         return self.state.step
 
     def insert_batch(self):
-        """Insert the next batch of grains, of which each rank takes its own."""
+        """Insert the next batch of grains; each rank takes its own grains."""
         new, mean_size = self.insertion.batch(self.state, self.bodies)
         self.place(self.ranks.welcome(self.bodies, new, self.stepper.box), mean_size)
 
@@ -147,60 +150,60 @@ class Process:
             self.advance(min(self.interval_steps, end - self.state.step), SHAKING, end)
 
     def settle(self):
-        """Damp until the packing is at rest, and return its Observation; PackingError after damping.max_time."""
+        """Damp until the packing is at rest and return its Observation; PackingError after damping.max_time."""
         scene, state = self.scene, self.state
         if state.phase != DAMPING:
             state.phase, state.phase_end = DAMPING, state.step + round(scene.damping.max_time / self.dt)
             state.mean_height = observe(self.bodies, self.candidates, self.ranks).mean_height
         while state.in_stretch or state.step < state.phase_end:
-            seen = self.advance(self.interval_steps, DAMPING, state.phase_end)
-            verdict = self._judge(seen)
-            state.mean_height = seen.mean_height
+            observed = self.advance(self.interval_steps, DAMPING, state.phase_end)
+            verdict = self._judge(observed)
+            state.mean_height = observed.mean_height
             if verdict.at_rest:
                 self.progress.phase(
-                    f"converged after {state.step} steps: largest speed {seen.max_speed:.2g} m/s, unbalanced force "
-                    f"{seen.unbalanced_force:.2g}"
+                    f"converged after {state.step} steps: largest speed {observed.max_speed:.2g} m/s, unbalanced "
+                    f"force {observed.unbalanced_force:.2g}"
                 )
-                return seen
+                return observed
         own = self.bodies.own
         _, fastest = self.ranks.largest((self.bodies.velocity[own] ** 2).sum(axis=1), self.bodies.id[own])
         goal = scene.convergence
         allowed = f" (allowed {goal.max_speed:g})" if goal.rule == "still" else ""
         raise PackingError(
             f"{scene.name}: not at rest after {scene.damping.max_time:g} s of damping, step {state.step}: "
-            f"{verdict.told}, grain {fastest} moves at {seen.max_speed:.2g} m/s{allowed}"
+            f"{verdict.told}, grain {fastest} moves at {observed.max_speed:.2g} m/s{allowed}"
             f"{self.watch.hint(state.watch)}. {self.watch.advice_on_rest(state.watch)}"
         )
 
-    def _judge(self, seen):
-        """Verdict on the state just observed, by the scene's rule."""
+    def _judge(self, observed):
+        """Return the Verdict on the observed state by the scene's rule."""
         goal = self.scene.convergence
         if goal.rule == "still":
-            return judge_still(goal, seen, self.state.mean_height)
+            return judge_still(goal, observed, self.state.mean_height)
         (mass,) = self.ranks.totals(self.bodies.mass[self.bodies.own])
         since = self.state.phase_end * self.dt - self.scene.damping.max_time
-        return judge_settled(goal, self.scene.material, seen, self.state.checks, since, mass, self.state.inserted)
+        return judge_settled(goal, self.scene.material, observed, self.state.checks, since, mass, self.state.inserted)
 
     # -- checkpoints ----------------------------------------------------------------------------------------
 
     def keep(self):
-        """Hand the state to the keeper; it changes nothing."""
+        """Pass the state to the keeper; the state does not change."""
         self.keeper.keep(self.state.to_header(), self.ranks.parts(self.bodies, self.candidates))
 
     def resume(self):
-        """Go to where the keeper's latest checkpoint was, if there is one."""
+        """Restore the state of the keeper's latest checkpoint, if there is one."""
         latest = self.keeper.latest()
         if latest is None:
             return
         header, sections = latest
         self.state = state = State.from_header(header)
         self.bodies, self.candidates = self.ranks.restore(sections, self.stepper.box, self.stepper.features)
-        self.progress.phase(f"goes on from step {state.step}, t = {state.step * self.dt:.3f} s, {state.phase}")
+        self.progress.phase(f"resumes from step {state.step}, t = {state.step * self.dt:.3f} s, {state.phase}")
 
     # -- steps ----------------------------------------------------------------------------------------------
 
     def advance(self, n_steps, phase, end=None):
-        """Run a stretch of n_steps, or the rest of the one under way; list anew where needed, check, report."""
+        """Run a stretch of n_steps, or the rest of the current one; list candidates if needed, check, report."""
         state, drive = self.state, self.stepper.drive(phase, self.dt)
         if not state.in_stretch:
             state.stretch_start, state.stretch_end, state.in_stretch = state.step, state.step + n_steps, True
@@ -213,22 +216,22 @@ class Process:
                 self.keep()
                 if wish == KEEP_AND_STOP:
                     raise Interrupted(
-                        f"{self.scene.name}: interrupted at step {state.step}, t = {state.step * self.dt:.3f} s, as it "
-                        f"was asked to; the same command goes on from there"
+                        f"{self.scene.name}: interrupted at step {state.step}, t = {state.step * self.dt:.3f} s, by "
+                        f"request. Run the same command again to resume from there"
                     )
         state.in_stretch = False
-        seen = observe(self.bodies, self.candidates, self.ranks)
+        observed = observe(self.bodies, self.candidates, self.ranks)
         self.watch.check(state, self.bodies, self.candidates, drive, falling=phase != DAMPING)
-        state.checks.append((state.step * self.dt, phase, seen))
-        self.progress.line(phase, state.step, self.dt, state.inserted, seen, end)
-        return seen
+        state.checks.append((state.step * self.dt, phase, observed))
+        self.progress.line(phase, state.step, self.dt, state.inserted, observed, end)
+        return observed
 
     def evaluate(self):
-        """Forces, overlaps and contact points of the final positions, without moving anything."""
+        """Compute forces, overlaps and contact points of the final positions without moving a body."""
         self.stepper.step(self.bodies, self.candidates, self.stepper.drive(DAMPING, 0.0), self.state.step, 1)
 
     def _advance(self, drive, n_steps):
-        """Some steps, at most n_steps: (whether the list is stale, wish of the keeper)."""
+        """Run at most n_steps steps; return (whether the neighbour list is stale, wish of the keeper)."""
         before, started = self.stepper.clock.copy(), time.perf_counter()
         wish = self.keeper.wish and (lambda: self.keeper.wish(self.state.step))
         _, stale, wish = self.ranks.advance(lambda n: self._step(drive, n), self.bodies, n_steps, wish)
@@ -241,7 +244,7 @@ class Process:
         return done, stale
 
     def list_candidates(self):
-        """List what can touch, looking as far ahead as the last lists call for."""
+        """List the candidate pairs with the look-ahead time adapted to the last lists."""
         started = time.perf_counter()
         adapt_look_ahead(self.state, self.dt)
         stepper = self.stepper

@@ -1,4 +1,4 @@
-"""Progress lines, by wall-clock time without that of compiling; no result depends on them."""
+"""Progress lines at intervals of wall-clock time, which excludes compiling; no result depends on them."""
 
 from simcore.packing.packed import DAMPING, GENERATING, SHAKING
 from simcore.provenance.cpu_time import working_clock
@@ -15,7 +15,7 @@ class Progress:
     def phase(self, text):
         self.report(f"{self.scene.name}: {text}")
 
-    def line(self, phase, step, dt, n_bodies, seen, end):
+    def line(self, phase, step, dt, n_bodies, observed, end):
         """Report the rate since the last line and the time left. end: step at which the phase ends, or None."""
         now = working_clock()
         elapsed = now - self.last_time
@@ -25,10 +25,10 @@ class Progress:
         self.last_time, self.last_step = now, step
         shaking_left = 0 if phase == DAMPING else self.scene.shaking.duration / dt
         left = (end - step if end is not None else shaking_left) / rate
-        # While damping, the end is a limit that is seldom reached.
+        # The end of damping is a limit that is seldom reached.
         estimate = {GENERATING: f"> {left:.0f} s", SHAKING: f"about {left:.0f} s"}.get(phase, f"< {left:.0f} s")
         self.report(
             f"{self.scene.name}: {phase}, t = {step * dt:.3f} s, {n_bodies} grains, kinetic energy "
-            f"{seen.kinetic_energy:.2e} J, mean overlap {seen.mean_overlap:.1e} m, {rate:.0f} steps/s, "
+            f"{observed.kinetic_energy:.2e} J, mean overlap {observed.mean_overlap:.1e} m, {rate:.0f} steps/s, "
             f"{estimate} left in this phase"
         )

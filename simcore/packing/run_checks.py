@@ -1,6 +1,6 @@
-"""What shows that a run has gone wrong: one function for each check, which returns a problem or None.
+"""Checks of a running packing: each function returns a problem, or None if there is none.
 
-Every check is made of all ranks together and returns the same on each. The limits: docs/constants_packing.md.
+Every check covers all ranks and returns the same on each. docs/constants_packing.md justifies the limits.
 """
 
 from typing import NamedTuple
@@ -13,12 +13,12 @@ from simcore.dem.state.contacts import CandidatePairs
 from simcore.packing.energy import TotalEnergy, spring_energy
 from simcore.packing.expectation import depth_of_impact, fall_speed
 
-SPEED_MARGIN = 5.0  # over the speed that fall and shaking give
-DEEPEST = 1.0  # overlap over the thinner grain's half thickness
-PINCHING = 20.0  # ratio of masses above which a stone may land deep in a pebble while grains fall
-ENERGY_SLACK = 0.1  # share of the energy of motion and springs that a sound bed may gain between two checks
-LIFT = 0.01  # of their half thickness, by which all grains may be lifted: it changes no porosity
-ROUNDING = 1e-9  # of all energy above the floor
+SPEED_MARGIN = 5.0  # factor on the speed that fall and shaking cause
+DEEPEST = 1.0  # largest allowed overlap over the thinner grain's half thickness
+PINCHING = 20.0  # ratio of masses above which a stone may overlap a pebble deeply while grains fall
+ENERGY_SLACK = 0.1  # share of the kinetic and spring energy that a stable bed may gain between two checks
+LIFT = 0.01  # share of their half thickness by which all grains may be lifted: this changes no porosity
+ROUNDING = 1e-9  # share of the kinetic, spring and height energy that may be round-off
 
 
 class NotFinite(NamedTuple):
@@ -28,37 +28,37 @@ class NotFinite(NamedTuple):
 class TooFast(NamedTuple):
     grain: int
     speed: float  # [m/s]
-    limit: float  # [m/s], that fall and shaking give
+    limit: float  # [m/s], speed that fall and shaking cause
 
 
 class DeepImpact(NamedTuple):
     grain: int
     speed: float  # [m/s]
-    depth: float  # [m], that it would sink
+    depth: float  # [m], overlap that the impact would cause
 
 
 class DeepOverlap(NamedTuple):
     ratio: float  # overlap over the thinner grain's half thickness
     overlap: float  # [m]
     grain: int  # the thinner of the two
-    partner: int  # -1: a wall
+    partner: int  # the thicker of the two; -1: a wall
 
 
 class EnergyGain(NamedTuple):
     gained: float  # [J]
-    allowed: float  # [J], by fall, shaking and springs
-    time: float  # [s], since the check before
-    grain: int  # that has most energy of motion and springs
+    allowed: float  # [J], that fall, shaking and springs explain
+    time: float  # [s], since the previous check
+    grain: int  # the one with the most kinetic and spring energy
 
 
 def half_thickness(bodies: Bodies) -> np.ndarray:
-    """Shortest semi-axis (n,) [m] of the ellipsoid of the same mass and moments of inertia."""
+    """Return the shortest semi-axis (n,) [m] of the ellipsoid of the same mass and moments of inertia."""
     moments = 0.5 * bodies.inertia.sum(axis=1) - bodies.inertia.max(axis=1)
     return np.sqrt(5.0 * moments / bodies.mass)
 
 
 def check_finite(bodies: Bodies, ranks) -> NotFinite | None:
-    """Whether all positions and angular momenta are numbers."""
+    """Check that all positions and angular momenta are finite."""
     own = bodies.own
     bad = ~np.isfinite(bodies.position[own]).all(axis=1) | ~np.isfinite(bodies.angular_momentum[own]).all(axis=1)
     worst, grain = ranks.largest(bad, bodies.id[own])
@@ -66,7 +66,10 @@ def check_finite(bodies: Bodies, ranks) -> NotFinite | None:
 
 
 def check_speed(bodies: Bodies, scene, ranks) -> TooFast | None:
-    """Whether a grain is far faster than a fall through the domain and shaking make it: then a contact blew up."""
+    """Check that no grain is far faster than a fall through the domain and shaking can make it.
+
+    A grain that fast means that a contact became unstable.
+    """
     own = bodies.own
     speed = np.sqrt((bodies.velocity[own] ** 2).sum(axis=1))
     limit = fall_speed(scene) + scene.shaking.acceleration / scene.shaking.rate
@@ -75,10 +78,10 @@ def check_speed(bodies: Bodies, scene, ranks) -> TooFast | None:
 
 
 def check_impact(bodies: Bodies, thickness, scene, backing: float, ranks) -> DeepImpact | None:
-    """Whether a grain would sink deeper than its half thickness into one as heavy that lies on the floor.
+    """Check that no grain would overlap an equally heavy one on the floor by more than its half thickness.
 
-    Impacts are over within a contact time, mostly between two checks, so they are judged by the speed before them.
-    thickness (n,) [m]: half_thickness; backing: of simcore.packing.expectation.
+    An impact takes about one contact time, mostly between two checks, so its depth is predicted from the speed before.
+    thickness (n,) [m]: half_thickness. backing: of simcore.packing.expectation.
     """
     own = bodies.own
     speed = np.sqrt((bodies.velocity[own] ** 2).sum(axis=1))
@@ -88,35 +91,38 @@ def check_impact(bodies: Bodies, thickness, scene, backing: float, ranks) -> Dee
 
 
 def deepest_of_all(bodies: Bodies, candidates: CandidatePairs, thickness, ranks, counted=None) -> DeepOverlap:
-    """The deepest overlap of all ranks against the thinner grain's half thickness; ratio 0 where nothing touches."""
+    """Return the overlap of all ranks with the largest ratio to the thinner grain's half thickness; ratio 0: none."""
     overlap, (thin, other), ratio = deepest_overlap(candidates, thickness, bodies.id, counted)
     thin, other = (int(bodies.id[row]) if row >= 0 else -1 for row in (thin, other))
-    # Of several as deep, that of the lowest grains.
+    # If several are equally deep, the one with the lowest ids is returned.
     order = ratio, other >= 0, -min(thin, other), -max(thin, other)
     ratio, *_, overlap, thin, other = ranks.first((*order, overlap, thin, other), len(order))
     return DeepOverlap(ratio, overlap, thin, other)
 
 
 def too_deep(overlap: DeepOverlap) -> bool:
-    """Whether it is deeper than half a grain is thick: the grain's centre has reached its partner's surface."""
+    """Return whether an overlap exceeds the half thickness: the grain's centre has reached its partner's surface."""
     return overlap.ratio > DEEPEST
 
 
 def pinched(bodies: Bodies, candidates: CandidatePairs) -> np.ndarray:
-    """Bodies (n,) that touch a PINCHING times heavier one, and those of other ranks, which judge them."""
+    """Return a mask (n,) of the bodies that touch one PINCHING times heavier, and of all bodies of other ranks.
+
+    The other ranks check their own bodies.
+    """
     contacts = candidates.contacts
     p = np.flatnonzero(contacts.touching)
     a, b, mass = contacts.body_a[p], contacts.body_b[p], bodies.mass
-    caught = ~bodies.moves_here
-    caught[a[mass[b] > PINCHING * mass[a]]] = True
-    caught[b[mass[a] > PINCHING * mass[b]]] = True
-    return caught
+    mask = ~bodies.moves_here
+    mask[a[mass[b] > PINCHING * mass[a]]] = True
+    mask[b[mass[a] > PINCHING * mass[b]]] = True
+    return mask
 
 
 def total_energy(bodies: Bodies, candidates: CandidatePairs, law, drive, ranks):
-    """(TotalEnergy of all ranks, energy of motion and springs of the own bodies (k,) [J]) at the last force evaluation.
+    """Return the TotalEnergy of all ranks, and the kinetic and spring energy (k,) [J] of each own body.
 
-    Velocities are the means of those before and after it.
+    Both are of the time of the last force evaluation, with the mean of the velocities before and after it.
     """
     back = drive.dt / drive.damping
     velocity = bodies.velocity / drive.damping - 0.5 * drive.dt * bodies.net_force / bodies.mass[:, None]
@@ -137,12 +143,12 @@ class Interval(NamedTuple):
 
 
 def check_energy(bodies: Bodies, candidates: CandidatePairs, before: TotalEnergy | None, interval: Interval, ranks):
-    """(TotalEnergy now, EnergyGain or None): whether more energy is there than before and than the interval explains.
+    """Return TotalEnergy now, and an EnergyGain if the energy grew by more than the interval explains, or None.
 
-    Contacts only take energy, so the mechanical energy grows by no more than shaking puts in: ∫ a(t) P dt with the
-    momentum P <= M V along it, where V, the speed that all energy of motion and springs would make, grows by no more
-    than shaking and fall give. So the work is at most M U (V + U + g T) with U = ∫ |a| dt over the time T. The step's
-    own error comes on top, as a share of the energy of motion and springs. before: None after bodies were added.
+    Contacts only dissipate energy, so the mechanical energy grows by at most the work of shaking: ∫ a(t) P dt with the
+    momentum P <= M V along the shaking. V is the speed that corresponds to all kinetic and spring energy; shaking and
+    fall limit its growth. The work is therefore at most M U (V + U + g T) with U = ∫ |a| dt over the time T. The error
+    of the time step is added as a share of the kinetic and spring energy. before: None after bodies were added.
     """
     drive, time = interval.drive, interval.time
     now, moving = total_energy(bodies, candidates, interval.composition.law, drive, ranks)
@@ -164,10 +170,11 @@ def check_energy(bodies: Bodies, candidates: CandidatePairs, before: TotalEnergy
 
 
 def deepest_overlap(candidates: CandidatePairs, thickness, ids, counted=None):
-    """The overlap [m] that is largest against the thinner grain's half thickness: (overlap, (thinner, other), ratio).
+    """Return (overlap [m], (thinner, other), ratio) of the contact with the largest ratio.
 
-    thickness: of each grain, (n,) [m]; ids (n,): of two as thick the lower counts as thinner. counted (n,) bool: of
-    contacts those whose thinner grain is; None: all. A wall counts as grain -1; (0, (-1, -1), 0) where nothing touches.
+    ratio: overlap over the thinner grain's half thickness. thickness (n,) [m]: half thickness of each grain. ids (n,):
+    of two equally thick grains, the one with the lower id counts as thinner. counted (n,) bool: only contacts whose
+    thinner grain is marked are considered; None: all. A wall is grain -1. Without contacts: (0, (-1, -1), 0).
     """
     contacts, walls = candidates
     counted = np.ones(len(thickness), bool) if counted is None else counted

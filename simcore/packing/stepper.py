@@ -14,10 +14,10 @@ from simcore.packing.packed import DAMPING
 
 
 class Stepper:
-    """Steps bodies of one scene; counts in `seconds` the wall-clock time of each part."""
+    """Steps the bodies of one scene and measures in `seconds` the wall-clock time of each part."""
 
     def __init__(self, scene, bases, **changes):
-        """changes: of the features of the scene, such as timed, which measures the parts of the steps too."""
+        """changes: to the features of the scene, such as `timed`, which also measures the parts of the steps."""
         self.scene = scene
         self.shapes = collect_shapes(bases)
         domain = scene.domain
@@ -31,7 +31,7 @@ class Stepper:
         self.seconds = dict.fromkeys(("neighbour search", *STAGES), 0.0)
 
     def drive(self, phase, dt) -> Drive:
-        """The numbers of steps of dt [s] in a phase."""
+        """Return the Drive (gravity, shaking, damping, ...) of steps of dt [s] in a phase."""
         scene = self.scene
         return Drive(
             dt=dt,
@@ -44,12 +44,12 @@ class Stepper:
         )
 
     def step(self, bodies, candidates, drive, first_step, n_steps):
-        """(steps done, whether the list is stale): at most n_steps, fewer where a body has left its margin."""
+        """Run n_steps steps, or fewer if a body exceeds its margin; return (steps done, whether the list is stale)."""
         state = State(self.shapes, bodies, *candidates, self.workspace)
         return self.advance_steps(state, self.law, drive, self.clock, first_step, n_steps)
 
     def touching_pairs(self, bodies, candidates, drive):
-        """Pairs (m, 2) of bodies that touch where they are, by the step's own contacts; nothing moves."""
+        """Return the pairs (m, 2) of bodies that touch, by the contact search of the step; no body moves."""
         clock = np.zeros_like(self.clock)
         state = State(self.shapes, bodies, *candidates, self.workspace)
         self.advance_steps(state, self.law, drive, clock, 0, 1)
@@ -57,7 +57,7 @@ class Stepper:
         return np.column_stack([contacts.body_a, contacts.body_b])[contacts.touching != 0]
 
     def count(self, started, before) -> None:
-        """Share the time since `started` among the stages by their cycles since `before`, where the step is timed."""
+        """Divide the time since `started` among the stages by their cycles since `before`, if the step is timed."""
         if self.features.timed:
             elapsed, cycles = time.perf_counter() - started, self.clock - before
             for stage, share in zip(STAGES, cycles / cycles.sum(), strict=True):

@@ -1,4 +1,4 @@
-"""Runs the checks at the end of each stretch, and stops a run that has gone wrong with a message that says so."""
+"""Runs the checks at the end of each stretch, and stops a packing that has failed, with a message."""
 
 from simcore.dem.from_scene import compose
 from simcore.dem.ranks.one_rank import ONE_RANK
@@ -23,11 +23,11 @@ from simcore.packing.run_checks import (
 from simcore.packing.state import State, WatchState
 from simcore.scene.scene import Scene
 
-STIFFNESS_LOOKS = 5  # checks between two searches for the stiffest grain
+STIFFNESS_LOOKS = 5  # number of checks from one search for the stiffest grain to the next
 
 
 class Watch:
-    """Checks the bodies of a scene; what it remembers is in State.watch."""
+    """Checks the bodies of a scene; its state between checks is State.watch."""
 
     def __init__(self, scene: Scene, width: float, report, ranks=ONE_RANK):
         self.scene, self.width, self.report, self.ranks = scene, width, report, ranks
@@ -35,14 +35,14 @@ class Watch:
         self.backing = backing(scene)
 
     def begin_anew(self, state: State, bodies: Bodies) -> None:
-        """The bodies are others now, or were set by hand: forget their energy. PackingError as of `check`."""
+        """Discard the stored energy, because bodies were added or changed. PackingError as in `check`."""
         state.watch.energy = None
         self._check_speeds(state, bodies, half_thickness(bodies))
 
     def check(self, state: State, bodies: Bodies, candidates: CandidatePairs, drive: Drive, falling: bool) -> None:
-        """PackingError where something is wrong at the end of a stretch of steps with this drive.
+        """Raise PackingError if a check fails at the end of a stretch of steps with this drive.
 
-        falling: whether grains may still be falling from where they were inserted, as long as the last batch is young.
+        falling: whether grains may still be falling from their insertion height, until State.space_deadline.
         """
         memory, step = state.watch, state.step
         self.check_finite(bodies, step)
@@ -58,24 +58,24 @@ class Watch:
         memory.looks += 1
 
     def check_finite(self, bodies: Bodies, step: int) -> None:
-        """PackingError where a position is no number."""
+        """Raise PackingError if a position is not finite."""
         self._stop_for(check_finite(bodies, self.ranks), step, None)
 
     def stability(self, memory: WatchState, expected: Estimate | None) -> Stability:
-        """The time step that the run had and needed."""
+        """Return the Stability of the packing: its steps per contact time and the number that it needed."""
         steps = self.scene.numerics.steps_per_contact_time
         return Stability(steps, expected, memory.needed, memory.stiffest, memory.contacts, memory.deepest)
 
     def hint(self, memory: WatchState) -> str:
-        """An addition to a message where the time step may be too long for the stiffest grain, or nothing."""
+        """Return an addition to a message if the time step may be too long for the stiffest grain, otherwise ""."""
         return hint(self.scene, memory)
 
     def advice_on_rest(self, memory: WatchState) -> str:
-        """The sentence that says what helps a bed that does not come to rest."""
+        """Return the advice for a bed that does not come to rest."""
         return advice_on_rest(self.scene, memory)
 
     def warnings(self, memory: WatchState) -> list[str]:
-        """A sentence for each thing that was let pass."""
+        """Return a sentence for each exceeded limit that was tolerated."""
         return let_pass(self.scene, memory)
 
     def _stop_for(self, problem, step, memory):
@@ -88,7 +88,7 @@ class Watch:
         self._stop_for(impact, state.step, state.watch)
 
     def _check_overlap(self, state, bodies, candidates, thickness, falling):
-        """A pebble under a far heavier stone may be deep in it while grains fall: it is warned of once."""
+        """Check overlaps. A far heavier stone may overlap a pebble deeply while grains fall; this is reported once."""
         memory = state.watch
         deepest = deepest_of_all(bodies, candidates, thickness, self.ranks)
         memory.deepest = max(memory.deepest, deepest.ratio)
@@ -102,17 +102,17 @@ class Watch:
             self._stop_for(deepest, state.step, memory)
 
     def _note_stiffest(self, memory, bodies, candidates, dt, step):
-        """Remember the grain whose contacts call for the shortest time step; warn once where the run's is longer."""
+        """Store the grain whose contacts need the shortest time step; warn once if the time step is longer."""
         scene, law, firmness = self.scene, self.composition.continuous_law, self.composition.firmness
         friction, implicit = self.composition.features.friction, self.composition.features.implicit
-        # With an implicit dashpot bodies are ranked as if each had one contact.
+        # With an implicit dashpot, bodies are ranked as if each had one contact.
         load = contact_load(law, dt, friction, 1.0 if implicit else None)
         stiffest = stiffest_body(bodies, candidates, self.width, load, ranks=self.ranks, firmness=firmness)
         if stiffest.load <= memory.load:
             return
         memory.load, memory.stiffest, memory.contacts = stiffest.load, stiffest.body, stiffest.contacts
         effective_contacts = stiffest.contacts if implicit else None
-        # Of law hertz the linear one has no contact time: it may be overdamped.
+        # The linear law derived from law hertz may be overdamped and then has no contact time.
         time = None if firmness is None else scene.numerics.contact_time
         memory.needed = body_steps(
             bodies, candidates, self.width, law, friction, stiffest.body,

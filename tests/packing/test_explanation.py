@@ -130,9 +130,9 @@ def test_a_warning_of_the_run_is_told_before():
 
 
 @pytest.mark.parametrize(
-    ("kind", "beside"), [("periodic", "comes to lie beside itself"), ("cylinder", "cannot lie flat")]
+    ("kind", "effect"), [("periodic", "can touch its own periodic image"), ("cylinder", "cannot lie flat")]
 )
-def test_grains_longer_than_the_domain_is_wide_are_told(kind, beside):
+def test_grains_longer_than_the_domain_is_wide_are_told(kind, effect):
     from simcore.packing.explanation import explain
 
     # Ellipsoids of one sieve size d with I = S = d, L = d / 0.3.
@@ -144,5 +144,5 @@ def test_grains_longer_than_the_domain_is_wide_are_told(kind, beside):
         set_up_few(domain={"type": kind, "width": "24 mm"}, shapes=shapes, sizes=sizes, amount={"grains": 6})
     )
     assert re.search(
-        rf"The longest grain, 2[45]\.?\d* mm, is longer than the domain is wide, 24 mm, and {beside}", told
+        rf"The longest grain, 2[45]\.?\d* mm, is longer than the domain is wide, 24 mm, and {effect}", told
     )

@@ -121,7 +121,7 @@ def test_killed_ranks_take_the_others_down(tmp_path, ranks, killed, uninterrupte
     status, line = run.end()
     assert status == 1
     assert line.startswith(f"simcore launch: {run.output}: a rank was ended by SIGKILL")
-    assert line.endswith("run the same command again: it goes on from its last checkpoint")
+    assert line.endswith("run the same command again: it resumes from its last checkpoint")
     assert_none_left(family)
     assert not run.output.exists()
     again = Run(tmp_path, ranks=2, steps=STEPS)
@@ -137,7 +137,8 @@ def test_a_stopped_rank_is_silence(tmp_path, ranks, stopped):
     os.kill(victim, signal.SIGSTOP)
     status, line = run.end()
     assert status == 1
-    assert f"{run.output}: no sign of life for 2 s, 2 s are allowed" in line and "goes on from its last" in line
+    assert f"{run.output}: no heartbeat for 2 s, but at most 2 s are allowed" in line
+    assert "resumes from its last" in line
     assert_none_left(family)
     assert not run.output.exists()
 
@@ -146,7 +147,7 @@ def test_a_run_that_never_begins_is_ended(tmp_path):
     run = Run(tmp_path, ranks=1, more=["--startup", "1 s"])
     os.kill(rank_that_starts(run), signal.SIGSTOP)
     status, line = run.end()
-    assert status == 1 and "no first sign of life after 1 s" in line and "raise --startup" in line
+    assert status == 1 and "no first heartbeat after 1 s" in line and "raise --startup" in line
 
 
 def rank_that_starts(run):
@@ -205,7 +206,7 @@ def test_two_runs_do_not_write_one_file(tmp_path):
     first.rank(0)
     second = Run(tmp_path, ranks=1)
     (line,) = (second.process.stdout.readline(),)
-    assert f"waiting for another run of it to end (process {first.process.pid})" in line
+    assert f"waiting for another run that writes it to end (process {first.process.pid})" in line
     second.process.terminate()
     status, line = second.end()
     assert status == 2 and f"is being written by another run (process {first.process.pid})" in line
@@ -217,7 +218,7 @@ def test_two_runs_do_not_write_one_file(tmp_path):
     ("arguments", "message"),
     [
         ({"output": "file/bed.nc"}, "Not a directory"),
-        ({"ranks": 0}, "ranks: 0 asked for; give 1 or more"),
+        ({"ranks": 0}, "ranks: 0 is not possible; give 1 or more"),
         ({"more": ["--mpiexec", "/nowhere/srun"]}, "/nowhere/srun cannot be started (No such file or directory)"),
         ({"silence": "3 kg"}, "--silence: '3 kg' is a mass"),
     ],

@@ -171,7 +171,7 @@ def test_not_at_rest_names_grain_and_step():
 def test_a_domain_too_low_says_so():
     with pytest.raises(PackingError, match=r"few: after \d+ grains the bed reaches \d+ mm .*domain.height = 40 mm"):
         run(domain={"height": "40 mm"}, amount={"grains": 120})
-    with pytest.raises(PackingError, match=r"no grain finds room at birth"):
+    with pytest.raises(PackingError, match=r"no grain can be inserted"):
         run(domain={"height": "9 mm"}, amount={"grains": 20})
 
 
@@ -212,14 +212,14 @@ def test_a_batch_waits_for_a_grain_in_flight(monkeypatch):
     running.generate()
     assert first[0] < running.state.inserted == 120
     monkeypatch.setattr("simcore.packing.insertion.insertion.LONG_FLIGHT", 0.0)
-    with pytest.raises(PackingError, match=r"the bed reaches \d{3} mm and leaves no room for another batch"):
+    with pytest.raises(PackingError, match=r"the bed reaches \d{3} mm and leaves no space for another batch"):
         thrown(3.0)[0].generate()
 
 
 def test_a_bed_that_lies_too_high_is_not_waited_for():
     made = set_up_few(amount={"grains": 300}, domain={"height": "0.1 m"})
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
-    with pytest.raises(PackingError, match=r"the bed reaches \d+ mm and leaves no room for another batch"):
+    with pytest.raises(PackingError, match=r"the bed reaches \d+ mm and leaves no space for another batch"):
         running.generate()
     assert (running.step - running.state.space_deadline) * running.dt < 5.0 * running.insertion.fall_time()
 

@@ -41,7 +41,7 @@ def test_settled_asks_for_a_rate_of_compaction():
     """5e-4 in 0.1 s is 5e-3 a second; the window is taken whole, to the rounding of the times of the looks."""
     assert judge(looks(4.95e-3)).at_rest
     verdict = judge(looks(5.05e-3))
-    assert not verdict.at_rest and "solid fraction changed by 0.00051 of itself in 0.1 s" in verdict.told
+    assert not verdict.at_rest and "solid fraction changed by 0.00051 (relative) in 0.1 s" in verdict.told
 
 
 def test_settled_waits_for_its_window():

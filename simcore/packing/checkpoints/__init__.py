@@ -1,1 +1,1 @@
-"""Files that an interrupted packing goes on from."""
+"""Checkpoint files, from which an interrupted packing resumes."""

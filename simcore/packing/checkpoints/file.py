@@ -1,6 +1,6 @@
-"""A checkpoint: the state of a run in one file that is right or refused.
+"""A checkpoint: the state of a run in one file, which is verified when it is read.
 
-What a section stores is the caller's: a dict of named arrays, one section per rank or per part of the state.
+A section is a dict of named arrays, one section per rank or per part of the state; the caller decides its contents.
 
 The file, little-endian throughout:
 
@@ -9,8 +9,8 @@ The file, little-endian throughout:
         another, C order
     end mark (8 bytes), number of bytes before it (uint64), SHA-256 of everything before the digest (32 bytes)
 
-Magic, schema, end mark and digest stay where they are in every schema, so that a file of another schema is not taken
-for a damaged one. Nothing between them is read before the digest is verified.
+Magic, schema, end mark and digest have the same positions in every schema, so that a file of another schema is not
+reported as damaged. Nothing between them is read before the digest is verified.
 """
 
 import errno
@@ -30,8 +30,8 @@ MAGIC, END = b"SCREE-CP", b"CP-SCREE"
 DTYPES = {"float64": "<f8", "int64": "<i8", "int32": "<i4", "uint8": "|u1", "bool": "|b1"}
 PART = ".part"
 BLOCK = 1 << 20  # bytes read at a time for the digest
-READABLE = "see that it is there, may be read, and is written by nothing else"
-MAX_DIMENSIONS = 32  # of an array, within what every numpy can make
+READABLE = "check that the file exists, that it may be read, and that no other process writes it"
+MAX_DIMENSIONS = 32  # of an array; every numpy version supports as many
 
 _FRONT = struct.Struct("<8sIQ")
 _LENGTH = struct.Struct("<Q")
@@ -40,20 +40,20 @@ _DIGEST_SIZE = hashlib.sha256().digest_size
 
 
 class CheckpointError(ValueError):
-    """A checkpoint that cannot be used or written; one line: which file, what is wrong, how to mend it."""
+    """A checkpoint cannot be used or written; the message, one line, names the file, the fault and the remedy."""
 
 
 def reason(error: OSError) -> str:
-    """What the operating system says of an error."""
+    """Return the operating system's text for an error."""
     return error.strerror or str(error)
 
 
 def write_checkpoint(path, header: dict, sections: Iterable[dict[str, np.ndarray]]) -> None:
-    """Write a checkpoint under a temporary name beside `path`, then rename: `path` is whole or as it was.
+    """Write a checkpoint under a temporary name beside `path`, then rename it, so that `path` is never incomplete.
 
-    header: what JSON holds, numpy scalars too. sections: taken one at a time; arrays of DTYPES, TypeError otherwise.
-    CheckpointError where the disk is full or the file cannot be written: the temporary file is then removed, and the
-    rest of the sections still taken and dropped, so that no rank waits for its own to be received.
+    header: values that JSON can store, and numpy scalars. sections: consumed one at a time; TypeError for an array
+    whose type is not in DTYPES. CheckpointError if the disk is full or the file cannot be written. The temporary file
+    is then removed, and the remaining sections are consumed and dropped, so that no rank waits to send its section.
     """
     path = Path(path)
     part = path.with_name(path.name + PART)
@@ -74,8 +74,8 @@ def write_checkpoint(path, header: dict, sections: Iterable[dict[str, np.ndarray
         for _ in sections:
             pass
         raise CheckpointError(
-            f"{path}: the checkpoint could not be written ({reason(error)}), earlier ones stay as they are; make room "
-            f"in {path.parent} and see that it can be written, or give another folder"
+            f"{path}: the checkpoint could not be written ({reason(error)}); earlier ones are unchanged. Free space "
+            f"in {path.parent} and check that it is writable, or give another folder"
         ) from error
 
 
@@ -94,7 +94,7 @@ def _write(file, header, sections):
     put(text)
     for section in sections:
         _put_section(put, section)
-        del section  # before the next one comes: never two in memory
+        del section  # so that memory never contains two sections
     put(_BACK.pack(END, size))
     file.write(digest.digest())
 
@@ -103,7 +103,9 @@ def _put_section(put, section):
     arrays = {name: np.asarray(array) for name, array in section.items()}
     for name, array in arrays.items():
         if array.dtype.name not in DTYPES:
-            raise TypeError(f"checkpoint: array {name} is of {array.dtype}; it must be one of {', '.join(DTYPES)}")
+            raise TypeError(
+                f"checkpoint: array {name} is of {array.dtype}, but its type must be one of {', '.join(DTYPES)}"
+            )
     table = [[name, array.dtype.name, list(array.shape)] for name, array in arrays.items()]
     text = json.dumps(table).encode()
     put(_LENGTH.pack(len(text)))
@@ -115,16 +117,16 @@ def _put_section(put, section):
 def _plain(value):
     if isinstance(value, np.generic):
         return value.item()
-    raise TypeError(f"checkpoint: the header cannot hold {value!r}; give numbers, text, lists and dicts")
+    raise TypeError(f"checkpoint: the header cannot store {value!r}; use numbers, text, lists and dicts")
 
 
 def _sync_folder(folder):
-    """Make a rename in `folder` outlast a loss of power."""
+    """Make a rename in `folder` permanent even if power fails."""
     handle = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(handle)
     except OSError as error:
-        # Some network file systems sync no folders
+        # Some network file systems cannot sync folders.
         if error.errno not in (errno.EINVAL, errno.ENOTSUP):
             raise
     finally:
@@ -132,10 +134,10 @@ def _sync_folder(folder):
 
 
 def read_checkpoint(path, key: str, code: str, schema: int = SCHEMA) -> tuple[dict, "Sections"]:
-    """Header and sections of the checkpoint at `path`; the arrays are read when a section is taken.
+    """Return header and sections of the checkpoint at `path`; the arrays of a section are read when it is accessed.
 
-    key, code: of the run that wants to go on from it. CheckpointError, with its reason, unless the file is whole and
-    of that scene, code and schema.
+    key, code: of the run that resumes from it. CheckpointError, with the reason, unless the file is complete and has
+    the same scene, code and schema.
     """
     path = Path(path)
     try:
@@ -148,28 +150,28 @@ def _read(path, key, code, schema):
     if path.is_dir():
         raise CheckpointError(f"{path} is a folder, not a checkpoint; move it elsewhere")
     if path.exists() and not path.is_file():
-        raise CheckpointError(f"{path} is no ordinary file, so no checkpoint; move it elsewhere")
+        raise CheckpointError(f"{path} is not a regular file and therefore not a checkpoint; move it elsewhere")
     file = open(path, "rb")
     try:
         end = _check_whole(path, file)
-        _, found, length = _FRONT.unpack(_bytes(file, 0, _FRONT.size))
-        if found != schema:
+        _, file_schema, length = _FRONT.unpack(_bytes(file, 0, _FRONT.size))
+        if file_schema != schema:
             raise CheckpointError(
-                f"{path} is a checkpoint of schema {found}, this code reads schema {schema}; it is not used: go on "
-                f"with the code that wrote it, or start anew"
+                f"{path} is a checkpoint of schema {file_schema}, but this code reads schema {schema}. It is not used: "
+                f"resume with the code that wrote it, or start again"
             )
         try:
             header, start = _header(file, length, end)
-            for name, wanted, what in (("key", key, "scene"), ("code", code, "version of the code")):
+            for name, wanted, label in (("key", key, "scene"), ("code", code, "version of the code")):
                 if header.get(name) != wanted:
                     raise CheckpointError(
-                        f"{path} is a checkpoint of another {what} ({header.get(name)}, this run's is {wanted}); it is "
-                        f"not used, as the result would be neither's: go on with that {what}, or start anew"
+                        f"{path} is a checkpoint of another {label} ({header.get(name)}; this run has {wanted}). It is "
+                        f"not used, as the result would mix both: resume with that {label}, or start again"
                     )
             return header, Sections(path, file, _tables(file, start, end))
         except _Malformed as error:
             raise CheckpointError(
-                f"{path} is whole, but not laid out as a checkpoint ({error}); it is not used, remove it"
+                f"{path} is complete, but its layout is not that of a checkpoint ({error}). It is not used; remove it"
             ) from None
     except BaseException:
         file.close()
@@ -177,20 +179,20 @@ def _read(path, key, code, schema):
 
 
 def _check_whole(path, file):
-    """Place where the sections end, of a file whose digest holds. Reads in blocks, and believes nothing before."""
+    """Verify the digest of a file and return the position where its sections end. The file is read in blocks."""
     size = os.fstat(file.fileno()).st_size
     if size == 0:
-        raise CheckpointError(f"{path} is empty, not a checkpoint; it is not used, remove it")
+        raise CheckpointError(f"{path} is empty and not a checkpoint. It is not used; remove it")
     start = _bytes(file, 0, min(size, len(MAGIC)))
     if not MAGIC.startswith(start):
-        raise CheckpointError(f"{path} does not start as a checkpoint does; it is not used, remove it")
+        raise CheckpointError(f"{path} does not start like a checkpoint. It is not used; remove it")
     end = size - _BACK.size - _DIGEST_SIZE
     if end < _FRONT.size:
-        raise CheckpointError(f"{path} is truncated, {size} bytes are no checkpoint; it is not used, remove it")
-    mark, told = _BACK.unpack(_bytes(file, end, _BACK.size))
-    if mark != END or told != end:
+        raise CheckpointError(f"{path} is truncated: it has only {size} bytes. It is not used; remove it")
+    mark, stored_end = _BACK.unpack(_bytes(file, end, _BACK.size))
+    if mark != END or stored_end != end:
         raise CheckpointError(
-            f"{path} is truncated or damaged, its end is not that of a checkpoint; it is not used, remove it"
+            f"{path} is truncated or damaged: its end is not that of a checkpoint. It is not used; remove it"
         )
     digest = hashlib.sha256()
     place, stop = 0, size - _DIGEST_SIZE
@@ -199,12 +201,12 @@ def _check_whole(path, file):
         digest.update(block)
         place += len(block)
     if digest.digest() != _bytes(file, stop, _DIGEST_SIZE):
-        raise CheckpointError(f"{path} is damaged, its checksum does not hold; it is not used, remove it")
+        raise CheckpointError(f"{path} is damaged: its checksum is wrong. It is not used; remove it")
     return end
 
 
 def _bytes(file, place, count):
-    """`count` bytes from `place` on; OSError where there are fewer."""
+    """Return `count` bytes from position `place`; OSError if there are fewer."""
     file.seek(place)
     data = file.read(count)
     if len(data) < count:
@@ -213,19 +215,19 @@ def _bytes(file, place, count):
 
 
 class _Malformed(Exception):
-    """The checksum holds, but what was written is no checkpoint."""
+    """The checksum is right, but the contents are not a checkpoint."""
 
 
 def _header(file, length, end):
-    """Header, and the place where it ends."""
+    """Return the header and the position where it ends."""
     header = _json(file, _FRONT.size, length, end)
     if not isinstance(header, dict):
-        raise _Malformed("the header is no group of keys")
+        raise _Malformed("the header is not a dict")
     return header, _FRONT.size + length
 
 
 def _tables(file, place, end):
-    """Of every section, {name: (dtype, shape, place)}; each array lies before `end`."""
+    """Return {name: (dtype, shape, position)} of every section; every array ends before position `end`."""
     tables = []
     while place < end:
         if end - place < _LENGTH.size:
@@ -250,16 +252,16 @@ def _json(file, place, length, end):
     try:
         return json.loads(_bytes(file, place, length))
     except (ValueError, RecursionError):
-        raise _Malformed("a text is no JSON") from None
+        raise _Malformed("a text is not JSON") from None
 
 
 def _row(row):
-    """Name, dtype and shape of an array, from a row of a table."""
+    """Return name, dtype and shape of an array from a row of a table."""
     try:
         name, dtype, shape = row
-        known = isinstance(name, str) and dtype in DTYPES and isinstance(shape, list) and len(shape) <= MAX_DIMENSIONS
-        # Lengths beside a zero are not bounded by the file, but numpy must be able to count them
-        if known and all(type(n) is int and n >= 0 for n in shape) and math.prod(n or 1 for n in shape) < 1 << 59:
+        valid = isinstance(name, str) and dtype in DTYPES and isinstance(shape, list) and len(shape) <= MAX_DIMENSIONS
+        # If one length is zero, the size of the file does not bound the others; numpy must be able to store them.
+        if valid and all(type(n) is int and n >= 0 for n in shape) and math.prod(n or 1 for n in shape) < 1 << 59:
             return name, DTYPES[dtype], tuple(shape)
     except (TypeError, ValueError):
         pass
@@ -267,20 +269,20 @@ def _row(row):
 
 
 class Sections(Sequence):
-    """Sections of a checkpoint that was found whole; each is read from the file when it is taken, and not kept.
+    """Sections of a verified checkpoint; a section is read from the file at each access and not cached.
 
-    Holds the file open until it is closed or dropped, so it stays readable when a newer checkpoint takes its place.
+    The file stays open until this object is closed or deleted, so it stays readable after a newer one replaces it.
     """
 
     def __init__(self, path, file, tables):
-        self.path = path  # for the other ranks, to read the same one
+        self.path = path  # the other ranks read the same file
         self._file, self._tables = file, tables
 
     def __len__(self) -> int:
         return len(self._tables)
 
     def __getitem__(self, number: int) -> dict[str, np.ndarray]:
-        """Arrays of a section by name, owned and writable. CheckpointError where the file can no longer be read."""
+        """Return the writable arrays of a section by name. CheckpointError if the file can no longer be read."""
         return {name: self._array(*place) for name, place in self._tables[number].items()}
 
     def _array(self, dtype, shape, place):

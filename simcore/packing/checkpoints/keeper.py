@@ -1,4 +1,4 @@
-"""When a packing is kept, and where: at intervals of wall-clock time, and before a signal ends it."""
+"""Writes checkpoints of a packing at intervals of wall-clock time, and before a signal ends it."""
 
 import signal
 import time
@@ -13,10 +13,10 @@ STOPPING = (signal.SIGTERM, signal.SIGINT)
 
 
 class CheckpointKeeper(Keeper):
-    """Keeps a packing in a folder; rank 0 decides when, any rank that gets a signal has it stop."""
+    """Writes checkpoints to a folder. Rank 0 decides when; a signal to any rank stops the packing."""
 
     def __init__(self, folder, key: str, code: str, interval: float, report, ranks):
-        """folder: None to keep nothing. interval [s]: of wall-clock time. CheckpointError on all ranks alike."""
+        """folder: None for no checkpoints. interval [s]: of wall-clock time. CheckpointError is raised on all ranks."""
         self.key, self.code, self.interval, self.report, self.ranks = key, code, interval, report, ranks
         self.kept, self.stopped, self.spent = time.monotonic(), False, 0.0
         self.store = None
@@ -40,11 +40,11 @@ class CheckpointKeeper(Keeper):
     def latest(self):
         if not self.keeps:
             return None
-        found = self.ranks.on_first(self.store.latest if self.store else None, CheckpointError)
-        path = self.ranks.all([found and str(found[1].path)])[0]
+        latest = self.ranks.on_first(self.store.latest if self.store else None, CheckpointError)
+        path = self.ranks.all([latest and str(latest[1].path)])[0]
         if path is None:
             return None
-        header, sections = found or read_checkpoint(path, self.key, self.code)
+        header, sections = latest or read_checkpoint(path, self.key, self.code)
         self.spent = header["cpu_seconds"]
         return header, lambda: sections
 
@@ -62,22 +62,22 @@ class CheckpointKeeper(Keeper):
         self.kept = time.monotonic()
 
     def stepped(self) -> None:
-        """No step is left: what remains is not to be interrupted, since nothing would be gained."""
+        """Ignore signals after the last step: the rest is short, and an interruption would only lose it."""
         if self.keeps:
             for number in STOPPING:
                 signal.signal(number, signal.SIG_IGN)
 
     def cpu_seconds(self) -> float:
-        """CPU time [s] of all ranks on this packing, of runs before too, less compiling; all ranks must ask."""
+        """Return the CPU time [s] of all ranks and earlier runs, without compiling; all ranks must call this."""
         return self.spent + self.ranks.totals([cpu_time()])[0]
 
     def done(self) -> None:
-        """The final file is written: no checkpoint is needed any more."""
+        """Remove the checkpoints after the final file is written."""
         if self.store is not None:
             self.store.clear()
 
     def close(self) -> None:
-        """Leave the checkpoints to another."""
+        """Release the folder for another process."""
         if self.store is not None:
             self.store.close()
 

@@ -1,4 +1,4 @@
-"""What a run must share with a checkpoint to go on from it: the key of its scene and the version of the code."""
+"""What a run and a checkpoint must have in common: the key of the scene and the version of the code."""
 
 import hashlib
 import json
@@ -11,19 +11,19 @@ from simcore.compilation import source_digest
 from simcore.provenance.digest import digest
 from simcore.scene.identity import deciding_bits
 
-DRAWN = 1000  # grains whose draw is part of the key: it depends on files that the specification only names
+DRAWN = 1000  # grains whose draw is part of the key, since it depends on files that the specification only names
 
 
 def packing_key(specification: dict, setup) -> str:
-    """Key of a packing's checkpoints; see `scene_key`."""
+    """Return the key of a packing's checkpoints; see `scene_key`."""
     scene = setup.scene
     return scene_key(specification, setup.bases, setup.draw(np.arange(min(DRAWN, scene.amount_grains or DRAWN))))
 
 
 def checkpoint_code() -> str:
-    """Version of the code that packs, and of its arithmetic: the same for a checkpoint and who goes on from it.
+    """Return the version of the code and of numpy; a run resumes only from checkpoints of the same version.
 
-    Call it before a run starts: it then names the code that runs, even where files are changed meanwhile.
+    Call it before a run starts, so that it names the code that runs even if files are changed in the meantime.
     """
     packing = digest(
         "simcore/scene/setup.py",
@@ -36,21 +36,21 @@ def checkpoint_code() -> str:
 
 
 def scene_key(specification: dict, bases: Iterable, drawn: Iterable = ()) -> str:
-    """Digest (16 hex digits) of what decides the bits of a packing, but for the code.
+    """Return a digest (16 hex digits) of everything except the code that determines the bits of a packing.
 
-    specification: resolved; of its keys those count that decide the bits, in any order. bases: the base
-    shapes (simcore.dem.shapes.hulls.Base), in their order. drawn: arrays that tell what neither shows, such as the Draw
-    of the first grains: the forms of ellipsoids come from files of which the specification has the path alone, and the
-    sieve curve of a case from a table.
+    specification: resolved; only the keys that affect the bits count, in any order. bases: the base shapes
+    (simcore.dem.shapes.hulls.Base), in their order. drawn: arrays such as the Draw of the first grains. They cover what
+    specification and bases do not contain: the forms of ellipsoids come from files of which the specification has only
+    the path, and the sieve curve of a case comes from a table.
     """
     bases = list(bases)
-    told = [deciding_bits(specification), [base.name for base in bases]]
-    total = hashlib.sha256(json.dumps(told, sort_keys=True).encode())
+    content = [deciding_bits(specification), [base.name for base in bases]]
+    total = hashlib.sha256(json.dumps(content, sort_keys=True).encode())
     arrays = []
     for base in bases:
         arrays += [np.asarray(part, np.float64) for part in (base.vertices, base.volume, base.second_moments)]
         arrays.append(np.asarray(base.faces, np.int64))
     for array in [*arrays, *map(np.asarray, drawn)]:
-        # Type and shape first: they say where the array ends
+        # Type and shape come first, so that different arrays cannot give the same bytes.
         total.update(f"\n{array.dtype} {array.shape} ".encode() + array.tobytes())
     return total.hexdigest()[:16]

@@ -1,4 +1,4 @@
-"""A folder that keeps the two newest checkpoints of each scene."""
+"""A folder with the two newest checkpoints of each scene."""
 
 import operator
 import os
@@ -19,18 +19,18 @@ SUFFIX, LOCK = ".checkpoint", ".lock"
 class Store:
     """The checkpoints of one scene in a folder, which other scenes may share.
 
-    key: of the scene (`scene_key`), letters and digits. code: version of the code. report(line): is told of each
-    checkpoint that is refused. lock: for the one process that writes; it makes the folder, keeps any second process
-    from the key until this store is closed or its process dead, and removes what a killed run left half written.
-    Without it the store touches nothing until it saves. CheckpointError where the key is taken, or the folder cannot
-    be made or written.
+    key: of the scene (`scene_key`), letters and digits. code: version of the code. report(line): called for each
+    checkpoint that is rejected. lock: True for the one process that writes: the store then makes the folder, locks the
+    key until it is closed or its process ends, and removes incomplete files of a killed run. Without the lock the store
+    changes nothing until it saves. CheckpointError if another process has locked the key, or if the folder cannot be
+    made or written.
     """
 
     def __init__(self, folder, key: str, code: str, report: Callable[[str], None], lock: bool = True):
         if not re.fullmatch("[0-9A-Za-z]+", key):
-            raise ValueError(f"key of the checkpoints: {key!r} must be letters and digits, as of scene_key")
+            raise ValueError(f"key of the checkpoints: {key!r} must consist of letters and digits, as from scene_key")
         self.folder, self.key, self.code, self.report = Path(folder), key, code, report
-        self._good = []  # paths, oldest first: written or read here, and neither replaced nor removed since
+        self._good = []  # paths, oldest first: valid checkpoints that this store wrote or read
         self._lock = None
         if lock:
             try:
@@ -41,15 +41,14 @@ class Store:
             except OSError as error:
                 self.close()
                 raise CheckpointError(
-                    f"{self.folder}: no checkpoint can be written there ({reason(error)}); give a folder that can be "
-                    f"written"
+                    f"{self.folder}: no checkpoint can be written there ({reason(error)}). Give a writable folder"
                 ) from error
 
     def save(self, header: dict, sections: Iterable[dict[str, np.ndarray]]) -> None:
-        """Write the checkpoint of header["step"], and remove all of this scene but the two newest that are good.
+        """Write the checkpoint of header["step"], and remove all of this scene except the two newest valid ones.
 
-        Newest in the order in which they were made: those that were refused count for nothing, whatever their step,
-        but stay until two good ones stand. CheckpointError as of `write_checkpoint`.
+        "Newest" refers to the order in which they were written. Rejected checkpoints do not count, whatever their step;
+        they are only removed when there are two valid ones. CheckpointError as in `write_checkpoint`.
         """
         path = self.folder / f"{self.key}-{operator.index(header['step'])}{SUFFIX}"
         try:
@@ -61,12 +60,12 @@ class Store:
             self._remove(other for other in self._files(SUFFIX) if other not in self._good)
 
     def latest(self) -> tuple[dict, Sections] | None:
-        """Header and sections of the newest checkpoint that reads right, None without any; each refused is reported."""
+        """Return header and sections of the newest valid checkpoint, or None; each rejected one is reported."""
         try:
             paths = self._files(SUFFIX)
         except OSError as error:
             raise CheckpointError(
-                f"{self.folder}: the checkpoints cannot be listed ({reason(error)}); see to its rights, or give "
+                f"{self.folder}: the checkpoints cannot be listed ({reason(error)}). Check its permissions, or give "
                 f"another folder"
             ) from error
         for path in paths:
@@ -80,7 +79,7 @@ class Store:
         return None
 
     def clear(self) -> None:
-        """Remove all checkpoints of this scene, and the lock: its final file is written."""
+        """Remove all checkpoints of this scene, and the lock, after its final file is written."""
         try:
             self._remove([*self._files(SUFFIX), *self._files(SUFFIX + PART)])
         except OSError as error:
@@ -89,9 +88,9 @@ class Store:
         self.close()
 
     def close(self) -> None:
-        """Give the key free; the checkpoints stay."""
+        """Release the key; the checkpoints remain."""
         if self._lock is not None:
-            if self._locked:  # before it is let go of, so that nobody can hold a lock that has lost its name
+            if self._locked:  # before the lock is released, so that no process locks a file without a name
                 self._remove([self._lock_path])
             self._lock.close()
             self._lock = None
@@ -107,18 +106,18 @@ class Store:
         return self.folder / f"{self.key}{LOCK}"
 
     def _take_lock(self):
-        """The lock file, locked where the file system has locks (`_locked` says so)."""
+        """Return the lock file. `_locked` is True if the file system supports locks and the file is locked."""
 
         def busy(holder):
             raise CheckpointError(
-                f"{self.folder}: {holder or 'another process'} runs this scene ({self.key}) with its checkpoints here; "
-                f"wait for it or end it, or give another folder"
+                f"{self.folder}: {holder or 'another process'} runs this scene ({self.key}) with its checkpoints here. "
+                f"Wait until it ends, end it, or give another folder"
             )
 
         def no_locks(error):
             self.report(
-                f"{self._lock_path} cannot be locked ({reason(error)}); see that no other process runs this scene with "
-                f"its checkpoints there"
+                f"{self._lock_path} cannot be locked ({reason(error)}); make sure that no other process runs this "
+                f"scene with its checkpoints there"
             )
 
         file, self._locked = take_lock(
@@ -127,7 +126,7 @@ class Store:
         return file
 
     def _files(self, ending):
-        """Paths of this scene's files with this ending, the latest step first; OSError."""
+        """Return the paths of this scene's files with this ending, latest step first. OSError if this fails."""
         name = re.compile(re.escape(self.key) + r"-(\d+)" + re.escape(ending))
         try:
             names = os.listdir(self.folder)

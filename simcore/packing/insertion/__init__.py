@@ -1,1 +1,1 @@
-"""How grains are put into the domain: in batches on a lattice, or at random places."""
+"""Insertion of grains into the domain, in batches on a lattice or at random places."""

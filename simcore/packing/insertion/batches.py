@@ -1,7 +1,7 @@
-"""Where the batches of a packing are born: on a lattice above the bed, at the study's heights, or strewn at random.
+"""Places of the batches of a packing: on a lattice above the bed, at the heights of Rettinger et al., or at random.
 
-Every rank draws the whole of a batch and takes its own grains. Nothing here changes, so that nothing of it is kept: a
-batch follows from the number of grains born before it and from the top of those.
+Every rank draws the whole batch and takes its own grains. The objects here have no state that changes, so checkpoints
+do not contain them: a batch follows from the number of grains inserted before it and from their top.
 """
 
 from collections.abc import Callable
@@ -16,11 +16,11 @@ from simcore.scene.domain import lattice_sites
 from simcore.scene.scene import R22_FIRST_FILL, REFILL_HEIGHT, Scene
 from simcore.scene.shapes import Base, Draw, grain_volumes
 
-MEAN_REACH = 200  # grains whose size says how many make up a layer
+MEAN_REACH = 200  # grains whose mean size gives the number of grains in a layer
 
 
 class Batch(NamedTuple):
-    """Grains drawn, places (n, 3) [m] of the first n of them, and the time [s] before which no other is born."""
+    """The drawn grains, places (n, 3) [m] of the first n of them, and the time [s] until the next batch may come."""
 
     drawn: Draw
     places: np.ndarray
@@ -28,66 +28,67 @@ class Batch(NamedTuple):
 
 
 class Pouring:
-    """The batches of a scene's grains; they come by ids, so that each is asked for the grains born before it."""
+    """The batches of a scene's grains. Grains are inserted in the order of their ids."""
 
     def __init__(self, scene: Scene, bases: list[Base], draw: Callable):
         """bases: shapes of the grains; draw(ids (n,)) -> Draw."""
         self.scene, self.bases, self.draw = scene, bases, draw
 
-    def has_space(self, born: int, top: float, highest: Callable, last: bool = False) -> bool:
-        """Whether a batch finds room above `top` [m]; last: be it as little as a layer of its lattice.
+    def has_space(self, inserted: int, top: float, highest: Callable, last: bool = False) -> bool:
+        """Return whether there is space for a batch above `top` [m] after `inserted` grains.
 
-        highest() -> height of the highest centre and largest bounding radius [m], asked for fill "r22" alone.
+        last: also accept a batch that is only one layer of the lattice. highest() -> height of the highest centre and
+        largest bounding radius [m]; called only for fill "r22".
         """
         generation, height = self.scene.generation, self.scene.domain.height
         if generation.placement == "random":
-            _, drawn, reach = self._next_strewn(born)
+            _, drawn, reach = self._next_random(inserted)
             return top + generation.drop_height + self._zone(drawn, reach) <= height
         if generation.fill == "r22":
             high, radius = highest()
             return bool(high < REFILL_HEIGHT * height - max(generation.spacing, 2.0 * radius))
         return top + generation.drop_height < (1.0 if last else REFILL_HEIGHT) * height
 
-    def batch(self, born: int, top: float, touching: Callable) -> Batch:
-        """The batch that follows `born` grains which reach up to `top` [m]; PackingError where none finds room.
+    def batch(self, inserted: int, top: float, touching: Callable) -> Batch:
+        """Return the batch that follows `inserted` grains whose top is `top` [m]; PackingError if no grain fits.
 
-        touching(drawn, places (n, 3)) -> (m, 2) indices of the grains that touch each other there.
+        touching(drawn, places (n, 3)) -> (m, 2) indices of the grains that touch each other at these places.
         """
         if self.scene.generation.placement == "random":
-            return self._strewn(born, top, touching)
-        return self._on_lattice(born, top)
+            return self._random_batch(inserted, top, touching)
+        return self._on_lattice(inserted, top)
 
     def volumes(self, drawn: Draw) -> np.ndarray:
-        """Of grains, (n,) [m³]."""
+        """Return the volumes (n,) [m³] of the drawn grains."""
         return grain_volumes(self.bases, drawn)
 
-    # -- strewn at random -----------------------------------------------------------------------------------
+    # -- at random places -----------------------------------------------------------------------------------
 
-    def _next_strewn(self, born):
-        """Ids, draw and bounding radii [m] of the next batch."""
+    def _next_random(self, inserted):
+        """Return ids, Draw and bounding radii [m] of the next batch."""
         scene, batch = self.scene, self.scene.generation.batch_grains
         if batch is None:
-            first, _ = extents(self.bases, self.draw(np.arange(MEAN_REACH)), True)
-            batch = layer_grains(first, scene.domain.area)
+            radius, _ = extents(self.bases, self.draw(np.arange(MEAN_REACH)), True)
+            batch = layer_grains(radius, scene.domain.area)
         if scene.amount_grains is not None:
-            batch = min(batch, scene.amount_grains - born)
-        ids = np.arange(born, born + batch)
+            batch = min(batch, scene.amount_grains - inserted)
+        ids = np.arange(inserted, inserted + batch)
         drawn = self.draw(ids)
         return ids, drawn, extents(self.bases, drawn, True)[0]
 
     def _zone(self, drawn, reach):
         return zone_height(reach, self.volumes(drawn), self.scene.domain.area)
 
-    def _strewn(self, born, top, touching):
-        """The next is due when it has fallen, or as given."""
+    def _random_batch(self, inserted, top, touching):
+        """Return a batch at random places; its interval is the time to fall, or generation.batch_interval if given."""
         scene, generation = self.scene, self.scene.generation
-        ids, drawn, reach = self._next_strewn(born)
+        ids, drawn, reach = self._next_random(inserted)
         low = top + generation.drop_height
         height = self._zone(drawn, reach)
         if low + height > scene.domain.height:
             raise PackingError(
-                f"{scene.name}: a batch of {len(ids)} grains is strewn from {low:.3g} m to {low + height:.3g} m, above "
-                f"domain.height {scene.domain.height:g} m; lower generation.batch_grains or make the domain higher"
+                f"{scene.name}: a batch of {len(ids)} grains needs the height from {low:.3g} m to {low + height:.3g} "
+                f"m, but domain.height is {scene.domain.height:g} m. Lower batch_grains or raise domain.height"
             )
         try:
             places = release_places(
@@ -103,36 +104,38 @@ class Pouring:
 
     # -- on a lattice ---------------------------------------------------------------------------------------
 
-    def _on_lattice(self, born, top):
-        """Places may be fewer than the grains drawn; the next is due when there is room for it."""
+    def _on_lattice(self, inserted, top):
+        """Return a batch on the lattice. It may have fewer places than drawn grains; its interval is 0."""
         scene, generation = self.scene, self.scene.generation
         if generation.fill == "r22":
-            low = (R22_FIRST_FILL if born == 0 else REFILL_HEIGHT) * scene.domain.height
+            low = (R22_FIRST_FILL if inserted == 0 else REFILL_HEIGHT) * scene.domain.height
         else:
             low = top + generation.drop_height
         sites = lattice_sites(scene.domain, generation.spacing, low, scene.domain.height)
-        wanted = len(sites) if scene.amount_grains is None else min(len(sites), scene.amount_grains - born)
-        ids = np.arange(born, born + max(wanted, 1))  # one also where there is no site, so that the error has its size
+        wanted = len(sites) if scene.amount_grains is None else min(len(sites), scene.amount_grains - inserted)
+        ids = np.arange(
+            inserted, inserted + max(wanted, 1)
+        )  # at least one grain, so that the error below can give its size
         drawn = self.draw(ids)
         reach, half_height = extents(self.bases, drawn, generation.orientation == "random")
         sites[:, 2] += half_height[: len(sites)].max(initial=0.0)
         tallest, ceiling = half_height.max(initial=0.0), scene.domain.height
-        if born > 0 and generation.fill == "bed":
-            # There is no lid: the last layers may stand out of a domain that the bed nearly fills.
+        if inserted > 0 and generation.fill == "bed":
+            # The domain has no lid: the last layers may exceed the height of a domain that the bed nearly fills.
             ceiling = max(ceiling, sites[0, 2] + tallest)
         sites = sites[sites[:, 2] + tallest <= ceiling]
         taken = occupy_sites(sites, reach, half_height, scene.domain)
         if len(taken) == 0:
             raise PackingError(
-                f"{scene.name}: no grain finds room at birth between {low:.3g} m and domain.height "
-                f"{scene.domain.height:g} m in a {scene.domain.type} domain of width {scene.domain.width:g} m; grains "
-                f"reach {2 * reach.max(initial=0.0):.3g} m across; make the domain larger"
+                f"{scene.name}: no grain can be inserted between {low:.3g} m and domain.height = "
+                f"{scene.domain.height:g} m in a {scene.domain.type} domain of width {scene.domain.width:g} m. Grains "
+                f"are up to {2 * reach.max(initial=0.0):.3g} m wide; make the domain larger"
             )
         return Batch(drawn, sites[taken], 0.0)
 
 
 def extents(bases: list[Base], drawn: Draw, any_orientation: bool):
-    """How far grains reach horizontally and vertically from their centre at birth, (n,) and (n,) [m]."""
+    """Return the horizontal and vertical distance (n,), (n,) [m] that inserted grains reach from their centre."""
     if any_orientation:
         radius = np.zeros(len(drawn.shape))
     reach = np.zeros(len(drawn.shape))

@@ -1,4 +1,4 @@
-"""Which sites of a lattice newborn grains take, and how fast they are."""
+"""Lattice sites, orientations and velocities of inserted grains."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from simcore.scene.scene import Generation
 
 
 class InitialStates(NamedTuple):
-    """State of n newborn grains; SI units."""
+    """State of n inserted grains; SI units."""
 
     position: np.ndarray  # (n, 3)
     orientation: np.ndarray  # (n, 4)
@@ -19,11 +19,11 @@ class InitialStates(NamedTuple):
 
 
 def occupy_sites(sites, reach, half_height, domain: Domain) -> np.ndarray:
-    """Indices of the sites that grains take one after the other, (n,), n <= len(reach).
+    """Return the indices of the sites that grains take one after the other, (n,), n <= len(reach).
 
-    reach (k,): horizontal distance from its centre within which a grain stays; half_height (k,): vertical; [m].
-    # ASSUME: a site where a grain would touch one placed before it stays empty, and the grain takes the next that
-    # is free. (The study's lattice lets large grains overlap at birth.)
+    reach (k,) [m]: largest horizontal distance of a grain's surface from its centre; half_height (k,) [m]: vertical.
+    # ASSUME: a site where a grain could touch an earlier one stays empty, and the grain takes the next free site. (On
+    # the lattice of Rettinger et al. (2022) large grains may overlap at insertion.)
     """
     if len(sites) == 0 or len(reach) == 0:
         return np.zeros(0, np.int64)
@@ -42,7 +42,7 @@ def _occupy(sites, reach, half_height, width, limit):
             break
         x, y, z = sites[site, 0], sites[site, 1], sites[site, 2]
         if width > 0.0:
-            free = 2.0 * reach[n] < width  # else it would be born into its own image
+            free = 2.0 * reach[n] < width  # otherwise it would touch its own periodic image
         else:
             free = np.sqrt(x * x + y * y) + reach[n] < limit
         k = n - 1
@@ -65,9 +65,9 @@ def _occupy(sites, reach, half_height, width, limit):
 
 
 def initial_states(generation: Generation, position, sieve_size, uniforms) -> InitialStates:
-    """Orientations and velocities of grains at `position` (n, 3).
+    """Return the InitialStates of grains at `position` (n, 3) [m], with their orientations and velocities.
 
-    sieve_size (n,) [m]. uniforms (n, 8): random numbers of the grains in (0, 1): five for the velocities, three
+    sieve_size (n,) [m]. uniforms (n, 8): random numbers of the grains in (0, 1), five for the velocities and three
     for a random orientation (Shoemake 1992).
     """
     signed = 2.0 * uniforms - 1.0

@@ -1,4 +1,4 @@
-"""When a batch of grains is inserted, and which: the part of a packing that goes on until its amount is reached."""
+"""Decides when a batch of grains is inserted, and inserts batches until the amount of the packing is reached."""
 
 import numpy as np
 
@@ -9,11 +9,11 @@ from simcore.packing.insertion.initial_states import initial_states
 from simcore.packing.insertion.random_placement import fall_time
 from simcore.packing.packed import GENERATING, PackingError
 
-LONG_FLIGHT = 50.0  # times to fall through the domain
+LONG_FLIGHT = 50.0  # longest wait for a grain in flight, in times to fall through the domain
 
 
 class Insertion:
-    """Inserts the batches of a scene. Every rank draws all of a batch and takes its own grains."""
+    """Inserts the batches of a scene. Every rank draws the whole batch and takes its own grains."""
 
     def __init__(self, scene, bases, draw, stepper, ranks):
         self.scene, self.bases, self.stepper, self.ranks = scene, bases, stepper, ranks
@@ -21,7 +21,7 @@ class Insertion:
         self.pouring = Pouring(scene, bases, draw)
 
     def is_due(self, state, bodies, candidates) -> bool:
-        """Whether a batch is inserted now; PackingError where none will ever find room."""
+        """Return whether a batch is inserted now; PackingError if there will never be space for one."""
         if bodies is None:
             return True
         if state.in_stretch or state.step < state.next_insertion:
@@ -31,25 +31,24 @@ class Insertion:
             return True
         if state.step < state.space_deadline:
             return False
-        # A heavy grain that falls on a light one can throw it above the insertion height: it is waited for, not too
-        # long.
-        waits = (state.step - state.space_deadline) * self.dt < LONG_FLIGHT * self.fall_time()
-        lying = self._top(bodies, _touches(bodies, candidates))
-        if waits and self._has_space(state, bodies, lying):
+        # A heavy grain can throw a light one above the insertion height. Insertion waits for it, but not for ever.
+        may_wait = (state.step - state.space_deadline) * self.dt < LONG_FLIGHT * self.fall_time()
+        bed_top = self._top(bodies, _touches(bodies, candidates))
+        if may_wait and self._has_space(state, bodies, bed_top):
             return False
-        # The bed itself has come to where batches begin: what is left of the domain takes the next.
+        # The bed itself has reached the height where batches begin: the next fills the rest of the domain.
         if self._has_space(state, bodies, top, last=True):
             return True
-        if waits and self._has_space(state, bodies, lying, last=True):
+        if may_wait and self._has_space(state, bodies, bed_top, last=True):
             return False
         raise PackingError(
-            f"{self.scene.name}: after {state.inserted} grains the bed reaches {top * 1e3:.0f} mm and leaves no room "
-            f"for another batch below domain.height = {self.scene.domain.height * 1e3:.0f} mm; make the domain higher "
-            f"or wider, or pour less"
+            f"{self.scene.name}: after {state.inserted} grains the bed reaches {top * 1e3:.0f} mm and leaves no space "
+            f"for another batch below domain.height = {self.scene.domain.height * 1e3:.0f} mm. Make the domain higher "
+            f"or wider, or reduce amount"
         )
 
     def batch(self, state, bodies):
-        """(new bodies, their mean sieve size [m]) of the next batch; notes in `state` when the one after may come."""
+        """Return the next batch: (new bodies, their mean sieve size [m]); store in `state` when another may follow."""
         scene, inserted = self.scene, state.inserted
         drawn, places, interval = self.pouring.batch(inserted, self._top(bodies), self._touching)
         state.next_insertion = state.step + round(interval / self.dt)
@@ -57,12 +56,12 @@ class Insertion:
         if scene.amount_grains is not None:
             state.complete = inserted + count >= scene.amount_grains
         else:
-            before = 0.0 if bodies is None else self.ranks.totals(bodies.mass[bodies.own])[0]
-            mass = before + np.cumsum(scene.material.density * self.pouring.volumes(drawn)[:count])
+            inserted_mass = 0.0 if bodies is None else self.ranks.totals(bodies.mass[bodies.own])[0]
+            mass = inserted_mass + np.cumsum(scene.material.density * self.pouring.volumes(drawn)[:count])
             state.complete = bool(mass[-1] >= scene.amount_mass)
             if state.complete and scene.generation.fill == "bed":
-                # ASSUME: Rettinger et al. (2022) end with a whole batch and overshoot; a batch just above the bed can
-                # be larger than the packing, so the grain that reaches the mass is the last.
+                # ASSUME: the grain that reaches the mass is the last. Rettinger et al. (2022) end with a whole batch
+                # and exceed the mass, but here a batch just above the bed can be larger than the packing.
                 count = int(np.searchsorted(mass, scene.amount_mass)) + 1
         state.space_deadline = max(state.step, state.next_insertion) + round(2.0 * self.fall_time() / self.dt)
         new = self._new_bodies(drawn, places, count)
@@ -70,12 +69,12 @@ class Insertion:
         return new, float(np.mean(drawn.sieve_size[:count]))
 
     def fall_time(self) -> float:
-        """Time to fall through the domain from the insertion height [s]."""
+        """Return the time [s] to fall through the domain from its top with the insertion velocity."""
         scene = self.scene
         return fall_time(scene.domain.height, -scene.generation.velocity_z, scene.material.effective_gravity)
 
     def _new_bodies(self, drawn, places, count):
-        """Bodies of the first `count` grains drawn, at these places, with ids from 0 on."""
+        """Return bodies of the first `count` drawn grains at these places, with ids from 0 on."""
         scene = self.scene
         states = initial_states(scene.generation, places[:count], drawn.sieve_size[:count], drawn.uniforms[:count])
         return make_bodies(
@@ -88,7 +87,7 @@ class Insertion:
         )
 
     def _touching(self, drawn, places):
-        """Pairs (m, 2) of the grains drawn that touch each other at these places."""
+        """Return the pairs (m, 2) of drawn grains that touch each other at these places."""
         bodies = self._new_bodies(drawn, places, len(places))
         candidates = list_candidates(bodies, self.stepper.shapes, self.stepper.box, 0.0, self.stepper.features)
         return self.stepper.touching_pairs(bodies, candidates, self.stepper.drive(GENERATING, 0.0))
@@ -97,7 +96,7 @@ class Insertion:
         return self.pouring.has_space(state.inserted, top, lambda: self._highest(bodies), last)
 
     def _top(self, bodies, among=None):
-        """Height below which all grains are [m], or all of the bodies `among` (n,)."""
+        """Return the height [m] below which all grains are, or all bodies of the mask `among` (n,)."""
         if bodies is None:
             return 0.0
         counted = np.zeros(len(bodies.id), bool)
@@ -108,13 +107,13 @@ class Insertion:
         return float(self.ranks.maximum([tops.max(initial=-np.inf)])[0])
 
     def _highest(self, bodies):
-        """Height of the highest centre and largest bounding radius [m]."""
+        """Return the height of the highest centre and the largest bounding radius [m]."""
         own = bodies.own
         return self.ranks.maximum([bodies.position[own, 2].max(initial=-np.inf), bodies.radius[own].max(initial=0.0)])
 
 
 def _touches(bodies, candidates):
-    """Whether a body of this rank touches something, as of the last step (n,)."""
+    """Return a mask (n,) of the bodies of this rank that touched something in the last step."""
     contacts, walls = candidates
     touching = np.zeros(len(bodies.id), bool)
     for rows, touch in (

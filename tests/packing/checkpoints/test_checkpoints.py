@@ -169,16 +169,16 @@ def test_reasons_of_refusal(written, tmp_path):
     assert "cannot be read (Too many levels of symbolic links)" in refusal(loop)
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
-    assert "no ordinary file" in refusal(pipe)  # and does not wait for somebody to write into it
+    assert "not a regular file" in refusal(pipe)  # and does not wait for somebody to write into it
     for content, reason in [
         (b"", "is empty"),
-        (b"\x89HDF\r\n\x1a\n" + whole, "does not start as a checkpoint"),
-        (whole[:50], "truncated, 50 bytes"),
+        (b"\x89HDF\r\n\x1a\n" + whole, "does not start like a checkpoint"),
+        (whole[:50], "truncated: it has only 50 bytes"),
         (whole[:-1], "truncated or damaged"),
         (whole + whole, "truncated or damaged"),
-        (whole[:300] + bytes([whole[300] ^ 1]) + whole[301:], "its checksum does not hold"),
-        (whole[:-1] + bytes([whole[-1] ^ 1]), "its checksum does not hold"),
-        (whole[:8] + b"\x02" + whole[9:], "its checksum does not hold"),  # not: of another schema
+        (whole[:300] + bytes([whole[300] ^ 1]) + whole[301:], "its checksum is wrong"),
+        (whole[:-1] + bytes([whole[-1] ^ 1]), "its checksum is wrong"),
+        (whole[:8] + b"\x02" + whole[9:], "its checksum is wrong"),  # not: of another schema
     ]:
         written.write_bytes(content)
         assert reason in refusal(written)
@@ -220,12 +220,12 @@ def test_what_a_file_says_of_itself_is_bounded_by_its_length_even_where_the_chec
     written.write_bytes(sealed(HEADER, "[]"))
     assert len(read_checkpoint(written, KEY, CODE)[1]) == 1
     written.write_bytes(sealed(HEADER, "[]", table))
-    assert "not laid out as a checkpoint" in refusal(written)
+    assert "its layout is not that of a checkpoint" in refusal(written)
 
 
 def test_a_header_that_is_none_is_refused(written):
     written.write_bytes(sealed([1, 2]))
-    assert "not laid out as a checkpoint" in refusal(written)
+    assert "its layout is not that of a checkpoint" in refusal(written)
     written.write_bytes(sealed({}))
     assert "another scene (None" in refusal(written)
 
@@ -323,7 +323,7 @@ def test_a_full_disk_leaves_the_earlier_checkpoints_and_the_run(tmp_path, limit)
     assert done.returncode == 0, done.stderr
     (line,) = done.stdout.splitlines()
     assert f"{KEY}-3.checkpoint: the checkpoint could not be written (File too large)" in line
-    assert "make room" in line and "the run goes on without it" in line
+    assert "Free space" in line and "the run goes on without it" in line
     assert names(tmp_path, "") == [f"{KEY}-2.checkpoint", f"{KEY}-4.checkpoint"]
     with Store(tmp_path, KEY, CODE, pytest.fail) as store:
         (tmp_path / f"{KEY}-4.checkpoint").unlink()

@@ -69,7 +69,7 @@ def test_it_goes_on_from_any_step(made, whole):
             resumed = pack(made.scene, made.bases, made.draw, keeper=keeper)
             break
         except Interrupted as interrupted:
-            assert "the same command goes on from there" in str(interrupted)
+            assert "Run the same command again to resume from there" in str(interrupted)
             phases.append(json.loads(keeper.kept[0])["phase"])
     assert len(phases) >= 8 and len(set(phases)) >= 2
     assert_packed_alike(whole, resumed)

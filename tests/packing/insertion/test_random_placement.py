@@ -119,12 +119,12 @@ def test_grains_of_a_batch_are_apart_by_the_exact_query(kind):
 
 
 def test_what_does_not_fit_is_told(monkeypatch, reach):
-    with pytest.raises(ValueError, match="meets itself in a domain 50 mm wide"):
+    with pytest.raises(ValueError, match="does not fit into a domain 50 mm wide"):
         strewn(np.arange(1), np.array([0.026]), BOX, 0.0, seed=1)
-    with pytest.raises(ValueError, match="grain 0, 50 mm across, finds no place clear of the wall"):
+    with pytest.raises(ValueError, match="grain 0, 50 mm wide, cannot be placed without touching the wall"):
         strewn(np.arange(1), np.array([0.02499999]), CYLINDER, 0.0, seed=1)
     monkeypatch.setattr(release, "MAX_TRIES", 1)
-    with pytest.raises(ValueError, match=r"grain \d+ finds no free place; lower generation.batch_grains"):
+    with pytest.raises(ValueError, match=r"no free place for grain \d+; lower generation.batch_grains"):
         strewn(np.arange(N), reach, BOX, 0.0, seed=1)
 
 

@@ -188,7 +188,7 @@ def test_a_mass_below_one_grain_is_one_grain():
 @pytest.mark.parametrize("domain", [{"width": "5 mm"}, {"type": "cylinder", "width": "5 mm"}, {"height": "6 mm"}])
 def test_a_grain_too_large_for_its_domain_is_refused(domain):
     """Narrower or lower than the grain: the error gives both sizes and what to change."""
-    with pytest.raises(PackingError, match=r"few: no grain finds room at birth .*grains reach 0.00\d+ m across"):
+    with pytest.raises(PackingError, match=r"few: no grain can be inserted .*Grains are up to 0.00\d+ m wide"):
         packed({"domain": domain, "amount": {"grains": 1}})
 
 
@@ -216,7 +216,7 @@ def test_the_command_line_ends_with_one_line(tmp_path, capsys):
     status, lines = command("pack", specify({"amount": {"grains": 0}}), tmp_path / "none.nc")
     assert status == 2 and len(lines) == 1
     status, lines = command("pack", specify({"domain": {"width": "5 mm"}}), tmp_path / "wide.nc")
-    assert status == 1 and len(lines) == 1 and "few: no grain finds room" in lines[0]
+    assert status == 1 and len(lines) == 1 and "few: no grain can be inserted" in lines[0]
     assert not (tmp_path / "none.nc").exists() and not (tmp_path / "wide.nc").exists()
 
 
