@@ -123,10 +123,14 @@ def test_express_is_the_inverse_of_resolve():
         (
             "shapes",
             {"kind": "polyhedron", "choice": "form", "flatness": 0.5, "elongation": 0.5},
-            r"shapes\.kind: choice \"form\" is for kind \"ellipsoid\"",
+            r"shapes\.kind: choice \"form\" works only with kind \"ellipsoid\"",
         ),
         ("shapes.kind", "mixed", r"shapes\.ellipsoid_share: kind \"mixed\" needs a number from 0 to 1"),
-        ("shapes.ellipsoid_share", 0.5, r"shapes\.ellipsoid_share: it is for kind \"mixed\" only; leave it out"),
+        (
+            "shapes.ellipsoid_share",
+            0.5,
+            r"shapes\.ellipsoid_share: it has no effect unless kind is \"mixed\"; leave it out",
+        ),
         (
             "shapes",
             {"kind": "mixed", "ellipsoid_share": 1.5},
