@@ -1,4 +1,4 @@
-"""The separate bodies of one file: which there are in a mesh, and which of them become grains."""
+"""Separate bodies in one file: finds those of a mesh and selects the bodies that become grains."""
 
 from dataclasses import dataclass
 
@@ -8,13 +8,16 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 BODIES = ("one", "split", "largest", "joined")
-# A body of less than this share of the largest in its file may be noise.
+# A body with less than this share of the volume of the largest one in its file may be noise.
 _NOISE = 0.01
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Points (n, 3) whose hull is a body's, its volume (nan where only points are known), and notes as of Grain."""
+    """A body in a file of grains.
+
+    points: (n, 3), their hull is the body's hull; volume: nan if the file contains only points; notes: as in Grain.
+    """
 
     points: np.ndarray
     volume: float = np.nan
@@ -22,21 +25,21 @@ class Body:
 
 
 def select_bodies(bodies, choice, unit):
-    """The bodies of one file or label that become grains, largest first.
+    """Return the bodies of one file or label that become grains, largest first.
 
-    bodies: list of Body, not empty, lengths in `unit`. choice: "one" refuses several, "split" takes each, "largest"
-    the largest, "joined" the hull of all. ValueError with the number of bodies and their volumes.
+    bodies: list of Body, not empty, lengths in `unit`. choice: "one" refuses several bodies with a ValueError that
+    names their number and volumes; "split" returns all, "largest" the largest one, "joined" one body of all points.
     """
     if len(bodies) == 1:
         return bodies
     bodies = sorted(bodies, key=lambda body: -body.volume)
     volumes = [body.volume for body in bodies]
-    volumes_text = _listed(volumes, unit)
+    volumes_text = _format_volumes(volumes, unit)
     if choice == "one":
         raise ValueError(
-            f"it has {len(bodies)} separate bodies, of {volumes_text}; a grain is one body: delete what is no grain (a "
-            "turntable, noise), or set `grains.bodies` to split (each becomes a grain), largest (the others are left "
-            "out) or joined (the hull of all is one grain)"
+            f"it has {len(bodies)} separate bodies, of {volumes_text}, but a grain is one body; delete the bodies that "
+            "are not grains (a turntable, noise), or set `grains.bodies` to split (each becomes a grain), largest (the "
+            "others are left out) or joined (the hull of all is one grain)"
         )
     if choice == "joined":
         notes = tuple(dict.fromkeys(note for body in bodies for note in body.notes))
@@ -55,59 +58,62 @@ def _with_note(body, share):
     return Body(body.points, body.volume, (note, *body.notes))
 
 
-def _listed(volumes, unit):
-    shown = ", ".join(f"{float(f'{volume:.3g}'):g}" for volume in volumes[:5])
-    return f"{shown}{f' and {len(volumes) - 5} smaller ones' if len(volumes) > 5 else ''} {unit}³"
+def _format_volumes(volumes, unit):
+    largest = ", ".join(f"{float(f'{volume:.3g}'):g}" for volume in volumes[:5])
+    return f"{largest}{f' and {len(volumes) - 5} smaller ones' if len(volumes) > 5 else ''} {unit}³"
 
 
 def mesh_bodies(vertices, faces):
-    """The bodies (list of Body) of a mesh, after checking that its triangles enclose them from outside.
+    """Return the bodies of a mesh as a list of Body; ValueError if the mesh is flat, open or inverted.
 
-    vertices (n, 3), faces (m, 3). Vertices at one place are one; triangles that share a vertex belong to one body, so
-    that a scan that touches itself stays one. What lies within a body, as the wall of a cavity, belongs to it.
-    ValueError if the mesh is flat, open or inverted.
+    vertices (n, 3), faces (m, 3), outward. Vertices at the same place are merged. Triangles that share a vertex belong
+    to one body, so a scan whose surface touches itself remains one body. A surface inside a body, such as the wall of a
+    cavity, belongs to that body.
     """
     size = np.ptp(vertices[faces.ravel()], axis=0).max() or 1.0
     centred = (vertices - vertices.mean(0)) / size
     thickness = np.linalg.svd(centred - centred.mean(0), compute_uv=False)[-1] / np.sqrt(len(centred))
     if thickness < 1e-6:
-        raise ValueError("the mesh is flat: all its vertices lie in one plane")
+        raise ValueError("the mesh is flat: all its vertices are in one plane; export a closed surface")
     closed = trimesh.Trimesh(centred, faces, process=False)
     closed.merge_vertices(merge_tex=True, merge_norm=True)  # STL repeats the corners of every triangle
     labels = _components(len(closed.vertices), closed.faces)[closed.faces[:, 0]]
     kept = closed.nondegenerate_faces()
     closed.update_faces(kept)
     if not closed.is_watertight:
-        raise ValueError("the mesh is open: an edge has not exactly two faces; close its holes" + _pieces(labels))
-    inverted = "the mesh is inverted: faces are wound inwards, all or some; turn them outwards"
+        raise ValueError(
+            "the mesh is open: not every edge has exactly two faces; close its holes" + _describe_pieces(labels)
+        )
+    inverted = "the mesh is inverted: some or all faces are wound inwards; turn them outwards"
     if not closed.is_winding_consistent:
         raise ValueError(inverted)
     groups = _whole_bodies(np.asarray(closed.vertices), np.asarray(closed.faces), labels[kept])
-    wrong = sum(volume <= 0 for _, volume in groups)
-    if wrong or not groups:
-        raise ValueError(inverted + (f" ({wrong} of its {len(groups)} bodies)" if len(groups) > 1 else ""))
+    n_inverted = sum(volume <= 0 for _, volume in groups)
+    if n_inverted or not groups:
+        raise ValueError(inverted + (f" ({n_inverted} of its {len(groups)} bodies)" if len(groups) > 1 else ""))
     if len(groups) == 1:
         return [Body(vertices[np.unique(faces)], groups[0][1] * size**3)]
     return [Body(vertices[np.unique(faces[np.isin(labels, own)])], volume * size**3) for own, volume in groups]
 
 
 def _components(count, faces):
-    """Number of its connected component of each of `count` vertices."""
+    """Return the number of the connected component of each of `count` vertices, (count,)."""
     pairs = np.concatenate([faces[:, :2], faces[:, 1:]])
     graph = coo_array((np.ones(len(pairs), bool), pairs.T), shape=(count, count))
     return connected_components(graph, directed=False)[1]
 
 
-def _pieces(labels):
+def _describe_pieces(labels):
     number = len(np.unique(labels))
-    return f" (it has {number} separate pieces; delete what is no grain)" if number > 1 else ""
+    return f" (it has {number} separate pieces; delete those that are not grains)" if number > 1 else ""
 
 
 def _whole_bodies(vertices, faces, labels):
-    """[(labels of the components, volume)] of each body: an outer component and all that lie within it.
+    """Group components into bodies and return [(labels of the components, volume)].
 
-    Inward-wound components are walls of cavities, whose volume is taken off; what else lies within is solid already.
-    A component that lies in none is a body of its own, whatever its volume.
+    A body is an outer component with all components inside it. Components inside it that are wound inwards are walls of
+    cavities, and their volume is subtracted; the others are inside the solid and add nothing. A component inside no
+    other one is a body, whatever its volume.
     """
     order = np.argsort(labels, kind="stable")
     names, starts = np.unique(labels[order], return_index=True)
@@ -115,37 +121,37 @@ def _whole_bodies(vertices, faces, labels):
     outer = []
     for name, corners in sorted(parts, key=lambda part: -np.prod(np.ptp(part[1], axis=(0, 1)))):
         volume = _signed_volume(corners)
-        around = next((body for body in outer if _lies_within(corners, body["corners"])), None)
-        if around is None:
+        enclosing = next((body for body in outer if _is_within(corners, body["corners"])), None)
+        if enclosing is None:
             outer.append({"labels": [name], "corners": corners, "volume": volume})
         else:
-            around["labels"].append(name)
-            around["volume"] += min(volume, 0.0)
+            enclosing["labels"].append(name)
+            enclosing["volume"] += min(volume, 0.0)
     return [(body["labels"], body["volume"]) for body in outer]
 
 
 def _signed_volume(corners):
-    """Volume within triangles (m, 3, 3), negative where they are wound inwards."""
+    """Return the volume enclosed by triangles (m, 3, 3), negative if they are wound inwards."""
     a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
 
 
-def _lies_within(corners, around):
-    """Whether a closed surface lies within another, by points on it: surfaces that cross are bodies of their own."""
-    low, high = around.min(axis=(0, 1)), around.max(axis=(0, 1))
+def _is_within(corners, enclosing):
+    """Return whether a closed surface is inside another, by points on it; of surfaces that cross, neither is inside."""
+    low, high = enclosing.min(axis=(0, 1)), enclosing.max(axis=(0, 1))
     points = corners.reshape(-1, 3)
     if np.any(points < low) or np.any(points > high):
         return False
     ends = np.concatenate([points.argmin(axis=0), points.argmax(axis=0)])
-    some = np.concatenate([points[:: -(-len(points) // 50)], points[ends]])
-    return all(_is_inside(point, around) for point in some)
+    tested = np.concatenate([points[:: -(-len(points) // 50)], points[ends]])
+    return all(_is_inside(point, enclosing) for point in tested)
 
 
 def _is_inside(point, corners):
-    """Whether a point (3,) lies inside a closed surface of triangles (m, 3, 3), by the solid angle it fills there."""
+    """Return whether a point (3,) is inside a closed surface of triangles (m, 3, 3), by the surface's solid angle."""
     a, b, c = np.moveaxis(corners - point, 1, 0)
     la, lb, lc = (np.linalg.norm(edge, axis=1) for edge in (a, b, c))
     triple = np.einsum("ij,ij->i", a, np.cross(b, c))
-    below = la * lb * lc + np.einsum("ij,ij->i", a, b) * lc + np.einsum("ij,ij->i", b, c) * la
-    below += np.einsum("ij,ij->i", c, a) * lb
-    return abs(np.arctan2(triple, below).sum()) > np.pi  # half of the solid angle: 2 pi inside, 0 outside
+    denominator = la * lb * lc + np.einsum("ij,ij->i", a, b) * lc + np.einsum("ij,ij->i", b, c) * la
+    denominator += np.einsum("ij,ij->i", c, a) * lb
+    return abs(np.arctan2(triple, denominator).sum()) > np.pi  # half of the solid angle: 2 pi inside, 0 outside

@@ -1,4 +1,4 @@
-"""Recognise the columns of a table of measured grains by their names."""
+"""Recognises the columns of a table of measured grains by their names."""
 
 import re
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ _STATISTICS = {
 }
 _PERCENT = r"[\s_]*[\[(]?\s*(?:%|percent)\s*[\])]?"
 _OF_GRAINS = r"[\s_]+(?:of[\s_]+)?(?:the[\s_]+)?(?:grains|particles|clasts|pebbles|stones|körner)"
-_RUNNING = r"n|number|anzahl"  # such a column may as well number the rows
+_RUNNING = r"n|number|anzahl"  # a column of this name may also number the rows
 _COUNTS = (
     rf"(?:counts?|{_RUNNING}|grains|frequency|freq\.?|häufigkeit|(?:count|number|no\.?|n|anzahl){_OF_GRAINS})"
     rf"(?:{_NO_UNIT}|{_PERCENT})"
@@ -42,10 +42,10 @@ _COUNTS = (
 
 @dataclass(frozen=True)
 class FormColumns:
-    """Which columns of a table are read; the numbers are positions, from 0.
+    """The columns of a table that are read, as positions from 0.
 
-    kind: AXES, RATIOS or MEANS. forms: position of each name of the kind. counts: position of the number of grains that
-    each row stands for; None without one. sample: position of the column that tells samples apart; None without one.
+    kind: AXES, RATIOS or MEANS. forms: position of each name of the kind. counts: position of the column with the
+    number of grains in each row, or None. sample: position of the column with the name of the sample, or None.
     """
 
     kind: tuple
@@ -55,15 +55,16 @@ class FormColumns:
 
     @property
     def used(self):
-        """All positions that are read."""
+        """Set of all positions that are read."""
         return {*self.forms.values(), self.counts, self.sample} - {None}
 
 
 def recognise_columns(path, header, sample=None):
-    """FormColumns of a table with the column names `header`, a list; sample: name of the column of samples, or None.
+    """Return the FormColumns of a table.
 
-    ValueError, which names the file `path`, if the columns of a form are missing, if two columns claim the same
-    meaning, or if units differ.
+    header: list of the names of the columns. sample: name of the column of samples; with None it is "sample", if the
+    table has such a column. ValueError, which names the file `path`, if the columns of a form are missing, if two
+    columns have the same meaning, or if the units of the axes differ.
     """
     names = _recognise_forms(path, header)
     kind = next((kind for kind in (AXES, RATIOS, MEANS) if set(kind) <= set(names)), None)
@@ -75,17 +76,17 @@ def recognise_columns(path, header, sample=None):
     by = _find_sample(path, header, sample, set(forms.values()))
     counts = [i for i, name in enumerate(header) if i != by and i not in forms.values() and _matches(_COUNTS, name)]
     if kind == MEANS:
-        counts = []  # a row is a sample there, and none weighs more than another
+        counts = []  # each row is a sample, and all samples have the same weight
     return FormColumns(kind, forms, _only(path, header, counts, "the number of grains") if counts else None, by)
 
 
 def may_number_rows(name):
-    """Whether a column of this name may number the rows instead of counting grains."""
+    """Return whether a column of this name may number the rows instead of counting grains."""
     return _matches(_RUNNING, name)
 
 
 def _recognise_forms(path, header):
-    """The positions that claim each name of AXES, RATIOS and MEANS, dict of lists."""
+    """Return the positions of the columns that match each name of AXES, RATIOS and MEANS, dict of lists."""
     patterns = {axis: rf"(?:{names}){_AXIS_WORD}{_WITH_UNIT}" for axis, names in _AXIS_NAMES.items()}
     patterns |= {ratio: f"(?:{names}){_NO_UNIT}" for ratio, names in _RATIO_NAMES.items()}
     for statistic, words in _STATISTICS.items():
@@ -103,31 +104,31 @@ def _recognise_forms(path, header):
 
 
 def _what_is_missing(header, names):
-    """What keeps a table from being one of the three kinds, without a full stop."""
-    said = ", ".join(name or "(no name)" for name in header)
+    """Describe why the table is none of the three kinds, without a full stop."""
+    columns = ", ".join(name or "(no name)" for name in header)
     for kind in (MEANS, RATIOS, AXES):
         missing = [name for name in kind if name not in names]
         if len(missing) < len(kind):
-            return f"the column {', '.join(missing)} is missing beside {said}"
+            return f"the column {', '.join(missing)} is missing beside {columns}"
     if any(re.match(r"[-+.]?\d", name) for name in header):
-        return f"the first row ({said}) holds numbers where the names of the columns are needed"
-    return f"none of its columns ({said}) is a form"
+        return f"the first row ({columns}) contains numbers where the names of the columns are needed"
+    return f"none of its columns ({columns}) is an axis or a form"
 
 
 def _only(path, header, positions, meaning):
-    """The single position of those that claim a meaning; ValueError if there are two."""
+    """Return the single position of the columns with one meaning; ValueError if there are several."""
     if len(positions) == 1:
         return positions[0]
-    first, second = (header[position] for position in positions[:2])
-    if first == second:
-        raise ValueError(f"{path}: two columns are named {first}; drop or rename one")
-    raise ValueError(f"{path}: the columns {first} and {second} are both {meaning}; drop one")
+    name, other = (header[position] for position in positions[:2])
+    if name == other:
+        raise ValueError(f"{path}: two columns are named {name}; remove or rename one")
+    raise ValueError(f"{path}: the columns {name} and {other} are both {meaning}; remove one")
 
 
 def _find_sample(path, header, sample, forms):
     wanted = SAMPLE if sample is None else " ".join(sample.split())
-    for same in (str, str.lower):
-        positions = [position for position, name in enumerate(header) if same(name) == same(wanted)]
+    for normalise in (str, str.lower):
+        positions = [position for position, name in enumerate(header) if normalise(name) == normalise(wanted)]
         if positions:
             position = _only(path, header, positions, "the sample")
             if position in forms:
@@ -135,17 +136,19 @@ def _find_sample(path, header, sample, forms):
             return position
     if sample is None:
         return None
-    raise ValueError(f"{path}: there is no column {sample} to tell samples apart; there are {', '.join(header)}")
+    raise ValueError(
+        f"{path}: there is no column {sample} to distinguish the samples; the columns are {', '.join(header)}"
+    )
 
 
 def _check_units(path, units):
     if len(set(units.values())) > 1:
-        said = ", ".join(f"{axis} in {units[axis] or 'no unit'}" for axis in AXES)
-        raise ValueError(f"{path}: the header mixes units ({said}); give all three axes in one")
+        mixed = ", ".join(f"{axis} in {units[axis] or 'no unit'}" for axis in AXES)
+        raise ValueError(f"{path}: the header mixes units ({mixed}); give all three axes in one unit")
 
 
 def _unit(name):
-    """The unit in the name of a column of axes, in one spelling; None without one."""
+    """Return the unit in the name of a column of axes, in one spelling, or None if there is no unit."""
     for names in _AXIS_NAMES.values():
         match = re.fullmatch(f"(?:{names}){_AXIS_WORD}{_WITH_UNIT}", name, re.IGNORECASE)
         if match:

@@ -1,5 +1,5 @@
 # ruff: noqa: E741  L, I, S are the field's names of the axes
-"""A set of grains in one netCDF file: ragged meshes and one row of measures per grain."""
+"""Set of grains in one netCDF file: ragged arrays of vertices and faces, and one row of measures per grain."""
 
 import os
 from pathlib import Path
@@ -23,14 +23,15 @@ _MEASURES = {
 
 
 def grain_dataset(grains, **attributes):
-    """The grains as an xarray Dataset: dims grain, vertex, face, xyz (3), corner (3).
+    """Return the grains as an xarray Dataset with the dimensions grain, vertex, face, xyz (3), corner (3).
 
-    Vertices of grain i are vertices[vertex_start[i] : vertex_start[i] + vertex_count[i]] [m]; its faces
-    likewise, with indices that count from its own first vertex. attributes: added to the Dataset's.
+    The vertices of grain i are vertices[vertex_start[i] : vertex_start[i] + vertex_count[i]] [m]. Its faces are stored
+    in the same way, with indices that count from its own first vertex. attributes: further attributes of the Dataset.
+    ValueError if there is no grain, or if two have the same name.
     """
     names = [grain.name for grain in grains]
     if not grains or len(set(names)) < len(names):
-        raise ValueError(f"a grain set needs at least one grain and unique names, got {names}")
+        raise ValueError(f"a grain set needs at least one grain and unique names; its names are {names}")
     data = {
         "vertices": (("vertex", "xyz"), np.concatenate([g.vertices for g in grains]), {"units": "m"}),
         "faces": (("face", "corner"), np.concatenate([g.faces for g in grains]).astype(np.int32)),
@@ -53,7 +54,7 @@ def grain_dataset(grains, **attributes):
 
 
 def write_grains(path, grains, **attributes):
-    """Write the grains as grain_dataset has them, under a temporary name until the file is whole."""
+    """Write the Dataset of grain_dataset to path; the file has a temporary name until it is complete."""
     path = Path(path)
     part = path.with_name(path.name + ".part")
     grain_dataset(grains, **attributes).to_netcdf(part, engine="netcdf4")
@@ -61,15 +62,15 @@ def write_grains(path, grains, **attributes):
 
 
 def read_grains(path):
-    """The list of Grain written by write_grains. ValueError if the file is missing or is no grain set."""
+    """Read the list of Grain that write_grains wrote; ValueError if the file is missing or is not a grain set."""
     path = Path(path)
     if not path.is_file():
-        raise ValueError(f"grain set {path} does not exist: write it with write_grains, or correct the path")
+        raise ValueError(f"the grain set {path} does not exist; write it with write_grains, or correct the path")
     try:
         with xr.open_dataset(path, engine="netcdf4") as file:
             data = file.load()
         columns = [data[name].values for name in ("L", "I", "S", "volume", "second_moments")]
-        ratios, notes = _reading_of(data)
+        ratios, notes = _ratios_and_notes(data)
         meshes = [_ragged(data, "vertex", "vertices"), _ragged(data, "face", "faces")]
     except (OSError, KeyError) as error:
         raise ValueError(f"{path} is not a grain set written by write_grains: {error}") from None
@@ -83,13 +84,13 @@ def read_grains(path):
 
 
 def read_attribute(path, name):
-    """Attribute `name` of the grain set at path, None where it has none."""
+    """Return the attribute `name` of the grain set at path, or None if it has no such attribute."""
     with xr.open_dataset(path, engine="netcdf4") as data:
         return data.attrs.get(name)
 
 
-def _reading_of(data):
-    """Hull ratios and notes of each grain; sets written before there were any have neither."""
+def _ratios_and_notes(data):
+    """Return hull ratio and notes of each grain; sets from versions without them have nan and no notes."""
     n = len(data.grain)
     ratios = data["hull_ratio"].values.tolist() if "hull_ratio" in data else [np.nan] * n
     notes = [tuple(str(text).splitlines()) for text in data["notes"].values] if "notes" in data else [()] * n

@@ -1,13 +1,13 @@
-"""Read measured forms of grains from a table: axes, or flatness and elongation, or their statistics, as samples.
+"""Reads samples of measured grains from a table of axes, of flatness and elongation, or of their statistics.
 
-The columns decide what a row is:
+The columns determine the meaning of a row:
 
-    L, I, S                                a grain: its axes, longest first, in any one unit (a, b, c; long, ... too)
-    FL, EL                                 a grain: S/I and I/L (under these names too)
-    mean_FL, std_FL, mean_EL, std_EL       a sample (mu_ and sigma_ are taken too)
+    L, I, S                                a grain: its axes, longest first, in any one unit (also a, b, c; long, ...)
+    FL, EL                                 a grain: flatness S/I and elongation I/L (also under the names S/I and I/L)
+    mean_FL, std_FL, mean_EL, std_EL       a sample (also with mu_ and sigma_)
 
-A column `sample`, or another one that is named, says to which sample a grain belongs, or names the row's sample. A
-column of counts (count, n, number, ...) gives the number of grains that a row of a grain stands for.
+The column `sample`, or another column that the caller names, gives the sample of each row. A column of counts (count,
+n, number, ...) gives the number of grains that a row represents.
 """
 
 import logging
@@ -25,21 +25,22 @@ from simcore.grains.table_file import read_table
 
 log = logging.getLogger(__name__)
 
-_LONGEST = 100.0  # L/S; grains of FL and EL of 0.1, the least of Rettinger et al. (2022), have it
-_MAX_GRAINS = 1e12  # of one row; more is no count
-ALIKE = 1e-9  # relative; measured grains differ by more, copies of one row by rounding
-_SHOWN = 5  # values that a notice lists one by one
+_LONGEST = 100.0  # maximum L/S, that of FL = EL = 0.1, the minimum in Rettinger et al. (2022)
+_MAX_GRAINS = 1e12  # maximum of a count in one row
+ALIKE = 1e-9  # relative deviation; measured grains differ by more, copies of one row only by rounding
+_SHOWN = 5  # maximum number of values that a notice lists
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity)", re.IGNORECASE)
-# 1,234 may be a thousand and some, or one and some.
+# 1,234 may mean 1234 or 1.234.
 _AMBIGUOUS = re.compile(r"[1-9]\d{0,2}[.,]\d{3}")
 
 
 @dataclass(frozen=True)
 class Sample:
-    """A sample's statistics over its grains, number-based.
+    """Statistics of a sample over its grains, number-based.
 
-    grains: how many were measured, 0 if only statistics are given; with weights that do not count grains, the number of
-    rows. From statistics alone, those of EQ are of independent FL and EL, as Rettinger et al. (2022) have them.
+    grains: number of grains measured; 0 if the table has only statistics; the number of rows with a positive weight if
+    the weights are not counts. If the table has only statistics, those of EQ assume that FL and EL are independent, as
+    in Rettinger et al. (2022).
     """
 
     name: str
@@ -53,14 +54,14 @@ class Sample:
 
     @property
     def one_form(self):
-        """Whether all grains are alike."""
+        """Whether all grains have the same form, up to rounding."""
         return self.sigma_FL <= ALIKE * self.mu_FL and self.sigma_EL <= ALIKE * self.mu_EL
 
 
 def read_samples(path, column=None):
-    """Read a list of Sample from a table, in the order in which they appear; notices go to the log as warnings.
+    """Read a list of Sample from a table, in the order in which they appear; log the notices as warnings.
 
-    Arguments and errors: as of read_measured.
+    Arguments and errors are those of read_measured.
     """
     samples, notices = read_measured(path, column)
     for notice in notices:
@@ -69,16 +70,16 @@ def read_samples(path, column=None):
 
 
 def read_measured(path, column=None):
-    """Read (samples, notices) from a table: a list of Sample in the order of the rows, and sentences on the reading.
+    """Read a table and return (samples, notices): a list of Sample in the order of the rows, and a list of sentences.
 
-    path: a text file or an Excel workbook, see simcore.grains.table_file. column: the column that tells the samples
-    apart; None: "sample", if there is one. Numbers may have a decimal comma.
-    Rows that summarise others, such as Mean or Total, are left out, with a notice; so are columns that are not needed.
-    ValueError with file and row, as a spreadsheet counts them, and how to mend it.
+    path: a text file or an Excel workbook, see simcore.grains.table_file. column: name of the column with the name of
+    the sample; with None it is "sample", if there is such a column. Numbers may have a decimal comma.
+    Rows that summarise others, such as Mean or Total, and columns that are not needed are left out, with a notice.
+    ValueError names the file, the row as a spreadsheet counts it, and the remedy.
     """
     table = read_table(path)
     if not table.header:
-        raise ValueError(f"{path}: is empty; {NEEDED}")
+        raise ValueError(f"{path}: the file is empty; {NEEDED}")
     columns = recognise_columns(path, table.header, column)
     cells, notices = _leave_out_summaries(path, table.cells, columns)
     if cells.empty:
@@ -100,30 +101,30 @@ def read_measured(path, column=None):
 
 
 def _leave_out_summaries(path, cells, columns):
-    """The cells without the rows that summarise others, and notices."""
+    """Return the cells without the rows that summarise others, and notices."""
     labels = find_summary_rows(cells[[i for i in cells if i not in columns.forms.values() and i != columns.counts]])
     if not labels:
         return cells, []
-    said = ", ".join(f"row {row} ({label})" for row, label in labels.items())
+    rows = ", ".join(f"row {row} ({label})" for row, label in labels.items())
     if len(labels) == len(cells):
-        raise ValueError(f"{path}: all rows summarise others ({said}); give the grains themselves, a row each")
+        raise ValueError(f"{path}: all rows summarise others ({rows}); give the grains themselves, one row each")
     verb = "summarise others and are" if len(labels) > 1 else "summarises others and is"
-    return cells.drop(index=list(labels)), [f"{said} {verb} left out"]
+    return cells.drop(index=list(labels)), [f"{rows} {verb} left out"]
 
 
 def _read_forms(where, header, texts, columns):
-    """The numbers of the kind's columns in a row, list of float."""
+    """Return the numbers in the columns of the form in one row, list of float."""
     width = max((i + 1 for i, text in enumerate(texts) if text), default=0)
     if max(columns.forms.values()) >= width:
         raise ValueError(
-            f"{where}: {width} fields where the header has {len(header)}; fill or drop some, and write decimals with "
-            "a point where commas part the fields"
+            f"{where}: the row has {width} fields, but the header has {len(header)}; add or remove fields, and write "
+            "decimals with a point if commas separate the fields"
         )
     return [_number(where, name, texts[position]) for name, position in columns.forms.items()]
 
 
 def _name_of(where, header, texts, columns, row, stem):
-    """Name of the sample that a row belongs to."""
+    """Return the name of the sample of a row."""
     if columns.sample is None:
         return f"row {row}" if columns.kind == MEANS else stem
     if not texts[columns.sample]:
@@ -133,14 +134,17 @@ def _name_of(where, header, texts, columns, row, stem):
 
 @dataclass(frozen=True)
 class _Counts:
-    """weights: dict from row to its weight; whole: whether the weights are numbers of grains, not shares."""
+    """Weights of the rows.
+
+    weights: dict from row to its weight; whole: whether the weights are numbers of grains instead of shares.
+    """
 
     weights: dict
     whole: bool
 
 
 def _read_counts(path, header, cells, columns):
-    """The _Counts of the rows (None: each row is a grain), and notices."""
+    """Return the _Counts of the rows (None if each row is one grain), and notices."""
     if columns.counts is None:
         return None, []
     name, texts = header[columns.counts], cells[columns.counts]
@@ -153,36 +157,36 @@ def _read_counts(path, header, cells, columns):
             raise ValueError(f"{where}: {name} is {text}; write it without a separator of thousands")
         weights[row] = _number(where, name, text)
         if not 0 <= weights[row] <= _MAX_GRAINS:
-            raise ValueError(f"{where}: {name} = {weights[row]:g}; a number of grains lies between 0 and 1e12")
+            raise ValueError(f"{where}: {name} = {weights[row]:g}; a number of grains must be between 0 and 1e12")
     values = list(weights.values())
     if len(values) > 1 and may_number_rows(name) and all(b - a == 1 for a, b in zip(values, values[1:], strict=False)):
-        return None, [f"the column {name} numbers the rows, so it is not taken for a number of grains"]
+        return None, [f"the column {name} numbers the rows, so it is not used as a number of grains"]
     if all(value.is_integer() for value in values) and not re.search("%|percent", name):
         return _Counts(weights, True), [
             f"the column {name} is the number of grains of each row, {sum(values):.0f} in all"
         ]
-    return _Counts(weights, False), [f"the column {name} weighs the rows; how many grains there are is not known"]
+    return _Counts(weights, False), [f"the column {name} is the weight of each row; the number of grains is unknown"]
 
 
 def _describe_unused(header, cells, columns):
-    """Notices on the columns that are not read, and on one that may tell samples apart."""
+    """Return notices on the columns that are not read, and on columns that may name samples."""
     unused = {i: header[i] or f"(column {i + 1}, no name)" for i in cells if i not in columns.used}
     notices = []
-    may_tell_apart = columns.sample is None and columns.kind != MEANS
-    for position in list(unused) if may_tell_apart else []:
+    may_name_samples = columns.sample is None and columns.kind != MEANS
+    for position in list(unused) if may_name_samples else []:
         values = [text for text in dict.fromkeys(cells[position]) if text]
         if 1 < len(values) < len(cells) and not all(_NUMBER.fullmatch(text) for text in values) and header[position]:
             notices.append(
-                f"the column {unused.pop(position)} repeats ({_listed(values)}) and is not used, so all grains are one "
-                f"sample; to tell samples apart by it, give --sample '{header[position]}'"
+                f"the column {unused.pop(position)} has repeated values ({_join_first(values)}) and is not used, so "
+                f"all grains are one sample; if its values are samples, give --sample '{header[position]}'"
             )
     if unused:
-        notices.append(f"not used: {', '.join(unused.values())}")
+        notices.append(f"columns that are not used: {', '.join(unused.values())}")
     return notices
 
 
-def _listed(texts):
-    """The first texts after each other, with how many there are besides."""
+def _join_first(texts):
+    """Return the first _SHOWN texts separated by commas, and the number of further ones."""
     shown = ", ".join(texts[:_SHOWN])
     return shown if len(texts) <= _SHOWN else f"{shown} and {len(texts) - _SHOWN} more"
 
@@ -190,22 +194,22 @@ def _listed(texts):
 def _number(where, name, text):
     plain = text.replace("\u2212", "-")
     if plain.rstrip().endswith("%"):
-        raise ValueError(f"{where}: {name} is '{text}'; give a fraction, 0.65 not 65 %")
+        raise ValueError(f"{where}: {name} is '{text}'; give a fraction, 0.65 instead of 65 %")
     if "." in plain and "," in plain or plain.count(",") > 1 or plain.count(".") > 1:
         raise ValueError(
-            f"{where}: {name} is '{text}'; a number is needed, without separators of thousands, its unit, if any, in "
-            "the header"
+            f"{where}: {name} is '{text}'; a number is needed, without separators of thousands; write its unit, if "
+            "any, in the header"
         )
     if not _NUMBER.fullmatch(plain):
-        raise ValueError(f"{where}: {name} is '{text}'; a number is needed, its unit, if any, in the header")
+        raise ValueError(f"{where}: {name} is '{text}'; a number is needed; write its unit, if any, in the header")
     value = float(plain.replace(",", "."))
     if not isfinite(value):
-        raise ValueError(f"{where}: {name} is {text}; a finite number is needed, drop the row if it is unknown")
+        raise ValueError(f"{where}: {name} is {text}; a finite number is needed; remove the row if it is unknown")
     return value
 
 
 def _check_axes(where, values):
-    """FL and EL of a grain."""
+    """Return FL and EL of a grain with these axes; ValueError if they are not axes of a grain."""
     L, I, S = values
     slack = 1 - 1e-12
     if S <= 0:
@@ -216,7 +220,7 @@ def _check_axes(where, values):
         )
     if L > _LONGEST * S:
         raise ValueError(
-            f"{where}: L = {L:g} is {L / S:.4g} times S = {S:g}, more than of any gravel; give all axes in one unit"
+            f"{where}: L = {L:g} is {L / S:.4g} times S = {S:g}, more than for any gravel; give all axes in one unit"
         )
     return min(S / I, 1.0), min(I / L, 1.0)
 
@@ -225,31 +229,31 @@ def _check_ratios(where, values):
     for name, value in zip(RATIOS, values, strict=True):
         if not 0 < value <= 1:
             raise ValueError(
-                f"{where}: {name} = {value:g} is not in (0, 1]; FL is S/I and EL is I/L, not their inverses, nor "
+                f"{where}: {name} = {value:g} is not in (0, 1]; FL is S/I and EL is I/L; do not give their inverses or "
                 "percent"
             )
     if values[0] * values[1] * _LONGEST < 1:
         raise ValueError(
-            f"{where}: FL = {values[0]:g}, EL = {values[1]:g} give L/S above {_LONGEST:g}, longer than any "
-            "gravel; correct or drop the row"
+            f"{where}: FL = {values[0]:g}, EL = {values[1]:g} give L/S above {_LONGEST:g}, more than for any "
+            "gravel; correct or remove the row"
         )
     return values
 
 
 def _from_grains(path, name, entries, check, counts):
-    """The Sample of a group of rows (where, values, row); check returns FL and EL of a row's values."""
+    """Return the Sample of a group of rows (where, values, row); check(where, values) returns FL and EL of a row."""
     FL, EL = np.array([check(where, values) for where, values, _ in entries], float).T
     weights, grains = None, len(FL)
     if counts is not None:
         weights = np.array([counts.weights[row] for *_, row in entries])
         if not weights.sum() > 0:
-            raise ValueError(f"{path}: the numbers of grains of sample {name} are all 0; correct or drop its rows")
+            raise ValueError(f"{path}: the numbers of grains of sample {name} are all 0; correct or remove its rows")
         grains = int(weights.sum()) if counts.whole else int((weights > 0).sum())
     statistics = {}
     for feature, values in (("FL", FL), ("EL", EL), ("EQ", FL * EL)):
         mean, std = _mean_and_std(values, weights)
-        # As the models have it (simcore.grains.statistics): the deviation over the grains themselves (ddof 0). Grains
-        # that are alike differ by rounding alone.
+        # As in the models (simcore.grains.statistics), the deviation is that of the grains themselves (ddof 0). Below
+        # ALIKE it is rounding.
         statistics |= {f"mu_{feature}": float(mean), f"sigma_{feature}": float(std if std > ALIKE * mean else 0.0)}
     return Sample(name=name, grains=grains, **statistics)
 
@@ -263,19 +267,22 @@ def _mean_and_std(values, weights):
 
 def _from_means(name, entries):
     if len(entries) > 1:
-        raise ValueError(f"{entries[1][0]}: sample {name} is there twice; a row of means and deviations is one sample")
+        raise ValueError(
+            f"{entries[1][0]}: sample {name} occurs twice, but each row of means and deviations is one sample; rename "
+            "or remove one"
+        )
     where, (mu_FL, sigma_FL, mu_EL, sigma_EL), _ = entries[0]
     for feature, mu, sigma in (("FL", mu_FL, sigma_FL), ("EL", mu_EL, sigma_EL)):
         if not 0 < mu <= 1:
             raise ValueError(f"{where}: mean_{feature} = {mu:g} is not in (0, 1]; FL is S/I and EL is I/L, not percent")
-        # Of all distributions on [0, 1] with this mean, that of 0 and 1 alone is the widest.
+        # The distribution on [0, 1] with this mean that has the values 0 and 1 only is the widest.
         widest = np.sqrt(mu * (1 - mu))
         if not 0 <= sigma <= widest:
             raise ValueError(
-                f"{where}: std_{feature} = {sigma:g}; with a mean of {mu:g} it lies between 0 and {widest:.3g}: give "
+                f"{where}: std_{feature} = {sigma:g}; with a mean of {mu:g} it is between 0 and {widest:.3g}; give "
                 "the standard deviation, not the variance or a percentage"
             )
     mu_EQ, sigma_EQ = equancy_statistics(mu_FL, sigma_FL, mu_EL, sigma_EL)
-    # The difference of squares is rounding where nothing varies.
+    # If nothing varies, the difference of squares is rounding.
     sigma_EQ = float(sigma_EQ) if sigma_FL or sigma_EL else 0.0
     return Sample(name, 0, mu_FL, sigma_FL, mu_EL, sigma_EL, float(mu_EQ), sigma_EQ)

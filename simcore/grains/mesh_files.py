@@ -1,4 +1,4 @@
-"""Vertices and triangles of mesh files: STL, PLY, OBJ and OFF."""
+"""Reads vertices and triangles from mesh files: STL, PLY, OBJ and OFF."""
 
 import re
 
@@ -15,26 +15,27 @@ _PLY_ORDER = {"binary_little_endian": "<", "binary_big_endian": ">"}
 
 
 def read_mesh(path):
-    """Vertices (n, 3) and triangles (m, 3) of a mesh file, m = 0 where the file has points only.
+    """Read the vertices (n, 3) and triangles (m, 3) of a mesh file; m = 0 if the file has only points.
 
-    Faces with more corners become fans of triangles. ValueError says what is wrong in the file, without its path.
+    Faces with more than three corners become fans of triangles. ValueError describes the fault in the file, without its
+    path.
     """
     data, suffix = path.read_bytes(), path.suffix.lower()
     vertices, faces = {".obj": _read_obj, ".ply": _read_ply, ".stl": _read_stl, ".off": _read_off}[suffix](data)
     if len(faces) and not (faces.min() >= 0 and faces.max() < len(vertices)):
         raise ValueError(
-            f"a face refers to a vertex that does not exist; the mesh has {len(vertices)} vertices: export it again"
+            f"a face refers to a vertex that does not exist; the mesh has {len(vertices)} vertices; export it again"
         )
     return vertices, faces
 
 
 def _fans(polygons):
-    """Triangles (m, 3) of polygons, each a sequence of at least three vertex indices."""
+    """Return the triangles (m, 3) of polygons, each a sequence of at least three vertex indices."""
     fans = [(corners[0], corners[i], corners[i + 1]) for corners in polygons for i in range(1, len(corners) - 1)]
     try:
         return np.array(fans, int).reshape(-1, 3)
     except OverflowError:
-        raise ValueError("a face refers to a vertex by a number that is far too large: export it again") from None
+        raise ValueError("a face refers to a vertex by a number that is too large; export the mesh again") from None
 
 
 def _read_stl(data):
@@ -46,16 +47,16 @@ def _read_stl(data):
     words = _STL_VERTEX.findall(data)
     if not data.lstrip().startswith(b"solid") or not words:
         raise ValueError(
-            "cannot be read as a mesh: it is neither STL text nor binary STL of the length in its header; it may "
-            "be cut short: export or copy it again"
+            "the file cannot be read as a mesh: it is neither STL text nor binary STL of the length in its header; it "
+            "may be cut short; export or copy it again"
         )
     try:
         corners = np.array([line.split() for line in words], float)
         return corners, np.arange(len(corners)).reshape(-1, 3)
     except ValueError:
         raise ValueError(
-            "cannot be read as a mesh: its vertices are not three numbers each and three a triangle; it may be cut "
-            "short: export or copy it again"
+            "the file cannot be read as a mesh: a vertex is not three numbers, or a triangle not three vertices; it "
+            "may be cut short; export or copy it again"
         ) from None
 
 
@@ -65,7 +66,8 @@ def _read_off(data):
     keyword = lines[0].pop(0) if lines and lines[0][0].endswith("OFF") else ""
     if keyword not in ("", "OFF", "COFF", "NOFF", "CNOFF", "STOFF") or lines[:1] == [["BINARY"]]:
         raise ValueError(
-            f"it is a file {keyword} {' '.join(lines[0])}, of which only OFF text in three dimensions is read"
+            f"it is a file of the kind {keyword} {' '.join(lines[0])}, but only OFF text in three dimensions is read; "
+            "export the mesh again"
         )
     lines = [words for words in lines if words]
     try:
@@ -79,8 +81,8 @@ def _read_off(data):
             raise IndexError
     except (IndexError, ValueError):
         raise ValueError(
-            "cannot be read as a mesh: it is not OFF, the numbers of vertices and faces, and a line of numbers for "
-            "each; it may be cut short: export or copy it again"
+            "the file cannot be read as a mesh: OFF text has the numbers of vertices and faces and then a line of "
+            "numbers for each; it may be cut short; export or copy it again"
         ) from None
     return vertices, _fans(corners)
 
@@ -100,15 +102,15 @@ def _read_obj(data):
                 polygons.append(_obj_corners(words[1:], len(vertices)))
         except ValueError as error:
             reason = "a vertex needs three numbers" if words[0] == "v" else f"a face cannot be read ({error})"
-            raise ValueError(f"line {number}: {reason}, got '{line.strip()[:60]}': export the mesh again") from None
+            raise ValueError(f"line {number}: {reason}: '{line.strip()[:60]}'; export the mesh again") from None
     return np.array(vertices, float).reshape(-1, 3), _fans(polygons)
 
 
 def _obj_corners(words, count):
-    """Vertex indices from 0 of one face; negative ones count back from the vertex before the face."""
+    """Return the vertex indices, from 0, of one face; negative ones count back from the last vertex before the face."""
     indices = [int(word.split("/", 1)[0]) for word in words]
     if len(indices) < 3 or 0 in indices:
-        raise ValueError("three corners or more are needed, counted from 1")
+        raise ValueError("at least three corners are needed, counted from 1")
     return [index - 1 if index > 0 else count + index for index in indices]
 
 
@@ -121,36 +123,39 @@ def _read_ply(data):
         if name == "vertex":
             missing = [axis for axis in "xyz" if axis not in columns]
             if missing:
-                raise ValueError(f"its vertices have no property {', '.join(missing)}: export the mesh again")
+                raise ValueError(f"its vertices have no property {', '.join(missing)}; export the mesh again")
             vertices = np.column_stack([np.asarray(columns[axis], float) for axis in "xyz"])
         elif name == "face":
             lists = [columns[key] for key in ("vertex_indices", "vertex_index") if key in columns]
             if not lists and count:
-                raise ValueError("its faces have no property vertex_indices: export the mesh again")
+                raise ValueError("its faces have no property vertex_indices; export the mesh again")
             faces = _triangles(lists[0]) if lists else faces
         elif name == "tristrips" and count:
-            raise ValueError("it stores triangle strips, which are not read: export it with separate triangles")
+            raise ValueError("it stores triangle strips, which cannot be read; export it with separate triangles")
     return vertices, faces
 
 
 def _triangles(polygons):
-    """Triangles of polygons: an array (m, k) where all have k corners, otherwise a list of sequences."""
+    """Return the triangles (m, 3) of polygons: an array (m, k) if all have k corners, otherwise a list of sequences."""
     if isinstance(polygons, np.ndarray) and polygons.ndim == 2:
         if polygons.shape[1] < 3:
-            raise ValueError(f"its faces have {polygons.shape[1]} corners: export the mesh again")
+            raise ValueError(f"its faces have {polygons.shape[1]} corners, but at least 3 are needed; export it again")
         corners = polygons.astype(int)
         fans = [corners[:, [0, i, i + 1]] for i in range(1, corners.shape[1] - 1)]
         return np.stack(fans, axis=1).reshape(-1, 3)
     if any(len(corners) < 3 for corners in polygons):
-        raise ValueError("one of its faces has fewer than three corners: export the mesh again")
+        raise ValueError("one of its faces has fewer than three corners; export the mesh again")
     return _fans(polygons)
 
 
 def _ply_header(data):
-    """Format, elements as (name, count, properties) and where the data begin; properties: (name, type, count type)."""
+    """Return the format, the elements as (name, count, properties), and the position where the data begin.
+
+    properties: list of (name, type, type of the length of a list or None).
+    """
     end = data.find(b"end_header")
     if not data.startswith(b"ply") or end < 0:
-        raise ValueError("is no PLY file: it does not begin with `ply` and a header")
+        raise ValueError("the file is not a PLY file: it does not begin with `ply` and a header; export it again")
     start = end + len(b"end_header")
     start += 2 if data[start : start + 2] == b"\r\n" else 1
     format_name, elements = None, []
@@ -167,19 +172,19 @@ def _ply_header(data):
                 elements[-1][2].append((words[2], _PLY_TYPES[words[1]], None))
     except (IndexError, KeyError, ValueError):
         raise ValueError(
-            f"the line '{line.strip()[:60]}' of its header cannot be read: export the mesh again"
+            f"the line '{line.strip()[:60]}' of its header cannot be read; export the mesh again"
         ) from None
     if format_name != "ascii" and format_name not in _PLY_ORDER:
-        raise ValueError(f"its format is {format_name}; known are ascii, {', '.join(_PLY_ORDER)}")
+        raise ValueError(f"its format is {format_name}; export it as one of ascii, {', '.join(_PLY_ORDER)}")
     return format_name, elements, start
 
 
 def _cut_short(name, count):
-    return ValueError(f"the file ends before its {count} elements `{name}`: it is cut short, export or copy it again")
+    return ValueError(f"the file ends before its {count} elements `{name}`; it is cut short, export or copy it again")
 
 
 def _ascii_reader(body):
-    """read(name, count, properties) -> columns, which goes on through the words of the file."""
+    """Return read(name, count, properties) -> columns, whose calls proceed through the words of the file."""
     words = body.split()
     position = 0
 
@@ -187,9 +192,9 @@ def _ascii_reader(body):
         nonlocal position
         try:
             if all(of_list is None for _, _, of_list in properties):
-                taken = words[position : position + count * len(properties)]
+                numbers = words[position : position + count * len(properties)]
                 position += count * len(properties)
-                table = np.array(taken, float).reshape(count, len(properties))
+                table = np.array(numbers, float).reshape(count, len(properties))
                 return {key: table[:, i] for i, (key, _, _) in enumerate(properties)}
             columns = {key: [] for key, _, _ in properties}
             for _ in range(count):
@@ -205,13 +210,13 @@ def _ascii_reader(body):
         except (IndexError, ValueError) as error:
             if position >= len(words) or isinstance(error, IndexError):
                 raise _cut_short(name, count) from None
-            raise ValueError(f"an element `{name}` is no number ({error}): export the mesh again") from None
+            raise ValueError(f"an element `{name}` is not a number ({error}); export the mesh again") from None
 
     return read
 
 
 def _binary_reader(data, start, format_name):
-    """read(name, count, properties) -> columns, which goes on through the bytes of the file."""
+    """Return read(name, count, properties) -> columns, whose calls proceed through the bytes of the file."""
     order, position = _PLY_ORDER[format_name], start
 
     def read(name, count, properties):
@@ -236,7 +241,7 @@ def _binary_reader(data, start, format_name):
 
 
 def _row_type(order, properties, lengths):
-    """Type of one row whose lists have these lengths."""
+    """Return the NumPy type of one row whose lists have these lengths."""
     fields = []
     for key, kind, of_list in properties:
         if of_list is None:
@@ -247,7 +252,7 @@ def _row_type(order, properties, lengths):
 
 
 def _list_lengths(data, position, order, properties):
-    """Length of each list in the row at `position`."""
+    """Return the length of each list in the row at `position`, dict from name to length."""
     lengths = {}
     for key, kind, of_list in properties:
         if of_list is not None:
@@ -258,7 +263,7 @@ def _list_lengths(data, position, order, properties):
 
 
 def _mixed_rows(data, position, order, count, properties):
-    """Columns of rows whose lists differ in length, one row after the other, and where they end."""
+    """Read rows whose lists differ in length, one after the other; return their columns and the end position."""
     columns = {key: [] for key, _, _ in properties}
     types = [(key, np.dtype(order + kind), of_list and np.dtype(order + of_list)) for key, kind, of_list in properties]
     for _ in range(count):

@@ -1,4 +1,4 @@
-"""Sizes of grains that keep their own, as they were measured, beside the sieve curve."""
+"""Size distribution of grains that keep their measured sizes."""
 
 from dataclasses import dataclass
 
@@ -7,11 +7,14 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class OwnSizes:
-    """Sieve sizes (n,) [m] of the grains of a set, each equally likely, and drawn together with the grain's shape."""
+    """Sieve sizes of the grains of a set, each equally likely, and drawn together with the grain's shape.
+
+    class_diameters: the sieve sizes (n,) [m].
+    """
 
     class_diameters: np.ndarray
 
-    of_volume = False  # sizes are sieve sizes
+    of_volume = False  # the sizes are sieve sizes, not diameters of spheres of equal volume
 
     @property
     def least(self) -> float:
@@ -24,17 +27,17 @@ class OwnSizes:
         return float(self.class_diameters.max())
 
     def number_fractions(self) -> np.ndarray:
-        """Share of the packed grains, by number, of each of class_diameters."""
+        """Return the expected share of the packed grains, by number, of each of class_diameters (n,)."""
         return np.full(len(self.class_diameters), 1.0 / len(self.class_diameters))
 
     def class_means(self, power: float) -> np.ndarray:
-        """D^power (n,) [m^power] of class_diameters."""
+        """Return D^power (n,) [m^power] of class_diameters."""
         return self.class_diameters**power
 
     def mean(self, power: float) -> float:
-        """Mean of D^power over all grains, by number [m^power]."""
+        """Return the mean of D^power over all grains, by number [m^power]."""
         return float(self.number_fractions() @ self.class_means(power))
 
     def sizes(self, uniforms) -> np.ndarray:
-        """Sizes (n,) [m] from the random number that also chooses the shape, the first of each grain's (n, k)."""
+        """Draw sizes (n,) [m] from the first of each grain's numbers (n, k), the one that also chooses the shape."""
         return self.class_diameters[(uniforms[:, 0] * len(self.class_diameters)).astype(int)]

@@ -1,42 +1,46 @@
-"""Geometry of closed triangle meshes: hull, exact moments, flat facets."""
+"""Geometry of closed triangle meshes: convex hull, exact moments, flat facets."""
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 
 def convex_hull(points):
-    """Convex hull of points (n, 3): its vertices (v, 3) and outward triangles (2v - 4, 3).
+    """Return the vertices (v, 3) and outward triangles (2v - 4, 3) of the convex hull of points (n, 3).
 
-    Points inside the hull are dropped. ValueError if fewer than four points, not finite, or all in one plane.
+    Points inside the hull are dropped. ValueError if there are fewer than four points, if one is not finite, or if all
+    are in one plane.
     """
     points = np.asarray(points, float)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 4:
-        raise ValueError(f"a hull needs at least 4 points with 3 coordinates, got an array {points.shape}")
+        raise ValueError(
+            f"a hull needs at least 4 points with 3 coordinates, but the array has the shape {points.shape}"
+        )
     if not np.isfinite(points).all():
-        raise ValueError("points with NaN or infinite coordinates")
-    # Qhull's tolerances are absolute: give it points of size one about the origin
+        raise ValueError("some points have NaN or infinite coordinates; correct or remove them")
+    # Qhull's tolerances are absolute, so its points are scaled to size one about the origin.
     origin, size = points.mean(0), np.ptp(points, axis=0).max()
     try:
         hull = ConvexHull((points - origin) / (size or 1.0))
     except QhullError:
-        raise ValueError("all points lie in one plane, the hull has no volume") from None
+        raise ValueError("all points are in one plane, so their hull has no volume; add points outside it") from None
     corners = points[hull.simplices]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     inward = np.einsum("ij,ij->i", normals, hull.equations[:, :3]) < 0
     faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
     used, faces = np.unique(faces, return_inverse=True)
     faces = faces.reshape(-1, 3)
-    # one order for one hull, whatever Qhull's: decimation depends on the order of the faces
+    # The order of the faces must not depend on Qhull, because decimation depends on it.
     faces = np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
     return points[used], faces[np.lexsort(faces.T[::-1])]
 
 
 def volume_moments(vertices, faces):
-    """Exact volume [m³], centre of mass (3,) [m], and mean <x_i x_j> about it (3, 3) [m²] of a closed mesh.
+    """Return the exact volume [m³], centre of mass (3,) [m], and mean <x_i x_j> about it (3, 3) [m²] of a closed mesh.
 
-    vertices (n, 3) [m], faces (m, 3) outward. Sum over the tetrahedra between a point inside and each face.
+    vertices (n, 3) [m], faces (m, 3) outward. The moments are sums over the tetrahedra between the mean vertex and each
+    face.
     """
-    origin = vertices.mean(0)  # a point near the mesh: no cancellation when it lies far from zero
+    origin = vertices.mean(0)  # a point close to the mesh avoids cancellation if the mesh is far from the origin
     corners = (vertices - origin)[faces]
     six_volumes = np.linalg.det(corners)
     volume = six_volumes.sum() / 6
@@ -48,16 +52,17 @@ def volume_moments(vertices, faces):
 
 
 def third_moments(vertices, faces):
-    """Mean <x_i³> about the origin over the volume of a closed mesh (3,) [m³]; its sign tells the tail."""
+    """Return the mean <x_i³> about the origin over the volume of a closed mesh (3,) [m³]; its sign is the tail's."""
     a, b, c = np.moveaxis(vertices[faces], 1, 0)
     six_volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
-    # complete homogeneous polynomial of degree three: the integral of x³ over a tetrahedron from the origin
+    # The integral of x³ over a tetrahedron with a corner at the origin is the complete homogeneous polynomial of degree
+    # three of the other corners, times its volume over 20.
     cubic = a**3 + b**3 + c**3 + a**2 * (b + c) + b**2 * (a + c) + c**2 * (a + b) + a * b * c
     return six_volumes @ cubic / 20 / six_volumes.sum()
 
 
 def face_areas(vertices, faces):
-    """Area (m,) [m²] and unit outward normal (m, 3) of each triangle; zero normal where the area is zero."""
+    """Return area (m,) [m²] and unit outward normal (m, 3) of each triangle; the normal is zero if the area is zero."""
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     doubled = np.linalg.norm(normals, axis=1)
@@ -65,18 +70,18 @@ def face_areas(vertices, faces):
 
 
 def facet_areas(vertices, faces, angle=5.0):
-    """Areas [m²] of the flat facets of a closed mesh, largest first.
+    """Return the areas [m²] of the flat facets of a closed mesh, largest first.
 
-    A facet is grown from the largest triangle not yet in one: all free triangles connected to it over edges
-    through triangles whose normals lie within `angle` [degrees] of the seed's.
+    Each facet grows from a seed, the largest triangle that belongs to no facet yet. It includes all other such
+    triangles that are connected to the seed over edges and whose normals are within `angle` [degrees] of the seed's.
     """
     areas, normals = face_areas(vertices, faces)
     edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    order = np.lexsort(edges.T)  # the two triangles of an edge come to lie side by side
+    order = np.lexsort(edges.T)  # after sorting, the two triangles of an edge are adjacent
     neighbours = [[] for _ in faces]
-    for first, second in (order.reshape(-1, 2) // 3).tolist():
-        neighbours[first].append(second)
-        neighbours[second].append(first)
+    for face_a, face_b in (order.reshape(-1, 2) // 3).tolist():
+        neighbours[face_a].append(face_b)
+        neighbours[face_b].append(face_a)
     free = np.ones(len(faces), bool)
     facets = []
     for seed in np.argsort(-areas, kind="stable"):

@@ -1,5 +1,5 @@
 # ruff: noqa: E741  L, I, S are the field's names of the axes
-"""Size, form and shape of every grain of a packing, from random numbers that belong to the grain's id."""
+"""Draws the size, form and shape of every grain of a packing from random numbers that depend on the grain's id."""
 
 from dataclasses import dataclass
 
@@ -10,25 +10,30 @@ from simcore.grains.form import axes_from_form, sieve_size_of_volume
 from simcore.grains.own_sizes import OwnSizes
 from simcore.grains.quota import ELONGATION, FLATNESS, NUMBERS_PER_GRAIN, SHAPE, SIZE_CLASS, SIZE_IN_CLASS, stratify
 
-# The study redraws normal FL and EL until they lie in this interval.
+# Rettinger et al. (2022) draw flatness S/I and elongation I/L from normals, again until they are in this interval.
 FORM_RANGE = (0.1, 1.0)
-MAX_RATIO = 10.0  # of L/I and I/S, as flatness and elongation are at least 0.1
-# Stream of the numbers that say which grains of a mixture of kinds are ellipsoids: sizes and forms are those of meshes.
+MAX_RATIO = 10.0  # maximum of L/I and of I/S: flatness and elongation are at least 0.1
+# This stream decides which grains of kind "mixed" are ellipsoids. As it is separate, the sizes and forms are those that
+# polyhedra alone would get.
 _KIND_STREAM = 2
 _QUOTA_STREAM = 3  # of the numbers that shuffle the strata of a draw by quota
 
 
 @dataclass(frozen=True)
 class ShapeChoice:
-    """Which shapes the grains of a packing get.
+    """The rule by which the grains of a packing get their shapes. ValueError if its fields do not fit together.
 
-    kind: "polyhedron", "ellipsoid", "sphere", or "mixed": as "polyhedron", but each grain is, with the
-    probability `ellipsoid_share`, the ellipsoid of the same axes instead.
-    choice: "one" (the grain named `grain`), "random" (each grain of the set equally likely), "form" (given
-    flatness and elongation, ellipsoids only), or "form_distribution" (flatness and elongation independent
-    normals, here means, with the two standard deviations, redrawn into FORM_RANGE), or "ratios" (eta = L/I and
-    zeta = I/S of ellipsoids, independent normals with their standard deviations, redrawn until at least 1 and at most
-    MAX_RATIO; given ones where a deviation is 0). Spheres ignore it.
+    kind: "polyhedron", "ellipsoid", "sphere" or "mixed". With "mixed", each grain is an ellipsoid with probability
+    `ellipsoid_share`, and otherwise a polyhedron of the same axes.
+    choice: spheres ignore it.
+    - "one": all grains have the shape of the grain named `grain`.
+    - "random": each grain of the set is equally likely.
+    - "form": all grains have the given `flatness` and `elongation`; only for ellipsoids.
+    - "form_distribution": flatness and elongation are independent normals with means `flatness` and `elongation` and
+      the two standard deviations, redrawn until they are in FORM_RANGE.
+    - "ratios": eta = L/I and zeta = I/S are independent normals with means `eta` and `zeta` and the two standard
+      deviations, redrawn until they are in [1, MAX_RATIO]; with a deviation of 0 they are constant; only for
+      ellipsoids.
     """
 
     kind: str = "polyhedron"
@@ -46,48 +51,54 @@ class ShapeChoice:
 
     def __post_init__(self):
         if self.kind not in ("polyhedron", "ellipsoid", "sphere", "mixed"):
-            raise ValueError(f"shapes: kind {self.kind!r} is unknown: use polyhedron, ellipsoid, sphere or mixed")
+            raise ValueError(f"shapes: kind {self.kind!r} is unknown; use polyhedron, ellipsoid, sphere or mixed")
         if self.choice not in ("one", "random", "form", "form_distribution", "ratios"):
             raise ValueError(
-                f"shapes: choice {self.choice!r} is unknown: use one, random, form, form_distribution or ratios"
+                f"shapes: choice {self.choice!r} is unknown; use one, random, form, form_distribution or ratios"
             )
         share = self.ellipsoid_share
         if self.kind == "mixed" and (share is None or not 0.0 <= share <= 1.0):
-            raise ValueError(f"shapes: kind mixed needs `ellipsoid_share` from 0 to 1, not {share}")
+            raise ValueError(f"shapes: kind mixed needs `ellipsoid_share` from 0 to 1; it is {share}")
         if self.kind != "mixed" and share is not None:
-            raise ValueError(f"shapes: ellipsoid_share {share} is for kind mixed, not {self.kind}: leave it out")
+            raise ValueError(
+                f"shapes: ellipsoid_share {share} has no effect with kind {self.kind}; leave it out, or use kind mixed"
+            )
         if self.kind == "sphere":
             return
         if self.choice == "one" and not self.grain:
             raise ValueError("shapes: choice `one` needs `grain`, the name of the grain")
         if self.choice == "form" and self.kind != "ellipsoid":
-            raise ValueError("shapes: choice `form` is for ellipsoids: use kind ellipsoid or form_distribution")
+            raise ValueError(
+                "shapes: choice `form` works only with kind ellipsoid; use that kind, or choice form_distribution"
+            )
         if self.choice == "ratios":
             if self.kind != "ellipsoid":
-                raise ValueError("shapes: choice `ratios` is for ellipsoids: use kind ellipsoid")
+                raise ValueError("shapes: choice `ratios` works only with kind ellipsoid; use that kind")
             for key in ("eta", "zeta"):
                 value, std = getattr(self, key), getattr(self, f"{key}_std")
                 if value is None or not 1.0 <= value <= MAX_RATIO:
-                    raise ValueError(f"shapes: {key} {value} must be given and lie in [1, {MAX_RATIO:g}]")
+                    raise ValueError(f"shapes: {key} is {value}; give a value from 1 to {MAX_RATIO:g}")
                 if not std >= 0:
-                    raise ValueError(f"shapes: {key}_std {std} must not be negative")
+                    raise ValueError(f"shapes: {key}_std is {std}; it must not be negative")
         if self.choice in ("form", "form_distribution"):
             low, high = FORM_RANGE
             for key in ("flatness", "elongation"):
                 value, std = getattr(self, key), getattr(self, f"{key}_std")
                 if value is None or not low <= value <= high:
-                    raise ValueError(f"shapes: {key} {value} must be given and lie in [{low}, {high}]")
+                    raise ValueError(f"shapes: {key} is {value}; give a value from {low} to {high}")
                 if self.choice == "form_distribution" and (std is None or not std >= 0):
-                    raise ValueError(f"shapes: {key}_std {std} must be given and not negative")
+                    raise ValueError(f"shapes: {key}_std is {std}; give a value that is not negative")
 
 
 @dataclass(frozen=True, eq=False)
 class GrainSample:
-    """Grains of a packing, in the order of their ids; all arrays of length n, scale (n, 3).
+    """The n grains of a packing, in the order of the ids given; all arrays have the shape (n,), scale (n, 3).
 
-    shape: index of the base shape (the grain in the set; 0 for ellipsoids and spheres, which in a mixture with meshes
-    stand after the last grain); scale: factors along the base's x, y, z (dimensionless for meshes, semi-axes [m] of
-    unit spheres); L, I, S, D [m]; volume [m³].
+    shape: index of the base shape. For a polyhedron it is the grain's index in the set; for ellipsoids and spheres it
+    is 0, or, with kind "mixed", the number of grains in the set.
+    scale: factors along x, y and z of the base shape; dimensionless for polyhedra, for ellipsoids and spheres the
+    semi-axes [m].
+    L, I, S: axes [m]; D: sieve size [m]; volume [m³].
     """
 
     shape: np.ndarray
@@ -100,19 +111,19 @@ class GrainSample:
 
 
 def grain_uniforms(grain_ids, seed, stream=0):
-    """Eight uniform random numbers in (0, 1) for each grain id, (n, 8).
+    """Return eight uniform random numbers in (0, 1) for each grain id, (n, 8).
 
-    They depend on (seed, stream, id) alone: the counter-based Philox generator is started at the grain's
-    place, so any subset of ids, in any order, gets the same numbers. Give other purposes another stream.
+    The numbers depend only on seed, stream and id: the counter-based Philox generator starts at a position given by
+    the id, so a grain gets the same numbers in any subset and order of ids. Use another stream for each other purpose.
     """
     grain_ids = np.asarray(grain_ids, np.int64)
     if grain_ids.size == 0:
         return np.empty((0, NUMBERS_PER_GRAIN))
-    first, last = int(grain_ids.min()), int(grain_ids.max())
+    lowest_id, highest_id = int(grain_ids.min()), int(grain_ids.max())
     generator = np.random.Philox(key=[seed, stream])
-    generator.advance(first * NUMBERS_PER_GRAIN // 4)  # one step of the counter makes four numbers
-    words = generator.random_raw((last - first + 1) * NUMBERS_PER_GRAIN).reshape(-1, NUMBERS_PER_GRAIN)
-    return ((words[grain_ids - first] >> np.uint64(11)) + 0.5) * 2.0**-53
+    generator.advance(lowest_id * NUMBERS_PER_GRAIN // 4)  # one step of the counter makes four numbers
+    words = generator.random_raw((highest_id - lowest_id + 1) * NUMBERS_PER_GRAIN).reshape(-1, NUMBERS_PER_GRAIN)
+    return ((words[grain_ids - lowest_id] >> np.uint64(11)) + 0.5) * 2.0**-53
 
 
 def quota_uniforms(curve, number, seed):
@@ -122,9 +133,11 @@ def quota_uniforms(curve, number, seed):
 
 
 def sample_sizes(curve, grain_ids, seed):
-    """Sizes (n,) [m] by number, of a SieveCurve sieve sizes: class by its number_fractions, in it uniform in log2.
+    """Draw the sizes (n,) [m] of the grains with these ids, by number, from a size distribution.
 
-    Of BetaSizes diameters of spheres of the grains' volume, of OwnSizes those of the grains whose shape is drawn.
+    For a SieveCurve they are sieve sizes: a class is drawn by its number_fractions, and the size within it is uniform
+    in log2. For BetaSizes they are the diameters of spheres of the grains' volumes, for OwnSizes the sieve sizes of the
+    grains whose shapes are drawn.
     """
     return _sizes(curve, grain_uniforms(grain_ids, seed))
 
@@ -134,12 +147,12 @@ def _sizes(curve, uniforms):
 
 
 def sample_grains(grain_ids, seed, curve, shapes, grains, quota=None):
-    """Draw the grains with these ids: a GrainSample.
+    """Draw size, form and shape of the grains with these ids and return them as a GrainSample.
 
-    curve: SieveCurve, BetaSizes, or OwnSizes of the grains; shapes: ShapeChoice; grains: list of Grain, may be empty
-    where the form is given.
-    Random numbers belong to the id (see grain_uniforms). quota: as of quota_uniforms, to draw sizes and forms by quota.
-    ValueError if the chosen grain is not in the set.
+    curve: SieveCurve, BetaSizes, or OwnSizes of the grains; shapes: ShapeChoice; grains: list of Grain, which may be
+    empty if `shapes` does not use the set. The result for a grain depends only on its id and the seed (see
+    grain_uniforms). quota: as returned by quota_uniforms, to draw sizes and forms by quota. ValueError if the set is
+    empty but needed, or does not contain the grain that `shapes` names.
     """
     uniforms = grain_uniforms(grain_ids, seed) if quota is None else quota[grain_ids]
     D = _sizes(curve, uniforms)
@@ -152,32 +165,37 @@ def sample_grains(grain_ids, seed, curve, shapes, grains, quota=None):
         return GrainSample(np.zeros(len(D), int), axes / 2, L, I, S, D, np.pi / 6 * L * I * S)
     base_axes = np.array([(g.S, g.I, g.L) for g in grains])[index]
     scale = axes / base_axes
-    if shapes.choice != "form_distribution":  # the same form: one factor, free of round-off between the axes
+    if shapes.choice != "form_distribution":  # the form is unchanged: one factor avoids round-off between the axes
         scale = np.repeat((D / np.array([g.sieve_size for g in grains])[index])[:, None], 3, axis=1)
     volume = np.array([g.volume for g in grains])[index] * scale.prod(axis=1)
     if shapes.kind == "mixed":
-        smooth = grain_uniforms(grain_ids, seed, stream=_KIND_STREAM)[:, 0] < shapes.ellipsoid_share
-        index = np.where(smooth, len(grains), index)
-        scale = np.where(smooth[:, None], axes / 2, scale)
-        volume = np.where(smooth, np.pi / 6 * L * I * S, volume)
+        is_ellipsoid = grain_uniforms(grain_ids, seed, stream=_KIND_STREAM)[:, 0] < shapes.ellipsoid_share
+        index = np.where(is_ellipsoid, len(grains), index)
+        scale = np.where(is_ellipsoid[:, None], axes / 2, scale)
+        volume = np.where(is_ellipsoid, np.pi / 6 * L * I * S, volume)
     return GrainSample(index, scale, L, I, S, D, volume)
 
 
 def _forms(shapes, grains, uniforms):
-    """Flatness, elongation and index in the grain set of each grain, each (n,)."""
+    """Return flatness, elongation and index in the grain set for each grain, three arrays (n,)."""
     n = len(uniforms)
     index = np.zeros(n, int)
     if shapes.kind == "sphere":
         return np.ones(n), np.ones(n), index
-    hulls = shapes.kind in ("polyhedron", "mixed")
-    if (hulls or shapes.choice in ("one", "random")) and not grains:
-        raise ValueError(f"shapes: {shapes.kind} with choice {shapes.choice} needs a grain set, it is empty")
+    has_polyhedra = shapes.kind in ("polyhedron", "mixed")
+    if (has_polyhedra or shapes.choice in ("one", "random")) and not grains:
+        raise ValueError(
+            f"shapes: kind {shapes.kind} with choice {shapes.choice} needs a grain set, but it is empty; give one in "
+            "`grains`"
+        )
     if shapes.choice == "one":
         names = [grain.name for grain in grains]
         if shapes.grain not in names:
-            raise ValueError(f"shapes: no grain {shapes.grain!r} in the set, there are {', '.join(names)}")
+            raise ValueError(
+                f"shapes: there is no grain {shapes.grain!r} in the set; its grains are {', '.join(names)}"
+            )
         index[:] = names.index(shapes.grain)
-    elif hulls or shapes.choice == "random":
+    elif has_polyhedra or shapes.choice == "random":
         index = (uniforms[:, SHAPE] * len(grains)).astype(int)
     if shapes.choice == "form":
         return np.full(n, shapes.flatness), np.full(n, shapes.elongation), index
@@ -197,7 +215,10 @@ def _forms(shapes, grains, uniforms):
 
 
 def _truncated_normal(uniforms, mean, std, bounds=FORM_RANGE):
-    """Normals redrawn until within bounds, by inversion: the same law from one number per grain."""
+    """Draw normals truncated to `bounds` (n,), from one uniform number per grain.
+
+    Inversion of the distribution gives the same law as redrawing until the value is within the bounds.
+    """
     if std == 0:
         return np.full(len(uniforms), float(mean))
     low, high = ndtr((np.array(bounds) - mean) / std)

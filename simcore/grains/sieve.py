@@ -1,11 +1,11 @@
-"""Sieve curves: mass fractions per size class, the numbers of grains they stand for, and Table 3's cases.
+"""Sieve curves: mass fractions per size class, the resulting numbers of grains, and the cases of Table 3.
 
-Sizes are drawn uniformly in log D within a class of bounds a < b, so that the mean of D^p there has a closed form,
-(b^p - a^p) / (p ln(b / a)). With p = 3 it gives the mean volume of a class, and the mass in each class is the mass
-asked for, whatever the widths of the classes. Rettinger et al. (2022) divide by the cube of the geometric mean instead,
-which is smaller than that mean by a factor (r³ - 1) / (3 r^1.5 ln r) for a class of ratio r = b / a. The factor cancels
-where all classes have one ratio. Those of Table 3 have ratios of 1.40 to 1.43. There the expected share of the mass in
-a class differs from that asked for by at most
+Within a class of bounds a < b, sizes are drawn uniformly in log D. The mean of D^p over the class then has the closed
+form (b^p - a^p) / (p ln(b / a)). With p = 3 it gives the mean volume of a class. Numbers of grains computed with it
+reproduce the given mass fractions, whatever the widths of the classes. Rettinger et al. (2022) divide by the cube of
+the geometric mean instead, which is smaller than the mean of D³ by the factor (r³ - 1) / (3 r^1.5 ln r) for a class of
+ratio r = b / a. The factor cancels if all classes have the same ratio. The classes of Table 3 of Rettinger et al. have
+ratios of 1.40 to 1.43, so the expected share of the mass in a class differs from the given one by at most
 
     case        U1      U3      U5      U7      B30     B50     B70
     difference  0       0.0013  0.0010  0.0007  0.0006  0.0005  0.0007
@@ -21,13 +21,14 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class SieveCurve:
-    """Mass fractions (k,) between class bounds (k + 1,) [m]; ValueError if they are not a sieve curve.
+    """Mass fractions (k,) between class bounds (k + 1,) [m]; ValueError if they do not form a sieve curve.
 
-    name: how messages call it. numbers_by: what the number of grains in a class goes by, "mean_volume" of the sizes
-    drawn in it, or "geometric_mean" of its bounds, cubed, as Rettinger et al. (2022) have it for their cases.
+    name: the curve's name in messages. numbers_by: the volume by which the mass of a class is divided to get its
+    number of grains: "mean_volume" of the sizes drawn in it, or the cube of the "geometric_mean" of its bounds, which
+    Rettinger et al. (2022) use for their cases.
     """
 
-    of_volume = False  # sizes are sieve sizes
+    of_volume = False  # the sizes are sieve sizes, not diameters of spheres of equal volume
 
     bounds: np.ndarray
     mass_fractions: np.ndarray
@@ -38,14 +39,16 @@ class SieveCurve:
         for field in ("bounds", "mass_fractions"):
             object.__setattr__(self, field, np.array(getattr(self, field), float))
         if self.numbers_by not in ("mean_volume", "geometric_mean"):
-            self._refuse(f"numbers_by {self.numbers_by!r} is unknown: use mean_volume or geometric_mean")
+            self._refuse(f"numbers_by {self.numbers_by!r} is unknown; use mean_volume or geometric_mean")
         bounds, fractions = self.bounds, self.mass_fractions
         if bounds.ndim != 1 or fractions.ndim != 1 or len(bounds) != len(fractions) + 1 or len(fractions) == 0:
-            self._refuse(f"{bounds.size} bounds, {fractions.size} mass fractions: give one bound more than fractions")
+            self._refuse(
+                f"{bounds.size} bounds do not fit {fractions.size} mass fractions; give one bound more than fractions"
+            )
         if not (np.all(np.isfinite(bounds)) and bounds[0] > 0 and np.all(np.diff(bounds) > 0)):
-            self._refuse(f"bounds {bounds} m are not positive and increasing: order them from fine to coarse")
+            self._refuse(f"bounds {bounds} m are not positive and increasing; order them from fine to coarse")
         if not (np.all(np.isfinite(fractions)) and np.all(fractions >= 0)):
-            self._refuse(f"mass fractions {fractions} are not all >= 0")
+            self._refuse(f"mass fractions {fractions} are not all >= 0; correct those that are not")
         if abs(fractions.sum() - 1) > 1e-6:
             self._refuse(_why_not_one(fractions))
 
@@ -54,26 +57,30 @@ class SieveCurve:
 
     @property
     def least(self):
-        """Lower bound of the smallest class that holds mass [m]."""
+        """Lower bound of the finest class whose mass fraction is positive [m]."""
         return float(self.bounds[:-1][self.mass_fractions > 0][0])
 
     @property
     def largest(self):
-        """Upper bound of the largest class that holds mass [m]."""
+        """Upper bound of the coarsest class whose mass fraction is positive [m]."""
         return float(self.bounds[1:][self.mass_fractions > 0][-1])
 
     def class_means(self, power):
-        """Mean of D^power over the sizes drawn in each class (k,) [m^power]; power != 0."""
-        # sinh(h) / h times the power of the geometric mean: no digits are lost in narrow classes
+        """Return the mean of D^power over the sizes drawn in each class (k,) [m^power]; power must not be 0."""
+        # The closed form is written as sinh(h) / h times a power of the geometric mean, so that narrow classes lose no
+        # digits.
         half = 0.5 * power * np.log(self.bounds[1:] / self.bounds[:-1])
         return np.sqrt(self.bounds[:-1] * self.bounds[1:]) ** power * np.sinh(half) / half
 
     def mean(self, power):
-        """Mean of D^power over all grains, by number [m^power]; power != 0."""
+        """Return the mean of D^power over all grains, by number [m^power]; power must not be 0."""
         return float(self.number_fractions() @ self.class_means(power))
 
     def number_fractions(self):
-        """Share of the grains, by number, in each class (k,): M_i / v_i, normalised, v_i as `numbers_by` says."""
+        """Return the share of the grains, by number, in each class (k,): M_i / v_i, normalised.
+
+        M_i is the mass fraction of the class and v_i the volume that `numbers_by` selects.
+        """
         if self.numbers_by == "mean_volume":
             numbers = self.mass_fractions / self.class_means(3)
         else:
@@ -81,40 +88,50 @@ class SieveCurve:
         return numbers / numbers.sum()
 
     def expected_fractions(self):
-        """Expected share of the mass drawn in each class (k,); with numbers by mean volume the mass fractions."""
+        """Return the expected share of the drawn mass in each class (k,).
+
+        With numbers_by "mean_volume" these are the mass fractions.
+        """
         masses = self.number_fractions() * self.class_means(3)
         return masses / masses.sum()
 
     def class_of(self, D):
-        """Index of the class (n,) of each sieve size D (n,) [m]; sizes beyond the curve count to its end classes."""
+        """Return the index of the class (n,) of each sieve size D (n,) [m].
+
+        A size on a bound belongs to the coarser class, a size outside the curve to its first or last class.
+        """
         return np.clip(np.searchsorted(self.bounds, D, side="right") - 1, 0, len(self.mass_fractions) - 1)
 
     def sizes(self, uniforms):
-        """Sizes (n,) [m] by number from two random numbers each, (n, 2): the class, and within it uniform in log2."""
+        """Draw sizes (n,) [m] by number from two uniform random numbers each, (n, 2).
+
+        The first number selects the class, the second one the size within it, uniform in log2.
+        """
         edges = np.cumsum(self.number_fractions())
         index = np.searchsorted(edges / edges[-1], uniforms[:, 0], side="left")
         logs = np.log2(self.bounds)
         return 2.0 ** (logs[index] + uniforms[:, 1] * np.diff(logs)[index])
 
     def expected_numbers(self, mass, density):
-        """Expected number of spheres in each class (k,) of a packing of mass [kg], solid density [kg/m³]."""
+        """Return the expected number of spheres in each class (k,); mass of the packing [kg], solid density [kg/m³]."""
         return self.number_fractions() * mass / (density * np.pi / 6 * self.mean(3))
 
     def check_top_class(self, mass, density, minimum=5):
-        """ValueError if fewer than `minimum` grains are expected in the largest class that holds mass."""
+        """Raise ValueError if fewer than `minimum` grains are expected in the coarsest class that has mass."""
         expected = self.expected_numbers(mass, density)[self.mass_fractions > 0][-1]
         if expected < minimum:
             self._refuse(
-                f"{mass:g} kg hold {expected:.2g} grains of its top class (up to {self.largest * 1e3:g} mm), "
-                f"fewer than {minimum}: give at least {mass * minimum / expected:.3g} kg, or allow it with "
-                "`allow_few_top_grains: true`"
+                f"{mass:g} kg contain {expected:.2g} grains of the coarsest class (up to {self.largest * 1e3:g} mm), "
+                f"but at least {minimum} grains are needed; give at least {mass * minimum / expected:.3g} kg, or allow "
+                "fewer grains with `allow_few_top_grains: true`"
             )
 
 
 def class_fractions(curve, D, volume):
-    """Share of the volume in each class (k,) of a SieveCurve, of grains with sieve sizes D (n,) [m] and volumes (n,).
+    """Return the share of the volume of grains in each class (k,) of a SieveCurve.
 
-    Grains of one density: the share of the mass too. ValueError where there is no grain.
+    D: sieve sizes (n,) [m]; volume: volumes of the grains (n,). If all grains have the same density, these are also the
+    shares of the mass. ValueError if there is no grain.
     """
     D, volume = np.asarray(D, float), np.asarray(volume, float)
     if D.size == 0:
@@ -124,55 +141,60 @@ def class_fractions(curve, D, volume):
 
 
 def _why_not_one(fractions):
-    """What is wrong with mass fractions (k,) that do not sum to 1, and how to mend it."""
+    """Describe why mass fractions (k,) do not sum to 1 and how to correct them."""
     total = fractions.sum()
     if len(fractions) > 1 and np.all(np.diff(fractions) >= 0) and abs(fractions[-1] - 1) <= 1e-6:
         retained = ", ".join(f"{share:.4g}" for share in np.diff(fractions, prepend=0.0))
         return (
-            f"mass_fractions {_listed(fractions)} sum to {total:.6g}, not to 1; they look cumulative: give the share "
-            f"retained in each class, [{retained}]"
+            f"mass_fractions {_format_numbers(fractions)} sum to {total:.6g}, not to 1; they look cumulative: give the "
+            f"share retained in each class, [{retained}]"
         )
     if len(fractions) > 1 and np.all(np.diff(fractions) <= 0) and abs(fractions[0] - 1) <= 1e-6:
         retained = ", ".join(f"{share:.4g}" for share in -np.diff(fractions, append=0.0))
         return (
-            f"mass_fractions {_listed(fractions)} sum to {total:.6g}, not to 1; they look cumulative from the coarse "
-            f"end: give the share retained in each class, [{retained}]"
+            f"mass_fractions {_format_numbers(fractions)} sum to {total:.6g}, not to 1; they look cumulative from the "
+            f"coarse end: give the share retained in each class, [{retained}]"
         )
     if abs(total - 100) <= 0.5 or (total > 100 and abs(fractions.max() - 100) <= 1e-4):
-        return f"mass_fractions {_listed(fractions)} sum to {total:.6g}: give fractions, not percent"
-    return f"mass_fractions {_listed(fractions)} sum to {total:.6g}, not to 1: divide them by their sum"
+        return f"mass_fractions {_format_numbers(fractions)} sum to {total:.6g}: give fractions, not percent"
+    return f"mass_fractions {_format_numbers(fractions)} sum to {total:.6g}, not to 1: divide them by their sum"
 
 
-def _listed(numbers):
+def _format_numbers(numbers):
     return f"[{', '.join(f'{number:.4g}' for number in numbers)}]"
 
 
 @dataclass(frozen=True)
 class Case:
-    """One row of the table of cases: its sieve curve and the study's generation spacing [m]."""
+    """One row of the table of cases: its sieve curve and the generation spacing of Rettinger et al. (2022) [m]."""
 
     curve: SieveCurve
     generation_spacing: float
 
 
 def read_cases(path):
-    """The cases of a table like config/cases.tsv, dict of name to Case.
+    """Read a table of cases like config/cases.tsv and return a dict of name to Case.
 
-    Columns: case, one `a-b mm` per size class (mass fractions), `generation_spacing [mm]`; any others are
-    ignored. ValueError names the file and what is wrong in it.
+    Columns: `case`, one `a-b mm` per size class (mass fractions), and `generation_spacing [mm]`; other columns are
+    ignored. ValueError names the file and the fault in it.
     """
     path = Path(path)
     if not path.is_file():
-        raise ValueError(f"table of cases {path} does not exist: correct the path")
+        raise ValueError(f"the table of cases {path} does not exist; correct the path")
     with path.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader((line for line in file if not line.startswith("#")), delimiter="\t"))
     columns = list(rows[0]) if rows else []
     classes = {c: [float(b) * 1e-3 for b in m.groups()] for c in columns if (m := _CLASS.fullmatch(c or ""))}
     limits = list(classes.values())
     if not classes or not {"case", "generation_spacing [mm]"} <= set(columns):
-        raise ValueError(f"{path}: needs the tab-separated columns case, generation_spacing [mm], and `2.8-4 mm` ...")
+        raise ValueError(
+            f"{path}: the table needs the tab-separated columns `case`, `generation_spacing [mm]` and one per size "
+            "class, such as `2.8-4 mm`"
+        )
     if any(a[1] != b[0] for a, b in zip(limits, limits[1:], strict=False)):
-        raise ValueError(f"{path}: each size class must begin where the one before it ends, got {list(classes)}")
+        raise ValueError(
+            f"{path}: each size class must begin where the previous one ends; the classes are {', '.join(classes)}"
+        )
     bounds = [limits[0][0]] + [upper for _, upper in limits]
     try:
         return {

@@ -1,4 +1,4 @@
-"""Find the rows of a table that summarise others, such as Mean, Max or Total below the grains, by their label."""
+"""Finds the rows of a table that summarise others, such as Mean, Max or Total, by their labels."""
 
 import re
 
@@ -9,7 +9,7 @@ _STRONG = (
     r"|varianz|coefficient of variation|skewness|kurtosis|sums?|summe|somme|totals?|gesamt|insgesamt|subtotal"
     r"|zwischensumme|percentile|quartile|quantile"
 )
-# These may be the names of grains or places as well: they count only next to another label.
+# These may also be names of grains or places, so they count only next to another label.
 _WEAK = r"sd|se|sem|cv|var|n|count|counts|number|anzahl|range|mode|q[1-4]|[dp]\d{1,2}|\d{1,2}(?:[.,]\d+)?\s?%"
 _BEFORE = r"(?:(?:grand|overall|arithmetic|geometric|harmonic|weighted|sample|population|arithm\.?)[\s_]+)?"
 _AFTER = (
@@ -18,11 +18,12 @@ _AFTER = (
 
 
 def find_summary_rows(cells):
-    """Labels of the rows that summarise others: dict from index to the label's text.
+    """Return the labels of the rows that summarise others, dict from index to the text of the label.
 
-    cells: DataFrame of str, the columns whose text may be a label. A row counts if the whole text of a cell is such a
-    label, in English, German or French. Two exceptions keep grains that are only named so: a label that the next row
-    has too is a name (grains that Max measured), and short ones (SD, n, 25 %) count only next to another label.
+    cells: DataFrame of str, the columns that may contain labels. A row counts if the whole text of a cell is a label,
+    in English, German or French. There are two exceptions for grains whose names look like labels: a label that a
+    neighbouring row also has is a name (grains that Max measured), and short labels (SD, n, 25 %) count only next to
+    another label.
     """
     labels = {}
     for _, texts in cells.items():
@@ -36,7 +37,7 @@ def find_summary_rows(cells):
 
 
 def _beside(words, i):
-    """The labels of the rows before and after row i."""
+    """Return the texts of the rows before and after row i."""
     return words[max(i - 1, 0) : i] + words[i + 1 : i + 2]
 
 

@@ -1,4 +1,4 @@
-"""Read a table from a text file or an Excel workbook as text, cell by cell, however the file was saved."""
+"""Reads a table from a text file or an Excel workbook as text, with any common encoding and separator."""
 
 import io
 import re
@@ -10,7 +10,7 @@ import pandas as pd
 
 _WORKBOOKS = (".xlsx", ".xlsm")
 _ZIP, _OLD_EXCEL = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
-# UTF-32 comes first: its mark begins with that of UTF-16.
+# UTF-32 precedes UTF-16, because its byte order mark begins with that of UTF-16.
 _MARKS = (
     (b"\xef\xbb\xbf", "utf-8-sig"),
     (b"\xff\xfe\x00\x00", "utf-32"),
@@ -28,7 +28,7 @@ SAVE_AS = "save it as CSV (UTF-8)"
 class TextTable:
     """A table whose cells are text.
 
-    path: the file. header: names of the columns, white space tidied. cells: DataFrame of str, columns 0, 1, ...; its
+    path: the file. header: names of the columns, with single spaces. cells: DataFrame of str, columns 0, 1, ...; its
     index is the row as a spreadsheet or an editor counts it, from 1. notices: sentences on how the file was read.
     """
 
@@ -39,38 +39,38 @@ class TextTable:
 
 
 def read_table(path):
-    """Read the file at `path` as TextTable; rows and columns without any text are left out.
+    """Read the file at `path` as a TextTable; rows and columns without any text are left out.
 
-    Text may be UTF-8, UTF-16 or UTF-32, with or without a byte order mark, else it is taken for Windows-1252 (Latin-1)
-    with a notice. Columns are separated by semicolons, tabs, bars, commas or, without any of these, white space, or by
-    what Excel's first line `sep=` names. Of an Excel workbook (.xlsx) the first sheet that is not empty is read.
-    ValueError if there is no such file, if it is no table, or if a row has more cells than the header.
+    Text may be UTF-8, UTF-16 or UTF-32 (this one only with a byte order mark). Other text is read as Windows-1252
+    (Latin-1), with a notice. Columns are separated by semicolons, tabs, bars, commas or, without any of these, white
+    space; Excel's first line `sep=` overrides this. In an Excel workbook (.xlsx) the first sheet that is not empty is
+    read. ValueError if the file does not exist or is not a table, or if a row has more cells than the header.
     """
     path = Path(path)
     if path.is_dir():
-        raise ValueError(f"{path}: is a folder; give the file of a table")
+        raise ValueError(f"{path}: this is a folder; give the file of a table")
     try:
         data = path.read_bytes()
     except FileNotFoundError:
-        raise ValueError(f"{path}: there is no such file") from None
+        raise ValueError(f"{path}: there is no such file; correct the path") from None
     if data.startswith(_OLD_EXCEL):
-        raise ValueError(f"{path}: is an Excel file of the old kind (.xls); save it as .xlsx or as CSV (UTF-8)")
+        raise ValueError(f"{path}: this is an Excel file of the old kind (.xls); save it as .xlsx or as CSV (UTF-8)")
     if data.startswith(_ZIP) or path.suffix.lower() in _WORKBOOKS:
         cells, notices = _read_workbook(path, data)
     else:
         cells, notices = _read_text(path, data)
-    return _headed(path, cells, notices)
+    return _split_header(path, cells, notices)
 
 
 def _read_text(path, data):
-    """All cells of a text file, DataFrame of str, and notices."""
+    """Return all cells of a text file, DataFrame of str, and notices."""
     text, notices = _decode(path, data)
     lines = text.split("\n")
-    # The line stays in the count of rows, as an editor has it.
+    # The line of `sep=` becomes empty instead of being removed, so that rows are counted as in an editor.
     start = next((i for i, line in enumerate(lines) if line.strip()), len(lines))
-    named = _EXCEL_SEPARATOR.fullmatch(lines[start].strip(" ")) if start < len(lines) else None
-    if named:
-        separator = "\t" if named[1] == "\\t" else named[1]
+    declared = _EXCEL_SEPARATOR.fullmatch(lines[start].strip(" ")) if start < len(lines) else None
+    if declared:
+        separator = "\t" if declared[1] == "\\t" else declared[1]
         lines[: start + 1] = [""] * (start + 1)
     else:
         separator = _find_separator("\n".join(lines[start:]))
@@ -95,7 +95,7 @@ def _read_text(path, data):
 
 
 def _decode(path, data):
-    """Text with \\n between its lines, and notices."""
+    """Return the text, with \\n between its lines, and notices."""
     notices = []
     encoding = next((name for mark, name in _MARKS if data.startswith(mark)), None)
     if encoding is None and b"\0" in data:
@@ -105,18 +105,18 @@ def _decode(path, data):
         text = data.decode(encoding or "utf-8")
     except UnicodeDecodeError:
         if encoding is not None:
-            raise ValueError(f"{path}: is not the text of a table; {SAVE_AS}") from None
-        # Five bytes have no character in Windows-1252.
+            raise ValueError(f"{path}: the file is not the text of a table; {SAVE_AS}") from None
+        # Five byte values are undefined in Windows-1252, hence errors="replace".
         text = data.decode("cp1252", errors="replace")
         notices.append("the text is not UTF-8; it is read as Windows-1252 (Latin-1)")
     text = re.sub(r"\r\n?|[\u2028\u2029\x0b\x0c\x85]", "\n", text).replace("\ufeff", "").rstrip("\x1a")
     if re.search(r"[\x00-\x08\x0e-\x1f]", text):
-        raise ValueError(f"{path}: is not the text of a table; {SAVE_AS}")
+        raise ValueError(f"{path}: the file is not the text of a table; {SAVE_AS}")
     return text, notices
 
 
 def _find_separator(text):
-    """What separates the columns, from the header: a quoted field may hold any of the separators."""
+    """Return the separator of the columns, found in the header outside quoted fields."""
     header = ""
     for line in text.split("\n"):
         header += line + "\n"
@@ -127,29 +127,31 @@ def _find_separator(text):
 
 
 def _read_workbook(path, data):
-    """All cells of the first sheet that is not empty, DataFrame of str, and notices."""
+    """Return all cells of the first sheet that is not empty, DataFrame of str, and notices."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # about styles and the like, which do not matter here
+            warnings.simplefilter("ignore")  # about styles and the like, which do not affect the values
             sheets = pd.read_excel(io.BytesIO(data), sheet_name=None, header=None, dtype=object, engine="openpyxl")
     except ImportError:
         raise ValueError(
-            f"{path}: an Excel workbook is read with openpyxl, which is not installed; install it "
+            f"{path}: Excel workbooks are read with openpyxl, which is not installed; install it "
             f"(python -m pip install 'openpyxl>=3.1,<4'), or {SAVE_AS}"
         ) from None
-    except Exception as error:  # a damaged archive raises whatever its parser stumbles over
+    except Exception as error:  # a damaged archive can raise any exception
         reason = " ".join(str(error).split())
-        raise ValueError(f"{path}: cannot be read as an Excel workbook ({reason}); save it again, or as CSV") from None
+        raise ValueError(
+            f"{path}: the file cannot be read as an Excel workbook ({reason}); save it again, or as CSV"
+        ) from None
     filled = {name: sheet for name, sheet in sheets.items() if sheet.notna().any(axis=None)}
     if not filled:
         return pd.DataFrame(dtype=str), []
     name, *others = filled
-    notices = [f"the sheet {name} is read, not {', '.join(map(str, others))}"] if others else []
+    notices = [f"only the sheet {name} is read, not {', '.join(map(str, others))}"] if others else []
     return filled[name].map(lambda cell: "" if pd.isna(cell) else str(cell)).astype(str), notices
 
 
-def _headed(path, cells, notices):
-    """The TextTable of all cells: the first row that is not empty is the header."""
+def _split_header(path, cells, notices):
+    """Return the TextTable of all cells; the first row that is not empty is the header."""
     cells = cells.map(lambda text: " ".join(text.split()))
     cells.index, cells.columns = range(1, len(cells) + 1), range(cells.shape[1])
     cells = cells[(cells != "").any(axis=1)]
@@ -160,8 +162,8 @@ def _headed(path, cells, notices):
     for row, texts in cells.loc[:, width:].iterrows():
         if (texts != "").any():
             raise ValueError(
-                f"{path}, row {row}: {_width(cells.loc[row])} fields where the header has {width}; fill or drop some, "
-                "and write decimals with a point where commas part the fields"
+                f"{path}, row {row}: the row has {_width(cells.loc[row])} fields, but the header has {width}; add or "
+                "remove fields, and write decimals with a point if commas separate the fields"
             )
     kept = [position for position in range(width) if names[position] or (cells[position] != "").any()]
     cells = cells[kept].set_axis(range(len(kept)), axis=1)
@@ -169,5 +171,5 @@ def _headed(path, cells, notices):
 
 
 def _width(texts):
-    """Number of cells up to the last one with text."""
+    """Return the number of cells up to the last one with text."""
     return max((i + 1 for i, text in enumerate(texts) if text), default=0)

@@ -1,1 +1,1 @@
-"""What is to be packed: the specification in SI units, its sizes, its domain and the scene made of them."""
+"""Specification of a packing in SI units, its sizes, its domain, and the scene made from them."""

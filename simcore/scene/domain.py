@@ -1,6 +1,6 @@
-"""The domain, and the lattice on which grains are born in it.
+"""Domain of a packing, and the lattice on which grains are inserted.
 
-No numba is needed: a plan counts sites too (simcore.packing.cost).
+The module works without numba, because plans count lattice sites as well (simcore.packing.cost).
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Domain:
-    """Horizontally periodic box of period `width`, or upright cylinder of that diameter; floor at z = 0."""
+    """Horizontally periodic box of period `width` [m], or upright cylinder of that diameter; its floor is at z = 0."""
 
     type: str
     width: float
@@ -26,14 +26,14 @@ class Domain:
 
 
 def lattice_sites(domain: Domain, spacing: float, low: float, high: float) -> np.ndarray:
-    """Sites (n, 3) of a hexagonal close-packed lattice with low <= z < high, from below; rows along x.
+    """Return the sites (n, 3) of a hexagonal close-packed lattice with low <= z < high, from below; rows are along x.
 
-    In a periodic box the lattice is stretched horizontally until it fits the period. In a cylinder sites farther
-    than width/2 − spacing/2 from the axis are left out; where that leaves none at all, the sites are on the axis.
+    In a periodic box the lattice is stretched horizontally to fit the period. In a cylinder, sites farther than
+    width/2 − spacing/2 from the axis are left out; if no site remains in any layer, the sites are on the axis.
     """
     layers = np.arange(low, high, spacing * np.sqrt(6.0) / 3.0)
     sites = _hexagonal_sites(domain, spacing, layers)
-    # Layers repeat after two: a cylinder without a site in these is too narrow for any.
+    # Layers repeat after two, so a cylinder without a site in two layers is too narrow for any site.
     if domain.periodic or len(sites) or len(_hexagonal_sites(domain, spacing, np.zeros(2))):
         return sites
     return np.column_stack([np.zeros(len(layers)), np.zeros(len(layers)), layers])

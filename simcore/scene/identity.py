@@ -1,10 +1,8 @@
-"""When two packings are the same: relations between resolved specifications, in one place.
+"""Defines when two packings are the same, by three relations between resolved specifications.
 
-Three relations, from the strictest to the loosest:
-
-    same_bits      the same bits of positions and contacts, on any threads and ranks: checkpoints are shared
-    same_result    the same porosity, of packings of one name in one study: a committed row is of this packing
-    same_but_seed  packings of one scene that differ by chance alone: their scatter is an error over seeds
+same_bits      the same bits of positions and contacts, with any threads and ranks: they share checkpoints
+same_result    the same porosity, of packings of one name: a committed row of one is a row of the other
+same_but_seed  the same scene with different random numbers: their scatter gives a standard error over seeds
 """
 
 import hashlib
@@ -12,22 +10,22 @@ import json
 
 from simcore.grains.sources import source_name
 
-# Keys that change no bit of a run: its name, how often it reports, a choice whose settings are in the other keys once
-# it is resolved, and what only allows a run to start.
+# Keys that do not change a bit of a run: its name, the interval of its reports, a preset whose settings are in the
+# other keys once it is resolved, and a key that only allows a run to start.
 WITHOUT_EFFECT = (
     ("name",),
     ("accuracy",),
     ("numerics", "progress_interval"),
     ("sizes", "allow_few_top_grains"),
 )
-# Keys that change no porosity of a packing of one name: the name of the grain that has a rank in a spread of forms (the
-# packing is named by the rank), and limits that a bed at rest did not reach.
+# Keys that do not change the porosity of a committed row: the name; the grain, because rows of a spread are identified
+# by its rank; the interval of reports; the maximum time of damping, because a packing in a row has come to rest.
 WITHOUT_RESULT = (("name",), ("shapes", "grain"), ("numerics", "progress_interval"), ("damping", "max_time"))
 BY_CHANCE = (("name",), ("seed",))
-# Keys that were added after rows had been committed, with the value that packings had before. A specification with this
-# value is the one without the key.
+# Keys that were added after rows had been committed, with the value that corresponds to earlier packings. A
+# specification with this value is the same as one without the key.
 ADDED = {("grains", "bodies"): "one", ("sizes", "own"): False, ("sizes", "draw"): "random"}
-# Keys and values that were renamed after rows had been committed: the digests of those rows are of the former names.
+# Keys and values that were renamed after rows had been committed. Digests use the former names, as those rows do.
 FORMER_KEYS = {("numerics", "polyhedron_contact"): "contact_region"}
 FORMER_VALUES = {
     ("accuracy",): {"r22": "paper"},
@@ -37,27 +35,30 @@ FORMER_VALUES = {
 
 
 def same_bits(first: dict, second: dict) -> bool:
-    """Whether two resolved specifications give the same bits, of the same grains by the same code."""
+    """Return whether two resolved specifications give the same bits, with the same grains and the same code."""
     return deciding_bits(first) == deciding_bits(second)
 
 
 def same_result(first: dict, second: dict) -> bool:
-    """Whether two resolved specifications of one packing name give the same porosity, wherever grains are stored."""
+    """Return whether two resolved specifications of one packing name give the same porosity.
+
+    The folder of their grains does not matter.
+    """
     return deciding_result(first) == deciding_result(second)
 
 
 def same_but_seed(first: dict, second: dict) -> bool:
-    """Whether two resolved specifications differ in nothing but seed and name."""
+    """Return whether two resolved specifications differ only in seed and name."""
     return deciding_but_seed(first) == deciding_but_seed(second)
 
 
 def deciding_bits(specification: dict) -> dict:
-    """The part of a resolved specification on which the bits depend."""
+    """Return the part of a resolved specification on which the bits depend."""
     return without(specification, WITHOUT_EFFECT)
 
 
 def deciding_result(specification: dict) -> dict:
-    """The part of a resolved specification on which its porosity depends, as JSON stores it."""
+    """Return the part of a resolved specification on which its porosity depends, in the types that JSON has."""
     part = with_former_names(without(specification, WITHOUT_RESULT))
     for path, value in ADDED.items():
         if _get(part, path) == value:
@@ -68,18 +69,18 @@ def deciding_result(specification: dict) -> dict:
 
 
 def deciding_but_seed(specification: dict) -> dict:
-    """The part of a resolved specification that packings of one scene share."""
+    """Return the part of a resolved specification that packings of one scene share."""
     return without(specification, BY_CHANCE)
 
 
 def result_digest(specification: dict) -> str:
-    """Digest (12 hex digits) of what decides the porosity; committed rows are recognised by it."""
+    """Return the digest (12 hex digits) of deciding_result; it identifies committed rows."""
     text = json.dumps(deciding_result(specification), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
 def differing_keys(first: dict, second: dict, path: str = "") -> list[str]:
-    """Names such as "sizes.case" of the keys in which two nested specifications differ, in alphabetical order."""
+    """Return the names, such as "sizes.case", of the keys in which two nested specifications differ, sorted."""
     names = []
     for key in sorted({*first, *second}):
         a, b = first.get(key), second.get(key)
@@ -91,7 +92,7 @@ def differing_keys(first: dict, second: dict, path: str = "") -> list[str]:
 
 
 def without(group: dict, paths, above: tuple = ()) -> dict:
-    """A nested dict without the keys at these paths, tuples such as ("sizes", "case")."""
+    """Return a nested dict without the keys at these paths, tuples such as ("sizes", "case")."""
     return {
         key: without(value, paths, (*above, key)) if isinstance(value, dict) else value
         for key, value in group.items()
@@ -100,7 +101,7 @@ def without(group: dict, paths, above: tuple = ()) -> dict:
 
 
 def with_former_names(group, above=()):
-    """The nested dict under the names that it had before they were changed; one under former names stays as it is."""
+    """Return the nested dict with the former names of renamed keys and values; former names remain unchanged."""
     renamed = {}
     for key, value in group.items():
         path = (*above, key)

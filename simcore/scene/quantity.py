@@ -1,10 +1,10 @@
-"""Quantities: text such as "31.5 mm" or "9.81 m/s2" to a float in SI, and nothing else."""
+"""Converts quantities, text such as "31.5 mm" or "9.81 m/s2", to floats in SI units."""
 
 import math
 import re
 from fractions import Fraction
 
-# Exponents of (m, kg, s) and the factor to SI; fractions, so that "31.5 mm" is the float nearest to 0.0315.
+# Exponents of (m, kg, s) and the factor to SI. It is a fraction, so that "31.5 mm" is the float nearest to 0.0315.
 _UNITS = {
     "m": ((1, 0, 0), Fraction(1)),
     "g": ((0, 1, 0), Fraction(1, 1000)),
@@ -40,7 +40,7 @@ _QUANTITY = re.compile(rf"\s*({NUMBER})\s*([A-Za-zµμ][A-Za-zµμ0-9²³^/]*)\s
 
 
 def parse_quantity(text, unit):
-    """The quantity `text`, such as "31.5 mm", as a float in the SI unit `unit`; else ValueError."""
+    """Return the quantity `text`, such as "31.5 mm", as a float in the SI unit `unit`; ValueError if it is none."""
     dimension, _ = _parse_unit(unit)
     needed = describe_quantity(unit)
     if isinstance(text, bool) or not isinstance(text, str | int | float):
@@ -53,13 +53,13 @@ def parse_quantity(text, unit):
             raise ValueError(f"'{text}' has no unit; {needed}")
         raise ValueError(f"'{text}' is not a number with a unit; {needed}")
     try:
-        found, factor = _parse_unit(match[2])
+        exponents, factor = _parse_unit(match[2])
     except ValueError as error:
         raise ValueError(f"'{text}': {error}; {needed}") from None
-    if found != dimension:
-        name = _NAMES.get(found)
+    if exponents != dimension:
+        name = _NAMES.get(exponents)
         article = "an" if name and name[0] in "aeiou" else "a"
-        raise ValueError(f"'{text}' is {f'{article} {name}' if name else 'something else'}; {needed}")
+        raise ValueError(f"'{text}' is {f'{article} {name}' if name else 'another kind of quantity'}; {needed}")
     value = float(Fraction(match[1]) * factor) if float(match[1]) < math.inf else math.inf
     if not math.isfinite(value):
         raise ValueError(f"'{text}' is not finite; {needed}")
@@ -67,14 +67,14 @@ def parse_quantity(text, unit):
 
 
 def describe_quantity(unit):
-    """What is needed where `unit` is meant, in words, with an example."""
+    """Describe the quantity that the SI unit `unit` needs, with an example."""
     name = _NAMES.get(_parse_unit(unit)[0], unit)
     article = "an" if name[0] in "aeiou" else "a"
     return f"{article} {name} is needed, such as {_EXAMPLES.get(unit, repr('1 ' + unit))}"
 
 
 def _parse_unit(text):
-    """(exponents of m, kg and s; factor to SI as a Fraction) of a unit such as "mm", "kg/m3" or "m/s2"."""
+    """Return (exponents of m, kg and s; factor to SI as a Fraction) of a unit such as "mm", "kg/m3" or "m/s2"."""
     exponents, factor = (0, 0, 0), Fraction(1)
     for position, part in enumerate(text.split("/")):
         match = re.fullmatch(r"([A-Za-zµμ]+)\^?([23²³])?", part)

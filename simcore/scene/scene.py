@@ -1,6 +1,6 @@
-"""A scene: everything that decides a packing besides its grains. Frozen, hashable data in SI units.
+"""Scene: everything besides the grains that determines a packing, as frozen, hashable data in SI units.
 
-What follows from it for the step (its parts, force laws and limits) is derived in simcore.dem.from_scene.
+simcore.dem.from_scene derives the parts, force laws and limits of the time step from it.
 """
 
 from dataclasses import dataclass
@@ -12,10 +12,11 @@ from simcore.scene.impact import Hertzian
 from simcore.scene.shapes import MIXED, POLYHEDRON
 
 SPRUNG = ("static", "preloaded")  # friction laws with a tangential spring
-# Of the domain's height: where batches begin at the heights of Rettinger et al. (2022), and where their first begins.
+# Lower end of the insertion heights of Rettinger et al. (2022) as a share of the domain's height: of all batches but
+# the first, and of the first.
 REFILL_HEIGHT = 0.6
 R22_FIRST_FILL = 0.1
-GRAINS = 1000  # first grains of a packing, which represent all of them where a scene is set up or judged
+GRAINS = 1000  # number of the first grains of a packing that represent all in the setup and checks of a scene
 
 
 @dataclass(frozen=True)
@@ -36,13 +37,13 @@ class Material:
 
     @property
     def effective_gravity(self) -> float:
-        """Gravity less buoyancy [m/s²]."""
+        """Gravity minus buoyancy [m/s²]."""
         return self.gravity * (1.0 - self.fluid_density / self.density)
 
 
 @dataclass(frozen=True)
 class Generation:
-    """How grains are born: lattice, heights, velocities; see config/packing.schema.yaml for each."""
+    """Insertion of the grains: lattice, heights, velocities; config/packing.schema.yaml describes each."""
 
     spacing: float
     fill: str
@@ -108,7 +109,7 @@ class Numerics:
 
 @dataclass(frozen=True)
 class Scene:
-    """One packing to be made. amount_mass [kg] or amount_grains is None. ValueError for contradictory settings."""
+    """One packing to be made; either amount_mass [kg] or amount_grains is None. ValueError if settings contradict."""
 
     name: str
     seed: int
@@ -122,36 +123,36 @@ class Scene:
     damping: Damping
     convergence: Convergence
     numerics: Numerics
-    hertzian: Hertzian | None = None  # of material.law hertz; numerics.contact_time then is its duration
+    hertzian: Hertzian | None = None  # with material.law hertz; then its duration is numerics.contact_time
 
     def __post_init__(self):
         if self.hertzian is not None and self.implicit:
             raise ValueError(
-                "numerics.dashpot: implicit is for material.law spring_dashpot; of law hertz the dashpots of a bed at "
-                "rest are weak, take explicit"
+                "numerics.dashpot: implicit works only with material.law spring_dashpot; use explicit with law hertz, "
+                "whose dashpots are weak in a bed at rest"
             )
         if self.material.friction_law not in SPRUNG and self.implicit:
             raise ValueError(
-                f"numerics.dashpot: implicit is for material.friction_law {' and '.join(SPRUNG)}, not "
-                f"{self.material.friction_law}; take explicit"
+                f"numerics.dashpot: implicit works only with material.friction_law {' and '.join(SPRUNG)}; use "
+                f"explicit with {self.material.friction_law}"
             )
         if self.material.fluid_density >= self.material.density:
             raise ValueError(
                 f"material.fluid_density: {self.material.fluid_density:g} kg/m3 is not below the grains' density of "
-                f"{self.material.density:g} kg/m3, they would not settle"
+                f"{self.material.density:g} kg/m3, so they would not settle; give a lower value"
             )
         if self.kind == MIXED and self.numerics.ellipsoid_contact == "potential":
             raise ValueError(
-                "numerics.ellipsoid_contact: potential is for scenes of ellipsoids alone; set it to common_normal, or "
-                "shapes.kind to ellipsoid"
+                "numerics.ellipsoid_contact: potential works only if all grains are ellipsoids; set it to "
+                "common_normal, or shapes.kind to ellipsoid"
             )
         if self.kind != POLYHEDRON and self.numerics.polyhedron_contact == "inflated":
             raise ValueError(
-                "numerics.polyhedron_contact: inflated is for scenes of polyhedra alone; set it to patch or point, or "
-                "shapes.kind to polyhedron"
+                "numerics.polyhedron_contact: inflated works only if all grains are polyhedra; set it to patch or "
+                "point, or shapes.kind to polyhedron"
             )
 
     @property
     def implicit(self) -> bool:
-        """Whether dashpots act on the velocity at the end of the step."""
+        """Whether dashpots use the velocity at the end of the step as well (numerics.dashpot implicit)."""
         return self.numerics.dashpot == "implicit"

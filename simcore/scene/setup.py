@@ -1,4 +1,4 @@
-"""A resolved specification and its grains become a scene of the core, base shapes, and a draw of grains by id."""
+"""Builds the scene, the base shapes and the draw of grains by id from a resolved specification and its grains."""
 
 from typing import NamedTuple
 
@@ -17,11 +17,11 @@ from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, Dra
 from simcore.scene.sizes import check_amount, check_top_class, lattice_spacing, size_curve
 
 KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": POLYHEDRON, "mixed": MIXED}
-INSERTION_STREAM = 1  # random numbers of birth stand apart from those of size and form
+INSERTION_STREAM = 1  # stream of the random numbers of insertion, separate from those of size and form
 
 
 class Setup(NamedTuple):
-    """What a packing starts from. sample(ids) -> GrainSample; draw(ids) -> Draw, the same grains for the core."""
+    """Input of a packing; sample(ids) -> GrainSample, draw(ids) -> Draw, the same grains as the core needs them."""
 
     scene: Scene
     bases: list
@@ -29,23 +29,23 @@ class Setup(NamedTuple):
     sample: object
     draw: object
     grains: tuple = ()  # Grain of each base that is a polyhedron
-    notes: tuple = ()  # sentences on grains that were read, such as concave ones and files that were left out
-    size_note: str | None = None  # what becomes of the sizes that the grains have themselves
+    notes: tuple = ()  # sentences about the grains, such as concave grains and files that were left out
+    size_note: str | None = None  # sentence about the use of the grains' own sizes
 
 
 def set_up(specification: dict, load_grains) -> Setup:
-    """Scene, base shapes and grain draw of a resolved specification.
+    """Return the Setup of a resolved specification.
 
-    load_grains(group) -> list of Grain is called only where the shapes need a grain set. ValueError where the
-    specification cannot be packed.
+    load_grains(group) -> list of Grain is called only if the shapes need a grain set. ValueError if the specification
+    cannot be packed.
     """
     check_top_class(specification)
     choice = shape_choice(specification["shapes"])
-    hulls = choice.kind in ("polyhedron", "mixed")
+    has_polyhedra = choice.kind in ("polyhedron", "mixed")
     grains = load_grains(specification["grains"]) if needs_grains(specification["shapes"]) else []
-    grains, bases = _chosen(grains, choice), []
+    grains, bases = _select_grains(grains, choice), []
     notes = tuple(grain_warnings(grains, specification["grains"])) if grains else ()
-    if hulls:
+    if has_polyhedra:
         if specification["faces"] != "original":
             grains = [decimate(grain, specification["faces"]) for grain in grains]
         bases = [Base(g.name, g.vertices, g.faces, g.volume, g.second_moments) for g in grains]
@@ -66,7 +66,7 @@ def set_up(specification: dict, load_grains) -> Setup:
         return Draw(drawn.shape, drawn.scale, drawn.D, grain_uniforms(ids, seed, stream=INSERTION_STREAM))
 
     def masses():
-        # As many as `expect` looks at; all of a packing may be a million.
+        # As many grains as the forecast uses; a packing may have a million.
         volume = sample(np.arange(min(GRAINS, number or GRAINS))).volume
         mass = specification["material"]["density"] * volume
         return float(mass.mean()), float(mass.min())
@@ -79,7 +79,7 @@ def set_up(specification: dict, load_grains) -> Setup:
         curve,
         sample,
         draw,
-        tuple(grains) if hulls else (),
+        tuple(grains) if has_polyhedra else (),
         notes,
         size_note(grains, specification["sizes"]),
     )
@@ -88,16 +88,16 @@ def set_up(specification: dict, load_grains) -> Setup:
 def make_scene(specification: dict, curve, masses, number: int | None = None) -> Scene:
     """Return the Scene of a resolved specification.
 
-    curve: of its sizes. masses() -> (mean, least) mass of its grains [kg]; called for material.law hertz alone.
-    number: of grains to pack; None packs as many, or as much mass, as is specified.
+    curve: its size distribution. masses() -> (mean, least) mass of its grains [kg], only called for material.law hertz.
+    number: number of grains to pack; None packs as many grains, or as much mass, as is specified.
     """
     generation, numerics, hertzian = specification["generation"], specification["numerics"], None
     spacing = lattice_spacing(specification, curve)
     drop_height = spacing if generation["drop_height"] is None else generation["drop_height"]
     domain, material = Domain(**specification["domain"]), Material(**specification["material"])
-    born = Generation(**{**generation, "spacing": spacing, "drop_height": drop_height})
+    insertion = Generation(**{**generation, "spacing": spacing, "drop_height": drop_height})
     if material.law == "hertz":
-        speed = fall_speed(born, domain.height, material.effective_gravity)
+        speed = fall_speed(insertion, domain.height, material.effective_gravity)
         hertzian = derive_hertzian(material, *masses(), speed)
         numerics = {**numerics, "contact_time": hertzian.duration}
     return Scene(
@@ -108,7 +108,7 @@ def make_scene(specification: dict, curve, masses, number: int | None = None) ->
         amount_grains=specification["amount"]["grains"] if number is None else number,
         domain=domain,
         material=material,
-        generation=born,
+        generation=insertion,
         shaking=Shaking(**specification["shaking"]),
         damping=Damping(**specification["damping"]),
         convergence=Convergence(**specification["convergence"]),
@@ -130,7 +130,7 @@ def _number_of_mass(specification, curve, choice, grains) -> int:
 
 
 def shape_choice(shapes: dict) -> ShapeChoice:
-    """ShapeChoice of the resolved group `shapes`, where a distribution of form or ratios is {mean, std}."""
+    """Return the ShapeChoice of the resolved group `shapes`, in which a distribution is {mean, std}."""
     settings = {key: shapes[key] for key in ("kind", "choice", "grain", "ellipsoid_share")}
     for key in ("flatness", "elongation", "eta", "zeta"):
         value = shapes[key]
@@ -142,11 +142,11 @@ def shape_choice(shapes: dict) -> ShapeChoice:
 
 
 def _check_height(scene, sample):
-    """ValueError where the grains, were they without pores, would stand higher than the domain."""
+    """Raise ValueError if the grains would be higher than the domain even without pores."""
     mass = scene.amount_mass
     if mass is None:
-        some = sample(np.arange(min(GRAINS, scene.amount_grains))).volume
-        mass = scene.material.density * scene.amount_grains * float(some.mean())
+        volume = sample(np.arange(min(GRAINS, scene.amount_grains))).volume
+        mass = scene.material.density * scene.amount_grains * float(volume.mean())
     domain = scene.domain
     solid = mass / (scene.material.density * domain.area)
     if solid > domain.height:
@@ -157,8 +157,8 @@ def _check_height(scene, sample):
         )
 
 
-def _chosen(grains, choice):
-    """Only the grain that all bodies share, where one is chosen: the others need no decimation and no memory."""
+def _select_grains(grains, choice):
+    """Return only the grain that all bodies share if choice is "one", so that no other is decimated or stored."""
     if choice.choice != "one":
         return grains
     return [grain for grain in grains if grain.name == choice.grain] or grains

@@ -1,4 +1,4 @@
-"""The kinds of shape a scene can have, the base shapes of its grains, and the grains drawn for it; data alone."""
+"""Kinds of shape of a scene, base shapes of its grains, and grains drawn for it."""
 
 from typing import NamedTuple
 
@@ -7,11 +7,11 @@ import numpy as np
 SPHERE = 0  # the base is the unit sphere and all scales of a body are equal
 ELLIPSOID = 1  # the base is the unit sphere
 POLYHEDRON = 2  # the base is a convex hull
-MIXED = 3  # of scenes only: bodies whose base is the unit sphere are ellipsoids, the others polyhedra
+MIXED = 3  # kind of a scene, never of a body: bodies whose base is the unit sphere are ellipsoids, others polyhedra
 
 
 class Base(NamedTuple):
-    """One base shape. vertices (n, 3) and faces (m, 3), outward, of the hull; both empty for the unit sphere."""
+    """One base shape; vertices (n, 3) and outward faces (m, 3) are those of a polyhedron, empty for the unit sphere."""
 
     name: str
     vertices: np.ndarray
@@ -21,7 +21,7 @@ class Base(NamedTuple):
 
 
 class Draw(NamedTuple):
-    """Grains by id, as they are inserted; all (n,) but scale (n, 3) and uniforms (n, 8)."""
+    """Grains to be inserted, in the order of the ids given; arrays (n,), except scale (n, 3) and uniforms (n, 8)."""
 
     shape: np.ndarray
     scale: np.ndarray

@@ -1,5 +1,7 @@
-"""The sizes that a specification asks for: sieve curve, beta distribution or the grains' own, lattice spacing, enough
-top grains."""
+"""Builds the size distribution of a specification and checks it: number of grains, grains in the coarsest class.
+
+Computes the spacing of the lattice of insertion, too, as it depends on the largest size.
+"""
 
 import numpy as np
 
@@ -9,57 +11,59 @@ from simcore.grains.sieve import SieveCurve, read_cases
 from simcore.paths import CONFIG
 
 MINIMUM_OF_TOP_CLASS = 5
-MAX_GRAINS = 10_000_000  # the maximum of amount.grains in the schema, for a mass too
-# Upright grains need √(S² + I²) = √2 D across; the rest is clearance.
+MAX_GRAINS = 10_000_000  # the maximum of amount.grains in the schema; here it limits a mass as well
+# An upright grain needs a width of at most √(S² + I²) = √2 D; the factor 1.05 adds clearance.
 UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
 
 
 def size_curve(sizes, cases=CONFIG / "cases.tsv", grains=()):
-    """The SieveCurve, BetaSizes or OwnSizes of the resolved group `sizes` of a specification.
+    """Return the SieveCurve, BetaSizes or OwnSizes of the resolved group `sizes` of a specification.
 
-    grains: list of Grain as they are packed, for sizes that are their own. ValueError for an unknown case, or if the
-    sizes are those of grains and there are none.
+    cases: path of the table of cases. grains: list of Grain in the shape in which they are packed, needed for
+    `sizes.own`. ValueError if the case is unknown, or if `sizes.own` is set and there are no grains.
     """
     if sizes["own"]:
         if not grains:
-            raise ValueError("sizes.own: the grains are not read here; give a case, bounds or beta")
+            raise ValueError("sizes.own: the grains are not read at this point; give a case, bounds or beta")
         return OwnSizes(np.array([grain.sieve_size for grain in grains]))
     if sizes["beta"] is not None:
         group = sizes["beta"]
         return BetaSizes(group["radius"], group["spread"], group["alpha"], group["beta"])
     if sizes["case"] is None:
         return SieveCurve(np.array(sizes["bounds"]), np.array(sizes["mass_fractions"]), "sizes")
-    known = read_cases(cases)
-    if sizes["case"] not in known:
-        raise ValueError(f"sizes.case: '{sizes['case']}' is unknown; the cases are {', '.join(known)}")
-    return known[sizes["case"]].curve
+    table = read_cases(cases)
+    if sizes["case"] not in table:
+        raise ValueError(f"sizes.case: '{sizes['case']}' is unknown; the cases are {', '.join(table)}")
+    return table[sizes["case"]].curve
 
 
 def case_spacing(sizes, cases=CONFIG / "cases.tsv"):
-    """Generation spacing [m] of the case of the resolved group `sizes`; None for a sieve curve of one's own."""
+    """Return the generation spacing [m] of the case of the resolved group `sizes`, or None if it names no case."""
     return None if sizes["case"] is None else read_cases(cases)[sizes["case"]].generation_spacing
 
 
 def lattice_spacing(spec, curve):
-    """Distance of nearest lattice points [m] on which grains are born.
+    """Return the distance between neighbouring points of the lattice on which grains are inserted [m].
 
-    # ASSUME: without one given, batches just above the bed stand as close as the largest grain allows, but not
-    # farther than the case's own spacing; fill "r22" takes that of the case.
+    curve: the size distribution of the specification.
+    # ASSUME: if `generation.spacing` is not given, the points are as close as the largest grain allows, but not farther
+    # apart than the spacing of the case; with fill "r22" the spacing is that of the case.
     """
     spacing = spec["generation"]["spacing"]
     if spacing is not None:
         return spacing
-    needed = UPRIGHT_REACH * curve.largest
-    of_case = case_spacing(spec["sizes"])
-    if of_case is None:
-        return needed
-    return of_case if spec["generation"]["fill"] == "r22" else min(needed, of_case)
+    smallest_spacing = UPRIGHT_REACH * curve.largest
+    spacing_of_case = case_spacing(spec["sizes"])
+    if spacing_of_case is None:
+        return smallest_spacing
+    return spacing_of_case if spec["generation"]["fill"] == "r22" else min(smallest_spacing, spacing_of_case)
 
 
 def check_top_class(spec, where=""):
-    """Refuse a specification of fewer than five grains of its top class, unless it allows that by name.
+    """Raise ValueError if fewer than five grains of the coarsest class are expected and the specification forbids that.
 
-    Sizes without classes have none. Sizes that are the grains' own are refused where the shapes are not.
+    `where` precedes the message. Sizes without classes are not checked. `sizes.own` is rejected for shapes that are not
+    those of grains of the set.
     """
     try:
         if spec["sizes"]["own"]:
@@ -78,7 +82,10 @@ def check_top_class(spec, where=""):
 
 
 def check_amount(spec, curve):
-    """ValueError where the mass of a specification is that of more grains than can be packed; curve: of its sizes."""
+    """Raise ValueError if the mass of a specification corresponds to more than MAX_GRAINS grains.
+
+    curve: the size distribution of the specification.
+    """
     mass, density = spec["amount"]["mass"], spec["material"]["density"]
     if mass is None:
         return
@@ -86,7 +93,7 @@ def check_amount(spec, curve):
     if grains > MAX_GRAINS:
         raise ValueError(
             f"amount.mass: {mass:.3g} kg are about {grains:.2g} grains, more than {MAX_GRAINS}; give at most "
-            f"{mass * MAX_GRAINS / grains:.3g} kg, or leave out the finest classes"
+            f"{mass * MAX_GRAINS / grains:.3g} kg, or omit the finest classes"
         )
 
 

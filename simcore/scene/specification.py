@@ -1,12 +1,15 @@
-"""Specifications: what a YAML file asks for, checked against its schema and turned into SI numbers.
+"""Specifications: the settings of a YAML file, checked against a schema and converted to SI numbers.
 
-The schema (config/<name>.schema.yaml, JSON Schema with keywords of our own) is the only place that says
-which keys there are, with unit, bounds, default and meaning. `x-unit` marks a quantity: text with a unit
-outside, a float in SI inside. Bounds hold in SI. `x-error` replaces the message of a rule that reads badly, `x-hint` is
-added to one that names a bound. `x-used-with` names the settings without which a key has no effect (unused.py).
-`x-renamed` lists former names of keys or choices, which are refused with the present one.
-`x-presets` marks a key at the top that stands for settings: the file it names has a group of them for each choice,
-which are laid under what is given.
+Only the schema (config/<name>.schema.yaml, JSON Schema with additional keywords) defines the keys, with their units,
+bounds, defaults and meanings. The additional keywords are:
+
+x-unit       marks a quantity: text with a unit in YAML, a float in SI once it is resolved; bounds are in SI
+x-error      message that replaces that of a rule
+x-hint       text that is added to the message of a bound
+x-used-with  settings without which a key has no effect (unused.py)
+x-renamed    former names of keys or choices, which are refused with the present name
+x-presets    marks a key at the top level that selects a group of settings in the file named; settings that are given
+             override those of the group
 """
 
 import difflib
@@ -25,13 +28,13 @@ from simcore.scene.unused import check_used
 
 
 def resolve(raw, schema="packing", where="", unused="keep"):
-    """The specification `raw` with every key checked, defaults filled and quantities as floats in SI.
+    """Return the specification `raw` with every key checked, defaults filled in and quantities as floats in SI.
 
-    raw: nested dict as read from YAML; it is not changed. schema: "packing", "config", or the path of a
-    schema. where: prefix of the path in messages, such as "studies.single_form". unused: "refuse" or "keep" keys
-    that have no effect with the others; what a user wrote is read with "refuse", "keep" is for settings that many
-    packings have in common. Raises ValueError at the first key that is unknown, missing, of the wrong type or unit, out
-    of bounds, not finite or refused as without effect, with its path.
+    raw: nested dict as read from YAML; it is not changed. schema: "packing", "config", or the path of a schema. where:
+    prefix of the path in messages, such as "studies.single_form". unused: "refuse" or "keep" keys that have no effect
+    with the others; "refuse" is for specifications that a user wrote, "keep" for settings that many packings share.
+    ValueError names the path of the first key that is unknown, missing, of the wrong type or unit, out of bounds or not
+    finite, or, with "refuse", has no effect.
     """
     given = raw
     raw = with_presets(raw, schema)
@@ -44,15 +47,15 @@ def resolve(raw, schema="packing", where="", unused="keep"):
 
 
 def express(resolved, schema="packing"):
-    """The resolved specification as it would stand in YAML, quantities as text; the inverse of `resolve`."""
+    """Return a resolved specification as a nested dict for YAML, with quantities as text; the inverse of `resolve`."""
     return _express(resolved, read_schema(schema))
 
 
 def read_specification(path, schema="packing"):
-    """Resolved specification of the YAML file at `path`; ValueError names the file and the key."""
+    """Read the YAML file at `path` and return its resolved specification; ValueError names the file and the key."""
     path = Path(path)
     if not path.is_file():
-        raise ValueError(f"{path}: there is no such file")
+        raise ValueError(f"{path}: there is no such file; correct the path")
     raw = _read_yaml(path)
     try:
         resolved = resolve(raw if raw is not None else {}, schema, unused="refuse")
@@ -64,12 +67,15 @@ def read_specification(path, schema="packing"):
 
 
 def _read_yaml(path):
-    """The content of the YAML file at `path`, in UTF-8, or in UTF-16 with a mark; ValueError where a key is twice."""
+    """Return the content of the YAML file at `path`, in UTF-8, or UTF-16 with a byte order mark.
+
+    ValueError if it is not valid YAML, or if a key occurs twice in a group.
+    """
     data = path.read_bytes()
     try:
         document = yaml.compose(data, Loader=yaml.SafeLoader)
         content = yaml.safe_load(data)
-    except (yaml.YAMLError, ValueError) as error:  # ValueError: of a date that there is not
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: from a date that does not exist
         raise ValueError(f"{path} is not valid YAML: {' '.join(str(error).split())}") from None
     except RecursionError:
         raise ValueError(f"{path} is not valid YAML: it is nested too deeply") from None
@@ -78,7 +84,10 @@ def _read_yaml(path):
 
 
 def _check_keys(path, document):
-    """ValueError where a group of a composed YAML document has a key twice; YAML would take the last one silently."""
+    """Raise ValueError if a key occurs twice in a group of a composed YAML document.
+
+    YAML itself would use the last one without a message.
+    """
     nodes, checked = [document], set()
     while nodes:
         node = nodes.pop()
@@ -92,14 +101,16 @@ def _check_keys(path, document):
         for key, value in node.value:
             nodes += [key, value]
             if isinstance(key, yaml.ScalarNode):
-                line, again = key.start_mark.line + 1, lines.get(key.value)
-                if again is not None:
-                    raise ValueError(f"{path}, line {line}: {key.value} is given in line {again} already; drop one")
+                line, earlier_line = key.start_mark.line + 1, lines.get(key.value)
+                if earlier_line is not None:
+                    raise ValueError(
+                        f"{path}, line {line}: {key.value} is given in line {earlier_line} already; remove one of them"
+                    )
                 lines[key.value] = line
 
 
 def read_schema(schema):
-    """The schema called `schema` (or at that path) as a dict, references to other schema files put in."""
+    """Return the schema with the name (or path) `schema` as a dict, with references to other schema files resolved."""
     path = Path(schema)
     if path.suffix != ".yaml":
         path = CONFIG / f"{schema}.schema.yaml"
@@ -112,7 +123,7 @@ def _load(path):
 
 
 def _inline(node, folder):
-    """Replace {$ref: file#/a/b, ...} by what stands there, with the keys beside $ref laid over it."""
+    """Replace {$ref: file#/a/b, ...} by the node at that place; keys next to $ref override those of the node."""
     if isinstance(node, list):
         return [_inline(item, folder) for item in node]
     if not isinstance(node, dict):
@@ -128,46 +139,49 @@ def _inline(node, folder):
 
 
 def read_presets(key, schema="packing"):
-    """Settings of every choice of a key marked x-presets, as a dict from choice to nested dict."""
+    """Return the settings of every choice of a key marked x-presets, a dict from choice to nested dict."""
     return _load((CONFIG / read_schema(schema)["properties"][key]["x-presets"]).resolve())
 
 
 def with_presets(raw, schema="packing"):
-    """`raw` over what its choices (`x-presets`) stand for, a new dict; what is no choice is left to the checks."""
+    """Return a new dict of the settings that the presets in `raw` (`x-presets`) select, overridden by those in `raw`.
+
+    Values that are not choices are left to the checks.
+    """
     if not isinstance(raw, dict):
         return raw
     for key, sub in read_schema(schema).get("properties", {}).items():
         if "x-presets" in sub and isinstance(raw.get(key), str):
-            raw = _laid_over(_load((CONFIG / sub["x-presets"]).resolve()).get(raw[key], {}), raw)
+            raw = _override(_load((CONFIG / sub["x-presets"]).resolve()).get(raw[key], {}), raw)
     return raw
 
 
-def _laid_over(below, above):
-    if not (isinstance(below, dict) and isinstance(above, dict)):
-        return above
-    return {**below, **{key: _laid_over(below.get(key), value) for key, value in above.items()}}
+def _override(base, overlay):
+    if not (isinstance(base, dict) and isinstance(overlay, dict)):
+        return overlay
+    return {**base, **{key: _override(base.get(key), value) for key, value in overlay.items()}}
 
 
 def _convert(value, schema, path):
-    """Check keys and types, parse quantities and fill defaults, below `path`; bounds come later, in SI."""
+    """Check keys and types, parse quantities and fill in defaults, below `path`; bounds are checked later, in SI."""
     types = _types(schema)
     if value is None:
-        free = not ({"type", "enum", "x-unit"} & schema.keys())
-        if free or "null" in types or None in schema.get("enum", ()):
+        any_type = not ({"type", "enum", "x-unit"} & schema.keys())
+        if any_type or "null" in types or None in schema.get("enum", ()):
             return None
-        raise ValueError(f"{_shown(path)} is empty; {_wanted(schema)}")
+        raise ValueError(f"{_name_path(path)} is empty; {_describe_needed(schema)}")
     if "x-unit" in schema:
         try:
             return parse_quantity(value, schema["x-unit"])
         except ValueError as error:
-            raise ValueError(f"{_shown(path)}: {error}") from None
+            raise ValueError(f"{_name_path(path)}: {error}") from None
     if isinstance(value, dict) and ("object" in types or not types):
         return _convert_object(value, schema, path)
     if isinstance(value, list) and ("array" in types or not types):
         items = schema.get("items", {})
         return [_convert(item, items, f"{path}[{number}]") for number, item in enumerate(value)]
     if isinstance(value, float) and not math.isfinite(value):
-        raise ValueError(f"{_shown(path)}: {value} is not a finite number")
+        raise ValueError(f"{_name_path(path)}: {value} is not a finite number; {_describe_needed(schema)}")
     if types and not any(_is_type(value, name) for name in types):
         hint = ""
         if isinstance(value, str) and re.fullmatch(NUMBER, value):
@@ -176,7 +190,7 @@ def _convert(value, schema, path):
                 if "number" in types
                 else ""
             )
-        raise ValueError(f"{_shown(path)}: {value!r} is wrong{hint}; {_wanted(schema)}")
+        raise ValueError(f"{_name_path(path)}: {value!r} is wrong{hint}; {_describe_needed(schema)}")
     return float(value) if "number" in types and _is_type(value, "number") else value
 
 
@@ -184,7 +198,7 @@ def _convert_object(value, schema, path):
     properties, others = schema.get("properties", {}), schema.get("additionalProperties", True)
     for key in value:
         if not isinstance(key, str):
-            raise ValueError(f"{_shown(path)}: the key {key!r} must be text")
+            raise ValueError(f"{_name_path(path)}: the key {key!r} must be text; write it in quotation marks")
         if key in schema.get("x-renamed", {}):
             raise ValueError(f"{_join(path, key)}: this key is called {schema['x-renamed'][key]} now; rename it")
         if key not in properties and others is False:
@@ -194,7 +208,7 @@ def _convert_object(value, schema, path):
         if key in value:
             converted[key] = _convert(value[key], sub, _join(path, key))
         elif key in schema.get("required", ()):
-            raise ValueError(f"{_join(path, key)} is missing; {_wanted(sub)}")
+            raise ValueError(f"{_join(path, key)} is missing; {_describe_needed(sub)}")
         elif "default" in sub:
             converted[key] = _convert(sub["default"], sub, _join(path, key))
     for key in value.keys() - properties.keys():
@@ -204,7 +218,7 @@ def _convert_object(value, schema, path):
 
 
 def _check_rules(resolved, schema, where):
-    """Bounds, choices and rules between keys, by JSON Schema on the SI values."""
+    """Check bounds, choices and rules between keys, by JSON Schema on the SI values; ValueError if one is violated."""
     errors = jsonschema.Draft202012Validator(schema).iter_errors(resolved)
     error = min(errors, key=lambda error: [str(part) for part in error.absolute_path], default=None)
     if error is None:
@@ -212,7 +226,7 @@ def _check_rules(resolved, schema, where):
     path = where
     for part in error.absolute_path:
         path = f"{path}[{part}]" if isinstance(part, int) else _join(path, part)
-    raise ValueError(f"{_shown(path)}: {_explain(error)}")
+    raise ValueError(f"{_name_path(path)}: {_explain(error)}")
 
 
 def _explain(error):
@@ -230,11 +244,11 @@ def _explain(error):
         hint = f" ({schema['x-hint']})" if "x-hint" in schema else ""
         return f"{value}{unit} is out of bounds; it must be {bounds[rule]} {bound}{unit}{hint}"
     if rule == "enum" and isinstance(value, str) and value in schema.get("x-renamed", {}):
-        return f"{value!r} is called {schema['x-renamed'][value]!r} now; write that"
+        return f"{value!r} is called {schema['x-renamed'][value]!r} now; write the new name"
     if rule == "enum":
-        return f"{value!r} is not a choice; choose one of {_listed(bound)}"
+        return f"{value!r} is not a choice; choose one of {_join_names(bound)}"
     if rule == "pattern":
-        return f"{value!r} is wrong; {_wanted(schema)}"
+        return f"{value!r} is wrong; {_describe_needed(schema)}"
     return error.message
 
 
@@ -269,27 +283,27 @@ def _is_type(value, name):
     return name in kinds and isinstance(value, kinds[name])
 
 
-def _wanted(schema):
-    """What a key should hold, in words."""
+def _describe_needed(schema):
+    """Describe the value that a key needs."""
     if "x-unit" in schema:
         return describe_quantity(schema["x-unit"])
     if "enum" in schema:
-        return f"choose one of {_listed(schema['enum'])}"
+        return f"choose one of {_join_names(schema['enum'])}"
     words = {"string": "text", "integer": "a whole number", "number": "a number", "boolean": "true or false"}
     words |= {"object": "a group of keys", "array": "a list", "null": "null"}
-    wanted = " or ".join(words[name] for name in _types(schema)) or "a value"
+    kinds = " or ".join(words[name] for name in _types(schema)) or "a value"
     description = schema.get("description")
-    return f"{wanted} is needed" + (f": {description.rstrip('.')}" if description else "")
+    return f"{kinds} is needed" + (f": {description.rstrip('.')}" if description else "")
 
 
-def _guess(word, known):
-    close = difflib.get_close_matches(str(word), [str(item) for item in known if item is not None], n=1)
+def _guess(word, names):
+    close = difflib.get_close_matches(str(word), [str(item) for item in names if item is not None], n=1)
     if close:
         return f"; did you mean '{close[0]}'?"
-    return f"; known here: {_listed(known)}" if isinstance(known, dict) else ""
+    return f"; the keys here are {_join_names(names)}" if isinstance(names, dict) else ""
 
 
-def _listed(items):
+def _join_names(items):
     return ", ".join("null" if item is None else str(item) for item in items)
 
 
@@ -297,5 +311,5 @@ def _join(path, key):
     return f"{path}.{key}" if path else key
 
 
-def _shown(path):
+def _name_path(path):
     return path or "the specification"

@@ -1,16 +1,17 @@
-"""Keys that are given but have no effect, such as a flatness where grains are drawn at random.
+"""Finds keys that are given but have no effect, such as a flatness if grains are drawn at random.
 
-`x-used-with` of a key in a schema names the settings that the key needs: a path from the root of the specification, and
-the list of values, or the JSON Schema, that the setting there must have. The path may name a group.
+`x-used-with` of a key in a schema lists the settings that the key needs: for each, its path from the root of the
+specification, and the list of values, or the JSON Schema, that it must have. The path may be that of a group.
 """
 
 import jsonschema
 
 
 def why_unused(path, resolved, schema):
-    """Return (key, reason) where the key at the dotted `path`, or a group it is in, has no effect; else None.
+    """Return (key, reason) if the key at the dotted `path`, or a group that contains it, has no effect, else None.
 
-    resolved: the specification in SI; schema: its schema, read. What the specification does not have is no condition.
+    resolved: the specification in SI; schema: its schema as a dict. Settings that the specification does not have are
+    not a condition.
     """
     keys, node = [], schema
     for key in path.split("."):
@@ -19,14 +20,14 @@ def why_unused(path, resolved, schema):
             return None
         keys.append(key)
         for setting, allowed in node.get("x-used-with", {}).items():
-            there, value = _look_up(resolved, setting)
-            if there and not _is_allowed(value, allowed):
+            exists, value = _look_up(resolved, setting)
+            if exists and not _is_allowed(value, allowed):
                 return ".".join(keys), _reason(setting, value, allowed)
     return None
 
 
 def needed_settings(path, schema):
-    """Return the settings (dotted paths) that the key at the dotted `path`, or a group it is in, needs."""
+    """Return the settings (dotted paths) that the key at the dotted `path`, or a group that contains it, needs."""
     settings, node = set(), schema
     for key in path.split("."):
         node = node.get("properties", {}).get(key, {})
@@ -35,7 +36,7 @@ def needed_settings(path, schema):
 
 
 def is_shared(path, schema):
-    """Whether studies may have the key at the dotted `path` in common, used by some of them only (x-shared)."""
+    """Return whether studies may share the key at the dotted `path` even if only some of them use it (x-shared)."""
     for key in path.split("."):
         schema = schema.get("properties", {}).get(key, {})
         if schema.get("x-shared", False):
@@ -44,7 +45,7 @@ def is_shared(path, schema):
 
 
 def given_keys(raw, above=""):
-    """Dotted paths of all values in the nested dict `raw`; null is none, for it stands for what is not given."""
+    """Yield the dotted paths of all values in the nested dict `raw` but null, which means that a key is not given."""
     for key, value in raw.items():
         if isinstance(value, dict):
             yield from given_keys(value, f"{above}{key}.")
@@ -53,9 +54,10 @@ def given_keys(raw, above=""):
 
 
 def check_used(raw, resolved, schema, where=""):
-    """ValueError at the first key of `raw`, as it was given, that has no effect in `resolved`.
+    """Raise ValueError at the first key of `raw`, the specification as given, that has no effect in `resolved`.
 
-    A specification that gives every key there is was written by a program (`express`) and tells no choices: it passes.
+    A specification with every key of the schema is accepted: a program wrote it (`express`), so its keys are not
+    choices of a user.
     """
     if _gives_everything(raw, schema):
         return
@@ -92,5 +94,5 @@ def _reason(setting, value, allowed):
     if not isinstance(allowed, list):
         return allowed["x-error"]
     *others, last = allowed
-    words = f"{', '.join(others)} or {last}" if others else last
-    return f"it has no effect while {setting} is {value}; leave it out, or set {setting} to {words}"
+    choices = f"{', '.join(others)} or {last}" if others else last
+    return f"it has no effect while {setting} is {value}; leave it out, or set {setting} to {choices}"

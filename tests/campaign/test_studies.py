@@ -190,7 +190,7 @@ def test_bad_campaigns_are_refused(changes, message):
 def test_fewer_than_five_grains_of_the_top_class_are_refused_unless_allowed_by_name():
     """3 kg of U7: 0.04 · 3 kg / (2650 kg/m³ · π/6 · (31.5³ - 22.4³) / (3 ln(31.5 / 22.4)) mm³) = 4.4 grains."""
     fixes = {**STUDY["fixes"], "amount": {"mass": "3 kg"}}
-    with pytest.raises(ValueError, match=r"studies\.s, packing U7: .* 4\.4 grains of its top class"):
+    with pytest.raises(ValueError, match=r"studies\.s, packing U7: .* 4\.4 grains of the coarsest class"):
         expand(campaign(fixes=fixes))
     allowed = {**fixes, "sizes": {"allow_few_top_grains": True}}
     assert len(expand(campaign(fixes=allowed))) == 2

@@ -63,29 +63,32 @@ def test_statistics_are_samples_of_independent_flatness_and_elongation(read, nam
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "bed.csv: is empty; give the columns L, I, S"),
+        ("", "bed.csv: the file is empty; give the columns L, I, S"),
         ("L,I,S\n", "bed.csv: there are no rows below the header"),
         ("L,I\n4,2\n", "the column S is missing beside L, I"),
         ("FL\n0.5\n", "the column EL is missing beside FL"),
         ("mean_FL,mean_EL\n0.5,0.5\n", "the column std_FL, std_EL is missing beside mean_FL, mean_EL"),
-        ("x,y\n1,2\n", r"none of its columns \(x, y\) is a form"),
+        ("x,y\n1,2\n", r"none of its columns \(x, y\) is an axis or a form"),
         ("a,b\n2,1\n", "the column S is missing beside a, b"),
-        ("4,2,1\n5,3,2\n", r"the first row \(4, 2, 1\) holds numbers where the names of the columns are needed"),
-        ("FL,EL,FL\n0.5,0.5,0.6\n", "two columns are named FL; drop or rename one"),
-        ("FL,S/I,EL\n0.5,0.6,0.5\n", "the columns FL and S/I are both FL; drop one"),
-        ("L,I,S,a (mm)\n4,2,1,4\n", r"the columns L and a \(mm\) are both L; drop one"),
-        ("long,L,I,S\n4,4,2,1\n", "the columns long and L are both L; drop one"),
+        ("4,2,1\n5,3,2\n", r"the first row \(4, 2, 1\) contains numbers where the names of the columns are needed"),
+        ("FL,EL,FL\n0.5,0.5,0.6\n", "two columns are named FL; remove or rename one"),
+        ("FL,S/I,EL\n0.5,0.6,0.5\n", "the columns FL and S/I are both FL; remove one"),
+        ("L,I,S,a (mm)\n4,2,1,4\n", r"the columns L and a \(mm\) are both L; remove one"),
+        ("long,L,I,S\n4,4,2,1\n", "the columns long and L are both L; remove one"),
         ("mean_FL,mu_FL,std_FL,mean_EL,std_EL\n.6,.6,0,.7,0\n", "the columns mean_FL and mu_FL are both mean_FL"),
         ("sample,sample,FL,EL\na,b,0.5,0.5\n", "two columns are named sample"),
-        ("count,n,FL,EL\n1,1,0.5,0.5\n", "the columns count and n are both the number of grains; drop one"),
+        ("count,n,FL,EL\n1,1,0.5,0.5\n", "the columns count and n are both the number of grains; remove one"),
         ("FL [%],EL [%]\n50,50\n", r"the column FL \[%\] is in percent; give FL as a fraction"),
         ("FL,EL\n50%,50%\n", "row 2: FL is '50%'; give a fraction"),
-        ("FL,EL\n65,70\n", r"row 2: FL = 65 is not in \(0, 1\]; .* nor percent"),
+        ("FL,EL\n65,70\n", r"row 2: FL = 65 is not in \(0, 1\]; .* or percent"),
         ("L,I,S\n1_0,2,1\n", "row 2: L is '1_0'; a number is needed"),
         ('L,I,S\n"1,234.5",2,1\n', "row 2: L is '1,234.5'; a number is needed, without separators of thousands"),
-        ("L,I,S\n50,5,40,1,27,3\n", "row 2: 6 fields where the header has 3; .* write decimals with a point"),
-        ("L,I,S\nmm,mm,mm\n4,2,1\n", "row 2: L is 'mm'; a number is needed, its unit, if any, in the header"),
-        ("L,I,S,count\n4,2,1,-1\n", "row 2: count = -1; a number of grains lies between 0 and 1e12"),
+        (
+            "L,I,S\n50,5,40,1,27,3\n",
+            "row 2: the row has 6 fields, but the header has 3; .* decimals with a point",
+        ),
+        ("L,I,S\nmm,mm,mm\n4,2,1\n", "row 2: L is 'mm'; a number is needed; write its unit, if any, in the header"),
+        ("L,I,S,count\n4,2,1,-1\n", "row 2: count = -1; a number of grains must be between 0 and 1e12"),
         ("L,I,S,count\n4,2,1,\n", "row 2: count is ''; a number is needed"),
         ("L,I,S,count\n4,2,1,few\n", "row 2: count is 'few'; a number is needed"),
         ("L,I,S,count\n4,2,1,0\n", "the numbers of grains of sample bed are all 0"),
@@ -97,11 +100,14 @@ def test_statistics_are_samples_of_independent_flatness_and_elongation(read, nam
         ("L [mm],I [cm],S [mm]\n4,2,1\n", r"the header mixes units \(L in mm, I in cm, S in mm\)"),
         ("L,I,S\n0.04,0.02,0.0001\n", "row 2: L = 0.04 is 400 times S = 0.0001, .* give all axes in one unit"),
         ("L,L [mm],I,S\n4,4,2,1\n", "the columns L and L .mm. are both L"),
-        ("L,I,S\n4 mm,2,1\n", "row 2: L is '4 mm'; a number is needed, its unit, if any, in the header"),
+        ("L,I,S\n4 mm,2,1\n", "row 2: L is '4 mm'; a number is needed; write its unit, if any, in the header"),
         ("L,I,S\n4,,1\n", "row 2: I is ''; a number is needed"),
         ("L,I,S\n4,nan,1\n", "row 2: I is nan; a finite number is needed"),
-        ("L,I,S\n4,2\n", "row 2: 2 fields where the header has 3"),
-        ("FL,EL\n0.5,1.5\n", r"row 2: EL = 1.5 is not in \(0, 1\]; FL is S/I and EL is I/L, not their inverses"),
+        ("L,I,S\n4,2\n", "row 2: the row has 2 fields, but the header has 3"),
+        (
+            "FL,EL\n0.5,1.5\n",
+            r"row 2: EL = 1.5 is not in \(0, 1\]; FL is S/I and EL is I/L; .* inverses",
+        ),
         ("FL,EL\n0,0.5\n", r"row 2: FL = 0 is not in \(0, 1\]"),
         ("FL,EL\n0.05,0.1\n", "row 2: FL = 0.05, EL = 0.1 give L/S above 100"),
         ("mean_FL,std_FL,mean_EL,std_EL\n64.7,17,68,14\n", r"row 2: mean_FL = 64.7 is not in \(0, 1\]"),
@@ -110,7 +116,7 @@ def test_statistics_are_samples_of_independent_flatness_and_elongation(read, nam
         ("sample,FL,EL\n,0.5,0.5\n", "row 2: sample is empty"),
         (
             "sample,mean_FL,std_FL,mean_EL,std_EL\na,0.6,0,0.7,0\na,0.6,0,0.7,0\n",
-            "row 3: sample a is there twice",
+            "row 3: sample a occurs twice",
         ),
     ],
 )
@@ -123,7 +129,7 @@ def test_what_is_wrong_is_said_in_one_line(read, text, message):
 def test_a_missing_file_and_a_missing_column(read, tmp_path):
     with pytest.raises(ValueError, match="none.csv: there is no such file"):
         read_samples(tmp_path / "none.csv")
-    with pytest.raises(ValueError, match="there is no column site to tell samples apart; there are FL, EL"):
+    with pytest.raises(ValueError, match="there is no column site to distinguish the samples; the columns are FL, EL"):
         read("FL,EL\n0.5,0.5\n", "site")
     with pytest.raises(ValueError, match="FL is a form, not the name of a sample"):
         read("FL,EL\n0.5,0.5\n", "FL")
@@ -218,7 +224,7 @@ def test_counts_go_to_their_samples_and_shares_count_no_grains(notices_of):
     assert a.mu_FL == pytest.approx(0.6) and a.sigma_FL == pytest.approx(np.sqrt(0.03))
     (share,), (notice,) = notices_of("FL,EL,frequency [%]\n0.5,0.7,75\n0.9,0.7,25\n")
     assert (share.mu_FL, share.grains) == (pytest.approx(0.6), 2)
-    assert "the column frequency [%] weighs the rows; how many grains there are is not known" in notice
+    assert "the column frequency [%] is the weight of each row; the number of grains is unknown" in notice
     (share,), _ = notices_of("FL;EL;count\n0,5;0,7;1,250\n0,9;0,7;2,25\n")
     assert share.mu_FL == pytest.approx((0.5 * 1.25 + 0.9 * 2.25) / 3.5)
 
@@ -226,23 +232,23 @@ def test_counts_go_to_their_samples_and_shares_count_no_grains(notices_of):
 def test_a_column_that_numbers_the_rows_is_no_count(notices_of):
     (sample,), (running,) = notices_of("n,FL,EL\n1,0.5,0.7\n2,0.9,0.7\n3,0.9,0.7\n")
     assert (sample.grains, sample.mu_FL) == (3, pytest.approx(2.3 / 3))
-    assert "the column n numbers the rows, so it is not taken for a number of grains" in running
+    assert "the column n numbers the rows, so it is not used as a number of grains" in running
     # Of statistics a row is a sample, whatever it was measured from.
     (sample, _), (unused,) = notices_of("mean_FL,std_FL,mean_EL,std_EL,n\n.6,.1,.7,.1,9\n.6,.1,.8,.1,5\n")
-    assert sample.grains == 0 and unused.endswith("not used: n")
+    assert sample.grains == 0 and unused.endswith("columns that are not used: n")
 
 
 def test_a_column_that_may_tell_samples_apart_is_named(notices_of):
     text = "river,FL,EL,D50\nRhine,0.5,0.7,9\nKall,0.6,0.8,8\nRhine,0.7,0.9,7\n"
     (sample,), (hint, unused) = notices_of(text)
     assert sample.grains == 3
-    assert "the column river repeats (Rhine, Kall) and is not used, so all grains are one sample" in hint
+    assert "the column river has repeated values (Rhine, Kall) and is not used, so all grains are one sample" in hint
     assert "give --sample 'river'" in hint and unused.endswith("not used: D50")
     samples, (unused,) = notices_of(text, "River")
     assert [sample.name for sample in samples] == ["Rhine", "Kall"] and unused.endswith("not used: D50")
     # A name for each grain, one for all, or a sample's own column: nothing was merged.
-    assert notices_of("stone,FL,EL\nx,.5,.7\ny,.6,.7\n")[1] == ["bed.csv: not used: stone"]
-    assert notices_of("river,FL,EL\nx,.5,.7\nx,.6,.7\n")[1] == ["bed.csv: not used: river"]
+    assert notices_of("stone,FL,EL\nx,.5,.7\ny,.6,.7\n")[1] == ["bed.csv: columns that are not used: stone"]
+    assert notices_of("river,FL,EL\nx,.5,.7\nx,.6,.7\n")[1] == ["bed.csv: columns that are not used: river"]
     assert notices_of("Sample,FL,EL\nx,.5,.7\nx,.6,.7\ny,.6,.7\n")[1] == []
 
 

@@ -105,7 +105,7 @@ def test_own_sizes_beside_others_are_refused(folder, more):
 
 
 def test_what_reads_no_grains_refuses_own_sizes(folder):
-    with pytest.raises(ValueError, match=r"sizes\.own: the grains are not read here"):
+    with pytest.raises(ValueError, match=r"sizes\.own: the grains are not read at this point"):
         estimate(specification(folder))
 
 

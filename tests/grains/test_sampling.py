@@ -128,13 +128,13 @@ def test_form_distribution_is_the_redrawn_normal(grains):
         ({"kind": "cube"}, "kind 'cube'"),
         ({"choice": "best"}, "choice 'best'"),
         ({"choice": "one"}, "needs `grain`"),
-        ({"choice": "form", "flatness": 0.5, "elongation": 0.5}, "for ellipsoids"),
-        ({"kind": "ellipsoid", "choice": "form", "flatness": 1.5, "elongation": 0.5}, "flatness 1.5"),
+        ({"choice": "form", "flatness": 0.5, "elongation": 0.5}, "only with kind ellipsoid"),
+        ({"kind": "ellipsoid", "choice": "form", "flatness": 1.5, "elongation": 0.5}, "flatness is 1.5"),
         ({"choice": "form_distribution", "flatness": 0.5, "elongation": 0.5}, "flatness_std"),
         ({"kind": "mixed"}, "needs `ellipsoid_share` from 0 to 1"),
-        ({"kind": "mixed", "ellipsoid_share": 1.1}, "not 1.1"),
-        ({"ellipsoid_share": 0.5}, "is for kind mixed, not polyhedron"),
-        ({"kind": "mixed", "ellipsoid_share": 0.5, "choice": "form"}, "for ellipsoids"),
+        ({"kind": "mixed", "ellipsoid_share": 1.1}, "it is 1.1"),
+        ({"ellipsoid_share": 0.5}, "no effect with kind polyhedron"),
+        ({"kind": "mixed", "ellipsoid_share": 0.5, "choice": "form"}, "only with kind ellipsoid"),
     ],
 )
 def test_impossible_choices_are_refused(arguments, reason):
@@ -169,10 +169,10 @@ def test_ratios_of_axes_are_given_ones_or_normals_above_one():
 @pytest.mark.parametrize(
     "wrong, said",
     [
-        ({"kind": "polyhedron", "eta": 1.6, "zeta": 1.6}, "is for ellipsoids"),
-        ({"kind": "ellipsoid", "eta": 0.9, "zeta": 1.6}, "eta 0.9 must be given"),
-        ({"kind": "ellipsoid", "eta": 1.6}, "zeta None must be given"),
-        ({"kind": "ellipsoid", "eta": 1.6, "zeta": 1.6, "eta_std": -1.0}, "eta_std -1.0 must not be negative"),
+        ({"kind": "polyhedron", "eta": 1.6, "zeta": 1.6}, "only with kind ellipsoid"),
+        ({"kind": "ellipsoid", "eta": 0.9, "zeta": 1.6}, "eta is 0.9; give a value from 1 to 10"),
+        ({"kind": "ellipsoid", "eta": 1.6}, "zeta is None; give a value"),
+        ({"kind": "ellipsoid", "eta": 1.6, "zeta": 1.6, "eta_std": -1.0}, "eta_std is -1.0; it must not be negative"),
     ],
 )
 def test_ratios_that_are_none_are_refused(wrong, said):

@@ -61,7 +61,7 @@ def test_trailing_separators_and_empty_rows_hold_nothing(read, expected):
         )
         assert read("\n".join([lines[0], *(line + separator for line in lines[1:])]).encode()) == expected
     assert read(b"L,I,S,note\n40.5,20.25,10\n30,20.5,15,wet\n9,8,2.125,\n") == expected
-    with pytest.raises(ValueError, match="row 3: 5 fields where the header has 3"):
+    with pytest.raises(ValueError, match="row 3: the row has 5 fields, but the header has 3"):
         read(b"L,I,S,\n4,2,1,\n4,2,1,,x\n")
 
 
@@ -91,7 +91,7 @@ def test_names_with_letters_of_latin_1_are_read_with_a_notice(tmp_path):
     ],
 )
 def test_what_is_no_table_is_said_in_one_line(read, data, message):
-    with pytest.raises(ValueError, match=f"bed.csv: {message}") as error:
+    with pytest.raises(ValueError, match=f"bed.csv: .*{message}") as error:
         read(data)
     assert "\n" not in str(error.value)
 
@@ -115,7 +115,7 @@ def test_a_workbook_is_read_as_the_same_rows_in_text(tmp_path, expected):
     assert read_measured(path) == (expected, [])
     path = workbook(tmp_path / "bed.xlsx", empty=[], grains=[["L", "I", "S"], *ROWS], notes=[["dry"]])
     samples, (notice,) = read_measured(path)
-    assert samples == expected and notice.endswith("the sheet grains is read, not notes")
+    assert samples == expected and notice.endswith("only the sheet grains is read, not notes")
     # The content decides, not the name; whole numbers, text and empty cells are what they look like.
     rows = [["sample", "FL", "EL", "count"], [7, 0.5, 0.7, 3], [7, "0,9", 0.7, 1], [None, None, None, None]]
     workbook(tmp_path / "bed.xlsx", grains=rows).rename(tmp_path / "bed.csv")

@@ -123,10 +123,14 @@ def test_express_is_the_inverse_of_resolve():
         (
             "shapes",
             {"kind": "polyhedron", "choice": "form", "flatness": 0.5, "elongation": 0.5},
-            r"shapes\.kind: choice \"form\" is for kind \"ellipsoid\"",
+            r"shapes\.kind: choice \"form\" works only with kind \"ellipsoid\"",
         ),
         ("shapes.kind", "mixed", r"shapes\.ellipsoid_share: kind \"mixed\" needs a number from 0 to 1"),
-        ("shapes.ellipsoid_share", 0.5, r"shapes\.ellipsoid_share: it is for kind \"mixed\" only; leave it out"),
+        (
+            "shapes.ellipsoid_share",
+            0.5,
+            r"shapes\.ellipsoid_share: it has no effect unless kind is \"mixed\"; leave it out",
+        ),
         (
             "shapes",
             {"kind": "mixed", "ellipsoid_share": 1.5},
@@ -190,7 +194,7 @@ def test_a_file_may_be_saved_as_unicode(tmp_path, encoding):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("amount: {mass: 3 kg}\n", r"mine\.yaml, line 4: amount is given in line 3 already; drop one"),
+        ("amount: {mass: 3 kg}\n", r"mine\.yaml, line 4: amount is given in line 3 already; remove one of them"),
         ("faces: 50\nshapes: {kind: polyhedron,\n  kind: sphere}\n", r"line 6: kind is given in line 5 already"),
         (f"faces: {3000 * '['}", "mine.yaml is not valid YAML: it is nested too deeply"),
         ("name: 2001-99-99\n", "mine.yaml is not valid YAML: month must be in"),
@@ -256,9 +260,9 @@ def test_an_accuracy_that_is_not_there_is_refused():
 @pytest.mark.parametrize(
     "given, message",
     [
-        ({"accuracy": "paper"}, "accuracy: 'paper' is called 'r22' now; write that"),
-        ({"generation": {"fill": "study"}}, "generation.fill: 'study' is called 'r22' now; write that"),
-        ({"shapes": {"kind": "mesh"}}, "shapes.kind: 'mesh' is called 'polyhedron' now; write that"),
+        ({"accuracy": "paper"}, "accuracy: 'paper' is called 'r22' now; write the new name"),
+        ({"generation": {"fill": "study"}}, "generation.fill: 'study' is called 'r22' now; write the new name"),
+        ({"shapes": {"kind": "mesh"}}, "shapes.kind: 'mesh' is called 'polyhedron' now; write the new name"),
         (
             {"numerics": {"contact_region": "point"}},
             "numerics.contact_region: this key is called polyhedron_contact now; rename it",

@@ -229,14 +229,20 @@ def test_explain_says_what_follows_from_the_stiffness():
     [
         ({"material": {"law": "hertz"}}, "material: law hertz needs either youngs_modulus, such as 5 MPa"),
         ({"material": {**HERTZ, "overlap_at_rest": 1e-4}}, "needs either youngs_modulus"),
-        ({"material": {"youngs_modulus": "5 MPa"}}, "material.youngs_modulus: it is for law hertz"),
+        (
+            {"material": {"youngs_modulus": "5 MPa"}},
+            "material.youngs_modulus: it has no effect with law spring_dashpot",
+        ),
         ({"material": {**HERTZ, "youngs_modulus": "5 m"}}, "'5 m' is a length; a pressure is needed, such as '10 MPa'"),
-        ({"material": HERTZ, "numerics": {"dashpot": "implicit"}}, "implicit is for material.law spring_dashpot"),
+        (
+            {"material": HERTZ, "numerics": {"dashpot": "implicit"}},
+            "implicit works only with material.law spring_dashpot",
+        ),
         (
             {"material": {"friction_law": "viscous"}, "numerics": {"dashpot": "implicit"}},
-            "implicit is for material.friction_law static",
+            "implicit works only with material.friction_law static",
         ),
-        ({"generation": {"batch_grains": 5}}, 'it is for placement "random"'),
+        ({"generation": {"batch_grains": 5}}, 'it has no effect unless placement is "random"'),
         ({"generation": {"placement": "random", "fill": "r22"}}, 'placement "random" is for fill "bed"'),
         ({"sizes": {"beta": {"radius": "3 mm", "spread": 0.2}}}, "give either a case, such as U1, or both bounds"),
         ({"shapes": {"kind": "ellipsoid", "choice": "ratios", "eta": 1.6}}, 'choice "ratios" needs a number'),

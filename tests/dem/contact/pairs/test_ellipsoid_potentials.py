@@ -367,7 +367,9 @@ def test_it_is_a_choice_of_scenes_of_ellipsoids():
     assert compose(scene).features.potential and scene.kind == ELLIPSOID
     assert not compose(set_up_few(shapes=shapes).scene).features.potential
     assert not compose(set_up_few(numerics=choice).scene).features.potential  # spheres are in closed form
-    with pytest.raises(ValueError, match="numerics.ellipsoid_contact: potential is for scenes of ellipsoids alone"):
+    with pytest.raises(
+        ValueError, match="numerics.ellipsoid_contact: potential works only if all grains are ellipsoids"
+    ):
         dataclasses.replace(scene, kind=MIXED)
     with pytest.raises(ValueError, match="numerics.ellipsoid_contact: 'gradient' is not a choice"):
         resolve(few(numerics={"ellipsoid_contact": "gradient"}))

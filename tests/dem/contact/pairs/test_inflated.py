@@ -200,5 +200,7 @@ def test_only_polyhedra_have_it():
     assert compose(dataclasses.replace(scene, kind=POLYHEDRON, numerics=inflated)).features.inflated
     assert not compose(scene).features.inflated
     for kind in (SPHERE, ELLIPSOID, MIXED):
-        with pytest.raises(ValueError, match="numerics.polyhedron_contact: inflated is for scenes of polyhedra alone"):
+        with pytest.raises(
+            ValueError, match="numerics.polyhedron_contact: inflated works only if all grains are polyhedra"
+        ):
             dataclasses.replace(scene, kind=kind, numerics=inflated)
