@@ -54,7 +54,7 @@ def formulas(rows):
 
 
 def _formula(terms, column):
-    """Return a formula such as n = 0.265 + 0.0233 L/S without the terms that have no value; None without an intercept."""
+    """Return a formula such as n = 0.265 + 0.0233 L/S, without terms that have no value; None without an intercept."""
     values = terms[terms[column].notna()].set_index("term")[column]
     if "intercept" not in values:
         return None

@@ -26,7 +26,7 @@ def predict_file(path, case, models=None, source=None, column=None, level=0.95, 
         raise ValueError(f"level {level:g}: give a number between 0 and 1, such as 0.95")
     if models is not None and source is not None:
         raise ValueError(
-            "--source selects committed packings, but the models of a campaign (--models) are already fitted; give only one"
+            "--source selects committed packings, but a campaign's models (--models) are already fitted; give only one"
         )
     samples, notices = read_measured(path, column)
     fitted = fit_reference_models(source=source) if models is None else read_campaign_models(models)
@@ -48,7 +48,7 @@ def describe(table, case, fitted, level=0.95):
     lines = [f"Porosity of a bed, case {model_case(case)}, with {100 * level:g} % prediction intervals"]
     if case == ONE_CLASS:
         lines.append(
-            "(U1's models are used: porosity depends only on ratios of sizes, so any single sieve class packs like U1)"
+            "(U1's models are used: only ratios of sizes affect porosity, so any single sieve class packs like U1)"
         )
     lines += _describe_lack_of_ours(table, model_case(case), fitted)
     lines += ["", *_samples_in_columns(table), "", "Models"]
@@ -74,16 +74,14 @@ def _describe_lack_of_ours(table, case, fitted):
     """Return lines that list the samples that none of our models predicts, with the reason."""
     if case not in fitted.cases():
         available = ", ".join(fitted.cases())
-        return [
-            f"Only the model of Rettinger et al. is used: our models are fitted to packings of {available}, not of {case}."
-        ]
+        return [f"Only the model of Rettinger et al. is used: ours were fitted to {available}, not to {case}."]
     lines = []
     without = table[~table.groupby("name").preferred.transform("any")]
     ours = without.name.isin(without.name[without.by == "ours"])
     for kind in without.taken_as[~ours].unique():
         form = kind if kind == "one form" else "a distribution of form"
         lines.append(
-            f"Too few of our packings of {case} have {form}: only the model of Rettinger et al. is used for such samples."
+            f"Too few of our packings of {case} have {form}: only the model of Rettinger et al. is used for these."
         )
     if ours.any():
         names = ", ".join(without.name[ours].unique())
@@ -133,7 +131,7 @@ def _caveats(table, level):
     lines = []
     if (table.grains == 0).any():
         lines.append(
-            "Where only means and standard deviations are given, FL and EL are assumed independent, as by Rettinger et al."
+            "If only means and deviations are given, FL and EL are assumed independent, as by Rettinger et al."
         )
     few = table[(table.grains > 1) & (table.grains < FEW_GRAINS)].name.unique()
     if len(few):

@@ -63,8 +63,8 @@ def predict_unseen(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0, gro
     folds_used = min(folds, n_groups)
     repeats_used = repeats if folds_used < n_groups else 1
     too_few = (
-        f"cross_validate: {len(y)} samples are too few to fit {X.shape[1]} features and an intercept with one fold left "
-        "out; simulate more packings or use fewer features"
+        f"cross_validate: {len(y)} samples are too few to fit {X.shape[1]} features and an intercept with one fold "
+        "left out; simulate more packings or use fewer features"
     )
     if folds_used < 2:
         raise ValueError(too_few)

@@ -63,7 +63,7 @@ def single_form_models(packings, r22_correlations=None, r22_errors=None, r22_mod
 
 
 def _cases(packings, minimum):
-    """Return a list of (case, its packings), without cases of fewer than `minimum` packings; ValueError if none is left."""
+    """Return a list of (case, packings) of cases with at least `minimum` packings; ValueError if there is none."""
     groups = list(packings.groupby("case", sort=False))
     for case, rows in groups:
         if len(rows) < minimum:

@@ -11,8 +11,8 @@ let neighbours meet at random. The mean over all pairs is then the value at the 
 in the variance; a first power of sigma would have a kink at zero. The term includes both the effect of unlike
 neighbours and the convexity in EQ of the porosity of single forms (the mean of 1/EQ is 1/mu_EQ (1 + (sigma_EQ/mu_EQ)²)
 to this order). How it depends on the mean form is open.
-# ASSUME: it is proportional to the square of the relative width, with one coefficient. UNIFIED_SETS lists the other sets
-of features that were tried.
+# ASSUME: it is proportional to the square of the relative width, with one coefficient.
+UNIFIED_SETS lists the other sets of features that were tried.
 """
 
 import logging
@@ -68,7 +68,7 @@ def single_form_statistics(L, I, S):  # noqa: E741
 
 
 def fit_unified(single_forms, mixtures, seed=0, folds=FOLDS):
-    """Fit the unified model of each case that both tables have: dict by ("unified", case); arguments as in unified_models."""
+    """Fit the unified model per case of both tables: dict by ("unified", case); arguments as in unified_models."""
     return {
         ("unified", case): fit_and_validate(features[list(UNIFIED)], n, "unified", case, seed, groups, folds)
         for case, (features, n, groups, _) in _beds(single_forms, mixtures).items()
@@ -125,7 +125,7 @@ def unified_models(single_forms, mixtures, r22_models=None, seed=0, folds=FOLDS)
 
 
 def _beds(single_forms, mixtures):
-    """Return for each case that both tables have: features, porosity (n,), groups (n,), and whether it is a mixture (n,).
+    """Return per case that both tables have: features, porosity (n,), groups (n,) and whether a bed is a mixture (n,).
 
     A case with too few beds of either kind is left out with a logged warning.
     """
@@ -156,7 +156,7 @@ def _beds(single_forms, mixtures):
 
 
 def _separate(features, n, groups, mixed, seed, folds):
-    """Return predictions, cross-validated, of a separate model for each kind of bed, (repeats, n); None if too few beds."""
+    """Return cross-validated predictions of a model per kind of bed, (repeats, n); None if a kind has too few beds."""
     both = []
     for kind, columns in ((~mixed, ["mu_EQ_inv", "mu_EL_inv"]), (mixed, list(MIXTURE))):
         try:
@@ -174,7 +174,7 @@ def _separate(features, n, groups, mixed, seed, folds):
 
 
 def _published(features, mixed, r22_models):
-    """Return predictions of the models of Rettinger et al. for the same beds, (1, n); None without models of this case."""
+    """Return predictions of the models of Rettinger et al. for the same beds, (1, n); None if a model is missing."""
     by_name = {row["model"]: row for _, row in r22_models.iterrows()}
     if not {"single_form", "form_mixture"} <= set(by_name):
         return None
