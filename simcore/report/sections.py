@@ -182,7 +182,7 @@ def _place(name):
 
 
 def _model_caption(folder, name):
-    """Return the caption of a model's table or figure; names of figures of single forms end with the source of grains."""
+    """Return the caption of a model's table or figure; names of figures of single forms end with the grains' source."""
     available = {path.stem for path in Path(folder).glob("models_*.rst")}
     wanted = _CAPTIONS.get(name, f"models_{name}")
     caption = max((name for name in available if wanted.startswith(name)), key=len, default=None)
