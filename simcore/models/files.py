@@ -1,4 +1,4 @@
-"""Fitted models as files: netCDF with coefficients and their covariances."""
+"""Write fitted models to netCDF files with the covariances of their coefficients, and read them."""
 
 import numpy as np
 import pandas as pd
@@ -8,26 +8,27 @@ from simcore.models.regression import PorosityModel
 
 
 def models_dataset(models, table, title):
-    """As table_dataset of the models' table, with the covariance of the coefficients, which has no place in a CSV.
+    """Return the models' table as from table_dataset, with the covariances of the coefficients, which CSV cannot store.
 
-    models: dict from (name, case) to PorosityModel, in the order of the table, one row a coefficient. covariance: of a
-    row's coefficient with each coefficient of its model, in their order; nan beyond the last.
+    models: dict from (name, case) to PorosityModel, in the order of the table, which has one row per coefficient. The
+    variable `covariance` contains, for each row, the covariances of its coefficient with all coefficients of its
+    model, in their order; nan beyond the last.
     """
     dataset = table_dataset(table, title)
     covariance = np.full((len(table), max((len(model.terms) for model in models.values()), default=0)), np.nan)
-    at = 0
+    start = 0
     for model in models.values():
         size = len(model.terms)
-        covariance[at : at + size, :size] = model.covariance
-        at += size
+        covariance[start : start + size, :size] = model.covariance
+        start += size
     attrs = {"units": "1", "long_name": "covariance with the coefficients of the same model, in their order"}
     return dataset.assign(covariance=(("row", "term_of_model"), covariance, attrs))
 
 
 def read_models(path):
-    """The models of a file from models_dataset: dict from (name, case) to PorosityModel.
+    """Read the models from a file written from models_dataset: dict from (name, case) to PorosityModel.
 
-    ValueError or OSError if it is none.
+    ValueError or OSError if there is no such file or it is not of this kind.
     """
     try:
         with xr.open_dataset(path, engine="netcdf4") as dataset:
@@ -41,7 +42,7 @@ def read_models(path):
     models = {}
     rows = pd.DataFrame({name: dataset[name].values for name in dataset.data_vars if dataset[name].dims == ("row",)})
     for (name, case), part in rows.groupby(["model", "case"], sort=False):
-        size, first = len(part), part.iloc[0]
+        size, first_row = len(part), part.iloc[0]
         column = {key: tuple(part[key].tolist()) for key in part}
         models[name, case] = PorosityModel(
             name=name,
@@ -56,9 +57,9 @@ def read_models(path):
             covariance=tuple(map(tuple, dataset["covariance"].values[part.index, :size].tolist())),
             minimum=column["feature_min"][1:],
             maximum=column["feature_max"][1:],
-            n_samples=int(first["samples"]),
+            n_samples=int(first_row["samples"]),
             **{
-                key: float(first[key])
+                key: float(first_row[key])
                 for key in ("scatter", "r_squared", "rmse", "mean_absolute_error", "median_absolute_error")
             },
         )
@@ -66,13 +67,13 @@ def read_models(path):
 
 
 def table_dataset(table, title):
-    """A table as a Dataset over `row`, for netCDF; all its numbers are dimensionless."""
+    """Return a table as a Dataset over `row`, for netCDF; all numbers of the table are dimensionless."""
     dataset = xr.Dataset(attrs={"Conventions": "CF-1.11", "title": title})
     for name in table.columns:
         values = table[name]
         text = not pd.api.types.is_numeric_dtype(values)
         attrs = {"long_name": name.replace("_", " ")} | ({} if text else {"units": "1"})
-        # CF knows no boolean, and netCDF allows no slash in a name.
+        # The CF conventions have no boolean type, and netCDF allows no slash in a name.
         data = values.astype(str) if text else values.astype("i1") if values.dtype == bool else values
         dataset[name.replace("/", "_per_")] = ("row", data.to_numpy(object if text else None), attrs)
     return dataset

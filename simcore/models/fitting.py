@@ -18,7 +18,10 @@ from simcore.reference.committed_rows import read_mixtures, read_single_forms
 
 @dataclass(frozen=True)
 class FittedModels:
-    """models: dict from (name, case) to PorosityModel; behind: from the same, which rows they come from, in words."""
+    """Fitted models and the rows that they were fitted to.
+
+    models: dict from (name, case) to PorosityModel; behind: dict from the same keys to a description of these rows.
+    """
 
     models: dict
     behind: dict
@@ -31,11 +34,11 @@ class FittedModels:
 def fit_reference_models(folder=REFERENCE, source=None, seed=0):
     """Fit the models to the packings that are committed with the code: FittedModels.
 
-    folder: single_form.csv and form_mixture.csv, one row a packing, of the largest campaign. A model for which it has
-    no rows, or too few, is fitted to the tables of the default campaign in default/ (single_form.csv,
-    form_mixtures.csv); the unified model takes both kinds of packing from one campaign. source: of the grains of single
-    forms, such as "synthetic"; None: all. Packings of ellipsoids are left out: real grains have facets. ValueError if
-    there are no rows, or none of that source.
+    folder: contains single_form.csv and form_mixture.csv of the largest campaign, with one row per packing. A model for
+    which these have no rows, or too few, is fitted to the tables of the default campaign in default/ (single_form.csv,
+    form_mixtures.csv); the unified model takes both kinds of packing from one campaign. source: source of the grains
+    of single forms, such as "synthetic"; None: all. Packings of ellipsoids are left out, because real grains have
+    facets. ValueError if there are no rows, or none of that source.
     """
     folder, fitted = Path(folder), FittedModels({}, {})
     campaigns = [
@@ -45,8 +48,8 @@ def fit_reference_models(folder=REFERENCE, source=None, seed=0):
     forms = {single: read_single_forms(single) for single, _ in campaigns if single.exists()}
     sources = {name for table in forms.values() for name in table["source"]}
     if source is not None and source not in sources:
-        there_are = ", ".join(sorted(sources - {""})) or "none"
-        raise ValueError(f"{folder}: has no grains of source {source}; there are {there_are}")
+        available = ", ".join(sorted(sources - {""})) or "none"
+        raise ValueError(f"{folder}: there are no grains of source {source}; choose one of the sources: {available}")
     for single, mixture in campaigns:
         single_forms = forms.get(single)
         if single_forms is not None and source is not None:
@@ -57,12 +60,14 @@ def fit_reference_models(folder=REFERENCE, source=None, seed=0):
             fitted.models[key] = models[key]
             fitted.behind[key] = _describe_rows(key, models[key], (single, single_forms), (mixture, mixtures))
     if not fitted.models:
-        raise ValueError(f"{folder}: neither it nor its default/ has tables of packings to fit models to")
+        raise ValueError(
+            f"{folder}: neither this folder nor its default/ has tables of packings with enough rows to fit a model"
+        )
     return fitted
 
 
 def _fit_campaign(single_forms, mixtures, seed):
-    """Fit the models of a campaign's packings; either table may be None. What too few of them carry is left out."""
+    """Fit the models to a campaign's packings; either table may be None. A model with too few packings is left out."""
     models = {}
     if single_forms is not None:
         for case, rows in over_seeds(single_forms, "grain").groupby("case"):
@@ -71,7 +76,7 @@ def _fit_campaign(single_forms, mixtures, seed):
                 models["single_form", case] = fit_and_validate(features, rows.n, "single_form", case, seed)
     if mixtures is not None:
         for case, rows in over_seeds(mixtures, "sample").groupby("case"):
-            # Sets of one mean form are left out together, as for the unified model: so their errors compare.
+            # Sets of one mean form are left out together, as for the unified model, so that the errors are comparable.
             groups = rows.groupby(["mean_FL", "mean_EL"]).ngroup()
             if len(rows) - groups.value_counts().max() > len(MIXTURE) + 1 and groups.nunique() > 2:
                 features = unified_features(rows)[list(MIXTURE)]
@@ -82,7 +87,7 @@ def _fit_campaign(single_forms, mixtures, seed):
 
 
 def _describe_rows(key, model, single, mixture):
-    """Describe the rows behind a model (name, case); single, mixture: each the path and the table."""
+    """Describe the rows to which a model (name, case) was fitted; single, mixture: each (path, table)."""
     name, case = key
     if name == "unified":
         rows = f"{_relative(single[0])} and {mixture[0].name}, {model.n_samples} beds"
@@ -90,13 +95,13 @@ def _describe_rows(key, model, single, mixture):
         noun, (path, table) = ("forms", single) if name == "single_form" else ("mixtures", mixture)
         packings = int((table["case"] == case).sum())
         rows = f"{_relative(path)}, {model.n_samples} {noun} in {packings} packings"
-    return rows if name == "single_form" else f"{rows}, its error that of mean forms left out"
+    return rows if name == "single_form" else f"{rows}, cross-validated on left-out mean forms"
 
 
 def read_campaign_models(folder):
-    """Read the models in a campaign's folder results/models from its netCDF files: FittedModels.
+    """Read the models from the netCDF files in a campaign's folder results/models: FittedModels.
 
-    ValueError if there is no model in it.
+    ValueError if the folder has no model.
     """
     models, behind = {}, {}
     files = [Path(folder) / f"{name}.nc" for name in ("single_form", "form_mixture", "unified")]
@@ -108,7 +113,7 @@ def read_campaign_models(folder):
                 models[key], behind[key] = model, f"{model.n_samples} beds{mark}: {path}"
     if not models:
         names = ", ".join(path.name for path in files)
-        raise ValueError(f"{folder}: has no model in {names}; give the folder results/models of a campaign")
+        raise ValueError(f"{folder}: there is no model in {names}; give the folder results/models of a campaign")
     return FittedModels(models, behind)
 
 

@@ -1,8 +1,8 @@
-"""Fitted models as formulas, from their tables of coefficients."""
+"""Write fitted models as formulas, from their tables of coefficients."""
 
 import pandas as pd
 
-# What a feature is called in a formula: by the axes L >= I >= S where a bed has one form, else by mean and deviation.
+# Symbol of each feature in a formula: the axes L >= I >= S for beds of one form, else mean and standard deviation.
 SYMBOLS = {
     "EQ_inv": "L/S",
     "EL_inv": "L/I",
@@ -21,24 +21,24 @@ BEDS = {
 
 
 def formulas(rows):
-    """One row a model: what beds it is of, its formula, error and range, and the study's formula.
+    """Return one row per model: its kind of bed, its formula, error and range, and the formula of Rettinger et al.
 
-    rows: as from PorosityModel.to_rows, several models after each other; with columns source (of the grains) and
-    r22_coefficient these are told too. Models that BEDS does not name are left out. Returns a DataFrame with columns
-    beds, case, source, porosity, error (cross-validated, mean absolute), samples, range and study, None where nothing
-    is known.
+    rows: as from PorosityModel.to_rows, several models after each other. The columns source (of the grains) and
+    r22_coefficient (of Rettinger et al. 2022) are optional. Models that BEDS does not list are left out. Returns a
+    DataFrame with columns beds, case, source, porosity (the formula), error (cross-validated, mean absolute), samples,
+    range and r22 (the formula of Rettinger et al.); source and r22 are None where `rows` does not have them.
     """
     keys = [key for key in ("model", "source", "case") if key in rows]
     table = []
     for values, terms in rows.groupby(keys, sort=False):
-        said = dict(zip(keys, values, strict=True))
-        if said["model"] not in BEDS:
+        labels = dict(zip(keys, values, strict=True))
+        if labels["model"] not in BEDS:
             continue
         table.append(
             {
-                "beds": BEDS[said["model"]],
-                "case": said["case"],
-                "source": said.get("source"),
+                "beds": BEDS[labels["model"]],
+                "case": labels["case"],
+                "source": labels.get("source"),
                 "porosity": _formula(terms, "coefficient"),
                 "error": terms["mean_absolute_error"].iloc[0],
                 "samples": terms["samples"].iloc[0],
@@ -54,12 +54,12 @@ def formulas(rows):
 
 
 def _formula(terms, column):
-    """n = 0.265 + 0.0233 L/S − ..., terms without a value left out; None without an intercept."""
-    known = terms[terms[column].notna()].set_index("term")[column]
-    if "intercept" not in known:
+    """Return a formula such as n = 0.265 + 0.0233 L/S, without terms that have no value; None without an intercept."""
+    values = terms[terms[column].notna()].set_index("term")[column]
+    if "intercept" not in values:
         return None
-    parts = [f"{known['intercept']:.3f}"]
-    for term, value in known.drop("intercept").items():
+    parts = [f"{values['intercept']:.3f}"]
+    for term, value in values.drop("intercept").items():
         parts.append(f"{'−' if value < 0 else '+'} {abs(value):.3g} {_symbol(term)}")
     return "n = " + " ".join(parts)
 

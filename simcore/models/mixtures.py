@@ -1,4 +1,4 @@
-"""Models of beds with a distribution of form, from means and standard deviations over the grains."""
+"""Models of beds with a distribution of form: porosity from means and standard deviations over the grains."""
 
 import logging
 
@@ -11,7 +11,7 @@ from simcore.models.tables import beside, beside_models, over_seeds
 log = logging.getLogger(__name__)
 
 MIXTURE = ("mu_EQ_inv", "sigma_EQ_inv", "mu_EL_inv", "sigma_EL_inv")
-# Table 10's feature sets
+# Feature sets of Table 10 of Rettinger et al. (2022).
 MIXTURE_SETS = (
     ("mu_EQ_inv",),
     ("mu_EQ_inv", "sigma_EQ_inv"),
@@ -23,14 +23,14 @@ MIXTURE_SETS = (
 
 
 def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=None, seed=0, folds=FOLDS):
-    """Tables and models of the form-mixture study, per case; returns (tables, models) as single_form_models.
+    """Fit the models of form mixtures, per case; returns (tables, models) as single_form_models does.
 
-    packings: one row a packing, columns case, n and the 104 of mixture_features; where there is a column sample, the
-    packings of a sample are averaged first. Tables: `correlations` of all usable features, the closest first,
-    `feature_sets` (Table 10's sets, cross-validated errors and R² of the fit to all packings), `models`.
-    A set with a feature that cannot be used, or with more coefficients than packings, is left out with a message.
-    folds: of the cross-validation.
-    study_*: correlations.csv, table10_form_mixture_features.csv, models.csv.
+    packings: one row per packing, columns case, n and the 104 of mixture_features; if there is a column sample, the
+    packings of a sample are averaged first. Tables: `correlations` of all usable features, the strongest first,
+    `feature_sets` (the sets of Table 10 with cross-validated errors and R² of the fit to all packings), `models`.
+    A set is left out with a logged warning if one of its features cannot be used or it has too few packings for its
+    coefficients. folds: number of folds of the cross-validation. r22_correlations, r22_sets, r22_models: tables
+    correlations.csv, table10_form_mixture_features.csv and models.csv of Rettinger et al. (2022).
     """
     correlations, sets, models = [], [], {}
     for case, rows in over_seeds(packings, "sample").groupby("case", sort=False):
@@ -45,7 +45,12 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
         )
         for columns in MIXTURE_SETS:
             if not set(columns) <= set(features) or len(n) <= len(columns) + 2:
-                log.warning("case %s: feature set %s left out, %d packings do not carry it", case, columns, len(n))
+                log.warning(
+                    "case %s: feature set %s is left out: %d packings are too few, or a feature is unusable",
+                    case,
+                    columns,
+                    len(n),
+                )
                 continue
             chosen = features[list(columns)]
             flags = {name: int(name in columns) for name in MIXTURE}
@@ -60,34 +65,34 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
         "models": pd.concat([m.to_rows() for m in models.values()], ignore_index=True) if models else pd.DataFrame(),
     }
     if r22_correlations is not None:
-        study = r22_correlations.query("study == 'form_mixture'")
-        study = study.assign(feature=study["feature"].str.replace(" inverse", "_inv"))
-        tables["correlations"] = beside(tables["correlations"], study, ["case", "feature"], {"r": "r22_r"})
+        published = r22_correlations.query("study == 'form_mixture'")
+        published = published.assign(feature=published["feature"].str.replace(" inverse", "_inv"))
+        tables["correlations"] = beside(tables["correlations"], published, ["case", "feature"], {"r": "r22_r"})
     if r22_sets is not None:
-        study = _long_sets(r22_sets)
+        published = _long_sets(r22_sets)
         columns = {"mae_1e-3": "r22_error", "R2": "r22_r_squared"}
-        tables["feature_sets"] = beside(tables["feature_sets"], study, ["case", *MIXTURE], columns)
+        tables["feature_sets"] = beside(tables["feature_sets"], published, ["case", *MIXTURE], columns)
     if r22_models is not None and models:
         tables["models"] = beside_models(tables["models"], r22_models)
     return tables, models
 
 
 def application_table(models, packings, study=None):
-    """Prediction for packings no model has seen (Table 11), one row each.
+    """Predict packings that no model was fitted to, as in Table 11 of Rettinger et al. (2022); one row per packing.
 
-    models: dict from (name, case) to PorosityModel, "form_mixture", and "unified" if it is to stand beside; packings:
+    models: dict from (name, case) to PorosityModel with the models "form_mixture" and, optionally, "unified". packings:
     columns case, kind ("continuous" or "discrete"), n and the models' features. study: table11_application.csv.
     """
     rows = packings[packings["case"].isin({case for name, case in models if name == "form_mixture"})]
     table = rows[["case", "kind", "n"]].rename(columns={"n": "simulated"})
-    for name, before in (("form_mixture", ""), ("unified", "unified_")):
+    for name, prefix in (("form_mixture", ""), ("unified", "unified_")):
         if any(model == name for model, _ in models):
             predicted = [
                 float(models[name, case].predict(rows.loc[[index]])[0]) if (name, case) in models else np.nan
                 for index, case in rows["case"].items()
             ]
-            table[f"{before}predicted"] = predicted
-            table[f"{before}abs_error"] = (table[f"{before}predicted"] - table["simulated"]).abs()
+            table[f"{prefix}predicted"] = predicted
+            table[f"{prefix}abs_error"] = (table[f"{prefix}predicted"] - table["simulated"]).abs()
     if study is not None:
         parts = [
             pd.DataFrame(
@@ -105,12 +110,12 @@ def application_table(models, packings, study=None):
     return table
 
 
-def _long_sets(study):
-    """Table 10 with one row a case and feature set, errors in porosity."""
+def _long_sets(published):
+    """Return Table 10 with one row per case and feature set; errors in porosity."""
     parts = []
     for case in ("U1", "U7"):
         columns = {f"{case}_mae_1e-3": "mae_1e-3", f"{case}_R2": "R2"}
-        parts.append(study[[*MIXTURE, *columns]].rename(columns=columns).assign(case=case))
+        parts.append(published[[*MIXTURE, *columns]].rename(columns=columns).assign(case=case))
     table = pd.concat(parts, ignore_index=True)
     table["mae_1e-3"] *= 1e-3
     return table

@@ -1,7 +1,7 @@
 """Predict the porosity of measured grains by our models and by those of Rettinger et al. (2022).
 
-A model is evaluated only where it may be trusted: simcore.models.fitted_range has the rule. No porosity outside (0, 1)
-is returned, neither as a prediction nor as an end of its interval.
+A model is evaluated only inside its fitted range or not far outside it (simcore.models.fitted_range). No porosity
+outside (0, 1) is returned, neither as a prediction nor as an end of its interval.
 """
 
 from itertools import product
@@ -17,44 +17,46 @@ from simcore.reference.r22_tables import read_r22_table
 
 ONE_CLASS = "one-class"  # any single sieve class
 _OF_ONE_CLASS = "U1"
-# Means and standard deviations of FL and EL of the mixtures behind Eqs. 23 and 24 (Rettinger et al. 2022, Fig. 11).
+# Ranges of the means and standard deviations of FL and EL of the mixtures to which Eqs. 23 and 24 were fitted
+# (Rettinger et al. 2022, Fig. 11).
 R22_MIXTURES = {"mu": (0.4, 0.8), "sigma": (0.1, 0.2)}
-# Share of the least deviation fitted below which the models of Rettinger et al. take a sample for one form: 1/sigma of
-# their model for distributions would run to any porosity.
+# A sample counts as one form for the models of Rettinger et al. if its deviations are below this share of their
+# smallest one: with 1/sigma, their model for distributions could give any porosity.
 NEARLY_ONE_FORM = 0.5
-# A porosity closer to 0 or 1 would be printed as one of them.
+# A porosity closer to 0 or 1 than this would be printed as 0 or 1.
 _SMALLEST_PRINTED = 5e-4
 PREDICTION = ["by", "model", "preferred", "n", "lower", "upper", "outside", "distance", "refused"]
 
 
 def model_case(case):
-    """Return the case whose models serve `case`: U1 for ONE_CLASS, else itself."""
+    """Return the case whose models are used for `case`: U1 for ONE_CLASS, else `case` itself."""
     return _OF_ONE_CLASS if case == ONE_CLASS else case
 
 
 def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES):
-    """Predict the porosity of each sample by each model for it: DataFrame with one row a sample and model.
+    """Predict the porosity of each sample by each suitable model: DataFrame with one row per sample and model.
 
-    samples: list of simcore.grains.measured_forms.Sample. case: of a model, or ONE_CLASS: size does not matter then,
-    for porosity depends on ratios of sizes, so that U1's model serves any one sieve class. fitted: FittedModels. level:
-    of the prediction intervals. r22_tables: folder of the tables of Rettinger et al. (2022).
+    samples: list of simcore.grains.measured_forms.Sample. case: case of the models, or ONE_CLASS for grains of any
+    single sieve class: porosity depends only on ratios of sizes, so U1's models are used. fitted: FittedModels. level:
+    probability of the prediction intervals. r22_tables: folder of the tables of Rettinger et al. (2022).
 
     Columns: the fields of Sample, taken_as ("one form" or "a distribution"), and those of PREDICTION: by ("ours", or
-    "r22" for Rettinger et al.), model, preferred (of ours: the one to take), n, lower, upper (nan for Rettinger et
-    al., who publish no covariance), outside (in words, empty where the sample lies within what was fitted), distance
-    (how far it lies outside, in widths of the range) and refused. A model that is not evaluated for a sample, as this
-    lies too far outside or as its formula or interval leaves (0, 1), has n, lower and upper nan and the reason in
-    `refused`, which is empty otherwise.
+    "r22" for Rettinger et al.), model, preferred (the recommended one of our models), n, lower, upper (nan for
+    Rettinger et al., who publish no covariance), outside (description, empty if the sample is inside the fitted range),
+    distance (from the range, in its widths) and refused. If a model is not evaluated for a sample, because the sample
+    is too far outside or the formula or the interval leaves (0, 1), then n, lower and upper are nan and `refused` gives
+    the reason; `refused` is empty otherwise.
 
-    Of a distribution that of our models is preferred whose cross-validated error is smaller, among those that were
-    fitted to such features; where none was, the unified one, which holds for narrow distributions too.
-    ValueError if there is no model of the case or for a kind of sample, or if for any sample no model is evaluated.
+    For a distribution, the preferred model is the one with the smaller cross-validated error among our models whose
+    fitted range contains the sample; if there is none, it is the unified model, which is also valid for narrow
+    distributions. ValueError if there is no model for the case or for a kind of sample, or if no model can be
+    evaluated for one of the samples.
     """
     case = model_case(case)
     published = read_r22_table("models", r22_tables).query("case == @case").set_index("model")
     if case not in fitted.cases() and published.empty:
         cases = sorted({*fitted.cases(), *read_r22_table("models", r22_tables)["case"]})
-        raise ValueError(f"case {case}: no model was fitted to it; there are {', '.join(cases)}, {ONE_CLASS}")
+        raise ValueError(f"case {case}: there is no model for it; choose one of {', '.join(cases)}, {ONE_CLASS}")
     tables = []
     for sample in samples:
         features = _features(sample)
@@ -63,8 +65,8 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES):
         if not rows:
             raise ValueError(
                 f"case {case}, sample {sample.name}: no model, ours or that of Rettinger et al., was fitted to beds of "
-                f"{case} with a distribution of form, only of one form; give grains one by one, a sample each, or take "
-                "another case"
+                f"{case} with a distribution of form, only to beds of one form. Give each grain as a sample of its "
+                "own, or choose another case"
             )
         statistics = {**vars(sample), "taken_as": "one form" if sample.one_form else "a distribution"}
         tables.append(pd.DataFrame(rows, columns=PREDICTION).assign(**statistics))
@@ -74,7 +76,7 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES):
 
 
 def _require_answers(tables, case):
-    """ValueError that names every sample for which no model is evaluated, with the reasons for the first."""
+    """Raise a ValueError that names all samples without an evaluated model, with the reasons for the first of them."""
     refused = [table for table in tables if table.n.isna().all()]
     if not refused:
         return
@@ -83,24 +85,24 @@ def _require_answers(tables, case):
     reasons = "; ".join(f"{describe_model(row.by, row.model)}: {row.refused}" for row in refused[0].itertuples())
     raise ValueError(
         f"case {case}: the porosity of {samples} cannot be predicted. For {names[0]} no model is evaluated: {reasons}. "
-        "Correct the values, or leave such samples out and pack them (python -m simcore pack)"
+        "Correct the values, or leave these samples out and simulate packings of them (python -m simcore pack)"
     )
 
 
 def describe_model(by, name):
-    """Return a model's name with whose it is, for people."""
+    """Return a model's name for people: ours, or Rettinger et al., and the name."""
     return f"{'Rettinger et al.' if by == 'r22' else by} {name}"
 
 
 def _features(sample):
-    """All features of the models, a table of one row; 1/sigma is infinite for one form."""
+    """Return all features of the models, a table of one row; 1/sigma is infinite for one form."""
     statistics = pd.DataFrame([{name: getattr(sample, name) for name in STATISTICS}])
     features = unified_features(statistics)
     return features.assign(EQ_inv=features.mu_EQ_inv, EL_inv=features.mu_EL_inv)
 
 
 def _predict_ours(sample, features, case, fitted, level):
-    """Rows of our models."""
+    """Return the rows of our models."""
     rows = []
     for name in ("single_form" if sample.one_form else "form_mixture", "unified"):
         model = fitted.models.get((name, case))
@@ -111,7 +113,7 @@ def _predict_ours(sample, features, case, fitted, level):
 
 
 def _prefer(sample, rows, case, fitted):
-    """The same rows, one of those that are evaluated marked as preferred."""
+    """Mark one of the evaluated rows as preferred, and return all rows."""
     evaluated = [row for row in rows if np.isfinite(row["n"])]
     if evaluated:
         chosen = evaluated[0]
@@ -123,10 +125,10 @@ def _prefer(sample, rows, case, fitted):
 
 
 def _predict_r22(sample, features, published, folder):
-    """The row of the model of Rettinger et al., if they have one for this case and kind of sample, in a list."""
+    """Return the row of the model of Rettinger et al. in a list, empty if they have none for this kind of sample."""
     least = NEARLY_ONE_FORM * R22_MIXTURES["sigma"][0]
-    nearly = not sample.one_form and max(sample.sigma_FL, sample.sigma_EL) < least
-    name = "single_form" if sample.one_form or nearly else "form_mixture"
+    nearly_one_form = not sample.one_form and max(sample.sigma_FL, sample.sigma_EL) < least
+    name = "single_form" if sample.one_form or nearly_one_form else "form_mixture"
     if name not in published.index:
         return []
     slopes = published.loc[name].drop(["intercept", "case", "equation_arxiv"]).dropna().astype(float)
@@ -136,14 +138,15 @@ def _predict_r22(sample, features, published, folder):
     quantities = [RangedValue(key, getattr(sample, key), *limits) for key, limits in ranges.items()]
     quantities += [RangedValue(key, values[key], *limits) for key, limits in _feature_ranges(ranges, values.index)]
     outside = [quantity for quantity in quantities if quantity.distance > 0]
-    remark = f"sigma_FL and sigma_EL are below {least:g}: taken for one form" if nearly else ""
+    remark = f"sigma_FL and sigma_EL are below {least:g}: taken for one form" if nearly_one_form else ""
     return [_row("r22", name, n, np.nan, np.nan, outside, digits=3, remark=remark)]
 
 
 def _r22_form_range(folder):
-    """Ranges of FL and EL of the single forms of Rettinger et al., dict of (low, high).
+    """Return ranges of FL and EL of the single forms of Rettinger et al., dict of (low, high).
 
-    They are not published: two deviations about the means of their grains, the first data set of their Table 2.
+    The ranges are not published. We take two standard deviations about the means of their grains, which are the first
+    data set of their Table 2.
     """
     grains = read_r22_table("table2_form_statistics", folder).iloc[0]
     return {
@@ -156,14 +159,14 @@ def _r22_form_range(folder):
 
 
 def _r22_mixture_range():
-    """Ranges of the statistics of FL and EL of the mixtures of Rettinger et al., dict of (low, high)."""
+    """Return ranges of the statistics of FL and EL of the mixtures of Rettinger et al., dict of (low, high)."""
     return {f"{kind}_{X}": R22_MIXTURES[kind] for kind in ("mu", "sigma") for X in ("FL", "EL")}
 
 
 def _feature_ranges(ranges, names):
-    """[(name, (low, high))] of the features that follow from ranges of the statistics of FL and EL.
+    """Return [(name, (low, high))] of the features that follow from ranges of the statistics of FL and EL.
 
-    All are monotonic in these statistics, so that the corners of the ranges have the extremes.
+    All features are monotonic in these statistics, so their extremes are at corners of the ranges.
     """
     corners = pd.DataFrame(product(*ranges.values()), columns=list(ranges)).reindex(
         columns=["mu_FL", "sigma_FL", "mu_EL", "sigma_EL"], fill_value=0.0
@@ -175,7 +178,10 @@ def _feature_ranges(ranges, names):
 
 
 def _row(by, model, n, lower, upper, outside, digits, remark=""):
-    """One row of PREDICTION; outside: list of RangedValue. A model that is refused has no numbers."""
+    """Return one row of PREDICTION; its numbers are nan if the model is refused.
+
+    outside: list of RangedValue; digits: of the limits in the text.
+    """
     distance = max((quantity.distance for quantity in outside), default=0.0)
     remarks = [remark] if remark else []
     remarks += [
@@ -185,9 +191,9 @@ def _row(by, model, n, lower, upper, outside, digits, remark=""):
     if distance > FAR:
         refused = _describe_farthest(max(outside, key=lambda quantity: quantity.distance), digits)
     elif not _is_porosity(n):
-        refused = "its formula leaves (0, 1)"
+        refused = "its formula gives a porosity outside (0, 1)"
     elif not all(_is_porosity(value) for value in (lower, upper) if not np.isnan(value)):
-        refused = "its prediction interval leaves (0, 1)"
+        refused = "its prediction interval reaches outside (0, 1)"
     if refused:
         n = lower = upper = np.nan
     values = (by, model, False, n, lower, upper, "; ".join(remarks), distance, refused)

@@ -10,21 +10,24 @@ from simcore.models.fitting import fit_reference_models, read_campaign_models
 from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case, predict_samples
 from simcore.reference.r22_tables import read_r22_table
 
-FEW_GRAINS = 30  # whose spread of form is not well determined
+FEW_GRAINS = 30  # fewer grains do not determine the spread of form well
 
 
 def predict_file(path, case, models=None, source=None, column=None, level=0.95, form="text", notify=None):
     """Return what `python -m simcore predict` prints for the table of measured grains at `path`.
 
-    case, level: as of predict_samples. models: folder results/models of a campaign; None: models fitted to the
-    committed packings, of grains from `source` if given. column: the column that tells samples apart. form: "text",
-    "csv" or "json". notify: function that gets each sentence on how the table was read; JSON contains them too.
-    ValueError if the table or an argument is wrong, or if a sample lies too far outside what was fitted.
+    case, level: as in predict_samples. models: folder results/models of a campaign; None: models fitted to the
+    committed packings, only to those of grains from `source` if given. column: column with the names of the samples.
+    form: "text", "csv" or "json". notify: function that is called with each notice on how the table was read; JSON
+    output contains the notices too. ValueError if the table or an argument is wrong, or if no model can be evaluated
+    for a sample.
     """
     if not 0 < level < 1:
-        raise ValueError(f"level {level:g}: a number between 0 and 1 is needed, such as 0.95")
+        raise ValueError(f"level {level:g}: give a number between 0 and 1, such as 0.95")
     if models is not None and source is not None:
-        raise ValueError("--source chooses among committed rows; a campaign's models (--models) are fitted already")
+        raise ValueError(
+            "--source selects committed packings, but a campaign's models (--models) are already fitted; give only one"
+        )
     samples, notices = read_measured(path, column)
     fitted = fit_reference_models(source=source) if models is None else read_campaign_models(models)
     table = predict_samples(samples, case, fitted, level)
@@ -38,13 +41,15 @@ def predict_file(path, case, models=None, source=None, column=None, level=0.95, 
 
 
 def describe(table, case, fitted, level=0.95):
-    """Return the predictions as text: a row a sample, then the models and what lies outside them.
+    """Return the predictions as text: one line per sample, then the models, and the samples outside their ranges.
 
-    table: of predict_samples, with the same case, fitted and level.
+    table: result of predict_samples with the same case, fitted and level.
     """
     lines = [f"Porosity of a bed, case {model_case(case)}, with {100 * level:g} % prediction intervals"]
     if case == ONE_CLASS:
-        lines.append("(any one sieve class packs alike whatever its size, for only ratios of sizes matter: U1's model)")
+        lines.append(
+            "(U1's models are used: only ratios of sizes affect porosity, so any single sieve class packs like U1)"
+        )
     lines += _describe_lack_of_ours(table, model_case(case), fitted)
     lines += ["", *_samples_in_columns(table), "", "Models"]
     for (by, name), _ in table.groupby(["by", "model"], sort=False):
@@ -53,39 +58,39 @@ def describe(table, case, fitted, level=0.95):
     if len(extrapolated):
         lines += [
             "",
-            f"* outside what the model was fitted to: beyond {NEAR:g} of a range's width its interval is widened",
+            f"* outside the fitted range of the model: its interval is widened beyond {NEAR:g} of the range's width",
             *_remarks(extrapolated, "outside"),
         ]
     if len(refused):
         lines += [
             "",
-            f"- not evaluated: more than {FAR:g} of a range's width outside what was fitted, or no porosity in (0, 1)",
+            f"- not evaluated: more than {FAR:g} of a range's width outside it, or the porosity is not in (0, 1)",
             *_remarks(refused, "refused"),
         ]
-    return "\n".join([*lines, "", *_what_to_mind(table, level)])
+    return "\n".join([*lines, "", *_caveats(table, level)])
 
 
 def _describe_lack_of_ours(table, case, fitted):
-    """Lines that say for which samples none of our models gives the answer, and why."""
+    """Return lines that list the samples that none of our models predicts, with the reason."""
     if case not in fitted.cases():
-        there_are = ", ".join(fitted.cases())
-        return [f"None of our packings is of {case}, only of {there_are}: the model of Rettinger et al. alone"]
+        available = ", ".join(fitted.cases())
+        return [f"Only the model of Rettinger et al. is used: ours were fitted to {available}, not to {case}."]
     lines = []
     without = table[~table.groupby("name").preferred.transform("any")]
     ours = without.name.isin(without.name[without.by == "ours"])
     for kind in without.taken_as[~ours].unique():
         form = kind if kind == "one form" else "a distribution of form"
         lines.append(
-            f"Too few of our packings of {case} have {form}: the model of Rettinger et al. alone for these samples"
+            f"Too few of our packings of {case} have {form}: only the model of Rettinger et al. is used for these."
         )
     if ours.any():
         names = ", ".join(without.name[ours].unique())
-        lines.append(f"None of our models can be evaluated, that of Rettinger et al. alone: {names}")
+        lines.append(f"None of our models can be evaluated, only that of Rettinger et al., for: {names}.")
     return lines
 
 
 def _samples_in_columns(table):
-    """Lines of the table of samples, the header first."""
+    """Return the lines of the table of samples, beginning with its header."""
     cells = [["sample", "grains", "taken as", "FL", "EL", "ours", "by", "other of ours", "Rettinger et al."]]
     for _, rows in table.groupby("name", sort=False):
         sample = rows.iloc[0]
@@ -122,18 +127,20 @@ def _remarks(rows, column):
     return [f"  {row['name']}, {describe_model(row.by, row.model)}: {row[column]}" for _, row in rows.iterrows()]
 
 
-def _what_to_mind(table, level):
+def _caveats(table, level):
     lines = []
     if (table.grains == 0).any():
-        lines.append("From means and deviations alone, FL and EL are taken for independent, as Rettinger et al. do.")
+        lines.append(
+            "If only means and deviations are given, FL and EL are assumed independent, as by Rettinger et al."
+        )
     few = table[(table.grains > 1) & (table.grains < FEW_GRAINS)].name.unique()
     if len(few):
-        lines.append(f"Fewer than {FEW_GRAINS} grains do not tell how widely form is spread: {', '.join(few)}.")
+        lines.append(f"Fewer than {FEW_GRAINS} grains do not determine the spread of form well: {', '.join(few)}.")
     if (table.grains > 0).any() and (table.taken_as != "one form").any():
-        lines.append("The intervals leave out the sampling error of a sample's own statistics.")
+        lines.append("The intervals do not include the sampling error of a sample's own statistics.")
     lines.append(
         "The interval contains the porosity of a new sample, poured and shaken in the same way, with "
-        f"{100 * level:g} % probability; Rettinger et al. publish none."
+        f"{100 * level:g} % probability; Rettinger et al. publish no interval."
     )
     return lines
 
@@ -143,7 +150,7 @@ def _equation(by, name, case, fitted):
         row = read_r22_table("models").query("case == @case and model == @name").iloc[0]
         slopes = row.drop(["model", "case", "intercept", "equation_arxiv"]).dropna()
         text = _terms(row["intercept"], slopes.index, slopes)
-        return f"{describe_model(by, name)}: {text}; its Eq. {row['equation_arxiv']}"
+        return f"{describe_model(by, name)}: {text}; their Eq. {row['equation_arxiv']}"
     model = fitted.models[name, case]
     text = _terms(model.coefficients[0], model.features, model.coefficients[1:])
     error = f"cross-validated error {model.mean_absolute_error:.4f} (mean), {model.median_absolute_error:.4f} (median)"
@@ -155,9 +162,9 @@ def _terms(intercept, names, slopes):
 
 
 def as_json(table, case, fitted, level=0.95, notices=()):
-    """Return the predictions as JSON text: the models, for each sample its predictions, and the notices.
+    """Return the predictions as JSON text: the models, the predictions for each sample, and the notices.
 
-    table: of predict_samples, with the same case, fitted and level. A number that is not finite is null.
+    table: result of predict_samples with the same case, fitted and level. A number that is not finite is null.
     """
     case = model_case(case)
     common = ["name", "grains", "taken_as", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL", "mu_EQ", "sigma_EQ"]
@@ -169,19 +176,19 @@ def as_json(table, case, fitted, level=0.95, notices=()):
         {
             "model": name,
             "case": model.case,
-            "behind": fitted.behind[name, where],
+            "behind": fitted.behind[name, fitted_case],
             "coefficients": dict(zip(model.terms, model.coefficients, strict=True)),
             "cross_validated_error": model.mean_absolute_error,
         }
-        for (name, where), model in fitted.models.items()
-        if where == case
+        for (name, fitted_case), model in fitted.models.items()
+        if fitted_case == case
     ]
     content = {"case": case, "level": level, "notices": list(notices), "models": models, "samples": samples}
     return json.dumps(content, indent=1, allow_nan=False)
 
 
 def _plain(row):
-    """A dict for JSON, where a number that is not finite is null."""
+    """Return a row as a dict for JSON; a number that is not finite becomes null."""
     values = {key: value.item() if isinstance(value, np.generic) else value for key, value in row.items()}
     return {
         key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in values.items()

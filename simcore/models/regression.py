@@ -18,15 +18,15 @@ from simcore.models.fitted_range import RangedValue, distance_outside, widening
 log = logging.getLogger(__name__)
 
 FOLDS, REPEATS = 10, 10
-RESAMPLES = 2000  # of the bootstrap: the ends of its 95 % intervals are known to 4 % of a standard error
-CORRELATED = 0.8  # a second feature with |r| above this to the first is dropped (the study)
+RESAMPLES = 2000  # of the bootstrap; the ends of its 95 % intervals then vary by 4 % of a standard error
+CORRELATED = 0.8  # a second feature with |r| above this to the first is dropped (Rettinger et al. 2022)
 
 
 def usable_features(features):
-    """Those columns of a feature table (n, m) that can enter a model; the log says what is left out and why.
+    """Return the columns of a feature table (n, m) that can enter a model; the others are logged with the reason.
 
-    The rule: a feature that is not finite for one row is left out for all, so that all features are compared on the
-    same rows; so is a feature that is the same for all rows, to which no correlation exists.
+    A feature that is not finite for one row is left out for all, so that all features are compared on the same rows.
+    A feature that is the same for all rows is left out, because it has no correlation.
     """
     values = features.to_numpy(float)
     finite = np.isfinite(values).all(axis=0)
@@ -39,23 +39,23 @@ def usable_features(features):
 
 
 def correlate(features, porosity):
-    """Pearson's r of every feature with porosity, Series indexed by feature; features (n, m), porosity (n,)."""
+    """Return Pearson's r of every feature with porosity, Series indexed by feature; features (n, m), porosity (n,)."""
     return features.corrwith(pd.Series(np.asarray(porosity, float), index=features.index)).rename("r")
 
 
 def screen(features, first="EQ_inv", limit=CORRELATED):
-    """Names of the features that may stand beside `first`: |r| to it at most `limit`; `first` itself leads the list."""
+    """Return the names of the features whose |r| to the feature `first` is at most `limit`; `first` leads the list."""
     r = correlate(features, features[first])
     return [first] + [name for name in features.columns if name != first and abs(r[name]) <= limit]
 
 
 def predict_unseen(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0, groups=None):
-    """Porosity of each sample by linear regressions that have not seen its group, (repeats, n).
+    """Predict the porosity of each sample by linear regressions fitted without its group, (repeats, n).
 
-    Shuffled k-fold cross-validation, repeated with new shuffles drawn from `seed` so that the result does not hang on
-    one division. groups: (n,), samples that are left out together; None: each by itself. With fewer groups than folds
-    there are as many folds as groups, and one repeat, since all are alike.
-    Returns (predictions, folds used). ValueError where too few samples are left to fit.
+    Shuffled k-fold cross-validation, repeated with new shuffles drawn from `seed` so that the result does not depend on
+    one division. groups: (n,), labels of samples that are left out together; None: each sample by itself. With fewer
+    groups than folds there are as many folds as groups; if each group is a fold, one repeat suffices.
+    Returns (predictions, number of folds used). ValueError if too few samples are left to fit.
     """
     X, y = features.to_numpy(float), np.asarray(porosity, float)
     groups = np.arange(len(y)) if groups is None else np.unique(np.asarray(groups), return_inverse=True)[1]
@@ -63,8 +63,8 @@ def predict_unseen(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0, gro
     folds_used = min(folds, n_groups)
     repeats_used = repeats if folds_used < n_groups else 1
     too_few = (
-        f"cross_validate: {len(y)} samples are too few for {X.shape[1]} features and an intercept with one fold left "
-        "out; simulate more packings or use fewer features"
+        f"cross_validate: {len(y)} samples are too few to fit {X.shape[1]} features and an intercept with one fold "
+        "left out; simulate more packings or use fewer features"
     )
     if folds_used < 2:
         raise ValueError(too_few)
@@ -79,10 +79,11 @@ def predict_unseen(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0, gro
 
 
 def cross_validate(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0, groups=None):
-    """Errors of a linear regression on samples it has not seen, dict; features (n, m), porosity (n,).
+    """Return the errors of a linear regression on samples left out of its fit, dict; features (n, m), porosity (n,).
 
-    Folds, repeats and groups as in predict_unseen. mean_absolute_error and median_absolute_error are over all
-    predictions of all repeats: the study's text says median, its Table 9 says mean, so both are given.
+    folds, repeats, seed and groups: as in predict_unseen. mean_absolute_error and median_absolute_error are over all
+    predictions of all repeats. Both are given because Rettinger et al. (2022) name the median in the text, but the mean
+    in Table 9.
     """
     predictions, folds_used = predict_unseen(features, porosity, folds, repeats, seed, groups)
     errors = np.abs(predictions - np.asarray(porosity, float))
@@ -95,18 +96,18 @@ def cross_validate(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0, gro
 
 
 def bootstrap(features, porosity, resamples=RESAMPLES, seed=0):
-    """Coefficients of fits to samples drawn with replacement, (resamples or fewer, m + 1), the intercept first.
+    """Return coefficients of fits to samples drawn with replacement, (resamples or fewer, m + 1), the intercept first.
 
-    features (n, m), porosity (n,): one row what is drawn as a whole, such as a form; average over its seeds before. A
-    draw of too few different rows to fit is left out.
+    features (n, m), porosity (n,): one row per independent unit, such as a form; average over its seeds before. A
+    draw with too few different rows to fit is left out.
     """
-    # An orthonormal basis: the normal equations are then as well conditioned as a draw can be.
+    # In an orthonormal basis, the normal equations are as well conditioned as the draw allows.
     Q, R = np.linalg.qr(sm.add_constant(features.to_numpy(float), has_constant="add"))
     y = np.asarray(porosity, float)
     rng = np.random.default_rng(seed)
     drawn = rng.multinomial(len(y), np.full(len(y), 1.0 / len(y)), size=resamples).astype(float)
     normal = np.einsum("bi,ij,ik->bjk", drawn, Q, Q, optimize=True)
-    # A draw that lacks a direction leaves an eigenvalue of rounding, 1e-16 of the largest.
+    # If a draw does not determine a direction, an eigenvalue is only round-off, about 1e-16 of the largest.
     spans = np.linalg.eigvalsh(normal)[:, 0] > 1e-10
     solved = np.linalg.solve(normal[spans], ((drawn[spans] * y) @ Q)[..., None])[..., 0]
     return np.linalg.solve(R, solved.T).T
@@ -116,11 +117,11 @@ def bootstrap(features, porosity, resamples=RESAMPLES, seed=0):
 class PorosityModel:
     """A fitted linear model n = b0 + b1 X1 + ...; arrays (m+1,) start with the intercept.
 
-    lower, upper: 95 % confidence intervals by least squares; bootstrap_lower, bootstrap_upper: by drawing the samples
-    anew. covariance (m+1, m+1): of the coefficients. scatter: standard deviation of the samples about the model, its
-    degrees of freedom taken off; rmse: root mean square residual over the samples of the fit. minimum, maximum (m,): of
-    each feature over these samples. mean_absolute_error, median_absolute_error: cross-validated, nan where that was not
-    asked for.
+    lower, upper: 95 % confidence intervals by least squares; bootstrap_lower, bootstrap_upper: the same by the
+    bootstrap. covariance (m+1, m+1): of the coefficients. scatter: standard deviation of the samples about the model,
+    corrected for the degrees of freedom of the model; rmse: root mean square residual over the samples of the fit.
+    minimum, maximum (m,): of each feature over these samples. mean_absolute_error, median_absolute_error:
+    cross-validated errors, nan without cross-validation.
     """
 
     name: str
@@ -148,20 +149,20 @@ class PorosityModel:
         return ("intercept", *self.features)
 
     def predict(self, features):
-        """Porosity (n,) for a feature table (n, m) that holds at least this model's features.
+        """Return the porosity (n,) for a feature table (n, m) with at least this model's features.
 
-        The plain formula: it is not checked whether a row lies within what was fitted, nor whether its porosity is in
-        (0, 1); simcore.models.prediction.predict_samples does both.
+        This is the formula without checks: simcore.models.prediction.predict_samples also checks the fitted range and
+        that the porosity is in (0, 1).
         """
         return self._design(features) @ np.array(self.coefficients)
 
     def predict_interval(self, features, level=0.95):
-        """(porosity, lower, upper), each (n,): the interval holds the porosity of a new sample with chance `level`.
+        """Return (porosity, lower, upper), each (n,), with the prediction interval of probability `level`.
 
-        Of a sample as those of the fit: a new form, its porosity as well known as theirs. By least squares: the
-        uncertainty of the coefficients, which grows with the distance from the samples of the fit, and the scatter
-        about the model, Student's t. Farther outside the fitted range it is wider, by the rule of
-        simcore.models.fitted_range.
+        The interval is for a new sample like those of the fit: a new form, whose porosity is measured as precisely. By
+        least squares and Student's t it combines the uncertainty of the coefficients, which grows with the distance
+        from the samples of the fit, and the scatter about the model. Farther outside the fitted range it is widened by
+        the rule of simcore.models.fitted_range.
         """
         design = self._design(features)
         porosity = design @ np.array(self.coefficients)
@@ -171,21 +172,20 @@ class PorosityModel:
         return porosity, porosity - half, porosity + half
 
     def distance_outside(self, features):
-        """How far each row of a feature table lies outside those of the fit, (n,), by the rule of fitted_range."""
+        """Return the distance (n,) of each row of a feature table from the fitted range, as defined in fitted_range."""
         values = self._design(features)[:, 1:]
         return distance_outside(values, self.minimum, self.maximum).max(axis=1, initial=0.0)
 
     def outside(self, features):
-        """For each row of a feature table the features that lie outside those of the fit, a list of RangedValue, empty
-        where all lie within."""
+        """Return for each row of a feature table the list of features outside the fitted range, as RangedValue."""
         rows = [
             [
-                RangedValue(*each)
-                for each in zip(self.features, map(float, row), self.minimum, self.maximum, strict=True)
+                RangedValue(*fields)
+                for fields in zip(self.features, map(float, row), self.minimum, self.maximum, strict=True)
             ]
             for row in self._design(features)[:, 1:]
         ]
-        return [[each for each in row if each.distance > 0] for row in rows]
+        return [[value for value in row if value.distance > 0] for row in rows]
 
     def _design(self, features):
         missing = [name for name in self.features if name not in features]
@@ -195,11 +195,11 @@ class PorosityModel:
         return np.column_stack([np.ones(len(features)), *values])
 
     def predict_form(self, L, I, S):
-        """Porosity (n,) of single-form beds of grains with full axes L >= I >= S, any length unit."""
+        """Return the porosity (n,) of beds of one form with full axes L >= I >= S, any length unit."""
         return self.predict(form_features(L, I, S))
 
     def to_rows(self):
-        """The model as a table, one row a coefficient; the range of an intercept is nan."""
+        """Return the model as a table, one row per coefficient; the range of the intercept is nan."""
         columns = {
             "coefficients": "coefficient",
             "std_errors": "std_error",
@@ -224,7 +224,7 @@ class PorosityModel:
         )
 
     def to_dataset(self):
-        """The model as a Dataset over `term`."""
+        """Return the model as a Dataset over `term`."""
         data = {
             "coefficient": ("term", list(self.coefficients), {"units": "1", "long_name": "coefficient"}),
             "std_error": ("term", list(self.std_errors), {"units": "1", "long_name": "standard error"}),
@@ -238,14 +238,14 @@ class PorosityModel:
         return xr.Dataset(data, coords={"term": list(self.terms)}, attrs=attrs)
 
     def to_dict(self):
-        """The model as plain Python values, for JSON."""
+        """Return the model as plain Python values, for JSON."""
         return asdict(self)
 
 
 def fit(features, porosity, name="porosity", case="", seed=0):
-    """Ordinary least squares of porosity (n,) on all columns of `features` (n, m) and an intercept: a PorosityModel.
+    """Fit porosity (n,) to all columns of `features` (n, m) and an intercept by ordinary least squares: PorosityModel.
 
-    seed: of the bootstrap.
+    seed: of the bootstrap. ValueError if there are too few samples or a value is not finite.
     """
     X, y = features.to_numpy(float), np.asarray(porosity, float)
     if len(y) <= X.shape[1] + 1:
@@ -254,7 +254,9 @@ def fit(features, porosity, name="porosity", case="", seed=0):
             "and their errors; simulate more packings"
         )
     if not (np.isfinite(X).all() and np.isfinite(y).all()):
-        raise ValueError(f"fit of model {name}, case {case or '-'}: a value is not finite; see usable_features")
+        raise ValueError(
+            f"fit of model {name}, case {case or '-'}: a value is not finite; select the columns with usable_features"
+        )
     result = sm.OLS(y, sm.add_constant(X, has_constant="add")).fit()
     lower, upper = result.conf_int(alpha=0.05).T
     drawn_lower, drawn_upper = np.percentile(bootstrap(features, y, seed=seed), [2.5, 97.5], axis=0)
@@ -279,7 +281,7 @@ def fit(features, porosity, name="porosity", case="", seed=0):
 
 
 def fit_and_validate(features, porosity, name="porosity", case="", seed=0, groups=None, folds=FOLDS):
-    """As `fit`, with the cross-validated errors; groups, folds: as in predict_unseen."""
+    """Fit as `fit` does, and add the cross-validated errors; groups, folds: as in predict_unseen."""
     errors = cross_validate(features, porosity, folds, seed=seed, groups=groups)
     chosen = {key: float(errors[key]) for key in ("mean_absolute_error", "median_absolute_error")}
     return replace(fit(features, porosity, name, case, seed), **chosen)

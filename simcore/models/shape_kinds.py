@@ -1,4 +1,4 @@
-"""How far packings of polyhedra and of their mass-equivalent ellipsoids differ in porosity."""
+"""Differences in porosity between packings of polyhedra and of their mass-equivalent ellipsoids."""
 
 import numpy as np
 import pandas as pd
@@ -7,9 +7,10 @@ from simcore.models.tables import beside
 
 
 def pair_shape_kinds(meshes, ellipsoids):
-    """One row for each case and grain that both studies have: case, grain, EQ, n_mesh, n_ellipsoid (means).
+    """Return one row per case and grain that both tables have: case, grain, EQ, n_mesh, n_ellipsoid (means).
 
-    n_mesh_error, n_ellipsoid_error: their standard errors, from the sampling errors of the packings.
+    meshes, ellipsoids: tables of the packings of polyhedra and of ellipsoids. n_mesh_error, n_ellipsoid_error: standard
+    errors of the means, from the sampling errors of the packings.
     """
     keys = ["case", "grain"]
 
@@ -25,9 +26,10 @@ def pair_shape_kinds(meshes, ellipsoids):
 
 
 def shape_kind_table(packings, study=None):
-    """How far meshes and their equivalent ellipsoids differ in porosity, one row a case.
+    """Return the differences in porosity between polyhedra and their equivalent ellipsoids, one row per case.
 
-    packings: columns case, n_mesh, n_ellipsoid, one row a form. study: columns case, rms_difference.
+    packings: columns case, n_mesh, n_ellipsoid, one row per form. study: columns case, rms_difference, the values of
+    Rettinger et al. (2022).
     """
     difference = packings["n_mesh"] - packings["n_ellipsoid"]
     groups = difference.groupby(packings["case"], sort=False)

@@ -15,15 +15,16 @@ SINGLE_FORM = ("EQ_inv", "EL_inv")
 
 
 def single_form_models(packings, r22_correlations=None, r22_errors=None, r22_models=None, seed=0, folds=FOLDS):
-    """Tables and models of the single-form study, per case.
+    """Fit the models of single forms, per case; returns (tables, models).
 
-    packings: one row a packing, columns case, L, I, S [any length] and n; where there is a column grain, the packings
-    of a grain are averaged first, so that seeds do not pass for forms. Returns (tables, models): tables is a dict of
-    DataFrames `correlations` (all usable features, the closest first; r_first: their r to EQ_inv; kept: passed the
-    screening), `second_features` (cross-validated error of {EQ_inv, X}), `models` (coefficients of n on EQ_inv, and on
-    EQ_inv and EL_inv); models maps (name, case) to PorosityModel.
-    A case with too few packings is left out with a message; ValueError if none is left. folds: of the cross-validation.
-    study_*: correlations.csv, table9_second_factor_mae.csv, models.csv.
+    packings: one row per packing, columns case, L, I, S [any length] and n; if there is a column grain, the packings
+    of a grain are averaged first, so that seeds do not count as forms. tables: dict of DataFrames `correlations` (all
+    usable features, the strongest first; r_first: their r to EQ_inv; kept: passed the screening), `second_features`
+    (cross-validated error of {EQ_inv, X}), `models` (coefficients of n on EQ_inv, and on EQ_inv and EL_inv). models:
+    dict from (name, case) to PorosityModel.
+    A case with too few packings is left out with a logged warning; ValueError if none is left. folds: number of folds
+    of the cross-validation. r22_correlations, r22_errors, r22_models: tables correlations.csv,
+    table9_second_factor_mae.csv and models.csv of Rettinger et al. (2022).
     """
     correlations, errors, models = [], [], {}
     for case, rows in _cases(over_seeds(packings, "grain"), len(SINGLE_FORM) + 3):
@@ -49,35 +50,37 @@ def single_form_models(packings, r22_correlations=None, r22_errors=None, r22_mod
         "models": pd.concat([model.to_rows() for model in models.values()], ignore_index=True),
     }
     if r22_correlations is not None:
-        study = r22_correlations.query("study == 'single_form'")
-        tables["correlations"] = beside(tables["correlations"], study, ["case", "feature"], {"r": "r22_r"})
+        published = r22_correlations.query("study == 'single_form'")
+        tables["correlations"] = beside(tables["correlations"], published, ["case", "feature"], {"r": "r22_r"})
     if r22_errors is not None:
-        study = r22_errors.melt(id_vars="case", var_name="feature", value_name="r22_error")
-        study["r22_error"] *= 1e-3
+        published = r22_errors.melt(id_vars="case", var_name="feature", value_name="r22_error")
+        published["r22_error"] *= 1e-3
         columns = {"r22_error": "r22_error"}
-        tables["second_features"] = beside(tables["second_features"], study, ["case", "feature"], columns)
+        tables["second_features"] = beside(tables["second_features"], published, ["case", "feature"], columns)
     if r22_models is not None:
         tables["models"] = beside_models(tables["models"], r22_models)
     return tables, models
 
 
-def _cases(packings, least):
-    """List of (case, its packings), without cases of fewer than `least` packings. ValueError if none is left."""
+def _cases(packings, minimum):
+    """Return a list of (case, packings) of cases with at least `minimum` packings; ValueError if there is none."""
     groups = list(packings.groupby("case", sort=False))
     for case, rows in groups:
-        if len(rows) < least:
-            log.warning("case %s left out: %d packings, a model and its error need %d", case, len(rows), least)
-    kept = [(case, rows) for case, rows in groups if len(rows) >= least]
+        if len(rows) < minimum:
+            log.warning(
+                "case %s is left out: it has %d packings, but a fit with its error needs %d", case, len(rows), minimum
+            )
+    kept = [(case, rows) for case, rows in groups if len(rows) >= minimum]
     if not kept:
-        raise ValueError(f"no case has the {least} packings that a model and its error need; simulate more forms")
+        raise ValueError(f"no case has the {minimum} packings that a fit with its error needs; simulate more forms")
     return kept
 
 
 def _require(features, names, case):
-    """ValueError if a feature of the chosen model cannot be used."""
+    """Raise a ValueError if a feature of the model cannot be used."""
     missing = [name for name in names if name not in features]
     if missing:
         raise ValueError(
-            f"case {case}: {', '.join(missing)} is the same for all {len(features)} packings or not finite, so no "
-            "model can be fitted; choose forms that differ in flatness and elongation"
+            f"case {case}: no model can be fitted, because {', '.join(missing)} is the same for all {len(features)} "
+            "packings or not finite. Choose forms that differ in flatness and elongation"
         )

@@ -1,13 +1,13 @@
-"""What the tables of all models share: means over seeds, and the values of Rettinger et al. (2022) beside ours."""
+"""Steps common to the tables of all models: means over seeds, and columns with values of Rettinger et al. (2022)."""
 
 import pandas as pd
 
 
 def over_seeds(packings, key):
-    """Means of all numbers over the packings of one case that agree in `key`; as given where there is no such column.
+    """Return means of all numbers over the packings of one case that agree in `key`; unchanged without this column.
 
-    Rows of one form with other seeds are no samples of their own: a fit would take its error for too small, and
-    cross-validation would see the form it is to predict.
+    Packings of one form with different seeds are not independent samples: the error of a fit would be too small, and
+    cross-validation would train on the form that it predicts.
     """
     if key not in packings:
         return packings
@@ -15,10 +15,10 @@ def over_seeds(packings, key):
 
 
 def compare_predictions(models, name, table):
-    """One row a packing: case, simulated, predicted by the model `name` of its case; cases without one are left out.
+    """Return one row per packing: case, simulated, predicted by the model `name` of its case.
 
-    models: dict from (name, case) to PorosityModel; table: columns case, n and the features of the models. Its columns
-    n_std_error and r22_n, where it has them, are kept, the latter as r22_predicted.
+    models: dict from (name, case) to PorosityModel; cases without this model are left out. table: columns case, n and
+    the features of the models. Its optional columns n_std_error and r22_n are kept, the latter as r22_predicted.
     """
     kept = {"n_std_error": "n_std_error", "r22_n": "r22_predicted"}
     names = ["case", "simulated", "predicted", *(new for old, new in kept.items() if old in table)]
@@ -31,11 +31,14 @@ def compare_predictions(models, name, table):
 
 
 def beside(ours, study, keys, columns):
-    """Our table with columns of the study's, renamed by `columns`, where the keys agree."""
+    """Add columns of the table `study` of Rettinger et al. to our table where the keys agree.
+
+    columns: dict from their name in `study` to the new name.
+    """
     return ours.merge(study[[*keys, *columns]].rename(columns=columns), how="left", on=keys)
 
 
 def beside_models(ours, study):
-    """Our coefficients beside the study's, which come one row a model."""
+    """Add the coefficients of Rettinger et al. to the table of ours; `study` has one row per model."""
     study = study.melt(id_vars=["model", "case"], value_name="coefficient", var_name="term").dropna()
     return beside(ours, study, ["model", "case", "term"], {"coefficient": "r22_coefficient"})

@@ -1,15 +1,18 @@
-"""One model of porosity for beds of one form and for beds with a distribution of form.
+"""One model of porosity for both beds of one form and beds with a distribution of form.
 
-The study fits the two apart (its Eqs. 17-19 and 23-24), and its model for distributions holds 1/sigma, which has no
-limit as the grains become alike. Here the features become those of one form as the distribution's width goes to zero:
+Rettinger et al. (2022) fit separate models (their Eqs. 17-19 and 23-24), and their model for distributions contains
+1/sigma, which diverges as the grains become alike. Here the features become those of one form as the width of the
+distribution goes to zero:
 
     n = b0 + b1 / mu_EQ + b2 / mu_EL + b3 (sigma_EQ / mu_EQ)² + b4 (sigma_EL / mu_EL)²
 
-Why squares: if neighbours i, j pack as n_ij, smooth in the two forms and symmetric in them, and meet at random, then
-the mean over all pairs is that of the mean form and, to leading order, a term in the variance; a first power of sigma
-would have a kink at zero. That holds what unlike neighbours add, and that the porosity of single forms is convex in EQ
-(the mean of 1/EQ is 1/mu_EQ (1 + (sigma_EQ/mu_EQ)²) to this order). How the term depends on the mean form is open:
-# ASSUME: as the square of the relative width, with one coefficient. UNIFIED_SETS holds what else was tried.
+Why squares: let a pair of neighbours i, j contribute a porosity n_ij that is smooth and symmetric in the two forms, and
+let neighbours meet at random. The mean over all pairs is then the value at the mean form plus, to leading order, a term
+in the variance; a first power of sigma would have a kink at zero. The term includes both the effect of unlike
+neighbours and the convexity in EQ of the porosity of single forms (the mean of 1/EQ is 1/mu_EQ (1 + (sigma_EQ/mu_EQ)²)
+to this order). How it depends on the mean form is open.
+# ASSUME: it is proportional to the square of the relative width, with one coefficient.
+UNIFIED_SETS lists the other sets of features that were tried.
 """
 
 import logging
@@ -25,8 +28,8 @@ from simcore.models.tables import over_seeds
 log = logging.getLogger(__name__)
 
 UNIFIED = ("mu_EQ_inv", "mu_EL_inv", "relative_variance_EQ", "relative_variance_EL")
-# What is compared with it: the mean form alone, other measures of the width, means of the inverses over the grains
-# (what linear mixing of the single forms would give), and these with a width.
+# Sets of features that are compared: the mean form alone, other measures of the width, means of the inverses over the
+# grains (equivalent to linear mixing of the single forms), and these means with a width.
 UNIFIED_SETS = (
     ("mu_EQ_inv", "mu_EL_inv"),
     ("mu_EQ_inv", "mu_EL_inv", "sigma_EQ"),
@@ -38,15 +41,15 @@ UNIFIED_SETS = (
     ("mu_1/EQ", "mu_1/EL", "relative_variance_EQ", "relative_variance_EL"),
 )
 STATISTICS = ("mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL")
-# Over the grains, of the inverses; a table of packings need not have them.
+# Statistics over the grains of the inverses; a table of packings need not have them.
 _OF_INVERSES = ("mu_1/EQ", "sigma_1/EQ", "mu_1/EL", "sigma_1/EL")
 
 
 def unified_features(statistics):
-    """Features of UNIFIED_SETS and the separate models from statistics over the grains; one row a bed.
+    """Return the features of UNIFIED_SETS and of the separate models from statistics over the grains; one row per bed.
 
-    statistics: DataFrame with columns mu_EQ, sigma_EQ, mu_EL, sigma_EL; where it has mu_1/EQ, sigma_1/EQ, mu_1/EL and
-    sigma_1/EL, these come along. 1/sigma is infinite for beds of one form.
+    statistics: DataFrame with columns mu_EQ, sigma_EQ, mu_EL, sigma_EL; the columns mu_1/EQ, sigma_1/EQ, mu_1/EL and
+    sigma_1/EL are optional and are kept. 1/sigma is infinite for beds of one form.
     """
     table = statistics[[name for name in (*STATISTICS, *_OF_INVERSES) if name in statistics]].astype(float)
     with np.errstate(divide="ignore"):
@@ -58,14 +61,14 @@ def unified_features(statistics):
 
 
 def single_form_statistics(L, I, S):  # noqa: E741
-    """Statistics as unified_features takes them, of beds of one form each; L, I, S: full axes (n,), any length unit."""
+    """Return statistics for unified_features of beds of one form each; L, I, S: full axes (n,), any length unit."""
     L, I, S = (np.asarray(axis, float) for axis in (L, I, S))  # noqa: E741
     means = {"mu_EQ": S / L, "mu_EL": I / L, "mu_1/EQ": L / S, "mu_1/EL": L / I}
     return pd.DataFrame(means | {name.replace("mu", "sigma"): np.zeros(len(L)) for name in means})
 
 
 def fit_unified(single_forms, mixtures, seed=0, folds=FOLDS):
-    """The unified model of each case that both studies have, by ("unified", case); arguments as of unified_models."""
+    """Fit the unified model per case of both tables: dict by ("unified", case); arguments as in unified_models."""
     return {
         ("unified", case): fit_and_validate(features[list(UNIFIED)], n, "unified", case, seed, groups, folds)
         for case, (features, n, groups, _) in _beds(single_forms, mixtures).items()
@@ -73,23 +76,26 @@ def fit_unified(single_forms, mixtures, seed=0, folds=FOLDS):
 
 
 def unified_models(single_forms, mixtures, r22_models=None, seed=0, folds=FOLDS):
-    """Tables and models of the unified model, per case that both studies have; returns (tables, models).
+    """Fit the unified model for each case that both tables have, and compare it; returns (tables, models).
 
-    single_forms: one row a packing, columns case, L, I, S, n, and grain if there are several seeds. mixtures: case, n,
-    mu_EQ, sigma_EQ, mu_EL, sigma_EL, and sample if there are several seeds; with mean_FL and mean_EL, sets of one mean
-    form are left out of a fit together. r22_models: models.csv. folds: of the cross-validation.
+    single_forms: one row per packing, columns case, L, I, S, n, and grain if there are several seeds. mixtures: columns
+    case, n, mu_EQ, sigma_EQ, mu_EL, sigma_EL, and sample if there are several seeds; if there are columns mean_FL and
+    mean_EL, sets of one mean form are left out of a fit together. r22_models: models.csv. folds: number of folds of the
+    cross-validation.
 
-    Tables: `models`, coefficients; `feature_sets`, errors over the same beds of the unified model with each set of
-    features, of the separate models (each sees its own kind of bed alone), all cross-validated with the same groups,
-    and of the study's models as published: mean_absolute_error and median_absolute_error over all beds, the mean over
-    the beds of each kind, bias (predicted less simulated) and the mean error without it.
-    models maps ("unified", case) to PorosityModel. A case with too few beds of either kind is left out with a message.
+    Tables: `models` with the coefficients; `feature_sets` with errors over the same beds: of the unified model with
+    each set of features, of the separate models (each fitted to its own kind of bed), both cross-validated with the
+    same groups, and of the published models of Rettinger et al. (2022). Its columns are mean_absolute_error and
+    median_absolute_error over all beds, the mean error over the beds of each kind, bias (predicted minus simulated) and
+    the mean error without the bias.
+    models: dict from ("unified", case) to PorosityModel. A case with too few beds of either kind is left out with a
+    logged warning.
     """
     rows, models = [], fit_unified(single_forms, mixtures, seed, folds)
     for case, (features, n, groups, mixed) in _beds(single_forms, mixtures).items():
         for columns in UNIFIED_SETS:
             if not set(columns) <= set(features):
-                log.warning("case %s: set %s left out, the packings do not carry it", case, columns)
+                log.warning("case %s: feature set %s is left out: the packings lack one of its columns", case, columns)
                 continue
             predicted, folds_used = predict_unseen(features[list(columns)], n, folds, seed=seed, groups=groups)
             rows.append(
@@ -119,16 +125,21 @@ def unified_models(single_forms, mixtures, r22_models=None, seed=0, folds=FOLDS)
 
 
 def _beds(single_forms, mixtures):
-    """Of each case that both have: features, porosity (n,), groups (n,) and whether a bed is a mixture (n,).
+    """Return per case that both tables have: features, porosity (n,), groups (n,) and whether a bed is a mixture (n,).
 
-    A case with too few of either is left out with a message.
+    A case with too few beds of either kind is left out with a logged warning.
     """
     beds = {}
-    ones, many = over_seeds(single_forms, "grain"), over_seeds(mixtures, "sample")
-    for case in ones["case"][ones["case"].isin(many["case"])].unique():
-        one, mix = (table[table["case"] == case].reset_index(drop=True) for table in (ones, many))
+    all_forms, all_mixtures = over_seeds(single_forms, "grain"), over_seeds(mixtures, "sample")
+    for case in all_forms["case"][all_forms["case"].isin(all_mixtures["case"])].unique():
+        one, mix = (table[table["case"] == case].reset_index(drop=True) for table in (all_forms, all_mixtures))
         if len(one) < len(SINGLE_FORM) + 3 or len(mix) < len(MIXTURE) + 3:
-            log.warning("case %s: %d beds of one form, %d mixtures: too few for both in one", case, len(one), len(mix))
+            log.warning(
+                "case %s: %d beds of one form and %d mixtures are too few for the unified model; it is left out",
+                case,
+                len(one),
+                len(mix),
+            )
             continue
         statistics = single_form_statistics(one["L"], one["I"], one["S"])
         features = [unified_features(table) for table in (statistics, mix)]
@@ -145,16 +156,16 @@ def _beds(single_forms, mixtures):
 
 
 def _separate(features, n, groups, mixed, seed, folds):
-    """Cross-validated predictions of a model for each kind of bed, (repeats, n), or None where its beds are too few."""
+    """Return cross-validated predictions of a model per kind of bed, (repeats, n); None if a kind has too few beds."""
     both = []
     for kind, columns in ((~mixed, ["mu_EQ_inv", "mu_EL_inv"]), (mixed, list(MIXTURE))):
         try:
             predicted, _ = predict_unseen(features.loc[kind, columns], n[kind], folds, seed=seed, groups=groups[kind])
         except ValueError as error:
-            log.warning("no separate models beside the unified one: %s", error)
+            log.warning("the separate models are not compared with the unified one: %s", error)
             return None
         both.append(predicted)
-    # As many repeats of the one as of the other: where one has a single repeat, all its repeats would be alike.
+    # Both kinds need the same number of repeats; a single repeat is copied, because further ones would be equal to it.
     repeats = max(map(len, both))
     predictions = np.full((repeats, len(n)), np.nan)
     for kind, predicted in zip((~mixed, mixed), both, strict=True):
@@ -162,24 +173,24 @@ def _separate(features, n, groups, mixed, seed, folds):
     return predictions
 
 
-def _published(features, mixed, study):
-    """What the study's models say for the same beds, (1, n); None where it has none for this case."""
-    of = {row["model"]: row for _, row in study.iterrows()}
-    if not {"single_form", "form_mixture"} <= set(of):
+def _published(features, mixed, r22_models):
+    """Return predictions of the models of Rettinger et al. for the same beds, (1, n); None if a model is missing."""
+    by_name = {row["model"]: row for _, row in r22_models.iterrows()}
+    if not {"single_form", "form_mixture"} <= set(by_name):
         return None
     predicted = np.full(len(features), np.nan)
     for name, kind, columns in (
         ("single_form", ~mixed, {"EQ_inv": "mu_EQ_inv", "EL_inv": "mu_EL_inv"}),
         ("form_mixture", mixed, {feature: feature for feature in MIXTURE}),
     ):
-        slopes = of[name][list(columns)].dropna()  # the study has no sigma_EL in U1
+        slopes = by_name[name][list(columns)].dropna()  # the published model of U1 has no sigma_EL
         values = features.loc[kind, [columns[term] for term in slopes.index]].to_numpy()
-        predicted[kind] = of[name]["intercept"] + values @ slopes.to_numpy(float)
+        predicted[kind] = by_name[name]["intercept"] + values @ slopes.to_numpy(float)
     return predicted[None]
 
 
 def _errors(predicted, n, mixed):
-    """Columns of the table of errors; predicted (repeats, n)."""
+    """Return the columns of the table of errors as a dict; predicted (repeats, n)."""
     difference = predicted - n
     error = np.abs(difference)
     return {

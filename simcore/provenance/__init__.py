@@ -1,1 +1,1 @@
-"""Which code, which machine and how much CPU time a result comes from."""
+"""Provenance of a result: its code, its machine and its CPU time."""

@@ -1,4 +1,4 @@
-"""Time of this process without what the compiler took, which a second run of the same scene would not need."""
+"""CPU time of this process without compilation, which a second run of the same scene would not need."""
 
 import time
 
@@ -6,7 +6,7 @@ from numba.core import event
 
 
 class _Compiler(event.Listener):
-    """CPU time and wall-clock time within the outermost compilation; calls who waits for that of a function."""
+    """Sums CPU and wall-clock time of the outermost compilations, and calls callbacks registered for a function."""
 
     def __init__(self):
         self.depth, self.began, self.spent, self.wall_began, self.wall_spent = 0, 0.0, 0.0, 0.0, 0.0
@@ -32,20 +32,20 @@ event.register("numba:compile", _compiler)
 
 
 def cpu_time() -> float:
-    """CPU time [s] of this process, all threads, since it began, less what compiling took since this was imported."""
+    """Return the CPU time [s] of all threads of this process, without compilation since this module was imported."""
     return time.process_time() - _compiler.spent
 
 
 def compile_time() -> float:
-    """CPU time [s] that compiling took since this was imported; 0 where all came from the cache on disk."""
+    """Return the CPU time [s] of compilation since this module was imported; 0 if all code came from the disk cache."""
     return _compiler.spent
 
 
 def working_clock() -> float:
-    """A wall clock [s] that stops while this process compiles."""
+    """Return the time [s] of a wall clock that stops while this process compiles."""
     return time.monotonic() - _compiler.wall_spent
 
 
 def before_compiling(function, call) -> None:
-    """Have call() called before a compiled function is compiled; never where it comes from the cache on disk."""
+    """Register call() to be called before `function` is compiled; it is not called if the disk cache has the code."""
     _compiler.waiting[function] = call

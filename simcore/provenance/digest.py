@@ -1,4 +1,4 @@
-"""Which code a result depends on, as a digest that changes when that code does, and only then."""
+"""Digest of the code on which a result depends; it changes if and only if this code changes."""
 
 import ast
 import functools
@@ -10,33 +10,34 @@ from simcore.paths import ROOT
 
 
 def digest(*roots, of=""):
-    """Digest (16 hex digits) of the given sources and of all of simcore that they import, directly or not.
+    """Return a digest (16 hex digits) of the given sources and all files of simcore that they import, also indirectly.
 
-    roots: paths of Python files or of any other file, relative to the project or absolute. Of Python the syntax tree
-    counts, so comments, docstrings and layout do not. Imports inside functions count as well. of: text that counts too.
+    roots: paths of Python files or other files, relative to the project or absolute. Python files enter with their
+    syntax tree, so that comments, docstrings and layout have no effect. Imports inside functions are followed too.
+    of: further text that enters the digest.
     """
-    found, todo = {}, [ROOT / root for root in roots]
+    sources, todo = {}, [ROOT / root for root in roots]
     while todo:
         path = todo.pop()
-        if path not in found:
-            found[path] = read_source(path)
-            todo.extend(found[path].imports)
+        if path not in sources:
+            sources[path] = read_source(path)
+            todo.extend(sources[path].imports)
     total = hashlib.sha256(of.encode())
-    for path in sorted(found):
-        total.update(f"{path.relative_to(ROOT)}\n{found[path].content}\n".encode())
+    for path in sorted(sources):
+        total.update(f"{path.relative_to(ROOT)}\n{sources[path].content}\n".encode())
     return total.hexdigest()[:16]
 
 
 class Source(NamedTuple):
-    """A file as digests see it."""
+    """The parts of a file that enter a digest."""
 
-    content: str  # digest of the text; of Python that of its syntax tree without docstrings
-    imports: frozenset  # paths of simcore's files that it imports
+    content: str  # digest of the text, or for Python of the syntax tree without docstrings
+    imports: frozenset  # paths of the files of simcore that it imports
 
 
 @functools.cache
 def read_source(path: Path) -> Source:
-    """The file at `path`, which lies in the project; read once, for many digests hold the same files."""
+    """Read the file at `path` in the project; the result is cached, because many digests contain the same files."""
     text = path.read_text(encoding="utf-8")
     if path.suffix != ".py":
         return Source(_hash(text), frozenset())
@@ -58,7 +59,7 @@ def _is_docstring(node):
 
 
 def _imported(node, path):
-    """Files of simcore that a statement of the file at `path` imports."""
+    """Return the files of simcore that a statement of the file at `path` imports."""
     if isinstance(node, ast.Import):
         modules = [alias.name.split(".") for alias in node.names]
     elif isinstance(node, ast.ImportFrom):
@@ -72,9 +73,9 @@ def _imported(node, path):
 
 
 def _file(parts):
-    """The file behind a dotted name of simcore: that of its longest part that is a module or package.
+    """Return the file of a dotted name of simcore: the longest leading part that is a module or package.
 
-    Packages on the way are left out: their __init__ only lists names.
+    Parent packages are left out, because their __init__ only lists names.
     """
     while parts and parts[0] == "simcore":
         base = ROOT.joinpath(*parts)

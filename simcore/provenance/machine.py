@@ -1,4 +1,4 @@
-"""What a run time was measured on."""
+"""Description of the machine on which a run time was measured."""
 
 import os
 import platform
@@ -8,7 +8,7 @@ import numpy
 
 
 def describe_host() -> str:
-    """Return processor, cores and versions in one line."""
+    """Return processor, number of cores and versions in one line."""
     versions = f"Python {platform.python_version()}, numba {numba.__version__}, numpy {numpy.__version__}"
     return f"{_processor()}, {os.cpu_count()} cores, {versions}"
 

@@ -1,1 +1,1 @@
-"""Tables that results are compared with: those of Rettinger et al. (2022) and the committed rows."""
+"""Tables with which results are compared: those of Rettinger et al. (2022) and the committed rows."""

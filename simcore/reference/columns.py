@@ -1,7 +1,7 @@
-"""The columns of all tables of studies: name, unit, meaning, name in the committed rows, and the key that they vary.
+"""The columns of all tables of studies: name, unit, meaning, name in the committed rows, and the key that is varied.
 
-A table of a study has one row a packing (`simcore.campaign.study_tables.tabulate`) or one a setting (`summarise`);
-committed rows are in results/reference. Both take the names of their columns from here.
+A table of a study has one row per packing (`simcore.campaign.study_tables.tabulate`) or per setting (`summarise`);
+committed rows are in results/reference. The names of the columns of both are defined here.
 """
 
 from typing import NamedTuple
@@ -11,11 +11,11 @@ class Column(NamedTuple):
     """A column of the tables of studies."""
 
     name: str
-    unit: str  # "" for a number without one, and for text
+    unit: str  # "" for a dimensionless number and for text
     meaning: str
-    committed: str = ""  # name in the committed rows; "" where it has the same one or none
-    key: str = ""  # of the specification, where a study may vary it under this name
-    statistic: str = ""  # name in simcore.grains.statistics, of a statistic over the grains of a packing
+    committed: str = ""  # name in the committed rows; "" if it is the same or there is no such column
+    key: str = ""  # key of the specification, if a study may vary it under this name
+    statistic: str = ""  # name in simcore.grains.statistics, if it is a statistic over the grains of a packing
 
 
 COLUMNS = (
@@ -25,20 +25,26 @@ COLUMNS = (
     Column("case", "", "sieve curve", key="sizes.case"),
     Column("width_m", "m", "width or diameter of the domain", key="domain.width"),
     Column("height_m", "m", "height of the domain", key="domain.height"),
-    Column("mass_kg", "kg", "mass of grains that the specification states", key="amount.mass"),
-    Column("grains_asked", "", "number of grains that the specification states", key="amount.grains"),
+    Column("mass_kg", "kg", "mass of grains in the specification", key="amount.mass"),
+    Column("grains_asked", "", "number of grains in the specification", key="amount.grains"),
     Column("shaking_s", "s", "duration of shaking", key="shaking.duration"),
     Column("contact_time_s", "s", "contact time", key="numerics.contact_time"),
-    Column("shape_kind", "", "shape of the grains, as the study varies it", key="shapes.kind"),
-    Column("grain_source", "", "source of the grains, as the study varies it", key="grains.source"),
-    Column("mean_FL", "", "mean flatness that was asked for", "mu_FL_nominal", "shapes.flatness.mean"),
-    Column("std_FL", "", "standard deviation of flatness asked for", "sigma_FL_nominal", "shapes.flatness.std"),
-    Column("mean_EL", "", "mean elongation that was asked for", "mu_EL_nominal", "shapes.elongation.mean"),
-    Column("std_EL", "", "standard deviation of elongation asked for", "sigma_EL_nominal", "shapes.elongation.std"),
-    Column("flatness", "", "flatness S/I of all grains that was asked for"),
-    Column("elongation", "", "elongation I/L of all grains that was asked for"),
+    Column("shape_kind", "", "shape of the grains, if the study varies it", key="shapes.kind"),
+    Column("grain_source", "", "source of the grains, if the study varies it", key="grains.source"),
+    Column("mean_FL", "", "mean flatness in the specification", "mu_FL_nominal", "shapes.flatness.mean"),
+    Column("std_FL", "", "standard deviation of specified flatness", "sigma_FL_nominal", "shapes.flatness.std"),
+    Column("mean_EL", "", "mean elongation in the specification", "mu_EL_nominal", "shapes.elongation.mean"),
+    Column(
+        "std_EL",
+        "",
+        "standard deviation of specified elongation",
+        "sigma_EL_nominal",
+        "shapes.elongation.std",
+    ),
+    Column("flatness", "", "flatness S/I of all grains in the specification"),
+    Column("elongation", "", "elongation I/L of all grains in the specification"),
     Column("choice", "", "how the shapes of the grains are chosen"),
-    Column("faces", "", "faces of a polyhedron at most, or original"),
+    Column("faces", "", "maximum number of faces of a polyhedron, or original"),
     Column("accuracy", "", "preset of numerical settings"),
     Column("grain", "", "name of the grain whose form all grains have"),
     Column("kind", "", "shape of the grains: polyhedron, ellipsoid, sphere or mixed", "representation"),
@@ -67,24 +73,24 @@ COLUMNS = (
     Column("cpu_s", "s", "CPU time of the packing"),
     Column("cpu_h", "h", "CPU time of all packings of a row"),
     Column("warnings", "", "warnings of the packing, one line each"),
-    # Of the table of trends over height.
+    # Columns of the table of trends over height
     Column("quantity", "", "quantity whose change over height is measured"),
     Column("mean", "", "mean of the quantity over the grains, in its own unit"),
     Column("mean_std_error", "", "standard error of that mean"),
     Column("spearman_r", "", "rank correlation of the quantity with height"),
-    Column("p_value", "", "probability of so large a correlation without any order"),
-    Column("relative_change", "", "change from the lower to the upper end of the bed, over the mean"),
+    Column("p_value", "", "probability of at least this correlation without a trend"),
+    Column("relative_change", "", "change from the lower to the upper end of the bed, divided by the mean"),
     Column("relative_change_std_error", "", "standard error of the relative change"),
 )
 
 COLUMN_OF_KEY = {column.key: column.name for column in COLUMNS if column.key}
 COMMITTED_NAMES = {column.name: column.committed for column in COLUMNS if column.committed}
-# Statistics over the grains of a packing: name of the column, and in simcore.grains.statistics.
+# Statistics over the grains of a packing: dict from the name of the column to that in simcore.grains.statistics
 FORM = {column.name: column.statistic for column in COLUMNS if column.statistic}
-# Distributions of form that were asked for, and their statistics over the grains.
+# Distributions of form in the specification: dict from their columns to the statistics over the grains
 ASKED_FOR = {"mean_FL": "mu_FL", "mean_EL": "mu_EL", "std_FL": "sigma_FL", "std_EL": "sigma_EL"}
 
 
 def study_names(*names):
-    """The names in the tables of studies of these columns, or of all, dict by their names in the committed rows."""
+    """Return the names of these columns, or of all, in the tables of studies; dict by name in the committed rows."""
     return {COMMITTED_NAMES[name]: name for name in names or COMMITTED_NAMES}

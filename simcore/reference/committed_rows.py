@@ -1,4 +1,4 @@
-"""Rows of packings that are committed with the code, as the porosity models take them."""
+"""Read the committed rows of packings with the columns that the porosity models need."""
 
 import pandas as pd
 
@@ -8,10 +8,10 @@ _STATISTICS = ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]
 
 
 def read_single_forms(path):
-    """Read the packings of one form each, polyhedra alone, from a CSV file: one row a packing.
+    """Read the packings of polyhedra of one form each from a CSV file: one row per packing.
 
-    Columns: case, source ("" if none is named), grain (with its source), L, I, S (full axes, any one unit) and n, the
-    porosity. The file is one of the committed tables or the table of a study.
+    Columns: case, source ("" if the file has none), grain (with its source), L, I, S (full axes, any one unit) and n,
+    the porosity. The file is one of the committed tables or the table of a study.
     """
     table = pd.read_csv(path)
     if "representation" in table:
@@ -25,10 +25,10 @@ def read_single_forms(path):
 
 
 def read_mixtures(path):
-    """Read the packings of grains that differ in form from a CSV file: one row a packing.
+    """Read the packings of grains with a distribution of form from a CSV file: one row per packing.
 
-    Columns: case, sample (packings that differ in their seed alone share it), n, mean_FL, mean_EL as asked for, and the
-    statistics mu_EQ, sigma_EQ, mu_EL, sigma_EL over the grains.
+    Columns: case, sample (the same for packings that differ only in their seed), n, mean_FL and mean_EL of the
+    specification, and the statistics mu_EQ, sigma_EQ, mu_EL, sigma_EL over the grains.
     """
     table = pd.read_csv(path)
     if "mu_EQ" not in table:
@@ -40,7 +40,7 @@ def read_mixtures(path):
 
 
 def read_cases_of_single_forms(path, cases):
-    """As `read_single_forms`, the rows of these cases; none where there is no path."""
+    """Read the rows of these cases as `read_single_forms` does; an empty table without a path."""
     if not path:
         return pd.DataFrame()
     table = read_single_forms(path)

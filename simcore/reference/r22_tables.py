@@ -1,12 +1,12 @@
-"""What the source study reports for a packing, to stand beside ours: its tables, or its fitted models."""
+"""Values of Rettinger et al. (2022) for comparison with our packings, from their tables or their fitted models."""
 
 import numpy as np
 import pandas as pd
 
 from simcore.paths import R22_TABLES
 
-# For each study its table, the names there of our columns, of porosity and of its standard deviation, and its runs.
-# ASSUME: where the study does not say over how many runs a standard deviation is, over three, as in its Table 6.
+# For each study: table, dict from its columns to ours, columns of porosity and its standard deviation, number of runs.
+# ASSUME: a standard deviation is over three runs, as in Table 6, where the paper does not give their number.
 _TABLES = {
     "mesh_resolution": ("table4_mesh_resolution", {"case": "case", "faces": "faces"}, "n", None, 3),
     "shaking_cylinder": ("table5_shaking_cylinder", {"case": "case", "t_s": "shaking_s"}, "n", "n_std", 3),
@@ -14,31 +14,31 @@ _TABLES = {
     "domain_size": ("table7_domain_size", {"case": "case", "width_m": "width_m"}, "n", "n_std", 3),
     "shaking_periodic": ("table8_shaking_periodic", {"case": "case", "t_s": "shaking_s"}, "n", None, 1),
 }
-ROUNDING = 1e-3 / np.sqrt(12.0)  # standard deviation of what three printed decimals leave open
-# Of normal errors the standard deviation is this much larger than the mean magnitude.
+ROUNDING = 1e-3 / np.sqrt(12.0)  # standard deviation of the rounding error of three printed decimals
+# Ratio of the standard deviation of normally distributed errors to their mean magnitude
 _STD_OF_MAE = np.sqrt(0.5 * np.pi)
 
 
 def read_r22_table(name, folder=R22_TABLES):
-    """The source study's table of that name, as a DataFrame."""
+    """Read the table `name`.csv of Rettinger et al. (2022) as a DataFrame."""
     return pd.read_csv(folder / f"{name}.csv")
 
 
 def add_reference(table, study, folder=R22_TABLES):
-    """The summarised table of a study beside the source study's values, and how far the two are apart.
+    """Add the values of Rettinger et al. (2022) and the differences to the summarised table of a study.
 
-    table: as from study_tables.summarise. New columns: r22_n, r22_n_std (over its runs), r22_n_error (standard
-    error of r22_n), difference (ours less the study's) and z, the difference in standard errors of both; nan where
-    the study has no value. For the validation also experiment_n, experiment_n_std, experiment_error_percent of ours
-    and r22_error_percent of the study's packings; for the resolution of meshes cpu_h_per_run, and the study's
+    table: as from study_tables.summarise. New columns: r22_n, r22_n_std (over their runs), r22_n_error (standard error
+    of r22_n), difference (n minus r22_n) and z, the difference divided by the standard error of both; nan where
+    Rettinger et al. give no value. For the validation also experiment_n, experiment_n_std, experiment_error_percent (of
+    our packings) and r22_error_percent (of theirs); for the study mesh_resolution also cpu_h_per_run and their
     r22_volume_change_percent and r22_runtime_h.
 
-    For single forms and mixtures the study gives no table of porosities: there r22_n is what its fitted model
-    says for the forms of our packing, and r22_n_error the error of such a prediction, from the mean absolute error
-    of its cross-validation. Elsewhere r22_n_error is its standard deviation over the square root of its runs less one
-    (it divides by the number of runs: see the three of Table 6) and the rounding to three decimals; where it states no
-    deviation it is the rounding alone, and z is too large. Its values hold for its own sizes of domain, not for
-    smaller ones.
+    For single forms and mixtures they give no table of porosities. There r22_n is the prediction of their fitted model
+    for the forms of our packing, and r22_n_error the error of such a prediction, from the mean absolute error of their
+    cross-validation. For other studies r22_n_error combines the rounding to three decimals with their standard
+    deviation, divided by the square root of the number of runs minus one (their deviations divide by the number of
+    runs, as the three runs of Table 6 show). If they give no deviation, it is only the rounding, and z is too large.
+    Their values apply to their own sizes of the domain, not to smaller ones.
     """
     value, std, error = (np.full(len(table), np.nan) for _ in range(3))
     added = {}
@@ -66,38 +66,38 @@ def add_reference(table, study, folder=R22_TABLES):
 
 
 def _from_table(table, file, columns, value, std, runs, folder):
-    """Values, their standard deviations over the runs and their standard errors."""
+    """Return the values, their standard deviations over the runs and their standard errors."""
     values, deviations = (_look_up(table, file, columns, name, folder) for name in (value, std))
     of_mean = np.nan_to_num(deviations) / np.sqrt(max(runs - 1, 1))
     return values, deviations, np.hypot(of_mean, ROUNDING)
 
 
 def _look_up(table, file, columns, name, folder):
-    """The column `name` of the study's table `file`, where `columns` of both agree, (n,); nan elsewhere."""
-    theirs = read_r22_table(file, folder).rename(columns=columns)
+    """Return the column `name` of the r22 table `file` where `columns` of both tables agree, (n,); nan elsewhere."""
+    published = read_r22_table(file, folder).rename(columns=columns)
     keys = list(columns.values())
     if name is None or not set(keys) <= set(table.columns):
         return np.full(len(table), np.nan)
-    # "<=300" faces there is a target of 300 here
-    known = {tuple(_plain(row[key]) for key in keys): row[name] for _, row in theirs.iterrows()}
-    found = [known.get(tuple(_plain(row[key]) for key in keys), np.nan) for _, row in table.iterrows()]
-    return np.array(found, float)
+    # "<=300" faces in the r22 table is a maximum of 300 here.
+    by_key = {tuple(_plain(row[key]) for key in keys): row[name] for _, row in published.iterrows()}
+    values = [by_key.get(tuple(_plain(row[key]) for key in keys), np.nan) for _, row in table.iterrows()]
+    return np.array(values, float)
 
 
 def _experiment(table, folder):
-    """Columns of the measured porosities of the cases."""
+    """Return the columns with the measured porosities of the cases as a dict."""
     measured, std = (_look_up(table, "table3_cases", {"case": "case"}, name, folder) for name in ("n_exp", "n_exp_std"))
-    theirs = _look_up(table, "table6_validation", {"case": "case"}, "relative_error_percent", folder)
+    r22_error = _look_up(table, "table6_validation", {"case": "case"}, "relative_error_percent", folder)
     return {
         "experiment_n": measured,
         "experiment_n_std": std,
         "experiment_error_percent": 100.0 * (table["n"] / measured - 1.0),
-        "r22_error_percent": theirs,
+        "r22_error_percent": r22_error,
     }
 
 
 def _cost_of_faces(table, folder):
-    """Columns of what decimation did to the study's grains, and how long its runs and ours took."""
+    """Return columns with run times, and the change of volume of the grains of Rettinger et al. by decimation, dict."""
     columns = {"case": "case", "faces": "faces"}
     return {
         "cpu_h_per_run": table["cpu_h"] / table["runs"],
@@ -108,13 +108,13 @@ def _cost_of_faces(table, folder):
 
 
 def _single_form_error(table, folder):
-    """Standard deviation of the error of the study's {EQ^-1, EL^-1} model for one packing."""
+    """Return the standard deviation of the error of the published model {EQ^-1, EL^-1} for one packing."""
     errors = read_r22_table("table9_second_factor_mae", folder).set_index("case")["EL_inv"]
     return 1e-3 * _STD_OF_MAE * errors.reindex(table["case"]).to_numpy()
 
 
 def _mixture_error(table, folder):
-    """The same of its model of form mixtures, which has four features."""
+    """Return the standard deviation of the error of the published model of form mixtures, which has four features."""
     sets = read_r22_table("table10_form_mixture_features", folder)
     full = sets[(sets.filter(regex="_inv$") == 1).all(axis=1)].iloc[0]
     errors = [full.get(f"{case}_mae_1e-3", np.nan) for case in table["case"]]
@@ -122,7 +122,7 @@ def _mixture_error(table, folder):
 
 
 def _plain(value):
-    """One spelling of a key: 300, 300.0, "300" and "<=300" are the same."""
+    """Return the common form of a key: 300, 300.0, "300" and "<=300" are the same."""
     try:
         return round(float(str(value).removeprefix("<=")), 9)
     except ValueError:
@@ -130,7 +130,7 @@ def _plain(value):
 
 
 def _from_model(table, model, folder):
-    """What the study's linear model says for the mean and standard deviation of EQ and EL over the grains."""
+    """Predict with the published linear model, from the mean and standard deviation of EQ and EL over the grains."""
     models = read_r22_table("models", folder).query("model == @model").set_index("case")
     features = {
         "EQ_inv": 1 / table.EQ,
@@ -149,6 +149,7 @@ def _from_model(table, model, folder):
 
 
 def _application(table, folder):
-    theirs = read_r22_table("table11_application", folder).set_index("case").reindex(table.case)
+    """Return the simulated porosities of Table 11: of drawn grains, or of continuous distributions of form."""
+    published = read_r22_table("table11_application", folder).set_index("case").reindex(table.case)
     drawn = (table.get("choice", pd.Series("random", table.index)) == "random").to_numpy()
-    return np.where(drawn, theirs.discrete_simulated, theirs.continuous_simulated)
+    return np.where(drawn, published.discrete_simulated, published.continuous_simulated)

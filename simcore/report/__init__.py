@@ -1,1 +1,1 @@
-"""The page of a campaign and its figures."""
+"""The report page of a campaign and its figures."""

@@ -1,20 +1,21 @@
-"""The page of a campaign whose packings are there: all its tables and figures, from their files."""
+"""The report page of a finished campaign: all its tables and figures, from their files."""
 
 from pathlib import Path
 
 from simcore.report.page import is_picture, page, paragraph, picture, table
 from simcore.report.sections import BEHIND, CAMPAIGN, LEAD, STUDIES, TITLE, in_short, packing_warnings, read_caption
 
-TEST_ONLY = "Test only: these packings are far too small to mean anything."
+TEST_ONLY = "Test only: these packings are far too small for valid results."
 STUDY_PICTURES = ("study_porosities", "study_picture", "study_profile")  # captions of a study's figures, in their order
 
 
 def campaign_page(files, titles, biases, captions, test_only=False):
-    """Return the whole page as text, and the same page without its pictures.
+    """Return the page as HTML text, and the same page without its pictures.
 
     files: object with lists of paths: models, model_figures, campaign_tables, campaign_figures, grain_tables and
-    grain_figures, each of which may be empty; and one path a study in tables, packings, study_figures, pictures and
-    profiles. titles, biases: of each study, by the stem of its table. captions: folder, as of `read_caption`.
+    grain_figures, each of which may be empty; and tables, packings, study_figures, pictures and profiles, each with one
+    path per study. titles, biases: dicts from the stem of a study's table to its title and its text on biases.
+    captions: folder of the captions, as in `read_caption`. test_only: mark the page as a test.
     """
     sections = [*_of_all_studies(files, captions), ("Studies", [paragraph(STUDIES)])]
     by_study = zip(files.tables, files.packings, files.study_figures, files.pictures, files.profiles, strict=True)
@@ -33,10 +34,10 @@ def campaign_page(files, titles, biases, captions, test_only=False):
 
 
 def _of_all_studies(files, captions):
-    """Sections on models, cost and grains; a campaign need not have a model, nor grains of its own."""
+    """Return the sections on models, cost and grains; models and grains are optional."""
 
     def shown(show, paths, *others):
-        """Fragments of figures or tables that lie in folders named as their captions."""
+        """Return fragments of figures or tables; folder and file name of each give the name of its caption."""
         return [
             show(path, read_caption(captions, f"{Path(path).parent.name}_{Path(path).stem}"), *others) for path in paths
         ]

@@ -1,6 +1,6 @@
-"""The source study's tables and figures from rows that are committed: no packing is made, and none need be there.
+"""Tables and figures of the report from committed rows, without simulating or reading any packing.
 
-What a folder such as results/reference has no rows of is left out.
+Tables and figures for which a folder such as results/reference has no rows are left out.
 """
 
 from pathlib import Path
@@ -28,7 +28,7 @@ from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
 from simcore.report.findings import Findings
 
 MESH, ELLIPSOID = "polyhedron", "ellipsoid"
-# Studies whose rows stand beside a table of the source study's, or by themselves.
+# Studies whose means are compared with a table of Rettinger et al. (2022), or shown alone if there is none.
 PLAIN_STUDIES = (
     "mesh_resolution",
     "shaking_cylinder",
@@ -38,15 +38,16 @@ PLAIN_STUDIES = (
     "near_spheres",
     "application",
 )
-EARLIER = "These rows are of settings that the campaign had before; this page does not give their bias."
+EARLIER = "These packings were simulated with earlier settings of the campaign; their bias is not given here."
 _RESULT = ("n", "n_std_error", "grains", "cpu_s")
 
 
 def findings(folder, seed=0, folds=FOLDS, studies=None):
-    """(tables, figures) of the rows in `folder`, dicts by name of DataFrames and matplotlib Figures.
+    """Return (tables, figures) of the rows in `folder`, dicts by name of DataFrames and matplotlib Figures.
 
-    folder: tables of simcore.campaign.gathering. seed and folds: of the cross-validation. studies: those whose trends
-    over height are shown; None: all. ValueError where the folder has no table of packings.
+    folder: contains the tables written by simcore.campaign.gathering. seed, folds: of the cross-validation. studies:
+    names of the studies whose trends over height are shown; None: all. ValueError if the folder has no table of
+    packings.
     """
     folder = Path(folder)
     rows = {
@@ -55,26 +56,26 @@ def findings(folder, seed=0, folds=FOLDS, studies=None):
         if (folder / f"{name}.csv").exists()
     }
     if not rows:
-        raise ValueError(f"{folder}: has no table of packings; gather some first: snakemake collect")
-    whole = Findings()
+        raise ValueError(f"{folder}: there is no table of packings; gather some first with: snakemake collect")
+    results = Findings()
     if "single_form" in rows:
-        whole |= _single_forms(rows["single_form"], seed, folds)
-        whole |= _shape_kinds(rows["single_form"], rows.get("near_spheres"))
+        results |= _single_forms(rows["single_form"], seed, folds)
+        results |= _shape_kinds(rows["single_form"], rows.get("near_spheres"))
     if "form_mixture" in rows:
-        whole |= _mixtures(rows["form_mixture"], seed, folds)
+        results |= _mixtures(rows["form_mixture"], seed, folds)
     if {"single_form", "form_mixture"} <= set(rows):
-        whole |= _unified(rows["single_form"], rows["form_mixture"], seed, folds)
-    if "application" in rows and any(name == "form_mixture" for name, _ in whole.models):
-        whole |= Findings({"application_predictions": _application(rows["application"], whole.models)})
+        results |= _unified(rows["single_form"], rows["form_mixture"], seed, folds)
+    if "application" in rows and any(name == "form_mixture" for name, _ in results.models):
+        results |= Findings({"application_predictions": _application(rows["application"], results.models)})
     for study in set(PLAIN_STUDIES) & set(rows):
-        whole |= _plain_study(rows[study], study)
-    whole |= _biases(folder)
-    whole |= _trends(folder, studies)
-    return whole.tables, whole.figures
+        results |= _plain_study(rows[study], study)
+    results |= _biases(folder)
+    results |= _trends(folder, studies)
+    return results.tables, results.figures
 
 
 def gathered_packings(folder, studies):
-    """What was packed of these studies, as {"collected": DataFrame}; empty where there is no collected.csv."""
+    """Return the gathered packings of these studies as {"collected": DataFrame}; empty without a collected.csv."""
     path = Path(folder) / "collected.csv"
     if not path.exists():
         return {}
@@ -83,51 +84,51 @@ def gathered_packings(folder, studies):
 
 
 def notes_of_rows(biases, gathered):
-    """The notes on bias of each study, which describe the settings of today; rows of earlier settings have another.
+    """Return the notes on biases by study; EARLIER for a study whose rows all have earlier settings.
 
-    biases: note by study. gathered: of `gathered_packings`; a study none of whose packings has the settings of today
-    has only rows of earlier ones.
+    biases: notes by study, which describe the present settings. gathered: result of `gathered_packings`. A study of
+    which no packing with the present settings was gathered has only rows of earlier settings.
     """
     if "collected" not in gathered:
         return dict(biases)
-    packed = gathered["collected"].groupby("study")["packings"].sum()
-    return biases | {study: EARLIER for study, packings in packed.items() if packings == 0}
+    n_packings = gathered["collected"].groupby("study")["packings"].sum()
+    return biases | {study: EARLIER for study, packings in n_packings.items() if packings == 0}
 
 
 def read_rows(path):
-    """One of the committed tables as study_tables.tabulate has them, what it does not hold as nan.
+    """Read a committed table with the columns of study_tables.tabulate; a column that it lacks is nan.
 
-    Statistics over the grains of a bed: from L, I, S where it holds these, else from its columns mu_EQ to sigma_EL.
-    Cases are in the order of config/cases.tsv, others behind.
+    The statistics over the grains of a packing come from the columns L, I, S if there are any, else from the columns
+    mu_EQ to sigma_EL. Cases are in the order of config/cases.tsv, followed by all others.
     """
     table = pd.read_csv(path)
     table = table.rename(columns={**study_names(), "run": "seed"})
-    place = {case: i for i, case in enumerate(read_cases(CONFIG / "cases.tsv"))}
-    table = table.sort_values("case", key=lambda case: case.map(place), kind="stable", ignore_index=True)
+    rank = {case: i for i, case in enumerate(read_cases(CONFIG / "cases.tsv"))}
+    table = table.sort_values("case", key=lambda case: case.map(rank), kind="stable", ignore_index=True)
     if "L" in table:
         table = table.assign(EQ=table["S"] / table["L"], EL=table["I"] / table["L"], FL=table["S"] / table["I"])
         table = table.assign(sigma_EQ=0.0, sigma_EL=0.0, sigma_FL=0.0)
     elif {"flatness", "elongation"} <= set(table):
-        flatness, elongation = (table[name].fillna(1.0) for name in ("flatness", "elongation"))  # a sphere has none
+        flatness, elongation = (table[name].fillna(1.0) for name in ("flatness", "elongation"))  # nan for spheres
         table = table.assign(FL=flatness, EL=elongation, EQ=flatness * elongation)
     missing = [name for name in (*FORM, "n_exact", "coordination_number") if name not in table]
     return table.assign(**dict.fromkeys(missing, np.nan), study=Path(path).stem)
 
 
 def _single_forms(packings, seed, folds):
-    """Models of beds of one form, for grains from each source; the models of the synthetic grains."""
-    whole, parts = Findings(), {}
-    of_sources = packings[packings["kind"] == MESH].groupby("source")
-    for source, rows in sorted(of_sources, key=lambda each: (each[0] != "synthetic", each[0])):
-        found = _single_forms_of(source, rows, seed, folds)
-        for name, table in found.tables.items():
-            parts.setdefault(name, []).append(_of_source(table, source))
-        whole |= found._replace(tables={}, models=found.models if source == "synthetic" else {})
-    return whole._replace(tables={name: pd.concat(each, ignore_index=True) for name, each in parts.items()})
+    """Fit models of beds of one form for each source of grains; the result has only the models of synthetic grains."""
+    results, parts = Findings(), {}
+    by_source = packings[packings["kind"] == MESH].groupby("source")
+    for source, rows in sorted(by_source, key=lambda group: (group[0] != "synthetic", group[0])):
+        of_source = _single_forms_of(source, rows, seed, folds)
+        for name, table in of_source.tables.items():
+            parts.setdefault(name, []).append(_with_source(table, source))
+        results |= of_source._replace(tables={}, models=of_source.models if source == "synthetic" else {})
+    return results._replace(tables={name: pd.concat(tables, ignore_index=True) for name, tables in parts.items()})
 
 
 def _single_forms_of(source, rows, seed, folds):
-    """Porosities of one source of grains, and the models of its cases with more than four forms."""
+    """Return the porosities of grains of one source, and the models of their cases with more than four forms."""
     correlations, r22_models = read_r22_table("correlations"), read_r22_table("models")
     means = add_reference(summarise(rows, ["case"]), "single_form")
     tables = {"single_form_porosities": means}
@@ -155,13 +156,13 @@ def _single_forms_of(source, rows, seed, folds):
     return Findings(tables, figures, models)
 
 
-def _of_source(table, source):
-    """The table with its grains' source in front."""
+def _with_source(table, source):
+    """Add the source of the grains as the first column."""
     return table.assign(source=source)[["source", *table.columns.drop("source", errors="ignore")]]
 
 
 def _at_mean_form(models, r22_models):
-    """Porosity of beds of the study's mean form, by our models and by its own: one row a case."""
+    """Predict the porosity at the mean form of Rettinger et al., by our models and by theirs: one row per case."""
     form = read_r22_table("table2_form_statistics").iloc[0]
     features = pd.DataFrame({"EQ_inv": [1.0 / (form["mu_FL"] * form["mu_EL"])], "EL_inv": [1.0 / form["mu_EL"]]})
     rows = []
@@ -169,7 +170,7 @@ def _at_mean_form(models, r22_models):
         if name == "single_form":
             n, lower, upper = (value[0] for value in model.predict_interval(features))
             published = r22_models.query("model == 'single_form' and case == @case").iloc[:1]
-            r22_n = published["intercept"] + sum(published[each] * features[each][0] for each in features)
+            r22_n = published["intercept"] + sum(published[feature] * features[feature][0] for feature in features)
             row = {"case": case, "FL": form["mu_FL"], "EL": form["mu_EL"], "n": n, "lower_95": lower, "upper_95": upper}
             rows.append(row | {"r22_n": r22_n.iloc[0] if len(r22_n) else np.nan})
     table = pd.DataFrame(rows)
@@ -177,7 +178,7 @@ def _at_mean_form(models, r22_models):
 
 
 def _shape_kinds(packings, near_spheres):
-    """Grains beside their equivalent ellipsoids, and ellipsoids that are rounder than any."""
+    """Compare polyhedra with their equivalent ellipsoids, and show ellipsoids that are rounder than any grain."""
     own = packings[packings["source"] == "synthetic"]
     pairs = pair_shape_kinds(own[own["kind"] == MESH], own[own["kind"] == ELLIPSOID])
     if pairs.empty:
@@ -190,15 +191,15 @@ def _shape_kinds(packings, near_spheres):
 
 
 def _application(packings, models):
-    """What the models say of beds that they have not seen, over the seeds."""
+    """Predict packings to which no model was fitted; their values are means over the seeds."""
     kind = np.where(packings["choice"] == "random", "discrete", "continuous")
-    unseen = pd.concat([packings[["case", "n"]].assign(kind=kind), _statistics(packings)], axis=1)
-    seen = unseen.groupby(["case", "kind"], sort=False).mean().reset_index()
-    return application_table(models, seen, read_r22_table("table11_application"))
+    packed = pd.concat([packings[["case", "n"]].assign(kind=kind), _statistics(packings)], axis=1)
+    means = packed.groupby(["case", "kind"], sort=False).mean().reset_index()
+    return application_table(models, means, read_r22_table("table11_application"))
 
 
 def _mixtures(packings, seed, folds):
-    """The model of mixtures, its tables and figures."""
+    """Fit the models of mixtures, and return them with their tables and figures."""
     fitted, models = mixture_models(
         _samples(packings).drop(columns=["mean_FL", "mean_EL"]),
         read_r22_table("correlations"),
@@ -214,7 +215,7 @@ def _mixtures(packings, seed, folds):
     if models:
         compared = pd.concat([means[["case", "n", "n_std_error", "r22_n"]], _statistics(means)], axis=1)
         predictions = compare_predictions(models, "form_mixture", compared)
-        # Model beside model: what one leaves of its own beds is not told of the study's, which are not published.
+        # The two models are compared, not packings: Rettinger et al. do not publish porosities of single packings.
         means["model_n"] = predictions["predicted"]
         means["model_difference"] = means["model_n"] - means["r22_n"]
         figures["form_mixture_prediction"] = prediction_figure(predictions, list(models.values()))
@@ -224,38 +225,38 @@ def _mixtures(packings, seed, folds):
 
 
 def _unified(forms, mixtures, seed, folds):
-    """The model for beds of one form and for mixtures alike."""
+    """Fit the unified model for beds of one form and for mixtures."""
     synthetic = forms[(forms["kind"] == MESH) & (forms["source"] == "synthetic")]
     unified, models = unified_models(synthetic, _samples(mixtures), read_r22_table("models"), seed, folds)
     return Findings({"unified": unified["models"], "unified_feature_sets": unified["feature_sets"]}, {}, models)
 
 
 def _samples(packings):
-    """Mixtures as the models take them; packings that differ in their seed alone are of one sample."""
+    """Return mixtures with the columns that the models need; packings that differ only in their seed share a sample."""
     sample = packings[list(ASKED_FOR)].astype(str).agg(" ".join, axis=1)
     beds = packings[["case", "n", "mean_FL", "mean_EL"]].assign(sample=sample)
     return pd.concat([beds, _statistics(packings)], axis=1)
 
 
 def _statistics(packings):
-    """Features of the models of mixtures, from the statistics over the grains of each packing."""
+    """Return the features of the models of mixtures, from the statistics over the grains of each packing."""
     renamed = packings.rename(columns={"EQ": "mu_EQ", "EL": "mu_EL"})
     return unified_features(renamed[list(STATISTICS)])[list(dict.fromkeys([*STATISTICS, *MIXTURE, *UNIFIED]))]
 
 
 def _plain_study(packings, study):
-    """A study beside the values of Rettinger et al. (2022), and its figure."""
+    """Return the means of a study with the values of Rettinger et al. (2022), and its figure."""
     table = _beside(packings, study)
     return Findings({study: table}, {study: porosities_figure(table, ["case", *_varied(packings)])})
 
 
 def _beside(packings, study):
-    """Means over the seeds beside the values of Rettinger et al. (2022)."""
+    """Return means over the seeds with the values of Rettinger et al. (2022)."""
     return add_reference(summarise(packings, _varied(packings)), study)
 
 
 def _varied(packings):
-    """Columns of the table of a study that say what it varies."""
+    """Return the columns of a study's table that the study varies."""
     others = {"study", "seed", *_RESULT, *FORM, "n_exact", "coordination_number", "case"}
     return [name for name in packings if name not in others]
 
@@ -266,7 +267,7 @@ def _biases(folder):
 
 
 def _trends(folder, studies):
-    """Trends over height of the studies named, or of all."""
+    """Return the trends over height of these studies, or of all."""
     if not (folder / "trends.csv").exists():
         return Findings()
     trends = pd.read_csv(folder / "trends.csv")

@@ -1,4 +1,4 @@
-"""What a part of a page consists of: tables, figures and models, by name; and how they are written to files."""
+"""Tables, figures and models of a part of the report, by name, and how they are written to files."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -19,10 +19,10 @@ class Findings(NamedTuple):
         return Findings(*(first | second for first, second in zip(self, other, strict=True)))
 
     def write(self, output, test_only: bool = False) -> None:
-        """Write each table and figure to the file that `output` has under its name.
+        """Write each table and figure to the file that `output` gives for its name.
 
-        output: mapping from names to a path, or of a figure to several paths; it may have others. test_only: mark them
-        as made from packings that are far too small.
+        output: mapping from names to a path, or for a figure to several paths; it may have further names. test_only:
+        mark tables and figures as made from packings that are far too small.
         """
         for name, table in self.tables.items():
             mark(table, test_only).to_csv(output[name], index=False)

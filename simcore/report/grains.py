@@ -1,4 +1,4 @@
-"""Tables and figures about a set of grains, beside the grains of Rettinger et al. (2022) and published scans."""
+"""Tables and figures of a set of grains, compared with the grains of Rettinger et al. (2022) and published scans."""
 
 import pandas as pd
 
@@ -18,14 +18,14 @@ from simcore.report.findings import Findings
 
 
 def grain_findings(grains) -> Findings:
-    """Return form factors, their statistics and correlations, shapes beside scans, and what decimation changes.
+    """Return form factors, their statistics and correlations, shapes compared with scans, and changes by decimation.
 
-    grains: list of Grain. Each table has its row names as its first column.
+    grains: list of Grain. The first column of each table contains its row names.
     """
     forms, shapes, decimation = form_table(grains), shape_table(grains), decimation_table(grains)
     correlations, summary = factor_correlations(forms), decimation_summary(decimation)
     r22 = read_r22_table("table2_form_statistics")
-    of_the_rhine = r22.iloc[0]  # the grains of Rettinger et al. (2022)
+    rhine_grains = r22.iloc[0]  # the grains of Rettinger et al. (2022)
     tables = {
         "forms": forms,
         "statistics": pd.concat([form_statistics(forms).assign(source="this set"), r22]).set_index("source"),
@@ -36,8 +36,8 @@ def grain_findings(grains) -> Findings:
         "shapes": shape_comparison(shapes),
     }
     pictures = {
-        "zingg": figures.zingg_diagram({"this set": forms}, of_the_rhine),
-        "histograms": figures.form_histograms(forms, of_the_rhine),
+        "zingg": figures.zingg_diagram({"this set": forms}, rhine_grains),
+        "histograms": figures.form_histograms(forms, rhine_grains),
         "matrix": figures.correlation_matrix(correlations),
         "scans": figures.shapes_against_scans({"this set": shapes}, scan_ranges()),
         "changes": figures.decimation_changes(summary),
@@ -46,5 +46,5 @@ def grain_findings(grains) -> Findings:
 
 
 def _names_first(table):
-    """The table with its index as its first column, whose heading is empty where the index has no name."""
+    """Return the table with its index as first column; its heading is empty if the index has no name."""
     return table.rename_axis(index=table.index.name or "").reset_index()

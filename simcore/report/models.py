@@ -1,4 +1,4 @@
-"""Models fitted to the packings of a campaign, beside those of Rettinger et al. (2022), with their figures."""
+"""Models fitted to the packings of a campaign, compared with those of Rettinger et al. (2022), with their figures."""
 
 import pandas as pd
 
@@ -16,10 +16,11 @@ from simcore.report.findings import Findings
 
 
 def single_form_findings(packings, committed, seed, folds) -> Findings:
-    """Correlations, second features and models of beds of one form, per case; figures of the cases packed here.
+    """Return correlations, second features and models of beds of one form, per case; figures only of the own cases.
 
-    packings: tables of the packings of this campaign, one DataFrame a study. committed: rows of further cases, as of
-    read_single_forms; they are fitted, and marked so in the column packed_by. seed and folds: of the cross-validation.
+    packings: tables of the packings of this campaign, one DataFrame per study. committed: rows of further cases, as
+    from read_single_forms; models are fitted to them too. The column packed_by distinguishes both. seed, folds: of the
+    cross-validation.
     """
     packings = add_reference(pd.concat(packings, ignore_index=True), "single_form")
     correlations, r22_models = read_r22_table("correlations"), read_r22_table("models")
@@ -47,10 +48,10 @@ def single_form_findings(packings, committed, seed, folds) -> Findings:
 
 
 def form_mixture_findings(features, packings, application, seed, folds) -> Findings:
-    """Correlations, feature sets and models of the mixtures of form, and their prediction of packings never seen.
+    """Return correlations, feature sets and models of form mixtures, and predictions of packings outside the fit.
 
     features: table of features of the study form_mixtures; packings: the table of its packings. application: features
-    of the packings to predict, or None.
+    of the packings to predict, or None. seed, folds: of the cross-validation.
     """
     tables, models = mixture_models(
         features.drop(columns=["packing", "kind", "note"], errors="ignore"),
@@ -72,7 +73,7 @@ def form_mixture_findings(features, packings, application, seed, folds) -> Findi
 
 
 def unified_findings(single_forms, mixtures, features, seed, folds) -> Findings:
-    """The model for beds of one form and for mixtures alike, beside the separate ones, per case.
+    """Return the unified model for beds of one form and for mixtures, compared with separate models, per case.
 
     single_forms, mixtures: tables of the packings of both studies; features: table of features of the mixtures.
     """
@@ -84,9 +85,9 @@ def unified_findings(single_forms, mixtures, features, seed, folds) -> Findings:
 
 
 def shape_kind_findings(polyhedra, ellipsoids, near_spheres) -> Findings:
-    """How far packings of polyhedra and of their ellipsoids differ.
+    """Return the differences in porosity between packings of polyhedra and of their equivalent ellipsoids.
 
-    near_spheres: table of rounder ellipsoids, or None.
+    near_spheres: table of packings of rounder ellipsoids, or None.
     """
     pairs = pair_shape_kinds(polyhedra, ellipsoids)
     table = shape_kind_table(pairs, read_r22_table("polyhedron_ellipsoid_difference"))

@@ -1,4 +1,4 @@
-"""One static HTML page of tables and pictures that needs no other file."""
+"""A static HTML page of tables and pictures that needs no other file."""
 
 import base64
 from html import escape
@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pandas as pd
 
-# A picture of two panels and more needs the whole width: by width over height, or, where they stand in rows, by pixels.
+# A picture of several panels gets the whole width of the page: panels in one row are recognised by width over height,
+# panels in several rows by the number of pixels.
 WIDE, WIDE_PIXELS = 1.6, 1200
-# Text of more letters than this is broken into lines.
+# Longer text is broken into lines.
 LONG_TEXT = 28
-# Longer tables are folded, so that the page can be read through.
+# Longer tables are folded, so that the page stays short.
 ROWS_SHOWN = 24
 
 _STYLE = """
@@ -31,10 +32,10 @@ nav a { margin-right: 1rem; }
 
 
 def page(title, lead, sections, banner=""):
-    """The whole page as text.
+    """Return the page as HTML text.
 
-    lead: a paragraph under the title; sections: list of (heading, list of HTML fragments from `paragraph`, `table`
-    and `picture`); banner: a warning on top of the page, none if empty.
+    lead: paragraph under the title; sections: list of (heading, list of HTML fragments from `paragraph`, `table`
+    and `picture`); banner: warning at the top of the page, none if empty.
     """
     links = " ".join(f'<a href="#{_anchor(heading)}">{escape(heading)}</a>' for heading, _ in sections)
     parts = [
@@ -49,30 +50,35 @@ def page(title, lead, sections, banner=""):
 
 
 def paragraph(text):
-    """A paragraph of plain text."""
+    """Return a paragraph of plain text."""
     return f'<p class="note">{escape(text)}</p>'
 
 
 def bullets(texts):
-    """A list of plain texts."""
+    """Return a list of plain texts."""
     items = "".join(f"<li>{escape(text)}</li>" for text in texts)
     return f'<ul class="note">{items}</ul>'
 
 
 def table(path, caption="", behind=()):
-    """The CSV file at `path` as a table under a caption, as of `rows_table`. A column `note` is left out: the page's
-    banner says it once. behind: columns that stand behind all others, for what is read first to be in sight."""
+    """Return the CSV file at `path` as a table under a caption, in the format of `rows_table`.
+
+    A column `note` is left out, because the banner of the page has the same text. behind: columns that are moved to the
+    right end, so that the important columns are visible without scrolling.
+    """
     rows = pd.read_csv(path).drop(columns="note", errors="ignore")
     rows = rows[[*rows.columns.difference(behind, sort=False), *(name for name in behind if name in rows)]]
     return f'<p class="note">{_caption(caption, path)}</p>\n{rows_table(rows)}'
 
 
 def rows_table(rows):
-    """A DataFrame as a table: numbers to four significant digits, nothing where there is no value; columns without any
-    are left out. More than ROWS_SHOWN rows are folded."""
+    """Return a DataFrame as a table: numbers with four significant digits, missing values empty.
+
+    Columns without any value are left out. A table of more than ROWS_SHOWN rows is folded.
+    """
     rows = rows.dropna(axis="columns", how="all") if len(rows) else rows
     texts = [not pd.api.types.is_numeric_dtype(rows[name]) for name in rows]
-    # Names may be broken behind an underline.
+    # Column names may be broken after an underscore.
     head = "".join(_element("th", name, text).replace("_", "_<wbr>") for name, text in zip(rows, texts, strict=True))
     body = "\n".join(
         "<tr>" + "".join(_element("td", value, text) for value, text in zip(row, texts, strict=True)) + "</tr>"
@@ -83,10 +89,10 @@ def rows_table(rows):
 
 
 def picture(path, caption=""):
-    """The PNG file at `path`, put into the page itself, over a caption; a wide one has the width of the page."""
+    """Return the PNG file at `path`, embedded in the page, over a caption; a wide one has the width of the page."""
     content = Path(path).read_bytes()
     data, name = base64.b64encode(content).decode(), escape(caption or str(path))
-    # Width and height stand in the first chunk of a PNG file.
+    # The first chunk of a PNG file contains width and height.
     width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))
     wide = ' class="wide"' if width > min(WIDE * height, WIDE_PIXELS) else ""
     return (
@@ -96,17 +102,17 @@ def picture(path, caption=""):
 
 
 def is_picture(fragment):
-    """Whether a fragment comes from `picture`."""
+    """Return whether a fragment comes from `picture`."""
     return fragment.startswith("<figure")
 
 
 def _caption(text, path):
-    """What is shown, in words, and the file it comes from."""
+    """Return the caption with the name of the file."""
     return " ".join(filter(None, [escape(text), f'<span class="file">{escape(str(path))}</span>']))
 
 
 def _element(tag, value, text):
-    """A cell of a table; text: whether its column has words, not numbers."""
+    """Return a cell of a table; text: whether its column contains text instead of numbers."""
     shown = _cell(value)
     kinds = " ".join(["text"] * text + ["long"] * (text and len(shown) > LONG_TEXT))
     return f'<{tag} class="{kinds}">{shown}</{tag}>' if kinds else f"<{tag}>{shown}</{tag}>"

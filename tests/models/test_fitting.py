@@ -23,7 +23,7 @@ def test_the_rows_of_a_campaign_are_what_is_fitted(reference):
     both = fit_reference_models(reference)
     assert both.models["single_form", "U1"].n_samples == 40
     assert both.models["single_form", "U1"].scatter == pytest.approx(0.005, rel=0.3)  # half of what the sources differ
-    with pytest.raises(ValueError, match="has no grains of source clay; there are scans, synthetic"):
+    with pytest.raises(ValueError, match="no grains of source clay; choose one of the sources: scans, synthetic"):
         fit_reference_models(reference, source="clay")
     with pytest.raises(ValueError, match="nor its default/ has tables"):
         fit_reference_models(reference / "none")
@@ -68,12 +68,12 @@ def test_a_campaigns_models_are_read_from_its_folder(tmp_path):
     assert fitted.behind["single_form", "U7"] == f"20 beds, test only: {tmp_path / 'single_form.nc'}"
     row = predict_samples([one_form(0.6, 0.7)], "U7", fitted).iloc[0]
     assert row.lower < single_truth(0.6, 0.7) < row.upper
-    with pytest.raises(ValueError, match="has no model in single_form.nc, form_mixture.nc, unified.nc"):
+    with pytest.raises(ValueError, match="there is no model in single_form.nc, form_mixture.nc, unified.nc"):
         read_campaign_models(tmp_path / "none")
 
 
 def test_a_campaign_without_mixtures_leaves_a_file_that_can_be_read(tmp_path):
     tables, models = mixture_models(pd.DataFrame({"case": ["U1"] * 3, "n": [0.3, 0.4, 0.35], "mu_EQ_inv": [2.0, 3, 4]}))
     models_dataset(models, tables["models"], "Models").to_netcdf(tmp_path / "form_mixture.nc")
-    with pytest.raises(ValueError, match="has no model in"):
+    with pytest.raises(ValueError, match="there is no model in"):
         read_campaign_models(tmp_path)

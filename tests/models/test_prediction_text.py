@@ -24,11 +24,11 @@ TABLE_2 = ROOT / "examples" / "table2.csv"
 def test_on_the_command_line(capsys, tmp_path):
     assert main(["predict", "--case", "U1", str(TABLE_2)]) == 0
     text = capsys.readouterr().out
-    assert "railway ballast" in text and "* outside what the model was fitted to" in text
-    assert "its Eq. 23" in text and "mixtures in " in text and "results/reference/" in text
+    assert "railway ballast" in text and "* outside the fitted range of the model" in text
+    assert "their Eq. 23" in text and "mixtures in " in text and "results/reference/" in text
     (tmp_path / "few.csv").write_text("sample,FL,EL\nA,0.6,0.7\nA,0.8,0.5\n")
     assert main(["predict", "--case", "U1", str(tmp_path / "few.csv")]) == 0
-    assert "Fewer than 30 grains do not tell how widely form is spread: A." in capsys.readouterr().out
+    assert "Fewer than 30 grains do not determine the spread of form well: A." in capsys.readouterr().out
     assert main(["predict", "--case", "U1", str(TABLE_2), "--csv"]) == 0
     rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
     assert [(row["sample"], row["by"], row["model"]) for row in rows[:3]] == [
@@ -48,7 +48,7 @@ def test_on_the_command_line(capsys, tmp_path):
     told = capsys.readouterr().err
     assert told.startswith("simcore predict: ") and told.count("\n") == 1 and "bad.csv, row 2" in told
     assert main(["predict", "--case", "U1", str(TABLE_2), "--level", "95"]) == 2
-    assert "level 95: a number between 0 and 1" in capsys.readouterr().err
+    assert "level 95: give a number between 0 and 1" in capsys.readouterr().err
 
 
 def test_a_reader_that_has_seen_enough_is_no_error():
@@ -68,7 +68,7 @@ def test_a_case_with_beds_of_one_form_alone_leaves_distributions_to_r22_and_says
     table = predict_samples([one, wide], "U7", fitted)
     assert table[table.preferred].name.tolist() == ["one"]
     assert table[table.preferred].n.item() == pytest.approx(single_truth(0.6, 0.7) - 0.05, abs=1e-3)
-    too_few = "Too few of our packings of U7 have a distribution of form: the model of Rettinger et al. alone for these"
+    too_few = "Too few of our packings of U7 have a distribution of form: only the model of Rettinger et al."
     assert too_few in describe(table, "U7", fitted)
     assert "Too few" not in describe(table[table.name == "one"], "U7", fitted)
     assert "Too few" not in describe(predict_samples([wide], "U1", fitted), "U1", fitted)
@@ -137,5 +137,5 @@ def test_where_none_of_ours_can_be_evaluated_it_is_said(reference):
     table = predict_samples([one_form(0.5, 0.6)], "U1", fitted)
     assert table[table.refused == ""].by.tolist() == ["r22"] and not table.preferred.any()
     text = describe(table, "U1", fitted)
-    assert "None of our models can be evaluated, that of Rettinger et al. alone: one" in text
+    assert "None of our models can be evaluated, only that of Rettinger et al., for: one." in text
     assert "Too few" not in text

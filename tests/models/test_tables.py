@@ -80,7 +80,7 @@ def test_a_case_with_few_packings_is_left_out_with_a_message(single_form_packing
     with caplog.at_level(logging.WARNING):
         _, models = single_form_models(few)
     assert {case for _, case in models} == {"U1"}
-    assert "case B50 left out: 4 packings" in caplog.text
+    assert "case B50 is left out: it has 4 packings" in caplog.text
     with pytest.raises(ValueError, match="no case has the 5 packings"):
         single_form_models(few.query("case == 'B50'"))
 
@@ -132,7 +132,7 @@ def test_mixture_models_recover_their_coefficients(mixture_packings):
 def test_a_set_that_packings_do_not_carry_is_left_out_with_a_message(mixture_packings, caplog):
     with caplog.at_level(logging.WARNING):
         tables, models = mixture_models(mixture_packings.iloc[:5])
-    assert "left out, 5 packings do not carry it" in caplog.text
+    assert "is left out: 5 packings are too few" in caplog.text
     assert len(tables["feature_sets"]) == 3 and models == {}
 
 

@@ -107,12 +107,12 @@ def test_a_case_that_lacks_one_kind_is_left_out_with_a_message(beds, caplog):
     forms, mixtures = beds
     with caplog.at_level(logging.WARNING):
         tables, models = unified_models(forms, mixtures[mixtures["sample"].str.startswith(("0", "2"))].head(6))
-    assert models == {} and "30 beds of one form, 3 mixtures: too few" in caplog.text
+    assert models == {} and "30 beds of one form and 3 mixtures are too few" in caplog.text
     assert tables["models"].empty and "term" in tables["models"]
     plain = [name for name in mixtures if not name.startswith(("mu_1/", "sigma_1/"))]
     with caplog.at_level(logging.WARNING):
         tables, _ = unified_models(forms, mixtures[plain])
-    assert "the packings do not carry it" in caplog.text
+    assert "the packings lack one of its columns" in caplog.text
     assert tables["feature_sets"].query("model == 'unified'").shape[0] == 5
 
 

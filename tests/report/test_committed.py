@@ -118,7 +118,7 @@ def test_cases_come_in_the_order_of_their_table(tmp_path):
 
 
 def test_a_folder_without_rows_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="has no table of packings; gather some first"):
+    with pytest.raises(ValueError, match="there is no table of packings; gather some first"):
         findings(tmp_path)
 
 

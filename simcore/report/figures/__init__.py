@@ -1,1 +1,1 @@
-"""Every picture, as functions that return a matplotlib Figure; scripts save them."""
+"""All figures, as functions that return a matplotlib Figure; scripts save them."""

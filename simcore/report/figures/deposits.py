@@ -1,4 +1,7 @@
-"""Figures of deposits of ellipsoids: over eta and zeta, over spread of size, beside the first study's process."""
+"""Figures of deposits of ellipsoids: over eta and zeta, over the spread of sizes, and by process.
+
+The processes are the deposit and that of Rettinger et al. (2022).
+"""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -18,7 +21,7 @@ LEAST_SPAN = {
     "P2_contact_normal": 0.2,
     "P2_long_axis": 0.2,
 }
-# Line, marker and lightness differ: told apart in grey.
+# Line, marker and lightness differ, so that the families can be distinguished in grey.
 STYLES = {
     "diagonal": {"label": "η = ζ", "color": "#20313b", "marker": "o", "ls": "-"},
     "prolate": {"label": "prolate (ζ = 1), over η", "color": "#b3541e", "marker": "s", "ls": "--"},
@@ -29,7 +32,7 @@ BAR = "± std. error over seeds"
 
 
 def figures_of_rows(rows, maxima):
-    """The figures that need no packings, dict by name. rows: with their family; maxima: of deposit_findings."""
+    """Return the figures that need no packings, dict by name; rows: with their family; maxima: of deposit_findings."""
     return {
         "map": map_figure(rows),
         "forms": forms_figure(rows, maxima),
@@ -40,9 +43,10 @@ def figures_of_rows(rows, maxima):
 
 
 def map_figure(rows):
-    """Solid fraction and contacts per grain over eta and zeta; the numbers stand in the cells, which are equal in size.
+    """Draw solid fraction and contacts per grain over eta and zeta, as numbers in cells of equal size.
 
-    rows: of deposits.deposit_rows, with their family. Only ratios of the map; forms of several seeds are means.
+    rows: of deposits.deposit_rows, with their family. Only ratios of the family `map` are shown; values of a form are
+    means over its seeds.
     """
     table = plain_means(rows)
     in_map = rows[rows["family"] == "map"]
@@ -68,9 +72,9 @@ def map_figure(rows):
 
 
 def forms_figure(rows, maxima):
-    """Solid fraction and contacts per grain along the diagonal and both families of spheroids, with their maxima.
+    """Draw solid fraction and contacts per grain along the diagonal and both families of spheroids, with their maxima.
 
-    maxima: of deposit_findings.maxima; a ring with its errors stands at each that the forms enclose.
+    maxima: of deposit_findings.maxima; each maximum inside the range of forms is shown as a ring with its errors.
     """
     longest = rows[["eta", "zeta"]].max().max()
     figure, grid = _panels(("solid_fraction", "coordination_number"))
@@ -85,7 +89,7 @@ def forms_figure(rows, maxima):
 
 
 def directions_figure(rows):
-    """<P2> of contact normals and of long axes against the vertical, over form; isotropic 0."""
+    """Draw <P2> of contact normals and of long axes relative to the vertical, over form; isotropic is 0."""
     names = ("P2_contact_normal", "P2_long_axis")
     figure, grid = _panels(names)
     for axes, name in zip(grid, names, strict=True):
@@ -95,7 +99,7 @@ def directions_figure(rows):
 
 
 def sizes_figure(rows):
-    """Density, contacts and directions over the spread of sizes S, one line a form."""
+    """Draw density, contacts and directions over the spread of sizes S, one line per form."""
     table = means(rows[rows["family"] == "sizes"])
     figure = Figure(figsize=(8.4, 6.2), layout="constrained")
     grid = figure.subplots(2, 2, sharex=True)
@@ -108,7 +112,7 @@ def sizes_figure(rows):
                 lw=1.2, label=f"η = {eta:g}, ζ = {zeta:g} ({BAR})",
             )  # fmt: skip
         axes.set_ylabel(LABELS[name])
-        # A panel that shows no more than scatter is not to look like an effect.
+        # A minimum span keeps pure scatter from looking like an effect.
         low, high = axes.get_ylim()
         wider = max(0.5 * (LEAST_SPAN[name] - (high - low)), 0.0)
         axes.set_ylim(low - wider, high + wider)
@@ -119,9 +123,10 @@ def sizes_figure(rows):
 
 
 def bridge_figure(rows):
-    """Porosity over L/S of deposits, and of the same forms with the first study's law and process, shaken or not.
+    """Draw porosity over L/S of deposits, and of the same forms by the process of Rettinger et al., shaken or not.
 
-    Shades are the processes, markers the families of forms; lines join the forms of one family, the sphere in all.
+    Shades show the processes, markers the families of forms. Lines connect the forms of one family; the sphere belongs
+    to all families.
     """
     figure = Figure(figsize=(6.4, 4.8), layout="constrained")
     axes = figure.subplots()
@@ -131,8 +136,8 @@ def bridge_figure(rows):
     deposits = deposits[[form in forms for form in zip(deposits["eta"], deposits["zeta"], strict=True)]]
     shaken = of_bridge["shaking_s"] > 0.0
     for table, process, shade in (
-        (of_bridge[~shaken], "first study's law: static friction, not shaken", "white"),
-        (of_bridge[shaken], "first study's law and process: shaken", "0.6"),
+        (of_bridge[~shaken], "law of Rettinger et al.: static friction, not shaken", "white"),
+        (of_bridge[shaken], "law and process of Rettinger et al.: shaken", "0.6"),
         (deposits, "deposit: Hertz, dynamic friction, not shaken", "#20313b"),
     ):
         for on, style in (
@@ -155,7 +160,7 @@ def bridge_figure(rows):
 
 
 def _panels(names):
-    """A figure and its panels side by side, one for each of `names`, over the ratio."""
+    """Return a figure and its panels side by side, one for each of `names`, over the ratio of axes."""
     figure = Figure(figsize=(9.0, 4.2), layout="constrained")
     grid = figure.subplots(1, len(names))
     for axes, name in zip(grid, names, strict=True):
@@ -165,7 +170,7 @@ def _panels(names):
 
 
 def _draw_lines(axes, rows, name):
-    """Means over the seeds of each of the three families of forms."""
+    """Draw the means over the seeds for the three families of forms."""
     for line_name in LINES:
         groups = curve(rows, line_name).groupby("ratio")[name]
         mean, error = groups.mean(), groups.std(ddof=1) / np.sqrt(groups.size())
@@ -180,7 +185,7 @@ def _grid(axes):
 
 
 def _with_legend(figure, panels, columns=2):
-    """The figure with every label once, below its panels."""
+    """Add a legend below the panels with every label once, and return the figure."""
     entries = {}
     for axes in panels:
         handles, labels = axes.get_legend_handles_labels()

@@ -1,10 +1,10 @@
-"""Figures of the fabric: how often which direction, and where on the grains the contacts are."""
+"""Figures of the fabric: distributions of directions, and positions of the contacts on the grains."""
 
 import numpy as np
 from matplotlib.figure import Figure
 
 TITLES = {"contact_normal": "normals of contacts", "long_axis": "long axes", "short_axis": "short axes"}
-# Dark to light, each with its own line: told apart in grey.
+# Dark to light, each with its own line, so that they can be distinguished in grey.
 STYLES = [
     ("#20313b", "-"),
     ("#b3541e", "--"),
@@ -16,12 +16,12 @@ BAND = "± standard error"
 
 
 def fabric_figure(fabrics, directions=None, crossing=None):
-    """Density per solid angle against the angle to the vertical, one panel for each kind of direction.
+    """Draw the density per solid angle against the angle to the vertical, one panel per kind of direction.
 
-    fabrics: dict from a label to a Dataset of simcore.evaluation.fabric, five at most; directions: of its coordinate,
-    None: all that some grain has. Steps are the bins, the band their standard error, the line through them the series
-    of Legendre moments up to sixth order. crossing: dict from a direction to an angle [rad] to mark, as of
-    crossing_angle.
+    fabrics: dict from a label to a Dataset of simcore.evaluation.fabric, five at most; directions: values of its
+    coordinate `direction`; None: all with finite values. Steps are the bins, the band is their standard error, and the
+    smooth line is the series of Legendre moments up to sixth order. crossing: dict from a direction to an angle [rad]
+    to mark, such as crossing_angle.
     """
     _check(fabrics, "fabric_figure")
     if directions is None:
@@ -51,10 +51,11 @@ def fabric_figure(fabrics, directions=None, crossing=None):
 
 
 def contact_radius_figure(fabrics):
-    """Where on the grains the contacts are, one panel for each of `fabrics` (dict of label to Dataset, five at most).
+    """Draw the distances of contacts from the grains' centres, one panel per fabric.
 
-    Steps with a band: density of contacts over their distance from the grain's centre in radii of a sphere of its
-    volume; the filled outline: that of the grains' surface, where contacts spread evenly over it would be.
+    fabrics: dict from a label to a Dataset, five at most. Steps with a band: density of contacts over their distance
+    from the centre, in radii of a sphere of the grain's volume. Filled outline: the same for the surface of the grains,
+    which contacts would follow if they were spread evenly over it.
     """
     _check(fabrics, "contact_radius_figure")
     figure = Figure(figsize=(1.0 + 3.0 * len(fabrics), 3.6), layout="constrained")
@@ -76,7 +77,7 @@ def contact_radius_figure(fabrics):
 
 
 def _draw_density(axes, fabric, label, color, line):
-    """Steps with their band and the smooth series of one kind of direction of one fabric."""
+    """Draw the steps with their band and the smooth series for one kind of direction of one fabric."""
     density = fabric["density"].values
     if not np.isfinite(density).any():
         return
@@ -92,14 +93,14 @@ def _draw_density(axes, fabric, label, color, line):
 
 
 def _band(axes, values, errors, edges, color):
-    """Standard error around steps; nothing where it is not known."""
+    """Draw the standard error around steps; without width where it is not a number."""
     low, high = (np.append(values + sign * np.nan_to_num(errors), np.nan) for sign in (-1.0, 1.0))
     low[-1], high[-1] = low[-2], high[-2]
     axes.fill_between(edges, low, high, step="post", color=color, alpha=0.22, lw=0)
 
 
 def _legend(figure, panels):
-    """Every label once, below the panels."""
+    """Add a legend below the panels with every label once."""
     entries = {}
     for axes in panels:
         handles, labels = axes.get_legend_handles_labels()
@@ -110,4 +111,6 @@ def _legend(figure, panels):
 
 def _check(fabrics, name):
     if not 0 < len(fabrics) <= len(STYLES):
-        raise ValueError(f"{name}: {len(fabrics)} fabrics, but one to {len(STYLES)} can be told apart; draw fewer")
+        raise ValueError(
+            f"{name}: {len(fabrics)} fabrics were given, but it can draw 1 to {len(STYLES)}; change their number"
+        )

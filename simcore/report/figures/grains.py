@@ -7,14 +7,15 @@ from scipy.stats import norm
 
 from simcore.report.figures.zingg import draw_fields
 
-# Markers and greys that differ in print without colour.
+# Markers and greys that can be distinguished in print without colour.
 _STYLES = [("o", "0.15"), ("^", "0.55"), ("s", "white"), ("x", "0.35")]
 
 
 def zingg_diagram(tables, study=None):
-    """EL against FL in Zingg's diagram; tables: dict of label to form_table. Returns Figure.
+    """Draw EL against FL in Zingg's diagram; tables: dict from label to form_table. Returns Figure.
 
-    study: a row of table2_form_statistics, mean and standard deviation of its grains, drawn as a cross.
+    study: a row of table2_form_statistics of Rettinger et al. (2022), whose mean and standard deviation are drawn as a
+    cross.
     """
     figure = Figure(figsize=(4.8, 4.9), layout="constrained")
     axes = figure.subplots()
@@ -24,16 +25,17 @@ def zingg_diagram(tables, study=None):
     if study is not None:
         axes.errorbar(
             study.mu_FL, study.mu_EL, study.sigma_EL, study.sigma_FL, fmt="D", color="#b3541e", mfc="white", ms=6,
-            lw=1.4, capsize=3, zorder=4, label=f"study's {study.n_samples:.0f} grains: mean ± std.",
+            lw=1.4, capsize=3, zorder=4, label=f"{study.n_samples:.0f} grains of Rettinger et al.: mean ± std.",
         )  # fmt: skip
     figure.legend(frameon=False, fontsize="small", loc="outside upper center", ncols=2)
     return figure
 
 
 def form_histograms(table, study=None):
-    """Histograms of FL and EL with the normal density of their mean and standard deviation. Returns Figure.
+    """Draw histograms of FL and EL with the normal density of their mean and standard deviation. Returns Figure.
 
-    study: a row of table2_form_statistics, whose normal density is drawn for as many grains.
+    study: a row of table2_form_statistics of Rettinger et al. (2022), whose normal density is drawn for the same number
+    of grains.
     """
     figure = Figure(figsize=(7, 3.4), layout="constrained")
     for axes, factor, name in zip(
@@ -43,10 +45,10 @@ def form_histograms(table, study=None):
         axes.hist(values, edges, color="0.85", edgecolor="0.4", lw=0.6, label="grains of this set")
         x = np.linspace(0.2, 1, 200)
         grains = len(values) * (edges[1] - edges[0])
-        axes.plot(x, grains * norm.pdf(x, values.mean(), values.std(ddof=1)), "k", lw=1.2, label="its normal")
+        axes.plot(x, grains * norm.pdf(x, values.mean(), values.std(ddof=1)), "k", lw=1.2, label="normal, this set")
         if study is not None:
             density = norm.pdf(x, study[f"mu_{factor}"], study[f"sigma_{factor}"])
-            axes.plot(x, grains * density, "--", color="#b3541e", lw=1.6, label="normal of the study's grains")
+            axes.plot(x, grains * density, "--", color="#b3541e", lw=1.6, label="normal, Rettinger et al.")
         axes.set_title(f"mean {values.mean():.3f}, std {values.std(ddof=1):.3f}", fontsize="medium")
         axes.set(xlabel=f"{name} {factor} [-]", xlim=(0.2, 1))
     figure.axes[0].set_ylabel("number of grains [-]")
@@ -55,7 +57,7 @@ def form_histograms(table, study=None):
 
 
 def correlation_matrix(correlations):
-    """The correlations of the form factors as a matrix of shades with their numbers. Returns Figure."""
+    """Draw the correlations of the form factors as a matrix of shades with their numbers. Returns Figure."""
     names = list(correlations.columns)
     figure = Figure(figsize=(6.6, 5.6), layout="constrained")
     axes = figure.subplots()
@@ -66,18 +68,19 @@ def correlation_matrix(correlations):
     axes.set_xticks(range(len(names)), names, rotation=60)
     axes.set_yticks(range(len(names)), names)
     axes.set(xlabel="form factor", ylabel="form factor")
-    figure.colorbar(image, ax=axes, label="magnitude of Pearson's r [-] (its sign: see the numbers)", shrink=0.85)
+    figure.colorbar(image, ax=axes, label="magnitude of Pearson's r [-] (the numbers show its sign)", shrink=0.85)
     return figure
 
 
 def shapes_against_scans(tables, ranges):
-    """Share in facets and sphericity against the scans' range, at like face counts. Returns Figure.
+    """Draw share in facets against sphericity with the range of scans, at equal maximum face counts. Returns Figure.
 
-    tables: dict of label to shape_table; ranges: of scan_ranges. Left as they are, right free of the form.
+    tables: dict from label to shape_table; ranges: of scan_ranges. Left: sphericity; right: sphericity relative to that
+    of the ellipsoid, which removes the influence of form.
     """
     figure = Figure(figsize=(8.4, 3.9), layout="constrained")
     share = ranges.loc["facet_share_300"]
-    panels = [("sphericity_300", "sphericity [-]"), ("relative_sphericity", "sphericity over its ellipsoid's [-]")]
+    panels = [("sphericity_300", "sphericity [-]"), ("relative_sphericity", "sphericity relative to the ellipsoid [-]")]
     for axes, (measure, name) in zip(figure.subplots(1, 2, sharey=True), panels, strict=True):
         low, high = ranges.loc[measure, ["min", "max"]]
         box = Rectangle((low, share["min"]), high - low, share["max"] - share["min"], fc="0.92", ec="0.4", ls="--")
@@ -89,7 +92,7 @@ def shapes_against_scans(tables, ranges):
             ranges.loc[measure, "std"],
             color="0.4",
             capsize=3,
-            label="mean ± standard deviation of these 65",
+            label="mean ± standard deviation of these grains",
         )
         for (label, table), (marker, colour) in zip(tables.items(), _STYLES, strict=False):
             _scatter(axes, table[measure], table.facet_share_300, marker, colour, label)
@@ -100,7 +103,7 @@ def shapes_against_scans(tables, ranges):
 
 
 def decimation_changes(summary):
-    """Mean change of volume, FL, EL and sphericity over the face target; summary: of decimation_summary."""
+    """Draw the mean change of volume, FL, EL and sphericity over the face target; summary: of decimation_summary."""
     figure = Figure(figsize=(5, 3.4), layout="constrained")
     axes = figure.subplots()
     styles = {"volume": "o-", "flatness": "^--", "elongation": "s-.", "sphericity": "x:"}
@@ -110,7 +113,7 @@ def decimation_changes(summary):
     axes.set_xscale("log")
     axes.set_xticks(list(summary.index), [str(target) for target in summary.index])
     axes.minorticks_off()
-    axes.set(xlabel="face target [-]", ylabel="mean change [%]")
+    axes.set(xlabel="maximum number of faces [-]", ylabel="mean change [%]")
     axes.legend(frameon=False)
     return figure
 

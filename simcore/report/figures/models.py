@@ -1,11 +1,11 @@
-"""Figures of models: porosity against form, predicted against simulated, meshes against ellipsoids."""
+"""Figures of models: porosity against form, predicted against simulated, polyhedra against ellipsoids."""
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from simcore.grains.form import features as form_features
 
-# Markers and lightness tell the cases apart without colour.
+# Markers and lightness distinguish the cases without colour.
 STYLES = [("o", "#20313b"), ("s", "#b3541e"), ("^", "#7f9aa0"), ("D", "#c9a227"), ("v", "#6b4c7a"), ("P", "#4f7a4f")]
 LINES = ["-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1))]
 FEATURE_LABELS = {
@@ -14,15 +14,15 @@ FEATURE_LABELS = {
     "WFI": "WFI = (L + I)/(2 S) [-]",
     "EL_inv": "EL$^{-1}$ = L/I [-]",
 }
-R22_SPHERES = {"U1": 0.36}  # of equal spheres, to which the ellipsoids of its Fig. 10 rise
+R22_SPHERES = {"U1": 0.36}  # of equal spheres, approached by the ellipsoids in Fig. 10 of Rettinger et al.
 
 
 def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), study=None, r22_models=None):
-    """Porosity against features of the form with fit lines and Pearson's r, one panel a feature, one row a case.
+    """Draw porosity against features of the form with fit lines and Pearson's r, a panel per feature, a row per case.
 
-    packings: columns case, L, I, S, n and, if known, n_std_error; study: correlations.csv, whose r stand beside ours;
-    r22_models: models.csv, whose single-form model is drawn over EQ^-1, at the mean EL^-1 of our packings. The study
-    gives no line over the other features.
+    packings: columns case, L, I, S, n and, optionally, n_std_error. study: correlations.csv of Rettinger et al. (2022),
+    whose r are added to the legend. r22_models: models.csv, whose single-form model is drawn over EQ^-1, at the mean
+    EL^-1 of our packings; Rettinger et al. give no line over the other features.
     """
     cases = list(packings.groupby("case", sort=False))
     figure = Figure(figsize=(3.4 * len(features), 0.6 + 2.9 * len(cases)), layout="constrained")
@@ -35,7 +35,7 @@ def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), study=None, r22
                 _draw_r22_line(axes, case, values, r22_models)
             axes.legend(frameon=False, fontsize="x-small", loc="upper left")
         low, high = row[0].get_ylim()
-        row[0].set_ylim(low, high + 0.25 * (high - low))  # room for the legends
+        row[0].set_ylim(low, high + 0.25 * (high - low))  # space for the legends
         row[0].set_ylabel(f"{case}: porosity n [-]")
     for axes, feature in zip(grid[-1], features, strict=True):
         axes.set_xlabel(FEATURE_LABELS.get(feature, f"{feature} [-]"))
@@ -43,7 +43,7 @@ def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), study=None, r22
 
 
 def _draw_feature(axes, case, x, rows, feature, style, study):
-    """The packings of a case over one feature, with the line of a fit."""
+    """Draw the packings of a case over one feature, with the line of a fit."""
     (marker, color), n = style, rows["n"].to_numpy()
     axes.errorbar(
         x, n, rows.get("n_std_error"), fmt=marker, color=color, ms=5, elinewidth=0.8, mec="white", mew=0.4,
@@ -56,31 +56,31 @@ def _draw_feature(axes, case, x, rows, feature, style, study):
 
 
 def _draw_r22_line(axes, case, values, r22_models):
-    """The study's model of single forms over EQ^-1."""
+    """Draw the model of single forms of Rettinger et al. over EQ^-1."""
     model = r22_models.query("model == 'single_form' and case == @case")
     if len(model) == 0:
         return
     model = model.iloc[0]
     line = np.array([values["EQ_inv"].min(), values["EQ_inv"].max()])
     n = model["intercept"] + model["EQ_inv"] * line + model["EL_inv"] * values["EL_inv"].mean()
-    label = f"study, Eq. {model['equation_arxiv']:.0f} at mean EL$^{{-1}}$ = {values['EL_inv'].mean():.2f}"
+    label = f"Rettinger et al., Eq. {model['equation_arxiv']:.0f} at mean EL$^{{-1}}$ = {values['EL_inv'].mean():.2f}"
     axes.plot(line, n, ls="--", color="0.55", lw=1.6, label=label)
 
 
 def prediction_figure(predictions, models=()):
-    """Predicted against simulated porosity: by our models and, beside them, by the study's.
+    """Draw predicted against simulated porosity, for our models and, in a second panel, those of Rettinger et al.
 
-    predictions: columns case, simulated, predicted and, if known, n_std_error of the simulated and r22_predicted;
-    models: PorosityModels, whose R² and root mean square error stand in the legend.
+    predictions: columns case, simulated, predicted and, optionally, n_std_error of the simulated and r22_predicted;
+    models: PorosityModels, whose R² and root mean square error are given in the legend.
     """
-    by_study = "r22_predicted" in predictions and predictions["r22_predicted"].notna().any()
-    panels = {"predicted": "our model"} | ({"r22_predicted": "the study's model"} if by_study else {})
+    has_r22 = "r22_predicted" in predictions and predictions["r22_predicted"].notna().any()
+    panels = {"predicted": "our model"} | ({"r22_predicted": "model of Rettinger et al."} if has_r22 else {})
     figure = Figure(figsize=(0.4 + 4.2 * len(panels), 4.6), layout="constrained")
     grid = figure.subplots(1, len(panels), squeeze=False, sharex=True, sharey=True)[0]
     both = predictions[["simulated", *panels]].to_numpy()
     margin = 0.06 * max(np.nanmax(both) - np.nanmin(both), 1e-3)
     if "n_std_error" in predictions:
-        margin = max(margin, 1.1 * predictions["n_std_error"].max())  # room for the bars
+        margin = max(margin, 1.1 * predictions["n_std_error"].max())  # space for the bars
     ends = np.array([np.nanmin(both) - margin, np.nanmax(both) + margin])
     by_case = {model.case: model for model in models}
     for axes, (column, title) in zip(grid, panels.items(), strict=True):
@@ -99,7 +99,7 @@ def prediction_figure(predictions, models=()):
 
 
 def _quality(rows, column, model):
-    """How well the model says the packings, as text."""
+    """Describe how well the model fits the packings, as text."""
     if column == "predicted":
         return f": R² = {model.r_squared:.3f}, RMSE = {model.rmse:.4f}" if model else ""
     error = rows[column] - rows["simulated"]
@@ -107,9 +107,9 @@ def _quality(rows, column, model):
 
 
 def shape_kind_figure(pairs, near_spheres=None):
-    """Porosity of meshes and of their equivalent ellipsoids against EQ^-1, one panel a case.
+    """Draw the porosity of polyhedra and of their equivalent ellipsoids against EQ^-1, one panel per case.
 
-    pairs: columns case, EQ, n_mesh, n_ellipsoid and, if known, n_mesh_error and n_ellipsoid_error. near_spheres: a
+    pairs: columns case, EQ, n_mesh, n_ellipsoid and, optionally, n_mesh_error and n_ellipsoid_error. near_spheres: a
     sphere (EQ 1) and ellipsoids rounder than any grain, columns case, EQ, n, n_std_error.
     """
     cases = list(pairs.groupby("case", sort=False))
@@ -125,7 +125,7 @@ def shape_kind_figure(pairs, near_spheres=None):
             rows.get("n_mesh_error"),
             marker="o",
             color="#20313b",
-            label="grains (convex hulls)",
+            label="grains (polyhedra)",
             **bars,
         )
         axes.errorbar(
@@ -136,7 +136,8 @@ def shape_kind_figure(pairs, near_spheres=None):
             _draw_near_spheres(axes, near_spheres[near_spheres["case"] == case], bars)
             if case in R22_SPHERES:
                 n = R22_SPHERES[case]
-                axes.plot([1.0, 1.5], [n, n], "--", color="0.4", lw=1.0, zorder=0, label=f"equal spheres, study: {n:g}")
+                label = f"equal spheres, Rettinger et al.: {n:g}"
+                axes.plot([1.0, 1.5], [n, n], "--", color="0.4", lw=1.0, zorder=0, label=label)
         axes.axvline(2.0, color="0.6", lw=0.8, ls=":", zorder=0)
         rms = np.sqrt(np.mean((rows["n_mesh"] - rows["n_ellipsoid"]) ** 2))
         axes.set(xlabel=FEATURE_LABELS["EQ_inv"], title=f"{case}: rms difference {rms:.4f}", xlim=(0.9, None))
@@ -148,7 +149,7 @@ def shape_kind_figure(pairs, near_spheres=None):
 
 
 def _draw_near_spheres(axes, rows, bars):
-    """The sphere and the ellipsoids near it, from the roundest on."""
+    """Draw the sphere and the ellipsoids near it, beginning with the roundest."""
     rows = rows.sort_values("EQ", ascending=False)
     round_ones = np.isclose(rows["EQ"], 1.0)
     axes.plot(1.0 / rows["EQ"], rows["n"], color="#7f9aa0", lw=0.8, zorder=1)
@@ -162,8 +163,8 @@ def _draw_near_spheres(axes, rows, bars):
 
 
 def _r22_r(study, case, feature):
-    """The study's r of the single-form study as text, empty if unknown."""
+    """Return the r of Rettinger et al. for single forms as text, empty if they give none."""
     if study is None:
         return ""
     row = study.query("study == 'single_form' and case == @case and feature == @feature")
-    return f" (study {row['r'].iloc[0]:.3f})" if len(row) else ""
+    return f" (Rettinger et al. {row['r'].iloc[0]:.3f})" if len(row) else ""

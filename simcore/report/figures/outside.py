@@ -1,13 +1,13 @@
-"""Packings with known outcomes: measured values beside their bands."""
+"""Figure of packings with known outcomes: measured values relative to the expected bands."""
 
 import numpy as np
 from matplotlib.figure import Figure
 
 
 def outside_figure(table):
-    """Where each measured value lies within its band, a line a case; -1 and 1 are the band's ends.
+    """Draw the place of each measured value in its band, one line per case; -1 and 1 are the ends of the band.
 
-    table: of simcore.verification.outside.table. Bars are one standard error over seeds; what lies outside is orange.
+    table: of simcore.verification.outside.table. Bars are one standard error over seeds; values outside are orange.
     """
     middle, half = 0.5 * (table["low"] + table["high"]), 0.5 * (table["high"] - table["low"])
     place, error = (table["measured"] - middle) / half, table["std_error"] / half
@@ -23,5 +23,5 @@ def outside_figure(table):
         )
     names = [f"{row['name'].replace('_', ' ')}: {row['measured']:.4g}" for _, row in table.iterrows()]
     axes.set_yticks(rows, names, fontsize="small")
-    axes.set_xlabel("place in the expected band [-]\n(-1 lower end, 1 upper end; bars: standard error over seeds)")
+    axes.set_xlabel("position in the expected band [-]\n(-1: lower end, 1: upper end; bars: standard error over seeds)")
     return figure

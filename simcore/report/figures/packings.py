@@ -1,4 +1,4 @@
-"""Figures of single packings: porosity over height, and the packing itself."""
+"""Figures of packings: porosity over height, and pictures of the grains."""
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -8,19 +8,19 @@ from matplotlib.figure import Figure
 from simcore.report.figures.rendering import project, render
 
 MM = 1e3
-# From dark slate to sand: lightness grows steadily, so that it reads in grey.
+# From dark slate to sand; lightness grows steadily, so that the scale can be read in grey.
 STONES = LinearSegmentedColormap.from_list("stones", ["#2f4858", "#5f7f86", "#a9a68c", "#e0bf86", "#f7ead0"])
 
 
 def profile_figure(profiles, bulk, title=""):
-    """Porosity over height with the evaluation interval.
+    """Draw porosity over height with the evaluated interval.
 
     profiles: dict from a label to a DataArray n(z) [z in m], at most four; bulk: Dataset as from bulk_porosity.
     """
     figure = Figure(figsize=(4.6, 5.2), layout="constrained")
     axes = figure.subplots()
     low, high = float(bulk["z_lower"]), float(bulk["z_upper"])
-    axes.axhspan(low * MM, high * MM, color="0.92", zorder=0, label="evaluation interval")
+    axes.axhspan(low * MM, high * MM, color="0.92", zorder=0, label="evaluated interval")
     styles = [("black", "-", 1.4), ("#b3541e", "--", 1.2), ("0.5", "-.", 1.2), ("#2f6f8f", ":", 1.4)]
     for (label, profile), (color, style, width) in zip(profiles.items(), styles, strict=False):
         axes.plot(profile, profile["z"] * MM, style, color=color, lw=width, label=label)
@@ -33,7 +33,7 @@ def profile_figure(profiles, bulk, title=""):
 
 
 def packing_figure(packing, azimuth=-60.0, elevation=22.0, title="", pixels=900):
-    """The packing as it lies, grains coloured by sieve size, with a scale bar; elevation 90 is from above."""
+    """Draw the packing with grains coloured by sieve size, and a scale bar; elevation 90 is from above."""
     figure = Figure(layout="constrained")
     axes = figure.subplots()
     norm = size_norm(MM * packing["D"].values)
@@ -47,7 +47,7 @@ def packing_figure(packing, azimuth=-60.0, elevation=22.0, title="", pixels=900)
 
 
 def packings_figure(packings, azimuth=-90.0, elevation=90.0, pixels=600):
-    """Several packings side by side on one colour scale; packings: dict from a label to a Dataset."""
+    """Draw several packings side by side with one colour scale; packings: dict from a label to a Dataset."""
     columns = min(len(packings), 2)
     rows = -(-len(packings) // columns)
     figure = Figure(figsize=(1.0 + 3.2 * columns, 3.3 * rows), layout="constrained")
@@ -83,14 +83,14 @@ def draw_packing(axes, packing, norm, azimuth, elevation, pixels):
 
 
 def size_norm(sizes):
-    """Colour scale over sizes; widened around a single size so that it stays in the middle."""
+    """Return the colour scale over sizes; it is widened around a single size, which is then in the middle."""
     low, high = float(np.min(sizes)), float(np.max(sizes))
     spread = max(0.5 * (high - low), 0.05 * high)
     return Normalize(0.5 * (low + high) - spread, 0.5 * (low + high) + spread)
 
 
 def _floor_outline(packing):
-    """Closed line around the floor, (n, 3) [m]."""
+    """Return a closed line around the floor, (n, 3) [m]."""
     width = packing.attrs["domain_width"]
     if packing.attrs["domain_shape"] == "periodic":
         corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]) * width
@@ -101,6 +101,6 @@ def _floor_outline(packing):
 
 
 def _round_length(length):
-    """The largest of 1, 2, 5 times a power of ten that is at most `length`."""
+    """Return the largest of 1, 2, 5 times a power of ten that is at most `length`."""
     power = 10.0 ** np.floor(np.log10(length))
     return max(step * power for step in (1, 2, 5) if step * power <= length)

@@ -1,4 +1,4 @@
-"""Picture of a packing: every grain's surface in an orthographic depth buffer, shaded by its slope and its depth."""
+"""Picture of a packing: the surfaces of all grains in an orthographic depth buffer, shaded by slope and depth."""
 
 import numpy as np
 import trimesh
@@ -7,31 +7,31 @@ from scipy.ndimage import gaussian_filter
 from simcore.compilation import kernel
 from simcore.evaluation.slicing import Geometry, world_vertices
 
-LIGHT = np.array([-0.45, 0.55, 0.70])  # direction to the light seen from the camera: from the upper left
+LIGHT = np.array([-0.45, 0.55, 0.70])  # direction to the light in camera axes: from the upper left
 AMBIENT = 0.35
-OVERSAMPLING = 2  # the picture is made this much finer and averaged
+OVERSAMPLING = 2  # the picture is drawn at this multiple of the resolution and averaged
 
 
 def render(packing, colors, azimuth=-60.0, elevation=22.0, pixels=900):
-    """Orthographic picture of all grains: image (rows, columns, 4) in [0, 1], transparent beside them, and its extent.
+    """Draw an orthographic picture of all grains; returns the image (rows, columns, 4) in [0, 1], and its extent.
 
-    packing: Dataset as in packing_io; colors (n, 3): RGB of each grain; azimuth, elevation [degree] of the camera,
-    elevation 90 is from above; pixels: of the longer side. extent: (left, right, bottom, top) [m] in the coordinates
-    of `project`.
+    The image is transparent where there are no grains. packing: Dataset as in simcore.packing.file; colors (n, 3): RGB
+    of each grain; azimuth, elevation [degree] of the camera, elevation 90 is from above; pixels: number of pixels of
+    the longer side. extent: (left, right, bottom, top) [m] in the coordinates of `project`.
     """
     grain, depth, normal, extent = _depth_buffer(packing, camera_axes(azimuth, elevation), pixels * OVERSAMPLING)
-    seen = grain >= 0
+    covered = grain >= 0
     size = max(extent[1] - extent[0], extent[3] - extent[2])
     slope = np.clip(normal @ (LIGHT / np.linalg.norm(LIGHT)), 0.0, 1.0)
-    shade = (AMBIENT + (1.0 - AMBIENT) * slope) * _crevices(depth, seen, size) * _outlines(grain)
+    shade = (AMBIENT + (1.0 - AMBIENT) * slope) * _crevices(depth, covered, size) * _outlines(grain)
     image = np.zeros((*grain.shape, 4))
-    image[seen, :3] = np.clip(np.asarray(colors)[grain[seen]] * shade[seen, None], 0.0, 1.0)
-    image[seen, 3] = 1.0
+    image[covered, :3] = np.clip(np.asarray(colors)[grain[covered]] * shade[covered, None], 0.0, 1.0)
+    image[covered, 3] = 1.0
     return _crop(_average(image), extent)
 
 
 def camera_axes(azimuth, elevation):
-    """Rows: the camera's right, up and backward direction in the world, (3, 3); angles [degree]."""
+    """Return the camera's right, up and backward direction in world axes as rows, (3, 3); angles [degree]."""
     a, e = np.radians([azimuth, elevation])
     back = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
     right = np.array([-np.sin(a), np.cos(a), 0.0])
@@ -39,12 +39,12 @@ def camera_axes(azimuth, elevation):
 
 
 def project(points, azimuth, elevation):
-    """Picture coordinates (n, 2) [m] of world points (n, 3) [m]."""
+    """Return the picture coordinates (n, 2) [m] of world points (n, 3) [m]."""
     return np.asarray(points) @ camera_axes(azimuth, elevation)[:2].T
 
 
 def _depth_buffer(packing, camera, pixels):
-    """Grain index (-1: none), depth [m] and normal (camera axes) of what each pixel sees, and the picture's extent."""
+    """Return grain index (-1: none), depth [m] and normal (camera axes) for each pixel, and the picture's extent."""
     surfaces = _surfaces(packing)
     farthest = np.maximum.reduceat(np.linalg.norm(surfaces.vertices, axis=1), surfaces.vertex_start)  # of each shape
     reach = (packing["scale"].values.max(axis=1) * farthest[surfaces.shape])[:, None]
@@ -60,7 +60,7 @@ def _depth_buffer(packing, camera, pixels):
 
 
 def _surfaces(packing):
-    """The packing's geometry as slicing's kernels take it, with a fine mesh in place of the unit sphere."""
+    """Return the packing's geometry for the kernels of slicing, with a fine mesh instead of the unit sphere."""
     sphere = trimesh.creation.icosphere(subdivisions=4)
     vertices, faces = [], []
     for s, kind in enumerate(packing["shape_kind"].values.astype(str)):
@@ -84,33 +84,33 @@ def _surfaces(packing):
 
 
 def _part(packing, name, values, shape):
-    """The vertices or the faces of one shape."""
+    """Return the vertices or the faces of one shape."""
     start, count = int(packing[f"shape_{name}_start"][shape]), int(packing[f"shape_{name}_count"][shape])
     return packing[values].values[start : start + count]
 
 
 @kernel
 def _draw(grain, depth, normal, low, pixel, camera, surfaces):
-    """Draw the faces that look at the camera; a pixel keeps the nearest."""
+    """Draw the faces that are turned to the camera; each pixel shows the nearest one."""
     position, faces = surfaces.position, surfaces.faces
     points = np.empty((np.max(surfaces.vertex_count), 3))
-    seen = np.empty((np.max(surfaces.vertex_count), 3))
+    projected = np.empty((np.max(surfaces.vertex_count), 3))
     rows, columns = grain.shape
     for g in range(len(position)):
         s = surfaces.shape[g]
         for i in range(world_vertices(points, g, surfaces)):
             for a in range(3):
-                seen[i, a] = 0.0
+                projected[i, a] = 0.0
                 for b in range(3):
-                    seen[i, a] += camera[a, b] * (points[i, b] + position[g, b])
-            seen[i, 0] = (seen[i, 0] - low[0]) / pixel
-            seen[i, 1] = (seen[i, 1] - low[1]) / pixel
+                    projected[i, a] += camera[a, b] * (points[i, b] + position[g, b])
+            projected[i, 0] = (projected[i, 0] - low[0]) / pixel
+            projected[i, 1] = (projected[i, 1] - low[1]) / pixel
         for f in range(surfaces.face_start[s], surfaces.face_start[s] + surfaces.face_count[s]):
-            p, q, r = seen[faces[f, 0]], seen[faces[f, 1]], seen[faces[f, 2]]
+            p, q, r = projected[faces[f, 0]], projected[faces[f, 1]], projected[faces[f, 2]]
             area = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1])
             if area <= 0.0:
                 continue
-            # Depth is in metres, the other two in pixels: bring the face's normal to one unit.
+            # Depth is in metres, the other two coordinates in pixels; the normal needs one unit.
             nx = ((q[1] - p[1]) * (r[2] - p[2]) - (r[1] - p[1]) * (q[2] - p[2])) / pixel
             ny = ((q[2] - p[2]) * (r[0] - p[0]) - (r[2] - p[2]) * (q[0] - p[0])) / pixel
             norm = np.sqrt(nx * nx + ny * ny + area * area)
@@ -128,17 +128,17 @@ def _draw(grain, depth, normal, low, pixel, camera, surfaces):
                         normal[j, i, 0], normal[j, i, 1], normal[j, i, 2] = nx / norm, ny / norm, area / norm
 
 
-def _crevices(depth, seen, size):
-    """Darkening of what lies deeper than its surroundings, (rows, columns) in (0.4, 1]."""
+def _crevices(depth, covered, size):
+    """Return the darkening of places that are deeper than their surroundings, (rows, columns) in (0.4, 1]."""
     width = 0.012 * max(depth.shape)
-    weight = gaussian_filter(seen.astype(float), width)
-    around = gaussian_filter(np.where(seen, depth, 0.0), width) / np.maximum(weight, 1e-9)
-    hollow = np.where(seen, np.clip(around - depth, 0.0, None), 0.0) / size
+    weight = gaussian_filter(covered.astype(float), width)
+    around = gaussian_filter(np.where(covered, depth, 0.0), width) / np.maximum(weight, 1e-9)
+    hollow = np.where(covered, np.clip(around - depth, 0.0, None), 0.0) / size
     return 0.4 + 0.6 * np.exp(-40.0 * hollow)
 
 
 def _outlines(grain):
-    """Darkening of the pixels where one grain ends before another, (rows, columns)."""
+    """Return the darkening of pixels at the outline of a grain, (rows, columns)."""
     edge = np.zeros(grain.shape, bool)
     edge[:-1] |= grain[:-1] != grain[1:]
     edge[:, :-1] |= grain[:, :-1] != grain[:, 1:]
@@ -146,7 +146,7 @@ def _outlines(grain):
 
 
 def _average(image):
-    """The image at the final resolution; colours are averaged with their opacity as weight."""
+    """Return the image at the final resolution; colours are averaged with their opacity as weight."""
     rows, columns, _ = image.shape
     k = OVERSAMPLING
     blocks = image.reshape(rows // k, k, columns // k, k, 4)
@@ -156,7 +156,7 @@ def _average(image):
 
 
 def _crop(image, extent):
-    """The part of the image that shows something, and its extent."""
+    """Return the part of the image that is not transparent, and its extent."""
     rows, columns = (np.flatnonzero(image[..., 3].any(axis=axis)) for axis in (1, 0))
     pixel = (extent[1] - extent[0]) / image.shape[1]
     left, top = extent[0] + columns[0] * pixel, extent[3] - rows[0] * pixel

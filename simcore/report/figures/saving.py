@@ -1,19 +1,19 @@
-"""Writing a figure."""
+"""Write figures to files."""
 
 from pathlib import Path
 
 from matplotlib import rc_context
 
 RESOLUTION = 150  # dots per inch
-# Text stays text in a vector file, and its bytes are the same whenever it is drawn.
+# Text remains text in a vector file, and the file has the same bytes each time that it is written.
 VECTOR = {"pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "scree"}
 _DATES = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
 
 
 def save_figure(figure, paths, test_only=False):
-    """Write the figure to `paths`, one path or several; across it stands "test only" if it is.
+    """Write the figure to `paths`, one path or several; test_only: write "test only" across it.
 
-    The suffix of a path says what is written: .png, or .pdf and .svg as vectors.
+    The suffix of a path selects the format: .png, or .pdf and .svg as vectors.
     """
     if test_only:
         figure.text(0.5, 0.5, "test only", ha="center", va="center", rotation=30, fontsize=40, color="0.6", alpha=0.5)

@@ -1,14 +1,14 @@
-"""Maps of what is stable: one panel for each pair of settings, one cell for each scene that was tried."""
+"""Stability maps: one panel per pair of settings, one cell per scene that was simulated."""
 
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-# Lightness falls from stable to wrong, and each but the first bears a letter: so it reads in grey and without colour.
+# Lightness falls from stable to wrong, and all outcomes but the first have a letter, so that maps can be read in grey.
 OUTCOMES = {
-    "stable": ("#f4efe2", "", "stable and right"),
-    "soft": ("#d9c88f", "~", "right, but grains overlap by more than a twentieth of the smaller one"),
+    "stable": ("#f4efe2", "", "stable and correct"),
+    "soft": ("#d9c88f", "~", "correct, but grains overlap by more than a twentieth of the smaller one"),
     "refused": ("#8fa9b1", "r", "refused before the run"),
     "stopped": ("#56757f", "s", "stopped with an error"),
     "wrong": ("#7a1f12", "W", "silently wrong"),
@@ -18,20 +18,20 @@ LABELS = {
     "steps": "steps per contact time [-]",
     "restitution": "restitution [-]",
     "size ratio": "size ratio [-]",
-    "weight": "mass carried over own mass [-]",
-    "impact": "speed of impact [m/s]",
+    "weight": "mass carried, relative to own mass [-]",
+    "impact": "impact speed [m/s]",
 }
 
 
 def stability_figure(cells):
-    """One panel for each map of `cells`, with the number of cells of each outcome in the legend.
+    """Draw one panel per map of `cells`, with the number of cells of each outcome in the legend.
 
-    cells: columns map, as the maps of benchmarks/studies/stability.py are called, x, y, outcome. ValueError for an
-    outcome that is none of OUTCOMES.
+    cells: columns map (the names of benchmarks/studies/stability.py), x, y, outcome. ValueError for an outcome that is
+    not in OUTCOMES.
     """
     unknown = set(cells["outcome"]) - set(OUTCOMES)
     if unknown:
-        raise ValueError(f"stability_figure: outcome {sorted(unknown)[0]!r} is none of {', '.join(OUTCOMES)}")
+        raise ValueError(f"stability_figure: outcome {sorted(unknown)[0]!r} is not one of {', '.join(OUTCOMES)}")
     maps = list(cells.groupby("map", sort=False))
     columns = min(len(maps), 3)
     rows = -(-len(maps) // columns)
@@ -42,7 +42,7 @@ def stability_figure(cells):
     order = list(OUTCOMES)
     for axes, (name, rows_of_map) in zip(grid, maps, strict=False):
         table = rows_of_map.pivot(index="y", columns="x", values="outcome")
-        codes = np.full(table.shape, np.nan)  # of a cell that was not tried
+        codes = np.full(table.shape, np.nan)  # nan: a cell that was not simulated
         for code, outcome in enumerate(order):
             codes[table == outcome] = code
         axes.pcolormesh(

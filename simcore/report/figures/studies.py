@@ -1,4 +1,4 @@
-"""Figures of a study's porosities beside the source study's, and of the trends over height of all packings."""
+"""Figures of a study's porosities, compared with Rettinger et al. (2022), and of the trends over height."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -6,27 +6,28 @@ from matplotlib.lines import Line2D
 
 from simcore.report.figures.models import FEATURE_LABELS, LINES, STYLES
 
+R22 = "Rettinger et al."  # in legends
 OUR_STYLE, R22_STYLE = {"color": "#20313b", "fmt": "o"}, {"color": "#b3541e", "fmt": "D", "mfc": "white"}
-# What is drawn as an axis of its own: column, label, factor to the label's unit.
+# Columns that are drawn as an axis: label, and factor to its unit; None: the values are labels in order.
 SWEEPS = {
-    "shaking_s": ("time of shaking [s]", 1.0),
+    "shaking_s": ("duration of shaking [s]", 1.0),
     "width_m": ("width of the domain [mm]", 1e3),
-    "faces": ("most faces of a grain [-]", None),
+    "faces": ("maximum number of faces of a polyhedron [-]", None),
 }
 FORM_COLUMNS = ("grain", "flatness", "elongation", "mean_FL", "mean_EL")
-TREND_LIMIT = 2.7  # P(|z| > 2.7) = 0.0069, four times that is 1/36
+TREND_LIMIT = 2.7  # P(|z| > 2.7) = 0.0069; for four quantities this is 1/36
 TREND_LABELS = {
     "D": "sieve size D",
     "FL": "flatness FL",
     "EL": "elongation EL",
-    "angle": "angle of the long axis\nagainst the vertical",
+    "angle": "angle of the long axis\nto the vertical",
 }
 
 
 def porosities_figure(table, varied):
-    """The figure that suits what a study varies: over its one quantity, over form, or a list of its settings.
+    """Draw the porosities of a study over its one varied quantity, over form, or as a list of settings.
 
-    table: as from reference.add_reference; varied: the columns that the study varies.
+    table: as from r22_tables.add_reference; varied: the columns that the study varies.
     """
     sweep = [name for name in SWEEPS if name in varied]
     if any(name in table for name in FORM_COLUMNS) and len(table) > 1:
@@ -38,10 +39,11 @@ def porosities_figure(table, varied):
 
 
 def study_figure(table, label):
-    """Simulated porosity beside the study's and, where it was measured, the experiment's, one line a row of `table`.
+    """Draw simulated porosities, those of Rettinger et al. and, if given, of experiments, one line per row of `table`.
 
-    table: columns n, n_std_error, r22_n and, if known, n_std, r22_n_std, experiment_n, experiment_n_std; label:
-    column names that name the row. Bars are one standard error of our mean and standard deviations over runs.
+    table: columns n, n_std_error, r22_n and, optionally, r22_n_std, experiment_n, experiment_n_std; label: names of the
+    columns that label the rows. Bars are one standard error of our mean, and standard deviations over runs of the
+    others.
     """
     figure = Figure(figsize=(6.0, 1.5 + 0.36 * len(table)), layout="constrained")
     axes = figure.subplots()
@@ -51,7 +53,7 @@ def study_figure(table, label):
     )
     if table["r22_n"].notna().any():
         std = table.get("r22_n_std")
-        axes.errorbar(table["r22_n"], y, xerr=std, ms=5, capsize=2, label="study" + _bars(std), **R22_STYLE)
+        axes.errorbar(table["r22_n"], y, xerr=std, ms=5, capsize=2, label=R22 + _bars(std), **R22_STYLE)
     if "experiment_n" in table:
         axes.errorbar(
             table["experiment_n"], y - 0.17, xerr=table["experiment_n_std"], fmt="s", color="0.55", ms=5, capsize=2,
@@ -68,9 +70,9 @@ def study_figure(table, label):
 
 
 def sweep_figure(table, column):
-    """Porosity over the one quantity a study varies, a line a case, with the study's points.
+    """Draw porosity over the one quantity that a study varies, one line per case, with points of Rettinger et al.
 
-    table: as of study_figure, and `column`, one of SWEEPS; settings in words, such as "original", stand at the end.
+    table: as for study_figure, with `column`, one of SWEEPS; settings in words, such as "original", come last.
     """
     name, factor = SWEEPS[column]
     settings = _in_order(table[column])
@@ -88,7 +90,7 @@ def sweep_figure(table, column):
         if rows["r22_n"].notna().any():
             axes.errorbar(
                 x, rows["r22_n"], rows.get("r22_n_std"), marker=marker, color=color, mfc="white", ls=line, ms=6,
-                lw=0.6, capsize=2, label=f"{case}, study" + _bars(rows.get("r22_n_std")),
+                lw=0.6, capsize=2, label=f"{case}, {R22}" + _bars(rows.get("r22_n_std")),
             )  # fmt: skip
     if factor is None:
         axes.set_xticks(range(len(settings)), [str(value) for value in settings])
@@ -101,9 +103,9 @@ def sweep_figure(table, column):
 
 
 def equancy_figure(table):
-    """Porosity of packings of given forms over EQ^-1 of their mean, one panel a case, with what the study's model says.
+    """Draw porosity over EQ^-1 of the mean form, one panel per case, with predictions of the model of Rettinger et al.
 
-    table: columns case, EQ, n, n_std_error, r22_n and, if known, r22_n_error.
+    table: columns case, EQ, n, n_std_error, r22_n and, optionally, r22_n_error.
     """
     cases = list(table.groupby("case", sort=False))
     figure = Figure(figsize=(0.6 + 3.9 * len(cases), 3.9), layout="constrained")
@@ -116,7 +118,7 @@ def equancy_figure(table):
         if rows["r22_n"].notna().any():
             axes.errorbar(
                 x, rows["r22_n"], rows.get("r22_n_error"), ms=5, elinewidth=0.8,
-                label="the study's model for these forms (± its error)", **R22_STYLE,
+                label=f"model of {R22} for these forms (± its error)", **R22_STYLE,
             )  # fmt: skip
         axes.set(xlabel=FEATURE_LABELS["EQ_inv"].replace("EQ", "mean EQ"), title=case)
         axes.title.set_fontsize("medium")
@@ -129,10 +131,10 @@ def equancy_figure(table):
 
 
 def trends_figure(trends):
-    """Change of size, form and orientation from the lower to the upper end of the beds, one panel a quantity.
+    """Draw the change of size, form and orientation from the lower to the upper end of beds, one panel per quantity.
 
-    trends: of trend_tables.summarise_trends. Bars are two standard errors; filled points lie beyond 2.7 standard
-    errors of the rank correlation, which one of four quantities without trends does in one study of 36.
+    trends: of trend_tables.summarise_trends. Bars are two standard errors. Points are filled if the rank correlation
+    exceeds 2.7 standard errors; without trends, this happens for one of the four quantities in one study of 36.
     """
     studies = list(dict.fromkeys(zip(trends["study"], trends["case"], trends["kind"], strict=True)))
     figure = Figure(figsize=(10.0, 1.8 + 0.3 * len(studies)), layout="constrained")
@@ -166,12 +168,12 @@ def trends_figure(trends):
 
 
 def _bars(std):
-    """What the bars of the study's points are; nothing where none are known."""
+    """Return the meaning of the bars of Rettinger et al. for the legend, empty if they have none."""
     return "" if std is None or std.isna().all() else " (± std. over runs)"
 
 
 def _in_order(values):
-    """The distinct settings: numbers ascending, then words, once each."""
+    """Return the distinct settings: numbers in ascending order, then words."""
     numbers = {float(value): value for value in values if _is_number(value)}
     words = [value for value in dict.fromkeys(values) if not _is_number(value)]
     return [numbers[key] for key in sorted(numbers)] + words

@@ -1,4 +1,4 @@
-"""Error against CPU time."""
+"""Figures of error against CPU time."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -7,8 +7,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from simcore.verification.work_precision import settings_table
 
 MAX_COLUMNS = 4
-FEW_DECADES = 40.0  # last over first number of an axis, up to which 2 and 5 are labelled beside 1
-# Lightness, line and marker tell the methods apart, in grey too.
+FEW_DECADES = 40.0  # maximum ratio of the ends of an axis for labels at 1, 2 and 5 instead of 1
+# Lightness, line and marker distinguish the methods, also in grey.
 STYLES = [
     ("black", "-", "o"),
     ("0.45", "--", "s"),
@@ -21,20 +21,22 @@ STYLES = [
 
 
 def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=True, note="", name_all=False):
-    """Error against CPU time on logarithmic axes: a row of panels for each quantity, a column for each case.
+    """Draw error against CPU time on logarithmic axes: a row of panels per quantity, a column per case.
 
-    runs: table of simcore.verification.work_precision. cost_label: what the CPU time is spent on; its unit, µs or s
-    (micro False), is added. error_labels: dict from quantity to the label of its axis, with unit. setting_label: what
-    the numbers at the first, last and default points of a line are. Methods keep their style across panels. Rings are
-    the Pareto front, a star the default, the dotted line above a shade the error of the reference itself. note: such as
-    the machine, in small print. name_all: write the setting beside every point, not only the first, last and default,
-    and join none.
+    runs: table of simcore.verification.work_precision. cost_label: label of the CPU time; its unit, µs or s (micro
+    False), is added. error_labels: dict from quantity to the label of its axis, with unit. setting_label: meaning of
+    the numbers at the first, last and default points of a line. note: text in small print, such as the machine.
+    name_all: write the setting at every point, not only the first, last and default, and draw no lines. Methods have
+    the same style in all panels. Rings show the Pareto front, a star the default, and the dotted line above a shade the
+    error of the reference itself. ValueError for more methods than styles.
     """
     table = settings_table(runs)
     quantities, cases = list(dict.fromkeys(table["quantity"])), list(dict.fromkeys(table["case"]))
     methods = dict(zip(dict.fromkeys(table["method"]), STYLES, strict=False))
     if len(methods) < table["method"].nunique():
-        raise ValueError(f"{table['method'].nunique()} methods, but only {len(STYLES)} styles tell them apart")
+        raise ValueError(
+            f"work_precision_figure: {table['method'].nunique()} methods, but only {len(STYLES)} styles; draw fewer"
+        )
     unit = 1e6 if micro else 1.0
     if len(quantities) == 1 and len(cases) > MAX_COLUMNS:
         explained = {"setting_label": setting_label, "note": note, "name_all": name_all}
@@ -58,7 +60,7 @@ def work_precision_figure(runs, cost_label, error_labels, setting_label, micro=T
 
 
 def _panels_in_rows(table, cases, methods, unit, cost_label, error_labels, *, setting_label, note, name_all):
-    """The panels of one quantity, MAX_COLUMNS in a row."""
+    """Draw the panels of one quantity, MAX_COLUMNS in a row."""
     rows = -(-len(cases) // MAX_COLUMNS)
     figure = Figure(figsize=(1.2 + 3.7 * MAX_COLUMNS, 1.3 + 3.1 * rows), layout="constrained")
     grid = figure.subplots(rows, MAX_COLUMNS, squeeze=False, sharey=True)
@@ -77,7 +79,7 @@ def _panels_in_rows(table, cases, methods, unit, cost_label, error_labels, *, se
 
 
 def _tick(grid):
-    """Of the logarithmic axes of all panels, once they are drawn: labels of few decades at 1, 2 and 5 only."""
+    """Set the ticks of the logarithmic axes of drawn panels: axes of few decades are labelled at 1, 2 and 5 only."""
     for axes in grid.flat:
         for axis, (low, high) in (axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim()):
             axis.set_minor_formatter(NullFormatter())
@@ -89,7 +91,7 @@ def _tick(grid):
 def _explain(figure, handles, setting_label, note):
     figure.legend(
         handles.values(), handles.keys(), loc="outside lower center", ncols=3, frameon=False, fontsize="small",
-        title=f"beside points: {setting_label}" + (f"\n{note}" if note else ""), title_fontsize="x-small",
+        title=f"numbers at the points: {setting_label}" + (f"\n{note}" if note else ""), title_fontsize="x-small",
     )  # fmt: skip
 
 
@@ -97,10 +99,10 @@ def _draw_panel(axes, points, methods, unit, handles, name_all):
     axes.set(xscale="log", yscale="log")
     axes.grid(color="0.92", lw=0.6)
     axes.set_axisbelow(True)
-    known = points["reference_error"].max()
-    if known > 0.0:
-        handles["error of the reference"] = axes.axhline(known, color="0.5", lw=1.0, ls=":", zorder=1)
-        axes.axhspan(0.0, known, color="0.94", zorder=0)
+    reference_error = points["reference_error"].max()
+    if reference_error > 0.0:
+        handles["error of the reference"] = axes.axhline(reference_error, color="0.5", lw=1.0, ls=":", zorder=1)
+        axes.axhspan(0.0, reference_error, color="0.94", zorder=0)
     for method, rows in points.groupby("method", sort=False):
         color, line, marker = methods[method]
         x, y = unit * rows["cpu_s"], rows["error"]
@@ -132,14 +134,14 @@ def _draw_panel(axes, points, methods, unit, handles, name_all):
 
 
 def rest_figure(table, allowed_unbalanced=0.02):
-    """Motion and unbalanced force left in a bed at rest against steps per contact time; a column for each shape.
+    """Draw remaining motion and unbalanced force of beds at rest over steps per contact time, a column per shape.
 
-    table: of simcore.verification.rest. allowed_unbalanced: of a packing's convergence, drawn as a line. Beds that flew
-    apart stand at the upper edge, as triangles.
+    table: of simcore.verification.rest. allowed_unbalanced: limit of the unbalanced force in a packing's convergence,
+    drawn as a line. Beds that flew apart are shown as triangles at the upper edge.
     """
     quantities = {
-        "kinetic_energy": "largest kinetic energy\nover weight times grain size [-]",
-        "unbalanced_force": "unbalanced force\nover mean contact force [-]",
+        "kinetic_energy": "largest kinetic energy\n/ (weight × grain size) [-]",
+        "unbalanced_force": "unbalanced force\n/ mean contact force [-]",
     }
     shapes = list(dict.fromkeys(table["shape"]))
     figure = Figure(figsize=(1.2 + 3.4 * len(shapes), 6.0), layout="constrained")
@@ -159,7 +161,7 @@ def rest_figure(table, allowed_unbalanced=0.02):
                 top = axes.get_xaxis_transform()
                 axes.plot(lost, np.full(len(lost), 0.96), "^", color=color, ms=7, mfc="white", transform=top)
             if quantity == "unbalanced_force":
-                axes.axhline(allowed_unbalanced, color="0.5", lw=1.0, ls=":", label="allowed of a packing")
+                axes.axhline(allowed_unbalanced, color="0.5", lw=1.0, ls=":", label="limit for a packing")
             steps = sorted(set(table["steps"]))
             axes.set_xticks(steps, [f"{n:g}" for n in steps])
             axes.minorticks_off()

@@ -1,4 +1,4 @@
-"""Zingg diagrams, elongation over flatness: their fields, porosity over them, and sets of forms in them."""
+"""Zingg diagrams (elongation over flatness) with fields, porosities and sets of forms."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -9,13 +9,13 @@ from simcore.grains.form import axes_from_form
 
 FLATNESS, ELONGATION = "flatness FL = S/I [-]", "elongation EL = I/L [-]"
 POROSITY = "porosity n [-]"
-# Dark is dense; lightness grows steadily, so that it reads in grey.
+# Dark is dense; lightness grows steadily, so that the scale can be read in grey.
 SHADES = "cividis"
 FIELDS = ((0.02, 0.98, "oblate"), (0.98, 0.98, "equant"), (0.02, 0.02, "bladed"), (0.98, 0.02, "prolate"))
 
 
 def draw_fields(axes, lowest=0.2):
-    """The four fields of Zingg, parted at 2/3, with their names in the corners; the axes begin at `lowest`."""
+    """Draw the four fields of Zingg, divided at 2/3, with names in the corners; the axes begin at `lowest`."""
     axes.axvline(2 / 3, color="0.6", lw=0.8, zorder=0)
     axes.axhline(2 / 3, color="0.6", lw=0.8, zorder=0)
     for x, y, name in FIELDS:
@@ -26,10 +26,10 @@ def draw_fields(axes, lowest=0.2):
 
 
 def porosity_zingg_figure(packings, models=None):
-    """Porosity of packings of one form over the Zingg diagram, one panel a case, all on one scale.
+    """Draw the porosity of packings of one form in the Zingg diagram, one panel per case, with one colour scale.
 
     packings: columns case, FL, EL, n; models: dict from a case to its PorosityModel, whose lines of equal porosity are
-    drawn over the forms it was fitted to.
+    drawn among the forms to which it was fitted.
     """
     cases = list(packings.groupby("case", sort=False))
     figure = Figure(figsize=(1.1 + 3.9 * len(cases), 4.2), layout="constrained")
@@ -49,10 +49,10 @@ def porosity_zingg_figure(packings, models=None):
 
 
 def form_sets_figure(mixtures):
-    """Form mixtures in the Zingg diagram: an ellipse of one standard deviation around each mean.
+    """Draw form mixtures in the Zingg diagram, each as an ellipse of one standard deviation around its mean.
 
-    mixtures: columns mu_FL, sigma_FL, mu_EL, sigma_EL and n, the porosity that shades them; of several cases, one
-    panel each.
+    mixtures: columns mu_FL, sigma_FL, mu_EL, sigma_EL and n, the porosity, which gives the colour; with a column case,
+    one panel per case.
     """
     cases = list(mixtures.groupby("case", sort=False)) if "case" in mixtures else [("", mixtures)]
     figure = Figure(figsize=(1.1 + 3.9 * len(cases), 4.2), layout="constrained")
@@ -75,10 +75,10 @@ def form_sets_figure(mixtures):
 
 
 def _draw_model(axes, model, rows):
-    """Lines of equal porosity of the model among the forms of `rows`, none beyond them."""
+    """Draw lines of equal porosity of the model among the forms of `rows`, not outside them."""
     forms = rows[["FL", "EL"]].to_numpy()
     if np.linalg.matrix_rank(forms - forms.mean(axis=0), tol=1e-6) < 2:
-        return  # forms on one line have no area between them
+        return  # forms on a line enclose no area
     flatness, elongation = (np.linspace(low, high, 80) for low, high in zip(forms.min(0), forms.max(0), strict=True))
     x, y = np.meshgrid(flatness, elongation)
     n = model.predict_form(*axes_from_form(1.0, x.ravel(), y.ravel()))

@@ -86,5 +86,5 @@ def test_they_read_in_grey():
 def test_too_many_are_refused():
     many = {str(k): fabric(0.1) for k in range(6)}
     for draw in (fabric_figure, contact_radius_figure):
-        with pytest.raises(ValueError, match="6 fabrics, but one to 5 can be told apart"):
+        with pytest.raises(ValueError, match="6 fabrics were given, but it can draw 1 to 5"):
             draw(many)

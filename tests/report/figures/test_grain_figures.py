@@ -42,11 +42,11 @@ def test_the_studys_grains_stand_beside_ours(table, tmp_path):
     figure = figures.zingg_diagram({"a": table}, study)
     (cross,) = figure.axes[0].containers
     np.testing.assert_allclose(cross[0].get_xydata()[0], [0.647, 0.682])
-    assert cross.get_label() == "study's 63 grains: mean ± std."
+    assert cross.get_label() == "63 grains of Rettinger et al.: mean ± std."
     check(figure, tmp_path / "a.png")
     figure = figures.form_histograms(table, study)
     for axes, mean in zip(figure.axes, (0.647, 0.682), strict=True):
-        theirs = {line.get_label(): line for line in axes.lines}["normal of the study's grains"]
+        theirs = {line.get_label(): line for line in axes.lines}["normal, Rettinger et al."]
         assert abs(theirs.get_xdata()[np.argmax(theirs.get_ydata())] - mean) < 0.8 / 199
     check(figure, tmp_path / "b.png")
 

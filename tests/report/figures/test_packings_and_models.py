@@ -83,15 +83,15 @@ def test_form_figure_has_a_fit_for_each_case_and_feature(forms, study, tmp_path)
         "EQ$^{-1}$ = L/S [-]", "JFF$^{-1}$ [-]", "WFI = (L + I)/(2 S) [-]",
     ]  # fmt: skip
     assert set(legend(figure.axes[0])) == {
-        "6 forms", "fit: r = 1.000 (study 0.964)",
-        f"study, Eq. 17 at mean EL$^{{-1}}$ = {forms.L[:6].mean():.2f}",
+        "6 forms", "fit: r = 1.000 (Rettinger et al. 0.964)",
+        f"Rettinger et al., Eq. 17 at mean EL$^{{-1}}$ = {forms.L[:6].mean():.2f}",
     }  # fmt: skip
     assert set(legend(figure.axes[3])) == {"6 forms", "fit: r = 1.000"}
     lines = {line.get_label(): line.get_xydata() for line in figure.axes[0].lines}
     # The forms were made with n = 0.3 + 0.02 L/S.
-    fit_line = lines["fit: r = 1.000 (study 0.964)"]
+    fit_line = lines["fit: r = 1.000 (Rettinger et al. 0.964)"]
     np.testing.assert_allclose(fit_line[:, 1], 0.3 + 0.02 * fit_line[:, 0])
-    (theirs,) = (line for label, line in lines.items() if label.startswith("study"))
+    (theirs,) = (line for label, line in lines.items() if label.startswith("Rettinger"))
     np.testing.assert_allclose(theirs[:, 1], 0.278 + 0.019 * theirs[:, 0] + 0.014 * forms.L[:6].mean())
     assert len(bars(figure.axes[0])["6 forms"]) == 6
 
@@ -110,7 +110,7 @@ def test_the_studys_predictions_stand_beside_ours_with_their_error(forms, tmp_pa
     figure = prediction_figure(predictions, [])
     check(figure, tmp_path)
     ours, theirs = figure.axes
-    assert [axes.get_title() for axes in (ours, theirs)] == ["our model", "the study's model"]
+    assert [axes.get_title() for axes in (ours, theirs)] == ["our model", "model of Rettinger et al."]
     assert "U1: mean error −0.0100, RMS 0.0100" in legend(theirs)
     np.testing.assert_allclose(
         np.concatenate([points[:, 1] for points in bars(theirs).values()]), np.asarray(forms.n) - 0.01
@@ -128,6 +128,6 @@ def test_shape_kinds_name_their_difference_and_show_spheres_where_there_are(form
     points = bars(figure.axes[0])
     np.testing.assert_allclose(points["spheres"], [[1.0, 0.36]])
     np.testing.assert_allclose(points["ellipsoids with FL = EL"], [[1.1, 0.34], [1.2, 0.33]])
-    assert len(points["grains (convex hulls)"]) == len(points["their equivalent ellipsoids"]) == 6
-    assert "equal spheres, study: 0.36" in [text.get_text() for text in figure.legends[0].get_texts()]
+    assert len(points["grains (polyhedra)"]) == len(points["their equivalent ellipsoids"]) == 6
+    assert "equal spheres, Rettinger et al.: 0.36" in [text.get_text() for text in figure.legends[0].get_texts()]
     assert "spheres" not in bars(figure.axes[1])  # U7 has none

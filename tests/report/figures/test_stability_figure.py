@@ -26,9 +26,9 @@ def test_every_cell_is_drawn_with_its_outcome(cells, tmp_path):
     np.testing.assert_array_equal(codes, [[order.index(outcome) for outcome in row] for row in expected])
     assert [text.get_text() for text in steps.texts if text.get_text()] == ["r", "W"]
     assert steps.get_ylabel() == "steps per contact time [-]" and "[s]" in steps.get_xlabel()
-    assert weight.get_xlabel() == "mass carried over own mass [-]" and "[s]" in weight.get_ylabel()
+    assert weight.get_xlabel() == "mass carried, relative to own mass [-]" and "[s]" in weight.get_ylabel()
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert "stable and right (4)" in labels and "W: silently wrong (1)" in labels
+    assert "stable and correct (4)" in labels and "W: silently wrong (1)" in labels
     figure.savefig(tmp_path / "map.png")
 
 
@@ -39,5 +39,5 @@ def test_it_reads_in_grey():
 
 
 def test_an_unknown_outcome_is_refused(cells):
-    with pytest.raises(ValueError, match="outcome 'fine' is none of stable, soft"):
+    with pytest.raises(ValueError, match="outcome 'fine' is not one of stable, soft"):
         stability_figure(cells.assign(outcome="fine"))

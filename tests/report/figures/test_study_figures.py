@@ -24,7 +24,7 @@ def test_settings_are_rows_with_the_study_and_the_experiment(tmp_path):
     assert [label.get_text() for label in axes.get_yticklabels()] == ["U7, 1", "B50, 2.5"]
     assert axes.get_xlabel() == "porosity n [-]"
     points = bars(axes)
-    assert set(points) == {"simulated (± std. error)", "study (± std. over runs)", "experiment (± std.)"}
+    assert set(points) == {"simulated (± std. error)", "Rettinger et al. (± std. over runs)", "experiment (± std.)"}
     np.testing.assert_allclose(points["simulated (± std. error)"][:, 0], [0.3, 0.26])
     np.testing.assert_allclose(points["experiment (± std.)"][:, 0], 0.31)
 
@@ -34,10 +34,10 @@ def test_a_time_is_an_axis_in_order(tmp_path):
     figure = porosities_figure(rows, ["case", "shaking_s"])
     figure.savefig(tmp_path / "f.png", dpi=40)
     axes = figure.axes[0]
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("time of shaking [s]", "porosity n [-]")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("duration of shaking [s]", "porosity n [-]")
     points = bars(axes)
     np.testing.assert_allclose(points["U7, simulated (± std. error)"], [[1, 0.3], [3, 0.29], [6, 0.28]])
-    np.testing.assert_allclose(points["U7, study"], [[1, 0.291], [3, 0.285], [6, 0.282]])
+    np.testing.assert_allclose(points["U7, Rettinger et al."], [[1, 0.291], [3, 0.285], [6, 0.282]])
 
 
 def test_a_width_is_given_in_millimetres():
@@ -62,7 +62,9 @@ def test_forms_are_drawn_over_their_equancy(tmp_path):
     first, second = figure.axes
     assert first.get_xlabel() == "mean EQ$^{-1}$ = L/S [-]" and first.get_ylabel() == "porosity n [-]"
     np.testing.assert_allclose(bars(first)["simulated (± std. error)"], [[2, 0.36], [4, 0.4]])
-    np.testing.assert_allclose(bars(first)["the study's model for these forms (± its error)"][:, 1], [0.35, 0.38])
+    np.testing.assert_allclose(
+        bars(first)["model of Rettinger et al. for these forms (± its error)"][:, 1], [0.35, 0.38]
+    )
     assert len(bars(second)) == 1
 
 
