@@ -19,6 +19,7 @@ from simcore.campaign.deposits import (
     tabulate_deposits,
 )
 from simcore.evaluation.deposit import deposit
+from tests.helpers.packings import make_packing, sphere_lattice, touching_pairs
 
 PEAK = 1.6
 
@@ -137,12 +138,12 @@ def test_names_of_studies_say_how_they_are_read():
 
 
 @pytest.fixture
-def found(packings):
+def found():
     """deposit() of a lattice of touching spheres, packed as if eta = zeta = 1.3; a function of the seed."""
 
     def make(seed):
-        centres, width = packings.lattice("sc", 4, 9)
-        pairs, images = packings.touching(centres, width)
+        centres, width = sphere_lattice("sc", 4, 9)
+        pairs, images = touching_pairs(centres, width)
         scene = {
             "seed": seed,
             "shapes": {"eta": 1.3, "zeta": 1.3},
@@ -151,7 +152,7 @@ def found(packings):
             "shaking": {"duration": 0.0},
         }
         attrs = dict(scene=json.dumps(scene), seed=seed, steps=7, time=0.5, last_insertion=0.2, cpu_seconds=3.0)
-        bed = packings.make(centres, 0.5, width=width, contacts=pairs, images=images, **attrs)
+        bed = make_packing(centres, 0.5, width=width, contacts=pairs, images=images, **attrs)
         bed["contact_overlap"] = ("contact", np.full(bed.sizes["contact"], 2e-3))
         return deposit(bed)
 

@@ -13,6 +13,7 @@ from simcore.grains.sources import source_name
 from simcore.models.fitting import fit_reference_models
 from simcore.scene.identity import result_digest
 from simcore.scene.specification import resolve
+from tests.helpers.packings import make_packing
 
 SPECIFICATION = {
     "domain": {"width": "0.1 m", "height": "0.3 m"},
@@ -26,11 +27,11 @@ def specify(seed=1, **shapes):
 
 
 @pytest.fixture
-def evaluated(packings):
+def evaluated():
     """Function that gives the evaluation of a bed of 300 grains at random places, as if packed by a specification."""
 
     def evaluation(specification, axes=(0.011, 0.009, 0.007), n=None):
-        packing = packings.make(
+        packing = make_packing(
             np.random.default_rng(4).uniform(0.005, 0.06, (300, 3)),
             np.tile(0.5 * np.array(axes), (300, 1)),
             width=0.05,

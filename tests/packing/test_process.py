@@ -11,11 +11,11 @@ from simcore.dem.from_scene import compose
 from simcore.packing.packed import GENERATING, PackingError
 from simcore.packing.process import Process, pack
 from simcore.scene.domain import lattice_sites
-from tests.helpers.few import set_up_few
+from tests.helpers.few_spheres import set_up_few_spheres
 
 
 def run(**changes):
-    made = set_up_few(**changes)
+    made = set_up_few_spheres(**changes)
     return pack(made.scene, made.bases, made.draw)
 
 
@@ -136,21 +136,21 @@ def test_two_threads_give_the_bits_of_one():
 
 
 def test_grains_are_drawn_by_id():
-    made = set_up_few()
+    made = set_up_few_spheres()
     every, some = made.draw(np.arange(50)), made.draw(np.array([7, 3, 49]))
     for name in every._fields:
         assert (getattr(some, name) == getattr(every, name)[[7, 3, 49]]).all()
 
 
 def test_amount_by_mass_ends_with_the_grain_that_reaches_it():
-    made = set_up_few(amount={"mass": "12 g", "grains": None}, sizes={"allow_few_top_grains": True})
+    made = set_up_few_spheres(amount={"mass": "12 g", "grains": None}, sizes={"allow_few_top_grains": True})
     packed = pack(made.scene, made.bases, made.draw)
     mass = packed.bodies.mass
     assert mass.sum() >= 0.012 > mass[:-1].sum()
 
 
 def test_the_fill_of_the_study_makes_whole_batches():
-    made = set_up_few(
+    made = set_up_few_spheres(
         amount={"mass": "20 g", "grains": None},
         generation={"fill": "r22", "spacing": "12 mm"},
         sizes={"allow_few_top_grains": True},
@@ -185,12 +185,12 @@ def test_grains_that_fill_the_domain_without_a_pore_are_refused():
     with pytest.raises(
         ValueError, match=r"domain.height: 0.1\d+ kg of grains would fill .* 25 mm wide to \d+ mm without"
     ):
-        set_up_few(amount={"grains": 400}, domain={"height": "60 mm"})
+        set_up_few_spheres(amount={"grains": 400}, domain={"height": "60 mm"})
 
 
 def thrown(speed):
     """A process whose first batch is to throw its highest grain up [m/s]; its domain falls through in 0.14 s."""
-    made = set_up_few(amount={"grains": 120})
+    made = set_up_few_spheres(amount={"grains": 120})
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     first = []
 
@@ -217,7 +217,7 @@ def test_a_batch_waits_for_a_grain_in_flight(monkeypatch):
 
 
 def test_a_bed_that_lies_too_high_is_not_waited_for():
-    made = set_up_few(amount={"grains": 300}, domain={"height": "0.1 m"})
+    made = set_up_few_spheres(amount={"grains": 300}, domain={"height": "0.1 m"})
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     with pytest.raises(PackingError, match=r"the bed reaches \d+ mm and leaves no room for another batch"):
         running.generate()
@@ -226,12 +226,12 @@ def test_a_bed_that_lies_too_high_is_not_waited_for():
 
 def test_an_unstable_time_step_is_refused():
     with pytest.raises(ValueError, match=r"numerics.steps_per_contact_time: 5.5 is unstable .* at least 5.89 steps"):
-        compose(set_up_few(numerics={"steps_per_contact_time": 5.5}).scene)
+        compose(set_up_few_spheres(numerics={"steps_per_contact_time": 5.5}).scene)
 
 
 def test_grains_that_float_are_refused():
     with pytest.raises(ValueError, match=r"material.fluid_density: 2700 kg/m3 is not below"):
-        set_up_few(material={"fluid_density": "2700 kg/m3"})
+        set_up_few_spheres(material={"fluid_density": "2700 kg/m3"})
 
 
 def spoilt(made, grain, value):
@@ -246,12 +246,12 @@ def spoilt(made, grain, value):
 
 
 def test_a_number_that_is_not_finite_names_grain_and_step():
-    made = set_up_few()
+    made = set_up_few_spheres()
     with pytest.raises(PackingError, match=r"few: the position of grain 5 is not finite at step 1; .*time step"):
         pack(made.scene, made.bases, spoilt(made, 5, np.nan))
 
 
 def test_a_grain_that_is_shot_away_names_grain_and_step():
-    made = set_up_few()
+    made = set_up_few_spheres()
     with pytest.raises(PackingError, match=r"grain 7 moves at .* m/s at step \d+, more than fall and shaking"):
         pack(made.scene, made.bases, spoilt(made, 7, 1000.0))

@@ -5,7 +5,9 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.shapes.hulls import Base, unit_sphere
+from simcore.dem.forces.spring_dashpot import contact_law
+from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, Base, unit_sphere
+from tests.helpers.stepped_bodies import SteppedBodies
 
 T_C = 5e-3
 NU, FRICTION = 0.22, 0.5
@@ -24,7 +26,7 @@ TOUCHED = {"face": [0, 0, 1], "edge": [1, 0, 1], "corner": [1, 1, 1]}
 @pytest.mark.parametrize("first", ["hull", "sphere"])
 @pytest.mark.parametrize("touched", TOUCHED)
 @pytest.mark.parametrize("restitution", [0.1, 0.9])
-def test_a_sphere_rebounds_from_a_cube(stage, touched, first, restitution):
+def test_a_sphere_rebounds_from_a_cube(touched, first, restitution):
     """Head on against face, edge and corner, either body first: −e times the speed, to the first order of the step."""
     along = np.array(TOUCHED[touched]) / np.linalg.norm(TOUCHED[touched])
     to_z = Rotation.align_vectors([[0, 0, 1.0]], [along])[0].as_quat(scalar_first=True)
@@ -34,8 +36,8 @@ def test_a_sphere_rebounds_from_a_cube(stage, touched, first, restitution):
     pair = [[0, 0, 10.0], [0, 0, 10.0 + start if hull_first else 10.0 - start]]
     speed = np.array([[0, 0, 0.0], [0, 0, -1.0 if hull_first else 1.0]])
     bases = [hull([1.0, 1.0, 1.0]), unit_sphere()]
-    thrown = stage.Stage(
-        stage.MIXED, stage.law(restitution, T_C, NU, FRICTION), [[1.0] * 3] * 2, pair, speed, bases=bases,
+    thrown = SteppedBodies(
+        MIXED, contact_law(restitution, T_C, NU, FRICTION), [[1.0] * 3] * 2, pair, speed, bases=bases,
         shape=[0, 1] if hull_first else [1, 0], orientation=[to_z] * 2, patch=True,
     )  # fmt: skip
     steps = 800
@@ -48,7 +50,7 @@ def test_a_sphere_rebounds_from_a_cube(stage, touched, first, restitution):
     assert np.abs(thrown.bodies.angular_velocity).max() < 1e-9
 
 
-def test_momentum_and_angular_momentum_are_kept(stage):
+def test_momentum_and_angular_momentum_are_kept():
     """A cloud of boxes and ellipsoids that falls together: each step keeps both to rounding."""
     rng = np.random.default_rng(1)
     bases = [hull([1.8, 1.3, 1.0]), hull([0.4, 0.4, 3.0]), unit_sphere()]
@@ -58,8 +60,8 @@ def test_momentum_and_angular_momentum_are_kept(stage):
     position = 3.3 * (np.stack(np.unravel_index(np.arange(n), (4, 2, 2)), axis=-1) - [1.5, 0.5, 0.5])
     velocity = -20.0 * position + rng.uniform(-5.0, 5.0, (n, 3))
     turns = Rotation.random(n, rng=rng).as_quat(scalar_first=True)
-    cloud = stage.Stage(
-        stage.MIXED, stage.law(0.5, T_C, NU, FRICTION), scale, position + [0, 0, 50.0], velocity,
+    cloud = SteppedBodies(
+        MIXED, contact_law(0.5, T_C, NU, FRICTION), scale, position + [0, 0, 50.0], velocity,
         rng.uniform(-5.0, 5.0, (n, 3)), bases=bases, shape=shape, orientation=turns, patch=True,
     )  # fmt: skip
 
@@ -85,7 +87,7 @@ def test_momentum_and_angular_momentum_are_kept(stage):
 
 
 @pytest.mark.parametrize("kind", ["ellipsoids", "hulls"])
-def test_one_kind_alone_steps_to_the_same_bits_as_in_its_own_scene(stage, kind):
+def test_one_kind_alone_steps_to_the_same_bits_as_in_its_own_scene(kind):
     rng = np.random.default_rng(2)
     n = 8
     ellipsoids = kind == "ellipsoids"
@@ -95,9 +97,9 @@ def test_one_kind_alone_steps_to_the_same_bits_as_in_its_own_scene(stage, kind):
     position = np.column_stack([0.4 * rng.standard_normal((n, 2)), 2.0 + 3.5 * np.arange(n)])
     turns = Rotation.random(n, rng=rng).as_quat(scalar_first=True)
     ends = []
-    for scene in (stage.ELLIPSOID if ellipsoids else stage.POLYHEDRON, stage.MIXED):
-        pile = stage.Stage(
-            scene, stage.law(0.3, T_C, NU, FRICTION), scale, position, [0, 0, -5.0], bases=bases, shape=shape,
+    for scene in (ELLIPSOID if ellipsoids else POLYHEDRON, MIXED):
+        pile = SteppedBodies(
+            scene, contact_law(0.3, T_C, NU, FRICTION), scale, position, [0, 0, -5.0], bases=bases, shape=shape,
             orientation=turns, gravity=20.0, width=4.0, patch=True,
         )  # fmt: skip
         pile.advance(T_C / 40, 20000)

@@ -9,7 +9,7 @@ from simcore.packing.keeping import KEEP, KEEP_AND_STOP, Keeper
 from simcore.packing.packed import Interrupted
 from simcore.packing.process import pack
 from tests.dem.state.test_parts import arrays_of, assert_same
-from tests.helpers.few import set_up_few
+from tests.helpers.few_spheres import set_up_few_spheres
 
 
 class Memory(Keeper):
@@ -38,7 +38,7 @@ CHANGES = {"numerics": {"steps_per_contact_time": 20, "dashpot": "implicit"}, "a
 
 @pytest.fixture(scope="module")
 def made():
-    return set_up_few(**CHANGES)
+    return set_up_few_spheres(**CHANGES)
 
 
 @pytest.fixture(scope="module")

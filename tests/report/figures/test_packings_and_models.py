@@ -10,12 +10,13 @@ from simcore.grains.form import features
 from simcore.models.regression import fit
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.report.figures.packings import packing_figure, packings_figure, profile_figure
+from tests.helpers.packings import make_packing, sphere_lattice
 
 
 @pytest.fixture
-def bed(packings):
-    centres, width = packings.lattice("bcc", 3, 6)
-    return packings.make(1e-2 * centres, 5e-3, width=1e-2 * width)
+def bed():
+    centres, width = sphere_lattice("bcc", 3, 6)
+    return make_packing(1e-2 * centres, 5e-3, width=1e-2 * width)
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact.pairs.ellipsoids import TOLERANCE
+from tests.helpers.contact_pairs import UNIT_SPHERE, certain_gap, place_pairs, update_ellipsoids
 
 IDENTITY = [1.0, 0.0, 0.0, 0.0]
 PHI = 0.5 * (1.0 + np.sqrt(5.0))
@@ -44,14 +45,14 @@ KNOWN = {
 }
 
 
-def look(core, semi_a, semi_b, turn_a, turn_b, offsets, size=1.0, common=0.0):
+def look(semi_a, semi_b, turn_a, turn_b, offsets, size=1.0, common=0.0):
     """Bodies and contacts of pairs, searched from nothing; all arguments (n, ...) or one pair's."""
     offsets = np.atleast_2d(offsets)
     n = len(offsets)
     scale, turns = np.empty((2 * n, 3)), np.empty((2 * n, 4))
     scale[0::2], scale[1::2], turns[0::2], turns[1::2] = semi_a, semi_b, turn_a, turn_b
-    bodies, _, contacts = core.place_pairs([core.sphere] * (2 * n), scale, turns, offsets, size, common)
-    core.look_at_ellipsoids(bodies, contacts, 0.0)
+    bodies, _, contacts = place_pairs([UNIT_SPHERE] * (2 * n), scale, turns, offsets, size, common)
+    update_ellipsoids(None, bodies, contacts, 0.0)
     return bodies, contacts
 
 
@@ -75,13 +76,13 @@ def residual(bodies, contacts):
 
 @pytest.mark.parametrize("name", KNOWN)
 @pytest.mark.parametrize("size", [1.0, 1e-6, 1e3])
-def test_known_pairs(core, name, size):
+def test_known_pairs(name, size):
     semi_a, semi_b, turn, centre, distance = KNOWN[name]
-    bodies, contacts = look(core, semi_a, semi_b, IDENTITY, turn, centre, size)
+    bodies, contacts = look(semi_a, semi_b, IDENTITY, turn, centre, size)
     extent = (bodies.radius.sum()) / size
     if distance >= 0.0 and contacts.touching[0] == 0:
         # A gap wider than 2 % of the size needs no more than a certain bound
-        gap = core.gap(contacts, 0) / size
+        gap = certain_gap(contacts, 0) / size
         assert gap <= distance + 1e-12 * extent
         assert gap >= min(distance - 1e-12 * extent, 0.02 * extent)
     else:
@@ -101,12 +102,12 @@ def random_pairs(rng, n, flattest):
 
 
 @pytest.mark.parametrize("flattest", [0.3, 0.02])
-def test_no_direction_shows_less_overlap_and_the_normal_is_common(core, flattest):
+def test_no_direction_shows_less_overlap_and_the_normal_is_common(flattest):
     """The distance is the maximum of f(n): 20 000 directions and as many surface normals of each body stay below."""
     rng = np.random.default_rng(1)
     n = 250
     semi, turns, offsets = random_pairs(rng, n, flattest)
-    bodies, contacts = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
+    bodies, contacts = look(semi[0], semi[1], turns[0], turns[1], offsets)
     size = bodies.radius[0::2] + bodies.radius[1::2]
     rows = np.flatnonzero(contacts.touching)
     assert 0.2 * n < len(rows) < 0.9 * n
@@ -127,20 +128,20 @@ def test_no_direction_shows_less_overlap_and_the_normal_is_common(core, flattest
             missed += f.max() > -contacts.overlap[k] + 1e-12
         else:
             # A certain gap: never wider than the true one, which no direction shows less of than this one
-            n_k, gap = contacts.direction[k], core.gap(contacts, k)
+            n_k, gap = contacts.direction[k], certain_gap(contacts, k)
             f_k = n_k @ offsets[k] - sum(np.linalg.norm(n_k @ matrix) for matrix in matrices)
             assert 0.0 < gap <= f_k + 1e-14
     assert missed == 0
 
 
-def test_a_sphere_beside_an_ellipsoid_and_two_spheres_are_special_cases(core):
+def test_a_sphere_beside_an_ellipsoid_and_two_spheres_are_special_cases():
     rng = np.random.default_rng(2)
     n = 100
     radii = rng.uniform(0.5, 1.5, (2, n))
     offsets = rng.standard_normal((n, 3))
     turns = Rotation.random(2 * n, rng=rng).as_quat(scalar_first=True).reshape(2, n, 4)
     semi = np.repeat(radii[:, :, None], 3, axis=2)
-    bodies, contacts = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
+    bodies, contacts = look(semi[0], semi[1], turns[0], turns[1], offsets)
     distance = np.linalg.norm(offsets, axis=1)
     overlap = radii.sum(axis=0) - distance
     assert ((overlap > 0.0) == (contacts.touching > 0)).all()
@@ -151,16 +152,16 @@ def test_a_sphere_beside_an_ellipsoid_and_two_spheres_are_special_cases(core):
     np.testing.assert_allclose(contacts.point[rows], middle[rows], atol=1e-10)
 
 
-def test_a_pair_seen_from_the_other_body_and_from_elsewhere(core):
+def test_a_pair_seen_from_the_other_body_and_from_elsewhere():
     rng = np.random.default_rng(3)
     n = 200
     semi, turns, offsets = random_pairs(rng, n, 0.3)
     offsets *= 0.5 + 0.5 / np.maximum(np.linalg.norm(offsets, axis=1, keepdims=True), 0.5)  # not too deep
-    _, one = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
-    _, other = look(core, semi[1], semi[0], turns[1], turns[0], -offsets)
+    _, one = look(semi[0], semi[1], turns[0], turns[1], offsets)
+    _, other = look(semi[1], semi[0], turns[1], turns[0], -offsets)
     turn = Rotation.random(rng=rng)
     moved = [(turn * Rotation.from_quat(q, scalar_first=True)).as_quat(scalar_first=True) for q in turns]
-    _, there = look(core, semi[0], semi[1], *moved, turn.apply(offsets), common=100.0)
+    _, there = look(semi[0], semi[1], *moved, turn.apply(offsets), common=100.0)
     rows = one.touching > 0
     assert rows.sum() > 0.3 * n
     for seen in (other, there):
@@ -173,7 +174,7 @@ def test_a_pair_seen_from_the_other_body_and_from_elsewhere(core):
     np.testing.assert_allclose(there.direction[rows], turn.apply(one.direction[rows]), atol=1e-8)
 
 
-def test_the_last_normal_answers_as_a_search_does(core):
+def test_the_last_normal_answers_as_a_search_does():
     """Pairs that come together from a gap and turn: the climb from the last normal finds what a search finds."""
     rng = np.random.default_rng(4)
     n = 200
@@ -181,17 +182,17 @@ def test_the_last_normal_answers_as_a_search_does(core):
     unit = offsets / np.linalg.norm(offsets, axis=1, keepdims=True)
     offsets = 1.7 * unit
     scale = np.stack([semi[0], semi[1]], axis=1).reshape(-1, 3)
-    bases = [core.sphere] * (2 * n)
-    bodies, _, contacts = core.place_pairs(bases, scale, np.stack(turns, axis=1).reshape(-1, 4), offsets)
+    bases = [UNIT_SPHERE] * (2 * n)
+    bodies, _, contacts = place_pairs(bases, scale, np.stack(turns, axis=1).reshape(-1, 4), offsets)
     searched, compared = 0, 0
     for _ in range(200):
         size = bodies.radius[0::2] + bodies.radius[1::2]
         deep = (contacts.touching > 0) & (contacts.overlap > 5e-3 * size)
         step = np.where(deep[:, None], 0.0, -1e-2 * unit) + 1e-3 * rng.standard_normal((n, 3))
         bodies.position[1::2] += step
-        searched += core.look_at_ellipsoids(bodies, contacts, 0.0)
+        searched += update_ellipsoids(None, bodies, contacts, 0.0)
         offsets = bodies.position[1::2] - bodies.position[0::2]
-        _, fresh = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
+        _, fresh = look(semi[0], semi[1], turns[0], turns[1], offsets)
         differ = contacts.touching != fresh.touching
         overlap = np.where(contacts.touching > 0, contacts.overlap, fresh.overlap)
         assert (overlap[differ] <= 1e-14).all()
