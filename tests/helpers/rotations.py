@@ -20,3 +20,6 @@ def turn_about(direction, angle):
 def turn_about_axis(axis, degrees):
     """Quaternion (4,) of a turn about "x", "y" or "z" by an angle in degrees."""
     return Rotation.from_euler(axis, degrees, degrees=True).as_quat(scalar_first=True)
+
+
+X45, Y45, Z45 = (turn_about_axis(axis, 45) for axis in "xyz")

@@ -11,17 +11,12 @@ from simcore.dem.from_scene import compose
 from simcore.packing.packed import GENERATING, PackingError
 from simcore.packing.process import Process, pack
 from simcore.scene.domain import lattice_sites
-from tests.helpers.few_spheres import set_up_few_spheres
-
-
-def run(**changes):
-    made = set_up_few_spheres(**changes)
-    return pack(made.scene, made.bases, made.draw)
+from tests.helpers.few_spheres import pack_few_spheres, set_up_few_spheres
 
 
 @pytest.fixture(scope="module")
 def packed():
-    return run()
+    return pack_few_spheres()
 
 
 def test_it_converges_and_says_so(packed):
@@ -35,7 +30,7 @@ def test_it_converges_and_says_so(packed):
 
 
 def test_the_floor_carries_the_buoyant_weight():
-    packed = run(convergence={"max_unbalanced_force": 1e-3, "max_speed": "0.1 mm/s"})
+    packed = pack_few_spheres(convergence={"max_unbalanced_force": 1e-3, "max_speed": "0.1 mm/s"})
     bodies = packed.bodies
     weight = bodies.mass.sum() * 9.81 * (1.0 - 1000.0 / 2650.0)
     floor = packed.walls.force[:, 2].sum()
@@ -69,7 +64,7 @@ def test_net_force_is_that_of_its_contacts(packed):
 
 
 def test_a_seed_repeats_its_bits_and_another_does_not(packed):
-    again, other = run(), run(seed=2)
+    again, other = pack_few_spheres(), pack_few_spheres(seed=2)
     for field in ("position", "velocity", "angular_momentum", "turned", "net_force"):
         assert (getattr(again.bodies, field) == getattr(packed.bodies, field)).all()
     assert (again.contacts.force == packed.contacts.force).all()
@@ -82,11 +77,11 @@ def test_the_skin_of_the_list_changes_no_bit_of_spheres(packed):
     Ellipsoids and hulls start from what a pair remembers, so a pair listed earlier may differ in the last bits.
     """
     for skin in (0.02, 0.6):
-        other = run(numerics={"skin": skin})
+        other = pack_few_spheres(numerics={"skin": skin})
         assert (other.bodies.position == packed.bodies.position).all()
         assert other.steps == packed.steps
     implicit = {"dashpot": "implicit", "steps_per_contact_time": 10}
-    one, other = (run(numerics={"skin": skin, **implicit}) for skin in (0.02, 0.6))
+    one, other = (pack_few_spheres(numerics={"skin": skin, **implicit}) for skin in (0.02, 0.6))
     assert (one.bodies.position == other.bodies.position).all()
     assert one.observation.unbalanced_force < 0.02  # at a quarter of the steps
 
@@ -165,18 +160,18 @@ def test_the_fill_of_the_study_makes_whole_batches():
 
 def test_not_at_rest_names_grain_and_step():
     with pytest.raises(PackingError, match=r"few: not at rest after 0.02 s of damping, step \d+: .*grain \d+ moves at"):
-        run(damping={"max_time": "0.02 s"}, convergence={"max_speed": "1e-9 m/s"})
+        pack_few_spheres(damping={"max_time": "0.02 s"}, convergence={"max_speed": "1e-9 m/s"})
 
 
 def test_a_domain_too_low_says_so():
     with pytest.raises(PackingError, match=r"few: after \d+ grains the bed reaches \d+ mm .*domain.height = 40 mm"):
-        run(domain={"height": "40 mm"}, amount={"grains": 120})
+        pack_few_spheres(domain={"height": "40 mm"}, amount={"grains": 120})
     with pytest.raises(PackingError, match=r"no grain finds room at birth"):
-        run(domain={"height": "9 mm"}, amount={"grains": 20})
+        pack_few_spheres(domain={"height": "9 mm"}, amount={"grains": 20})
 
 
 def test_a_bed_higher_than_where_batches_begin_gets_the_rest_in_what_room_is_left():
-    packed = run(amount={"grains": 180}, domain={"height": "0.1 m"})
+    packed = pack_few_spheres(amount={"grains": 180}, domain={"height": "0.1 m"})
     assert len(packed.bodies.mass) == 180
     assert 0.06 < (packed.bodies.position[:, 2] + packed.bodies.radius).max() < 0.1
 

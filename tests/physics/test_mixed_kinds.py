@@ -2,24 +2,16 @@
 
 import numpy as np
 import pytest
-import trimesh
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, Base, unit_sphere
+from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, unit_sphere
+from tests.helpers.polyhedra import make_box
 from tests.helpers.stepped_bodies import SteppedBodies
 
 T_C = 5e-3
 NU, FRICTION = 0.22, 0.5
 AXES = np.array([[1.0, 1.0, 1.0], [1.0, 0.75, 0.5], [1.6, 0.4, 0.4], [1.2, 1.2, 0.3]])
-
-
-def hull(extents):
-    mesh = trimesh.creation.box(extents)
-    moments = np.array(extents) ** 2 / 12.0
-    return Base("box", np.array(mesh.vertices), np.array(mesh.faces, np.int64), float(np.prod(extents)), moments)
-
-
 TOUCHED = {"face": [0, 0, 1], "edge": [1, 0, 1], "corner": [1, 1, 1]}
 
 
@@ -35,7 +27,7 @@ def test_a_sphere_rebounds_from_a_cube(touched, first, restitution):
     hull_first = first == "hull"
     pair = [[0, 0, 10.0], [0, 0, 10.0 + start if hull_first else 10.0 - start]]
     speed = np.array([[0, 0, 0.0], [0, 0, -1.0 if hull_first else 1.0]])
-    bases = [hull([1.0, 1.0, 1.0]), unit_sphere()]
+    bases = [make_box([1.0, 1.0, 1.0]), unit_sphere()]
     thrown = SteppedBodies(
         MIXED, contact_law(restitution, T_C, NU, FRICTION), [[1.0] * 3] * 2, pair, speed, bases=bases,
         shape=[0, 1] if hull_first else [1, 0], orientation=[to_z] * 2, patch=True,
@@ -53,7 +45,7 @@ def test_a_sphere_rebounds_from_a_cube(touched, first, restitution):
 def test_momentum_and_angular_momentum_are_kept():
     """A cloud of boxes and ellipsoids that falls together: each step keeps both to rounding."""
     rng = np.random.default_rng(1)
-    bases = [hull([1.8, 1.3, 1.0]), hull([0.4, 0.4, 3.0]), unit_sphere()]
+    bases = [make_box([1.8, 1.3, 1.0]), make_box([0.4, 0.4, 3.0]), unit_sphere()]
     n = 16
     shape = rng.integers(0, 3, n)
     scale = np.where((shape == 2)[:, None], AXES[rng.integers(0, 4, n)], 1.0)
@@ -91,7 +83,7 @@ def test_one_kind_alone_steps_to_the_same_bits_as_in_its_own_scene(kind):
     rng = np.random.default_rng(2)
     n = 8
     ellipsoids = kind == "ellipsoids"
-    bases = [unit_sphere()] if ellipsoids else [hull([1.8, 1.3, 1.0]), hull([0.4, 0.4, 3.0])]
+    bases = [unit_sphere()] if ellipsoids else [make_box([1.8, 1.3, 1.0]), make_box([0.4, 0.4, 3.0])]
     shape = np.zeros(n, int) if ellipsoids else rng.integers(0, 2, n)
     scale = AXES[rng.integers(0, 4, n)] if ellipsoids else np.ones((n, 3))
     position = np.column_stack([0.4 * rng.standard_normal((n, 2)), 2.0 + 3.5 * np.arange(n)])

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-import trimesh
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import POLYHEDRON, Base
+from simcore.dem.shapes.hulls import POLYHEDRON
+from tests.helpers.polyhedra import make_box
 from tests.helpers.stepped_bodies import SteppedBodies
 
 T_C = 5e-3
@@ -15,18 +15,13 @@ EDGE = 0.01
 EQUILIBRIUM = GRAVITY * (T_C / np.pi) ** 2  # scale of a static overlap, g / k per mass
 
 
-def cube():
-    mesh = trimesh.creation.box((1.0, 1.0, 1.0))
-    return Base("cube", np.array(mesh.vertices), np.array(mesh.faces, np.int64), 1.0, np.full(3, 1.0 / 12.0))
-
-
 def column(n, shift=0.0, turn=0.0, patch=True, contact_time=T_C):
     """n cubes on top of each other from a hair above rest; each shifted and turned against that below."""
     k = np.arange(n)
     position = np.column_stack([shift * EDGE * k, 0.0 * k, EDGE * (k + 0.5) + 1e-6 * (k + 1)])
     orientation = Rotation.from_rotvec(np.column_stack([0.0 * k, 0.0 * k, turn * k])).as_quat(scalar_first=True)
     return SteppedBodies(
-        POLYHEDRON, contact_law(0.1, contact_time, 0.22, 0.5), [EDGE] * 3, position, np.zeros(3), bases=[cube()],
+        POLYHEDRON, contact_law(0.1, contact_time, 0.22, 0.5), [EDGE] * 3, position, np.zeros(3), bases=[make_box()],
         orientation=orientation, gravity=GRAVITY, density=2650.0, patch=patch,
     )  # fmt: skip
 

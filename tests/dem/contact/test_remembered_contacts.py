@@ -19,13 +19,12 @@ from simcore.dem.state.features import Features
 from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.dem.step.step import Drive, make_advance
 from tests.helpers.contact_pairs import UNIT_SPHERE, update_polyhedra
-from tests.helpers.polyhedra import make_pebble, make_polyhedron
+from tests.helpers.polyhedra import CUBE, make_pebble, make_polyhedron
 from tests.helpers.rotations import random_orientations
 
 ROOT = Path(__file__).parents[3]
 WIDTH = 0.030
 BETWEEN_BOUNDS = 3e-9  # of the size, more than deep_overlap.CERTAIN: how well the overlap of deep ellipsoids is known
-CUBE = 0.8 * np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
 NEEDLE, PLATE = (1.6, 0.3, 0.3), (1.2, 1.2, 0.2)
@@ -35,7 +34,7 @@ SMOOTH = [(1.0, 1.0, 1.0), (1.0, 0.75, 0.5), NEEDLE, PLATE]  # axes of ellipsoid
 def make_hulls():
     """Pebbles of 8 to 40 points, a needle, a plate, and a cube, whose faces, edges and corners are all degenerate."""
     bases = [make_pebble(k, n) for k, n in enumerate((8, 16, 24, 40))]
-    return bases + [make_pebble(4, 24, NEEDLE), make_pebble(5, 32, PLATE), make_polyhedron(CUBE)]
+    return bases + [make_pebble(4, 24, NEEDLE), make_pebble(5, 32, PLATE), make_polyhedron(1.6 * CUBE)]
 
 
 def make_bed(kind=POLYHEDRON):

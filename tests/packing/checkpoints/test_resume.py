@@ -8,8 +8,8 @@ import pytest
 from simcore.packing.keeping import KEEP, KEEP_AND_STOP, Keeper
 from simcore.packing.packed import Interrupted
 from simcore.packing.process import pack
-from tests.dem.state.test_parts import arrays_of, assert_same
 from tests.helpers.few_spheres import set_up_few_spheres
+from tests.helpers.same_bits import arrays_of, assert_same_bits
 
 
 class Memory(Keeper):
@@ -47,7 +47,7 @@ def whole(made):
 
 
 def assert_packed_alike(first, second):
-    assert_same(arrays_of(first.bodies, first.candidates), arrays_of(second.bodies, second.candidates))
+    assert_same_bits(arrays_of(first.bodies, first.candidates), arrays_of(second.bodies, second.candidates))
     for name in ("observation", "steps", "time", "last_insertion", "checks", "stability"):
         assert getattr(first, name) == getattr(second, name), name
 

@@ -16,26 +16,16 @@ from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import ELLIPSOID, MIXED
 from simcore.dem.vectors import Vec, read
 from simcore.scene.specification import resolve
-from tests.dem.contact.pairs.test_ellipsoids import IDENTITY, KNOWN, look, random_pairs
-from tests.helpers.contact_pairs import UNIT_SPHERE, certain_gap, place_pairs
+from tests.helpers.contact_pairs import UNIT_SPHERE, certain_gap, make_update, place_pairs
+from tests.helpers.ellipsoid_pairs import KNOWN_PAIRS, random_pairs, search_pairs
 from tests.helpers.few_spheres import set_up_few_spheres, specify_few_spheres
-from tests.helpers.rotations import random_orientations
+from tests.helpers.rotations import IDENTITY, random_orientations
 
 EPS = np.finfo(float).eps
 meeting_of, separation, characteristic = potential.meeting_of, potential.separation, potential.characteristic
 MANY = potential.MANY
 
-
-@numba.njit(error_model="numpy")
-def look_by_potentials(bodies, contacts, width):
-    """Check every contact, search what is pending; returns how many were searched."""
-    searched = 0
-    for p in range(len(contacts.body_a)):
-        check_potentials(None, bodies, contacts, p, width, True)
-        if contacts.pending[p] != 0:
-            search_potentials(None, bodies, contacts, p, width, True)
-            searched += 1
-    return searched
+update_by_potentials = make_update(check_potentials, search_potentials)
 
 
 @numba.njit(error_model="numpy")
@@ -136,15 +126,15 @@ CLOSED = {"spheres", "triaxial", "needles crossed", "sphere on the flat side", "
 WITHIN = {"concentric", "sphere at the tip", "sphere beside"}
 
 
-@pytest.mark.parametrize("name", KNOWN)
+@pytest.mark.parametrize("name", KNOWN_PAIRS)
 @pytest.mark.parametrize("size", [1.0, 1e-6, 1e3])
 def test_known_pairs(name, size):
     """verification.md 3.2: overlap or not; and its depth, where the contact vector is the common normal."""
-    semi_a, semi_b, turn, centre, distance = KNOWN[name]
+    semi_a, semi_b, turn, centre, distance = KNOWN_PAIRS[name]
     bodies, _, contacts = place_pairs(
         [UNIT_SPHERE] * 2, [semi_a, semi_b], [IDENTITY, turn], np.atleast_2d(centre), size
     )
-    look_by_potentials(bodies, contacts, 0.0)
+    update_by_potentials(None, bodies, contacts, 0.0)
     assert contacts.pending[0] == 0
     extent = bodies.radius.sum() / size
     assert np.linalg.norm(contacts.direction[0]) == pytest.approx(1.0, abs=4 * EPS)
@@ -178,7 +168,7 @@ ROOTS = {  # verification.md 3.2
 
 @pytest.mark.parametrize("name", ROOTS)
 def test_the_known_roots_are_roots(name):
-    semi_a, semi_b, turn, centre, _ = KNOWN[name]
+    semi_a, semi_b, turn, centre, _ = KNOWN_PAIRS[name]
     _, m, _ = forms(np.array([semi_a, semi_b], float), np.array([IDENTITY, turn], float))
     low, high = np.array(ROOTS[name])
     # Given with six digits: it changes its sign within 1e-6 of them, and is positive between them.
@@ -225,10 +215,10 @@ def test_both_constructions_agree_on_who_touches(flattest):
     rng = np.random.default_rng(6)
     n = 400
     semi, turns, offsets = random_pairs(rng, n, flattest)
-    bodies, by_normal = look(semi[0], semi[1], turns[0], turns[1], offsets)
+    bodies, by_normal = search_pairs(semi[0], semi[1], turns[0], turns[1], offsets)
     scale, both = np.stack(semi, axis=1).reshape(-1, 3), np.stack(turns, axis=1).reshape(-1, 4)
     _, _, contacts = place_pairs([UNIT_SPHERE] * (2 * n), scale, both, offsets)
-    look_by_potentials(bodies, contacts, 0.0)
+    update_by_potentials(None, bodies, contacts, 0.0)
     assert (contacts.touching == by_normal.touching).all() and not contacts.pending.any()
     rows = contacts.touching > 0
     assert 0.05 * n < rows.sum() < 0.95 * n
@@ -251,9 +241,9 @@ def test_spheres_are_in_closed_form_as_by_the_common_normal():
     offsets *= (radii.sum(axis=0) * rng.uniform(0.8, 1.1, n))[:, None]
     turns = random_orientations(2 * n, rng).reshape(2, n, 4)
     scale = np.repeat(radii.T.reshape(-1, 1), 3, axis=1)
-    _, by_normal = look(scale[0::2], scale[1::2], turns[0], turns[1], offsets)
+    _, by_normal = search_pairs(scale[0::2], scale[1::2], turns[0], turns[1], offsets)
     bodies, _, contacts = place_pairs([UNIT_SPHERE] * (2 * n), scale, np.stack(turns, axis=1).reshape(-1, 4), offsets)
-    look_by_potentials(bodies, contacts, 0.0)
+    update_by_potentials(None, bodies, contacts, 0.0)
     distance = np.linalg.norm(offsets, axis=1)
     overlap = radii.sum(axis=0) - distance
     rows = overlap > 0.0
@@ -326,9 +316,9 @@ def test_the_last_normal_answers_as_a_search_does():
         size = bodies.radius[0::2] + bodies.radius[1::2]
         deep = (contacts.touching > 0) & (contacts.overlap > 5e-3 * size)
         bodies.position[1::2] += np.where(deep[:, None], 0.0, -1e-2 * unit) + 1e-3 * rng.standard_normal((n, 3))
-        searched += look_by_potentials(bodies, contacts, 0.0)
+        searched += update_by_potentials(None, bodies, contacts, 0.0)
         fresh.touching[:], fresh.direction[:], fresh.overlap[:], fresh.safe_until[:] = 0, 0.0, 0.0, -np.inf
-        assert look_by_potentials(bodies, fresh, 0.0) == n
+        assert update_by_potentials(None, bodies, fresh, 0.0) == n
         differ = contacts.touching != fresh.touching
         assert (np.maximum(contacts.overlap, fresh.overlap)[differ] <= 1e-12).all()
         rows = (contacts.touching > 0) & (fresh.touching > 0)
@@ -350,13 +340,13 @@ def test_what_has_no_least_potential_still_has_a_contact():
         bodies, _, contacts = place_pairs(
             [UNIT_SPHERE] * len(scale), scale, np.tile(IDENTITY, (len(scale), 1)), offsets, size
         )
-        look_by_potentials(bodies, contacts, 0.0)
+        update_by_potentials(None, bodies, contacts, 0.0)
         assert contacts.touching.all() and not contacts.pending.any()
         assert (contacts.overlap > 0.0).all() and (contacts.overlap <= 2.0 * size).all()
         np.testing.assert_allclose(np.linalg.norm(contacts.direction, axis=1), 1.0, atol=8 * EPS)
         assert np.isfinite(contacts.point).all()
         again = contacts.overlap.copy()
-        look_by_potentials(bodies, contacts, 0.0)
+        update_by_potentials(None, bodies, contacts, 0.0)
         np.testing.assert_allclose(contacts.overlap, again, atol=1e-9 * size)
 
 

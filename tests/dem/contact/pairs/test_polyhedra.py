@@ -11,18 +11,11 @@ from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact.pairs.polyhedra import GAP_SLACK
 from tests.helpers.contact_pairs import certain_gap, place_pairs, signed_distance, update_polyhedra
-from tests.helpers.polyhedra import make_polyhedron
-from tests.helpers.rotations import random_orientations
+from tests.helpers.polyhedra import CUBE, TETRAHEDRON, make_polyhedron
+from tests.helpers.rotations import IDENTITY, X45, Y45, Z45, random_orientations
 
 EPS = np.finfo(float).eps
 ROUNDING = 1e-13  # of the pair's size: 450 eps
-IDENTITY = [1.0, 0.0, 0.0, 0.0]
-CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1.0]]) / np.sqrt(8.0)
-
-
-def turned(axis, degrees):
-    return Rotation.from_euler(axis, degrees, degrees=True).as_quat(scalar_first=True)
 
 
 def directions(n, rng):
@@ -121,12 +114,12 @@ S = np.sqrt(0.5)
 KNOWN = {
     # name: (points a, points b, scale, orientation a, orientation b, offset, distance, normal or None)
     "libccd issue 25": (CUBE, CUBE, 2.0, IDENTITY, IDENTITY, (0, 0, 1.9), -0.1, (0, 0, 1)),
-    "corner edge": (CUBE, CUBE, 1.0, IDENTITY, turned("z", 45), (1.2, 0, 0), 0.7 - S, None),
-    "corner edge deep": (CUBE, CUBE, 1.0, IDENTITY, turned("z", 45), (1.0, 0, 0), 0.5 - S, (1, 0, 0)),
-    "edges crossed, apart": (CUBE, CUBE, 1.0, turned("x", 45), turned("y", 45), (0, 0, 1.5), 0.085786437627, None),
-    "edges crossed": (CUBE, CUBE, 1.0, turned("x", 45), turned("y", 45), (0, 0, 1.3), -0.114213562373, (0, 0, 1)),
+    "corner edge": (CUBE, CUBE, 1.0, IDENTITY, Z45, (1.2, 0, 0), 0.7 - S, None),
+    "corner edge deep": (CUBE, CUBE, 1.0, IDENTITY, Z45, (1.0, 0, 0), 0.5 - S, (1, 0, 0)),
+    "edges crossed, apart": (CUBE, CUBE, 1.0, X45, Y45, (0, 0, 1.5), 0.085786437627, None),
+    "edges crossed": (CUBE, CUBE, 1.0, X45, Y45, (0, 0, 1.3), -0.114213562373, (0, 0, 1)),
     "concentric cubes": (CUBE, CUBE, 1.0, IDENTITY, IDENTITY, (0, 0, 0), -1.0, None),
-    "concentric cubes turned": (CUBE, CUBE, 1.0, IDENTITY, turned("z", 45), (0, 0, 0), -1.0, None),
+    "concentric cubes turned": (CUBE, CUBE, 1.0, IDENTITY, Z45, (0, 0, 0), -1.0, None),
     "cube in cube": (CUBE, 0.1 * CUBE, 1.0, IDENTITY, IDENTITY, (0, 0, 0), -0.55, None),
     "tetrahedron in itself": (TETRAHEDRON, TETRAHEDRON, 1.0, IDENTITY, IDENTITY, (0, 0, 0), -np.sqrt(0.5), None),
     "tetrahedron in its mirror": (

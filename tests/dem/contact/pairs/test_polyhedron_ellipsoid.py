@@ -7,10 +7,9 @@ from scipy.spatial.transform import Rotation
 from simcore.dem.contact import query_many
 from simcore.dem.shapes.hulls import convex, ellipsoid
 from tests.helpers.contact_pairs import UNIT_SPHERE, place_pairs, update_mixed
-from tests.helpers.polyhedra import make_pebble, make_polyhedron
+from tests.helpers.polyhedra import CUBE, make_pebble, make_polyhedron
 from tests.helpers.rotations import random_orientations
 
-CUBE = 0.8 * np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 AXES = [(1.0, 1.0, 1.0), (1.0, 0.75, 0.5), (1.6, 0.3, 0.3), (1.2, 1.2, 0.2), (1.0, 0.9, 0.9)]
 # The walk to a deep overlap ends where its bounds are within `deep_overlap.CERTAIN` = 2e-9 of the size.
 DEEP = 3e-9
@@ -21,7 +20,7 @@ def bases_of():
         make_pebble(1, 16),
         make_pebble(2, 40),
         make_pebble(3, 24, (1.6, 0.3, 0.3)),
-        make_polyhedron(CUBE),
+        make_polyhedron(1.6 * CUBE),
     ]
 
 

@@ -1,7 +1,5 @@
 """The patch of two overlapping polyhedra against their intersection itself, and how it moves."""
 
-from typing import NamedTuple
-
 import numba
 import numpy as np
 import pytest
@@ -20,18 +18,9 @@ from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot
 from simcore.dem.state.touches import partner_offset
 from simcore.dem.vectors import Vec, read
 from tests.helpers.contact_pairs import place_pairs, update_polyhedra
-from tests.helpers.polyhedra import make_pebble, make_polyhedron
-from tests.helpers.rotations import random_orientations
-
-CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
-
-
-class Patch(NamedTuple):
-    """One row of what contacts and walls have for patches."""
-
-    spread: np.ndarray
-    twist: np.ndarray
+from tests.helpers.patch import Patch
+from tests.helpers.polyhedra import CUBE, make_pebble, make_polyhedron
+from tests.helpers.rotations import IDENTITY, random_orientations
 
 
 @numba.njit(error_model="numpy")
@@ -51,7 +40,8 @@ def slow_moments(shapes, bodies, contacts, workspace, p):
     return clipped_moments(shapes, bodies, pair, axes, tops, 0, workspace, 0)
 
 
-def look(bases, scale, orientation, offsets):
+def press_pairs(bases, scale, orientation, offsets):
+    """Bodies, shapes and contacts of pairs whose overlaps are found as patches."""
     bodies, shapes, contacts = place_pairs(bases, scale, orientation, offsets)
     update_polyhedra(shapes, bodies, contacts, 0.0)
     press_patches(shapes, bodies, contacts, make_workspace(shapes, 1))
@@ -127,7 +117,7 @@ def test_pebbles_against_their_intersection():
     """The reference is exact up to its own conditioning."""
     for depth in (1e-6, 1e-5, 0.9 * PATCH_DEPTH):
         bases, scale, orientation, offsets = shallow_pairs(120, 1, depth)
-        bodies, shapes, contacts = look(bases, scale, orientation, offsets)
+        bodies, shapes, contacts = press_pairs(bases, scale, orientation, offsets)
         assert compare(bases, bodies, contacts, 1e-7) > 100
     single = (contacts.facet[:, [1, 2]] == contacts.facet[:, [0]]).all(axis=1)
     assert 20 < single[contacts.touching > 0].sum() < 100  # corners of a on faces, and others
@@ -144,18 +134,18 @@ def test_overhanging_and_turned_cubes():
     )
     orientation = np.tile(IDENTITY, (2 * n, 1))
     orientation[1::2] = tilt.as_quat(scalar_first=True)
-    bodies, shapes, contacts = look([base] * (2 * n), np.ones((2 * n, 3)), orientation, offsets)
+    bodies, shapes, contacts = press_pairs([base] * (2 * n), np.ones((2 * n, 3)), orientation, offsets)
     assert compare([base] * (2 * n), bodies, contacts, 1e-7) > 50
 
 
 def test_the_general_way_is_exact_at_any_depth_and_deep_pairs_are_taken_apart():
     bases, scale, orientation, offsets = shallow_pairs(60, 4, 0.1)
-    bodies, shapes, contacts = look(bases, scale, orientation, offsets)
+    bodies, shapes, contacts = press_pairs(bases, scale, orientation, offsets)
     workspace, seen = make_workspace(shapes, 1), 0
     apart = offsets + (contacts.overlap - PATCH_DEPTH * (bodies.radius[0::2] + bodies.radius[1::2]))[:, None] * (
         contacts.direction
     )
-    _, _, thin = look(bases, scale, orientation, apart)
+    _, _, thin = press_pairs(bases, scale, orientation, apart)
     for p in np.flatnonzero(contacts.touching & thin.touching):
         planes = np.vstack([half_spaces(bases[k], bodies, k) for k in (2 * p, 2 * p + 1)])
         _, second = intersection_moments(planes)
@@ -173,7 +163,7 @@ def test_the_general_way_is_exact_at_any_depth_and_deep_pairs_are_taken_apart():
 
 def test_the_short_cut_for_corners_is_the_general_way():
     bases, scale, orientation, offsets = shallow_pairs(200, 3, 0.9 * PATCH_DEPTH)
-    bodies, shapes, contacts = look(bases, scale, orientation, offsets)
+    bodies, shapes, contacts = press_pairs(bases, scale, orientation, offsets)
     workspace = make_workspace(shapes, 1)
     seen = 0
     for p in np.flatnonzero(contacts.touching):
@@ -208,7 +198,7 @@ def test_the_point_moves_continuously(way):
             turn[:, 2] = 1.5 * s
         orientation = np.tile(IDENTITY, (2 * m, 1))
         orientation[1::2] = Rotation.from_rotvec(turn).as_quat(scalar_first=True)
-        _, _, contacts = look([base] * (2 * m), np.ones((2 * m, 3)), orientation, offsets)
+        _, _, contacts = press_pairs([base] * (2 * m), np.ones((2 * m, 3)), orientation, offsets)
         assert contacts.touching.all()
         jumps.append(np.abs(np.diff(contacts.point, axis=0)).max())
         travelled = np.ptp(contacts.point, axis=0).max()
