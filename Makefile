@@ -51,7 +51,7 @@ test: environment
 	PATH="$(bin):$$PATH" python -m pytest -n $(WORKERS) --dist loadfile $(PYTEST_ARGS)
 
 verify: environment
-	PATH="$(bin):$$PATH" python -m pytest tests/extremes -m "extremes or not extremes" $(PYTEST_ARGS)
+	PATH="$(bin):$$PATH" python -m pytest tests/physics/extremes -m "extremes or not extremes" $(PYTEST_ARGS)
 	PATH="$(bin):$$PATH" python -m pytest tests/dem -m extremes $(PYTEST_ARGS)
 
 environment: $(installed)

@@ -12,12 +12,10 @@ import yaml
 
 from simcore.campaign.studies import expand, merge
 from simcore.evaluation.evaluate import evaluate
-from simcore.paths import REFERENCE
+from simcore.paths import REFERENCE, ROOT
 from simcore.scene.specification import resolve
 from tests.helpers.packings import make_packing
-
-from .conftest import ROOT
-from .test_plan import OTHERS
+from tests.helpers.workplace import NULL_STUDIES
 
 pytestmark = pytest.mark.workflow
 
@@ -32,7 +30,7 @@ studies:
   heights:
     fixes: {{sizes: {{case: U1}}, shapes: {{choice: form, flatness: 0.6, elongation: 0.8}}}}
     varies: {{generation.drop_height: [1 cm, 2 cm]}}
-{OTHERS}
+{NULL_STUDIES}
 """
 
 
