@@ -167,7 +167,7 @@ def test_polyhedra_are_served():
     pairs, images = touching_pairs(centres, width)
     apart = 1.1
     bed = make_packing(apart * centres, 1.0, vertices=CUBE, width=apart * width, contacts=pairs, images=images)
-    # The fixture lays contacts at the first body's scale, 1; here they are in the middle between two.
+    # make_packing puts contacts at the first body's scale, 1; here they are in the middle between two.
     bed["contact_point"] -= (1.0 - 0.5 * apart) * bed["contact_normal"]
     found = fabric(bed, cut=1.0)
     # Any height of the interval, some 4, has this of a square but for one gap of 0.1 more or less.
