@@ -137,11 +137,12 @@ def family(process):
         below = psutil.Process(process.pid).children(recursive=True)
     except psutil.Error:
         return []
-    marks = {mark(each) for each in below} - {None}
-    return below + [each for each in psutil.process_iter() if each not in below and mark(each) in marks]
+    marks = {mark_of(each) for each in below} - {None}
+    return below + [each for each in psutil.process_iter() if each not in below and mark_of(each) in marks]
 
 
-def mark(process):
+def mark_of(process):
+    """Mark of a living process of a run, None if it has none or cannot be read."""
     try:
         return process.environ().get(MARK)
     except (psutil.Error, OSError):
@@ -153,7 +154,7 @@ def ranks_of(process):
     found = []
     for each in family(process):
         try:
-            if mark(each) and Path(each.exe()).name.startswith("python"):
+            if mark_of(each) and Path(each.exe()).name.startswith("python"):
                 found.append(each)
         except (psutil.Error, OSError):
             pass

@@ -12,6 +12,7 @@ import dataclasses
 import os
 import sys
 
+from benchmarks.progress import print_progress
 from benchmarks.speed.throughput import default_beds, use_threads
 
 COLUMNS = (
@@ -56,7 +57,7 @@ def kinds(options):
     from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE, unit_sphere
 
     settings = bed_settings("sphere", options.grains)
-    bed = settled_bed(settings, options.beds, _tell)
+    bed = settled_bed(settings, options.beds, print_progress)
     setup = prepare(settings)
     reference = None
     for name, kind, base in (
@@ -85,7 +86,7 @@ def features(options):
         changed = merge(settings, change)
         if "sizes" in change:
             changed = widen(changed)
-        bed = settled_bed(changed if own else settings, options.beds, _tell)
+        bed = settled_bed(changed if own else settings, options.beds, print_progress)
         row = _row(prepare(changed), bed, options, changed)
         reference = reference or row["cpu_us_per_grain_step"]
         row["ratio"] = row["cpu_us_per_grain_step"] / reference
@@ -104,7 +105,7 @@ def phases(options):
     from simcore.packing.packed import DAMPING, SHAKING
 
     settings = bed_settings(options.shape, options.grains)
-    bed = settled_bed(settings, options.beds, _tell)
+    bed = settled_bed(settings, options.beds, print_progress)
     setup = prepare(merge(settings, {"shaking": {"amplitude": "0 m"}}))
     light = dataclasses.replace(setup.scene, material=dataclasses.replace(setup.scene.material, gravity=0.0))
     reference = {}
@@ -139,7 +140,7 @@ def levels(options):
 
     few = {"allow_few_top_grains": True} if options.shape == "sphere" else {}
     settings = widen(merge(bed_settings(options.shape, options.grains), {"sizes": {**TWO_SIZES, **few}}))
-    setup, bed = prepare(settings), settled_bed(settings, options.beds, _tell)
+    setup, bed = prepare(settings), settled_bed(settings, options.beds, print_progress)
     radius = start(setup, bed).bodies.radius
     box = Box(setup.scene.domain.width)
     skin = SKIN * float(np.mean(bed.sieve_size))
@@ -201,10 +202,6 @@ def _row(setup, bed, options, settings, *warm_up):
     figures, process = measure(setup, bed, options.duration, *warm_up)
     fraction = solid_fraction(setup, process, resolve(settings))
     return figures | {"grains": options.grains, "solid_fraction": fraction, "digest": source_digest()}
-
-
-def _tell(text):
-    print(text, file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from benchmarks.progress import print_progress
+
 os.environ["NUMBA_NUM_THREADS"] = "1"
 
 SCRIPT = Path(__file__).parent / "others" / "mujoco_settling.py"
@@ -83,7 +85,7 @@ def ours(options, seed, accuracy, change):
     setup, specification = prepared(options, seed, accuracy, change)
     compile_steps(setup)
     began = time.process_time()
-    packed = pack(setup.scene, setup.bases, setup.draw, _tell)
+    packed = pack(setup.scene, setup.bases, setup.draw, print_progress)
     cpu = time.process_time() - began
     return figures(setup, specification, packed, options, seed) | {
         "code": "Scree",
@@ -154,10 +156,6 @@ def figures(setup, specification, packed, options, seed):
         "max_speed_m_s": seen.max_speed,
         "digest": code_version(),
     }
-
-
-def _tell(text):
-    print(text, file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from simcore.evaluation.porosity import bulk_porosity
 from simcore.packing.file import packing_dataset, read_packing, write_packing
 from simcore.packing.process import pack
 from simcore.scene.specification import resolve
-from tests.helpers.few import few, set_up_few
+from tests.helpers.few_spheres import set_up_few_spheres, specify_few_spheres
 
 
 @pytest.fixture
@@ -109,10 +109,11 @@ def test_height_tells_the_ends_of_a_bed_from_its_middle():
 
 
 def packed(path, **changes):
-    setup = set_up_few(**changes)
+    setup = set_up_few_spheres(**changes)
     found = pack(setup.scene, setup.bases, setup.draw)
     sample = setup.sample(np.arange(len(found.bodies.mass)))
-    specification, more = resolve(few(**changes)), {"largest_sieve_size": setup.curve.largest, "cpu_seconds": 1.0}
+    specification = resolve(specify_few_spheres(**changes))
+    more = {"largest_sieve_size": setup.curve.largest, "cpu_seconds": 1.0}
     dataset = packing_dataset(setup.scene, setup.bases, found, sample, specification, **more)
     write_packing(path, dataset)
     return str(path)

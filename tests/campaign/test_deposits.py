@@ -19,6 +19,7 @@ from simcore.campaign.deposits import (
     tabulate_deposits,
 )
 from simcore.evaluation.deposit import deposit
+from tests.helpers.packings import make_packing, sphere_lattice, touching_pairs
 
 PEAK = 1.6
 
@@ -136,34 +137,30 @@ def test_names_of_studies_say_how_they_are_read():
         family("deposit_moon")
 
 
-@pytest.fixture
-def found(packings):
-    """deposit() of a lattice of touching spheres, packed as if eta = zeta = 1.3; a function of the seed."""
-
-    def make(seed):
-        centres, width = packings.lattice("sc", 4, 9)
-        pairs, images = packings.touching(centres, width)
-        scene = {
-            "seed": seed,
-            "shapes": {"eta": 1.3, "zeta": 1.3},
-            "sizes": {"beta": {"radius": 0.5, "spread": 0.0}},
-            "material": {"law": "hertz"},
-            "shaking": {"duration": 0.0},
-        }
-        attrs = dict(scene=json.dumps(scene), seed=seed, steps=7, time=0.5, last_insertion=0.2, cpu_seconds=3.0)
-        bed = packings.make(centres, 0.5, width=width, contacts=pairs, images=images, **attrs)
-        bed["contact_overlap"] = ("contact", np.full(bed.sizes["contact"], 2e-3))
-        return deposit(bed)
-
-    return make
+def deposit_of_lattice(seed):
+    """deposit() of a lattice of touching spheres, packed as if eta = zeta = 1.3."""
+    centres, width = sphere_lattice("sc", 4, 9)
+    pairs, images = touching_pairs(centres, width)
+    scene = {
+        "seed": seed,
+        "shapes": {"eta": 1.3, "zeta": 1.3},
+        "sizes": {"beta": {"radius": 0.5, "spread": 0.0}},
+        "material": {"law": "hertz"},
+        "shaking": {"duration": 0.0},
+    }
+    attrs = dict(scene=json.dumps(scene), seed=seed, steps=7, time=0.5, last_insertion=0.2, cpu_seconds=3.0)
+    bed = make_packing(centres, 0.5, width=width, contacts=pairs, images=images, **attrs)
+    bed["contact_overlap"] = ("contact", np.full(bed.sizes["contact"], 2e-3))
+    return deposit(bed)
 
 
-def test_a_row_says_what_the_deposit_is(found):
+def test_a_row_says_what_the_deposit_is():
     rows = [
         {"packing": f"p{seed}", "varied": {"eta": 1.3, "seed": seed, "width_m": width}}
         for seed, width in ((1, 4.0), (2, 8.0))
     ]
-    table = deposit_rows("deposit_change", rows, [found(1), found(2)], rows[0])
+    deposits = [deposit_of_lattice(1), deposit_of_lattice(2)]
+    table = deposit_rows("deposit_change", rows, deposits, rows[0])
     row = table.iloc[0]
     assert (row.eta, row.zeta, row.spread, row.seed, row.grains, row.steps, row.cpu_s) == (1.3, 1.3, 0, 1, 144, 7, 3.0)
     assert row.solid_fraction == pytest.approx(np.pi / 6, rel=0.02) and row.coordination_number == 6
@@ -172,22 +169,23 @@ def test_a_row_says_what_the_deposit_is(found):
     # Overlap over the diameter of 1.
     assert row.mean_overlap == pytest.approx(2e-3)
     assert list(table.change) == ["none", "width_m 8"]
-    assert set(deposit_rows("deposit_diagonal", rows, [found(1), found(2)], rows[0]).change) == {""}
+    assert set(deposit_rows("deposit_diagonal", rows, deposits, rows[0]).change) == {""}
 
 
-def test_fabrics_of_the_diagonal_are_means_over_seeds(found):
+def test_fabrics_of_the_diagonal_are_means_over_seeds():
     studies = ["deposit_diagonal", "deposit_diagonal", "deposit_map"]
-    fabrics = diagonal_fabrics(studies, [found(1), found(2), found(3)])
+    deposits = [deposit_of_lattice(seed) for seed in (1, 2, 3)]
+    fabrics = diagonal_fabrics(studies, deposits)
     assert list(fabrics) == ["η = ζ = 1.3"] and fabrics["η = ζ = 1.3"].attrs["packings"] == 2
-    assert crossings(studies, [found(1), found(2), found(3)]).angle.isna().all()
+    assert crossings(studies, deposits).angle.isna().all()
 
 
-def test_deposits_are_tabulated_study_by_study(found):
+def test_deposits_are_tabulated_study_by_study():
     """Each beside the first packing of its own study, in whatever order the packings stand."""
     studies = ["deposit_change", "deposit_map", "deposit_change"]
     widths = (4.0, 6.0, 8.0)
     rows = [{"packing": f"p{width:g}", "varied": {"eta": 1.3, "width_m": width}} for width in widths]
-    table = tabulate_deposits(studies, rows, [found(seed) for seed in (1, 2, 3)])
+    table = tabulate_deposits(studies, rows, [deposit_of_lattice(seed) for seed in (1, 2, 3)])
     assert list(table.packing) == ["p4", "p8", "p6"] and list(table.seed) == [1, 3, 2]
     assert list(table.family) == ["change", "change", "map"] and list(table.change) == ["none", "width_m 8", ""]
 

@@ -13,6 +13,7 @@ from simcore.grains.sources import source_name
 from simcore.models.fitting import fit_reference_models
 from simcore.scene.identity import result_digest
 from simcore.scene.specification import resolve
+from tests.helpers.packings import make_packing
 
 SPECIFICATION = {
     "domain": {"width": "0.1 m", "height": "0.3 m"},
@@ -25,28 +26,23 @@ def specify(seed=1, **shapes):
     return resolve({**SPECIFICATION, "seed": seed, "shapes": shapes})
 
 
-@pytest.fixture
-def evaluated(packings):
-    """Function that gives the evaluation of a bed of 300 grains at random places, as if packed by a specification."""
-
-    def evaluation(specification, axes=(0.011, 0.009, 0.007), n=None):
-        packing = packings.make(
-            np.random.default_rng(4).uniform(0.005, 0.06, (300, 3)),
-            np.tile(0.5 * np.array(axes), (300, 1)),
-            width=0.05,
-            scene=json.dumps(specification),
-            seed=specification["seed"],
-            cpu_seconds=36.04,
-            steps=100,
-            largest=0.011,
-        )
-        bed = evaluate(packing)
-        return bed if n is None else bed.assign(n=n)
-
-    return evaluation
+def evaluated(specification, axes=(0.011, 0.009, 0.007), n=None):
+    """Evaluation of a bed of 300 grains at random places, as if packed by a specification; n replaces its porosity."""
+    packing = make_packing(
+        np.random.default_rng(4).uniform(0.005, 0.06, (300, 3)),
+        np.tile(0.5 * np.array(axes), (300, 1)),
+        width=0.05,
+        scene=json.dumps(specification),
+        seed=specification["seed"],
+        cpu_seconds=36.04,
+        steps=100,
+        largest=0.011,
+    )
+    bed = evaluate(packing)
+    return bed if n is None else bed.assign(n=n)
 
 
-def test_single_forms_have_the_columns_of_their_table(evaluated, tmp_path):
+def test_single_forms_have_the_columns_of_their_table(tmp_path):
     rows, beds = [], []
     for grain in ("G02", "G01"):
         rows.append({"packing": grain, "varied": {"case": "U1", "seed": 1}})
@@ -69,7 +65,7 @@ def test_single_forms_have_the_columns_of_their_table(evaluated, tmp_path):
     assert first.n == pytest.approx(float(beds[1].n), abs=5e-7)
 
 
-def test_mixtures_have_nominal_and_found_statistics(evaluated, tmp_path):
+def test_mixtures_have_nominal_and_found_statistics(tmp_path):
     varied = {"case": "U1", "mean_FL": 0.4, "mean_EL": 0.6, "std_FL": 0.1, "std_EL": 0.2, "seed": 2}
     form = {"flatness": {"mean": 0.4, "std": 0.1}, "elongation": {"mean": 0.6, "std": 0.2}}
     bed = evaluated(specify(seed=2, choice="form_distribution", **form))
@@ -82,7 +78,7 @@ def test_mixtures_have_nominal_and_found_statistics(evaluated, tmp_path):
     assert text[1].startswith("U1,0.4,0.1,0.6,0.2,0.636364,0.0,0.818182,0.0,2,")
 
 
-def test_trends_are_kept_of_what_differs_between_grains(evaluated, tmp_path):
+def test_trends_are_kept_of_what_differs_between_grains(tmp_path):
     rows = [{"packing": name, "varied": {"case": "U1", "seed": 1}} for name in ("a", "b")]
     bed = evaluated(specify(choice="one", grain="G02"))
     assert trends_of("single_form", rows[:1], [bed], "synthetic").empty, "all grains of this bed are alike"
@@ -97,7 +93,7 @@ def test_trends_are_kept_of_what_differs_between_grains(evaluated, tmp_path):
     assert summary.packings.tolist() == [2] and summary.grains[0] == 2 * written.grains[0]
 
 
-def test_validation_counts_runs_and_other_studies_keep_what_they_vary(evaluated):
+def test_validation_counts_runs_and_other_studies_keep_what_they_vary():
     bed = evaluated(specify(seed=3))
     table = rows_of("validation", [{"packing": "p", "varied": {"case": "U1", "seed": 3}}], [bed], "synthetic")
     assert list(table) == ["case", "run", "n", "n_error", "grains", "cpu_s"] and table.run[0] == 3
@@ -107,7 +103,7 @@ def test_validation_counts_runs_and_other_studies_keep_what_they_vary(evaluated)
     assert list(table) == ["case", "shaking_s", "seed", "n", "n_error", "grains", "cpu_s"]
 
 
-def test_accuracies_lie_beside_rows_that_no_campaign_has(evaluated, tmp_path):
+def test_accuracies_lie_beside_rows_that_no_campaign_has(tmp_path):
     path = tmp_path / "accuracy.csv"
     path.write_text("accuracy,case,seed,grains,n,cpu_s\nr22,U1,1,600,0.35,900.0\nof old,U1,1,600,0.34,90.0\n")
     varied = {"case": "U1", "seed": 1, "accuracy": "r22"}
@@ -193,7 +189,7 @@ def test_the_source_is_named_by_its_folder():
     assert [source_name(s) for s in ("synthetic", "/data/scans", ["a/b.stl"])] == ["synthetic", "scans", "b.stl"]
 
 
-def test_the_models_are_fitted_to_gathered_rows(evaluated, tmp_path):
+def test_the_models_are_fitted_to_gathered_rows(tmp_path):
     """Half of a study is enough; `predict` reads the table as it is."""
     rows, beds = [], []
     for number, longest in enumerate((0.009, 0.010, 0.012, 0.013, 0.015, 0.016)):

@@ -12,6 +12,7 @@ from simcore.grains.statistics import mixture_features
 from simcore.models.shape_kinds import pair_shape_kinds
 from simcore.models.tables import compare_predictions
 from simcore.reference.columns import COLUMNS
+from tests.helpers.packings import make_packing
 
 
 class Line:
@@ -22,15 +23,13 @@ class Line:
 
 
 @pytest.fixture
-def evaluation(packings):
+def evaluation():
     """Evaluation of 300 spheres of two sizes at random places in a periodic box, 0.1 m wide and about as high."""
     rng = np.random.default_rng(4)
     radius = np.repeat([0.008, 0.01], 150)
     position = rng.uniform(0.01, 0.1, (300, 3))
     scene = {"shapes": {"choice": "one", "grain": "G01", "kind": "polyhedron"}, "sizes": {"case": "U1"}}
-    packing = packings.make(
-        position, radius, scene=json.dumps(scene), seed=7, cpu_seconds=1.5, steps=4000, largest=0.02
-    )
+    packing = make_packing(position, radius, scene=json.dumps(scene), seed=7, cpu_seconds=1.5, steps=4000, largest=0.02)
     return evaluate(packing, slice_height=2e-3)
 
 

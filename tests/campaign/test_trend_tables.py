@@ -8,11 +8,13 @@ import xarray as xr
 
 from simcore.campaign.trend_tables import summarise_trends, tabulate_trends
 from simcore.evaluation.height_trends import height_trends
+from tests.helpers.packings import make_packing
+from tests.helpers.rotations import random_orientations
 
 ROW = {"packing": "p", "varied": {}}
 
 
-def evaluation(packings, seed, sorted_by_height=False, n=4000, turned=0):
+def evaluation(seed, sorted_by_height=False, n=4000, turned=0):
     """What simcore.evaluation.evaluate keeps of the trends of n grains with two sizes, isotropic, at random heights.
 
     turned: another seed for how they lie.
@@ -24,12 +26,12 @@ def evaluation(packings, seed, sorted_by_height=False, n=4000, turned=0):
         scale = scale[np.argsort(scale[:, 0])]
     position = np.column_stack([rng.uniform(0.0, 0.1, (n, 2)), height])
     scene = json.dumps({"seed": seed, "sizes": {"case": "U3"}, "shapes": {"kind": "ellipsoid"}})
-    packing = packings.make(position, scale, orientation=packings.orientations(n, 10 * turned + seed), scene=scene)
+    packing = make_packing(position, scale, orientation=random_orientations(n, 10 * turned + seed), scene=scene)
     return height_trends(packing, (0.0, 1.0))
 
 
-def test_mixed_grains_have_no_trend_and_point_anywhere(packings):
-    evaluations = [evaluation(packings, seed) for seed in (1, 2)]
+def test_mixed_grains_have_no_trend_and_point_anywhere():
+    evaluations = [evaluation(seed) for seed in (1, 2)]
     trends = tabulate_trends("s", [ROW, ROW], evaluations)
     assert len(trends) == 2 * 4
     table = summarise_trends(trends).set_index("quantity")
@@ -45,8 +47,8 @@ def test_mixed_grains_have_no_trend_and_point_anywhere(packings):
     assert angle.mean_std_error == pytest.approx(np.sqrt((np.pi - 3.0) / 8000), rel=0.05)
 
 
-def test_grains_sorted_by_size_show(packings):
-    table = summarise_trends(tabulate_trends("s", [ROW], [evaluation(packings, 3, sorted_by_height=True)]))
+def test_grains_sorted_by_size_show():
+    table = summarise_trends(tabulate_trends("s", [ROW], [evaluation(3, sorted_by_height=True)]))
     size = table.set_index("quantity").loc["D"]
     assert (size.study, size.case, size.kind) == ("s", "U3", "ellipsoid")
     # Half small below, half large above: with ties, r = sqrt(3)/2 of a two-valued step.
@@ -55,9 +57,9 @@ def test_grains_sorted_by_size_show(packings):
     assert size.relative_change > 0.3
 
 
-def test_packings_of_one_seed_share_their_sizes_but_not_how_their_grains_lie(packings):
+def test_packings_of_one_seed_share_their_sizes_but_not_how_their_grains_lie():
     """Sizes drawn with one seed have by chance the same trend in each packing: more of them make it no surer."""
-    evaluations = [evaluation(packings, 1, turned=turned) for turned in range(6)]
+    evaluations = [evaluation(1, turned=turned) for turned in range(6)]
     one = summarise_trends(tabulate_trends("s", [ROW], evaluations[:1])).set_index("quantity")
     six = summarise_trends(tabulate_trends("s", [ROW] * 6, evaluations)).set_index("quantity")
     assert (six.packings == 6).all() and (six.seeds == 1).all()
@@ -68,7 +70,7 @@ def test_packings_of_one_seed_share_their_sizes_but_not_how_their_grains_lie(pac
         one.loc["angle", errors].to_numpy(float) / np.sqrt(6.0), rel=0.05
     )
     # A second seed counts as much as the six packings of the first.
-    other = evaluation(packings, 2)
+    other = evaluation(2)
     both = summarise_trends(tabulate_trends("s", [ROW] * 7, [*evaluations, other])).set_index("quantity")
     second = summarise_trends(tabulate_trends("s", [ROW], [other])).set_index("quantity")
     assert both.loc["D", "seeds"] == 2

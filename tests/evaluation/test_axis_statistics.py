@@ -16,6 +16,8 @@ from simcore.evaluation.axis_statistics import (
     tensor_invariants,
 )
 from simcore.evaluation.slicing import vertical_axes
+from tests.helpers.packings import make_packing
+from tests.helpers.rotations import random_orientations
 
 
 def random_axes(n, seed):
@@ -155,17 +157,17 @@ def test_edges_out_of_order_are_refused():
             density_per_solid_angle(random_axes(3, 1), np.ones(3), edges)
 
 
-def test_grain_axes_are_those_of_the_bodies(packings):
-    turned = packings.orientations(3, 4)
+def test_grain_axes_are_those_of_the_bodies():
+    turned = random_orientations(3, 4)
     semi_axes = [[1.0, 2.0, 3.0], [2.0, 2.0, 3.0], [1.0, 3.0, 3.0]]  # triaxial, prolate, oblate
-    axes = grain_axes(packings.make(np.zeros((3, 3)), semi_axes, turned))
+    axes = grain_axes(make_packing(np.zeros((3, 3)), semi_axes, turned))
     assert axes["long_axis"][1].tolist() == [0, 1] and axes["short_axis"][1].tolist() == [0, 2]
     z_in_body = vertical_axes(turned)
     np.testing.assert_allclose(axes["long_axis"][0][:, 2], z_in_body[:2, 2], atol=1e-15)
     np.testing.assert_allclose(axes["short_axis"][0][:, 2], z_in_body[[0, 2], 0], atol=1e-15)
     np.testing.assert_allclose(np.linalg.norm(axes["long_axis"][0], axis=1), 1.0)
     half = np.sqrt(0.5)
-    lying = grain_axes(packings.make([[0, 0, 0]], [[1.0, 2.0, 3.0]], [[half, half, 0, 0]]))  # a quarter turn about x
+    lying = grain_axes(make_packing([[0, 0, 0]], [[1.0, 2.0, 3.0]], [[half, half, 0, 0]]))  # a quarter turn about x
     np.testing.assert_allclose(lying["long_axis"][0], [[0, -1, 0]], atol=1e-15)
     with pytest.raises(ValueError, match="grain 0 has the semi-axes .* must increase from x to z"):
-        grain_axes(packings.make([[0, 0, 0]], [[3.0, 2.0, 1.0]]))
+        grain_axes(make_packing([[0, 0, 0]], [[3.0, 2.0, 1.0]]))

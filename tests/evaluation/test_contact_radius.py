@@ -4,17 +4,20 @@ import numpy as np
 import pytest
 
 from simcore.evaluation.contact_radius import BIN_WIDTH, contact_radii, largest_radius, radius_bins, surface_radii
+from tests.helpers.packings import make_packing
+from tests.helpers.polyhedra import CUBE
+from tests.helpers.rotations import random_orientations
 
 
-def test_both_ends_of_a_contact_across_the_border(packings):
-    bed = packings.make([[0.2, 0.5, 1.0], [0.9, 0.5, 1.0]], [0.1, 0.2], width=1.0, contacts=[[0, 1]], images=[[-1, 0]])
+def test_both_ends_of_a_contact_across_the_border():
+    bed = make_packing([[0.2, 0.5, 1.0], [0.9, 0.5, 1.0]], [0.1, 0.2], width=1.0, contacts=[[0, 1]], images=[[-1, 0]])
     # The line of centres is 0.3 long, from 0.2 to -0.1; the contact lies on the first one's surface.
     radii = contact_radii(bed, np.array([0, 0]), np.array([False, True]))
     np.testing.assert_allclose(radii, [1.0, 1.0], rtol=1e-12)
 
 
-def test_distance_is_over_the_equal_volume_radius(packings):
-    bed = packings.make([[0, 0, 1.0]], [[0.5, 1.0, 2.0]], contacts=[[0, -1]])
+def test_distance_is_over_the_equal_volume_radius():
+    bed = make_packing([[0, 0, 1.0]], [[0.5, 1.0, 2.0]], contacts=[[0, -1]])
     assert contact_radii(bed, np.array([0]), np.array([False]))[0] == pytest.approx(2.0)
 
 
@@ -28,23 +31,23 @@ def test_bins_have_one_in_the_middle_and_reach_the_largest():
     assert 1.0 in middles.round(12)
 
 
-def test_the_farthest_point_of_the_surface(packings):
+def test_the_farthest_point_of_the_surface():
     r = (3 / (4 * np.pi)) ** (1 / 3)
-    assert largest_radius(packings.make(np.zeros((2, 3)), [1.0, 4.0], vertices=packings.cube), [0, 1]) == pytest.approx(
+    assert largest_radius(make_packing(np.zeros((2, 3)), [1.0, 4.0], vertices=CUBE), [0, 1]) == pytest.approx(
         np.sqrt(0.75) / r
     )
-    bed = packings.make(np.zeros((2, 3)), [[1.0, 1.0, 8.0], [1.0, 1.0, 1.0]])
+    bed = make_packing(np.zeros((2, 3)), [[1.0, 1.0, 8.0], [1.0, 1.0, 1.0]])
     assert largest_radius(bed, [0, 1]) == pytest.approx(4.0) and largest_radius(bed, [1]) == pytest.approx(1.0)
 
 
-def test_surface_of_spheres_is_at_one(packings):
-    bed = packings.make(np.zeros((3, 3)), [1e-3, 2e-3, 5.0])
+def test_surface_of_spheres_is_at_one():
+    bed = make_packing(np.zeros((3, 3)), [1e-3, 2e-3, 5.0])
     edges, middles = radius_bins(1.2)
     density = surface_radii(bed, np.arange(3), np.ones(3), edges)
     np.testing.assert_allclose(density, np.isclose(middles, 1.0) / BIN_WIDTH)
 
 
-def test_surface_of_a_prolate_spheroid(packings):
+def test_surface_of_a_prolate_spheroid():
     """Area between the equator and height z of a spheroid (a, a, c), e² = 1 - a²/c²: linear in arcsine and square root.
 
     A(z) = 2 π a/c ∫ √(c² - e² z²) dz, and rho² = a² + e² z² over (a² c)^(2/3).
@@ -56,16 +59,16 @@ def test_surface_of_a_prolate_spheroid(packings):
     z = np.sqrt(np.clip((edges * r) ** 2 - a**2, 0, None)) / e
     x = np.clip(e * z / c, 0, e)
     area = (np.arcsin(x) + x * np.sqrt(1 - x**2)) / (np.arcsin(e) + e * np.sqrt(1 - e**2))
-    bed = packings.make([[0, 0, 0]], [[a, a, c]], packings.orientations(1, 1))
+    bed = make_packing([[0, 0, 0]], [[a, a, c]], random_orientations(1, 1))
     density = surface_radii(bed, np.array([0]), np.array([3.0]), edges)
     # 64 nodes along the meridian, of which one at each end of a bin falls in or out: 1/64 of the area at most twice.
     np.testing.assert_allclose(density * BIN_WIDTH, np.diff(area), atol=2 / 64)
     assert np.sum(density) * BIN_WIDTH == pytest.approx(1.0)
 
 
-def test_surface_of_a_cube_and_of_a_mixture(packings):
+def test_surface_of_a_cube_and_of_a_mixture():
     r = (3 / (4 * np.pi)) ** (1 / 3)
-    cube = packings.make(np.zeros((2, 3)), [1.0, 4.0], vertices=packings.cube)
+    cube = make_packing(np.zeros((2, 3)), [1.0, 4.0], vertices=CUBE)
     edges, _ = radius_bins(np.sqrt(0.75) / r)
     density = surface_radii(cube, np.arange(2), np.ones(2), edges)
     # Within 0.5 of a face's middle the area is that of a circle: π (rho² r² - 1/4), from the inscribed radius on.
@@ -74,7 +77,7 @@ def test_surface_of_a_cube_and_of_a_mixture(packings):
     # 2 triangles a face are cut into 16 each: 1/32 of a face, four times where parts move in or out by symmetry.
     assert np.sum(density[:below]) * BIN_WIDTH == pytest.approx(circle, abs=4 / 32)
     assert np.sum(density) * BIN_WIDTH == pytest.approx(1.0)
-    weighted = packings.make(np.zeros((2, 3)), [[1.0, 1.0, 1.0], [1.0, 1.0, 2.0]])
+    weighted = make_packing(np.zeros((2, 3)), [[1.0, 1.0, 1.0], [1.0, 1.0, 2.0]])
     one, other, both = (
         surface_radii(weighted, np.arange(2), np.array(weights), edges) for weights in ([1.0, 0], [0, 1.0], [3.0, 1.0])
     )

@@ -11,26 +11,29 @@ from simcore.evaluation.bulk_region import bulk
 from simcore.evaluation.contact_radius import BIN_WIDTH
 from simcore.evaluation.fabric import fabric, fabric_over_seeds
 from simcore.evaluation.fabric_text import fabric_text
+from tests.helpers.packings import make_packing, sphere_lattice, touching_pairs
+from tests.helpers.polyhedra import CUBE
+from tests.helpers.rotations import random_orientations
 
 # kind: contacts a sphere, <P4> of the normals
 CRYSTALS = {"sc": (6, (2 * 3 / 8 + 1) / 3), "bcc": (8, -7 / 18), "fcc": (12, -7 / 48)}
 
 
-def crystal(packings, kind, cells=3, layers=7, **attrs):
-    centres, width = packings.lattice(kind, cells, layers)
-    pairs, images = packings.touching(centres, width)
-    return packings.make(centres, 0.5, width=width, contacts=pairs, images=images, **attrs)
+def crystal(kind, cells=3, layers=7, **attrs):
+    centres, width = sphere_lattice(kind, cells, layers)
+    pairs, images = touching_pairs(centres, width)
+    return make_packing(centres, 0.5, width=width, contacts=pairs, images=images, **attrs)
 
 
-def random_bed(packings, seed, n=600, semi_axes=(0.3, 0.4, 0.5), scene=None, turned=None):
+def random_bed(seed, n=600, semi_axes=(0.3, 0.4, 0.5), scene=None, turned=None):
     """Grains anywhere in a tall box, touching whom it may be: contact normals and axes are isotropic."""
     rng = np.random.default_rng(seed)
     position = rng.uniform(0, 1, (n, 3)) * [6.0, 6.0, 12.0]
     pairs = rng.integers(0, n, (3 * n, 2))
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
     scene = {"shapes": {"kind": "ellipsoid"}, "seed": seed} if scene is None else scene
-    turned = packings.orientations(n, seed) if turned is None else turned
-    bed = packings.make(
+    turned = random_orientations(n, seed) if turned is None else turned
+    bed = make_packing(
         position, np.tile(semi_axes, (n, 1)), turned, width=6.0, contacts=pairs, seed=seed, scene=json.dumps(scene)
     )
     normals = rng.normal(size=(len(pairs), 3))
@@ -43,9 +46,9 @@ def random_bed(packings, seed, n=600, semi_axes=(0.3, 0.4, 0.5), scene=None, tur
 
 
 @pytest.mark.parametrize("kind", CRYSTALS)
-def test_crystals(packings, kind):
+def test_crystals(kind):
     neighbours, fourth = CRYSTALS[kind]
-    found = fabric(crystal(packings, kind))
+    found = fabric(crystal(kind))
     # Although the bulk ends between layers, whose contacts outwards have one end in it, not two.
     assert float(found["coordination_number"]) == neighbours
     assert float(found["coordination_number_without_rattlers"]) == neighbours
@@ -63,8 +66,8 @@ def test_crystals(packings, kind):
     np.testing.assert_allclose(found["surface_radius_density"], at_one)
 
 
-def test_normals_of_a_face_centred_crystal_stand_in_two_bins(packings):
-    found = fabric(crystal(packings, "fcc")).sel(direction="contact_normal")
+def test_normals_of_a_face_centred_crystal_stand_in_two_bins():
+    found = fabric(crystal("fcc")).sel(direction="contact_normal")
     # Of six normals two are level and four at 45°; bins of 20 equal heights have 1/20 of the hemisphere each.
     expected = np.zeros(20)
     expected[19], expected[5] = 20 * 2 / 6, 20 * 4 / 6  # the sixth from the pole reaches from 0.75 down to 0.70
@@ -75,8 +78,8 @@ def test_normals_of_a_face_centred_crystal_stand_in_two_bins(packings):
     np.testing.assert_allclose(found["azimuth_moment"], [[0, 0], [1 / 3, 0]], atol=1e-12)
 
 
-def test_solid_fraction_is_that_of_the_porosity_of_the_bulk(packings):
-    bed = crystal(packings, "fcc")
+def test_solid_fraction_is_that_of_the_porosity_of_the_bulk():
+    bed = crystal("fcc")
     found = fabric(bed)
     inner = bulk(bed).porosity
     assert float(found["solid_fraction"]) == pytest.approx(1 - float(inner["n"]), rel=1e-12)
@@ -85,12 +88,12 @@ def test_solid_fraction_is_that_of_the_porosity_of_the_bulk(packings):
     assert float(found["z_lower"]) == pytest.approx(2.0)
 
 
-def test_contacts_with_walls_are_no_normals_but_bear(packings):
-    centres, width = packings.lattice("sc", 3, 6)
-    pairs, images = packings.touching(centres, width)
+def test_contacts_with_walls_are_no_normals_but_bear():
+    centres, width = sphere_lattice("sc", 3, 6)
+    pairs, images = touching_pairs(centres, width)
     lowest = np.flatnonzero(centres[:, 2] < 0.6)
     walls = np.column_stack([lowest, np.full(len(lowest), -1)])
-    bed = packings.make(
+    bed = make_packing(
         centres,
         0.5,
         width=width,
@@ -103,13 +106,13 @@ def test_contacts_with_walls_are_no_normals_but_bear(packings):
     ends = np.array([[1, 2, 2, 2, 2, 1][: len(layers)], [4] * len(layers)]).sum(axis=1)
     tensor = found["tensor"].sel(direction="contact_normal")
     assert float(tensor.sel(row="z", column="z")) == pytest.approx(ends[0] / ends.sum(), rel=1e-12)
-    one = packings.make([[0, 0, 0.5]], 0.5, width=1.0, domain="cylinder", contacts=[[0, -1], [0, -2]])
+    one = make_packing([[0, 0, 0.5]], 0.5, width=1.0, domain="cylinder", contacts=[[0, -1], [0, -2]])
     assert float(fabric(one, cut=0.0)["coordination_number"]) == 0.0
 
 
-def test_random_beds_are_isotropic_within_their_errors(packings):
+def test_random_beds_are_isotropic_within_their_errors():
     """Each of many statistics in standard errors, none beyond the normal distribution's 1e-5."""
-    found = fabric(random_bed(packings, 1))
+    found = fabric(random_bed(1))
     limit = norm.isf(0.5e-5)
     for name, expected in (("density", 1.0), ("legendre", 0.0)):
         pulls = (found[name] - expected) / found[f"{name}_std_error"]
@@ -120,8 +123,8 @@ def test_random_beds_are_isotropic_within_their_errors(packings):
     assert (found["vectors"].sel(direction=["long_axis", "short_axis"]) == found["grains"]).all()
 
 
-def test_turning_the_bed_about_the_vertical_changes_no_statistic(packings):
-    bed = random_bed(packings, 2)
+def test_turning_the_bed_about_the_vertical_changes_no_statistic():
+    bed = random_bed(2)
     c, s = np.cos(0.7), np.sin(0.7)
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     turned = bed.copy(deep=True)
@@ -142,14 +145,14 @@ def test_turning_the_bed_about_the_vertical_changes_no_statistic(packings):
     assert np.abs(second["tensor"] - first["tensor"]).max() > 1e-3
 
 
-def test_lying_grains(packings):
+def test_lying_grains():
     """All long axes level, all short ones upright, as flat stones lie."""
     rng = np.random.default_rng(3)
     half = np.sqrt(0.5)
     # A quarter turn about y takes the long axis (z) to x and the short one (x) to -z; then any turn about the vertical.
     angle = rng.uniform(0, np.pi, 600)
     lying = half * np.stack([np.cos(angle), -np.sin(angle), np.cos(angle), np.sin(angle)], axis=1)
-    found = fabric(random_bed(packings, 3, turned=lying))
+    found = fabric(random_bed(3, turned=lying))
     assert found["legendre"].sel(order=2, direction="long_axis") == pytest.approx(-0.5)
     assert found["legendre"].sel(order=2, direction="short_axis") == pytest.approx(1.0)
     assert float(found["density"].sel(direction="long_axis")[-1]) == pytest.approx(20.0)
@@ -159,14 +162,12 @@ def test_lying_grains(packings):
     assert np.isnan(found["azimuth_p_value"].sel(direction="short_axis")).all()
 
 
-def test_polyhedra_are_served(packings):
-    centres, width = packings.lattice("sc", 3, 6)
-    pairs, images = packings.touching(centres, width)
+def test_polyhedra_are_served():
+    centres, width = sphere_lattice("sc", 3, 6)
+    pairs, images = touching_pairs(centres, width)
     apart = 1.1
-    bed = packings.make(
-        apart * centres, 1.0, vertices=packings.cube, width=apart * width, contacts=pairs, images=images
-    )
-    # The fixture lays contacts at the first body's scale, 1; here they are in the middle between two.
+    bed = make_packing(apart * centres, 1.0, vertices=CUBE, width=apart * width, contacts=pairs, images=images)
+    # make_packing puts contacts at the first body's scale, 1; here they are in the middle between two.
     bed["contact_point"] -= (1.0 - 0.5 * apart) * bed["contact_normal"]
     found = fabric(bed, cut=1.0)
     # Any height of the interval, some 4, has this of a square but for one gap of 0.1 more or less.
@@ -175,8 +176,8 @@ def test_polyhedra_are_served(packings):
     assert float((found["surface_radius_density"] * BIN_WIDTH).sum()) == pytest.approx(1.0)
 
 
-def test_over_seeds(packings):
-    single = [fabric(random_bed(packings, seed)) for seed in range(1, 6)]
+def test_over_seeds():
+    single = [fabric(random_bed(seed)) for seed in range(1, 6)]
     found = fabric_over_seeds(single)
     for name in ("solid_fraction", "coordination_number", "density", "legendre", "tensor", "contact_radius"):
         values = np.stack([one[name].values for one in single])
@@ -194,11 +195,11 @@ def test_over_seeds(packings):
     assert (found["azimuth_p_value"] > 1e-5).all()
 
 
-def test_jackknife_of_a_linear_invariant_is_the_error_of_the_mean(packings):
+def test_jackknife_of_a_linear_invariant_is_the_error_of_the_mean():
     """Upright and lying axes in shares that differ by seed: the anisotropy is then linear in the tensor."""
     single = []
     for seed, share in enumerate((0.6, 0.7, 0.75, 0.9)):
-        one = fabric(random_bed(packings, seed + 1)).copy(deep=True)
+        one = fabric(random_bed(seed + 1)).copy(deep=True)
         one["tensor"].values[:] = np.diag([(1 - share) / 2, (1 - share) / 2, share])
         single.append(one)
     found = fabric_over_seeds(single)
@@ -206,9 +207,9 @@ def test_jackknife_of_a_linear_invariant_is_the_error_of_the_mean(packings):
     np.testing.assert_allclose(found["anisotropy_std_error"], expected, rtol=1e-9)
 
 
-def test_radial_bins_of_several_seeds_are_put_together(packings):
+def test_radial_bins_of_several_seeds_are_put_together():
     """The second's contacts lie at twice the radius of one sphere, in the centre of the other."""
-    first, second = (crystal(packings, "sc", seed=seed) for seed in (1, 2))
+    first, second = (crystal("sc", seed=seed) for seed in (1, 2))
     second["contact_point"] += 0.5 * second["contact_normal"]
     found = fabric_over_seeds([fabric(first), fabric(second)])
     radius, share = found["radius"].values, found["contact_radius_density"].values * BIN_WIDTH
@@ -217,8 +218,8 @@ def test_radial_bins_of_several_seeds_are_put_together(packings):
     np.testing.assert_allclose(found["surface_radius_density"], np.isclose(radius, 1.0) / BIN_WIDTH)
 
 
-def test_packings_that_do_not_belong_together_are_refused(packings):
-    first, second = (fabric(random_bed(packings, seed)) for seed in (1, 2))
+def test_packings_that_do_not_belong_together_are_refused():
+    first, second = (fabric(random_bed(seed)) for seed in (1, 2))
     with pytest.raises(ValueError, match="needs two packings"):
         fabric_over_seeds([first])
     with pytest.raises(ValueError, match=r"seeds \[1, 1\] are not distinct"):
@@ -228,16 +229,16 @@ def test_packings_that_do_not_belong_together_are_refused(packings):
         ValueError, match="seeds 1 and 2 differ in shapes.kind; give packings that differ in their seed"
     ):
         fabric_over_seeds([first, second.assign_attrs(scene=json.dumps(other))])
-    coarse, loose = (fabric(random_bed(packings, 2), **options) for options in ({"n_bins": 5}, {"bearing_contacts": 4}))
+    coarse, loose = (fabric(random_bed(2), **options) for options in ({"n_bins": 5}, {"bearing_contacts": 4}))
     for different, name in ((coarse, "n_bins"), (loose, "bearing_contacts")):
         with pytest.raises(ValueError, match=f"differ in {name}"):
             fabric_over_seeds([first, different])
     with pytest.raises(ValueError, match="at least one bin"):
-        fabric(random_bed(packings, 2), n_bins=0)
+        fabric(random_bed(2), n_bins=0)
 
 
-def test_everything_has_units_and_goes_through_a_file(packings, tmp_path):
-    single = [fabric(random_bed(packings, seed)) for seed in (1, 2)]
+def test_everything_has_units_and_goes_through_a_file(tmp_path):
+    single = [fabric(random_bed(seed)) for seed in (1, 2)]
     for number, found in enumerate((single[0], fabric_over_seeds(single))):
         assert all({"units", "long_name"} <= set(found[name].attrs) for name in found)
         path = tmp_path / f"{number}.nc"
@@ -246,8 +247,8 @@ def test_everything_has_units_and_goes_through_a_file(packings, tmp_path):
             xr.testing.assert_allclose(read.load(), found)
 
 
-def test_text_says_what_stands_in_the_dataset(packings):
-    single = [fabric(random_bed(packings, seed)) for seed in (1, 2)]
+def test_text_says_what_stands_in_the_dataset():
+    single = [fabric(random_bed(seed)) for seed in (1, 2)]
     text = fabric_text(fabric_over_seeds(single))
     assert text.startswith("2 packings, ") and "standard error over seeds" in text
     lines = {line[:26].strip(): line[26:].split() for line in text.splitlines()}
@@ -255,7 +256,7 @@ def test_text_says_what_stands_in_the_dataset(packings):
     normal = both["legendre"].sel(order=2, direction="contact_normal")
     assert float(lines["<P2> about the vertical"][0]) == pytest.approx(float(normal), abs=5e-5)
     assert max(map(len, text.splitlines())) <= 120
-    spheres = fabric_text(fabric(crystal(packings, "fcc")))
+    spheres = fabric_text(fabric(crystal("fcc")))
     assert max(map(len, spheres.splitlines())) <= 120
     assert [line.split()[-1] for line in spheres.splitlines() if line.startswith("<P2>")] == ["-"]
     assert "12.0000" in spheres

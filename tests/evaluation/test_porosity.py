@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from simcore.evaluation.porosity import bed_top, bulk_porosity, evaluation_interval, porosity_profile
+from tests.helpers.packings import make_packing, sphere_lattice
+from tests.helpers.polyhedra import CUBE
 
 # Porosity of the lattice, height after which its layers repeat, in sphere diameters
 LATTICES = {
@@ -14,18 +16,18 @@ LATTICES = {
 
 
 @pytest.fixture
-def simple_cubic(packings):
+def simple_cubic():
     """Simple cubic bed of 10 mm spheres, 4 x 4 x 12."""
-    centres, width = packings.lattice("sc", 4, 12)
-    return packings.make(1e-2 * centres, 5e-3, width=1e-2 * width, seed=3)
+    centres, width = sphere_lattice("sc", 4, 12)
+    return make_packing(1e-2 * centres, 5e-3, width=1e-2 * width, seed=3)
 
 
 @pytest.mark.parametrize("method", ["spheres", "exact"])
 @pytest.mark.parametrize("kind", LATTICES)
-def test_lattices_have_their_porosity(packings, kind, method):
+def test_lattices_have_their_porosity(kind, method):
     expected, period = LATTICES[kind]
-    centres, width = packings.lattice(kind, 3, 8)
-    bed = packings.make(centres, 0.5, width=width)
+    centres, width = sphere_lattice(kind, 3, 8)
+    bed = make_packing(centres, 0.5, width=width)
     top = bed_top(porosity_profile(bed, 0.05, method))
     bulk = bulk_porosity(bed, method, cut=0.5 * (top - 5 * period), slice_height=0.05)
     assert float(bulk["n"]) == pytest.approx(expected, rel=1e-12)
@@ -42,8 +44,8 @@ def test_profile_counts_all_solid_volume(simple_cubic):
         assert float(profile["porosity"][-1]) == 1.0
 
 
-def test_profile_says_what_its_spheres_hold_below_the_floor(packings):
-    flat = packings.make([[0, 0, 1e-3]], [[4e-3, 4e-3, 1e-3]])
+def test_profile_says_what_its_spheres_hold_below_the_floor():
+    flat = make_packing([[0, 0, 1e-3]], [[4e-3, 4e-3, 1e-3]])
     assert float(porosity_profile(flat, method="exact")["solid_volume_below_floor"]) == pytest.approx(0.0, abs=1e-20)
     spheres = porosity_profile(flat)
     below = float(spheres["solid_volume_below_floor"])
@@ -61,21 +63,21 @@ def test_profile_follows_cf(simple_cubic):
     assert profile["z"].attrs["bounds"] == "z_bounds"
 
 
-def test_cylinder_is_measured_from_the_floor_on_its_own_area(packings):
+def test_cylinder_is_measured_from_the_floor_on_its_own_area():
     # One disc-like ellipsoid layer would not do: equal solid in every slice needs upright prisms that fill half.
-    cube = packings.make([[0, 0, 10e-3]], [[8e-3, 8e-3, 20e-3]], vertices=packings.cube, width=1e-2, domain="cylinder")
+    cube = make_packing([[0, 0, 10e-3]], [[8e-3, 8e-3, 20e-3]], vertices=CUBE, width=1e-2, domain="cylinder")
     bulk = bulk_porosity(cube, "exact")
     assert (float(bulk["z_lower"]), float(bulk["z_upper"])) == (0.0, pytest.approx(20e-3))
     assert float(bulk["n"]) == pytest.approx(1 - 64e-6 / (np.pi / 4 * 1e-4), rel=1e-12)
 
 
-def test_surface_is_the_uppermost_crossing_and_ends_are_cut(packings):
+def test_surface_is_the_uppermost_crossing_and_ends_are_cut():
     # Slabs of solid fraction 0.64 in 0-20 mm, 0.16 in 20-30 mm and 0.64 in 30-40 mm: a void under the surface.
     width = 10e-3
-    bed = packings.make(
+    bed = make_packing(
         [[0, 0, 10e-3], [0, 0, 25e-3], [0, 0, 35e-3]],
         [[8e-3, 8e-3, 20e-3], [4e-3, 4e-3, 10e-3], [8e-3, 8e-3, 10e-3]],
-        vertices=packings.cube,
+        vertices=CUBE,
         width=width,
         largest=5e-3,
     )
@@ -93,13 +95,13 @@ def test_surface_is_the_uppermost_crossing_and_ends_are_cut(packings):
     [(20, 25.0), (10, 50.0 / 3.0), (4, 8.0)],
     ids=["five median grains", "a third of a low bed", "the largest size in a very low one"],
 )
-def test_what_shaking_packs_closer_at_the_surface_is_no_bulk(packings, layers, at_surface):
+def test_what_shaking_packs_closer_at_the_surface_is_no_bulk(layers, at_surface):
     """Cubes of 5 mm, stacked; the sieve's largest is 8 mm."""
     heights = 5e-3 * (np.arange(layers) + 0.5)
-    bed = packings.make(
+    bed = make_packing(
         np.column_stack([0 * heights, 0 * heights, heights]),
         np.full((layers, 3), 5e-3),
-        vertices=packings.cube,
+        vertices=CUBE,
         width=6e-3,
         largest=8e-3,
     )
@@ -114,11 +116,11 @@ def test_a_bed_too_low_says_so(simple_cubic):
         bulk_porosity(simple_cubic, cut=70e-3)
 
 
-def test_a_loose_cloud_has_no_surface(packings):
+def test_a_loose_cloud_has_no_surface():
     with pytest.raises(ValueError, match="no slice .* has no surface"):
-        bulk_porosity(packings.make([[0.01, 0.01, 0.02]], 5e-3))
+        bulk_porosity(make_packing([[0.01, 0.01, 0.02]], 5e-3))
 
 
-def test_an_empty_packing_is_refused(packings):
+def test_an_empty_packing_is_refused():
     with pytest.raises(ValueError, match="no grain"):
-        porosity_profile(packings.make(np.zeros((0, 3)), np.zeros((0, 3))))
+        porosity_profile(make_packing(np.zeros((0, 3)), np.zeros((0, 3))))

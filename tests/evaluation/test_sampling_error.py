@@ -6,13 +6,14 @@ from scipy.spatial import cKDTree
 
 from simcore.evaluation.sampling_error import sampling_error
 from simcore.evaluation.slicing import slab_volumes
+from tests.helpers.packings import make_packing
 
 
 def area(width, domain):
     return width**2 if domain == "periodic" else np.pi / 4 * width**2
 
 
-def poisson_bed(packings, seed, domain, width, height, number, radii):
+def poisson_bed(seed, domain, width, height, number, radii):
     """Spheres placed independently; all centres stay a radius away from the cylinder wall by taking points only."""
     rng = np.random.default_rng(seed)
     n = rng.poisson(number)
@@ -20,10 +21,10 @@ def poisson_bed(packings, seed, domain, width, height, number, radii):
     if domain == "cylinder":
         r, angle = 0.5 * width * np.sqrt(rng.uniform(size=n)), rng.uniform(0, 2 * np.pi, n)
         position[:, 0], position[:, 1] = r * np.cos(angle), r * np.sin(angle)
-    return packings.make(position, rng.choice(radii, n), width=width, domain=domain)
+    return make_packing(position, rng.choice(radii, n), width=width, domain=domain)
 
 
-def random_sequential_bed(packings, seed, width, height, fraction):
+def random_sequential_bed(seed, width, height, fraction):
     """Equal spheres of diameter one that do not overlap, added at random in a periodic box."""
     rng = np.random.default_rng(seed)
     box = np.array([width, width, height + 4.0])
@@ -41,15 +42,15 @@ def random_sequential_bed(packings, seed, width, height, fraction):
             if (np.linalg.norm(gaps, axis=1) >= 1.0).all():
                 kept.append(p)
         centres = np.vstack([centres, *(p[None] for p in kept)])[:target]
-    return packings.make(centres - [0, 0, 2.0], 0.5, width=width)
+    return make_packing(centres - [0, 0, 2.0], 0.5, width=width)
 
 
 @pytest.mark.parametrize(("domain", "width", "height"), [("periodic", 6, 5), ("cylinder", 8, 6), ("periodic", 4, 12)])
-def test_error_of_independent_grains_is_shot_noise(packings, domain, width, height):
+def test_error_of_independent_grains_is_shot_noise(domain, width, height):
     """Var = density <v²> / volume if a grain is small against the blocks; the mean over 60 beds has 2-3 % error."""
     radii, number = np.array([0.15, 0.3]), 400
     errors = [
-        sampling_error(poisson_bed(packings, seed, domain, width, height, number, radii), 0.0, height)["n_std_error"]
+        sampling_error(poisson_bed(seed, domain, width, height, number, radii), 0.0, height)["n_std_error"]
         for seed in range(60)
     ]
     density = number / (area(width, domain) * (height + 4.0))
@@ -58,12 +59,12 @@ def test_error_of_independent_grains_is_shot_noise(packings, domain, width, heig
     assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(expected, rel=0.08)
 
 
-def test_error_agrees_with_the_scatter_over_hard_sphere_beds(packings):
+def test_error_agrees_with_the_scatter_over_hard_sphere_beds():
     """40 beds: the scatter has a relative error of 1/sqrt(78) = 11 %, the mean error far less; 3 of it are allowed."""
     width, height = 5.0, 5.0
     fractions, errors = [], []
     for seed in range(40):
-        bed = random_sequential_bed(packings, seed, width, height, 0.25)
+        bed = random_sequential_bed(seed, width, height, 0.25)
         fractions.append(slab_volumes(bed, [0.0, height])[0] / (width**2 * height))
         errors.append(sampling_error(bed, 0.0, height)["n_std_error"])
     scatter = np.std(fractions, ddof=1)
@@ -73,34 +74,34 @@ def test_error_agrees_with_the_scatter_over_hard_sphere_beds(packings):
     assert np.sqrt(np.mean(np.square(errors))) < 0.7 * shot_noise
 
 
-def test_error_does_not_take_a_profile_for_scatter(packings):
+def test_error_does_not_take_a_profile_for_scatter():
     """A bed whose density depends on height only, and on radius only in a cylinder, has almost no error."""
     rng = np.random.default_rng(4)
     z = 8.0 * np.sqrt(rng.uniform(size=40000))
     x, y = rng.uniform(0, 5, (2, len(z)))
-    graded = packings.make(np.column_stack([x, y, z]), 0.1, width=5.0)
+    graded = make_packing(np.column_stack([x, y, z]), 0.1, width=5.0)
     shot_noise = np.sqrt(4 / 3 * np.pi * 1e-3 * float(graded["volume"].sum())) / (25 * 8)
     assert sampling_error(graded, 0.0, 8.0)["n_std_error"] < 2.5 * shot_noise
 
     radius, angle = 2.5 * rng.uniform(size=len(z)), rng.uniform(0, 2 * np.pi, len(z))
-    ringed = packings.make(
+    ringed = make_packing(
         np.column_stack([radius * np.cos(angle), radius * np.sin(angle), z]), 0.1, width=5.0, domain="cylinder"
     )
     shot_noise = np.sqrt(4 / 3 * np.pi * 1e-3 * float(ringed["volume"].sum())) / (np.pi * 6.25 * 8)
     assert sampling_error(ringed, 0.0, 8.0)["n_std_error"] < 2.5 * shot_noise
 
 
-def test_error_falls_with_the_root_of_the_volume(packings):
+def test_error_falls_with_the_root_of_the_volume():
     def error(width):
         number = 4 * width**2 * 9
-        beds = (poisson_bed(packings, s, "periodic", width, 5, number, np.array([0.2])) for s in range(40))
+        beds = (poisson_bed(s, "periodic", width, 5, number, np.array([0.2])) for s in range(40))
         return np.sqrt(np.mean([sampling_error(bed, 0.0, 5.0)["n_std_error"] ** 2 for bed in beds]))
 
     assert error(8.0) / error(4.0) == pytest.approx(0.5, rel=0.1)
 
 
-def test_blocks_are_thicker_than_the_correlation_length(packings):
-    bed = random_sequential_bed(packings, 1, 6.0, 6.0, 0.3)
+def test_blocks_are_thicker_than_the_correlation_length():
+    bed = random_sequential_bed(1, 6.0, 6.0, 0.3)
     result = sampling_error(bed, 0.0, 6.0)
     assert result["block_size"] >= 1.5 > result["correlation_length"]
     assert 8 <= result["n_contrasts"] <= 48

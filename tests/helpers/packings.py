@@ -1,20 +1,10 @@
-"""Packings in memory with the layout of a packing's file, from arrays."""
+"""Packings made from arrays, with the layout of a packing's file, and lattices of spheres."""
 
 import numpy as np
 import xarray as xr
 from scipy.spatial import ConvexHull
-from scipy.spatial.transform import Rotation
 
-CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-
-
-def hull_faces(vertices):
-    """Outward triangles of the convex hull of points (n, 3), (m, 3)."""
-    hull = ConvexHull(vertices)
-    corners = vertices[hull.simplices]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    inward = np.sum(normals * hull.equations[:, :3], axis=1) < 0.0
-    return np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
+from tests.helpers.polyhedra import hull_faces
 
 
 def make_packing(
@@ -32,8 +22,8 @@ def make_packing(
     """Packing Dataset of one shape: unit spheres times scale, or, with vertices (n, 3), convex polyhedra.
 
     position (n, 3), scale (n,) or (n, 3) [m]; orientation (n, 4), upright if None; contacts: list of body pairs;
-    images (k, 2): of their second body, 0 if None. Contacts push with 1 N along the line of centres, down at walls, and
-    lie on it at the first body's largest scale.
+    images (k, 2): of their second body, 0 if None. Contacts push with 1 N along the line of centres, or downwards at
+    walls. Their points are on this line, at the first body's largest scale from its centre.
     """
     position = np.atleast_2d(np.asarray(position, float))
     n = len(position)
@@ -85,7 +75,7 @@ def make_packing(
 
 
 def contact_geometry(position, scale, pairs, images, width):
-    """Normals and points of contacts of spheres, (k, 3) each; down, where there is no line of centres."""
+    """Normals and points of contacts of spheres, (k, 3) each; downwards where there is no line of centres."""
     first, second = pairs.T
     branch = position[np.maximum(second, 0)] - position[first]
     branch[:, :2] += images * width
@@ -108,12 +98,7 @@ def touching_pairs(centres, width, diameter=1.0):
     return np.concatenate(pairs), np.concatenate(images)
 
 
-def random_orientations(n, seed):
-    """Uniform random quaternions (n, 4) as w, x, y, z."""
-    return Rotation.random(n, rng=seed).as_quat(scalar_first=True)
-
-
-def lattice(kind, cells, layers):
+def sphere_lattice(kind, cells, layers):
     """Touching unit-diameter spheres on a cubic lattice in a periodic box: centres (n, 3) and the box's width."""
     basis = {
         "sc": [[0, 0, 0]],

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.helpers.committed import write_reference
+from tests.helpers.reference_rows import write_reference
 
 
 @pytest.fixture

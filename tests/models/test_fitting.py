@@ -9,7 +9,7 @@ from simcore.models.fitting import fit_reference_models, read_campaign_models
 from simcore.models.mixtures import mixture_models
 from simcore.models.prediction import predict_samples
 from simcore.models.single_form import single_form_models
-from tests.helpers.committed import grains, mixtures, one_form, single_truth
+from tests.helpers.reference_rows import porosity_of_form, random_forms, random_mixtures, sample_of_one_form
 
 
 def test_the_rows_of_a_campaign_are_what_is_fitted(reference):
@@ -39,10 +39,10 @@ def test_the_committed_rows_stand_in_until_then():
 def test_what_a_campaign_has_not_finished_is_taken_from_the_default_one(reference, tmp_path):
     default = reference / "default"
     default.mkdir()
-    flatness, elongation = grains(8, seed=3)
+    flatness, elongation = random_forms(8, seed=3)
     table = pd.DataFrame({"case": "U1", "grain": [f"G{i}" for i in range(8)], "FL": flatness, "EL": elongation})
     table.assign(n=0.5 + 1e-6 * flatness).to_csv(default / "single_form.csv", index=False)
-    beds = mixtures(seed=4).rename(columns={"mu_EQ": "EQ", "mu_EL": "EL"})
+    beds = random_mixtures(seed=4).rename(columns={"mu_EQ": "EQ", "mu_EL": "EL"})
     asked = {name: np.arange(16) / 16 for name in ("mean_FL", "std_FL", "mean_EL", "std_EL")}
     beds.assign(n=0.5 + 1e-6 * beds.EQ, **asked).to_csv(default / "form_mixtures.csv", index=False)
     assert "default" not in " ".join(fit_reference_models(reference).behind.values())
@@ -57,17 +57,17 @@ def test_what_a_campaign_has_not_finished_is_taken_from_the_default_one(referenc
 
 
 def test_a_campaigns_models_are_read_from_its_folder(tmp_path):
-    flatness, elongation = grains(20)
+    flatness, elongation = random_forms(20)
     packings = pd.DataFrame({"case": "U7", "L": 1 / elongation, "I": 1.0, "S": flatness})
-    packings["n"] = single_truth(flatness, elongation) + 1e-4 * np.random.default_rng(0).normal(size=20)
+    packings["n"] = porosity_of_form(flatness, elongation) + 1e-4 * np.random.default_rng(0).normal(size=20)
     tables, models = single_form_models(packings)
     dataset = models_dataset(models, tables["models"], "Models").assign_attrs(test_only=1)
     dataset.to_netcdf(tmp_path / "single_form.nc")
     fitted = read_campaign_models(tmp_path)
     assert fitted.models == {("single_form", "U7"): models["single_form", "U7"]}
     assert fitted.behind["single_form", "U7"] == f"20 beds, test only: {tmp_path / 'single_form.nc'}"
-    row = predict_samples([one_form(0.6, 0.7)], "U7", fitted).iloc[0]
-    assert row.lower < single_truth(0.6, 0.7) < row.upper
+    row = predict_samples([sample_of_one_form(0.6, 0.7)], "U7", fitted).iloc[0]
+    assert row.lower < porosity_of_form(0.6, 0.7) < row.upper
     with pytest.raises(ValueError, match="there is no model in single_form.nc, form_mixture.nc, unified.nc"):
         read_campaign_models(tmp_path / "none")
 

@@ -12,7 +12,7 @@ from simcore.models.fitting import fit_reference_models
 from simcore.models.prediction import predict_samples
 from simcore.models.regression import fit
 from simcore.reference.r22_tables import read_r22_table
-from tests.helpers.committed import mixtures, one_form, single_truth
+from tests.helpers.reference_rows import porosity_of_form, random_mixtures, sample_of_one_form
 
 TABLE_2 = Path(__file__).resolve().parents[2] / "examples" / "table2.csv"
 
@@ -21,11 +21,11 @@ def test_one_form_and_a_distribution_take_their_own_models(reference):
     fitted = fit_reference_models(reference, source="synthetic")
     narrow = Sample("narrow", 50, 0.6, 0.01, 0.7, 0.01, 0.42, 0.01)
     wide = Sample("wide", 50, 0.6, 0.15, 0.7, 0.15, 0.42, 0.12)
-    table = predict_samples([one_form(0.6, 0.7), narrow, wide], "U1", fitted)
+    table = predict_samples([sample_of_one_form(0.6, 0.7), narrow, wide], "U1", fitted)
     ours = table[table.preferred].set_index("name")
     assert ours.model.to_dict() == {"one": "single_form", "narrow": "unified", "wide": "form_mixture"}
     assert ours.taken_as.to_dict() == {"one": "one form", "narrow": "a distribution", "wide": "a distribution"}
-    assert ours.n["one"] == pytest.approx(single_truth(0.6, 0.7), rel=1e-9)
+    assert ours.n["one"] == pytest.approx(porosity_of_form(0.6, 0.7), rel=1e-9)
     assert ours.n["wide"] == pytest.approx(0.31 + 0.03 / 0.42 - 0.003 / 0.12 + 0.02 / 0.7 - 0.002 / 0.15, rel=1e-8)
     mixture = table.query("name == 'narrow' and by == 'ours' and model == 'form_mixture'").iloc[0]
     assert "sigma_EQ_inv = 100, fitted from" in mixture.outside
@@ -39,7 +39,7 @@ def test_one_form_and_a_distribution_take_their_own_models(reference):
 
 def test_of_our_models_the_one_that_errs_less_is_taken(reference):
     """Of mixtures that scatter about the unified model's truth."""
-    rows = mixtures()
+    rows = random_mixtures()
     rows["n"] = 0.30 + 0.02 / rows.mu_EQ + 0.01 / rows.mu_EL + 0.2 * (rows.sigma_EL / rows.mu_EL) ** 2
     committed = pd.read_csv(reference / "form_mixture.csv").assign(n=rows.n)
     committed.to_csv(reference / "form_mixture.csv", index=False)
@@ -50,7 +50,7 @@ def test_of_our_models_the_one_that_errs_less_is_taken(reference):
 
 def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
     fitted = fit_reference_models(reference)
-    one = [one_form(0.6, 0.7)]
+    one = [sample_of_one_form(0.6, 0.7)]
     pd.testing.assert_frame_equal(predict_samples(one, "one-class", fitted), predict_samples(one, "U1", fitted))
     alone = predict_samples(one, "B50", fitted)
     assert alone.by.tolist() == ["r22"]
@@ -67,7 +67,9 @@ def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
 def test_what_lies_outside_is_said_of_ours_and_of_r22(reference):
     """Just outside it is said and the interval is wider; far outside nothing is predicted."""
     fitted = fit_reference_models(reference)
-    inside, outside = (predict_samples([one_form(*form)], "U1", fitted) for form in ((0.65, 0.7), (0.28, 0.5)))
+    inside, outside = (
+        predict_samples([sample_of_one_form(*form)], "U1", fitted) for form in ((0.65, 0.7), (0.28, 0.5))
+    )
     assert (inside.outside == "").all() and (inside.distance == 0).all()
     single, unified, study = outside.outside
     assert "EQ_inv = 7.143, fitted from" in single and "mu_EQ_inv = 7.143" in unified
@@ -75,7 +77,7 @@ def test_what_lies_outside_is_said_of_ours_and_of_r22(reference):
     width = outside.upper - outside.lower
     assert width[0] > 1.1 * (inside.upper - inside.lower)[0]
     with pytest.raises(ValueError, match=r"case U1: the porosity of sample one cannot be predicted. For one no model"):
-        predict_samples([one_form(0.2, 0.3)], "U1", fitted)
+        predict_samples([sample_of_one_form(0.2, 0.3)], "U1", fitted)
 
 
 def random_samples(number, seed=0):
@@ -167,7 +169,7 @@ def test_the_models_of_r22_follow_the_same_rule(reference):
 
 def test_a_formula_or_an_interval_that_leaves_0_to_1_is_refused(reference):
     fitted = fit_reference_models(reference)
-    sample = one_form(0.6, 0.7)
+    sample = sample_of_one_form(0.6, 0.7)
     narrow = predict_samples([sample], "U1", fitted)
     assert (narrow.refused == "").all()
     rows = pd.read_csv(reference / "single_form.csv")

@@ -15,7 +15,7 @@ from simcore.grains.measured_forms import Sample
 from simcore.models.fitting import fit_reference_models
 from simcore.models.prediction import predict_samples
 from simcore.models.prediction_text import describe
-from tests.helpers.committed import one_form, single_truth
+from tests.helpers.reference_rows import porosity_of_form, sample_of_one_form
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE_2 = ROOT / "examples" / "table2.csv"
@@ -64,10 +64,10 @@ def test_a_case_with_beds_of_one_form_alone_leaves_distributions_to_r22_and_says
     pd.concat([rows, rows.assign(case="U7", n=rows.n - 0.05)]).to_csv(reference / "single_form.csv", index=False)
     fitted = fit_reference_models(reference, source="synthetic")
     assert not caplog.messages
-    one, wide = one_form(0.6, 0.7), Sample("wide", 50, 0.6, 0.15, 0.7, 0.15, 0.42, 0.12)
+    one, wide = sample_of_one_form(0.6, 0.7), Sample("wide", 50, 0.6, 0.15, 0.7, 0.15, 0.42, 0.12)
     table = predict_samples([one, wide], "U7", fitted)
     assert table[table.preferred].name.tolist() == ["one"]
-    assert table[table.preferred].n.item() == pytest.approx(single_truth(0.6, 0.7) - 0.05, abs=1e-3)
+    assert table[table.preferred].n.item() == pytest.approx(porosity_of_form(0.6, 0.7) - 0.05, abs=1e-3)
     too_few = "Too few of our packings of U7 have a distribution of form: only the model of Rettinger et al."
     assert too_few in describe(table, "U7", fitted)
     assert "Too few" not in describe(table[table.name == "one"], "U7", fitted)
@@ -134,7 +134,7 @@ def test_where_none_of_ours_can_be_evaluated_it_is_said(reference):
     narrow.to_csv(reference / "single_form.csv", index=False)
     (reference / "form_mixture.csv").unlink()
     fitted = fit_reference_models(reference)
-    table = predict_samples([one_form(0.5, 0.6)], "U1", fitted)
+    table = predict_samples([sample_of_one_form(0.5, 0.6)], "U1", fitted)
     assert table[table.refused == ""].by.tolist() == ["r22"] and not table.preferred.any()
     text = describe(table, "U1", fitted)
     assert "None of our models can be evaluated, only that of Rettinger et al., for: one." in text

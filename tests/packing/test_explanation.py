@@ -17,7 +17,7 @@ from simcore.packing.explanation import KINDS, PARTS, estimate_cost, parts
 from simcore.packing.process import Process
 from simcore.scene.shapes import POLYHEDRON, SPHERE
 from simcore.scene.specification import express, read_specification, resolve
-from tests.helpers.few import few, set_up_few
+from tests.helpers.few_spheres import set_up_few_spheres, specify_few_spheres
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -62,7 +62,7 @@ def test_every_example_is_explained(example, capsys):
 
 def test_the_specification_of_a_workflow_is_explained(tmp_path, capsys):
     """As rule packing_specification writes it; where its grains are not there yet, that is told as by pack."""
-    specification = resolve(few())
+    specification = resolve(specify_few_spheres())
     (tmp_path / "packing.yaml").write_text(yaml.safe_dump(express(specification), allow_unicode=True))
     assert main(["explain", str(tmp_path / "packing.yaml")]) == 0
     assert capsys.readouterr().out.startswith("few: 40 grains, ")
@@ -82,7 +82,7 @@ def test_nothing_is_compiled(tmp_path):
 
 
 def test_the_estimate_is_that_of_the_grains_themselves():
-    setup = set_up_few()
+    setup = set_up_few_spheres()
     estimated = estimate_cost(setup)
     cost = estimated.packing
     process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
@@ -99,7 +99,7 @@ def test_the_estimate_is_that_of_the_grains_themselves():
 
 
 def test_amounts_by_mass_and_several_batches():
-    setup = set_up_few(amount={"mass": "100 g", "grains": None})
+    setup = set_up_few_spheres(amount={"mass": "100 g", "grains": None})
     estimated = estimate_cost(setup)
     cost = estimated.packing
     process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
@@ -124,9 +124,9 @@ def test_wrong_input_is_told_as_by_pack(tmp_path, capsys):
 def test_a_warning_of_the_run_is_told_before():
     from simcore.packing.explanation import explain
 
-    told = explain(set_up_few(numerics={"contact_time": "1 ms", "steps_per_contact_time": 20}))
+    told = explain(set_up_few_spheres(numerics={"contact_time": "1 ms", "steps_per_contact_time": 20}))
     assert "Warning     20 steps per contact time are fewer than the 33.8" in told
-    assert "Warning     20 steps" not in explain(set_up_few())
+    assert "Warning     20 steps" not in explain(set_up_few_spheres())
 
 
 @pytest.mark.parametrize(
@@ -138,10 +138,10 @@ def test_grains_longer_than_the_domain_is_wide_are_told(kind, effect):
     # Ellipsoids of one sieve size d with I = S = d, L = d / 0.3.
     shapes = {"kind": "ellipsoid", "choice": "form", "flatness": 1.0, "elongation": 0.3}
     sizes = {"bounds": ["7.2 mm", "7.5 mm"]}
-    told = explain(set_up_few(domain={"type": kind}, shapes=shapes, sizes=sizes, amount={"grains": 6}))
+    told = explain(set_up_few_spheres(domain={"type": kind}, shapes=shapes, sizes=sizes, amount={"grains": 6}))
     assert "longer than the domain" not in told
     told = explain(
-        set_up_few(domain={"type": kind, "width": "24 mm"}, shapes=shapes, sizes=sizes, amount={"grains": 6})
+        set_up_few_spheres(domain={"type": kind, "width": "24 mm"}, shapes=shapes, sizes=sizes, amount={"grains": 6})
     )
     assert re.search(
         rf"The longest grain, 2[45]\.?\d* mm, is longer than the domain is wide, 24 mm, and {effect}", told

@@ -11,13 +11,13 @@ import xarray as xr
 from simcore.packing.file import packing_dataset, read_packing, write_packing
 from simcore.packing.process import pack
 from simcore.scene.specification import resolve
-from tests.helpers.few import FEW, set_up_few
+from tests.helpers.few_spheres import FEW_SPHERES, set_up_few_spheres
 
 
 @pytest.fixture(scope="module")
 def made():
-    specification = resolve(FEW)
-    setup = set_up_few()
+    specification = resolve(FEW_SPHERES)
+    setup = set_up_few_spheres()
     packed = pack(setup.scene, setup.bases, setup.draw)
     sample = setup.sample(np.arange(len(packed.bodies.mass)))
     attributes = {"largest_sieve_size": setup.curve.largest}
@@ -47,7 +47,7 @@ def test_the_file_holds_what_was_packed(made, tmp_path):
         np.testing.assert_array_equal(read[name].values, dataset[name].values)
     assert read.attrs["converged"] == 1
     assert read.attrs["seed"] == 1
-    assert json.loads(read.attrs["scene"]) == json.loads(json.dumps(resolve(FEW)))
+    assert json.loads(read.attrs["scene"]) == json.loads(json.dumps(resolve(FEW_SPHERES)))
     assert read.attrs["code_version"].startswith("0.")
     assert all("units" in read[name].attrs for name in read.data_vars if read[name].dtype.kind == "f")
 
@@ -119,7 +119,7 @@ def test_the_file_has_the_sieve_fractions_asked_for_and_drawn(made):
     """The curve of `made` has one class; here a packing of two, by hand and without a step."""
     packed, dataset = made
     assert dataset["mass_fraction_drawn"].values == dataset["mass_fraction_asked"].values == 1.0
-    setup = set_up_few(sizes={"bounds": ["4 mm", "6 mm", "9 mm"], "mass_fractions": [0.4, 0.6]})
+    setup = set_up_few_spheres(sizes={"bounds": ["4 mm", "6 mm", "9 mm"], "mass_fractions": [0.4, 0.6]})
     sample = setup.sample(np.arange(40))
     two = packing_dataset(setup.scene, setup.bases, packed, sample, {}, setup.curve)
     np.testing.assert_array_equal(two["sieve_bounds"], [[4e-3, 6e-3], [6e-3, 9e-3]])

@@ -36,11 +36,11 @@ from simcore.paths import CONFIG, REFERENCE
 from simcore.report.sections import packing_warnings
 from simcore.scene.domain import Domain
 from simcore.scene.specification import express, resolve
-from tests.helpers.few import few, set_up_few
+from tests.helpers.few_spheres import set_up_few_spheres, specify_few_spheres
 
 BOX, DENSITY = Domain("periodic", 0.2, 1.0), 2650.0
 # 5 kg of gravel up to 64 mm in a box of 200 mm.
-RIVER = few(
+RIVER = specify_few_spheres(
     name="river",
     domain={"width": "200 mm", "height": "1 m"},
     sizes={
@@ -66,11 +66,12 @@ def write(tmp_path, raw):
 
 def test_a_packed_bed_is_as_high_as_predicted(tmp_path):
     """To 10 %: the range of solid fractions; its sampling error to a factor of 4, as so few grains tell it."""
-    path, output = write(tmp_path, few(domain={"width": "18 mm"}, amount={"grains": 90})), tmp_path / "bed.nc"
+    path = write(tmp_path, specify_few_spheres(domain={"width": "18 mm"}, amount={"grains": 90}))
+    output = tmp_path / "bed.nc"
     assert main(["pack", path, str(output)]) == 0
     packing = read_packing(output)
     found = bulk_porosity(packing)
-    setup = set_up_few(domain={"width": "18 mm"}, amount={"grains": 90})
+    setup = set_up_few_spheres(domain={"width": "18 mm"}, amount={"grains": 90})
     bed = forecast(setup.scene.domain, grains_of(setup))
     assert bed.height == pytest.approx(float(found.bed_top), rel=0.1)
     assert bed.evaluated == pytest.approx(float(found.z_upper - found.z_lower), abs=0.1 * bed.height)
@@ -165,13 +166,13 @@ def test_a_river_sample_in_too_wide_a_box_is_refused(tmp_path, capsys):
 
 
 def test_force_packs_what_cannot_be_evaluated_and_warnings_reach_the_page(tmp_path, capsys):
-    path, output = write(tmp_path, few(amount={"grains": 12})), tmp_path / "bed.nc"
+    path, output = write(tmp_path, specify_few_spheres(amount={"grains": 12})), tmp_path / "bed.nc"
     assert main(["pack", path, str(output)]) == 2
     assert "nothing is left to evaluate" in capsys.readouterr().err and not output.exists()
     assert main(["pack", path, str(output), "--force"]) == 0
     assert "warning" not in capsys.readouterr().err and read_packing(output).attrs["warnings"] == ""
     # Nearly high enough: packed, with a warning on the screen, in the file, in the table and on the page.
-    path, log = write(tmp_path, few(amount={"grains": 44})), tmp_path / "log.txt"
+    path, log = write(tmp_path, specify_few_spheres(amount={"grains": 44})), tmp_path / "log.txt"
     assert main(["pack", path, str(output), "--log", str(log)]) == 0
     warned = read_packing(output).attrs["warnings"]
     assert f"few: warning: {warned}" in capsys.readouterr().err and f"few: warning: {warned}" in log.read_text()
@@ -200,16 +201,15 @@ def test_typical_grains_stand_for_those_drawn(kind):
     if kind == "ellipsoid":
         shapes |= {"choice": "form", "flatness": 0.6, "elongation": 0.7}
     box = replace(BOX, width=0.06)
-    typical = forecast(
-        box, typical_grains(resolve(few(shapes=shapes, amount={"grains": 2000}, domain={"height": "2 m"})))
-    )
-    drawn = forecast(box, grains_of(set_up_few(shapes=shapes, amount={"grains": 2000}, domain={"height": "2 m"})))
+    changes = {"shapes": shapes, "amount": {"grains": 2000}, "domain": {"height": "2 m"}}
+    typical = forecast(box, typical_grains(resolve(specify_few_spheres(**changes))))
+    drawn = forecast(box, grains_of(set_up_few_spheres(**changes)))
     assert typical.height == pytest.approx(drawn.height, rel=0.1)
     assert typical.sampling_error == pytest.approx(drawn.sampling_error, rel=0.2)
 
 
 def test_all_grains_of_a_packing_are_drawn_and_no_more():
-    by_number, by_mass = set_up_few(), set_up_few(amount={"grains": None, "mass": "100 g"})
+    by_number, by_mass = set_up_few_spheres(), set_up_few_spheres(amount={"grains": None, "mass": "100 g"})
     assert len(draw_packing(by_number).D) == 40
     sample = draw_packing(by_mass)
     mass = np.cumsum(by_mass.scene.material.density * sample.volume)
@@ -221,7 +221,7 @@ def test_all_grains_of_a_packing_are_drawn_and_no_more():
 
 def test_asked_and_drawn_fractions_stand_side_by_side():
     sizes = {"bounds": ["2 mm", "4 mm", "8 mm"], "mass_fractions": [0.5, 0.5]}
-    setup = set_up_few(sizes=sizes, amount={"grains": 2000}, domain={"height": "2 m"})
+    setup = set_up_few_spheres(sizes=sizes, amount={"grains": 2000}, domain={"height": "2 m"})
     sample = draw_packing(setup)
     drawn = class_fractions(setup.curve, sample.D, sample.volume)
     fine = sample.D < 4e-3
@@ -229,7 +229,7 @@ def test_asked_and_drawn_fractions_stand_side_by_side():
     lines = "\n".join(grain_lines(setup, sample))
     assert f"4 to 8 mm{drawn[1]:>17.1%}" not in lines and f"{0.5:.1%}" in lines and f"{drawn[0]:.1%}" in lines
     assert "The grains are spheres" in lines and "FL = S/I is 1.000" in lines
-    few_grains = set_up_few(sizes={**sizes, "allow_few_top_grains": True}, amount={"grains": 12})
+    few_grains = set_up_few_spheres(sizes={**sizes, "allow_few_top_grains": True}, amount={"grains": 12})
     told = [text for text in setup_warnings(few_grains) if "do not represent the sieve curve" in text]
     assert len(told) == (np.abs(class_fractions(setup.curve, *draw_12(few_grains)) - 0.5).max() >= 0.05)
 
@@ -241,7 +241,7 @@ def draw_12(setup):
 
 def test_what_hulls_add_is_told_and_warned_of():
     cube = make_grain("cube", np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, -1).T * 0.01)
-    setup = set_up_few()._replace(grains=(cube,))
+    setup = set_up_few_spheres()._replace(grains=(cube,))
     setup = setup._replace(sample=lambda ids, sample=setup.sample: sample(ids))
     lines = "\n".join(grain_lines(setup, draw_packing(setup)))
     assert "convex hull" in lines
@@ -254,7 +254,7 @@ def test_what_hulls_add_is_told_and_warned_of():
 
 
 def test_the_lines_on_the_bed_name_what_is_left_out():
-    setup = set_up_few(amount={"grains": 200})
+    setup = set_up_few_spheres(amount={"grains": 200})
     lines = "\n".join(bed_lines(setup, draw_packing(setup)))
     bed = forecast(setup.scene.domain, grains_of(setup))
     assert f"about {bed.height * 1e3:.0f} mm high" in lines and "without the lowest 8 mm" in lines

@@ -13,6 +13,7 @@ import numpy as np
 import psutil
 import pytest
 
+from benchmarks.correctness.faults import mark_of
 from simcore.packing.launch import MARK
 
 STAND_IN = Path(__file__).with_name("stand_in.py")
@@ -75,13 +76,6 @@ def marked(launcher):
         tokens = {child.environ().get(MARK) for child in psutil.Process(launcher).children()} - {None}
         return [process for process in psutil.process_iter() if mark_of(process) in tokens]
     return []
-
-
-def mark_of(process):
-    try:
-        return process.environ().get(MARK)
-    except (psutil.Error, OSError):
-        return None
 
 
 def assert_none_left(family):

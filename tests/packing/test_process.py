@@ -11,17 +11,12 @@ from simcore.dem.from_scene import compose
 from simcore.packing.packed import GENERATING, PackingError
 from simcore.packing.process import Process, pack
 from simcore.scene.domain import lattice_sites
-from tests.helpers.few import set_up_few
-
-
-def run(**changes):
-    made = set_up_few(**changes)
-    return pack(made.scene, made.bases, made.draw)
+from tests.helpers.few_spheres import pack_few_spheres, set_up_few_spheres
 
 
 @pytest.fixture(scope="module")
 def packed():
-    return run()
+    return pack_few_spheres()
 
 
 def test_it_converges_and_says_so(packed):
@@ -35,7 +30,7 @@ def test_it_converges_and_says_so(packed):
 
 
 def test_the_floor_carries_the_buoyant_weight():
-    packed = run(convergence={"max_unbalanced_force": 1e-3, "max_speed": "0.1 mm/s"})
+    packed = pack_few_spheres(convergence={"max_unbalanced_force": 1e-3, "max_speed": "0.1 mm/s"})
     bodies = packed.bodies
     weight = bodies.mass.sum() * 9.81 * (1.0 - 1000.0 / 2650.0)
     floor = packed.walls.force[:, 2].sum()
@@ -69,7 +64,7 @@ def test_net_force_is_that_of_its_contacts(packed):
 
 
 def test_a_seed_repeats_its_bits_and_another_does_not(packed):
-    again, other = run(), run(seed=2)
+    again, other = pack_few_spheres(), pack_few_spheres(seed=2)
     for field in ("position", "velocity", "angular_momentum", "turned", "net_force"):
         assert (getattr(again.bodies, field) == getattr(packed.bodies, field)).all()
     assert (again.contacts.force == packed.contacts.force).all()
@@ -82,11 +77,11 @@ def test_the_skin_of_the_list_changes_no_bit_of_spheres(packed):
     Ellipsoids and hulls start from what a pair remembers, so a pair listed earlier may differ in the last bits.
     """
     for skin in (0.02, 0.6):
-        other = run(numerics={"skin": skin})
+        other = pack_few_spheres(numerics={"skin": skin})
         assert (other.bodies.position == packed.bodies.position).all()
         assert other.steps == packed.steps
     implicit = {"dashpot": "implicit", "steps_per_contact_time": 10}
-    one, other = (run(numerics={"skin": skin, **implicit}) for skin in (0.02, 0.6))
+    one, other = (pack_few_spheres(numerics={"skin": skin, **implicit}) for skin in (0.02, 0.6))
     assert (one.bodies.position == other.bodies.position).all()
     assert one.observation.unbalanced_force < 0.02  # at a quarter of the steps
 
@@ -136,21 +131,21 @@ def test_two_threads_give_the_bits_of_one():
 
 
 def test_grains_are_drawn_by_id():
-    made = set_up_few()
+    made = set_up_few_spheres()
     every, some = made.draw(np.arange(50)), made.draw(np.array([7, 3, 49]))
     for name in every._fields:
         assert (getattr(some, name) == getattr(every, name)[[7, 3, 49]]).all()
 
 
 def test_amount_by_mass_ends_with_the_grain_that_reaches_it():
-    made = set_up_few(amount={"mass": "12 g", "grains": None}, sizes={"allow_few_top_grains": True})
+    made = set_up_few_spheres(amount={"mass": "12 g", "grains": None}, sizes={"allow_few_top_grains": True})
     packed = pack(made.scene, made.bases, made.draw)
     mass = packed.bodies.mass
     assert mass.sum() >= 0.012 > mass[:-1].sum()
 
 
 def test_the_fill_of_the_study_makes_whole_batches():
-    made = set_up_few(
+    made = set_up_few_spheres(
         amount={"mass": "20 g", "grains": None},
         generation={"fill": "r22", "spacing": "12 mm"},
         sizes={"allow_few_top_grains": True},
@@ -165,18 +160,18 @@ def test_the_fill_of_the_study_makes_whole_batches():
 
 def test_not_at_rest_names_grain_and_step():
     with pytest.raises(PackingError, match=r"few: not at rest after 0.02 s of damping, step \d+: .*grain \d+ moves at"):
-        run(damping={"max_time": "0.02 s"}, convergence={"max_speed": "1e-9 m/s"})
+        pack_few_spheres(damping={"max_time": "0.02 s"}, convergence={"max_speed": "1e-9 m/s"})
 
 
 def test_a_domain_too_low_says_so():
     with pytest.raises(PackingError, match=r"few: after \d+ grains the bed reaches \d+ mm .*domain.height = 40 mm"):
-        run(domain={"height": "40 mm"}, amount={"grains": 120})
+        pack_few_spheres(domain={"height": "40 mm"}, amount={"grains": 120})
     with pytest.raises(PackingError, match=r"no grain can be inserted"):
-        run(domain={"height": "9 mm"}, amount={"grains": 20})
+        pack_few_spheres(domain={"height": "9 mm"}, amount={"grains": 20})
 
 
 def test_a_bed_higher_than_where_batches_begin_gets_the_rest_in_what_room_is_left():
-    packed = run(amount={"grains": 180}, domain={"height": "0.1 m"})
+    packed = pack_few_spheres(amount={"grains": 180}, domain={"height": "0.1 m"})
     assert len(packed.bodies.mass) == 180
     assert 0.06 < (packed.bodies.position[:, 2] + packed.bodies.radius).max() < 0.1
 
@@ -185,12 +180,12 @@ def test_grains_that_fill_the_domain_without_a_pore_are_refused():
     with pytest.raises(
         ValueError, match=r"domain.height: 0.1\d+ kg of grains would fill .* 25 mm wide to \d+ mm without"
     ):
-        set_up_few(amount={"grains": 400}, domain={"height": "60 mm"})
+        set_up_few_spheres(amount={"grains": 400}, domain={"height": "60 mm"})
 
 
 def thrown(speed):
     """A process whose first batch is to throw its highest grain up [m/s]; its domain falls through in 0.14 s."""
-    made = set_up_few(amount={"grains": 120})
+    made = set_up_few_spheres(amount={"grains": 120})
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     first = []
 
@@ -217,7 +212,7 @@ def test_a_batch_waits_for_a_grain_in_flight(monkeypatch):
 
 
 def test_a_bed_that_lies_too_high_is_not_waited_for():
-    made = set_up_few(amount={"grains": 300}, domain={"height": "0.1 m"})
+    made = set_up_few_spheres(amount={"grains": 300}, domain={"height": "0.1 m"})
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     with pytest.raises(PackingError, match=r"the bed reaches \d+ mm and leaves no space for another batch"):
         running.generate()
@@ -226,12 +221,12 @@ def test_a_bed_that_lies_too_high_is_not_waited_for():
 
 def test_an_unstable_time_step_is_refused():
     with pytest.raises(ValueError, match=r"numerics.steps_per_contact_time: 5.5 is unstable .* at least 5.89 steps"):
-        compose(set_up_few(numerics={"steps_per_contact_time": 5.5}).scene)
+        compose(set_up_few_spheres(numerics={"steps_per_contact_time": 5.5}).scene)
 
 
 def test_grains_that_float_are_refused():
     with pytest.raises(ValueError, match=r"material.fluid_density: 2700 kg/m3 is not below"):
-        set_up_few(material={"fluid_density": "2700 kg/m3"})
+        set_up_few_spheres(material={"fluid_density": "2700 kg/m3"})
 
 
 def spoilt(made, grain, value):
@@ -246,12 +241,12 @@ def spoilt(made, grain, value):
 
 
 def test_a_number_that_is_not_finite_names_grain_and_step():
-    made = set_up_few()
+    made = set_up_few_spheres()
     with pytest.raises(PackingError, match=r"few: the position of grain 5 is not finite at step 1; .*time step"):
         pack(made.scene, made.bases, spoilt(made, 5, np.nan))
 
 
 def test_a_grain_that_is_shot_away_names_grain_and_step():
-    made = set_up_few()
+    made = set_up_few_spheres()
     with pytest.raises(PackingError, match=r"grain 7 moves at .* m/s at step \d+, more than fall and shaking"):
         pack(made.scene, made.bases, spoilt(made, 7, 1000.0))

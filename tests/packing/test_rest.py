@@ -5,10 +5,10 @@ import pytest
 
 from simcore.packing.observation import Observation
 from simcore.packing.rest import judge_settled, judge_still
-from tests.helpers.few import set_up_few
+from tests.helpers.few_spheres import set_up_few_spheres
 
 STILL = Observation(1e-12, 1e-4, 0.05, 1e-6, 2e-6, 1e-3, 5.0)
-CREEPING = set_up_few(convergence={"rule": "settled"}).scene
+CREEPING = set_up_few_spheres(convergence={"rule": "settled"}).scene
 GOAL, MATERIAL = CREEPING.convergence, CREEPING.material
 
 

@@ -14,11 +14,11 @@ from simcore.packing.expectation import backing, depth_of_impact
 from simcore.packing.packed import DAMPING, SHAKING, PackingError
 from simcore.packing.process import Process, pack
 from simcore.packing.run_checks import deepest_overlap, half_thickness
-from tests.helpers.few import set_up_few
+from tests.helpers.few_spheres import set_up_few_spheres
 
 
 def process(**changes):
-    made = set_up_few(**changes)
+    made = set_up_few_spheres(**changes)
     return Process(made.scene, made.bases, made.draw, lambda line: None)
 
 
@@ -32,7 +32,7 @@ def settled():
 
 
 def told_by(**changes):
-    made, lines = set_up_few(**changes), []
+    made, lines = set_up_few_spheres(**changes), []
     try:
         return pack(made.scene, made.bases, made.draw, lines.append), lines
     except PackingError as error:
@@ -183,7 +183,7 @@ def test_the_deepest_overlap_is_against_the_thinner_grain(settled):
 
 
 def test_a_deep_impact_is_foreseen():
-    made, lines = set_up_few(numerics={"contact_time": "10 ms"}, domain={"height": "5 m"}), []
+    made, lines = set_up_few_spheres(numerics={"contact_time": "10 ms"}, domain={"height": "5 m"}), []
     Process(made.scene, made.bases, made.draw, lines.append).expect()
     (line,) = lines
     assert "sinks" in line and "Shorten numerics.contact_time, which is 0.01 s, to make contacts stiffer." in line
@@ -204,7 +204,7 @@ def test_the_stiffest_grain_of_a_bed_is_among_those_looked_at(settled):
 
 def pressed(radius, overlap):
     """A process of a sphere of 1 mm on the floor, and one of radius [m] on it that overlaps by that much [m]."""
-    made, lines = set_up_few(shapes={"kind": "sphere"}), []
+    made, lines = set_up_few_spheres(shapes={"kind": "sphere"}), []
     running = Process(made.scene, made.bases, made.draw, lines.append)
     size, place = np.array([1e-3, radius]), np.array([[0.0, 0.0, 1e-3], [0.0, 0.0, 2e-3 + radius - overlap]])
     upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros((2, 3))

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import contact_law
+from simcore.dem.shapes.hulls import SPHERE
 from simcore.dem.stability import minimum_steps_per_contact_time
+from tests.helpers.stepped_bodies import SteppedBodies
 
 T_C = 1e-3
 NU = 0.22
 KINDS = pytest.mark.parametrize("attractive", [True, False], ids=["attractive", "clamped"])
 
 
-def impact(
-    stage, attractive, restitution, dt, velocity, start=0.0, friction=0.0, spin=(0.0, 0.0, 0.0), radius=1.0, **choices
-):
+def impact(attractive, restitution, dt, velocity, start=0.0, friction=0.0, spin=(0.0, 0.0, 0.0), radius=1.0, **choices):
     """Spheres of one radius thrown at the floor, one for each row of velocity (n, 3), its gap start (n,).
 
     They stand far from each other. Returns the Stage after all have left, with largest overlaps and times of contact.
@@ -24,7 +24,7 @@ def impact(
     position[:, 0] = 10.0 * radius * np.arange(n)
     position[:, 2] = radius + start
     law = contact_law(restitution, T_C, NU, friction)
-    thrown = stage.Stage(stage.SPHERE, law, [radius] * 3, position, velocity, spin, attractive=attractive, **choices)
+    thrown = SteppedBodies(SPHERE, law, [radius] * 3, position, velocity, spin, attractive=attractive, **choices)
     deepest, steps = np.zeros(n), np.zeros(n)
     for _ in range(round(4.0 * T_C / dt)):
         thrown.advance(dt, 1)
@@ -46,7 +46,7 @@ CLOSED = {
 
 @KINDS
 @pytest.mark.parametrize("nominal", CLOSED)
-def test_restitution_time_and_depth_are_the_limit_of_small_steps(stage, attractive, nominal):
+def test_restitution_time_and_depth_are_the_limit_of_small_steps(attractive, nominal):
     """Errors from N, 2N, 4N steps: first order, and extrapolated they meet the closed form."""
     e_limit = nominal if attractive else CLOSED[nominal][0]
     steps = np.array([400, 800, 1600])
@@ -54,7 +54,7 @@ def test_restitution_time_and_depth_are_the_limit_of_small_steps(stage, attracti
     for n in steps:
         # Averaged over phases of the first touch, which a single impact carries as noise of the same order
         phases = (np.arange(20) + 0.5) / 20.0 * T_C / n
-        thrown, deepest, duration = impact(stage, attractive, nominal, T_C / n, np.tile([0, 0, -1.0], (20, 1)), phases)
+        thrown, deepest, duration = impact(attractive, nominal, T_C / n, np.tile([0, 0, -1.0], (20, 1)), phases)
         errors.append(thrown.bodies.velocity[:, 2].mean() - e_limit)
         depths.append(deepest.mean())
         true = T_C if attractive else CLOSED[nominal][1] * T_C
@@ -80,10 +80,10 @@ PHASES = {
 
 
 @pytest.mark.parametrize("attractive, nominal", PHASES)
-def test_restitution_at_forty_steps(stage, attractive, nominal):
+def test_restitution_at_forty_steps(attractive, nominal):
     mean, least, largest = PHASES[attractive, nominal]
     phases = (np.arange(400) + 0.5) / 400.0 * T_C / 40
-    thrown, _, _ = impact(stage, attractive, nominal, T_C / 40, np.tile([0, 0, -1.0], (400, 1)), phases)
+    thrown, _, _ = impact(attractive, nominal, T_C / 40, np.tile([0, 0, -1.0], (400, 1)), phases)
     e = thrown.bodies.velocity[:, 2]
     # Digits of the table; the extremes depend on which 400 phases were taken, by one phase's share of the range.
     assert e.mean() == pytest.approx(mean, abs=1e-4)
@@ -105,7 +105,7 @@ OBLIQUE = {
 
 
 @KINDS
-def test_oblique_impact(stage, attractive):
+def test_oblique_impact(attractive):
     angles = np.radians(list(OBLIQUE))
     tangential, turning = np.array([values[0 if attractive else 1] for values in OBLIQUE.values()]).T
     velocity = np.column_stack([np.sin(angles), np.zeros(len(angles)), -np.cos(angles)])
@@ -116,7 +116,7 @@ def test_oblique_impact(stage, attractive):
     errors = []
     for n in (40, 400, 800):
         start = phases * T_C / n * -thrown_at[:, 2]
-        thrown, _, _ = impact(stage, attractive, 0.1, T_C / n, thrown_at, start, friction=0.5)
+        thrown, _, _ = impact(attractive, 0.1, T_C / n, thrown_at, start, friction=0.5)
         e_t = thrown.bodies.velocity[:, 0].reshape(-1, n_phases).mean(axis=1) / np.sin(angles)
         spin = thrown.bodies.angular_velocity[:, 1].reshape(-1, n_phases).mean(axis=1)
         errors.append((e_t - tangential, spin - turning))
@@ -131,11 +131,11 @@ def test_oblique_impact(stage, attractive):
         assert np.abs(2.0 * finest[k] - fine[k]).max() < 1.5e-4
 
 
-def test_gross_sliding_is_exact(stage):
+def test_gross_sliding_is_exact():
     """Clamped and slipping throughout, the tangential impulse is µ times the normal one whatever the step."""
     angles = np.radians([80.0, 85.0])
     velocity = np.column_stack([np.sin(angles), np.zeros(2), -np.cos(angles)])
-    thrown, deepest, _ = impact(stage, False, 0.1, T_C / 40, velocity, friction=0.5)
+    thrown, deepest, _ = impact(False, 0.1, T_C / 40, velocity, friction=0.5)
     e = thrown.bodies.velocity[:, 2] / np.cos(angles)
     e_t = thrown.bodies.velocity[:, 0] / np.sin(angles)
     np.testing.assert_allclose(e_t, 1.0 - 0.5 * (1.0 + e) / np.tan(angles), rtol=1e-12)
@@ -145,14 +145,14 @@ def test_gross_sliding_is_exact(stage):
 
 
 @pytest.mark.parametrize("friction", [0.2, 0.5])
-def test_slip_then_roll(stage, friction):
+def test_slip_then_roll(friction):
     """A sphere set down sliding at u0 rolls after 2 u0 / (7 µ g) at 5/7 u0, having slid 12 u0² / (49 µ g)."""
     u0, g, radius = 0.1, 9.81, 5e-4
     contact_time = 1e-4
     law = contact_law(0.1, contact_time, NU, friction)
     # It starts at the overlap of its weight, so nothing bounces.
     height = radius - g / law.stiffness
-    rolling = stage.Stage(stage.SPHERE, law, [radius] * 3, [[0, 0, height]], [u0, 0, 0], density=1e4, gravity=g)
+    rolling = SteppedBodies(SPHERE, law, [radius] * 3, [[0, 0, height]], [u0, 0, 0], density=1e4, gravity=g)
     slip_time = 2.0 * u0 / (7.0 * friction * g)
     assert slip_time == pytest.approx(14.5624e-3 if friction == 0.2 else 5.82496e-3, rel=1e-5)
     dt = contact_time / 40
@@ -170,32 +170,32 @@ def test_slip_then_roll(stage, friction):
     assert radius * rolling.bodies.angular_velocity[0, 1] == pytest.approx(5.0 / 7.0 * u0, abs=slack)
 
 
-def test_a_new_contact_starts_with_an_empty_spring(stage):
+def test_a_new_contact_starts_with_an_empty_spring():
     """A sphere that lands with v_t = 1e-6 m/s at 0.1 m/s must not leave with the Coulomb limit's −1.55e-3 m/s.
 
     Without slip the tangential velocity stays within what arrived.
     """
-    thrown, _, _ = impact(stage, True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, radius=5e-3)
+    thrown, _, _ = impact(True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, radius=5e-3)
     assert abs(thrown.bodies.velocity[0, 0]) <= 1e-6
     # Linear law without slip: as at 5 degrees
     assert thrown.bodies.velocity[0, 0] == pytest.approx(0.71036e-6, rel=0.006)
 
 
-def test_preloaded_friction_throws_as_the_studys_program_does(stage):
+def test_preloaded_friction_throws_as_the_studys_program_does():
     """At the first touch its spring is loaded to the limit against what little slides (study_program.md, defects)."""
-    thrown, _, _ = impact(stage, True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, radius=5e-3, preloaded=True)
+    thrown, _, _ = impact(True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, radius=5e-3, preloaded=True)
     assert thrown.bodies.velocity[0, 0] == pytest.approx(-1.55e-3, rel=0.01)
     assert not thrown.walls.stuck.any()
-    straight, _, _ = impact(stage, True, 0.1, T_C / 40, [0.0, 0.0, -0.1], friction=0.5, radius=5e-3, preloaded=True)
+    straight, _, _ = impact(True, 0.1, T_C / 40, [0.0, 0.0, -0.1], friction=0.5, radius=5e-3, preloaded=True)
     assert straight.bodies.velocity[0, 0] == 0.0
 
 
-def test_preloaded_friction_throws_two_grains_as_a_floor_throws_one(stage):
+def test_preloaded_friction_throws_two_grains_as_a_floor_throws_one():
     """Each of two equal spheres that meet in the plane between them does what one does on a floor there."""
-    floor, _, _ = impact(stage, True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, preloaded=True)
+    floor, _, _ = impact(True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, preloaded=True)
     velocity = np.array([[-0.1, 0.0, 1e-6], [0.1, 0.0, -1e-6]])
     place = [[1.0, 0.0, 9.0], [-1.0, 0.0, 9.0]]
-    pair = stage.Stage(stage.SPHERE, contact_law(0.1, T_C, NU, 0.5), [1.0] * 3, place, velocity, preloaded=True)
+    pair = SteppedBodies(SPHERE, contact_law(0.1, T_C, NU, 0.5), [1.0] * 3, place, velocity, preloaded=True)
     pair.advance(T_C / 40, 160)
     thrown = pair.bodies.velocity
     assert floor.bodies.velocity[0, 0] < -1e-3
@@ -203,24 +203,24 @@ def test_preloaded_friction_throws_two_grains_as_a_floor_throws_one(stage):
     np.testing.assert_array_equal(thrown[1], -thrown[0])
 
 
-def test_preloaded_friction_differs_only_where_holding_begins(stage):
+def test_preloaded_friction_differs_only_where_holding_begins():
     """What slips throughout is the same to the bit; what is held from the first touch is not."""
     for angle, same in ((85, True), (15, False)):
         velocity = [np.sin(np.radians(angle)), 0.0, -np.cos(np.radians(angle))]
         speeds = [
-            impact(stage, False, 0.1, T_C / 40, velocity, friction=0.1, preloaded=it)[0].bodies.velocity[0, 0]
+            impact(False, 0.1, T_C / 40, velocity, friction=0.1, preloaded=it)[0].bodies.velocity[0, 0]
             for it in (False, True)
         ]
         assert (speeds[0] == speeds[1]) == same
 
 
-def test_a_contact_that_ended_leaves_no_spring(stage):
-    thrown, _, _ = impact(stage, True, 0.1, T_C / 40, [0.05, 0.0, -0.1], friction=0.5, radius=5e-3)
+def test_a_contact_that_ended_leaves_no_spring():
+    thrown, _, _ = impact(True, 0.1, T_C / 40, [0.05, 0.0, -0.1], friction=0.5, radius=5e-3)
     assert not thrown.walls.spring.any()
     assert not thrown.walls.force.any()
 
 
-def test_the_limit_of_stability(stage):
+def test_the_limit_of_stability():
     """Just below dt = (√(d² + 4 k m) − d) / k a contact's oscillation dies out, just above it grows."""
     law = contact_law(0.1, T_C, NU, 0.0)
     limit = (np.sqrt(law.damping**2 + 4.0 * law.stiffness) - law.damping) / law.stiffness
@@ -228,9 +228,7 @@ def test_the_limit_of_stability(stage):
     amplitudes = []
     for factor in (0.999, 1.001):
         # Pressed deep by its weight, so that the contact never opens
-        held = stage.Stage(
-            stage.SPHERE, law, [1.0] * 3, [[0, 0, 1.0 - 1.001e4 / law.stiffness]], [0, 0, 0], gravity=1e4
-        )
+        held = SteppedBodies(SPHERE, law, [1.0] * 3, [[0, 0, 1.0 - 1.001e4 / law.stiffness]], [0, 0, 0], gravity=1e4)
         start = 1e-3 * 1e4 / law.stiffness
         held.advance(factor * limit, 2000)
         amplitudes.append(abs(held.bodies.position[0, 2] - 1.0 + 1e4 / law.stiffness) / start)

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import LEVER, contact_law, implicit_law
+from simcore.dem.shapes.hulls import SPHERE
 from simcore.dem.stability import longest_stable_step, minimum_steps_per_contact_time
 from simcore.packing.packed import DAMPING, SHAKING
 from simcore.packing.process import Process
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
+from tests.helpers.stepped_bodies import SteppedBodies
 
 T_C = 1e-3
 NU = 0.22
@@ -18,14 +20,14 @@ CLAMPED = {0.1: 0.252729, 0.5: 0.550283, 0.9: 0.902026}  # restitution without a
 N_PHASES = 1000
 
 
-def rebounds(stage, attractive, restitution, n):
+def rebounds(attractive, restitution, n):
     """Restitutions of N_PHASES impacts on the floor with n steps per contact time, over the phases of first touch."""
     dt = T_C / n
     law = implicit_law(contact_law(restitution, T_C, NU, 0.0), dt)
     position = np.zeros((N_PHASES, 3))
     position[:, 0] = 10.0 * np.arange(N_PHASES)
     position[:, 2] = 1.0 + (np.arange(N_PHASES) + 0.5) / N_PHASES * dt
-    thrown = stage.Stage(stage.SPHERE, law, [1.0] * 3, position, [0, 0, -1.0], attractive=attractive, implicit=True)
+    thrown = SteppedBodies(SPHERE, law, [1.0] * 3, position, [0, 0, -1.0], attractive=attractive, implicit=True)
     thrown.advance(dt, 3 * n)
     assert not thrown.walls.touching.any()
     return thrown.bodies.velocity[:, 2]
@@ -33,10 +35,10 @@ def rebounds(stage, attractive, restitution, n):
 
 @pytest.mark.parametrize("attractive", [True, False], ids=["attractive", "clamped"])
 @pytest.mark.parametrize("nominal", CLAMPED)
-def test_restitution_is_of_second_order_on_average_and_of_first_for_one_impact(stage, attractive, nominal):
+def test_restitution_is_of_second_order_on_average_and_of_first_for_one_impact(attractive, nominal):
     """A contact begins and ends within a step: one impact is off by a term of first order that the mean has not."""
     limit = nominal if attractive else CLAMPED[nominal]
-    found = [rebounds(stage, attractive, nominal, n) - limit for n in (10, 20, 40)]
+    found = [rebounds(attractive, nominal, n) - limit for n in (10, 20, 40)]
     means, largest = np.array([(e.mean(), np.abs(e).max()) for e in found]).T
     # Of first order; the worst phase comes down to its own coefficient from above.
     orders = np.log2(largest[:-1] / largest[1:])
@@ -49,7 +51,7 @@ def test_restitution_is_of_second_order_on_average_and_of_first_for_one_impact(s
 
 
 @pytest.mark.parametrize("attractive", [True, False], ids=["attractive", "clamped"])
-def test_over_no_step_the_implicit_dashpot_is_the_explicit_one_to_the_bit(stage, attractive):
+def test_over_no_step_the_implicit_dashpot_is_the_explicit_one_to_the_bit(attractive):
     """Two compiled steps: that of a scene without the implicit dashpot has nothing of it."""
     law, dt = contact_law(0.1, T_C, NU, 0.5), T_C / 40
     assert implicit_law(law, 0.0) == law
@@ -58,8 +60,8 @@ def test_over_no_step_the_implicit_dashpot_is_the_explicit_one_to_the_bit(stage,
         # Three in a row: the middle one is hit by the first while it lies on the floor and against the last.
         position = [[-2.5, 0.0, 1.0], [0.0, 0.1, 0.999], [1.9995, 0.0, 1.0]]
         velocity = [[1.0, 0.3, -0.2], [0.0, 0.0, -0.1], [0.0, 0.0, 0.0]]
-        row = stage.Stage(
-            stage.SPHERE, law, [1.0] * 3, position, velocity, attractive=attractive, implicit=implicit, gravity=10.0
+        row = SteppedBodies(
+            SPHERE, law, [1.0] * 3, position, velocity, attractive=attractive, implicit=implicit, gravity=10.0
         )
         row.advance(dt, 30_000)
         thrown.append(row.bodies)
@@ -68,13 +70,13 @@ def test_over_no_step_the_implicit_dashpot_is_the_explicit_one_to_the_bit(stage,
         np.testing.assert_array_equal(*(getattr(bodies, field) for bodies in thrown))
 
 
-def test_a_sphere_at_rest_sinks_in_by_what_the_softer_spring_says(stage):
+def test_a_sphere_at_rest_sinks_in_by_what_the_softer_spring_says():
     """The price of second order: at rest the spring is divided by 1 + γ h / 2."""
     dt, gravity = T_C / 10, 1e4
     continuous = contact_law(0.1, T_C, NU, 0.5)
     overlap = gravity * (1.0 + 0.5 * continuous.damping * dt) / continuous.stiffness
     law = implicit_law(continuous, dt)
-    laid = stage.Stage(stage.SPHERE, law, [1.0] * 3, [0, 0, 1.0 - overlap], [0, 0, 0], gravity=gravity, implicit=True)
+    laid = SteppedBodies(SPHERE, law, [1.0] * 3, [0, 0, 1.0 - overlap], [0, 0, 0], gravity=gravity, implicit=True)
     laid.advance(dt, 100)
     # Round-off of the height 1, against forces of 1e4
     assert laid.bodies.position[0, 2] == pytest.approx(1.0 - overlap, abs=1e-15)
@@ -107,7 +109,7 @@ def test_limit_of_the_implicit_dashpot_is_the_root_of_its_cubic():
         assert steps == pytest.approx(2.0 / np.sqrt(LEVER * law.tangential * law.stiffness), rel=1e-9)
 
 
-def growth(stage, neighbours, law, implicit, dt, turning, n_steps=60):
+def growth(neighbours, law, implicit, dt, turning, n_steps=60):
     """Factor a step by which a small motion along x, or turn about it, grows of a sphere that fixed ones hold.
 
     What is not looked at is held: other motions have limits of their own, and would grow from round-off.
@@ -115,7 +117,7 @@ def growth(stage, neighbours, law, implicit, dt, turning, n_steps=60):
     overlap = 1e-3
     position = np.vstack([np.zeros(3), (2.0 - overlap) * np.asarray(neighbours)]) + [0.0, 0.0, 50.0]
     law = implicit_law(law, dt) if implicit else law
-    held = stage.Stage(stage.SPHERE, law, [1.0] * 3, position, np.zeros(3), implicit=implicit)
+    held = SteppedBodies(SPHERE, law, [1.0] * 3, position, np.zeros(3), implicit=implicit)
     bodies = held.bodies
     bodies.mass[1:] *= 1e15
     bodies.inertia[1:] *= 1e15
@@ -149,13 +151,13 @@ MODES = {
 
 @pytest.mark.parametrize("implicit", [False, True], ids=["explicit", "implicit"])
 @pytest.mark.parametrize("name", MODES)
-def test_a_held_sphere_at_the_limit(stage, name, implicit):
+def test_a_held_sphere_at_the_limit(name, implicit):
     """At 0.99 of the limit the compiled step lets a small motion die out, at 1.01 it grows; friction 1e3: all stick."""
     neighbours, friction, turning, mode = MODES[name]
     law = contact_law(0.1, T_C, NU, friction)
     # Like radii but other masses: a contact weighs 2 on the light sphere (count_effective_contacts).
     limit = longest_stable_step(law, implicit, contacts=2.0 * len(neighbours), **mode)
-    below, above = (growth(stage, neighbours, law, implicit, factor * limit, turning) for factor in (0.99, 1.01))
+    below, above = (growth(neighbours, law, implicit, factor * limit, turning) for factor in (0.99, 1.01))
     assert below < 1.0 < above
 
 

@@ -4,20 +4,12 @@ The scenes are those of benchmarks/studies/energy.py, which prints the whole tab
 these steps are compiled for other tests anyway, and the first test shows that a scene without friction takes the same.
 """
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 
+from benchmarks.studies import energy
 from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE
 from simcore.dem.state.features import Features
-
-spec = importlib.util.spec_from_file_location(
-    "energy", Path(__file__).parents[2] / "benchmarks" / "studies" / "energy.py"
-)
-energy = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(energy)
 
 KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": POLYHEDRON}
 DURATION = 2500  # contact times: 10^5 steps of 40

@@ -8,8 +8,10 @@ import pytest
 
 from simcore.dem.forces.hertz import HertzLaw
 from simcore.dem.forces.sliding_friction import CAPPED
+from simcore.dem.shapes.hulls import SPHERE
 from simcore.packing.energy import mechanical_energy
 from simcore.scene.impact import DURATION, damping_number, impact_depth, restitution
+from tests.helpers.stepped_bodies import SteppedBodies
 
 R, DENSITY = 3e-3, 2650.0
 MASS = 4.0 / 3.0 * np.pi * R**3 * DENSITY
@@ -22,14 +24,14 @@ def hertz(damping_time=0.0, friction=0.0, sliding_time=1.0):
     return HertzLaw(MODULUS, damping_time, 1.5 * ratio, np.sqrt(ratio), friction, 1.0 / sliding_time, SIZE)
 
 
-def spheres(stage, law, position, velocity, **drive):
-    return stage.Stage(
-        stage.SPHERE, law, [R] * 3, position, velocity, attractive=False, friction=False, hertz=True, sliding=CAPPED,
+def spheres(law, position, velocity, **drive):
+    return SteppedBodies(
+        SPHERE, law, [R] * 3, position, velocity, attractive=False, friction=False, hertz=True, sliding=CAPPED,
         density=DENSITY, **drive,
     )  # fmt: skip
 
 
-def thrown_at_floor(stage, law, velocity, dt, starts=None):
+def thrown_at_floor(law, velocity, dt, starts=None):
     """Spheres far from each other, one for each row of velocity (n, 3), stepped until all have left.
 
     starts (n,) [m]: their gaps. Returns Stage, largest overlaps and times of contact.
@@ -37,7 +39,7 @@ def thrown_at_floor(stage, law, velocity, dt, starts=None):
     velocity = np.atleast_2d(np.asarray(velocity, float))
     n = len(velocity)
     position = np.column_stack([10.0 * R * np.arange(n), np.zeros(n), R + (np.zeros(n) if starts is None else starts)])
-    thrown = spheres(stage, law, position, velocity)
+    thrown = spheres(law, position, velocity)
     deepest, steps, met = np.zeros(n), np.zeros(n), np.zeros(n, bool)
     for _ in range(100_000):
         thrown.advance(dt, 1)
@@ -58,10 +60,10 @@ def phases(n, speed, dt):
 
 
 @pytest.mark.parametrize("speed", [0.01, 1.0])
-def test_an_elastic_impact_lasts_goes_deep_and_returns_as_hertz_has_it(stage, speed):
+def test_an_elastic_impact_lasts_goes_deep_and_returns_as_hertz_has_it(speed):
     time = duration(speed)
     dt = time / 400
-    thrown, deepest, lasted = thrown_at_floor(stage, hertz(), [[0.0, 0.0, -speed]] * 10, dt, phases(10, speed, dt))
+    thrown, deepest, lasted = thrown_at_floor(hertz(), [[0.0, 0.0, -speed]] * 10, dt, phases(10, speed, dt))
     assert np.abs(lasted - time).max() <= 2.0 * dt  # a step at either end
     # Half a step's way from the turning point, where a quarter of speed's square has its share
     np.testing.assert_allclose(deepest, impact_depth(MODULUS, MASS, R, speed), rtol=3.0 / 400**2 * 10)
@@ -69,12 +71,12 @@ def test_an_elastic_impact_lasts_goes_deep_and_returns_as_hertz_has_it(stage, sp
     np.testing.assert_allclose(thrown.bodies.velocity[:, 2], speed, rtol=10.0 / 400**2)
 
 
-def test_two_spheres_meet_with_the_effective_mass_and_radius(stage):
+def test_two_spheres_meet_with_the_effective_mass_and_radius():
     speed = 0.5
     time = duration(speed, 0.5 * MASS, 0.5 * R)
     dt, steps = time / 400, 0
     pair = spheres(
-        stage, hertz(), [[0, 0, 1.0], [2.0 * R + 0.3 * speed * dt, 0, 1.0]], [[0.5 * speed, 0, 0], [-0.5 * speed, 0, 0]]
+        hertz(), [[0, 0, 1.0], [2.0 * R + 0.3 * speed * dt, 0, 1.0]], [[0.5 * speed, 0, 0], [-0.5 * speed, 0, 0]]
     )
     before = 0.5 * MASS * speed**2 / 2.0
     deepest = 0.0
@@ -92,7 +94,7 @@ def test_two_spheres_meet_with_the_effective_mass_and_radius(stage):
     np.testing.assert_allclose(pair.bodies.velocity[:, 0], [-0.5 * speed, 0.5 * speed], rtol=1e-4)
 
 
-def test_restitution_falls_with_speed_as_kuwabara_and_kono_have_it(stage):
+def test_restitution_falls_with_speed_as_kuwabara_and_kono_have_it():
     """Of first order in the step, and extrapolated that of the equation of motion."""
     damping_time = 2e-5
     for speed in (1e-3, 0.1, 10.0):
@@ -101,7 +103,7 @@ def test_restitution_falls_with_speed_as_kuwabara_and_kono_have_it(stage):
         for steps in (400, 800):
             dt = duration(speed) / steps
             throws = [[0.0, 0.0, -speed]] * 20
-            thrown, _, _ = thrown_at_floor(stage, hertz(damping_time), throws, dt, phases(20, speed, dt))
+            thrown, _, _ = thrown_at_floor(hertz(damping_time), throws, dt, phases(20, speed, dt))
             found.append(thrown.bodies.velocity[:, 2].mean() / speed)
         assert found[1] == pytest.approx(expected, abs=3.0 / 800)
         assert abs(found[1] - expected) < 0.7 * abs(found[0] - expected)
@@ -109,11 +111,11 @@ def test_restitution_falls_with_speed_as_kuwabara_and_kono_have_it(stage):
         assert 2.0 * found[1] - found[0] == pytest.approx(expected, abs=2e-4)
 
 
-def test_sliding_never_takes_more_than_coulombs_limit(stage):
+def test_sliding_never_takes_more_than_coulombs_limit():
     """Where it slides all along, the impulses along and across have the ratio µ, in every step and so in all."""
     friction, speed, angle = 0.3, 1.0, np.radians(80.0)
     velocity = [[speed * np.sin(angle), 0.0, -speed * np.cos(angle)]]
-    thrown, _, _ = thrown_at_floor(stage, hertz(2e-5, friction, 1e-9), velocity, duration(0.1) / 100)
+    thrown, _, _ = thrown_at_floor(hertz(2e-5, friction, 1e-9), velocity, duration(0.1) / 100)
     lost = np.array(velocity[0]) - thrown.bodies.velocity[0]
     assert lost[0] == pytest.approx(-friction * lost[2], rel=1e-9)
     # The torque is R times that force
@@ -121,14 +123,14 @@ def test_sliding_never_takes_more_than_coulombs_limit(stage):
     assert 0.4 * R * spin[1] == pytest.approx(lost[0], rel=2e-2)  # the arm is shorter by the overlap
 
 
-def pulled(stage, pull, friction, sliding_time, seconds):
+def pulled(pull, friction, sliding_time, seconds):
     """Speed along x [m/s] of a sphere too heavy to turn that rests on the floor and is pulled, as by a slope."""
     gravity = 6.0
     resting = (MASS * gravity / (MODULUS * np.sqrt(R))) ** (2.0 / 3.0)
     # Shaking at its crest for all of the run: step 1e12 is a quarter of its period
     dt = 2e-5
     resting_on = spheres(
-        stage, hertz(1e-4, friction, sliding_time), [[0.0, 0.0, R - resting]], [0.0, 0.0, 0.0],
+        hertz(1e-4, friction, sliding_time), [[0.0, 0.0, R - resting]], [0.0, 0.0, 0.0],
         gravity=gravity, shaking=pull, shaking_rate=0.5 * np.pi / (1e12 * dt),
     )  # fmt: skip
     resting_on.step = 10**12
@@ -138,21 +140,21 @@ def pulled(stage, pull, friction, sliding_time, seconds):
     return resting_on.bodies.velocity[0, 0]
 
 
-def test_a_grain_on_a_slope_creeps_at_the_speed_of_the_viscous_law(stage):
+def test_a_grain_on_a_slope_creeps_at_the_speed_of_the_viscous_law():
     """No static force holds it: a pull of a fifth of the limit moves it at a t_s; after 12 t_s all but 6e-6 of that."""
     friction, sliding_time = 0.5, 5e-3
     for pull in (0.6, 1e-3):
-        creep = pulled(stage, pull, friction, sliding_time, 12.0 * sliding_time)
+        creep = pulled(pull, friction, sliding_time, 12.0 * sliding_time)
         assert creep == pytest.approx(pull * sliding_time, rel=1e-4)
     # Beyond the limit µ g = 3 m/s² it is faster by what is left over; in its first step nothing slides yet.
-    assert pulled(stage, 4.0, friction, 1e-6, 0.01) == pytest.approx((4.0 - 3.0) * 0.01 + 3.0 * 2e-5, rel=1e-6)
+    assert pulled(4.0, friction, 1e-6, 0.01) == pytest.approx((4.0 - 3.0) * 0.01 + 3.0 * 2e-5, rel=1e-6)
 
 
-def test_a_sphere_that_slides_rolls_in_the_end(stage):
+def test_a_sphere_that_slides_rolls_in_the_end():
     """At 5/7 of its speed, whatever the friction: about the point of contact no moment acts."""
     gravity, speed = 6.0, 0.05
     resting = (MASS * gravity / (MODULUS * np.sqrt(R))) ** (2.0 / 3.0)
-    slid = spheres(stage, hertz(1e-4, 0.5, 1e-3), [[0, 0, R - resting]], [speed, 0.0, 0.0], gravity=gravity)
+    slid = spheres(hertz(1e-4, 0.5, 1e-3), [[0, 0, R - resting]], [speed, 0.0, 0.0], gravity=gravity)
     slid.advance(2e-5, 3000)
     # The arm is shorter by the overlap, 4e-4 of the radius
     assert slid.bodies.velocity[0, 0] == pytest.approx(5.0 / 7.0 * speed, rel=1e-3)

@@ -2,29 +2,23 @@
 
 import numpy as np
 import pytest
-import trimesh
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.shapes.hulls import Base, unit_sphere
+from simcore.dem.forces.spring_dashpot import contact_law
+from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, unit_sphere
+from tests.helpers.polyhedra import make_box
+from tests.helpers.stepped_bodies import SteppedBodies
 
 T_C = 5e-3
 NU, FRICTION = 0.22, 0.5
 AXES = np.array([[1.0, 1.0, 1.0], [1.0, 0.75, 0.5], [1.6, 0.4, 0.4], [1.2, 1.2, 0.3]])
-
-
-def hull(extents):
-    mesh = trimesh.creation.box(extents)
-    moments = np.array(extents) ** 2 / 12.0
-    return Base("box", np.array(mesh.vertices), np.array(mesh.faces, np.int64), float(np.prod(extents)), moments)
-
-
 TOUCHED = {"face": [0, 0, 1], "edge": [1, 0, 1], "corner": [1, 1, 1]}
 
 
 @pytest.mark.parametrize("first", ["hull", "sphere"])
 @pytest.mark.parametrize("touched", TOUCHED)
 @pytest.mark.parametrize("restitution", [0.1, 0.9])
-def test_a_sphere_rebounds_from_a_cube(stage, touched, first, restitution):
+def test_a_sphere_rebounds_from_a_cube(touched, first, restitution):
     """Head on against face, edge and corner, either body first: −e times the speed, to the first order of the step."""
     along = np.array(TOUCHED[touched]) / np.linalg.norm(TOUCHED[touched])
     to_z = Rotation.align_vectors([[0, 0, 1.0]], [along])[0].as_quat(scalar_first=True)
@@ -33,9 +27,9 @@ def test_a_sphere_rebounds_from_a_cube(stage, touched, first, restitution):
     hull_first = first == "hull"
     pair = [[0, 0, 10.0], [0, 0, 10.0 + start if hull_first else 10.0 - start]]
     speed = np.array([[0, 0, 0.0], [0, 0, -1.0 if hull_first else 1.0]])
-    bases = [hull([1.0, 1.0, 1.0]), unit_sphere()]
-    thrown = stage.Stage(
-        stage.MIXED, stage.law(restitution, T_C, NU, FRICTION), [[1.0] * 3] * 2, pair, speed, bases=bases,
+    bases = [make_box([1.0, 1.0, 1.0]), unit_sphere()]
+    thrown = SteppedBodies(
+        MIXED, contact_law(restitution, T_C, NU, FRICTION), [[1.0] * 3] * 2, pair, speed, bases=bases,
         shape=[0, 1] if hull_first else [1, 0], orientation=[to_z] * 2, patch=True,
     )  # fmt: skip
     steps = 800
@@ -48,18 +42,18 @@ def test_a_sphere_rebounds_from_a_cube(stage, touched, first, restitution):
     assert np.abs(thrown.bodies.angular_velocity).max() < 1e-9
 
 
-def test_momentum_and_angular_momentum_are_kept(stage):
+def test_momentum_and_angular_momentum_are_kept():
     """A cloud of boxes and ellipsoids that falls together: each step keeps both to rounding."""
     rng = np.random.default_rng(1)
-    bases = [hull([1.8, 1.3, 1.0]), hull([0.4, 0.4, 3.0]), unit_sphere()]
+    bases = [make_box([1.8, 1.3, 1.0]), make_box([0.4, 0.4, 3.0]), unit_sphere()]
     n = 16
     shape = rng.integers(0, 3, n)
     scale = np.where((shape == 2)[:, None], AXES[rng.integers(0, 4, n)], 1.0)
     position = 3.3 * (np.stack(np.unravel_index(np.arange(n), (4, 2, 2)), axis=-1) - [1.5, 0.5, 0.5])
     velocity = -20.0 * position + rng.uniform(-5.0, 5.0, (n, 3))
     turns = Rotation.random(n, rng=rng).as_quat(scalar_first=True)
-    cloud = stage.Stage(
-        stage.MIXED, stage.law(0.5, T_C, NU, FRICTION), scale, position + [0, 0, 50.0], velocity,
+    cloud = SteppedBodies(
+        MIXED, contact_law(0.5, T_C, NU, FRICTION), scale, position + [0, 0, 50.0], velocity,
         rng.uniform(-5.0, 5.0, (n, 3)), bases=bases, shape=shape, orientation=turns, patch=True,
     )  # fmt: skip
 
@@ -85,19 +79,19 @@ def test_momentum_and_angular_momentum_are_kept(stage):
 
 
 @pytest.mark.parametrize("kind", ["ellipsoids", "hulls"])
-def test_one_kind_alone_steps_to_the_same_bits_as_in_its_own_scene(stage, kind):
+def test_one_kind_alone_steps_to_the_same_bits_as_in_its_own_scene(kind):
     rng = np.random.default_rng(2)
     n = 8
     ellipsoids = kind == "ellipsoids"
-    bases = [unit_sphere()] if ellipsoids else [hull([1.8, 1.3, 1.0]), hull([0.4, 0.4, 3.0])]
+    bases = [unit_sphere()] if ellipsoids else [make_box([1.8, 1.3, 1.0]), make_box([0.4, 0.4, 3.0])]
     shape = np.zeros(n, int) if ellipsoids else rng.integers(0, 2, n)
     scale = AXES[rng.integers(0, 4, n)] if ellipsoids else np.ones((n, 3))
     position = np.column_stack([0.4 * rng.standard_normal((n, 2)), 2.0 + 3.5 * np.arange(n)])
     turns = Rotation.random(n, rng=rng).as_quat(scalar_first=True)
     ends = []
-    for scene in (stage.ELLIPSOID if ellipsoids else stage.POLYHEDRON, stage.MIXED):
-        pile = stage.Stage(
-            scene, stage.law(0.3, T_C, NU, FRICTION), scale, position, [0, 0, -5.0], bases=bases, shape=shape,
+    for scene in (ELLIPSOID if ellipsoids else POLYHEDRON, MIXED):
+        pile = SteppedBodies(
+            scene, contact_law(0.3, T_C, NU, FRICTION), scale, position, [0, 0, -5.0], bases=bases, shape=shape,
             orientation=turns, gravity=20.0, width=4.0, patch=True,
         )  # fmt: skip
         pile.advance(T_C / 40, 20000)

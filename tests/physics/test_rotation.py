@@ -5,11 +5,12 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import SPHERE, unit_sphere
+from simcore.dem.shapes.hulls import ELLIPSOID, SPHERE, unit_sphere
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
 from simcore.dem.state.features import Features
 from simcore.dem.step.motion import Quaternion, _cos_sin, derive_rotation, rotate_free, turn
 from simcore.dem.vectors import Vec
+from tests.helpers.stepped_bodies import SteppedBodies
 
 CASE_A = {
     0.5: ((0.88071981, 0.47363764, 0.96188485), (0.93956818, 0.23003974, 0.05874113, 0.24666341)),
@@ -186,7 +187,7 @@ def test_no_point_turns_farther_than_turned():
     assert (bodies.turned <= farthest * 1.002 / np.cos(0.1)).all()
 
 
-def test_spheres_carry_no_rotation(stage):
+def test_spheres_carry_no_rotation():
     """A sphere's orientation matters to nothing: there is no array for `turn` to write to, and its spin is L / I."""
     bodies = make_bodies(
         [unit_sphere()],
@@ -201,9 +202,7 @@ def test_spheres_carry_no_rotation(stage):
     )
     empty = [name for name in bodies._fields if len(getattr(bodies, name)) == 0]
     assert empty == ["orientation", "turned", "listed_turned", "rotation", "form_matrix", "effective_contacts"]
-    still = stage.Stage(
-        stage.SPHERE, stage.law(1.0, 1e-3, 0.22, 0.0), [1.0] * 3, [0, 0, 5.0], [0, 0, 0], [3.0, 1.0, 2.0]
-    )
+    still = SteppedBodies(SPHERE, contact_law(1.0, 1e-3, 0.22, 0.0), [1.0] * 3, [0, 0, 5.0], [0, 0, 0], [3.0, 1.0, 2.0])
     before = [getattr(still.bodies, name).copy() for name in empty]
     still.advance(1e-3, 100)  # this one has the arrays, and no step touches them
     for name, value in zip(empty, before, strict=True):
@@ -233,12 +232,12 @@ def test_a_free_body_keeps_its_angular_momentum_to_the_bit():
     assert abs(np.linalg.norm(bodies.orientation) - 1.0) < 1e-15
 
 
-def off_centre(stage, dt, restitution=1.0, friction=0.0):
+def off_centre(dt, restitution=1.0, friction=0.0):
     """Two turned ellipsoids meet off centre in free fall of nothing; the Stage after they have parted."""
     law = contact_law(restitution, 1e-2, 0.22, friction)
     q = np.array([[0.9, 0.1, 0.3, -0.2], [0.5, -0.5, 0.6, 0.1]])
-    pair = stage.Stage(
-        stage.ELLIPSOID,
+    pair = SteppedBodies(
+        ELLIPSOID,
         law,
         [[1.0, 0.75, 0.5], [0.8, 0.6, 0.7]],
         [[0, 0, 50.0], [1.55, 0.35, 50.2]],
@@ -263,11 +262,11 @@ def momenta(pair):
     return linear, angular
 
 
-def test_an_elastic_off_centre_impact_keeps_its_energy(stage):
+def test_an_elastic_off_centre_impact_keeps_its_energy():
     """Restitution 1, no friction: a normal that is not that of both surfaces would do work. What is left is dt's."""
     errors = []
     for n in (40, 80, 160, 320):
-        pair, (energy, _) = off_centre(stage, 0.01 / n)
+        pair, (energy, _) = off_centre(0.01 / n)
         errors.append(abs(pair.energy() / energy - 1.0))
     assert pair.bodies.velocity[0, 0] < -0.1, "hardly an impact"
     # Semi-implicit Euler keeps a neighbouring energy, so the first order cancels between touch and release and the
@@ -277,8 +276,8 @@ def test_an_elastic_off_centre_impact_keeps_its_energy(stage):
     assert np.mean(errors[2:]) < 0.5 * np.mean(errors[:2])
 
 
-def test_momentum_is_kept_to_rounding_with_friction(stage):
-    pair, (_, (linear, angular)) = off_centre(stage, 0.01 / 40, restitution=0.1, friction=0.5)
+def test_momentum_is_kept_to_rounding_with_friction():
+    pair, (_, (linear, angular)) = off_centre(0.01 / 40, restitution=0.1, friction=0.5)
     after_linear, after_angular = momenta(pair)
     mass = pair.bodies.mass.sum()
     np.testing.assert_allclose(after_linear, linear, atol=1e-13 * mass)

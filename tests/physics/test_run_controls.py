@@ -5,9 +5,11 @@ import pytest
 
 from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.from_scene import compose
+from simcore.dem.shapes.hulls import ELLIPSOID, SPHERE
 from simcore.scene.scene import Material, Shaking
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
+from tests.helpers.stepped_bodies import SteppedBodies
 
 DT = 5e-6
 LAW = contact_law(0.1, 2e-4, 0.22, 0.5)
@@ -18,9 +20,9 @@ def test_gravity_less_buoyancy():
     assert pytest.approx(6.108113208, abs=5e-10) == GRAVITY
 
 
-def test_free_fall(stage):
+def test_free_fall():
     """Semi-implicit Euler: v exact, z ahead by g t dt / 2."""
-    grain = stage.Stage(stage.SPHERE, LAW, [3e-3] * 3, [[0, 0, 10.0]], [0.1, 0, -1.0], gravity=GRAVITY, skin=500.0)
+    grain = SteppedBodies(SPHERE, LAW, [3e-3] * 3, [[0, 0, 10.0]], [0.1, 0, -1.0], gravity=GRAVITY, skin=500.0)
     grain.advance(DT, 40000)
     t = 40000 * DT
     # 40 000 additions of rounding eps
@@ -30,28 +32,28 @@ def test_free_fall(stage):
     assert grain.bodies.position[0, 0] == pytest.approx(0.1 * t, rel=1e-11)
 
 
-def test_terminal_speed_of_damping(stage):
+def test_terminal_speed_of_damping():
     factor = 1e-3**DT
     assert factor == pytest.approx(0.9999654618200617, abs=1e-16)
-    grain = stage.Stage(
-        stage.SPHERE, LAW, [3e-3] * 3, [[0, 0, 10.0]], [0.0, 0, -0.88], gravity=GRAVITY, damping=factor, skin=500.0
+    grain = SteppedBodies(
+        SPHERE, LAW, [3e-3] * 3, [[0, 0, 10.0]], [0.0, 0, -0.88], gravity=GRAVITY, damping=factor, skin=500.0
     )
     grain.advance(DT, 400_000)
     # Kick, then damp; 0.004 m/s of the start are left by 1e-3^2.
     assert -grain.bodies.velocity[0, 2] == pytest.approx(0.884224683, abs=1e-8)
 
 
-def test_damping_takes_spin_as_it_takes_speed(stage):
+def test_damping_takes_spin_as_it_takes_speed():
     factor = 1e-3**DT
     law = LAW._replace(friction=0.0)
-    for kind, scale in ((stage.SPHERE, [3e-3] * 3), (stage.ELLIPSOID, [3e-3, 2e-3, 1e-3])):
-        grain = stage.Stage(kind, law, scale, [[0, 0, 1.0]], [0.1, 0, 0], [0, 0, 7.0], damping=factor)
+    for kind, scale in ((SPHERE, [3e-3] * 3), (ELLIPSOID, [3e-3, 2e-3, 1e-3])):
+        grain = SteppedBodies(kind, law, scale, [[0, 0, 1.0]], [0.1, 0, 0], [0, 0, 7.0], damping=factor)
         grain.advance(DT, 2000)
         assert grain.bodies.velocity[0, 0] == pytest.approx(0.1 * 1e-3 ** (2000 * DT), rel=1e-11)
         assert grain.bodies.angular_velocity[0, 2] == pytest.approx(7.0 * 1e-3 ** (2000 * DT), rel=1e-11)
 
 
-def test_shaking_of_a_free_grain(stage):
+def test_shaking_of_a_free_grain():
     """Peak acceleration A (2π/T)², and a drift: x(t) = A (ωt − sin ωt)."""
     shaking = Shaking(3e-4, 0.025, 1.0)
     assert shaking.acceleration == pytest.approx(18.94964, abs=1e-5)
@@ -59,8 +61,8 @@ def test_shaking_of_a_free_grain(stage):
     assert amplitude * rate == pytest.approx(0.0753982, abs=1e-7)
     errors = []
     for dt in (2e-5, 1e-5):
-        grain = stage.Stage(
-            stage.SPHERE, LAW, [3e-3] * 3, [[0, 0, 10.0]], [0, 0, 0],
+        grain = SteppedBodies(
+            SPHERE, LAW, [3e-3] * 3, [[0, 0, 10.0]], [0, 0, 0],
             shaking=shaking.acceleration, shaking_rate=rate, skin=500.0,
         )  # fmt: skip
         n = round(0.06 / dt)

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
-import trimesh
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.shapes.hulls import Base
+from simcore.dem.forces.spring_dashpot import contact_law
+from simcore.dem.shapes.hulls import POLYHEDRON
+from tests.helpers.polyhedra import make_box
+from tests.helpers.stepped_bodies import SteppedBodies
 
 T_C = 5e-3
 GRAVITY = 9.81
@@ -13,29 +15,24 @@ EDGE = 0.01
 EQUILIBRIUM = GRAVITY * (T_C / np.pi) ** 2  # scale of a static overlap, g / k per mass
 
 
-def cube():
-    mesh = trimesh.creation.box((1.0, 1.0, 1.0))
-    return Base("cube", np.array(mesh.vertices), np.array(mesh.faces, np.int64), 1.0, np.full(3, 1.0 / 12.0))
-
-
-def column(stage, n, shift=0.0, turn=0.0, patch=True, contact_time=T_C):
+def column(n, shift=0.0, turn=0.0, patch=True, contact_time=T_C):
     """n cubes on top of each other from a hair above rest; each shifted and turned against that below."""
     k = np.arange(n)
     position = np.column_stack([shift * EDGE * k, 0.0 * k, EDGE * (k + 0.5) + 1e-6 * (k + 1)])
     orientation = Rotation.from_rotvec(np.column_stack([0.0 * k, 0.0 * k, turn * k])).as_quat(scalar_first=True)
-    return stage.Stage(
-        stage.POLYHEDRON, stage.law(0.1, contact_time, 0.22, 0.5), [EDGE] * 3, position, np.zeros(3), bases=[cube()],
+    return SteppedBodies(
+        POLYHEDRON, contact_law(0.1, contact_time, 0.22, 0.5), [EDGE] * 3, position, np.zeros(3), bases=[make_box()],
         orientation=orientation, gravity=GRAVITY, density=2650.0, patch=patch,
     )  # fmt: skip
 
 
 @pytest.mark.parametrize("n, turn", [(1, 0.0), (5, 0.0), (5, 0.3)])
-def test_cubes_stand_for_ten_seconds(stage, n, turn):
+def test_cubes_stand_for_ten_seconds(n, turn):
     """Settled after 1 s, they stay to rounding for 9 s more.
 
     What is left of the speed decays as exp(-t / T_c) or not at all; positions carry eps of 0.05 m each step.
     """
-    stand = column(stage, n, turn=turn)
+    stand = column(n, turn=turn)
     dt = T_C / 40.0
     stand.advance(dt, round(1.0 / dt))
     before, turned = stand.bodies.position.copy(), stand.bodies.orientation.copy()
@@ -51,31 +48,31 @@ def test_cubes_stand_for_ten_seconds(stage, n, turn):
     assert stand.floor_force()[0] == pytest.approx(weight, rel=1e-6)
 
 
-def test_with_the_deepest_point_alone_a_cube_does_not_come_to_rest(stage):
+def test_with_the_deepest_point_alone_a_cube_does_not_come_to_rest():
     """The study's contact point jumps from corner to corner: the patch is what makes it stand."""
     speed = []
     for patch in (False, True):
-        stand = column(stage, 1, patch=patch)
+        stand = column(1, patch=patch)
         stand.advance(T_C / 40.0, 40000)
         speed.append(np.abs(stand.bodies.angular_velocity).max())
     assert speed[1] < 1e-3 * speed[0]
 
 
 @pytest.mark.parametrize("shift, stands", [(0.45, True), (0.55, False)])
-def test_an_overhanging_cube_stands_while_its_centre_is_supported(stage, shift, stands):
+def test_an_overhanging_cube_stands_while_its_centre_is_supported(shift, stands):
     # Stiff: the upper one leans on a twentieth of its edge, and must not sink in by what would tip it.
-    stand = column(stage, 2, shift=shift, contact_time=0.2 * T_C)
+    stand = column(2, shift=shift, contact_time=0.2 * T_C)
     stand.advance(0.2 * T_C / 40.0, 16000)
     fell = stand.bodies.position[1, 2] < 1.4 * EDGE
     assert fell != stands
 
 
-def test_a_spinning_cube_is_stopped_by_friction_of_its_face(stage):
+def test_a_spinning_cube_is_stopped_by_friction_of_its_face():
     """A point would let it spin for ever. With limit µ F ρ it stops after I ω / µ F ρ.
 
     The floor's patch are the four corners, at e / √2 from the axis: ρ = e / √2, and I = m e² / 6.
     """
-    stand = column(stage, 1)
+    stand = column(1)
     dt = T_C / 40.0
     stand.advance(dt, 20000)
     rate = 20.0

@@ -23,7 +23,7 @@ from simcore.verification.outside.elastic import jump
 from simcore.verification.outside.formulas import rod_porosity, wall_porosity, zigzag_porosity
 from simcore.verification.outside.solids import SOLIDS, solid_mesh, write_solid
 from simcore.verification.outside.table import case_table
-from tests.helpers.packings import lattice, make_packing, touching_pairs
+from tests.helpers.packings import make_packing, sphere_lattice, touching_pairs
 
 FCC = 1.0 - np.pi / np.sqrt(18.0)
 VOLUMES = {  # of edge 1
@@ -156,7 +156,7 @@ def test_a_column_that_is_no_zigzag_is_looser():
 @pytest.fixture(scope="module")
 def fcc():
     """Touching spheres of 7 mm, 8 by 8 by 12 cells, with their contacts, about the vertical axis."""
-    centres, width = lattice("fcc", 8, 12)
+    centres, width = sphere_lattice("fcc", 8, 12)
     pairs, images = touching_pairs(centres, width)
     packing = make_packing(7e-3 * centres, 3.5e-3, width=7e-3 * width, contacts=pairs, images=images)
     packing["position"][:, :2] -= 3.5e-3 * width

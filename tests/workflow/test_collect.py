@@ -12,11 +12,10 @@ import yaml
 
 from simcore.campaign.studies import expand, merge
 from simcore.evaluation.evaluate import evaluate
-from simcore.paths import REFERENCE
+from simcore.paths import REFERENCE, ROOT
 from simcore.scene.specification import resolve
-
-from .conftest import ROOT
-from .test_plan import OTHERS
+from tests.helpers.packings import make_packing
+from tests.helpers.workplace import NULL_STUDIES
 
 pytestmark = pytest.mark.workflow
 
@@ -31,12 +30,12 @@ studies:
   heights:
     fixes: {{sizes: {{case: U1}}, shapes: {{choice: form, flatness: 0.6, elongation: 0.8}}}}
     varies: {{generation.drop_height: [1 cm, 2 cm]}}
-{OTHERS}
+{NULL_STUDIES}
 """
 
 
 @pytest.fixture
-def campaign(workplace, packings):
+def campaign(workplace):
     """A campaign of which some beds are there, made up: workplace, arguments, and a function that adds beds."""
     (workplace.folder / "mine.yaml").write_text(CAMPAIGN)
     raw = [yaml.safe_load((ROOT / "config" / "config.yaml").read_text()), yaml.safe_load(CAMPAIGN)]
@@ -45,7 +44,7 @@ def campaign(workplace, packings):
     def add(study, number, **changed):
         rows = plan[plan.study == study].iloc[:number]
         for row in rows.itertuples():
-            bed = packings.make(
+            bed = make_packing(
                 np.random.default_rng(4).uniform(0.005, 0.06, (300, 3)),
                 np.tile([0.0055, 0.0045, 0.0035], (300, 1)),
                 width=0.05,

@@ -7,6 +7,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from tests.helpers.workplace import Workplace
+
 pytestmark = pytest.mark.workflow
 REFERENCE = Path(__file__).parents[2] / "results" / "reference"
 
@@ -69,8 +71,6 @@ def test_committed_rows_become_tables_and_figures_without_a_packing(workplace, t
 @pytest.fixture(scope="session")
 def deposited(tmp_path_factory):
     """A workplace in which a tiny campaign of deposits has run."""
-    from .conftest import Workplace
-
     workplace = Workplace(tmp_path_factory.mktemp("deposits"))
     (workplace.folder / "tiny.yaml").write_text(TINY)
     status, said = workplace.run("--configfile", "tiny.yaml", "--", "deposits")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from .test_plan import OTHERS
+from tests.helpers.workplace import NULL_STUDIES
 
 pytestmark = pytest.mark.workflow
 
@@ -11,7 +11,7 @@ packing: {{domain: {{width: 45 mm, height: 0.3 m}}, sizes: {{case: U1}}, shapes:
 studies:
   spheres:
     varies: {{amount.grains: [500, 5000]}}
-{OTHERS}
+{NULL_STUDIES}
 """
 
 

@@ -3,25 +3,13 @@
 import pytest
 
 from simcore.grains.sources import set_name
+from simcore.paths import ROOT
 from simcore.scene.specification import resolve
 from simcore.verification.outside.packings import ELASTIC_RUNS, PACKED
-
-from .conftest import ROOT
+from tests.helpers.workplace import NULL_STUDIES, STUDIES
 
 pytestmark = pytest.mark.workflow
 
-STUDIES = {
-    "mesh_resolution",
-    "shaking_cylinder",
-    "validation",
-    "domain_size",
-    "shaking_periodic",
-    "single_form",
-    "equivalent_ellipsoids",
-    "near_spheres",
-    "form_mixtures",
-    "application",
-}
 SYNTHETIC = set_name(resolve({"studies": {}}, "config")["grains"])
 MODELS = {"single_form_models", "form_mixture_models", "unified_model", "shape_kinds"}
 
@@ -72,12 +60,11 @@ studies:
   ellipsoids:
     fixes: {shapes: {kind: ellipsoid, choice: form, flatness: 0.6, elongation: 0.7}}
 """
-OTHERS = "\n".join(f"  {study}: null" for study in sorted(STUDIES))
 
 
 def test_studies_that_need_no_meshes_make_none(workplace):
     """Neither for their packings nor for the report, whose whole campaign they are here."""
-    (workplace.folder / "round.yaml").write_text(NO_MESHES + OTHERS)
+    (workplace.folder / "round.yaml").write_text(NO_MESHES + NULL_STUDIES)
     for target in ([], ["spheres"], ["ellipsoids"]):
         rules = [rule for rule, _ in workplace.plan(*target, "--configfile", "round.yaml")]
         assert rules.count("packing") == (1 if target else 2)
@@ -87,7 +74,7 @@ def test_studies_that_need_no_meshes_make_none(workplace):
 
 def test_a_campaign_of_beds_too_low_to_be_evaluated_is_refused(workplace):
     """Unless the campaign cuts less from both ends."""
-    low = NO_MESHES.replace("grains: 300", "grains: 60") + OTHERS
+    low = NO_MESHES.replace("grains: 300", "grains: 60") + NULL_STUDIES
     (workplace.folder / "low.yaml").write_text(low)
     status, said = workplace.run("--dry-run", "--configfile", "low.yaml", "--", "spheres")
     assert status != 0 and "Traceback" not in said
@@ -201,7 +188,7 @@ studies:
 
 def test_a_study_has_grain_sets_of_its_own(workplace):
     """Beside the campaign's in the same folder; their content decides whether they are made anew, not their age."""
-    (workplace.folder / "own.yaml").write_text(OWN + OTHERS)
+    (workplace.folder / "own.yaml").write_text(OWN + NULL_STUDIES)
     for number, name in enumerate("ab"):
         folder = workplace.folder / f"scans_{name}"
         folder.mkdir()

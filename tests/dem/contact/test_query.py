@@ -7,25 +7,15 @@ from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact import query, query_many
 from simcore.dem.shapes.hulls import convex, ellipsoid, sphere
+from tests.helpers.polyhedra import CUBE, TETRAHEDRON
+from tests.helpers.rotations import IDENTITY, X45, Y45, Z45, turn_about, turn_about_axis
 
-IDENTITY = (1.0, 0.0, 0.0, 0.0)
 ORIGIN = ((0.0, 0.0, 0.0), IDENTITY)
-CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1.0]]) / np.sqrt(8.0)
 PHI = 0.5 * (1.0 + np.sqrt(5.0))
 GOLDEN = (PHI, 1.0, 1.0 / PHI)
 SIZES = (1e-6, 1e-3, 1.0, 1e3)
 # Distances are given to 12 digits after the point; coordinates are of order the pair's size (at most 200).
 GIVEN = 1e-12
-
-
-def turned(axis, degrees):
-    return tuple(Rotation.from_euler(axis, degrees, degrees=True).as_quat(scalar_first=True))
-
-
-def about(axis, angle):
-    axis = np.asarray(axis, float)
-    return tuple(Rotation.from_rotvec(angle * axis / np.linalg.norm(axis)).as_quat(scalar_first=True))
 
 
 def needle(a, b, c):
@@ -34,12 +24,12 @@ def needle(a, b, c):
 
 POLYTOPES = {
     "libccd issue 25": (2.0 * CUBE, IDENTITY, 2.0 * CUBE, IDENTITY, (0, 0, 1.9), -0.1),
-    "corner edge": (CUBE, IDENTITY, CUBE, turned("z", 45), (1.2, 0, 0), 0.7 - np.sqrt(0.5)),
-    "corner edge deep": (CUBE, IDENTITY, CUBE, turned("z", 45), (1.0, 0, 0), 0.5 - np.sqrt(0.5)),
-    "edges crossed, apart": (CUBE, turned("x", 45), CUBE, turned("y", 45), (0, 0, 1.5), 0.085786437627),
-    "edges crossed": (CUBE, turned("x", 45), CUBE, turned("y", 45), (0, 0, 1.3), -0.114213562373),
+    "corner edge": (CUBE, IDENTITY, CUBE, Z45, (1.2, 0, 0), 0.7 - np.sqrt(0.5)),
+    "corner edge deep": (CUBE, IDENTITY, CUBE, Z45, (1.0, 0, 0), 0.5 - np.sqrt(0.5)),
+    "edges crossed, apart": (CUBE, X45, CUBE, Y45, (0, 0, 1.5), 0.085786437627),
+    "edges crossed": (CUBE, X45, CUBE, Y45, (0, 0, 1.3), -0.114213562373),
     "concentric cubes": (CUBE, IDENTITY, CUBE, IDENTITY, (0, 0, 0), -1.0),
-    "concentric cubes turned": (CUBE, IDENTITY, CUBE, turned("z", 45), (0, 0, 0), -1.0),
+    "concentric cubes turned": (CUBE, IDENTITY, CUBE, Z45, (0, 0, 0), -1.0),
     "cube in cube": (CUBE, IDENTITY, 0.1 * CUBE, IDENTITY, (0, 0, 0), -0.55),
     "tetrahedron in itself": (TETRAHEDRON, IDENTITY, TETRAHEDRON, IDENTITY, (0, 0, 0), -np.sqrt(0.5)),
     "tetrahedron in its mirror": (TETRAHEDRON, IDENTITY, -TETRAHEDRON, IDENTITY, (0, 0, 0), -1.0 / np.sqrt(6.0)),
@@ -54,14 +44,14 @@ ELLIPSOIDS = {
     "flat, apart": ((2, 1, 0.5), (2, 1, 0.5), IDENTITY, (3, 1.5, 0.7), 0.474311020117),
     "flat": ((2, 1, 0.5), (2, 1, 0.5), IDENTITY, (2, 1, 0.5), -0.191232822332),
     "golden, tangent": (GOLDEN, GOLDEN, IDENTITY, (1, 1, 1), 0.0),
-    "golden, 90°": (GOLDEN, GOLDEN, turned("z", 90), (2.5, 0.3, 0.2), -0.066910098505),
-    "golden, 1 rad": (GOLDEN, GOLDEN, about((1, 1, 1), 1.0), (2, 0.4, 0.3), -0.333256337445),
-    "roundish": ((1.25, 1, 0.8), (1.25, 1, 0.8), about((1, 2, 3), 0.7), (2, 0.1, -0.2), -0.379003101929),
-    "needles, apart": ((100, 1, 1), (100, 1, 1), turned("z", 90), (0, 0, 2.01), 0.01),
-    "needles": ((100, 1, 1), (100, 1, 1), turned("z", 90), (0, 0, 1.99), -0.01),
-    "needles, 30°": ((100, 1, 1), (100, 1, 1), turned("z", 30), (190, 25, 0), 22.910655128466),
+    "golden, 90°": (GOLDEN, GOLDEN, turn_about_axis("z", 90), (2.5, 0.3, 0.2), -0.066910098505),
+    "golden, 1 rad": (GOLDEN, GOLDEN, turn_about((1, 1, 1), 1.0), (2, 0.4, 0.3), -0.333256337445),
+    "roundish": ((1.25, 1, 0.8), (1.25, 1, 0.8), turn_about((1, 2, 3), 0.7), (2, 0.1, -0.2), -0.379003101929),
+    "needles, apart": ((100, 1, 1), (100, 1, 1), turn_about_axis("z", 90), (0, 0, 2.01), 0.01),
+    "needles": ((100, 1, 1), (100, 1, 1), turn_about_axis("z", 90), (0, 0, 1.99), -0.01),
+    "needles, 30°": ((100, 1, 1), (100, 1, 1), turn_about_axis("z", 30), (190, 25, 0), 22.910655128466),
     "discs": ((100, 100, 1), (100, 100, 1), IDENTITY, (199.9, 0, 0), -0.059994665896),
-    "discs crossed": ((100, 100, 1), (100, 100, 1), turned("x", 90), (0, 0, 100.9), -0.1),
+    "discs crossed": ((100, 100, 1), (100, 100, 1), turn_about_axis("x", 90), (0, 0, 100.9), -0.1),
     "concentric": ((3, 2, 1), (3, 2, 1), IDENTITY, (0, 0, 0), -2.0),
     "sphere on top": ((3, 2, 1), (0.5, 0.5, 0.5), IDENTITY, (0, 0, 1.4), -0.1),
     "sphere inside": ((3, 2, 1), (0.5, 0.5, 0.5), IDENTITY, (2.9, 0, 0), -0.6),
@@ -229,7 +219,7 @@ def test_offsets_of_a_million_sizes():
 def test_the_frame_of_a_hull_is_its_own():
     """Neither recentred nor aligned: points far from the origin turn about the origin."""
     moved = convex(CUBE + [10.0, 0.0, 0.0])
-    found = query(moved, ((0, 0, 0), turned("z", 90)), convex(CUBE), ((0, 12.0, 0), IDENTITY))
+    found = query(moved, ((0, 0, 0), turn_about_axis("z", 90)), convex(CUBE), ((0, 12.0, 0), IDENTITY))
     assert found.signed_distance == pytest.approx(1.0, abs=1e-14)
     np.testing.assert_allclose(found.normal, [0, 1, 0], atol=1e-14)
 

@@ -7,16 +7,10 @@ above as the normal does from below, so for gaps `points` is the error; of paral
 direction, which over a gap g is known to eps / g: at g = √eps both are 1e-8.
 """
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-SCRIPT = Path(__file__).parents[3] / "benchmarks" / "correctness" / "exactness.py"
-SPEC = importlib.util.spec_from_file_location("exactness", SCRIPT)
-exactness = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(exactness)
+from benchmarks.correctness import exactness
 
 PAIRS = 909  # of each of eleven families
 POLYTOPES = ("hulls", "hulls thin", "aligned solids", "nearly flat", "sphere hull")

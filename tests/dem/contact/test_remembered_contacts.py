@@ -18,29 +18,31 @@ from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
 from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.dem.step.step import Drive, make_advance
+from tests.helpers.contact_pairs import UNIT_SPHERE, update_polyhedra
+from tests.helpers.polyhedra import CUBE, make_pebble, make_polyhedron
+from tests.helpers.rotations import random_orientations
 
 ROOT = Path(__file__).parents[3]
 WIDTH = 0.030
 BETWEEN_BOUNDS = 3e-9  # of the size, more than deep_overlap.CERTAIN: how well the overlap of deep ellipsoids is known
-CUBE = 0.8 * np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
 NEEDLE, PLATE = (1.6, 0.3, 0.3), (1.2, 1.2, 0.2)
 SMOOTH = [(1.0, 1.0, 1.0), (1.0, 0.75, 0.5), NEEDLE, PLATE]  # axes of ellipsoids
 
 
-def make_hulls(core):
+def make_hulls():
     """Pebbles of 8 to 40 points, a needle, a plate, and a cube, whose faces, edges and corners are all degenerate."""
-    bases = [core.make_pebble(k, n) for k, n in enumerate((8, 16, 24, 40))]
-    return bases + [core.make_pebble(4, 24, NEEDLE), core.make_pebble(5, 32, PLATE), core.make_hull(CUBE)]
+    bases = [make_pebble(k, n) for k, n in enumerate((8, 16, 24, 40))]
+    return bases + [make_pebble(4, 24, NEEDLE), make_pebble(5, 32, PLATE), make_polyhedron(1.6 * CUBE)]
 
 
-def make_bed(core, kind=POLYHEDRON):
+def make_bed(kind=POLYHEDRON):
     """48 grains, 5 to 9 mm across, above the floor of a periodic box four grains wide: hulls, or ellipsoids as well."""
     rng = np.random.default_rng(1)
-    bases, axes = make_hulls(core), np.ones((7, 3))
+    bases, axes = make_hulls(), np.ones((7, 3))
     if kind == MIXED:
-        bases, axes = bases + [core.sphere] * 4, np.concatenate([axes, SMOOTH])
+        bases, axes = bases + [UNIT_SPHERE] * 4, np.concatenate([axes, SMOOTH])
     n = 48
     cell = np.stack(np.unravel_index(np.arange(n), (12, 2, 2)), axis=-1)[:, [1, 2, 0]]
     position = (cell + 0.5) * [WIDTH / 2, WIDTH / 2, 0.012]
@@ -48,17 +50,17 @@ def make_bed(core, kind=POLYHEDRON):
     velocity = rng.uniform(-0.1, 0.1, (n, 3)) - [0.0, 0.0, 1.0]
     spin = rng.uniform(-10.0, 10.0, (n, 3))
     shape = rng.integers(0, len(bases), n)
-    turns, scale = core.orientations(n, rng), scale * axes[shape]
+    turns, scale = random_orientations(n, rng), scale * axes[shape]
     return bases, make_bodies(bases, shape, scale, position, turns, velocity, spin, density=2650.0)
 
 
-def search_hulls(core, bases):
+def search_hulls(bases):
     """Function that fills contacts without memory by the step's own search."""
     shapes = collect_shapes(bases)
-    return lambda bodies, contacts: core.look_at_polyhedra(shapes, bodies, contacts, WIDTH)
+    return lambda bodies, contacts: update_polyhedra(shapes, bodies, contacts, WIDTH)
 
 
-def query_bodies(core, bases):
+def query_bodies(bases):
     """Function that fills contacts by the stand-alone query, for which every body is a shape of its own."""
     known = []
 
@@ -79,13 +81,13 @@ def query_bodies(core, bases):
     return look
 
 
-def follow(core, end, kind=POLYHEDRON, searching=search_hulls):
+def follow(end, kind=POLYHEDRON, searching=search_hulls):
     """Step the bed to step `end` and compare: (touches by kind of pair, of hulls those otherwise, by how much).
 
     Kinds of pairs: two ellipsoids, an ellipsoid and a hull, two hulls.
     """
-    bases, bodies = make_bed(core, kind)
-    shapes, search = collect_shapes(bases), searching(core, bases)
+    bases, bodies = make_bed(kind)
+    shapes, search = collect_shapes(bases), searching(bases)
     hull = np.array([len(base.vertices) > 0 for base in bases])[bodies.shape]
     contact_time = 5e-4
     dt = contact_time / 40
@@ -146,16 +148,16 @@ def follow(core, end, kind=POLYHEDRON, searching=search_hulls):
     return touches, others, excess_others
 
 
-def test_the_memory_of_a_shaken_bed_is_right(core):
-    touches, others, excess_others = follow(core, 20000)
+def test_the_memory_of_a_shaken_bed_is_right():
+    touches, others, excess_others = follow(20000)
     touches = touches.sum()
     assert touches > 3000
     # A bed's overlaps are small against its facets, so the local minimum is the global one nearly always.
     assert others <= 0.002 * touches, (others, max(excess_others))
 
 
-def test_the_memory_of_a_bed_of_mixed_kinds_is_right(core):
-    touches, others, excess_others = follow(core, 30000, MIXED, query_bodies)
+def test_the_memory_of_a_bed_of_mixed_kinds_is_right():
+    touches, others, excess_others = follow(30000, MIXED, query_bodies)
     assert (touches > 200).all() and touches[1] > 1000, touches
     assert others <= 0.002 * touches[2], (others, max(excess_others))
 
@@ -166,8 +168,7 @@ sys.path.insert(0, {root!r})
 from simcore.dem.contact.pairs import polyhedra as polyhedron
 polyhedron.{constant} = {value}  # read when the check is compiled
 from tests.dem.contact import test_remembered_contacts
-from tests.helpers.pairs import shared
-test_remembered_contacts.follow(shared(), 3000)
+test_remembered_contacts.follow(3000)
 """
 
 

@@ -19,6 +19,8 @@ from simcore.dem.state.bodies import CYLINDER, FLOOR, make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
 from simcore.dem.step.candidate_pairs import list_candidates
+from tests.helpers.contact_pairs import UNIT_SPHERE
+from tests.helpers.polyhedra import make_pebble
 
 WALL = 1.5  # radius of the cylinder
 
@@ -84,24 +86,24 @@ def check_points(placed, wall, true):
     return rows
 
 
-def test_spheres(core):
+def test_spheres():
     rng = np.random.default_rng(1)
     position, orientation = random_places(rng, 200)
     radius = rng.uniform(0.2, 0.8, 200)
-    placed = place([core.sphere], 0, np.repeat(radius[:, None], 3, axis=1), position, orientation)
+    placed = place([UNIT_SPHERE], 0, np.repeat(radius[:, None], 3, axis=1), position, orientation)
     check_points(placed, FLOOR, radius - position[:, 2])
     check_points(placed, CYLINDER, np.hypot(position[:, 0], position[:, 1]) + radius - WALL)
 
 
-def test_a_sphere_wider_than_the_cylinder_on_its_axis(core):
-    _, met = place([core.sphere], 0, [[1.6] * 3], [[0.0, 0.0, 5.0]], [[1.0, 0, 0, 0]])
+def test_a_sphere_wider_than_the_cylinder_on_its_axis():
+    _, met = place([UNIT_SPHERE], 0, [[1.6] * 3], [[0.0, 0.0, 5.0]], [[1.0, 0, 0, 0]])
     assert met.overlap[0, CYLINDER] == pytest.approx(0.1)
     assert np.hypot(*met.point[0, CYLINDER, :2]) == pytest.approx(1.6)
 
 
-def test_hulls_against_all_their_vertices(core):
+def test_hulls_against_all_their_vertices():
     rng = np.random.default_rng(2)
-    bases = [core.make_pebble(seed, n=40) for seed in range(5)]
+    bases = [make_pebble(seed, n=40) for seed in range(5)]
     n = 200
     position, orientation = random_places(rng, n)
     shape, scale = rng.integers(0, 5, n), rng.uniform(0.4, 1.6, (n, 3))
@@ -129,12 +131,12 @@ def deepest_in_cylinder(scale, rotation, position):
 
 
 @pytest.mark.parametrize("flattest", [0.4, 0.03])
-def test_ellipsoids_against_their_surface(core, flattest):
+def test_ellipsoids_against_their_surface(flattest):
     rng = np.random.default_rng(3)
     n = 120
     position, orientation = random_places(rng, n)
     scale = 1.4 * np.exp(rng.uniform(np.log(flattest), 0.0, (n, 3)))
-    placed = bodies, met = place([core.sphere], 1, scale, position, orientation)
+    placed = bodies, met = place([UNIT_SPHERE], 1, scale, position, orientation)
     # Lowest point in closed form: the support height along −z
     check_points(placed, FLOOR, np.linalg.norm(bodies.rotation[:, 2] * scale, axis=1) - position[:, 2])
     true = np.array([deepest_in_cylinder(scale[i], bodies.rotation[i], position[i]) for i in range(n)])
@@ -150,38 +152,38 @@ def test_ellipsoids_against_their_surface(core, flattest):
     assert len(rows) > 20
 
 
-def test_hard_case_the_grain_lies_across_the_cylinder(core):
+def test_hard_case_the_grain_lies_across_the_cylinder():
     """No offset along the longer axis of the shadow: both ends are as deep, and offsets near zero agree."""
     upright = [1.0, 0.0, 0.0, 0.0]
     for y in (0.0, 1e-14, 1e-9, 0.05):
         # Shadow 1.6 x 0.4, centre off its short axis: λ stays at the longer eigenvalue while y p2 < p1 − p2
-        _, met = place([core.sphere], 1, [[1.6, 0.4, 0.3]], [[0.0, y, 5.0]], [upright])
+        _, met = place([UNIT_SPHERE], 1, [[1.6, 0.4, 0.3]], [[0.0, y, 5.0]], [upright])
         t = np.linspace(0.0, 2.0 * np.pi, 400001)
         true = np.hypot(1.6 * np.cos(t), y + 0.4 * np.sin(t)).max() - WALL
         assert met.overlap[0, CYLINDER] == pytest.approx(true, abs=1e-10)
     for x in (1e-15, 1e-12, -1e-10, 1e-8):
-        near = place([core.sphere], 1, [[1.6, 0.4, 0.3]], [[x, 0.02, 5.0]], [upright])[1].overlap[0, CYLINDER]
-        exact = place([core.sphere], 1, [[1.6, 0.4, 0.3]], [[0.0, 0.02, 5.0]], [upright])[1].overlap[0, CYLINDER]
+        near = place([UNIT_SPHERE], 1, [[1.6, 0.4, 0.3]], [[x, 0.02, 5.0]], [upright])[1].overlap[0, CYLINDER]
+        exact = place([UNIT_SPHERE], 1, [[1.6, 0.4, 0.3]], [[0.0, 0.02, 5.0]], [upright])[1].overlap[0, CYLINDER]
         # To first order the farthest point moves along: by the cosine of its direction. The rest is rounding.
         height = 0.02 * 0.16 / (1.6**2 - 0.16)
         cosine = 1.6 * np.sqrt(1.0 - (height / 0.4) ** 2) / (exact + WALL)
         assert near == pytest.approx(exact + abs(x) * cosine, abs=1e-13)
     # A round shadow on the axis: every direction is as deep.
-    _, met = place([core.sphere], 1, [[1.6, 1.6, 0.3]], [[0.0, 0.0, 5.0]], [upright])
+    _, met = place([UNIT_SPHERE], 1, [[1.6, 1.6, 0.3]], [[0.0, 0.0, 5.0]], [upright])
     assert met.overlap[0, CYLINDER] == pytest.approx(0.1)
     assert np.hypot(*met.point[0, CYLINDER, :2]) == pytest.approx(1.6)
 
 
-def test_a_tilted_needle_touches_with_its_end(core):
+def test_a_tilted_needle_touches_with_its_end():
     """Not only the point in the radial direction of the centre: that misses 27 µm of the study's long grains."""
     tilt = Rotation.from_euler("y", 60, degrees=True).as_quat(scalar_first=True)
-    bodies, met = place([core.sphere], 1, [[0.05, 0.05, 1.5]], [[0.0, 0.6, 5.0]], [tilt])
+    bodies, met = place([UNIT_SPHERE], 1, [[0.05, 0.05, 1.5]], [[0.0, 0.6, 5.0]], [tilt])
     true = deepest_in_cylinder(np.array([0.05, 0.05, 1.5]), bodies.rotation[0], bodies.position[0])
     radial = np.linalg.norm(bodies.rotation[0, 1] * bodies.scale[0]) + 0.6 - WALL
     assert radial < -0.5
     assert true > -0.1
     assert met.overlap[0, CYLINDER] == pytest.approx(max(true, 0.0), abs=1e-9) or true < 0.0
-    nearer, nearer_met = place([core.sphere], 1, [[0.05, 0.05, 1.5]], [[0.3, 0.6, 5.0]], [tilt])
+    nearer, nearer_met = place([UNIT_SPHERE], 1, [[0.05, 0.05, 1.5]], [[0.3, 0.6, 5.0]], [tilt])
     assert nearer_met.overlap[0, CYLINDER] == pytest.approx(
         deepest_in_cylinder(np.array([0.05, 0.05, 1.5]), bodies.rotation[0], np.array([0.3, 0.6, 5.0])), abs=1e-9
     )

@@ -16,7 +16,7 @@ from simcore.packing.explanation import explain
 from simcore.packing.packed import DAMPING
 from simcore.packing.process import Process
 from simcore.scene.impact import sphere_radius
-from tests.helpers.few import set_up_few
+from tests.helpers.few_spheres import set_up_few_spheres
 
 HERTZ = {"law": "hertz", "youngs_modulus": "2 MPa", "end_of_contact": "clamped"}
 # Shaken like the others, so that its step is the one of tests/physics/test_hertz.py
@@ -29,7 +29,7 @@ DEPOSIT = {
 
 
 def scene(**material):
-    return set_up_few(material={**HERTZ, **material}).scene
+    return set_up_few_spheres(material={**HERTZ, **material}).scene
 
 
 def test_the_linear_law_at_an_overlap_gives_the_hertzian_force():
@@ -56,17 +56,17 @@ def test_the_linear_law_at_an_overlap_gives_the_hertzian_force():
 
 
 def test_the_linear_law_is_its_own():
-    law = compose(set_up_few().scene).law
+    law = compose(set_up_few_spheres().scene).law
     assert local_law(law, 1.0, 2.0, 1e-5) == (law, 1.0)
 
 
 def test_a_scene_has_the_friction_that_its_material_names():
     def features(**material):
-        found = compose(set_up_few(material=material).scene).features
+        found = compose(set_up_few_spheres(material=material).scene).features
         return found.hertz, found.friction, found.sliding
 
     def preloaded(**changes):
-        found = compose(set_up_few(**changes).scene).features
+        found = compose(set_up_few_spheres(**changes).scene).features
         return found.friction, found.preloaded
 
     assert features() == (False, True, NONE)
@@ -84,7 +84,7 @@ def test_a_scene_has_the_friction_that_its_material_names():
 
 
 def test_the_contact_time_is_that_of_the_smallest_grains():
-    made = set_up_few(material=HERTZ)
+    made = set_up_few_spheres(material=HERTZ)
     found = made.scene.hertzian
     assert made.scene.numerics.contact_time == found.duration
     volume = made.sample(range(40)).volume
@@ -99,10 +99,10 @@ def test_stiffer_and_faster_scenes_take_shorter_steps():
     """T ~ (m² / k²)^(1/5) v^(-1/5)."""
     soft, stiff = scene(), scene(youngs_modulus="20 MPa")
     assert stiff.numerics.time_step / soft.numerics.time_step == pytest.approx(10.0**-0.4, rel=1e-9)
-    tall = set_up_few(
+    tall = set_up_few_spheres(
         material=HERTZ, domain={"height": "2 m"}, generation={"velocity_z": "0 m/s", "velocity_horizontal": "0 m/s"}
     )
-    low = set_up_few(material=HERTZ, generation={"velocity_z": "0 m/s", "velocity_horizontal": "0 m/s"})
+    low = set_up_few_spheres(material=HERTZ, generation={"velocity_z": "0 m/s", "velocity_horizontal": "0 m/s"})
     assert tall.scene.numerics.time_step / low.scene.numerics.time_step == pytest.approx(10.0**-0.1, rel=1e-9)
 
 
@@ -116,15 +116,15 @@ def test_a_pinched_grain_sets_the_least_steps_and_fewer_are_refused():
     h = made.numerics.contact_time / needed
     assert 2.0 * (h**2 * law.stiffness + 2.0 * h * law.damping) == pytest.approx(4.0, rel=1e-9)
     with pytest.raises(ValueError, match=rf"at least {needed:.2f} steps are needed"):
-        compose(set_up_few(material=HERTZ, numerics={"steps_per_contact_time": 0.99 * needed}).scene)
+        compose(set_up_few_spheres(material=HERTZ, numerics={"steps_per_contact_time": 0.99 * needed}).scene)
 
 
 def test_a_bed_is_expected_to_need_what_its_weight_calls_for():
-    made = set_up_few(material={**HERTZ, "restitution": 1})
+    made = set_up_few_spheres(material={**HERTZ, "restitution": 1})
     scene_, drawn = made.scene, made.draw(np.arange(40))
     rest = overlap_at_rest(scene_, made.bases, drawn)
     assert 0.0 < rest < scene_.hertzian.deepest
-    heavy = set_up_few(material={**HERTZ, "restitution": 1}, amount={"grains": 40 * 8})
+    heavy = set_up_few_spheres(material={**HERTZ, "restitution": 1}, amount={"grains": 40 * 8})
     assert overlap_at_rest(heavy.scene, heavy.bases, heavy.draw(np.arange(40))) > 3.0 * rest  # 8^(2/3) of other grains
     stability = expect(scene_, made.bases, made.draw).stability
     assert compose(scene_).least_steps <= stability.expected < stability.cautious
@@ -133,7 +133,7 @@ def test_a_bed_is_expected_to_need_what_its_weight_calls_for():
 @pytest.fixture(scope="module")
 def deposit():
     """Strewn and shaken, a while after the last birth."""
-    made = set_up_few(**DEPOSIT)
+    made = set_up_few_spheres(**DEPOSIT)
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     births = []
     place = running.place
@@ -217,10 +217,10 @@ def test_its_springs_hold_two_fifths_k_times_the_overlap_to_five_halves(deposit)
 
 
 def test_explain_says_what_follows_from_the_stiffness():
-    told = explain(set_up_few(**DEPOSIT))
+    told = explain(set_up_few_spheres(**DEPOSIT))
     assert "Hertzian contacts with a viscous term" in told and "friction against the sliding velocity" in told
     time = float(re.search(r"contact time of (\S+) s", told)[1])
-    assert time == pytest.approx(set_up_few(**DEPOSIT).scene.numerics.contact_time, rel=1e-2)
+    assert time == pytest.approx(set_up_few_spheres(**DEPOSIT).scene.numerics.contact_time, rel=1e-2)
     assert "Sliding dies out in 0.01 s, by a force of at most 0.5 times the normal force" in told
 
 
@@ -250,4 +250,4 @@ def test_explain_says_what_follows_from_the_stiffness():
 )
 def test_what_does_not_go_together_is_refused(changes, said):
     with pytest.raises(ValueError, match=re.escape(said)):
-        set_up_few(**changes)
+        set_up_few_spheres(**changes)

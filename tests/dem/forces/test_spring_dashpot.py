@@ -1,7 +1,5 @@
 """Leaves of the force law by themselves."""
 
-from typing import NamedTuple
-
 import numpy as np
 import pytest
 
@@ -9,13 +7,7 @@ from simcore.dem.forces.coulomb_friction import tangent_of
 from simcore.dem.forces.patch_torque import patch_torque
 from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot
 from simcore.dem.vectors import Vec
-
-
-class Patch(NamedTuple):
-    """One row of what contacts and walls have for patches."""
-
-    spread: np.ndarray
-    twist: np.ndarray
+from tests.helpers.patch import Patch
 
 
 @pytest.mark.parametrize("moment", [-1.3e-23, 0.0, 1e-8])

@@ -16,6 +16,7 @@ from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features
 from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.dem.step.step import STAGES, Drive, make_advance
+from tests.helpers.polyhedra import make_pebble
 
 LAW = contact_law(0.5, 1e-3, 0.22, 0.0)  # friction 0: the same as none, to the bit
 STILL = Drive(
@@ -115,9 +116,9 @@ def test_ellipsoids_read_no_hull():
     assert np.abs(first.velocity - straight).max() > 0.1
 
 
-def test_polyhedra_at_their_deepest_point_find_no_patch(core):
+def test_polyhedra_at_their_deepest_point_find_no_patch():
     """There is no workspace for polygons, and no second moment is written."""
-    base, features = core.make_pebble(1), Features(POLYHEDRON, True)
+    base, features = make_pebble(1), Features(POLYHEDRON, True)
     shapes = collect_shapes([base])
     results = []
     for room in (make_workspace(shapes, 1), poisoned(make_workspace(shapes, 0))):

@@ -4,28 +4,13 @@ import numpy as np
 import pytest
 
 from simcore.dem.state.parts import assemble, take_part
-from tests.packing.test_process import run
+from tests.helpers.few_spheres import pack_few_spheres
+from tests.helpers.same_bits import arrays_of, assert_same_bits
 
 
 @pytest.fixture(scope="module")
 def packed():
-    return run()
-
-
-def arrays_of(bodies, near):
-    return {
-        f"{group}.{name}": array
-        for group, fields in (("body", bodies), ("contact", near.contacts), ("wall", near.walls))
-        for name, array in fields._asdict().items()
-    }
-
-
-def assert_same(first, second):
-    assert first.keys() == second.keys()
-    for name, array in first.items():
-        assert array.dtype == second[name].dtype and array.shape == second[name].shape, name
-        assert array.tobytes() == second[name].tobytes(), name
-        assert second[name].flags.c_contiguous, name
+    return pack_few_spheres()
 
 
 @pytest.mark.parametrize("shared", [False, True])
@@ -35,7 +20,7 @@ def test_any_parts_make_the_whole(packed, shared):
     owner = rng.integers(0, 3, len(packed.bodies.mass))
     parts = [take_part(packed.bodies, packed.candidates, np.flatnonzero(owner == k), shared) for k in (2, 0, 1)]
     whole = assemble(parts, np.arange(len(owner)))
-    assert_same(arrays_of(packed.bodies, packed.candidates), arrays_of(*whole))
+    assert_same_bits(arrays_of(packed.bodies, packed.candidates), arrays_of(*whole))
 
 
 def test_what_is_not_here_is_left_out(packed):

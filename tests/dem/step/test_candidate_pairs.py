@@ -9,6 +9,9 @@ from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
 from simcore.dem.step.candidate_pairs import find_pairs, list_candidates
+from tests.helpers.contact_pairs import ALL_FIELDS, UNIT_SPHERE, update_ellipsoids, update_mixed, update_polyhedra
+from tests.helpers.polyhedra import make_pebble
+from tests.helpers.rotations import random_orientations
 
 SHAPES = collect_shapes([unit_sphere()])
 
@@ -79,7 +82,7 @@ def test_places_on_the_border_of_box_and_cell():
     assert found_pairs(position, radius, 0.4) == all_pairs(position, radius, 0.4)
 
 
-def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair(core):
+def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair():
     rng = np.random.default_rng(2)
     n = 60
     position = rng.uniform(0.0, 0.3, (n, 3))
@@ -87,7 +90,7 @@ def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair(core):
     upright = np.tile([1.0, 0, 0, 0], (n, 1))
     bodies = make_bodies([unit_sphere()], np.zeros(n, int), np.full((n, 3), 0.03), position, upright, still, still, 1.0)
     bodies.position[:, 2] += 0.01  # some near the floor, some not
-    features = core.features._replace(preloaded=True)
+    features = ALL_FIELDS._replace(preloaded=True)
     first = list_candidates(bodies, SHAPES, Box(0.3), 0.005, features)
     old = first.contacts
     first.walls.spring[:] = 1.0 + first.walls.body[:, None]
@@ -135,13 +138,13 @@ def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair(core):
     assert (bodies.listed_position == bodies.position).all()
 
 
-def test_every_body_lists_its_contacts_in_order_of_partner_and_image(core):
+def test_every_body_lists_its_contacts_in_order_of_partner_and_image():
     rng = np.random.default_rng(3)
     n = 30
     position, still = rng.uniform(0.0, 0.1, (n, 3)), np.zeros((n, 3))
     upright = np.tile([1.0, 0, 0, 0], (n, 1))
     bodies = make_bodies([unit_sphere()], np.zeros(n, int), np.full((n, 3), 0.04), position, upright, still, still, 1.0)
-    contacts = list_candidates(bodies, SHAPES, Box(0.1), 0.0, core.features).contacts
+    contacts = list_candidates(bodies, SHAPES, Box(0.1), 0.0, ALL_FIELDS).contacts
     seen = 0
     for i in range(n):
         sides = contacts.incident[contacts.incident_start[i] : contacts.incident_start[i + 1]]
@@ -157,23 +160,23 @@ def test_every_body_lists_its_contacts_in_order_of_partner_and_image(core):
 
 
 @pytest.mark.parametrize("kind", ["convex", "ellipsoid", "mixed"])
-def test_no_pair_that_is_left_out_can_touch_before_the_next_list(core, kind):
+def test_no_pair_that_is_left_out_can_touch_before_the_next_list(kind):
     """Bodies whose points move by less than their margins: all that touch then was listed, though much was left out."""
     rng = np.random.default_rng(4)
     n, width = 150, 5.0
     margin = rng.choice([0.02, 0.125, 0.3], n)
-    hulls = [core.make_pebble(k, 20) for k in range(5)]
-    bases = {"convex": hulls, "ellipsoid": [core.sphere], "mixed": [*hulls[:3], core.sphere, core.sphere]}[kind]
+    hulls = [make_pebble(k, 20) for k in range(5)]
+    bases = {"convex": hulls, "ellipsoid": [UNIT_SPHERE], "mixed": [*hulls[:3], UNIT_SPHERE, UNIT_SPHERE]}[kind]
     shapes = collect_shapes(bases)
     features = Features({"convex": POLYHEDRON, "ellipsoid": ELLIPSOID, "mixed": MIXED}[kind], True)
-    position, turns, still = rng.uniform(0.0, width, (n, 3)), core.orientations(n, rng), np.zeros((n, 3))
+    position, turns, still = rng.uniform(0.0, width, (n, 3)), random_orientations(n, rng), np.zeros((n, 3))
     shape = rng.integers(0, len(bases), n)
     scale = np.array([[0.8] * 3 if len(base.vertices) else [0.8, 0.5, 0.3] for base in bases])[shape]
     bodies = make_bodies(bases, shape, scale, position, turns, still, still, 1.0)
     look = {
-        "convex": lambda b, c: core.look_at_polyhedra(shapes, b, c, width),
-        "ellipsoid": lambda b, c: core.look_at_ellipsoids(b, c, width),
-        "mixed": lambda b, c: core.look_at_mixed(shapes, b, c, width),
+        "convex": lambda b, c: update_polyhedra(shapes, b, c, width),
+        "ellipsoid": lambda b, c: update_ellipsoids(None, b, c, width),
+        "mixed": lambda b, c: update_mixed(shapes, b, c, width),
     }[kind]
     near = list_candidates(bodies, shapes, Box(width), margin, features)
     assert len(near.contacts.body_a) < 0.7 * len(find_pairs(position, bodies.radius + margin, Box(width)))

@@ -8,8 +8,8 @@ import pytest
 from simcore.packing.keeping import KEEP, KEEP_AND_STOP, Keeper
 from simcore.packing.packed import Interrupted
 from simcore.packing.process import pack
-from tests.dem.state.test_parts import arrays_of, assert_same
-from tests.helpers.few import set_up_few
+from tests.helpers.few_spheres import set_up_few_spheres
+from tests.helpers.same_bits import arrays_of, assert_same_bits
 
 
 class Memory(Keeper):
@@ -38,7 +38,7 @@ CHANGES = {"numerics": {"steps_per_contact_time": 20, "dashpot": "implicit"}, "a
 
 @pytest.fixture(scope="module")
 def made():
-    return set_up_few(**CHANGES)
+    return set_up_few_spheres(**CHANGES)
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def whole(made):
 
 
 def assert_packed_alike(first, second):
-    assert_same(arrays_of(first.bodies, first.candidates), arrays_of(second.bodies, second.candidates))
+    assert_same_bits(arrays_of(first.bodies, first.candidates), arrays_of(second.bodies, second.candidates))
     for name in ("observation", "steps", "time", "last_insertion", "checks", "stability"):
         assert getattr(first, name) == getattr(second, name), name
 

@@ -13,6 +13,8 @@ from simcore.packing.insertion.initial_states import initial_states, occupy_site
 from simcore.scene.domain import Domain, lattice_sites
 from simcore.scene.scene import Generation
 from simcore.scene.shapes import Draw
+from tests.helpers.contact_pairs import ALL_FIELDS, update_ellipsoids, update_polyhedra
+from tests.helpers.polyhedra import make_pebble
 
 BOX, CYLINDER = Domain("periodic", 0.1, 0.3), Domain("cylinder", 0.1, 0.3)
 
@@ -55,9 +57,9 @@ def corners(base, scale, rotation):
 @pytest.mark.parametrize("domain", [BOX, CYLINDER], ids=["periodic", "cylinder"])
 @pytest.mark.parametrize("orientation", ["upright", "random"])
 @pytest.mark.parametrize("kind", ["ellipsoid", "polyhedron"])
-def test_no_overlap_at_birth(core, domain, orientation, kind):
+def test_no_overlap_at_birth(domain, orientation, kind):
     rng = np.random.default_rng(1)
-    bases = [unit_sphere()] if kind == "ellipsoid" else [core.make_pebble(k, 20, (0.5, 0.75, 1.0)) for k in range(3)]
+    bases = [unit_sphere()] if kind == "ellipsoid" else [make_pebble(k, 20, (0.5, 0.75, 1.0)) for k in range(3)]
     n = 1500
     size = np.exp(rng.uniform(np.log(0.002), np.log(0.016), n))  # 1 : 8
     scale = size[:, None] * [0.5, 0.75, 1.0] if kind == "ellipsoid" else np.repeat(size[:, None], 3, axis=1)
@@ -77,12 +79,12 @@ def test_no_overlap_at_birth(core, domain, orientation, kind):
     )
     width = domain.width if domain.periodic else 0.0
     shapes = collect_shapes(bases)
-    contacts = list_candidates(bodies, shapes, Box(width), 0.0025, core.features).contacts
+    contacts = list_candidates(bodies, shapes, Box(width), 0.0025, ALL_FIELDS).contacts
     assert len(contacts.body_a) > 0 or orientation == "random", "nothing was near: the test shows nothing"
     if kind == "ellipsoid":
-        core.look_at_ellipsoids(bodies, contacts, width)
+        update_ellipsoids(None, bodies, contacts, width)
     else:
-        core.look_at_polyhedra(shapes, bodies, contacts, width)
+        update_polyhedra(shapes, bodies, contacts, width)
     assert contacts.touching.sum() == 0
     for i in range(count):
         points = birth.position[i] + corners(bases[drawn.shape[i]], scale[i], bodies.rotation[i])

@@ -7,10 +7,13 @@ import yaml
 from simcore.__main__ import main
 from simcore.campaign.studies import merge
 from simcore.dem.from_scene import compose
+from simcore.dem.shapes.hulls import POLYHEDRON
 from simcore.packing.packed import PackingError
 from simcore.packing.process import pack
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
+from tests.helpers.hand_placed_bodies import UNDAMPED, make_scene, place_bodies, run_watched, total_energy
+from tests.helpers.polyhedra import make_box
 
 GRAVITY = 9.81
 FEW = {
@@ -70,21 +73,21 @@ def test_grains_that_have_just_begun_to_fall_are_not_taken_for_a_bed_at_rest():
     check_rest(done, scene)
 
 
-def test_without_gravity_a_packing_is_refused(extreme):
+def test_without_gravity_a_packing_is_refused():
     with pytest.raises(ValueError, match=r"material.gravity: 0.0 m/s2 is out of bounds; it must be more than 0"):
         packed({"material": {"gravity": "0 m/s2"}})
 
 
-def test_without_gravity_momentum_is_kept(extreme):
+def test_without_gravity_momentum_is_kept():
     """A cloud of 27 spheres that fly into each other: Σ m v to rounding, and energy only falls."""
     rng = np.random.default_rng(5)
     place = np.stack(np.unravel_index(np.arange(27), (3, 3, 3)), axis=-1) * 0.008 + [0.01, 0.01, 0.1]
-    made = extreme.scene(material={"gravity": 0.0, "restitution": 0.5})
-    cloud = extreme.place(made, rng.uniform(2e-3, 3.5e-3, 27), place, velocity=-3.0 * (place - place.mean(axis=0)))
+    made = make_scene(material={"gravity": 0.0, "restitution": 0.5})
+    cloud = place_bodies(made, rng.uniform(2e-3, 3.5e-3, 27), place, velocity=-3.0 * (place - place.mean(axis=0)))
     mass = cloud.bodies.mass[:, None]
     momentum = (mass * cloud.bodies.velocity).sum(axis=0)
     largest = np.abs(mass * cloud.bodies.velocity).sum()
-    energies = extreme.run(cloud, 0.5)
+    energies = run_watched(cloud, 0.5)
     assert energies[-1] < 0.8 * energies[0] and (np.diff(energies) < 1e-3 * energies[0]).all()
     np.testing.assert_allclose((mass * cloud.bodies.velocity).sum(axis=0), momentum, atol=1e-12 * largest)
 
@@ -220,17 +223,17 @@ def test_the_command_line_ends_with_one_line(tmp_path, capsys):
     assert not (tmp_path / "none.nc").exists() and not (tmp_path / "wide.nc").exists()
 
 
-def still(process, extreme, duration):
+def still(process, duration):
     """Way of the grain that moved most [m], change of the energy [J], and largest speed [m/s], over `duration` [s]."""
-    before, start = process.bodies.position.copy(), extreme.energy(process)
+    before, start = process.bodies.position.copy(), total_energy(process)
     fastest = 0.0
     for _ in range(20):
-        process.advance(round(duration / 20 / process.dt), extreme.FREE)
+        process.advance(round(duration / 20 / process.dt), UNDAMPED)
         fastest = max(fastest, np.abs(process.bodies.velocity).max())
-    return np.abs(process.bodies.position - before).max(), extreme.energy(process) - start, fastest
+    return np.abs(process.bodies.position - before).max(), total_energy(process) - start, fastest
 
 
-def test_a_bed_of_spheres_rests_for_a_minute(extreme):
+def test_a_bed_of_spheres_rests_for_a_minute():
     """Settled for 3 s it neither creeps nor warms for 60 s, without any damping but that of the contacts.
 
     Rounding is eps of a coordinate, 1e-18 m, a step of 1e-4 s: speeds of 1e-14 m/s, which a sphere without neighbours
@@ -239,10 +242,10 @@ def test_a_bed_of_spheres_rests_for_a_minute(extreme):
     """
     rng = np.random.default_rng(2)
     place = np.stack(np.unravel_index(np.arange(18), (2, 3, 3)), axis=-1)[:, ::-1] * 0.0085 + [0.004, 0.004, 0.005]
-    made = extreme.scene(domain={"width": 0.0255}, numerics={"contact_time": 4e-3}, convergence={"interval": 0.5})
-    bed = extreme.place(made, rng.uniform(2.8e-3, 4.2e-3, 18), place + rng.uniform(-1e-4, 1e-4, (18, 3)))
-    extreme.run(bed, 3.0, damped=True)
-    crept, warmed, fastest = still(bed, extreme, 60.0)
+    made = make_scene(domain={"width": 0.0255}, numerics={"contact_time": 4e-3}, convergence={"interval": 0.5})
+    bed = place_bodies(made, rng.uniform(2.8e-3, 4.2e-3, 18), place + rng.uniform(-1e-4, 1e-4, (18, 3)))
+    run_watched(bed, 3.0, damped=True)
+    crept, warmed, fastest = still(bed, 60.0)
     overlap = GRAVITY / compose(made).law.stiffness
     print(f"60 s: crept {crept:.1e} m, energy {warmed:+.1e} J, speed {fastest:.1e} m/s; overlap {overlap:.1e} m")
     assert crept < 1e-2 * overlap
@@ -251,17 +254,17 @@ def test_a_bed_of_spheres_rests_for_a_minute(extreme):
 
 
 @pytest.mark.extremes
-def test_a_bed_of_bricks_rests_for_a_minute(extreme):
+def test_a_bed_of_bricks_rests_for_a_minute():
     """As that of spheres: a dozen bricks of three forms, fallen together, then left alone for 60 s."""
     rng = np.random.default_rng(3)
     place = np.stack(np.unravel_index(np.arange(12), (3, 2, 2)), axis=-1)[:, ::-1] * 0.0105 + [0.006, 0.006, 0.006]
-    made = extreme.scene(
-        extreme.POLYHEDRON, domain={"width": 0.021}, numerics={"contact_time": 4e-3}, convergence={"interval": 0.5}
+    made = make_scene(
+        POLYHEDRON, domain={"width": 0.021}, numerics={"contact_time": 4e-3}, convergence={"interval": 0.5}
     )
     edges = rng.permutation(np.repeat([[6e-3] * 3, [8e-3, 6e-3, 3e-3], [9e-3, 3e-3, 3e-3]], 4, axis=0))
-    bed = extreme.place(made, edges, place, orientation=rng.standard_normal((12, 4)), bases=[extreme.box()])
-    extreme.run(bed, 5.0, damped=True)
-    crept, warmed, fastest = still(bed, extreme, 60.0)
+    bed = place_bodies(made, edges, place, orientation=rng.standard_normal((12, 4)), bases=[make_box()])
+    run_watched(bed, 5.0, damped=True)
+    crept, warmed, fastest = still(bed, 60.0)
     overlap = GRAVITY / compose(made).law.stiffness
     print(f"60 s: crept {crept:.1e} m, energy {warmed:+.1e} J, speed {fastest:.1e} m/s; overlap {overlap:.1e} m")
     assert crept < 1e-2 * overlap

@@ -5,48 +5,57 @@ import pytest
 
 from simcore.dem.from_scene import compose
 from simcore.packing.packed import PackingError
+from tests.helpers.hand_placed_bodies import (
+    UNDAMPED,
+    floor_force,
+    make_scene,
+    pair_overlap,
+    place_bodies,
+    run_watched,
+    total_energy,
+)
 
 R = 3e-3
 GRAVITY = 9.81
 
 
 @pytest.mark.parametrize("contact_time", [2e-6, 2e-5, 2e-4, 2e-3, 1e-2])
-def test_a_column_of_spheres_stands_at_its_static_overlaps(extreme, contact_time):
+def test_a_column_of_spheres_stands_at_its_static_overlaps(contact_time):
     """From a hundredth of the study's contact time to ten times the laptop's: overlap = weight above / (k m_eff).
 
     What rounding leaves: positions of 0.03 m are known to eps, 4e-18 m, each step adds half of that, and a step of a
     contact that is held forgets some 40 of them: 1e-16 m. Motion dies as exp(-t / 2 T_c) in the slowest mode.
     """
-    made = extreme.scene(numerics={"contact_time": contact_time}, convergence={"interval": 10 * contact_time})
+    made = make_scene(numerics={"contact_time": contact_time}, convergence={"interval": 10 * contact_time})
     height = R * (1.0 + 2.0 * np.arange(5))
-    column = extreme.place(made, R, np.column_stack([0 * height, 0 * height, height]))
-    extreme.run(column, 600 * contact_time, damped=True)
+    column = place_bodies(made, R, np.column_stack([0 * height, 0 * height, height]))
+    run_watched(column, 600 * contact_time, damped=True)
     mass, stiffness = column.bodies.mass, compose(made).law.stiffness
     above = GRAVITY * np.cumsum(mass[::-1])[::-1]
     expected = above / (stiffness * np.where(np.arange(5) == 0, mass, 0.5 * mass))
-    found = [R - column.bodies.position[0, 2], *(extreme.overlap(column, k, k + 1) for k in range(4))]
+    found = [R - column.bodies.position[0, 2], *(pair_overlap(column, k, k + 1) for k in range(4))]
     np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-16)
-    assert extreme.floor_force(column) == pytest.approx(above[0], rel=1e-6)
+    assert floor_force(column) == pytest.approx(above[0], rel=1e-6)
     assert not column.bodies.position[:, :2].any()  # symmetry: not a bit to the side
 
 
 @pytest.mark.parametrize("restitution", [0.01, 0.1, 0.5, 0.9, 1.0])
-def test_a_bouncing_sphere_gains_nothing(extreme, restitution):
+def test_a_bouncing_sphere_gains_nothing(restitution):
     """Twenty impacts or until it lies: speed after the first within the step's error of e, and energy never rises.
 
     At 40 steps the error of e is 0.010 (verification.md 1.3); an elastic contact keeps its energy within
     (ω dt)² = (π / 40)² of it (tests/physics/test_energy.py).
     """
     contact_time = 1e-4
-    made = extreme.scene(
+    made = make_scene(
         material={"restitution": restitution}, numerics={"contact_time": contact_time}, convergence={"interval": 1e-3}
     )
     speed = 0.1
-    ball = extreme.place(made, R, [0, 0, R], velocity=[0, 0, -speed])
-    extreme.run(ball, 3 * contact_time)
+    ball = place_bodies(made, R, [0, 0, R], velocity=[0, 0, -speed])
+    run_watched(ball, 3 * contact_time)
     assert ball.bodies.velocity[0, 2] == pytest.approx(restitution * speed, abs=0.0105 * speed + GRAVITY * 3e-4)
-    start = extreme.energy(ball)
-    energies = extreme.run(ball, 20 * 2 * speed / GRAVITY)
+    start = total_energy(ball)
+    energies = run_watched(ball, 20 * 2 * speed / GRAVITY)
     slack = (np.pi / 40) ** 2 * 0.5 * ball.bodies.mass[0] * speed**2
     assert (energies - start).max() < slack * (1.0 if restitution == 1.0 else 1e-3)
     if restitution < 0.6:
@@ -56,17 +65,17 @@ def test_a_bouncing_sphere_gains_nothing(extreme, restitution):
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.01, 0.5, 10.0])
-def test_a_sliding_sphere_ends_rolling_whatever_the_friction(extreme, friction):
+def test_a_sliding_sphere_ends_rolling_whatever_the_friction(friction):
     """Angular momentum about the contact is kept: u = 5/7 u0 for any µ > 0, and all of u0 without friction.
 
     The contact lies half an overlap inside the sphere, so the arm is shorter by that.
     """
     contact_time, speed = 1e-4, 0.02
-    made = extreme.scene(material={"friction": max(friction, 1e-300)}, numerics={"contact_time": contact_time})
+    made = make_scene(material={"friction": max(friction, 1e-300)}, numerics={"contact_time": contact_time})
     sunk = GRAVITY / compose(made).law.stiffness
-    ball = extreme.place(made, R, [0, 0, R - sunk], velocity=[speed, 0, 0])
+    ball = place_bodies(made, R, [0, 0, R - sunk], velocity=[speed, 0, 0])
     slips = 2.0 * speed / (7.0 * friction * GRAVITY) if friction > 0.0 else 0.1
-    extreme.run(ball, max(1.5 * slips, 100 * contact_time))
+    run_watched(ball, max(1.5 * slips, 100 * contact_time))
     expected = 5.0 / 7.0 * speed if friction > 0.0 else speed
     assert ball.bodies.velocity[0, 0] == pytest.approx(expected, rel=2.0 * sunk / R + 1e-6)
     turns = expected / R if friction > 0.0 else 0.0
@@ -75,16 +84,16 @@ def test_a_sliding_sphere_ends_rolling_whatever_the_friction(extreme, friction):
 
 @pytest.mark.parametrize("contact_time", [2e-4, 1e-2])
 @pytest.mark.parametrize("share", [0.5, 1.0, 2.0])
-def test_a_start_with_deep_overlaps_parts_or_is_refused(extreme, contact_time, share):
+def test_a_start_with_deep_overlaps_parts_or_is_refused(contact_time, share):
     """Spheres that overlap by half a grain, a grain, and all (concentric): an error that names one, or they come apart.
 
     Elastic they would part at π/T_c times the overlap: 50 m/s at the study's contact time, more than any fall gives.
     """
-    made = extreme.scene(numerics={"contact_time": contact_time}, domain={"height": 0.1})
+    made = make_scene(numerics={"contact_time": contact_time}, domain={"height": 0.1})
     distance = R * (2.0 - share)
-    pair = extreme.place(made, R, [[0, 0, R], [distance, 0, R]])
+    pair = place_bodies(made, R, [[0, 0, R], [distance, 0, R]])
     try:
-        energies = extreme.run(pair, 100 * contact_time + 0.3, damped=True)
+        energies = run_watched(pair, 100 * contact_time + 0.3, damped=True)
     except PackingError as error:
         assert "grain 0" in str(error) or "grain 1" in str(error)
         return
@@ -94,23 +103,23 @@ def test_a_start_with_deep_overlaps_parts_or_is_refused(extreme, contact_time, s
 
 
 @pytest.mark.parametrize("contact_time", [2e-4, 1e-3])
-def test_a_drop_from_ten_metres(extreme, contact_time):
+def test_a_drop_from_ten_metres(contact_time):
     """Lands at √(2 g h), sinks in by 0.129 v T_c, leaves at a tenth of the speed, and comes to rest at its overlap.
 
     0.3 mm of a grain of 6 mm at the study's contact time, 1.8 mm at the laptop's.
     """
     height = 10.0
-    made = extreme.scene(domain={"height": 12.0}, numerics={"contact_time": contact_time})
-    ball = extreme.place(made, R, [0, 0, R + height])
+    made = make_scene(domain={"height": 12.0}, numerics={"contact_time": contact_time})
+    ball = place_bodies(made, R, [0, 0, R + height])
     falls = np.sqrt(2.0 * height / GRAVITY)
-    ball.advance(round((falls - 2 * contact_time) / ball.dt), extreme.FREE)
+    ball.advance(round((falls - 2 * contact_time) / ball.dt), UNDAMPED)
     speed, deepest = np.sqrt(2.0 * GRAVITY * height), 0.0
     for _ in range(round(5 * contact_time / ball.dt)):
-        ball.advance(1, extreme.FREE)
+        ball.advance(1, UNDAMPED)
         deepest = max(deepest, R - ball.bodies.position[0, 2])
     # One step of first order at 40 steps: 1/40 of the way, and of e as in verification.md 1.3
     assert deepest == pytest.approx(0.1290665 * speed * contact_time, rel=0.05)
     away = ball.bodies.velocity[0, 2]
     assert away == pytest.approx(0.0899 * speed, abs=0.0065 * speed + 5 * GRAVITY * contact_time)
-    extreme.run(ball, 0.5, damped=True)
+    run_watched(ball, 0.5, damped=True)
     assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / compose(made).law.stiffness, rel=1e-3)

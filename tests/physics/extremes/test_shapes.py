@@ -5,7 +5,18 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.from_scene import compose
+from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON
 from simcore.packing.packed import PackingError
+from tests.helpers.hand_placed_bodies import (
+    UNDAMPED,
+    floor_force,
+    make_scene,
+    pair_overlap,
+    place_bodies,
+    run_watched,
+    total_energy,
+)
+from tests.helpers.polyhedra import make_box, make_symmetric_polyhedron
 
 GRAVITY = 9.81
 LONG = 0.02
@@ -14,31 +25,31 @@ CONTACT_TIME = 1e-3
 FORMS = {"needle": [LONG, THIN, THIN], "plate": [LONG, LONG, THIN]}
 
 
-def setting(extreme, kind, **groups):
+def setting(kind, **groups):
     groups = {"numerics": {"contact_time": CONTACT_TIME}, "domain": {"width": 0.1}, **groups}
-    return extreme.scene(extreme.POLYHEDRON if kind == "hull" else extreme.ELLIPSOID, **groups)
+    return make_scene(POLYHEDRON if kind == "hull" else ELLIPSOID, **groups)
 
 
-def thrown(extreme, kind, form, tilt, **groups):
+def thrown(kind, form, tilt, **groups):
     """Process of one grain 1:100, tilted and just above the floor."""
     edges = np.array(FORMS[form])
     reach = 0.5 * (LONG * np.sin(tilt) + THIN * np.cos(tilt))
-    return extreme.place(
-        setting(extreme, kind, **groups), [edges if kind == "hull" else 0.5 * edges], [0, 0, reach + 1e-3],
+    return place_bodies(
+        setting(kind, **groups), [edges if kind == "hull" else 0.5 * edges], [0, 0, reach + 1e-3],
         orientation=Rotation.from_rotvec([0.0, tilt, 0.0]).as_quat(scalar_first=True),
-        bases=[extreme.box()] if kind == "hull" else None,
+        bases=[make_box()] if kind == "hull" else None,
     )  # fmt: skip
 
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("kind", ["hull", pytest.param("ellipsoid", marks=pytest.mark.extremes)])
-def test_a_thin_grain_falls_flat(extreme, kind, form):
+def test_a_thin_grain_falls_flat(kind, form):
     """Dropped at 40° it loses energy only, and ends lying: its centre half as high as it is thick.
 
     Contacts give g / k per mass; a rocking ellipsoid is held up to the same height by its curvature.
     """
-    grain = thrown(extreme, kind, form, np.radians(40.0))
-    energies = extreme.run(grain, 1.0, damped=True)
+    grain = thrown(kind, form, np.radians(40.0))
+    energies = run_watched(grain, 1.0, damped=True)
     assert (np.diff(energies) < 1e-6 * energies[0]).all()
     gives = GRAVITY / compose(grain.scene).law.stiffness
     assert grain.bodies.position[0, 2] == pytest.approx(0.5 * THIN - gives, abs=0.5 * gives + 1e-3 * THIN)
@@ -46,7 +57,7 @@ def test_a_thin_grain_falls_flat(extreme, kind, form):
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_thin_grains_lie_on_each_other(extreme, form):
+def test_thin_grains_lie_on_each_other(form):
     """Three plates, or three needles crosswise, 1:100: at rest the contacts carry what is above, n m g each.
 
     They are stiffer than usual, so that what the springs give, 1e-8 m, is little of the thickness of 2e-4 m.
@@ -55,57 +66,57 @@ def test_thin_grains_lie_on_each_other(extreme, form):
     edges = np.tile(FORMS[form], (n, 1))
     height = THIN * (np.arange(n) + 0.5)
     turn = Rotation.from_rotvec(np.outer(np.arange(n) % 2, [0.0, 0.0, np.pi / 2])).as_quat(scalar_first=True)
-    made = setting(extreme, "hull", numerics={"contact_time": contact_time})
-    pile = extreme.place(
-        made, edges, np.column_stack([0 * height, 0 * height, height]), orientation=turn, bases=[extreme.box()]
+    made = setting("hull", numerics={"contact_time": contact_time})
+    pile = place_bodies(
+        made, edges, np.column_stack([0 * height, 0 * height, height]), orientation=turn, bases=[make_box()]
     )
-    extreme.run(pile, 0.1, damped=True)
+    run_watched(pile, 0.1, damped=True)
     mass, stiffness = pile.bodies.mass[0], compose(made).law.stiffness
-    found = [extreme.overlap(pile, k, k + 1) for k in range(n - 1)]
+    found = [pair_overlap(pile, k, k + 1) for k in range(n - 1)]
     np.testing.assert_allclose(found, [2 * GRAVITY / (0.5 * stiffness), GRAVITY / (0.5 * stiffness)], rtol=0.02)
-    assert extreme.floor_force(pile) == pytest.approx(n * mass * GRAVITY, rel=1e-3)
+    assert floor_force(pile) == pytest.approx(n * mass * GRAVITY, rel=1e-3)
 
 
-def octahedron(extreme):
-    return extreme.hull(np.vstack([np.eye(3), -np.eye(3)]), "8 faces")
+def octahedron():
+    return make_symmetric_polyhedron(np.vstack([np.eye(3), -np.eye(3)]), "8 faces")
 
 
-def ball(extreme, faces=5000):
+def ball(faces=5000):
     """Hull of faces / 2 + 2 points spread evenly over the unit sphere (a Fibonacci lattice and its mirror image)."""
     n = faces // 2 + 2
     k = np.arange(n) + 0.5
     z, turn = 1.0 - 2.0 * k / n, np.pi * (1.0 + np.sqrt(5.0)) * k
     ring = np.sqrt(1.0 - z * z)
-    return extreme.hull(np.column_stack([ring * np.cos(turn), ring * np.sin(turn), z]), f"{faces} faces")
+    return make_symmetric_polyhedron(np.column_stack([ring * np.cos(turn), ring * np.sin(turn), z]), f"{faces} faces")
 
 
-def test_grains_of_8_and_of_5000_faces(extreme):
+def test_grains_of_8_and_of_5000_faces():
     """Three of each tumble into a narrow box: they lose energy only, come to rest, and the floor carries them.
 
     What friction's springs hold is not counted; given back, it shows as a gain of 1e-6.
     """
-    bases = [octahedron(extreme), ball(extreme)]
+    bases = [octahedron(), ball()]
     assert [len(base.faces) for base in bases] == [8, 5000]
     size = 3e-3
     position = np.array([[3.5, 3.5, 4.0 + 7.0 * k] for k in range(6)]) * 1e-3 + 1e-4 * np.arange(6)[:, None] % 3e-4
-    made = setting(extreme, "hull", domain={"width": 0.007})
-    bed = extreme.place(made, size, position, bases=bases, shape=[0, 1, 0, 1, 1, 0])
-    energies = extreme.run(bed, 0.7, damped=True)
+    made = setting("hull", domain={"width": 0.007})
+    bed = place_bodies(made, size, position, bases=bases, shape=[0, 1, 0, 1, 1, 0])
+    energies = run_watched(bed, 0.7, damped=True)
     assert (np.diff(energies) < 1e-5 * energies[0]).all()
     assert np.abs(bed.bodies.velocity).max() < 5e-3
-    assert extreme.floor_force(bed) == pytest.approx(GRAVITY * bed.bodies.mass.sum(), rel=0.02)
+    assert floor_force(bed) == pytest.approx(GRAVITY * bed.bodies.mass.sum(), rel=0.02)
     assert bed.contacts.overlap.max() < 0.02 * size
 
 
-def test_a_ball_of_5000_faces_is_a_sphere_to_its_contacts(extreme):
+def test_a_ball_of_5000_faces_is_a_sphere_to_its_contacts():
     """Stood on another one it lies as high as spheres would, but for the sagitta of a face, and what springs give.
 
     Faces of a unit ball of area 4 π / 5000 have circumradii of 0.04, at most twice that: sagitta below 0.0032.
     """
     size = 3e-3
-    made = setting(extreme, "hull")
-    pair = extreme.place(made, size, [[0, 0, size], [0, 0, 3.0 * size]], bases=[ball(extreme)])
-    extreme.run(pair, 0.02, damped=True)
+    made = setting("hull")
+    pair = place_bodies(made, size, [[0, 0, size], [0, 0, 3.0 * size]], bases=[ball()])
+    run_watched(pair, 0.02, damped=True)
     gives = GRAVITY / compose(made).law.stiffness
     low, high = pair.bodies.position[:, 2]
     assert size * (1.0 - 0.0032) - 3 * gives < low < size
@@ -114,19 +125,19 @@ def test_a_ball_of_5000_faces_is_a_sphere_to_its_contacts(extreme):
 
 @pytest.mark.parametrize("contact_time", [2e-4, 1e-2])
 @pytest.mark.parametrize("share", [0.5, 1.0])
-def test_cubes_that_start_within_each_other_part_or_are_refused(extreme, contact_time, share):
+def test_cubes_that_start_within_each_other_part_or_are_refused(contact_time, share):
     """By half an edge, and concentric, where no direction is special: an error that names one, or they come apart."""
     edge = 6e-3
-    made = setting(extreme, "hull", numerics={"contact_time": contact_time})
+    made = setting("hull", numerics={"contact_time": contact_time})
     away = np.array([0.8, 0.6, 0.0]) * edge * (1.0 - share) / 0.8
-    pair = extreme.place(made, edge, [[0, 0, 0.5 * edge], [0, 0, 0.5 * edge] + away], bases=[extreme.box()])
+    pair = place_bodies(made, edge, [[0, 0, 0.5 * edge], [0, 0, 0.5 * edge] + away], bases=[make_box()])
     try:
-        energies = extreme.run(pair, 100 * contact_time + 0.3, damped=True)
+        energies = run_watched(pair, 100 * contact_time + 0.3, damped=True)
     except PackingError as error:
         assert "grain 0" in str(error) or "grain 1" in str(error)
         return
     assert np.isfinite(pair.bodies.position).all()
-    assert extreme.overlap(pair, 0, 1) < 1e-2 * edge
+    assert pair_overlap(pair, 0, 1) < 1e-2 * edge
     assert np.linalg.norm(pair.bodies.position[1] - pair.bodies.position[0]) > 0.98 * edge
     assert energies[-1] < energies[0]
 
@@ -137,21 +148,21 @@ SPINS = [(form, per_step) for form in FORMS for per_step in (1e-3, 0.1)] + [
 
 
 @pytest.mark.parametrize("form, per_step", SPINS)
-def test_a_free_spinning_grain_keeps_spin_and_energy(extreme, form, per_step):
+def test_a_free_spinning_grain_keeps_spin_and_energy(form, per_step):
     """Without gravity, up to a radian a step: angular momentum to the bit, energy bounded, the quaternion of length 1.
 
     The splitting is symmetric: its energy error does not drift, and is (ω dt)² / 12 at most. A needle that turns by a
     radian a step is not resolved: of its moments, 1:5000, the small one gets the energy. That must not go unnoticed.
     """
-    made = setting(extreme, "hull", material={"gravity": 0.0})
+    made = setting("hull", material={"gravity": 0.0})
     rate = per_step / made.numerics.time_step
     # About the axis of the largest moment, a tenth beside it
     axis = np.array([0.1, 0.02, 1.0])
-    grain = extreme.place(made, [FORMS[form]], [0, 0, 0.5], spin=rate * axis, bases=[extreme.box()])
+    grain = place_bodies(made, [FORMS[form]], [0, 0, 0.5], spin=rate * axis, bases=[make_box()])
     momentum = grain.bodies.angular_momentum.copy()
-    start = extreme.energy(grain)
+    start = total_energy(grain)
     try:
-        energies = extreme.run(grain, 4000 * grain.dt)
+        energies = run_watched(grain, 4000 * grain.dt)
     except PackingError as error:
         assert per_step == 1.0 and "grain 0" in str(error)
         return
@@ -160,19 +171,19 @@ def test_a_free_spinning_grain_keeps_spin_and_energy(extreme, form, per_step):
     assert np.abs(energies / start - 1.0).max() < per_step**2 / 12.0 + 1e-12
 
 
-def test_a_grain_that_spins_fast_meets_its_neighbour(extreme):
+def test_a_grain_that_spins_fast_meets_its_neighbour():
     """A needle at 200 turns a second sweeps a sphere's worth of room: the first touch is where its tip comes round.
 
     A list that did not count the turning would miss it, with the centres at rest.
     """
     # A step of the tip is 0.03 mm, a seventh of its thickness.
-    made = setting(extreme, "hull", material={"gravity": 0.0}, numerics={"contact_time": 1e-4})
+    made = setting("hull", material={"gravity": 0.0}, numerics={"contact_time": 1e-4})
     rate = 2.0 * np.pi * 200.0
     # The other, a cube, stands where the tip passes after a quarter of a turn.
     tip = 0.5 * LONG
-    pair = extreme.place(
+    pair = place_bodies(
         made, [FORMS["needle"], [0.002] * 3], [[0, 0, 0.5], [0, 0.9 * tip + 0.001, 0.5]],
-        spin=[[0, 0, rate], [0, 0, 0]], bases=[extreme.box()],
+        spin=[[0, 0, rate], [0, 0, 0]], bases=[make_box()],
     )  # fmt: skip
     # Its corner at x = 1 mm is met at the angle acos(0.001 / r), r to that corner.
     corner = np.array([0.001, 0.9 * tip])
@@ -180,7 +191,7 @@ def test_a_grain_that_spins_fast_meets_its_neighbour(extreme):
     met = angle / rate / pair.dt
     first = None
     for step in range(round(1.2 * met)):
-        pair.advance(1, extreme.FREE)
+        pair.advance(1, UNDAMPED)
         if pair.contacts.touching.any():
             first = step
             break
@@ -189,13 +200,13 @@ def test_a_grain_that_spins_fast_meets_its_neighbour(extreme):
 
 
 @pytest.mark.parametrize("rate", [100.0, 1000.0])
-def test_a_sphere_set_down_spinning_ends_rolling(extreme, rate):
+def test_a_sphere_set_down_spinning_ends_rolling(rate):
     """Angular momentum about the contact is kept: u = 2/7 R ω, up to 160 turns a second."""
     radius, contact_time = 3e-3, 1e-4
-    made = extreme.scene(numerics={"contact_time": contact_time}, material={"friction": 0.5})
+    made = make_scene(numerics={"contact_time": contact_time}, material={"friction": 0.5})
     sunk = GRAVITY / compose(made).law.stiffness
-    ball = extreme.place(made, radius, [0, 0, radius - sunk], spin=[0, rate, 0])
+    ball = place_bodies(made, radius, [0, 0, radius - sunk], spin=[0, rate, 0])
     ends = 2.0 / 7.0 * radius * rate / (0.5 * GRAVITY)
-    extreme.run(ball, 1.2 * ends)
+    run_watched(ball, 1.2 * ends)
     assert ball.bodies.velocity[0, 0] == pytest.approx(2.0 / 7.0 * radius * rate, rel=1e-3)
     assert ball.bodies.angular_velocity[0, 1] == pytest.approx(2.0 / 7.0 * rate, rel=1e-3)

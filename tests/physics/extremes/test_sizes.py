@@ -4,20 +4,23 @@ import numpy as np
 import pytest
 
 from simcore.dem.from_scene import compose
+from simcore.dem.shapes.hulls import POLYHEDRON, SPHERE
 from simcore.packing.packed import PackingError
+from tests.helpers.hand_placed_bodies import UNDAMPED, floor_force, make_scene, pair_overlap, place_bodies, run_watched
+from tests.helpers.polyhedra import make_box
 
 GRAVITY = 9.81
 STUDY = 2e-4  # [s], contact time
 
 
-def column(extreme, radii, contact_time=STUDY):
+def column(radii, contact_time=STUDY):
     """Process of touching spheres on top of each other, and how far each contact must give: floor first."""
     radii = np.asarray(radii, float)
     height = np.cumsum(2.0 * radii) - radii
-    made = extreme.scene(
+    made = make_scene(
         domain={"width": 16.0 * radii.max()}, numerics={"contact_time": contact_time}, convergence={"interval": 0.02}
     )
-    stood = extreme.place(made, radii, np.column_stack([0 * radii, 0 * radii, height]))
+    stood = place_bodies(made, radii, np.column_stack([0 * radii, 0 * radii, height]))
     mass = stood.bodies.mass
     above = GRAVITY * np.cumsum(mass[::-1])[::-1]
     effective = mass.copy()
@@ -26,30 +29,30 @@ def column(extreme, radii, contact_time=STUDY):
 
 
 @pytest.mark.parametrize("ratio", [1, 10, 100, 1000])
-def test_a_light_grain_carries_a_heavy_one(extreme, ratio):
+def test_a_light_grain_carries_a_heavy_one(ratio):
     """Static overlap in closed form: the spring of a pair follows the lighter mass, so it gives M/m times more.
 
     That weak spring has as weak a dashpot: the heavy one comes to rest at a rate of 2.3 m / (M T_c), 12/s at 1:1000.
     """
     light = 5e-4
-    stood, above, expected = column(extreme, [light, light * ratio ** (1.0 / 3.0), light])
-    extreme.run(stood, 2.0, damped=True)
-    found = [light - stood.bodies.position[0, 2], extreme.overlap(stood, 0, 1), extreme.overlap(stood, 1, 2)]
+    stood, above, expected = column([light, light * ratio ** (1.0 / 3.0), light])
+    run_watched(stood, 2.0, damped=True)
+    found = [light - stood.bodies.position[0, 2], pair_overlap(stood, 0, 1), pair_overlap(stood, 1, 2)]
     np.testing.assert_allclose(found, expected, rtol=1e-4)
-    assert extreme.floor_force(stood) == pytest.approx(above[0], rel=1e-4)
+    assert floor_force(stood) == pytest.approx(above[0], rel=1e-4)
 
 
 @pytest.mark.parametrize("ratio", [1e5, 1e6])
-def test_a_light_grain_crushed_by_a_heavy_one_is_refused(extreme, ratio):
+def test_a_light_grain_crushed_by_a_heavy_one_is_refused(ratio):
     """The spring of the light grain would have to give 1 and 10 times its diameter: an error that names a grain."""
     light = 5e-4
-    stood, _, expected = column(extreme, [light, light * ratio ** (1.0 / 3.0)])
+    stood, _, expected = column([light, light * ratio ** (1.0 / 3.0)])
     assert expected[0] > 2.0 * light
     with pytest.raises(PackingError, match=r"grain [01]"):
-        extreme.run(stood, 0.5, damped=True)
+        run_watched(stood, 0.5, damped=True)
 
 
-def test_a_million_to_one_in_mass_and_a_hundred_to_one_in_size_in_one_bed(extreme):
+def test_a_million_to_one_in_mass_and_a_hundred_to_one_in_size_in_one_bed():
     """A boulder among 120 grains of a hundredth of its size: they come to rest, and the floor carries all.
 
     The grains are in no other's way but the boulder's: they fall round it and on it, and none ends inside.
@@ -61,25 +64,25 @@ def test_a_million_to_one_in_mass_and_a_hundred_to_one_in_size_in_one_bed(extrem
     order = np.argsort(angle)
     position[:60, 2] = 2.02 * big + 3.0 * small * np.argsort(order[order < 60])
     position[60:, 2] = 2.0 * small + 3.0 * small * np.argsort(order[order >= 60])
-    made = extreme.scene(domain={"width": 0.2}, numerics={"contact_time": STUDY})
+    made = make_scene(domain={"width": 0.2}, numerics={"contact_time": STUDY})
     radius = np.concatenate([[big], np.full(120, small)])
-    bed = extreme.place(made, radius, np.vstack([[0, 0, big], position]))
+    bed = place_bodies(made, radius, np.vstack([[0, 0, big], position]))
     assert bed.bodies.mass[0] / bed.bodies.mass[1] == pytest.approx(1e6)
-    energies = extreme.run(bed, 2.0, damped=True)
+    energies = run_watched(bed, 2.0, damped=True)
     assert (np.diff(energies) < 1e-9 * energies[0]).all()
     offset = bed.bodies.position[1:] - bed.bodies.position[0]
     assert (np.linalg.norm(offset, axis=1) > (big + small) - 0.01 * small).all()
     assert (bed.bodies.position[1:, 2] > 0.99 * small).all()
     rests = bed.bodies.position[1:, 2] < 1.5 * small
     assert rests.sum() > 60 and np.linalg.norm(bed.bodies.velocity[1:][rests], axis=1).max() < 0.05
-    assert extreme.floor_force(bed) == pytest.approx(GRAVITY * bed.bodies.mass.sum(), rel=1e-4)
+    assert floor_force(bed) == pytest.approx(GRAVITY * bed.bodies.mass.sum(), rel=1e-4)
 
 
-def heap(extreme, kind, scale=1.0, place=(0.0, 0.0), duration=0.2):
+def heap(kind, scale=1.0, place=(0.0, 0.0), duration=0.2):
     """Twelve grains fallen together in a box, its corner at `place` [m]; lengths times `scale`, times times √scale."""
     size, time = 6e-3 * scale, np.sqrt(scale)
-    made = extreme.scene(
-        extreme.SPHERE if kind == "sphere" else extreme.POLYHEDRON,
+    made = make_scene(
+        SPHERE if kind == "sphere" else POLYHEDRON,
         domain={"width": 0.02 * scale, "height": 1.0 * scale},
         numerics={"contact_time": 1e-3 * time},
         convergence={"interval": 0.01 * time},
@@ -91,22 +94,22 @@ def heap(extreme, kind, scale=1.0, place=(0.0, 0.0), duration=0.2):
     across = rng.uniform(0.7, 1.0, (12, 3)) * size
     if kind == "sphere":
         across = 0.7 * across[:, :1] * np.ones(3)
-    fell = extreme.place(
+    fell = place_bodies(
         made, across, position, velocity=[0.0, 0.0, -0.5 * time], orientation=rng.standard_normal((12, 4)),
-        bases=None if kind == "sphere" else [extreme.box()],
+        bases=None if kind == "sphere" else [make_box()],
     )  # fmt: skip
-    fell.advance(round(duration * time / fell.dt), extreme.FREE)
+    fell.advance(round(duration * time / fell.dt), UNDAMPED)
     return fell
 
 
 @pytest.mark.parametrize("kind", ["sphere", "brick"])
 @pytest.mark.parametrize("scale", [4.0**-5, 4.0**4])
-def test_micrometres_and_metres_give_the_bits_of_millimetres(extreme, kind, scale):
+def test_micrometres_and_metres_give_the_bits_of_millimetres(kind, scale):
     """Gravity's only length is that of the grains: with times as √scale all is the same, and a power of four is exact.
 
     So grains of 6 µm and of 1.5 m must move as those of 6 mm to the last bit; an absolute tolerance would show.
     """
-    usual, scaled = heap(extreme, kind), heap(extreme, kind, scale)
+    usual, scaled = heap(kind), heap(kind, scale)
     assert usual.contacts.touching.sum() + usual.walls.touching.sum() > 10
     assert (scaled.bodies.position == usual.bodies.position * scale).all()
     assert (scaled.bodies.velocity == usual.bodies.velocity * np.sqrt(scale)).all()
@@ -115,7 +118,7 @@ def test_micrometres_and_metres_give_the_bits_of_millimetres(extreme, kind, scal
 
 @pytest.mark.parametrize("kind", ["sphere", "brick"])
 @pytest.mark.parametrize("widths", [64, 50_000])
-def test_far_from_the_origin_grains_fall_as_they_do_there(extreme, kind, widths):
+def test_far_from_the_origin_grains_fall_as_they_do_there(kind, widths):
     """1.3 m and 1 km out, in whole widths of the box: nothing but the rounding of the coordinates may differ.
 
     A coordinate x is known to eps x / 2. In a contact an error δ of the overlap becomes π δ / T_c of speed, and within
@@ -123,8 +126,8 @@ def test_far_from_the_origin_grains_fall_as_they_do_there(extreme, kind, widths)
     corner's lever of up to four, in 0.01 s. Later the difference grows as that of any two packings.
     """
     shift, duration = 0.02 * widths, 0.01
-    usual = heap(extreme, kind, duration=duration)
-    far = heap(extreme, kind, place=(shift, -shift), duration=duration)
+    usual = heap(kind, duration=duration)
+    far = heap(kind, place=(shift, -shift), duration=duration)
     assert usual.contacts.touching.any() or usual.walls.touching.any()
     error = np.abs(far.bodies.position - [shift, -shift, 0.0] - usual.bodies.position).max()
     print(f"{kind}, {shift:g} m out: {error:.1e} m")

@@ -4,23 +4,26 @@ import numpy as np
 import pytest
 
 from simcore.dem.from_scene import compose
+from simcore.dem.shapes.hulls import POLYHEDRON
+from tests.helpers.hand_placed_bodies import floor_force, make_scene, place_bodies, run_watched
+from tests.helpers.polyhedra import make_box
 
 GRAVITY = 9.81
 EDGE = 0.01
 CONTACT_TIME = 1e-3
 
 
-def pile(extreme, position, edges, contact_time=CONTACT_TIME, friction=0.5):
+def pile(position, edges, contact_time=CONTACT_TIME, friction=0.5):
     """Process of bricks of those edges (3,) or (n, 3), their centres at `position` (n, 3) when faces just touch."""
-    made = extreme.scene(
-        extreme.POLYHEDRON,
+    made = make_scene(
+        POLYHEDRON,
         domain={"width": 0.4},
         material={"friction": friction},
         numerics={"contact_time": contact_time},
     )
     position = np.asarray(position, float)
     edges = np.broadcast_to(edges, position.shape)
-    return extreme.place(made, edges, position, bases=[extreme.box()])
+    return place_bodies(made, edges, position, bases=[make_box()])
 
 
 def moved(process, start):
@@ -29,13 +32,13 @@ def moved(process, start):
     return np.abs(way[:, :2]).max(), (-way[:, 2]).max()
 
 
-def check_it_stands(extreme, stack, start, compliance):
+def check_it_stands(stack, start, compliance):
     """It has neither crept nor sunk by more than its contacts give, it is still, and the floor carries all of it."""
     sideways, down = moved(stack, start)
     print(f"moved {sideways:.1e} m, sunk {down:.1e} m, contacts give {compliance:.1e} m")
     assert sideways < compliance and down < compliance
     assert np.abs(stack.bodies.velocity).max() < 1e-6
-    assert extreme.floor_force(stack) == pytest.approx(GRAVITY * stack.bodies.mass.sum(), rel=1e-3)
+    assert floor_force(stack) == pytest.approx(GRAVITY * stack.bodies.mass.sum(), rel=1e-3)
 
 
 def gives(made, weights):
@@ -44,12 +47,12 @@ def gives(made, weights):
 
 
 @pytest.mark.parametrize("n", [2, 12])
-def test_a_column_of_cubes_stands(extreme, n):
+def test_a_column_of_cubes_stands(n):
     """Twelve cubes for 1 s: the lowest contact carries all, and they have sunk in by what the springs give."""
     start = np.column_stack([np.zeros(n), np.zeros(n), EDGE * (np.arange(n) + 0.5)])
-    stack = pile(extreme, start, EDGE)
-    extreme.run(stack, 1.0)
-    check_it_stands(extreme, stack, start, gives(stack.scene, range(1, n + 1)))
+    stack = pile(start, EDGE)
+    run_watched(stack, 1.0)
+    check_it_stands(stack, start, gives(stack.scene, range(1, n + 1)))
 
 
 def pyramid(rows):
@@ -58,16 +61,16 @@ def pyramid(rows):
 
 
 @pytest.mark.parametrize("rows", [2, 4])
-def test_a_pyramid_of_bricks_stands(extreme, rows):
+def test_a_pyramid_of_bricks_stands(rows):
     """Every brick's centre lies over the joint of two below: it stands for 1 s. Bricks of a row do not touch."""
     start = pyramid(rows)
-    stack = pile(extreme, start * [1.001, 1.0, 1.0], EDGE * np.array([2.0, 1.0, 1.0]))
+    stack = pile(start * [1.001, 1.0, 1.0], EDGE * np.array([2.0, 1.0, 1.0]))
     start = stack.bodies.position.copy()
-    extreme.run(stack, 1.0)
-    check_it_stands(extreme, stack, start, gives(stack.scene, range(1, 2 * rows)))
+    run_watched(stack, 1.0)
+    check_it_stands(stack, start, gives(stack.scene, range(1, 2 * rows)))
 
 
-def test_a_pyramid_of_cubes_stands(extreme):
+def test_a_pyramid_of_cubes_stands():
     """3 × 3, 2 × 2 and one: each cube lies on the corners of four."""
     start = (
         EDGE
@@ -77,13 +80,13 @@ def test_a_pyramid_of_cubes_stands(extreme):
         )
     )
     start[:, 2] = EDGE * (np.repeat([0, 1, 2], [9, 4, 1]) + 0.5)
-    stack = pile(extreme, start, EDGE)
-    extreme.run(stack, 1.0)
-    check_it_stands(extreme, stack, start, gives(stack.scene, range(1, 6)))
+    stack = pile(start, EDGE)
+    run_watched(stack, 1.0)
+    check_it_stands(stack, start, gives(stack.scene, range(1, 6)))
 
 
 @pytest.mark.parametrize("share, stands", [(0.9, True), (1.1, False)])
-def test_the_leaning_tower_of_bricks(extreme, share, stands):
+def test_the_leaning_tower_of_bricks(share, stands):
     """Bricks over each other's edge by 1/2, 1/4, 1/6, ... of their half length, from the top, just balance.
 
     By nine tenths of that the tower stands, by eleven tenths it must fall. Stiff, so that nothing sinks in by what
@@ -93,8 +96,8 @@ def test_the_leaning_tower_of_bricks(extreme, share, stands):
     steps = share * 0.5 * length / np.arange(n - 1, 0, -1.0)  # from the bottom: 1/3, 1/2, 1 of the half length
     over = np.concatenate([[0.0], np.cumsum(steps)])
     start = np.column_stack([over, np.zeros(n), EDGE * (np.arange(n) + 0.5)])
-    tower = pile(extreme, start, [length, EDGE, EDGE], contact_time)
-    extreme.run(tower, 0.4)
+    tower = pile(start, [length, EDGE, EDGE], contact_time)
+    run_watched(tower, 0.4)
     sideways, down = moved(tower, start)
     print(f"moved {sideways:.1e} m, sunk {down:.1e} m")
     if stands:
@@ -103,29 +106,29 @@ def test_the_leaning_tower_of_bricks(extreme, share, stands):
         assert down > 0.5 * EDGE
 
 
-def test_bricks_set_down_exactly_touching_carry_each_other(extreme):
+def test_bricks_set_down_exactly_touching_carry_each_other():
     """Their overlap starts at zero to the last digits, and in the first steps it can round to 0.0 again.
 
     A contact that ended so was forgotten for millimetres: the bricks sank through each other, 0.5 mm in 0.01 s.
     """
     steps = 0.9 * EDGE / np.arange(3.0, 0.0, -1.0)
     start = np.column_stack([np.concatenate([[0.0], np.cumsum(steps)]), np.zeros(4), EDGE * (np.arange(4) + 0.5)])
-    tower = pile(extreme, start, [2.0 * EDGE, EDGE, EDGE], 2e-4)
-    extreme.run(tower, 0.01)
+    tower = pile(start, [2.0 * EDGE, EDGE, EDGE], 2e-4)
+    run_watched(tower, 0.01)
     assert moved(tower, start)[1] < 1e-5
 
 
-def test_a_pyramid_on_its_tip_falls(extreme):
+def test_a_pyramid_on_its_tip_falls():
     """One brick, two on it, three on those: the outer ones have nothing below their centre."""
     start = EDGE * np.array([[2.002 * k - 1.001 * row, 0.0, row + 0.5] for row in range(3) for k in range(row + 1)])
-    stack = pile(extreme, start, EDGE * np.array([2.0, 1.0, 1.0]))
-    extreme.run(stack, 0.5)
+    stack = pile(start, EDGE * np.array([2.0, 1.0, 1.0]))
+    run_watched(stack, 0.5)
     assert moved(stack, start)[1] > 0.5 * EDGE
     assert np.isfinite(stack.bodies.position).all()
 
 
 @pytest.mark.parametrize("friction, stands", [(0.5, False), (0.65, True)])
-def test_a_house_of_two_cards_stands_where_friction_holds_it(extreme, friction, stands):
+def test_a_house_of_two_cards_stands_where_friction_holds_it(friction, stands):
     """Two plates that lean on each other at 30° to the vertical stand for µ > tan 30° = 0.577.
 
     By symmetry they push each other horizontally, with H = m g tan 30° / 2, which the feet hold for µ > 0.289. But the
@@ -135,13 +138,13 @@ def test_a_house_of_two_cards_stands_where_friction_holds_it(extreme, friction, 
     # Centres such that the upper inner edges meet in the plane x = 0 and the lower outer ones stand on the floor.
     reach = 0.5 * (length * np.sin(angle) + thick * np.cos(angle))
     height = 0.5 * (length * np.cos(angle) + thick * np.sin(angle))
-    made = extreme.scene(
-        extreme.POLYHEDRON, domain={"width": 0.4}, material={"friction": friction}, numerics={"contact_time": 2e-4}
+    made = make_scene(
+        POLYHEDRON, domain={"width": 0.4}, material={"friction": friction}, numerics={"contact_time": 2e-4}
     )
     turn = np.array([[np.cos(angle / 2), 0, s * np.sin(angle / 2), 0] for s in (1, -1)])
-    house = extreme.place(
-        made, [thick, 0.02, length], [[-reach, 0, height], [reach, 0, height]], orientation=turn, bases=[extreme.box()]
+    house = place_bodies(
+        made, [thick, 0.02, length], [[-reach, 0, height], [reach, 0, height]], orientation=turn, bases=[make_box()]
     )
-    extreme.run(house, 0.3)
+    run_watched(house, 0.3)
     fell = house.bodies.position[:, 2].min() < 0.9 * height
     assert fell != stands

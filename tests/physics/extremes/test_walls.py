@@ -6,35 +6,38 @@ from scipy.spatial.transform import Rotation
 
 from simcore.campaign.studies import merge
 from simcore.dem.from_scene import compose
+from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE
 from simcore.packing.process import pack
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
+from tests.helpers.hand_placed_bodies import SPECIFICATION, floor_force, make_scene, place_bodies, run_watched
+from tests.helpers.polyhedra import make_box
 
 GRAVITY = 9.81
 R = 3e-3
 CONTACT_TIME = 5e-4
 
 
-def tube(extreme, width, kind=None, **groups):
-    return extreme.scene(
-        extreme.SPHERE if kind is None else kind, domain={"type": "cylinder", "width": width},
+def tube(width, kind=None, **groups):
+    return make_scene(
+        SPHERE if kind is None else kind, domain={"type": "cylinder", "width": width},
         numerics={"contact_time": CONTACT_TIME}, **groups,
     )  # fmt: skip
 
 
-def test_a_sphere_on_the_axis_of_a_cylinder_stays_there(extreme):
+def test_a_sphere_on_the_axis_of_a_cylinder_stays_there():
     """To the bit, by symmetry; also where it fills the cylinder but for a hair, and so is near the wall all round."""
     for width in (2.000001 * R, 10 * R):
-        ball = extreme.place(tube(extreme, width), R, [0, 0, 3 * R])
-        extreme.run(ball, 0.3, damped=True)
+        ball = place_bodies(tube(width), R, [0, 0, 3 * R])
+        run_watched(ball, 0.3, damped=True)
         assert not ball.bodies.position[0, :2].any()
         assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / compose(ball.scene).law.stiffness, rel=1e-4)
 
 
-def test_a_sphere_too_wide_for_its_cylinder_is_squeezed_but_finite(extreme):
+def test_a_sphere_too_wide_for_its_cylinder_is_squeezed_but_finite():
     """It overlaps the wall all round; on the axis no side is special, and what it is pushed to must stay a number."""
-    ball = extreme.place(tube(extreme, 1.99 * R), R, [0, 0, R])
-    extreme.run(ball, 0.05, damped=True)
+    ball = place_bodies(tube(1.99 * R), R, [0, 0, R])
+    run_watched(ball, 0.05, damped=True)
     assert np.isfinite(ball.bodies.position).all()
     assert np.hypot(*ball.bodies.position[0, :2]) < 0.02 * R
 
@@ -66,47 +69,45 @@ def test_a_cylinder_narrower_than_two_grains_is_filled(ratio):
 
 
 @pytest.mark.parametrize("angle", [0.0, 1.0, 2.5])
-def test_a_sphere_thrown_into_the_edge_of_a_cylinder_comes_to_rest_beside_it(extreme, angle):
+def test_a_sphere_thrown_into_the_edge_of_a_cylinder_comes_to_rest_beside_it(angle):
     """It meets wall and floor at once, loses energy only, and lies within, wherever it was thrown."""
     radius = 5 * R
     out = np.array([np.cos(angle), np.sin(angle), 0.0])
-    ball = extreme.place(
-        tube(extreme, 2 * radius), R, (radius - 1.2 * R) * out + [0, 0, 1.2 * R], velocity=out - [0, 0, 1]
-    )
-    energies = extreme.run(ball, 1.5, damped=True)
+    ball = place_bodies(tube(2 * radius), R, (radius - 1.2 * R) * out + [0, 0, 1.2 * R], velocity=out - [0, 0, 1])
+    energies = run_watched(ball, 1.5, damped=True)
     assert (np.diff(energies) < 1e-6 * energies[0]).all()
     assert np.hypot(*ball.bodies.position[0, :2]) < radius - R * (1.0 - 1e-3)
     assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / compose(ball.scene).law.stiffness, rel=1e-3)
 
 
-def test_a_ring_of_spheres_leans_on_the_cylinder(extreme):
+def test_a_ring_of_spheres_leans_on_the_cylinder():
     """Six on the floor in the edge, touching the wall, and one on top of their middle: all at rest, and within."""
     radius = 3.05 * R
     turn = np.arange(6) * np.pi / 3.0
     low = np.column_stack([(radius - R) * np.cos(turn), (radius - R) * np.sin(turn), np.full(6, R)])
-    made = tube(extreme, 2.0 * radius)
-    bed = extreme.place(made, R, np.vstack([low, [[0, 0, 3.0 * R]], [[0.3 * R, 0, 6.0 * R]]]))
-    energies = extreme.run(bed, 1.0, damped=True)
+    made = tube(2.0 * radius)
+    bed = place_bodies(made, R, np.vstack([low, [[0, 0, 3.0 * R]], [[0.3 * R, 0, 6.0 * R]]]))
+    energies = run_watched(bed, 1.0, damped=True)
     assert (np.diff(energies) < 1e-6 * energies[0]).all()
     assert np.hypot(*bed.bodies.position[:, :2].T).max() < radius - R * (1.0 - 1e-3)
-    assert extreme.floor_force(bed) == pytest.approx(GRAVITY * bed.bodies.mass.sum(), rel=1e-2)
+    assert floor_force(bed) == pytest.approx(GRAVITY * bed.bodies.mass.sum(), rel=1e-2)
 
 
 @pytest.mark.extremes
 @pytest.mark.parametrize("kind", ["hull", "ellipsoid"])
-def test_a_needle_falls_across_a_cylinder_shorter_than_it(extreme, kind):
+def test_a_needle_falls_across_a_cylinder_shorter_than_it(kind):
     """A needle of 1.2 diameters leans between floor and wall or both walls: at rest it is within, and carried."""
     width, length, thick = 0.02, 0.024, 0.002
     tilt = np.radians(50.0)
     edges = np.array([length, thick, thick])
-    made = tube(extreme, width, extreme.POLYHEDRON if kind == "hull" else extreme.ELLIPSOID)
+    made = tube(width, POLYHEDRON if kind == "hull" else ELLIPSOID)
     reach = 0.5 * length * np.sin(tilt) + thick
-    grain = extreme.place(
+    grain = place_bodies(
         made, [edges if kind == "hull" else 0.5 * edges], [0, 0, reach + 1e-3],
         orientation=Rotation.from_rotvec([0.0, tilt, 0.0]).as_quat(scalar_first=True),
-        bases=[extreme.box()] if kind == "hull" else None,
+        bases=[make_box()] if kind == "hull" else None,
     )  # fmt: skip
-    energies = extreme.run(grain, 2.0, damped=True)
+    energies = run_watched(grain, 2.0, damped=True)
     assert (np.diff(energies) < 1e-6 * energies[0]).all()
     assert np.abs(grain.bodies.velocity).max() < 5e-3
     long_axis = Rotation.from_quat(grain.bodies.orientation[0], scalar_first=True).apply([1.0, 0.0, 0.0])
@@ -116,25 +117,25 @@ def test_a_needle_falls_across_a_cylinder_shorter_than_it(extreme, kind):
         assert tip[2] > -0.1 * thick
 
 
-def test_a_sphere_wider_than_its_box_presses_on_its_own_images(extreme):
+def test_a_sphere_wider_than_its_box_presses_on_its_own_images():
     """In x and in y, each by the same: no net force, so it falls and lies as if it were alone."""
     width = 2.0 * R * (1.0 - 2.0**-10)
-    ball = extreme.place(
-        extreme.scene(domain={"width": width}, numerics={"contact_time": CONTACT_TIME}), R, [0, 0, 1.5 * R]
+    ball = place_bodies(
+        make_scene(domain={"width": width}, numerics={"contact_time": CONTACT_TIME}), R, [0, 0, 1.5 * R]
     )
-    extreme.run(ball, 0.3, damped=True)
+    run_watched(ball, 0.3, damped=True)
     assert sorted(map(tuple, ball.contacts.image[ball.contacts.touching > 0])) == [(0, 1), (1, 0)]
     np.testing.assert_allclose(ball.contacts.overlap[ball.contacts.touching > 0], 2.0 * R - width, rtol=1e-12)
     assert not ball.bodies.position[0, :2].any() and not ball.bodies.angular_momentum.any()
     assert R - ball.bodies.position[0, 2] == pytest.approx(GRAVITY / compose(ball.scene).law.stiffness, rel=1e-4)
 
 
-def test_a_pair_touches_through_two_images(extreme):
+def test_a_pair_touches_through_two_images():
     """Two spheres that fill the period in x: each meets the other on both sides, and is pressed from both alike."""
     width = 4.0 * R * (1.0 - 2.0**-10)
-    made = extreme.scene(domain={"width": width}, numerics={"contact_time": CONTACT_TIME})
-    pair = extreme.place(made, R, [[0, 0, R], [0.5 * width, 0, R]])
-    extreme.run(pair, 0.2, damped=True)
+    made = make_scene(domain={"width": width}, numerics={"contact_time": CONTACT_TIME})
+    pair = place_bodies(made, R, [[0, 0, R], [0.5 * width, 0, R]])
+    run_watched(pair, 0.2, damped=True)
     contacts = pair.contacts
     touching = contacts.touching > 0
     assert sorted(map(tuple, contacts.image[touching])) == [(-1, 0), (0, 0)]
@@ -143,7 +144,7 @@ def test_a_pair_touches_through_two_images(extreme):
     np.testing.assert_allclose(pair.bodies.position[:, 0], [0.0, 0.5 * width], atol=1e-12)
 
 
-def test_needles_longer_than_their_box_are_packed_in_it(extreme):
+def test_needles_longer_than_their_box_are_packed_in_it():
     """Born upright they have room, and fall over: a box of 16 mm holds needles of 22 mm, one through its own image.
 
     At rest as any packing, the floor carries them, and no overlap is more than a hundredth of a needle's thickness.
@@ -153,7 +154,7 @@ def test_needles_longer_than_their_box_are_packed_in_it(extreme):
         "shapes": {"kind": "ellipsoid", "choice": "form", "flatness": 0.9, "elongation": 0.25},
         "amount": {"grains": 8},
     }
-    made = set_up(resolve(merge(extreme.specification, changes)), lambda group: [])
+    made = set_up(resolve(merge(SPECIFICATION, changes)), lambda group: [])
     done = pack(made.scene, made.bases, made.draw)
     length, thickness = 2.0 * done.bodies.scale.max(), 2.0 * done.bodies.scale.min()
     assert length > 0.02
@@ -166,7 +167,7 @@ def test_needles_longer_than_their_box_are_packed_in_it(extreme):
 
 
 @pytest.mark.parametrize("kind", ["sphere", "hull", "ellipsoid"])
-def test_a_narrow_box_is_what_many_copies_side_by_side_are(extreme, kind):
+def test_a_narrow_box_is_what_many_copies_side_by_side_are(kind):
     """Three grains wider than the box that holds them, against 7 × 7 copies in the open: the same forces and torques.
 
     Grains are up to 2.5 periods long. Contacts are the same pairs seen from another place: to rounding.
@@ -183,12 +184,12 @@ def test_a_narrow_box_is_what_many_copies_side_by_side_are(extreme, kind):
     turns[0] = Rotation.from_rotvec([0.0, 0.0, np.arctan(1.0 / 3.0)]).as_quat(scalar_first=True)
     position = np.column_stack([rng.uniform(0.0, width, (3, 2)), [2.2e-3, 3.4e-3, 5.0e-3]])
     velocity, spin = 0.01 * rng.standard_normal((3, 3)), rng.standard_normal((3, 3))
-    which = {"sphere": extreme.SPHERE, "hull": extreme.POLYHEDRON, "ellipsoid": extreme.ELLIPSOID}[kind]
-    bases = [extreme.box()] if kind == "hull" else None
+    which = {"sphere": SPHERE, "hull": POLYHEDRON, "ellipsoid": ELLIPSOID}[kind]
+    bases = [make_box()] if kind == "hull" else None
 
     def put(width, position, repeats):
-        made = extreme.scene(which, domain={"width": width}, numerics={"contact_time": CONTACT_TIME})
-        process = extreme.place(
+        made = make_scene(which, domain={"width": width}, numerics={"contact_time": CONTACT_TIME})
+        process = place_bodies(
             made, np.tile(scale, (repeats, 1)), position, np.tile(velocity, (repeats, 1)), np.tile(spin, (repeats, 1)),
             np.tile(turns, (repeats, 1)), bases,
         )  # fmt: skip

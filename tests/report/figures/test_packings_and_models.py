@@ -10,12 +10,14 @@ from simcore.grains.form import features
 from simcore.models.regression import fit
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.report.figures.packings import packing_figure, packings_figure, profile_figure
+from tests.helpers.figures import error_bar_points
+from tests.helpers.packings import make_packing, sphere_lattice
 
 
 @pytest.fixture
-def bed(packings):
-    centres, width = packings.lattice("bcc", 3, 6)
-    return packings.make(1e-2 * centres, 5e-3, width=1e-2 * width)
+def bed():
+    centres, width = sphere_lattice("bcc", 3, 6)
+    return make_packing(1e-2 * centres, 5e-3, width=1e-2 * width)
 
 
 @pytest.fixture
@@ -68,11 +70,6 @@ def legend(axes):
     return [text.get_text() for text in axes.get_legend().get_texts()]
 
 
-def bars(axes):
-    """The points with error bars of an axes, dict of label to (x, y)."""
-    return {box.get_label(): box[0].get_xydata() for box in axes.containers}
-
-
 def test_form_figure_has_a_fit_for_each_case_and_feature(forms, study, tmp_path):
     figure = form_figure(forms, study=study[0], r22_models=study[1])
     figure.savefig(tmp_path / "figure.pdf")
@@ -93,7 +90,7 @@ def test_form_figure_has_a_fit_for_each_case_and_feature(forms, study, tmp_path)
     np.testing.assert_allclose(fit_line[:, 1], 0.3 + 0.02 * fit_line[:, 0])
     (theirs,) = (line for label, line in lines.items() if label.startswith("Rettinger"))
     np.testing.assert_allclose(theirs[:, 1], 0.278 + 0.019 * theirs[:, 0] + 0.014 * forms.L[:6].mean())
-    assert len(bars(figure.axes[0])["6 forms"]) == 6
+    assert len(error_bar_points(figure.axes[0])["6 forms"]) == 6
 
 
 def test_prediction_figure_holds_every_packing(forms, tmp_path):
@@ -102,7 +99,7 @@ def test_prediction_figure_holds_every_packing(forms, tmp_path):
     figure = prediction_figure(predictions, [model])
     check(figure, tmp_path)
     assert len(figure.axes) == 1
-    assert sum(map(len, bars(figure.axes[0]).values())) == len(forms)
+    assert sum(map(len, error_bar_points(figure.axes[0]).values())) == len(forms)
 
 
 def test_the_studys_predictions_stand_beside_ours_with_their_error(forms, tmp_path):
@@ -113,7 +110,7 @@ def test_the_studys_predictions_stand_beside_ours_with_their_error(forms, tmp_pa
     assert [axes.get_title() for axes in (ours, theirs)] == ["our model", "model of Rettinger et al."]
     assert "U1: mean error −0.0100, RMS 0.0100" in legend(theirs)
     np.testing.assert_allclose(
-        np.concatenate([points[:, 1] for points in bars(theirs).values()]), np.asarray(forms.n) - 0.01
+        np.concatenate([points[:, 1] for points in error_bar_points(theirs).values()]), np.asarray(forms.n) - 0.01
     )
 
 
@@ -125,9 +122,9 @@ def test_shape_kinds_name_their_difference_and_show_spheres_where_there_are(form
     near = pd.DataFrame({"case": "U1", "EQ": [1.0, 1 / 1.1, 1 / 1.2], "n": [0.36, 0.34, 0.33], "n_std_error": 0.004})
     figure = shape_kind_figure(pairs, near)
     check(figure, tmp_path)
-    points = bars(figure.axes[0])
+    points = error_bar_points(figure.axes[0])
     np.testing.assert_allclose(points["spheres"], [[1.0, 0.36]])
     np.testing.assert_allclose(points["ellipsoids with FL = EL"], [[1.1, 0.34], [1.2, 0.33]])
     assert len(points["grains (polyhedra)"]) == len(points["their equivalent ellipsoids"]) == 6
     assert "equal spheres, Rettinger et al.: 0.36" in [text.get_text() for text in figure.legends[0].get_texts()]
-    assert "spheres" not in bars(figure.axes[1])  # U7 has none
+    assert "spheres" not in error_bar_points(figure.axes[1])  # U7 has none

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from simcore.report.figures.rendering import camera_axes, project, render
+from tests.helpers.packings import make_packing
+from tests.helpers.polyhedra import CUBE
 
 RED, BLUE = [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]
 
@@ -14,12 +16,12 @@ def shown_area(image, extent):
     return image[..., 3].sum() * (extent[1] - extent[0]) / columns * (extent[3] - extent[2]) / rows
 
 
-def test_silhouettes_have_their_area(packings):
+def test_silhouettes_have_their_area():
     """Pixel counting errs by about the outline's pixels to the power 1/2 over the area: far below 1 % at 400 pixels."""
-    sphere = packings.make([[1.0, 2.0, 3.0]], 0.7)
+    sphere = make_packing([[1.0, 2.0, 3.0]], 0.7)
     image, extent = render(sphere, [RED], pixels=400)
     assert shown_area(image, extent) == pytest.approx(np.pi * 0.49, rel=5e-3)
-    cube = packings.make([[0.0, 0.0, 0.0]], 2.0, vertices=packings.cube)
+    cube = make_packing([[0.0, 0.0, 0.0]], 2.0, vertices=CUBE)
     image, extent = render(cube, [RED], azimuth=-90.0, elevation=90.0, pixels=400)
     assert shown_area(image, extent) == pytest.approx(4.0, rel=1e-2)
     # Along a diagonal of the horizontal a cube shows sqrt(2) times its face.
@@ -27,16 +29,16 @@ def test_silhouettes_have_their_area(packings):
     assert shown_area(image, extent) == pytest.approx(4.0 * np.sqrt(2), rel=1e-2)
 
 
-def test_nearer_grains_hide_farther_ones(packings):
-    stack = packings.make([[0, 0, 0], [0, 0, 5]], [[1.0, 1.0, 1.0], [0.5, 0.5, 0.5]])
+def test_nearer_grains_hide_farther_ones():
+    stack = make_packing([[0, 0, 0], [0, 0, 5]], [[1.0, 1.0, 1.0], [0.5, 0.5, 0.5]])
     image, _ = render(stack, [RED, BLUE], azimuth=-90.0, elevation=90.0, pixels=200)
     middle = np.array(image.shape[:2]) // 2
     assert image[middle[0], middle[1], 2] > 0 == image[middle[0], middle[1], 0]
     assert image[middle[0], 10, 0] > 0 == image[middle[0], 10, 2]
 
 
-def test_picture_lies_at_the_projected_place(packings):
-    pair = packings.make([[0.0, 0.0, 0.0], [4.0, 1.0, 2.0]], 0.5)
+def test_picture_lies_at_the_projected_place():
+    pair = make_packing([[0.0, 0.0, 0.0], [4.0, 1.0, 2.0]], 0.5)
     _, extent = render(pair, [RED, BLUE], azimuth=-60.0, elevation=20.0, pixels=600)
     centres = project(pair["position"].values, -60.0, 20.0)
     expected = [

@@ -5,11 +5,7 @@ import pandas as pd
 import pytest
 
 from simcore.report.figures.studies import porosities_figure, study_figure, sweep_figure, trends_figure
-
-
-def bars(axes):
-    """The points with error bars of an axes, dict of label to (x, y)."""
-    return {box.get_label(): box[0].get_xydata() for box in axes.containers}
+from tests.helpers.figures import error_bar_points
 
 
 def table(**columns):
@@ -23,7 +19,7 @@ def test_settings_are_rows_with_the_study_and_the_experiment(tmp_path):
     axes = figure.axes[0]
     assert [label.get_text() for label in axes.get_yticklabels()] == ["U7, 1", "B50, 2.5"]
     assert axes.get_xlabel() == "porosity n [-]"
-    points = bars(axes)
+    points = error_bar_points(axes)
     assert set(points) == {"simulated (± std. error)", "Rettinger et al. (± std. over runs)", "experiment (± std.)"}
     np.testing.assert_allclose(points["simulated (± std. error)"][:, 0], [0.3, 0.26])
     np.testing.assert_allclose(points["experiment (± std.)"][:, 0], 0.31)
@@ -35,7 +31,7 @@ def test_a_time_is_an_axis_in_order(tmp_path):
     figure.savefig(tmp_path / "f.png", dpi=40)
     axes = figure.axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("duration of shaking [s]", "porosity n [-]")
-    points = bars(axes)
+    points = error_bar_points(axes)
     np.testing.assert_allclose(points["U7, simulated (± std. error)"], [[1, 0.3], [3, 0.29], [6, 0.28]])
     np.testing.assert_allclose(points["U7, Rettinger et al."], [[1, 0.291], [3, 0.285], [6, 0.282]])
 
@@ -44,14 +40,14 @@ def test_a_width_is_given_in_millimetres():
     rows = table(case=["U7"] * 2, width_m=[0.1, 0.2], mass_kg=[4.0, 16.0], n=[0.28, 0.3])
     axes = porosities_figure(rows, ["case", "width_m", "mass_kg"]).axes[0]
     assert axes.get_xlabel() == "width of the domain [mm]"
-    np.testing.assert_allclose(bars(axes)["U7, simulated (± std. error)"][:, 0], [100.0, 200.0])
+    np.testing.assert_allclose(error_bar_points(axes)["U7, simulated (± std. error)"][:, 0], [100.0, 200.0])
 
 
 def test_original_meshes_stand_after_the_numbers():
     rows = table(case=["U7"] * 3, faces=["original", "300", "50"], n=[0.28, 0.29, 0.3])
     axes = sweep_figure(rows, "faces").axes[0]
     assert [label.get_text() for label in axes.get_xticklabels()] == ["50", "300", "original"]
-    np.testing.assert_allclose(bars(axes)["U7, simulated (± std. error)"][:, 1], [0.3, 0.29, 0.28])
+    np.testing.assert_allclose(error_bar_points(axes)["U7, simulated (± std. error)"][:, 1], [0.3, 0.29, 0.28])
 
 
 def test_forms_are_drawn_over_their_equancy(tmp_path):
@@ -61,11 +57,11 @@ def test_forms_are_drawn_over_their_equancy(tmp_path):
     figure.savefig(tmp_path / "f.png", dpi=40)
     first, second = figure.axes
     assert first.get_xlabel() == "mean EQ$^{-1}$ = L/S [-]" and first.get_ylabel() == "porosity n [-]"
-    np.testing.assert_allclose(bars(first)["simulated (± std. error)"], [[2, 0.36], [4, 0.4]])
+    np.testing.assert_allclose(error_bar_points(first)["simulated (± std. error)"], [[2, 0.36], [4, 0.4]])
     np.testing.assert_allclose(
-        bars(first)["model of Rettinger et al. for these forms (± its error)"][:, 1], [0.35, 0.38]
+        error_bar_points(first)["model of Rettinger et al. for these forms (± its error)"][:, 1], [0.35, 0.38]
     )
-    assert len(bars(second)) == 1
+    assert len(error_bar_points(second)) == 1
 
 
 def test_one_setting_is_a_row_whatever_varies():

@@ -16,24 +16,16 @@ from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import ELLIPSOID, MIXED
 from simcore.dem.vectors import Vec, read
 from simcore.scene.specification import resolve
-from tests.dem.contact.pairs.test_ellipsoids import IDENTITY, KNOWN, look, random_pairs
-from tests.helpers.few import few, set_up_few
+from tests.helpers.contact_pairs import UNIT_SPHERE, certain_gap, make_update, place_pairs
+from tests.helpers.ellipsoid_pairs import KNOWN_PAIRS, random_pairs, search_pairs
+from tests.helpers.few_spheres import set_up_few_spheres, specify_few_spheres
+from tests.helpers.rotations import IDENTITY, random_orientations
 
 EPS = np.finfo(float).eps
 meeting_of, separation, characteristic = potential.meeting_of, potential.separation, potential.characteristic
 MANY = potential.MANY
 
-
-@numba.njit(error_model="numpy")
-def look_by_potentials(bodies, contacts, width):
-    """Check every contact, search what is pending; returns how many were searched."""
-    searched = 0
-    for p in range(len(contacts.body_a)):
-        check_potentials(None, bodies, contacts, p, width, True)
-        if contacts.pending[p] != 0:
-            search_potentials(None, bodies, contacts, p, width, True)
-            searched += 1
-    return searched
+update_by_potentials = make_update(check_potentials, search_potentials)
 
 
 @numba.njit(error_model="numpy")
@@ -134,15 +126,15 @@ CLOSED = {"spheres", "triaxial", "needles crossed", "sphere on the flat side", "
 WITHIN = {"concentric", "sphere at the tip", "sphere beside"}
 
 
-@pytest.mark.parametrize("name", KNOWN)
+@pytest.mark.parametrize("name", KNOWN_PAIRS)
 @pytest.mark.parametrize("size", [1.0, 1e-6, 1e3])
-def test_known_pairs(core, name, size):
+def test_known_pairs(name, size):
     """verification.md 3.2: overlap or not; and its depth, where the contact vector is the common normal."""
-    semi_a, semi_b, turn, centre, distance = KNOWN[name]
-    bodies, _, contacts = core.place_pairs(
-        [core.sphere] * 2, [semi_a, semi_b], [IDENTITY, turn], np.atleast_2d(centre), size
+    semi_a, semi_b, turn, centre, distance = KNOWN_PAIRS[name]
+    bodies, _, contacts = place_pairs(
+        [UNIT_SPHERE] * 2, [semi_a, semi_b], [IDENTITY, turn], np.atleast_2d(centre), size
     )
-    look_by_potentials(bodies, contacts, 0.0)
+    update_by_potentials(None, bodies, contacts, 0.0)
     assert contacts.pending[0] == 0
     extent = bodies.radius.sum() / size
     assert np.linalg.norm(contacts.direction[0]) == pytest.approx(1.0, abs=4 * EPS)
@@ -151,7 +143,7 @@ def test_known_pairs(core, name, size):
         np.testing.assert_allclose(contacts.direction[0], (0.135045, 0.353553, 0.925615), atol=1e-6)
     elif distance > 0.0:
         assert contacts.touching[0] == 0
-        assert 0.0 < core.gap(contacts, 0) / size <= distance + 1e-12 * extent
+        assert 0.0 < certain_gap(contacts, 0) / size <= distance + 1e-12 * extent
     else:
         assert contacts.touching[0] == 1
         if name in CLOSED | WITHIN:
@@ -176,7 +168,7 @@ ROOTS = {  # verification.md 3.2
 
 @pytest.mark.parametrize("name", ROOTS)
 def test_the_known_roots_are_roots(name):
-    semi_a, semi_b, turn, centre, _ = KNOWN[name]
+    semi_a, semi_b, turn, centre, _ = KNOWN_PAIRS[name]
     _, m, _ = forms(np.array([semi_a, semi_b], float), np.array([IDENTITY, turn], float))
     low, high = np.array(ROOTS[name])
     # Given with six digits: it changes its sign within 1e-6 of them, and is positive between them.
@@ -199,7 +191,7 @@ def positive_roots(whole_a, whole_b, r):
     return np.sort(real[real > 0.0])
 
 
-def test_two_positive_roots_or_none_decide(core):
+def test_two_positive_roots_or_none_decide():
     """Against all four roots; and the plane given for a separated pair separates it."""
     rng = np.random.default_rng(5)
     n = 1000
@@ -219,41 +211,39 @@ def test_two_positive_roots_or_none_decide(core):
 
 
 @pytest.mark.parametrize("flattest", [0.3, 0.01])
-def test_both_constructions_agree_on_who_touches(core, flattest):
+def test_both_constructions_agree_on_who_touches(flattest):
     rng = np.random.default_rng(6)
     n = 400
     semi, turns, offsets = random_pairs(rng, n, flattest)
-    bodies, by_normal = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
+    bodies, by_normal = search_pairs(semi[0], semi[1], turns[0], turns[1], offsets)
     scale, both = np.stack(semi, axis=1).reshape(-1, 3), np.stack(turns, axis=1).reshape(-1, 4)
-    _, _, contacts = core.place_pairs([core.sphere] * (2 * n), scale, both, offsets)
-    look_by_potentials(bodies, contacts, 0.0)
+    _, _, contacts = place_pairs([UNIT_SPHERE] * (2 * n), scale, both, offsets)
+    update_by_potentials(None, bodies, contacts, 0.0)
     assert (contacts.touching == by_normal.touching).all() and not contacts.pending.any()
     rows = contacts.touching > 0
     assert 0.05 * n < rows.sum() < 0.95 * n
     assert (contacts.overlap[rows] > 0.0).all()
     np.testing.assert_allclose(np.linalg.norm(contacts.direction, axis=1), 1.0, atol=8 * EPS)
     # The least translation is the least: a gap along the plane that was found is no wider than the gap.
-    gaps = np.array([core.gap(contacts, k) for k in np.flatnonzero(~rows)])
+    gaps = np.array([certain_gap(contacts, k) for k in np.flatnonzero(~rows)])
     a, b = bodies.rotation[0::2] * bodies.scale[0::2, None], bodies.rotation[1::2] * bodies.scale[1::2, None]
     n_k = contacts.direction
     shown = (n_k * offsets).sum(axis=1) - sum(np.linalg.norm(np.einsum("nij,ni->nj", x, n_k), axis=1) for x in (a, b))
     np.testing.assert_allclose(gaps, np.maximum(shown[~rows], 0.0), rtol=1e-9, atol=1e-13)
 
 
-def test_spheres_are_in_closed_form_as_by_the_common_normal(core):
+def test_spheres_are_in_closed_form_as_by_the_common_normal():
     rng = np.random.default_rng(2)
     n = 200
     radii = rng.uniform(0.5, 1.5, (2, n))
     offsets = rng.standard_normal((n, 3))
     offsets /= np.linalg.norm(offsets, axis=1, keepdims=True)
     offsets *= (radii.sum(axis=0) * rng.uniform(0.8, 1.1, n))[:, None]
-    turns = core.orientations(2 * n, rng).reshape(2, n, 4)
+    turns = random_orientations(2 * n, rng).reshape(2, n, 4)
     scale = np.repeat(radii.T.reshape(-1, 1), 3, axis=1)
-    _, by_normal = look(core, scale[0::2], scale[1::2], turns[0], turns[1], offsets)
-    bodies, _, contacts = core.place_pairs(
-        [core.sphere] * (2 * n), scale, np.stack(turns, axis=1).reshape(-1, 4), offsets
-    )
-    look_by_potentials(bodies, contacts, 0.0)
+    _, by_normal = search_pairs(scale[0::2], scale[1::2], turns[0], turns[1], offsets)
+    bodies, _, contacts = place_pairs([UNIT_SPHERE] * (2 * n), scale, np.stack(turns, axis=1).reshape(-1, 4), offsets)
+    update_by_potentials(None, bodies, contacts, 0.0)
     distance = np.linalg.norm(offsets, axis=1)
     overlap = radii.sum(axis=0) - distance
     rows = overlap > 0.0
@@ -312,23 +302,23 @@ def test_the_normal_is_common_as_the_depth_goes_to_zero_and_the_contact_vector_i
     np.testing.assert_allclose(vectors[:-1] / vectors[1:], 1.0, rtol=0.05)
 
 
-def test_the_last_normal_answers_as_a_search_does(core):
+def test_the_last_normal_answers_as_a_search_does():
     """Pairs that come together from a gap and turn: what is remembered leads to what a search finds."""
     rng = np.random.default_rng(8)
     n = 200
     semi, turns, offsets = random_pairs(rng, n, 0.3)
     unit = offsets / np.linalg.norm(offsets, axis=1, keepdims=True)
     scale, both = np.stack(semi, axis=1).reshape(-1, 3), np.stack(turns, axis=1).reshape(-1, 4)
-    bodies, _, contacts = core.place_pairs([core.sphere] * (2 * n), scale, both, 1.7 * unit)
+    bodies, _, contacts = place_pairs([UNIT_SPHERE] * (2 * n), scale, both, 1.7 * unit)
     fresh = contacts._replace(**{name: getattr(contacts, name).copy() for name in contacts._fields})
     searched = compared = 0
     for _ in range(200):
         size = bodies.radius[0::2] + bodies.radius[1::2]
         deep = (contacts.touching > 0) & (contacts.overlap > 5e-3 * size)
         bodies.position[1::2] += np.where(deep[:, None], 0.0, -1e-2 * unit) + 1e-3 * rng.standard_normal((n, 3))
-        searched += look_by_potentials(bodies, contacts, 0.0)
+        searched += update_by_potentials(None, bodies, contacts, 0.0)
         fresh.touching[:], fresh.direction[:], fresh.overlap[:], fresh.safe_until[:] = 0, 0.0, 0.0, -np.inf
-        assert look_by_potentials(bodies, fresh, 0.0) == n
+        assert update_by_potentials(None, bodies, fresh, 0.0) == n
         differ = contacts.touching != fresh.touching
         assert (np.maximum(contacts.overlap, fresh.overlap)[differ] <= 1e-12).all()
         rows = (contacts.touching > 0) & (fresh.touching > 0)
@@ -340,36 +330,36 @@ def test_the_last_normal_answers_as_a_search_does(core):
     assert searched < 12 * n  # of 200 n
 
 
-def test_what_has_no_least_potential_still_has_a_contact(core):
+def test_what_has_no_least_potential_still_has_a_contact():
     """Concentric, aligned and nested pairs, at 1 : 100: a contact with a normal, and where grains are within reach."""
     needle, disc = (1.0, 0.01, 0.01), (1.0, 1.0, 0.01)
     cases = [(a, b, r) for a in (needle, disc) for b in (needle, disc, (0.5, 0.5, 0.5)) for r in (0.0, 1e-9, 1e-3)]
     scale = np.array([axes for a, b, _ in cases for axes in (a, b)])
     offsets = np.array([[r, 0.0, 0.0] for _, _, r in cases])
     for size in (1e-6, 1.0, 1e3):
-        bodies, _, contacts = core.place_pairs(
-            [core.sphere] * len(scale), scale, np.tile(IDENTITY, (len(scale), 1)), offsets, size
+        bodies, _, contacts = place_pairs(
+            [UNIT_SPHERE] * len(scale), scale, np.tile(IDENTITY, (len(scale), 1)), offsets, size
         )
-        look_by_potentials(bodies, contacts, 0.0)
+        update_by_potentials(None, bodies, contacts, 0.0)
         assert contacts.touching.all() and not contacts.pending.any()
         assert (contacts.overlap > 0.0).all() and (contacts.overlap <= 2.0 * size).all()
         np.testing.assert_allclose(np.linalg.norm(contacts.direction, axis=1), 1.0, atol=8 * EPS)
         assert np.isfinite(contacts.point).all()
         again = contacts.overlap.copy()
-        look_by_potentials(bodies, contacts, 0.0)
+        update_by_potentials(None, bodies, contacts, 0.0)
         np.testing.assert_allclose(contacts.overlap, again, atol=1e-9 * size)
 
 
 def test_it_is_a_choice_of_scenes_of_ellipsoids():
     choice = {"ellipsoid_contact": "potential"}
     shapes = {"kind": "ellipsoid", "choice": "form", "flatness": 0.5, "elongation": 0.5}
-    scene = set_up_few(shapes=shapes, numerics=choice).scene
+    scene = set_up_few_spheres(shapes=shapes, numerics=choice).scene
     assert compose(scene).features.potential and scene.kind == ELLIPSOID
-    assert not compose(set_up_few(shapes=shapes).scene).features.potential
-    assert not compose(set_up_few(numerics=choice).scene).features.potential  # spheres are in closed form
+    assert not compose(set_up_few_spheres(shapes=shapes).scene).features.potential
+    assert not compose(set_up_few_spheres(numerics=choice).scene).features.potential  # spheres are in closed form
     with pytest.raises(
         ValueError, match="numerics.ellipsoid_contact: potential works only if all grains are ellipsoids"
     ):
         dataclasses.replace(scene, kind=MIXED)
     with pytest.raises(ValueError, match="numerics.ellipsoid_contact: 'gradient' is not a choice"):
-        resolve(few(numerics={"ellipsoid_contact": "gradient"}))
+        resolve(specify_few_spheres(numerics={"ellipsoid_contact": "gradient"}))

@@ -5,54 +5,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact.pairs.ellipsoids import TOLERANCE
-
-IDENTITY = [1.0, 0.0, 0.0, 0.0]
-PHI = 0.5 * (1.0 + np.sqrt(5.0))
-GOLDEN = (PHI, 1.0, 1.0 / PHI)
-NEEDLE, DISC = (100.0, 1.0, 1.0), (100.0, 100.0, 1.0)
-
-
-def about(axis, angle):
-    axis = np.asarray(axis, float)
-    return Rotation.from_rotvec(angle * axis / np.linalg.norm(axis)).as_quat(scalar_first=True)
-
-
-Z90, X90, Z30 = about([0, 0, 1], np.pi / 2), about([1, 0, 0], np.pi / 2), about([0, 0, 1], np.pi / 6)
-SLANTED = about([1, 1, 1], 1.0)
-SPHERE, HALF = (1.0,) * 3, (0.5,) * 3
-# verification.md 3.2: semi-axes of A and B, orientation of B, centre of B, signed distance
-KNOWN = {
-    "spheres apart": (SPHERE, SPHERE, IDENTITY, (2.5, 0, 0), 0.5),
-    "spheres": (SPHERE, SPHERE, IDENTITY, (1.9, 0, 0), -0.1),
-    "triaxial apart": ((3, 2, 1), (1, 2, 3), IDENTITY, (4.2, 0, 0), 0.2),
-    "triaxial": ((3, 2, 1), (1, 2, 3), IDENTITY, (3.9, 0, 0), -0.1),
-    "parallel apart": ((2, 1, 0.5), (2, 1, 0.5), IDENTITY, (3, 1.5, 0.7), 0.474311020117),
-    "parallel": ((2, 1, 0.5), (2, 1, 0.5), IDENTITY, (2, 1, 0.5), -0.191232822332),
-    "golden, tangent": (GOLDEN, GOLDEN, IDENTITY, (1, 1, 1), 0.0),
-    "golden, turned": (GOLDEN, GOLDEN, Z90, (2.5, 0.3, 0.2), -0.066910098505),
-    "golden, slanted": (GOLDEN, GOLDEN, SLANTED, (2, 0.4, 0.3), -0.333256337445),
-    "flat, slanted": ((1.25, 1, 0.8), (1.25, 1, 0.8), about([1, 2, 3], 0.7), (2, 0.1, -0.2), -0.379003101929),
-    "needles crossed, apart": (NEEDLE, NEEDLE, Z90, (0, 0, 2.01), 0.01),
-    "needles crossed": (NEEDLE, NEEDLE, Z90, (0, 0, 1.99), -0.01),
-    "needles far": (NEEDLE, NEEDLE, Z30, (190, 25, 0), 22.910655128466),
-    "disc rims": (DISC, DISC, IDENTITY, (199.9, 0, 0), -0.059994665896),
-    "disc on rim": (DISC, DISC, X90, (0, 0, 100.9), -0.1),
-    "concentric": ((3, 2, 1), (3, 2, 1), IDENTITY, (0, 0, 0), -2.0),
-    "sphere on the flat side": ((3, 2, 1), HALF, IDENTITY, (0, 0, 1.4), -0.1),
-    "sphere at the tip": ((3, 2, 1), HALF, IDENTITY, (2.9, 0, 0), -0.6),
-    "sphere beside": ((3, 2, 1), HALF, IDENTITY, (2.5, 1, 0.2), -0.518207879616),
-}
-
-
-def look(core, semi_a, semi_b, turn_a, turn_b, offsets, size=1.0, common=0.0):
-    """Bodies and contacts of pairs, searched from nothing; all arguments (n, ...) or one pair's."""
-    offsets = np.atleast_2d(offsets)
-    n = len(offsets)
-    scale, turns = np.empty((2 * n, 3)), np.empty((2 * n, 4))
-    scale[0::2], scale[1::2], turns[0::2], turns[1::2] = semi_a, semi_b, turn_a, turn_b
-    bodies, _, contacts = core.place_pairs([core.sphere] * (2 * n), scale, turns, offsets, size, common)
-    core.look_at_ellipsoids(bodies, contacts, 0.0)
-    return bodies, contacts
+from tests.helpers.contact_pairs import UNIT_SPHERE, certain_gap, place_pairs, update_ellipsoids
+from tests.helpers.ellipsoid_pairs import KNOWN_PAIRS, random_pairs, search_pairs
+from tests.helpers.rotations import IDENTITY
 
 
 def support_points(bodies, rows, normals):
@@ -73,15 +28,15 @@ def residual(bodies, contacts):
     return np.linalg.norm(across - along[:, None] * n, axis=1), -along
 
 
-@pytest.mark.parametrize("name", KNOWN)
+@pytest.mark.parametrize("name", KNOWN_PAIRS)
 @pytest.mark.parametrize("size", [1.0, 1e-6, 1e3])
-def test_known_pairs(core, name, size):
-    semi_a, semi_b, turn, centre, distance = KNOWN[name]
-    bodies, contacts = look(core, semi_a, semi_b, IDENTITY, turn, centre, size)
+def test_known_pairs(name, size):
+    semi_a, semi_b, turn, centre, distance = KNOWN_PAIRS[name]
+    bodies, contacts = search_pairs(semi_a, semi_b, IDENTITY, turn, centre, size)
     extent = (bodies.radius.sum()) / size
     if distance >= 0.0 and contacts.touching[0] == 0:
         # A gap wider than 2 % of the size needs no more than a certain bound
-        gap = core.gap(contacts, 0) / size
+        gap = certain_gap(contacts, 0) / size
         assert gap <= distance + 1e-12 * extent
         assert gap >= min(distance - 1e-12 * extent, 0.02 * extent)
     else:
@@ -92,21 +47,13 @@ def test_known_pairs(core, name, size):
         np.testing.assert_allclose(contacts.direction[0], (0.135045, 0.353553, 0.925615), atol=1e-6)
 
 
-def random_pairs(rng, n, flattest):
-    semi = np.exp(rng.uniform(np.log(flattest), 0.0, (2, n, 3)))
-    turns = Rotation.random(2 * n, rng=rng).as_quat(scalar_first=True).reshape(2, n, 4)
-    offsets = rng.standard_normal((n, 3))
-    offsets /= np.linalg.norm(offsets, axis=1, keepdims=True)
-    return semi, turns, offsets * rng.uniform(0.0, 1.6, (n, 1))
-
-
 @pytest.mark.parametrize("flattest", [0.3, 0.02])
-def test_no_direction_shows_less_overlap_and_the_normal_is_common(core, flattest):
+def test_no_direction_shows_less_overlap_and_the_normal_is_common(flattest):
     """The distance is the maximum of f(n): 20 000 directions and as many surface normals of each body stay below."""
     rng = np.random.default_rng(1)
     n = 250
     semi, turns, offsets = random_pairs(rng, n, flattest)
-    bodies, contacts = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
+    bodies, contacts = search_pairs(semi[0], semi[1], turns[0], turns[1], offsets)
     size = bodies.radius[0::2] + bodies.radius[1::2]
     rows = np.flatnonzero(contacts.touching)
     assert 0.2 * n < len(rows) < 0.9 * n
@@ -127,20 +74,20 @@ def test_no_direction_shows_less_overlap_and_the_normal_is_common(core, flattest
             missed += f.max() > -contacts.overlap[k] + 1e-12
         else:
             # A certain gap: never wider than the true one, which no direction shows less of than this one
-            n_k, gap = contacts.direction[k], core.gap(contacts, k)
+            n_k, gap = contacts.direction[k], certain_gap(contacts, k)
             f_k = n_k @ offsets[k] - sum(np.linalg.norm(n_k @ matrix) for matrix in matrices)
             assert 0.0 < gap <= f_k + 1e-14
     assert missed == 0
 
 
-def test_a_sphere_beside_an_ellipsoid_and_two_spheres_are_special_cases(core):
+def test_a_sphere_beside_an_ellipsoid_and_two_spheres_are_special_cases():
     rng = np.random.default_rng(2)
     n = 100
     radii = rng.uniform(0.5, 1.5, (2, n))
     offsets = rng.standard_normal((n, 3))
     turns = Rotation.random(2 * n, rng=rng).as_quat(scalar_first=True).reshape(2, n, 4)
     semi = np.repeat(radii[:, :, None], 3, axis=2)
-    bodies, contacts = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
+    bodies, contacts = search_pairs(semi[0], semi[1], turns[0], turns[1], offsets)
     distance = np.linalg.norm(offsets, axis=1)
     overlap = radii.sum(axis=0) - distance
     assert ((overlap > 0.0) == (contacts.touching > 0)).all()
@@ -151,16 +98,16 @@ def test_a_sphere_beside_an_ellipsoid_and_two_spheres_are_special_cases(core):
     np.testing.assert_allclose(contacts.point[rows], middle[rows], atol=1e-10)
 
 
-def test_a_pair_seen_from_the_other_body_and_from_elsewhere(core):
+def test_a_pair_seen_from_the_other_body_and_from_elsewhere():
     rng = np.random.default_rng(3)
     n = 200
     semi, turns, offsets = random_pairs(rng, n, 0.3)
     offsets *= 0.5 + 0.5 / np.maximum(np.linalg.norm(offsets, axis=1, keepdims=True), 0.5)  # not too deep
-    _, one = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
-    _, other = look(core, semi[1], semi[0], turns[1], turns[0], -offsets)
+    _, one = search_pairs(semi[0], semi[1], turns[0], turns[1], offsets)
+    _, other = search_pairs(semi[1], semi[0], turns[1], turns[0], -offsets)
     turn = Rotation.random(rng=rng)
     moved = [(turn * Rotation.from_quat(q, scalar_first=True)).as_quat(scalar_first=True) for q in turns]
-    _, there = look(core, semi[0], semi[1], *moved, turn.apply(offsets), common=100.0)
+    _, there = search_pairs(semi[0], semi[1], *moved, turn.apply(offsets), common=100.0)
     rows = one.touching > 0
     assert rows.sum() > 0.3 * n
     for seen in (other, there):
@@ -173,7 +120,7 @@ def test_a_pair_seen_from_the_other_body_and_from_elsewhere(core):
     np.testing.assert_allclose(there.direction[rows], turn.apply(one.direction[rows]), atol=1e-8)
 
 
-def test_the_last_normal_answers_as_a_search_does(core):
+def test_the_last_normal_answers_as_a_search_does():
     """Pairs that come together from a gap and turn: the climb from the last normal finds what a search finds."""
     rng = np.random.default_rng(4)
     n = 200
@@ -181,17 +128,17 @@ def test_the_last_normal_answers_as_a_search_does(core):
     unit = offsets / np.linalg.norm(offsets, axis=1, keepdims=True)
     offsets = 1.7 * unit
     scale = np.stack([semi[0], semi[1]], axis=1).reshape(-1, 3)
-    bases = [core.sphere] * (2 * n)
-    bodies, _, contacts = core.place_pairs(bases, scale, np.stack(turns, axis=1).reshape(-1, 4), offsets)
+    bases = [UNIT_SPHERE] * (2 * n)
+    bodies, _, contacts = place_pairs(bases, scale, np.stack(turns, axis=1).reshape(-1, 4), offsets)
     searched, compared = 0, 0
     for _ in range(200):
         size = bodies.radius[0::2] + bodies.radius[1::2]
         deep = (contacts.touching > 0) & (contacts.overlap > 5e-3 * size)
         step = np.where(deep[:, None], 0.0, -1e-2 * unit) + 1e-3 * rng.standard_normal((n, 3))
         bodies.position[1::2] += step
-        searched += core.look_at_ellipsoids(bodies, contacts, 0.0)
+        searched += update_ellipsoids(None, bodies, contacts, 0.0)
         offsets = bodies.position[1::2] - bodies.position[0::2]
-        _, fresh = look(core, semi[0], semi[1], turns[0], turns[1], offsets)
+        _, fresh = search_pairs(semi[0], semi[1], turns[0], turns[1], offsets)
         differ = contacts.touching != fresh.touching
         overlap = np.where(contacts.touching > 0, contacts.overlap, fresh.overlap)
         assert (overlap[differ] <= 1e-14).all()

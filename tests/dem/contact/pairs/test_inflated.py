@@ -18,7 +18,9 @@ from simcore.dem.contact.pairs.inflated import MARGIN, MAX_FACES, TOLERANCE
 from simcore.dem.contact.query import place_solids, table_of
 from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, convex
-from tests.helpers.few import set_up_few
+from tests.helpers.contact_pairs import place_pairs, update_polyhedra
+from tests.helpers.few_spheres import set_up_few_spheres
+from tests.helpers.polyhedra import make_pebble
 
 OVERLAP = 1e-7
 PAIRS = 60
@@ -93,10 +95,10 @@ def slow_search(a, b, direction, room=MAX_FACES):
 
 
 @pytest.fixture(scope="module")
-def pebbles(core):
+def pebbles():
     """Pairs of fine pebbles: hulls, index, quaternions, offsets, and what is found: overlap, normal."""
     rng = np.random.default_rng(5)
-    hulls = [convex(core.make_pebble(seed, n=152).vertices * 3.35e-3) for seed in range(8)]
+    hulls = [convex(make_pebble(seed, n=152).vertices * 3.35e-3) for seed in range(8)]
     return find_pairs(hulls, PAIRS, rng)
 
 
@@ -163,16 +165,16 @@ def step(shapes, bodies, contacts):
     return lost
 
 
-def test_a_lost_contact_forgets_its_springs_and_is_looked_for_again(core, pebbles):
+def test_a_lost_contact_forgets_its_springs_and_is_looked_for_again(pebbles):
     hulls, index, rotation, apart = pebbles[:4]
     of_body = [hulls[k] for k in index]
-    bodies, shapes, contacts = core.place_pairs(
+    bodies, shapes, contacts = place_pairs(
         [hull.base for hull in of_body],
         np.array([hull.scale for hull in of_body]),
         Rotation.from_matrix(rotation).as_quat(scalar_first=True),
         apart,
     )
-    core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
+    update_polyhedra(shapes, bodies, contacts, 0.0)
     # Positions of bodies on a grid are rounded, to 1e-16 m, and so is their difference.
     np.testing.assert_allclose(contacts.overlap, OVERLAP, rtol=1e-6)
     contacts.spring[:] = 1e-9
@@ -190,12 +192,12 @@ def test_a_lost_contact_forgets_its_springs_and_is_looked_for_again(core, pebble
     # Nothing has moved: the next step finds the same, and the exact search all of them.
     assert step(shapes, bodies, contacts) == lost
     np.testing.assert_array_equal(contacts.touching == 0, gone)
-    core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
+    update_polyhedra(shapes, bodies, contacts, 0.0)
     assert (contacts.touching != 0).all()
 
 
 def test_only_polyhedra_have_it():
-    scene = set_up_few(numerics={"polyhedron_contact": "point"}).scene
+    scene = set_up_few_spheres(numerics={"polyhedron_contact": "point"}).scene
     inflated = dataclasses.replace(scene.numerics, polyhedron_contact="inflated")
     assert compose(dataclasses.replace(scene, kind=POLYHEDRON, numerics=inflated)).features.inflated
     assert not compose(scene).features.inflated

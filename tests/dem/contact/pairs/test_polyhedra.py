@@ -10,16 +10,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact.pairs.polyhedra import GAP_SLACK
+from tests.helpers.contact_pairs import certain_gap, place_pairs, signed_distance, update_polyhedra
+from tests.helpers.polyhedra import CUBE, TETRAHEDRON, make_polyhedron
+from tests.helpers.rotations import IDENTITY, X45, Y45, Z45, random_orientations
 
 EPS = np.finfo(float).eps
 ROUNDING = 1e-13  # of the pair's size: 450 eps
-IDENTITY = [1.0, 0.0, 0.0, 0.0]
-CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1.0]]) / np.sqrt(8.0)
-
-
-def turned(axis, degrees):
-    return Rotation.from_euler(axis, degrees, degrees=True).as_quat(scalar_first=True)
 
 
 def directions(n, rng):
@@ -40,10 +36,10 @@ def differences(bases, bodies):
         yield points, bodies.radius[2 * k] + bodies.radius[2 * k + 1]
 
 
-def compare(core, bases, bodies, contacts):
+def compare(bases, bodies, contacts):
     """Assert every contact against the oracle; returns how many pairs touch."""
     for k, (points, size) in enumerate(differences(bases, bodies)):
-        distance = core.signed_distance(points)
+        distance = signed_distance(points)
         normal = contacts.direction[k]
         reach = (points @ normal).max()  # of the Minkowski difference along the normal: an upper bound of the depth
         assert abs(np.linalg.norm(normal) - 1.0) < 1e-14
@@ -52,7 +48,7 @@ def compare(core, bases, bodies, contacts):
             assert abs(reach - contacts.overlap[k]) <= ROUNDING * size, "the normal does not belong to the depth"
         else:
             assert distance > -ROUNDING * size, "an overlap was missed"
-            gap = core.gap(contacts, k)
+            gap = certain_gap(contacts, k)
             assert gap <= distance + ROUNDING * size, "a gap that is not certain"
             # A direction is known to eps size / distance and shows a gap that is short by as much of the size: so the
             # promised share can be had while eps size² / distance is less than the slack of the distance.
@@ -62,7 +58,7 @@ def compare(core, bases, bodies, contacts):
 
 
 @pytest.fixture(scope="module")
-def clouds(core):
+def clouds():
     """800 hulls of 8 to 40 vertices: on spheres, in cubes, normal clouds."""
     rng = np.random.default_rng(1)
     hulls = []
@@ -72,31 +68,31 @@ def clouds(core):
             points /= np.linalg.norm(points, axis=1, keepdims=True)
         elif k % 3 == 1:
             points = rng.uniform(-1.0, 1.0, points.shape)
-        hulls.append(core.make_hull(points / np.abs(points).max()))
+        hulls.append(make_polyhedron(points / np.abs(points).max()))
     return hulls
 
 
 @pytest.mark.parametrize("size, common", [(1.0, 0.0), (1e-6, 0.0), (1e-3, 1e3), (1e3, 0.0)])
-def test_random_hulls_of_every_size_agree_with_the_oracle(core, clouds, size, common):
+def test_random_hulls_of_every_size_agree_with_the_oracle(clouds, size, common):
     rng = np.random.default_rng(2)
     n = len(clouds) // 2
     scale = np.exp(rng.uniform(np.log(0.4), np.log(1.5), (2 * n, 3)))
     offsets = directions(n, rng) * rng.uniform(0.0, 2.5, (n, 1))
     offsets[::7] *= 1e-3  # nearly concentric
-    bodies, shapes, contacts = core.place_pairs(clouds, scale, core.orientations(2 * n, rng), offsets, size, common)
-    core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
-    touching = compare(core, clouds, bodies, contacts)
+    bodies, shapes, contacts = place_pairs(clouds, scale, random_orientations(2 * n, rng), offsets, size, common)
+    update_polyhedra(shapes, bodies, contacts, 0.0)
+    touching = compare(clouds, bodies, contacts)
     assert 0.3 * n < touching < 0.8 * n
 
 
-def test_hulls_that_just_touch_are_decided_right(core, clouds):
+def test_hulls_that_just_touch_are_decided_right(clouds):
     """Offsets along the normal so that the distance becomes ±1e-2 .. ±1e-9 of the size."""
     rng = np.random.default_rng(3)
     n = 100
     bases, scale = clouds[: 2 * n], np.ones((2 * n, 3))
-    orientation = core.orientations(2 * n, rng)
+    orientation = random_orientations(2 * n, rng)
     offsets = directions(n, rng)
-    bodies, _, _ = core.place_pairs(bases, scale, orientation, offsets)
+    bodies, _, _ = place_pairs(bases, scale, orientation, offsets)
     for k, (points, size) in enumerate(differences(bases, bodies)):
         # Along a fixed direction the distance is monotonic beyond the first touch: move the pair apart or together.
         unit = offsets[k]
@@ -104,26 +100,26 @@ def test_hulls_that_just_touch_are_decided_right(core, clouds):
         low, high = 0.0, 4.0
         while high - low > 1e-12:
             middle = 0.5 * (low + high)
-            if core.signed_distance(points - (middle - 1.0) * unit) < wanted:
+            if signed_distance(points - (middle - 1.0) * unit) < wanted:
                 low = middle
             else:
                 high = middle
         offsets[k] = high * unit
-    bodies, shapes, contacts = core.place_pairs(bases, scale, orientation, offsets)
-    core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
-    assert compare(core, bases, bodies, contacts) == n // 2
+    bodies, shapes, contacts = place_pairs(bases, scale, orientation, offsets)
+    update_polyhedra(shapes, bodies, contacts, 0.0)
+    assert compare(bases, bodies, contacts) == n // 2
 
 
 S = np.sqrt(0.5)
 KNOWN = {
     # name: (points a, points b, scale, orientation a, orientation b, offset, distance, normal or None)
     "libccd issue 25": (CUBE, CUBE, 2.0, IDENTITY, IDENTITY, (0, 0, 1.9), -0.1, (0, 0, 1)),
-    "corner edge": (CUBE, CUBE, 1.0, IDENTITY, turned("z", 45), (1.2, 0, 0), 0.7 - S, None),
-    "corner edge deep": (CUBE, CUBE, 1.0, IDENTITY, turned("z", 45), (1.0, 0, 0), 0.5 - S, (1, 0, 0)),
-    "edges crossed, apart": (CUBE, CUBE, 1.0, turned("x", 45), turned("y", 45), (0, 0, 1.5), 0.085786437627, None),
-    "edges crossed": (CUBE, CUBE, 1.0, turned("x", 45), turned("y", 45), (0, 0, 1.3), -0.114213562373, (0, 0, 1)),
+    "corner edge": (CUBE, CUBE, 1.0, IDENTITY, Z45, (1.2, 0, 0), 0.7 - S, None),
+    "corner edge deep": (CUBE, CUBE, 1.0, IDENTITY, Z45, (1.0, 0, 0), 0.5 - S, (1, 0, 0)),
+    "edges crossed, apart": (CUBE, CUBE, 1.0, X45, Y45, (0, 0, 1.5), 0.085786437627, None),
+    "edges crossed": (CUBE, CUBE, 1.0, X45, Y45, (0, 0, 1.3), -0.114213562373, (0, 0, 1)),
     "concentric cubes": (CUBE, CUBE, 1.0, IDENTITY, IDENTITY, (0, 0, 0), -1.0, None),
-    "concentric cubes turned": (CUBE, CUBE, 1.0, IDENTITY, turned("z", 45), (0, 0, 0), -1.0, None),
+    "concentric cubes turned": (CUBE, CUBE, 1.0, IDENTITY, Z45, (0, 0, 0), -1.0, None),
     "cube in cube": (CUBE, 0.1 * CUBE, 1.0, IDENTITY, IDENTITY, (0, 0, 0), -0.55, None),
     "tetrahedron in itself": (TETRAHEDRON, TETRAHEDRON, 1.0, IDENTITY, IDENTITY, (0, 0, 0), -np.sqrt(0.5), None),
     "tetrahedron in its mirror": (
@@ -139,50 +135,50 @@ KNOWN = {
 
 
 @pytest.mark.parametrize("name", KNOWN)
-def test_known_pairs(core, name):
+def test_known_pairs(name):
     points_a, points_b, scale, turn_a, turn_b, offset, distance, normal = KNOWN[name]
-    bases = [core.make_hull(points_a), core.make_hull(points_b)]
+    bases = [make_polyhedron(points_a), make_polyhedron(points_b)]
     scales = np.full((2, 3), scale)
-    bodies, shapes, contacts = core.place_pairs(bases, scales, [turn_a, turn_b], [offset])
-    core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
+    bodies, shapes, contacts = place_pairs(bases, scales, [turn_a, turn_b], [offset])
+    update_polyhedra(shapes, bodies, contacts, 0.0)
     # The references are given to 12 digits
     if distance < 0.0:
         assert contacts.touching[0] == 1
         assert contacts.overlap[0] == pytest.approx(-distance, abs=1e-12)
     else:
         assert contacts.touching[0] == 0
-        assert (1.0 - GAP_SLACK) * distance <= core.gap(contacts, 0) <= distance + 1e-12
+        assert (1.0 - GAP_SLACK) * distance <= certain_gap(contacts, 0) <= distance + 1e-12
     if normal is not None:
         np.testing.assert_allclose(contacts.direction[0], normal, atol=1e-14)
-    compare(core, bases, bodies, contacts)
+    compare(bases, bodies, contacts)
 
 
 @pytest.mark.parametrize("scale", [(1, 1, 1), (1, 1, 0.01), (1, 0.01, 0.01)], ids=["cubes", "plates", "needles"])
-def test_parallel_faces_edges_and_corners(core, scale):
+def test_parallel_faces_edges_and_corners(scale):
     """Aligned blocks on a grid of offsets, all turned together: nothing but degenerate facets."""
     rng = np.random.default_rng(4)
-    base = core.make_hull(CUBE)
+    base = make_polyhedron(CUBE)
     n = 200
     together = Rotation.random(n, rng=rng)
     offsets = together.apply(rng.integers(-4, 5, (n, 3)) * 0.3 * np.array(scale))
     orientation = np.repeat(together.as_quat(scalar_first=True), 2, axis=0)
-    bodies, shapes, contacts = core.place_pairs([base] * (2 * n), np.tile(scale, (2 * n, 1)), orientation, offsets)
-    core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
-    assert 0 < compare(core, [base] * (2 * n), bodies, contacts) < n
+    bodies, shapes, contacts = place_pairs([base] * (2 * n), np.tile(scale, (2 * n, 1)), orientation, offsets)
+    update_polyhedra(shapes, bodies, contacts, 0.0)
+    assert 0 < compare([base] * (2 * n), bodies, contacts) < n
 
 
-def test_a_pair_seen_from_the_other_body(core, clouds):
+def test_a_pair_seen_from_the_other_body(clouds):
     """Same overlap, opposite normal, same contact point, when a and b change places."""
     rng = np.random.default_rng(5)
     n = 200
     bases, scale = clouds[: 2 * n], np.ones((2 * n, 3))
-    orientation = core.orientations(2 * n, rng)
+    orientation = random_orientations(2 * n, rng)
     offsets = directions(n, rng) * rng.uniform(0.3, 1.2, (n, 1))
     swap = np.arange(2 * n) ^ 1
     seen = []
     for order, r in ((np.arange(2 * n), offsets), (swap, -offsets)):
-        bodies, shapes, contacts = core.place_pairs([bases[k] for k in order], scale[order], orientation[order], r)
-        core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
+        bodies, shapes, contacts = place_pairs([bases[k] for k in order], scale[order], orientation[order], r)
+        update_polyhedra(shapes, bodies, contacts, 0.0)
         seen.append((bodies, contacts))
     (bodies, one), (_, other) = seen
     assert (one.touching == other.touching).all()
@@ -195,18 +191,18 @@ def test_a_pair_seen_from_the_other_body(core, clouds):
     np.testing.assert_allclose(one.point[touching], (offsets + other.point)[touching], atol=1e-9)
 
 
-def test_turning_and_moving_a_pair_changes_nothing(core, clouds):
+def test_turning_and_moving_a_pair_changes_nothing(clouds):
     rng = np.random.default_rng(6)
     n = 200
     bases, scale = clouds[: 2 * n], np.ones((2 * n, 3))
-    orientation = core.orientations(2 * n, rng)
+    orientation = random_orientations(2 * n, rng)
     offsets = directions(n, rng) * rng.uniform(0.3, 1.2, (n, 1))
     turn = Rotation.random(rng=rng)
     turned_orientation = (turn * Rotation.from_quat(orientation, scalar_first=True)).as_quat(scalar_first=True)
-    bodies, shapes, here = core.place_pairs(bases, scale, orientation, offsets)
-    core.look_at_polyhedra(shapes, bodies, here, 0.0)
-    bodies, shapes, there = core.place_pairs(bases, scale, turned_orientation, turn.apply(offsets), common=100.0)
-    core.look_at_polyhedra(shapes, bodies, there, 0.0)
+    bodies, shapes, here = place_pairs(bases, scale, orientation, offsets)
+    update_polyhedra(shapes, bodies, here, 0.0)
+    bodies, shapes, there = place_pairs(bases, scale, turned_orientation, turn.apply(offsets), common=100.0)
+    update_polyhedra(shapes, bodies, there, 0.0)
     touching = here.touching > 0
     assert (here.touching == there.touching).all() and touching.any()
     # Positions at 100 of the size lose 100 eps
@@ -214,15 +210,15 @@ def test_turning_and_moving_a_pair_changes_nothing(core, clouds):
     np.testing.assert_allclose(turn.apply(here.direction[touching]), there.direction[touching], atol=1e-9)
 
 
-def test_the_contact_point_is_midway_between_points_of_both_bodies(core, clouds):
+def test_the_contact_point_is_midway_between_points_of_both_bodies(clouds):
     """Half the overlap along the normal lies a point of a, as far against it one of b."""
     rng = np.random.default_rng(7)
     n = 200
     bases, scale = clouds[: 2 * n], np.ones((2 * n, 3))
-    orientation = core.orientations(2 * n, rng)
+    orientation = random_orientations(2 * n, rng)
     offsets = directions(n, rng) * rng.uniform(0.3, 1.5, (n, 1))
-    bodies, shapes, contacts = core.place_pairs(bases, scale, orientation, offsets)
-    core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
+    bodies, shapes, contacts = place_pairs(bases, scale, orientation, offsets)
+    update_polyhedra(shapes, bodies, contacts, 0.0)
     rows = np.flatnonzero(contacts.touching)
     assert len(rows) > 50
     for k in rows:
@@ -236,26 +232,26 @@ def test_the_contact_point_is_midway_between_points_of_both_bodies(core, clouds)
             assert (((local - corners[:, 0]) * outward).sum(axis=1) <= 1e-12).all()
 
 
-def test_memory_answers_as_a_search_does(core, clouds):
+def test_memory_answers_as_a_search_does(clouds):
     """Small moves of shallow contacts: the remembered facet, or a gap, gives what a search from nothing gives."""
     rng = np.random.default_rng(8)
     n = 300
     bases, scale = clouds[: 2 * n], np.ones((2 * n, 3))
-    orientation = core.orientations(2 * n, rng)
+    orientation = random_orientations(2 * n, rng)
     offsets = 0.5 * directions(n, rng)
     for _ in range(3):  # push the pairs apart along their normals until little of the overlap is left
-        bodies, shapes, contacts = core.place_pairs(bases, scale, orientation, offsets)
-        core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
+        bodies, shapes, contacts = place_pairs(bases, scale, orientation, offsets)
+        update_polyhedra(shapes, bodies, contacts, 0.0)
         size = bodies.radius[0::2] + bodies.radius[1::2]
         offsets += (contacts.overlap * contacts.touching - 2e-3 * size)[:, None] * contacts.direction
     searched, compared = 0, 0
     for _ in range(30):
         step = 2e-4 * rng.standard_normal((2 * n, 3))
         bodies.position[:] += step
-        searched += core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
+        searched += update_polyhedra(shapes, bodies, contacts, 0.0)
         offsets = bodies.position[1::2] - bodies.position[0::2]
-        fresh_bodies, _, fresh = core.place_pairs(bases, scale, orientation, offsets)
-        core.look_at_polyhedra(shapes, fresh_bodies, fresh, 0.0)
+        fresh_bodies, _, fresh = place_pairs(bases, scale, orientation, offsets)
+        update_polyhedra(shapes, fresh_bodies, fresh, 0.0)
         # Who touches is known to rounding.
         one, other = contacts.touching > 0, fresh.touching > 0
         overlap = np.where(one, contacts.overlap, fresh.overlap)
@@ -274,23 +270,21 @@ def test_memory_answers_as_a_search_does(core, clouds):
     assert searched < 0.3 * 30 * n, "the memory answered nearly nothing"
 
 
-def test_a_corner_that_slides_over_an_edge_keeps_the_least_overlap(core):
+def test_a_corner_that_slides_over_an_edge_keeps_the_least_overlap():
     """A spike in a cube's top, slid beyond its side: the depth shrinks with the way that is left to the side.
 
     The remembered top face stays a local minimum until the spike has left it. Kept that long, the contact would lose
     all its elastic energy at once.
     """
-    spike = core.make_hull(np.array([[0, 0, 0], [0.2, 0, 1], [0.1, 0.1, 1], [0.1, -0.1, 1.0]]))  # leans outward
+    spike = make_polyhedron(np.array([[0, 0, 0], [0.2, 0, 1], [0.1, 0.1, 1], [0.1, -0.1, 1.0]]))  # leans outward
     apex = spike.vertices[:, 2].argmin()
     depth, way = 0.02, np.linspace(-0.06, 0.01, 71)
-    bodies, shapes, contacts = core.place_pairs(
-        [core.make_hull(CUBE), spike], np.ones((2, 3)), [IDENTITY] * 2, [[0, 0, 9]]
-    )
+    bodies, shapes, contacts = place_pairs([make_polyhedron(CUBE), spike], np.ones((2, 3)), [IDENTITY] * 2, [[0, 0, 9]])
     start = bodies.position[0] + [0.5, 0.1, 0.5 - depth] - spike.vertices[apex]
     searched = []
     for x in way:
         bodies.position[1] = start + [x, 0.0, 0.0]
-        searched.append(core.look_at_polyhedra(shapes, bodies, contacts, 0.0))
+        searched.append(update_polyhedra(shapes, bodies, contacts, 0.0))
         overlap = max(min(depth, -x), 0.0)
         assert contacts.overlap[0] * contacts.touching[0] == pytest.approx(overlap, abs=ROUNDING)
     # Farther from the edge than CERTAIN_REACH times the depth the memory answers, once it has been searched.

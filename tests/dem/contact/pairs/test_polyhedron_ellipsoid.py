@@ -6,45 +6,47 @@ from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact import query_many
 from simcore.dem.shapes.hulls import convex, ellipsoid
+from tests.helpers.contact_pairs import UNIT_SPHERE, place_pairs, update_mixed
+from tests.helpers.polyhedra import CUBE, make_pebble, make_polyhedron
+from tests.helpers.rotations import random_orientations
 
-CUBE = 0.8 * np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 AXES = [(1.0, 1.0, 1.0), (1.0, 0.75, 0.5), (1.6, 0.3, 0.3), (1.2, 1.2, 0.2), (1.0, 0.9, 0.9)]
 # The walk to a deep overlap ends where its bounds are within `deep_overlap.CERTAIN` = 2e-9 of the size.
 DEEP = 3e-9
 
 
-def bases_of(core):
+def bases_of():
     return [
-        core.make_pebble(1, 16),
-        core.make_pebble(2, 40),
-        core.make_pebble(3, 24, (1.6, 0.3, 0.3)),
-        core.make_hull(CUBE),
+        make_pebble(1, 16),
+        make_pebble(2, 40),
+        make_pebble(3, 24, (1.6, 0.3, 0.3)),
+        make_polyhedron(1.6 * CUBE),
     ]
 
 
 class Pairs:
     """Pairs of a hull and an ellipsoid, every other one with the ellipsoid as its first body."""
 
-    def __init__(self, core, n, farthest, seed, size=1.0):
+    def __init__(self, n, farthest, seed, size=1.0):
         rng = np.random.default_rng(seed)
-        hulls = bases_of(core)
+        hulls = bases_of()
         kind = rng.integers(0, len(hulls), n), rng.integers(0, len(AXES), n)
         self.rng, self.n = rng, n
         self.first = np.arange(n) % 2 == 0  # the hull is body a
         ones = np.ones((n, 3))
         axes = np.array(AXES)[kind[1]]
         self.scale = np.where(self.first[:, None], [ones, axes], [axes, ones]).transpose(1, 0, 2).reshape(-1, 3)
-        sphere = [core.sphere] * n
+        sphere = [UNIT_SPHERE] * n
         hull = [hulls[k] for k in kind[0]]
         self.bases = [
             base for k in range(n) for base in ((hull[k], sphere[k]) if self.first[k] else (sphere[k], hull[k]))
         ]
-        self.turns = core.orientations(2 * n, rng)
+        self.turns = random_orientations(2 * n, rng)
         unit = rng.standard_normal((n, 3))
         self.unit = unit / np.linalg.norm(unit, axis=1, keepdims=True)
         self.size = size
         offsets = self.unit * rng.uniform(0.0, farthest, (n, 1))
-        self.bodies, self.shapes, self.contacts = core.place_pairs(self.bases, self.scale, self.turns, offsets, size)
+        self.bodies, self.shapes, self.contacts = place_pairs(self.bases, self.scale, self.turns, offsets, size)
         self.query_shapes = [convex(size * base.vertices) for base in hulls] + [
             ellipsoid(*(size * np.array(a))) for a in AXES
         ]
@@ -83,9 +85,9 @@ class Pairs:
 
 
 @pytest.mark.parametrize("size", [1.0, 1e-3])
-def test_a_pair_without_memory_is_what_the_query_says(core, size):
-    pairs = Pairs(core, 600, 2.0, 1, size)
-    searched = core.look_at_mixed(pairs.shapes, pairs.bodies, pairs.contacts, 0.0)
+def test_a_pair_without_memory_is_what_the_query_says(size):
+    pairs = Pairs(600, 2.0, 1, size)
+    searched = update_mixed(pairs.shapes, pairs.bodies, pairs.contacts, 0.0)
     assert searched == pairs.n
     rows = pairs.compare(pairs.query())
     assert 0.4 * pairs.n < rows.sum() < 0.95 * pairs.n
@@ -93,10 +95,10 @@ def test_a_pair_without_memory_is_what_the_query_says(core, size):
     assert rows[pairs.first].sum() > 0.2 * rows.sum() < rows[~pairs.first].sum()
 
 
-def test_no_direction_shows_less_overlap(core):
+def test_no_direction_shows_less_overlap():
     """Independent of all searches: the overlap is the least over 4000 directions and all face normals of the hull."""
-    pairs = Pairs(core, 150, 1.4, 2)
-    core.look_at_mixed(pairs.shapes, pairs.bodies, pairs.contacts, 0.0)
+    pairs = Pairs(150, 1.4, 2)
+    update_mixed(pairs.shapes, pairs.bodies, pairs.contacts, 0.0)
     rng = np.random.default_rng(3)
     sphere = rng.standard_normal((4000, 3))
     sphere /= np.linalg.norm(sphere, axis=1, keepdims=True)
@@ -116,8 +118,8 @@ def test_no_direction_shows_less_overlap(core):
     assert compared > 75
 
 
-def test_a_pair_is_the_same_from_its_other_body(core):
-    pairs, other = Pairs(core, 200, 1.6, 4), Pairs(core, 200, 1.6, 4)
+def test_a_pair_is_the_same_from_its_other_body():
+    pairs, other = Pairs(200, 1.6, 4), Pairs(200, 1.6, 4)
     for field in ("shape", "scale", "radius", "rotation", "form_matrix", "orientation"):
         values = getattr(other.bodies, field)
         values[:] = values.reshape(-1, 2, *values.shape[1:])[:, ::-1].reshape(values.shape)
@@ -125,7 +127,7 @@ def test_a_pair_is_the_same_from_its_other_body(core):
     other.bodies.position[0::2], other.bodies.position[1::2] = 0.0, -offset
     pairs.bodies.position[0::2], pairs.bodies.position[1::2] = 0.0, offset
     for seen in (pairs, other):
-        core.look_at_mixed(seen.shapes, seen.bodies, seen.contacts, 0.0)
+        update_mixed(seen.shapes, seen.bodies, seen.contacts, 0.0)
     one, two = pairs.contacts, other.contacts
     # Both look from the hull, so only the sum that gives the point is rounded anew.
     np.testing.assert_array_equal(one.touching, two.touching)
@@ -136,9 +138,9 @@ def test_a_pair_is_the_same_from_its_other_body(core):
     assert rows.sum() > 60
 
 
-def test_what_is_remembered_answers_as_the_query_does(core):
+def test_what_is_remembered_answers_as_the_query_does():
     """Pairs that come together from a gap, turn, slide and part again: nothing is missed, and little is searched."""
-    pairs = Pairs(core, 120, 2.0, 5)
+    pairs = Pairs(120, 2.0, 5)
     b = pairs.bodies
     size = pairs.extent[:, None]
     for _ in range(3):  # from anywhere to a narrow gap
@@ -157,7 +159,7 @@ def test_what_is_remembered_answers_as_the_query_does(core):
         b.turned[:] += 2.0 * b.radius * np.sin(0.5 * spin.magnitude())
         full = np.einsum("nij,nj,nkj->nik", b.rotation, b.scale**2, b.rotation)
         b.form_matrix[:] = full[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-        searched += core.look_at_mixed(pairs.shapes, b, pairs.contacts, 0.0)
+        searched += update_mixed(pairs.shapes, b, pairs.contacts, 0.0)
         touched += pairs.compare(pairs.query()).sum()
     assert touched > 100 * pairs.n
     # Each once at first. Then few: overlaps are below the rolling radius of the thinnest, 0.017 of the size, mostly.

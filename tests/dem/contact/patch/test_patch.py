@@ -1,7 +1,5 @@
 """The patch of two overlapping polyhedra against their intersection itself, and how it moves."""
 
-from typing import NamedTuple
-
 import numba
 import numpy as np
 import pytest
@@ -19,16 +17,10 @@ from simcore.dem.forces.patch_torque import patch_torque
 from simcore.dem.forces.spring_dashpot import contact_law, explicit_dashpot
 from simcore.dem.state.touches import partner_offset
 from simcore.dem.vectors import Vec, read
-
-CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
-
-
-class Patch(NamedTuple):
-    """One row of what contacts and walls have for patches."""
-
-    spread: np.ndarray
-    twist: np.ndarray
+from tests.helpers.contact_pairs import place_pairs, update_polyhedra
+from tests.helpers.patch import Patch
+from tests.helpers.polyhedra import CUBE, make_pebble, make_polyhedron
+from tests.helpers.rotations import IDENTITY, random_orientations
 
 
 @numba.njit(error_model="numpy")
@@ -48,9 +40,10 @@ def slow_moments(shapes, bodies, contacts, workspace, p):
     return clipped_moments(shapes, bodies, pair, axes, tops, 0, workspace, 0)
 
 
-def look(core, bases, scale, orientation, offsets):
-    bodies, shapes, contacts = core.place_pairs(bases, scale, orientation, offsets)
-    core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
+def press_pairs(bases, scale, orientation, offsets):
+    """Bodies, shapes and contacts of pairs whose overlaps are found as patches."""
+    bodies, shapes, contacts = place_pairs(bases, scale, orientation, offsets)
+    update_polyhedra(shapes, bodies, contacts, 0.0)
     press_patches(shapes, bodies, contacts, make_workspace(shapes, 1))
     return bodies, shapes, contacts
 
@@ -88,17 +81,17 @@ def intersection_moments(planes):
     return middle + off, second - np.outer(off, off)
 
 
-def shallow_pairs(core, n, seed, depth):
+def shallow_pairs(n, seed, depth):
     """Pairs of pebbles with about that overlap, relative to the pair's size."""
     rng = np.random.default_rng(seed)
-    bases = [core.make_pebble(k, 12 + 7 * (k % 5)) for k in range(10)]
+    bases = [make_pebble(k, 12 + 7 * (k % 5)) for k in range(10)]
     bases = [bases[k % 10] for k in rng.permutation(2 * n)]
-    scale, orientation = np.ones((2 * n, 3)), core.orientations(2 * n, rng)
+    scale, orientation = np.ones((2 * n, 3)), random_orientations(2 * n, rng)
     offsets = rng.standard_normal((n, 3))
     offsets *= 1.0 / np.linalg.norm(offsets, axis=1, keepdims=True)
     for _ in range(4):
-        bodies, shapes, contacts = core.place_pairs(bases, scale, orientation, offsets)
-        core.look_at_polyhedra(shapes, bodies, contacts, 0.0)
+        bodies, shapes, contacts = place_pairs(bases, scale, orientation, offsets)
+        update_polyhedra(shapes, bodies, contacts, 0.0)
         size = bodies.radius[0::2] + bodies.radius[1::2]
         offsets += (contacts.overlap * contacts.touching - depth * size)[:, None] * contacts.direction
     return bases, scale, orientation, offsets
@@ -120,39 +113,39 @@ def compare(bases, bodies, contacts, tolerance):
     return compared
 
 
-def test_pebbles_against_their_intersection(core):
+def test_pebbles_against_their_intersection():
     """The reference is exact up to its own conditioning."""
     for depth in (1e-6, 1e-5, 0.9 * PATCH_DEPTH):
-        bases, scale, orientation, offsets = shallow_pairs(core, 120, 1, depth)
-        bodies, shapes, contacts = look(core, bases, scale, orientation, offsets)
+        bases, scale, orientation, offsets = shallow_pairs(120, 1, depth)
+        bodies, shapes, contacts = press_pairs(bases, scale, orientation, offsets)
         assert compare(bases, bodies, contacts, 1e-7) > 100
     single = (contacts.facet[:, [1, 2]] == contacts.facet[:, [0]]).all(axis=1)
     assert 20 < single[contacts.touching > 0].sum() < 100  # corners of a on faces, and others
 
 
-def test_overhanging_and_turned_cubes(core):
+def test_overhanging_and_turned_cubes():
     """Faces on faces: any part of the one may lie on the other."""
     rng = np.random.default_rng(2)
     n = 60
-    base = core.make_hull(CUBE)
+    base = make_polyhedron(CUBE)
     offsets = np.column_stack([rng.uniform(-0.9, 0.9, (n, 2)), 1.0 - PATCH_DEPTH * rng.uniform(0.2, 1.2, n)])
     tilt = Rotation.from_rotvec(
         np.column_stack([0.3 * PATCH_DEPTH * rng.standard_normal((n, 2)), rng.uniform(-0.8, 0.8, n)])
     )
     orientation = np.tile(IDENTITY, (2 * n, 1))
     orientation[1::2] = tilt.as_quat(scalar_first=True)
-    bodies, shapes, contacts = look(core, [base] * (2 * n), np.ones((2 * n, 3)), orientation, offsets)
+    bodies, shapes, contacts = press_pairs([base] * (2 * n), np.ones((2 * n, 3)), orientation, offsets)
     assert compare([base] * (2 * n), bodies, contacts, 1e-7) > 50
 
 
-def test_the_general_way_is_exact_at_any_depth_and_deep_pairs_are_taken_apart(core):
-    bases, scale, orientation, offsets = shallow_pairs(core, 60, 4, 0.1)
-    bodies, shapes, contacts = look(core, bases, scale, orientation, offsets)
+def test_the_general_way_is_exact_at_any_depth_and_deep_pairs_are_taken_apart():
+    bases, scale, orientation, offsets = shallow_pairs(60, 4, 0.1)
+    bodies, shapes, contacts = press_pairs(bases, scale, orientation, offsets)
     workspace, seen = make_workspace(shapes, 1), 0
     apart = offsets + (contacts.overlap - PATCH_DEPTH * (bodies.radius[0::2] + bodies.radius[1::2]))[:, None] * (
         contacts.direction
     )
-    _, _, thin = look(core, bases, scale, orientation, apart)
+    _, _, thin = press_pairs(bases, scale, orientation, apart)
     for p in np.flatnonzero(contacts.touching & thin.touching):
         planes = np.vstack([half_spaces(bases[k], bodies, k) for k in (2 * p, 2 * p + 1)])
         _, second = intersection_moments(planes)
@@ -168,9 +161,9 @@ def test_the_general_way_is_exact_at_any_depth_and_deep_pairs_are_taken_apart(co
     assert seen > 20
 
 
-def test_the_short_cut_for_corners_is_the_general_way(core):
-    bases, scale, orientation, offsets = shallow_pairs(core, 200, 3, 0.9 * PATCH_DEPTH)
-    bodies, shapes, contacts = look(core, bases, scale, orientation, offsets)
+def test_the_short_cut_for_corners_is_the_general_way():
+    bases, scale, orientation, offsets = shallow_pairs(200, 3, 0.9 * PATCH_DEPTH)
+    bodies, shapes, contacts = press_pairs(bases, scale, orientation, offsets)
     workspace = make_workspace(shapes, 1)
     seen = 0
     for p in np.flatnonzero(contacts.touching):
@@ -184,13 +177,13 @@ def test_the_short_cut_for_corners_is_the_general_way(core):
 
 
 @pytest.mark.parametrize("way", ["tilt", "slide", "turn"])
-def test_the_point_moves_continuously(core, way):
+def test_the_point_moves_continuously(way):
     """A cube rocks, slides off and turns on another: in n and 10 n steps of the same way the largest jump falls by 10.
 
     Down to the pose's own steps, times what the patch gains: its point crosses the face while the cube tilts by
     overlap / edge, here 1e-3.
     """
-    base = core.make_hull(CUBE)
+    base = make_polyhedron(CUBE)
     jumps = []
     for steps in (200, 2000):
         s = np.linspace(0.0, 1.0, steps + 1)
@@ -205,7 +198,7 @@ def test_the_point_moves_continuously(core, way):
             turn[:, 2] = 1.5 * s
         orientation = np.tile(IDENTITY, (2 * m, 1))
         orientation[1::2] = Rotation.from_rotvec(turn).as_quat(scalar_first=True)
-        _, _, contacts = look(core, [base] * (2 * m), np.ones((2 * m, 3)), orientation, offsets)
+        _, _, contacts = press_pairs([base] * (2 * m), np.ones((2 * m, 3)), orientation, offsets)
         assert contacts.touching.all()
         jumps.append(np.abs(np.diff(contacts.point, axis=0)).max())
         travelled = np.ptp(contacts.point, axis=0).max()

@@ -1,9 +1,10 @@
 """A few spheres in a small box: the smallest packing that has all phases, for tests that need some packing."""
 
+from simcore.packing.process import pack
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
-FEW = {
+FEW_SPHERES = {
     "name": "few",
     "domain": {"width": "25 mm", "height": "0.2 m"},
     "shapes": {"kind": "sphere"},
@@ -14,14 +15,20 @@ FEW = {
 }
 
 
-def few(**changes) -> dict:
-    """FEW with some keys changed; of a group, the given keys of it."""
-    specification = dict(FEW)
+def specify_few_spheres(**changes) -> dict:
+    """FEW_SPHERES with some keys changed; a dict changes only the given keys of its group."""
+    specification = dict(FEW_SPHERES)
     for key, value in changes.items():
         specification[key] = {**specification.get(key, {}), **value} if isinstance(value, dict) else value
     return specification
 
 
-def set_up_few(**changes):
-    """Setup of `few`."""
-    return set_up(resolve(few(**changes)), lambda group: [])
+def set_up_few_spheres(**changes):
+    """Setup of `specify_few_spheres`."""
+    return set_up(resolve(specify_few_spheres(**changes)), lambda group: [])
+
+
+def pack_few_spheres(**changes):
+    """Finished packing of `specify_few_spheres`."""
+    setup = set_up_few_spheres(**changes)
+    return pack(setup.scene, setup.bases, setup.draw)

@@ -1,4 +1,4 @@
-"""Fixture `stage`: a few bodies, stepped by the compiled step itself."""
+"""A few bodies, moved by the compiled step alone, without a packing process."""
 
 import numba
 import numpy as np
@@ -14,10 +14,13 @@ from simcore.dem.step.motion import derive_form_matrix, derive_rotation
 from simcore.dem.step.step import STAGES, Drive, make_advance
 
 
-class Stage:
-    """Bodies and what acts on them. law: ContactLaw, or HertzLaw with hertz. All variants have a floor and, but for
-    those with sliding, friction; a law without friction coefficient and a floor far below are data, and compile
-    nothing. implicit: the dashpot; the law then is that of the step (implicit_law)."""
+class SteppedBodies:
+    """Bodies, the scene they are in, and the compiled step.
+
+    law: ContactLaw, or HertzLaw with hertz; with an implicit dashpot the law of the time step (implicit_law). All
+    variants have a floor and, except those with sliding friction, friction. A friction coefficient of 0 and a floor far
+    below are data, so they need no compilation of their own.
+    """
 
     def __init__(
         self,
@@ -74,16 +77,16 @@ class Stage:
             "gravity": 0.0, "shaking": 0.0, "shaking_rate": 0.0, "damping": 1.0, "wall_radius": np.inf,
         } | drive  # fmt: skip
         self._advance = make_advance(self.features)
-        self.room = make_workspace(self.shapes, numba.get_num_threads())
+        self.workspace = make_workspace(self.shapes, numba.get_num_threads())
         self.clock = np.zeros(len(STAGES), np.int64)
         self.step = 0
 
     def advance(self, dt, n_steps):
-        """n_steps of dt; with dt = 0 forces of the current positions."""
+        """Make n_steps of dt [s]; with dt = 0 only the forces of the current positions are computed."""
         drive = Drive(dt=dt, width=self.width, **self.drive)
         left = n_steps
         while left > 0:
-            state = State(self.shapes, self.bodies, *self.candidates, self.room)
+            state = State(self.shapes, self.bodies, *self.candidates, self.workspace)
             done, stale = self._advance(state, self.law, drive, self.clock, self.step, left)
             left -= done
             self.step += done
@@ -104,7 +107,7 @@ class Stage:
         return self.candidates.walls
 
     def derive(self):
-        """After positions, orientations or momenta were set by hand."""
+        """Update derived fields after positions, orientations or momenta were set by hand."""
         for i in range(len(self.bodies.mass)):
             derive_rotation(self.bodies, i)
             derive_form_matrix(self.bodies, i)
