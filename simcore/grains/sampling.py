@@ -16,7 +16,7 @@ MAX_RATIO = 10.0  # maximum of L/I and of I/S: flatness and elongation are at le
 # This stream decides which grains of kind "mixed" are ellipsoids. As it is separate, the sizes and forms are those that
 # polyhedra alone would get.
 _KIND_STREAM = 2
-_QUOTA_STREAM = 3  # of the numbers that shuffle the strata of a draw by quota
+_QUOTA_STREAM = 4  # of the numbers that shuffle the strata of a draw by quota; 3 is that of random places
 
 
 @dataclass(frozen=True)

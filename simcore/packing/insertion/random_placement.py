@@ -8,7 +8,7 @@ a bit.
 
 import numpy as np
 
-RELEASE_STREAM = 3  # of the counter-based generator; 0 to 2 are those of size, insertion and kind
+RELEASE_STREAM = 3  # of the counter-based generator; 0 to 2 are those of size, insertion and kind, 4 that of quotas
 # ASSUME: volume fraction of the grains of a batch in its zone. Spheres no longer fit at 0.38, and long grains earlier;
 # at 0.1 even ellipsoids with L/S = 6 fit after some tens of tries.
 DILUTE = 0.1
