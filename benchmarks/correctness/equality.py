@@ -58,6 +58,13 @@ SCENES = {
     },
     "polyhedra": {"shapes": {"kind": "polyhedron"}},
     "mixed": {"shapes": {"kind": "mixed", "ellipsoid_share": 0.5}},
+    "filled": {
+        "shapes": {"kind": "sphere"},
+        "generation": {"placement": "filled", "orientation": "random"},
+        **MANY,
+        "sizes": {**MANY["sizes"], "draw": "quota"},
+        "domain": {"height": "60 mm"},
+    },
     "deposit": {
         "shapes": {"kind": "sphere"},
         "sizes": {"case": None, "bounds": None, "mass_fractions": None, "beta": {"radius": "3.4 mm", "spread": 0.4}},

@@ -190,6 +190,8 @@ def plan_insertion(scene: Scene, pour: Pour) -> tuple[list[int], list[int]]:
     """Return the number of grains after each batch, and the steps until the next batch; 0 after the last."""
     if scene.generation.placement == "random":
         return _random_batches(scene, pour)
+    if scene.generation.placement == "filled":
+        return _filled_batches(scene, pour)
     return _lattice_batches(scene, pour)
 
 
@@ -204,6 +206,26 @@ def _random_batches(scene, pour):
         interval = _fall_time(scene, generation.drop_height + zone)
     inserted = [*range(batch, pour.grains, batch), pour.grains]
     return inserted, [round(interval / scene.numerics.time_step)] * (len(inserted) - 1) + [0]
+
+
+def _filled_batches(scene, pour):
+    """Plan batches that fill a zone above the bed; the next one is inserted when the previous one has fallen."""
+    domain, generation, inserted, waits = scene.domain, scene.generation, [], []
+    ends, density = 2.0 * float(np.max(pour.reach)), generation.solid_fraction * domain.area
+    done, whole = 0, pour.solid(pour.grains)
+    while done < pour.grains:
+        bed = pour.solid(done) / (SOLID_FRACTION * domain.area) if done else 0.0
+        available = domain.height - bed - generation.drop_height
+        needed = ends + (whole - pour.solid(done)) / density
+        zone = max(min(needed, available), ends)
+        count = pour.grains - done
+        if needed > available:
+            count = min(max(round(count * (zone - ends) / (needed - ends)), 1), count)
+        done += count
+        inserted.append(done)
+        wait = _fall_time(scene, generation.drop_height + zone) / scene.numerics.time_step
+        waits.append(round(wait) if done < pour.grains else 0)
+    return inserted, waits
 
 
 def _lattice_batches(scene, pour):

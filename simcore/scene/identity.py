@@ -24,7 +24,12 @@ WITHOUT_RESULT = (("name",), ("shapes", "grain"), ("numerics", "progress_interva
 BY_CHANCE = (("name",), ("seed",))
 # Keys that were added after rows had been committed, with the value that corresponds to earlier packings. A
 # specification with this value is the same as one without the key.
-ADDED = {("grains", "bodies"): "one", ("sizes", "own"): False, ("sizes", "draw"): "random"}
+ADDED = {
+    ("grains", "bodies"): "one",
+    ("sizes", "own"): False,
+    ("sizes", "draw"): "random",
+    ("generation", "solid_fraction"): 0.2,
+}
 # Keys and values that were renamed after rows had been committed. Digests use the former names, as those rows do.
 FORMER_KEYS = {("numerics", "polyhedron_contact"): "contact_region"}
 FORMER_VALUES = {

@@ -55,6 +55,7 @@ class Generation:
     placement: str = "lattice"
     batch_grains: int | None = None
     batch_interval: float | None = None
+    solid_fraction: float = 0.2
 
 
 @dataclass(frozen=True)

@@ -57,6 +57,9 @@ def example(name):
             **{**LARGE, "shapes": {"kind": "polyhedron", "choice": "random"}, "amount": {"grains": 1200}},
             "generation": {"placement": "random"},
         },
+        # One batch, and several where the domain is low.
+        {**LARGE, "generation": {"placement": "filled"}},
+        {**LARGE, "domain": {"width": "0.1 m", "height": "0.3 m"}, "generation": {"placement": "filled"}},
         {**LARGE, "shapes": {"kind": "sphere"}, "sizes": {"case": "B50", "allow_few_top_grains": True}},
     ],
 )

@@ -4,18 +4,26 @@ Every rank draws the whole batch and takes its own grains. The objects here have
 do not contain them: a batch follows from the number of grains inserted before it and from their top.
 """
 
+import functools
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from simcore.packing.insertion.initial_states import occupy_sites
-from simcore.packing.insertion.random_placement import fall_time, layer_grains, release_places, zone_height
+from simcore.packing.insertion.random_placement import (
+    fall_time,
+    fitting_grains,
+    layer_grains,
+    release_places,
+    zone_height,
+)
 from simcore.packing.packed import PackingError
 from simcore.scene.domain import lattice_sites
 from simcore.scene.scene import R22_FIRST_FILL, REFILL_HEIGHT, Scene
 from simcore.scene.shapes import Base, Draw, grain_volumes
 
+CHUNK = 1000  # grains that are drawn at least to find how many a mass has
 MEAN_REACH = 200  # grains whose mean size gives the number of grains in a layer
 
 
@@ -33,6 +41,7 @@ class Pouring:
     def __init__(self, scene: Scene, bases: list[Base], draw: Callable):
         """bases: shapes of the grains; draw(ids (n,)) -> Draw."""
         self.scene, self.bases, self.draw = scene, bases, draw
+        self._next_filled = functools.lru_cache(maxsize=1)(self._remaining_grains)
 
     def has_space(self, inserted: int, top: float, highest: Callable, last: bool = False) -> bool:
         """Return whether there is space for a batch above `top` [m] after `inserted` grains.
@@ -44,6 +53,13 @@ class Pouring:
         if generation.placement == "random":
             _, drawn, reach = self._next_random(inserted)
             return top + generation.drop_height + self._zone(drawn, reach) <= height
+        if generation.placement == "filled":
+            _, _, reach, volumes = self._next_filled(inserted)
+            area, fraction, available = self.scene.domain.area, generation.solid_fraction, height - top
+            available -= generation.drop_height
+            if last:
+                return fitting_grains(reach, volumes, area, fraction, available) > 0
+            return min(zone_height(reach, volumes, area, fraction), (1.0 - REFILL_HEIGHT) * height) <= available
         if generation.fill == "r22":
             high, radius = highest()
             return bool(high < REFILL_HEIGHT * height - max(generation.spacing, 2.0 * radius))
@@ -56,6 +72,8 @@ class Pouring:
         """
         if self.scene.generation.placement == "random":
             return self._random_batch(inserted, top, touching)
+        if self.scene.generation.placement == "filled":
+            return self._filled_batch(inserted, top, touching)
         return self._on_lattice(inserted, top)
 
     def volumes(self, drawn: Draw) -> np.ndarray:
@@ -90,17 +108,63 @@ class Pouring:
                 f"{scene.name}: a batch of {len(ids)} grains needs the height from {low:.3g} m to {low + height:.3g} "
                 f"m, but domain.height is {scene.domain.height:g} m. Lower batch_grains or raise domain.height"
             )
+        places = self._free_places(ids, drawn, reach, (low, height), touching)
+        interval = generation.batch_interval
+        return Batch(drawn, places, self._time_to_fall(height) if interval is None else interval)
+
+    def _free_places(self, ids, drawn, reach, zone, touching, turns=None):
+        """Return places (n, 3) [m] at which no grains touch; zone: its lower end and height [m]."""
+        scene, (low, height) = self.scene, zone
         try:
-            places = release_places(
-                ids, reach, height, scene.domain, low, scene.seed, lambda places: touching(drawn, places)
+            return release_places(
+                ids, reach, height, scene.domain, low, scene.seed, lambda places: touching(drawn, places), turns
             )
         except ValueError as error:
             raise PackingError(f"{scene.name}: {error}") from None
-        interval = generation.batch_interval
-        if interval is None:
-            gravity = scene.material.effective_gravity
-            interval = fall_time(generation.drop_height + height, -generation.velocity_z, gravity)
-        return Batch(drawn, places, interval)
+
+    def _time_to_fall(self, height):
+        """Return the time [s] in which the grains of a zone of this height [m] fall onto the bed."""
+        generation, gravity = self.scene.generation, self.scene.material.effective_gravity
+        return fall_time(generation.drop_height + height, -generation.velocity_z, gravity)
+
+    # -- filling a zone -------------------------------------------------------------------------------------
+
+    def _remaining_grains(self, inserted):
+        """Return ids, Draw, bounding radii [m] and volumes [m³] of all grains that are still to be inserted."""
+        scene = self.scene
+        if scene.amount_grains is not None:
+            ids = np.arange(inserted, scene.amount_grains)
+        else:
+            whole = scene.amount_mass / scene.material.density
+            ids = np.arange(CHUNK)
+            while (volumes := np.cumsum(self.volumes(self.draw(ids))))[-1] < whole:
+                ids = np.arange(2 * len(ids))
+            # At least one grain: the masses of inserted bodies are summed in another order.
+            ids = ids[inserted : max(int(np.searchsorted(volumes, whole)), inserted) + 1]
+        drawn = self.draw(ids)
+        return ids, drawn, extents(self.bases, drawn, True)[0], self.volumes(drawn)
+
+    def _filled_batch(self, inserted, top, touching):
+        """Return a batch that fills its zone to generation.solid_fraction, large grains first.
+
+        It has all remaining grains, or as many as fit below domain.height. Its interval is the time to fall.
+        """
+        scene, generation = self.scene, self.scene.generation
+        ids, drawn, reach, volumes = self._next_filled(inserted)
+        low, area, fraction = top + generation.drop_height, scene.domain.area, generation.solid_fraction
+        count = fitting_grains(reach, volumes, area, fraction, scene.domain.height - low)
+        if count == 0:
+            raise PackingError(
+                f"{scene.name}: no grain can be inserted between {low:.3g} m and domain.height = "
+                f"{scene.domain.height:g} m; make the domain higher"
+            )
+        ids, reach, volumes = ids[:count], reach[:count], volumes[:count]
+        drawn = Draw(*(values[:count] for values in drawn))
+        height = zone_height(reach, volumes, area, fraction)
+        turns = np.empty(count, np.int64)
+        turns[np.argsort(-reach, kind="stable")] = np.arange(count)
+        places = self._free_places(ids, drawn, reach, (low, height), touching, turns)
+        return Batch(drawn, places, self._time_to_fall(height))
 
     # -- on a lattice ---------------------------------------------------------------------------------------
 
