@@ -1,1 +1,1 @@
-"""What is computed from a finished packing: porosity, order over height, contacts and directions."""
+"""Evaluation of a finished packing: porosity, trends over height, contacts and directions."""

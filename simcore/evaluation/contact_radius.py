@@ -1,24 +1,25 @@
-"""Where on the grains the contacts are: distances of contact points from the grain's centre.
+"""Positions of contacts on the grains: distances of contact points from the grain's centre.
 
 The radial distribution of contacts is the density of rho = |contact point - centre of mass| / r over all contacts of a
-grain, r the radius of the sphere of the grain's volume. Of spheres it is a peak at 1; of ellipsoids it reaches from c/r
-on the flat sides to a/r at the tips. By itself it shows the form of the grain more than anything else. So it stands
-beside the density of the same grains' surface, which contacts would have that were spread evenly over it: above it, a
-part of the surface is preferred.
+grain, where r is the radius of the sphere of the grain's volume. For spheres it is a peak at 1; for ellipsoids it
+extends from c/r on the flat sides to a/r at the tips. It mainly shows the form of the grain. For comparison there is
+the density of the surface of the same grains, which evenly spread contacts would have: where the density of contacts is
+higher, that part of the surface is preferred.
 """
 
 import numpy as np
 
-# Bins stand on one grid for all packings, so that their densities can be averaged; 1, where spheres are, is a middle.
+# All packings share one grid of bins, so that their densities can be averaged; 1, the value of spheres, is the middle
+# of a bin.
 BIN_WIDTH = 0.05
 _QUADRATURE = 64  # points along each angle of an octant
-_SUBDIVISION = 4  # of each edge of a hull's triangles
+_SUBDIVISION = 4  # parts of each edge of a polyhedron's triangles
 
 
 def contact_radii(packing, contacts, second):
-    """rho of ends of contacts, (k,).
+    """Return rho of ends of contacts, (k,).
 
-    contacts (k,): their indices; second (k,): whether the end is that at the contact's second body.
+    contacts (k,): indices of the contacts; second (k,) bool: whether the end is that of the contact's second body.
     """
     image = packing["contact_image"].values[contacts] * second[:, None]
     grains = packing["contact_body"].values[contacts, second.astype(int)]
@@ -28,18 +29,18 @@ def contact_radii(packing, contacts, second):
 
 
 def equal_volume_radius(packing):
-    """Radius of the sphere of each grain's volume, (n,) [m]."""
+    """Return the radius of the sphere of each grain's volume, (n,) [m]."""
     return np.cbrt(3.0 / (4.0 * np.pi) * packing["volume"].values)
 
 
 def radius_bins(largest):
-    """Edges of the bins from near 0 up to the first not below `largest`, (k + 1,), and their middles, (k,)."""
+    """Return the edges (k + 1,) and middles (k,) of bins from half a bin width up to at least `largest`."""
     middles = BIN_WIDTH * np.arange(1, max(int(np.ceil(largest / BIN_WIDTH - 0.5)), 1) + 1)
     return np.append(middles - 0.5 * BIN_WIDTH, middles[-1] + 0.5 * BIN_WIDTH), middles
 
 
 def largest_radius(packing, grains):
-    """rho that no point of the surface of these grains (n,), indices, exceeds."""
+    """Return an upper bound of rho on the surfaces of these grains, indices (n,)."""
     reach = np.ones(packing.sizes["shape"])
     for shape in np.flatnonzero(packing["shape_kind"].values.astype(str) == "convex"):
         reach[shape] = np.linalg.norm(_vertices(packing, shape), axis=1).max()
@@ -48,9 +49,9 @@ def largest_radius(packing, grains):
 
 
 def surface_radii(packing, grains, weights, edges):
-    """Density over rho of the surface of the grains, (k,), each with its weight however large its surface.
+    """Return the density over rho of the surface of the grains, (k,); the area of a grain does not affect its weight.
 
-    grains (n,), indices; weights (n,), such as their numbers of contacts; edges (k + 1,) as of radius_bins.
+    grains (n,): indices; weights (n,), such as their numbers of contacts; edges (k + 1,) as in radius_bins.
     """
     relative = packing["scale"].values[grains] / equal_volume_radius(packing)[grains, None]
     forms = np.column_stack([packing["shape"].values[grains], np.round(relative, 9)])
@@ -62,14 +63,14 @@ def surface_radii(packing, grains, weights, edges):
         if weight == 0.0:
             continue
         shape, scale = int(shape), np.array(scale)
-        points, areas = _ellipsoid(scale) if kinds[shape] == "sphere" else _hull(packing, shape, scale)
+        points, areas = _ellipsoid(scale) if kinds[shape] == "sphere" else _polyhedron(packing, shape, scale)
         count, _ = np.histogram(np.linalg.norm(points, axis=1), edges, weights=areas)
         density += weight * count / areas.sum()
     return density / share.sum() / np.diff(edges) if share.sum() > 0.0 else np.full(len(edges) - 1, np.nan)
 
 
 def _ellipsoid(semi_axes):
-    """Points (m, 3) of an octant of an ellipsoid's surface, and the area each stands for, (m,)."""
+    """Return points (m, 3) on an octant of an ellipsoid's surface, and the area that each represents, (m,)."""
     nodes, weights = np.polynomial.legendre.leggauss(_QUADRATURE)
     height = 0.5 * (nodes + 1.0)
     phi = 0.5 * np.pi * (np.arange(_QUADRATURE) + 0.5) / _QUADRATURE
@@ -77,14 +78,14 @@ def _ellipsoid(semi_axes):
     unit = np.stack(
         [np.outer(across, np.cos(phi)), np.outer(across, np.sin(phi)), np.repeat(height[:, None], _QUADRATURE, 1)], -1
     ).reshape(-1, 3)
-    # An area element of the unit sphere with normal u becomes (a b c) |u / (a, b, c)| times as large.
+    # The map to the ellipsoid multiplies an area element of the unit sphere with normal u by (a b c) |u / (a, b, c)|.
     return unit * semi_axes, np.repeat(weights, _QUADRATURE) * np.linalg.norm(unit / semi_axes, axis=1)
 
 
-def _hull(packing, shape, scale):
-    """Points (m, 3) on the faces of a scaled hull, and the area each stands for, (m,)."""
-    first, number = (int(packing[f"shape_face_{name}"].values[shape]) for name in ("start", "count"))
-    corners = (_vertices(packing, shape) * scale)[packing["shape_faces"].values[first : first + number]]
+def _polyhedron(packing, shape, scale):
+    """Return points (m, 3) on the faces of a scaled polyhedron, and the area that each represents, (m,)."""
+    start, number = (int(packing[f"shape_face_{name}"].values[shape]) for name in ("start", "count"))
+    corners = (_vertices(packing, shape) * scale)[packing["shape_faces"].values[start : start + number]]
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     centres = _centres_of_parts()
     points = np.einsum("pc,fcx->fpx", centres, corners).reshape(-1, 3)
@@ -92,13 +93,13 @@ def _hull(packing, shape, scale):
 
 
 def _vertices(packing, shape):
-    """Vertices of a base hull, (m, 3) [m]."""
-    first, number = (int(packing[f"shape_vertex_{name}"].values[shape]) for name in ("start", "count"))
-    return packing["shape_vertices"].values[first : first + number]
+    """Return the vertices of a base polyhedron, (m, 3) [m]."""
+    start, number = (int(packing[f"shape_vertex_{name}"].values[shape]) for name in ("start", "count"))
+    return packing["shape_vertices"].values[start : start + number]
 
 
 def _centres_of_parts():
-    """Barycentric coordinates of the centres of the equal triangles a triangle is cut into, (s², 3)."""
+    """Return the barycentric coordinates (s², 3) of the centres of the s² equal parts of a triangle."""
     s = _SUBDIVISION
     upright = [(i + 1 / 3, j + 1 / 3) for i in range(s) for j in range(s - i)]
     turned = [(i + 2 / 3, j + 2 / 3) for i in range(s) for j in range(s - i - 1)]

@@ -1,29 +1,30 @@
-"""Coordination number: how many grains a grain touches."""
+"""Coordination number: the mean number of contacts of a grain with other grains."""
 
 import numpy as np
 import xarray as xr
 
 from simcore.evaluation.porosity import describe
 
-# ASSUME: a grain with fewer contacts that carry force than this (floor and wall count) carries nothing. With friction
-# two contacts can hold a grain; without it a grain that bears load needs four (three bear its own weight alone).
+# ASSUME: a grain with fewer force-carrying contacts than this (floor and wall count) is a rattler. With friction two
+# contacts can support a grain; without friction a grain that carries load needs four (three support only its weight).
 BEARING_CONTACTS = 2
 
 
 def coordination_number(packing, grains=None, bearing_contacts=BEARING_CONTACTS):
-    """Mean number of grain-grain contacts per grain, with and without rattlers, and standard errors, Dataset.
+    """Return the mean number of grain-grain contacts per grain, with and without rattlers, with errors, Dataset.
 
-    packing: Dataset as in packing_io; grains: (n,) bool, those averaged over, whose contacts with all others count; all
-    if None. Contacts of overlap zero or less are memory, not contacts. A pair that touches through two periodic
-    images has two contacts. Rattlers, those of `grains` with fewer than bearing_contacts contacts that carry force
-    (whose two bodies push each other apart), are taken out until none is left; without them their contacts do not count
-    either. All other grains stay: from a free surface on, a whole bed could be taken down one grain after the other.
-    The standard errors take grains as independent; see simcore.evaluation.fabric for that over seeds.
+    packing: Dataset as in packing_io; grains: (n,) bool, the grains to average over, whose contacts with all others
+    count; None means all. Contacts with an overlap of zero or less are not counted; the packing stores them as
+    remembered contacts. A pair that touches through two periodic images has two contacts. Rattlers are those of
+    `grains` with fewer than bearing_contacts contacts that carry force (whose two bodies push each other apart). They
+    are removed with their contacts until none is left. Grains outside `grains` are never removed; otherwise a whole bed
+    could be removed grain by grain from its free surface. Standard errors assume independent grains;
+    simcore.evaluation.fabric gives those over seeds. ValueError if there is no grain to average over.
     """
     n_grains = packing.sizes["grain"]
     grains = np.ones(n_grains, bool) if grains is None else np.asarray(grains)
     if not grains.any():
-        raise ValueError("coordination_number: there is no grain to average over; widen what is taken as the bulk")
+        raise ValueError("coordination_number: there is no grain to average over; set a smaller cut of the bulk")
     bodies = packing["contact_body"].values
     touching = packing["contact_overlap"].values > 0.0
     pushing = np.sum(packing["contact_force"].values * packing["contact_normal"].values, axis=1) > 0.0
@@ -32,13 +33,13 @@ def coordination_number(packing, grains=None, bearing_contacts=BEARING_CONTACTS)
 
     bearing = np.ones(n_grains, bool)
     while True:
-        held = touching & np.all((bodies < 0) | bearing[np.maximum(bodies, 0)], axis=1)
-        enough = _contacts_per_grain(bodies[held & pushing], n_grains) >= bearing_contacts
-        still = bearing & (enough | ~grains)
-        if (still == bearing).all():
+        remaining = touching & np.all((bodies < 0) | bearing[np.maximum(bodies, 0)], axis=1)
+        has_enough = _contacts_per_grain(bodies[remaining & pushing], n_grains) >= bearing_contacts
+        still_bearing = bearing & (has_enough | ~grains)
+        if (still_bearing == bearing).all():
             break
-        bearing = still
-    bearing_counts = _contacts_per_grain(bodies[between_grains & held], n_grains)
+        bearing = still_bearing
+    bearing_counts = _contacts_per_grain(bodies[between_grains & remaining], n_grains)
     data = {}
     for name, values, text in (
         ("coordination_number", counts[grains], "mean grain-grain contacts per grain"),
@@ -59,7 +60,7 @@ def coordination_number(packing, grains=None, bearing_contacts=BEARING_CONTACTS)
 
 
 def _contacts_per_grain(bodies, n_grains):
-    """Number of contacts of each grain, (n,); bodies (k, 2), negative numbers are walls."""
+    """Return the number of contacts of each grain, (n,); bodies (k, 2), where negative numbers are walls."""
     return np.bincount(bodies[bodies >= 0].ravel(), minlength=n_grains)
 
 

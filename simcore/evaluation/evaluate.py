@@ -1,4 +1,4 @@
-"""All that is asked of one finished packing, in one dataset."""
+"""Evaluates a finished packing: all results in one dataset."""
 
 import xarray as xr
 
@@ -10,14 +10,14 @@ from simcore.grains.statistics import mixture_features
 
 
 def evaluate(packing, slice_height=1e-3, cut=None):
-    """Porosity, its profile, coordination, trends over height and form of a packing, as one Dataset.
+    """Return porosity, its profile, coordination, trends over height and form of a packing in one Dataset.
 
-    packing: Dataset as in packing_io; slice_height, cut [m]: see simcore.evaluation.porosity. What ends in _exact comes
-    from slicing the grains themselves, the rest from volume-equivalent spheres as in the study. profile is n(z) over
-    z; form holds the 104 features of simcore.grains.statistics; axes the mean L, I, S. The trends stand over layer
-    and quantity; if the bed is too low for them, the attribute height_trends gives the reason instead. The sieve curve
-    and the forms of the whole bed and of its evaluated part are those of simcore.evaluation.composition; where sizes
-    separate, the attribute warnings has a line more.
+    packing: Dataset as from simcore.packing.file.read_packing; slice_height, cut [m]: see simcore.evaluation.porosity. Porosities whose names
+    end in _exact are from slices of the grains themselves, the others from slices of volume-equivalent spheres as in
+    Rettinger et al. (2022). profile is n(z) over z; form are the 104 features of simcore.grains.statistics; axes are
+    the means of L, I, S. The trends have the dimensions layer and quantity; if the bed is too low for them, the
+    attribute height_trends gives the reason. The sieve curve and the forms of the whole bed and of its evaluated part
+    are those of simcore.evaluation.composition. Where sizes separate, the attribute warnings has one more line.
     """
     bulk = bulk_porosity(packing, "spheres", cut, slice_height)
     exact = bulk_porosity(packing, "exact", cut, slice_height)[["n", "n_std_error"]]
@@ -60,7 +60,8 @@ def _form(packing):
 
 
 def _trends(packing, bulk):
-    # On the floor of a cylinder large grains have higher centres; the default interval leaves that layer out.
+    # On the floor, large grains have higher centres. For a cylinder, whose porosity is evaluated from the floor, the
+    # default interval of the trends leaves that layer out.
     periodic = packing.attrs["domain_shape"] == "periodic"
     interval = (float(bulk.z_lower), float(bulk.z_upper)) if periodic else None
     trends = height_trends(packing, interval)

@@ -1,9 +1,9 @@
-"""Fabric of a packing's bulk: density, contacts, and how contacts and grains are turned against the vertical.
+"""Fabric of a packing's bulk: solid fraction, contacts, and the orientation of contacts and grains.
 
-What is counted: grains whose centre lies in the bulk (simcore.evaluation.bulk_region), and each contact with another
-grain once for each of its two grains that does. So a mean over the ends of contacts is one over grains, each with all
-its contacts, and no direction is preferred where the bulk ends. Contact normals and grains' axes have no sense
-(simcore.evaluation.axis_statistics).
+The statistics include the grains whose centre is in the bulk (simcore.evaluation.bulk_region), and each contact with
+another grain once for each of its two grains in the bulk. So a mean over the ends of contacts is a mean over grains,
+each with all its contacts, and the ends of the bulk favour no direction. Contact normals and axes of grains are axes
+without a sense (simcore.evaluation.axis_statistics).
 """
 
 import json
@@ -64,20 +64,20 @@ _SUMS = ("grains", "vectors")
 
 
 def fabric(packing, cut=None, bearing_contacts=BEARING_CONTACTS, n_bins=N_BINS):
-    """Fabric of one packing, Dataset.
+    """Return the fabric of one packing, Dataset.
 
     packing: Dataset as in packing_io; cut [m]: see simcore.evaluation.bulk_region; bearing_contacts: see
-    simcore.evaluation.coordination; n_bins: of equal solid angle from the vertical to the horizontal.
+    simcore.evaluation.coordination; n_bins: number of bins of equal solid angle from the vertical to the horizontal.
 
-    solid_fraction; coordination_number, also _without_rattlers, with the rattler_fraction. Over `direction` (normals of
-    contacts, long and short axes of grains): density per solid angle over `angle` [rad], isotropic 1;
-    legendre, means of P2, P4, P6 over `order`; tensor <u ⊗ u> and its eigenvalues, anisotropy, determinant;
-    azimuth_resultant with azimuth_p_value over `fold`. A kind of axes that no grain has is nan.
-    contact_radius_density over `radius`: see simcore.evaluation.contact_radius.
+    Scalars: solid_fraction; coordination_number, also _without_rattlers; rattler_fraction.
+    Over `direction` (contact normals, long and short axes of grains): density per solid angle over `angle` [rad], 1 if
+    isotropic; legendre, means of P2, P4, P6 over `order`; tensor <u ⊗ u> and its eigenvalues, anisotropy, determinant;
+    azimuth_resultant with azimuth_p_value over `fold`. They are nan for a kind of axis that no grain has.
+    Over `radius`: contact_radius_density, see simcore.evaluation.contact_radius.
 
-    *_std_error and p-values: of this packing alone, with contacts and grains taken as independent, which they are not
-    quite; the error of the solid fraction is of simcore.evaluation.sampling_error. fabric_over_seeds gives what they
-    really are.
+    *_std_error and p-values are from this packing alone and assume that contacts and grains are independent, which is
+    not quite true; the error of the solid fraction is that of simcore.evaluation.sampling_error. fabric_over_seeds
+    gives errors without this assumption.
     """
     if n_bins < 1:
         raise ValueError(f"fabric: n_bins is {n_bins}, but at least one bin is needed")
@@ -100,7 +100,7 @@ def fabric(packing, cut=None, bearing_contacts=BEARING_CONTACTS, n_bins=N_BINS):
         axes = axes[inner.grains[grains]]
         vectors.append((axes, np.ones(len(axes))))
     statistics = [_of_directions(directions, weights, edges) for directions, weights in vectors]
-    values |= {name: np.stack([each[name] for each in statistics]) for name in statistics[0]}
+    values |= {name: np.stack([one[name] for one in statistics]) for name in statistics[0]}
     radius, of_radius = _radial(packing, ends)
     attrs = describe(packing, "Fabric of a grain packing") | {
         "bearing_contacts": bearing_contacts,
@@ -110,16 +110,17 @@ def fabric(packing, cut=None, bearing_contacts=BEARING_CONTACTS, n_bins=N_BINS):
 
 
 def fabric_over_seeds(fabrics):
-    """Means over packings of one scene with different seeds, and their standard errors over these, Dataset.
+    """Return means over packings of one scene with different seeds, with standard errors over the seeds, Dataset.
 
-    fabrics: two or more Datasets of fabric(). Variables are as there. Standard errors are those over the seeds; those
-    of what follows from the tensor, taken of the mean tensor, are by jackknife. Sums are over all packings. *_of_seed,
-    over `seed`, are the single ones. ValueError if the scenes differ in more than their seed, or share it.
+    fabrics: two or more Datasets from fabric(), with the same variables. Invariants of the tensor are those of the mean
+    tensor, and their standard errors are by jackknife. Numbers of grains and vectors are sums over all packings.
+    *_of_seed, over `seed`, are the values of the single packings. ValueError if the scenes differ in more than their
+    seed, or have the same seed.
     """
     fabrics = list(fabrics)
-    seeds = _check_alike(fabrics)
+    seeds = _check_scenes(fabrics)
     n = len(fabrics)
-    each = xr.concat(
+    by_seed = xr.concat(
         [data.drop_vars([name for name in data if name.endswith("_std_error")]) for data in fabrics],
         xr.DataArray(seeds, dims="seed", name="seed"),
         data_vars="all",
@@ -131,30 +132,30 @@ def fabric_over_seeds(fabrics):
     )
     values = {}
     for name in set(_VARIABLES) - {*_OF_TENSOR, *_OF_AZIMUTH, *_SUMS}:
-        of_seed = each[name].values
+        of_seed = by_seed[name].values
         values[name] = of_seed.mean(axis=0)
         values[f"{name}_std_error"] = of_seed.std(axis=0, ddof=1) / np.sqrt(n)
-    tensors = each["tensor"].values
+    tensors = by_seed["tensor"].values
     values |= _of_tensors(values["tensor"])
     left_out = [_of_tensors((tensors.sum(axis=0) - tensors[k]) / (n - 1)) for k in range(n)]
     for name in _OF_TENSOR:
         others = np.stack([of_others[name] for of_others in left_out])
         values[f"{name}_std_error"] = np.sqrt((n - 1) * np.mean((others - others.mean(axis=0)) ** 2, axis=0))
     with np.errstate(divide="ignore"):
-        # Of the mean of means with n_k each: its variance is that of this many.
-        number = n**2 / np.sum(1.0 / each["azimuth_number"].values, axis=0)
+        # The mean of n means over n_k azimuths has the variance of a mean over this number of azimuths.
+        number = n**2 / np.sum(1.0 / by_seed["azimuth_number"].values, axis=0)
     values |= _of_azimuths(values["azimuth_moment"], number)
-    values |= {name: each[name].values.sum(axis=0) for name in _SUMS}
+    values |= {name: by_seed[name].values.sum(axis=0) for name in _SUMS}
     attrs = {name: value for name, value in fabrics[0].attrs.items() if name != "seed"}
     attrs |= {"title": "Fabric of a grain packing, mean over seeds", "packings": n}
     edges = np.append(fabrics[0]["angle_bounds"].values[:, 0], 0.5 * np.pi)
-    return _dataset(values, edges, each["radius"].values, attrs).merge(
-        each[list(_VARIABLES)].rename({name: f"{name}_of_seed" for name in _VARIABLES}), combine_attrs="override"
+    return _dataset(values, edges, by_seed["radius"].values, attrs).merge(
+        by_seed[list(_VARIABLES)].rename({name: f"{name}_of_seed" for name in _VARIABLES}), combine_attrs="override"
     )
 
 
 def _of_directions(directions, weights, edges):
-    """All statistics of one kind of directions, dict of arrays."""
+    """Return all statistics of one kind of directions, dict of arrays."""
     values = {"vectors": len(weights)}
     values["density"], values["density_std_error"] = density_per_solid_angle(directions, weights, edges)
     values["legendre"], values["legendre_std_error"] = legendre_moments(directions, weights)
@@ -164,27 +165,27 @@ def _of_directions(directions, weights, edges):
 
 
 def _of_tensors(tensors):
-    """Invariants of tensors (d, 3, 3), dict of arrays (d, ...)."""
-    found = [tensor_invariants(tensor) for tensor in tensors]
-    return {name: np.stack([each[name] for each in found]) for name in _OF_TENSOR}
+    """Return the invariants of tensors (d, 3, 3), dict of arrays (d, ...)."""
+    invariants = [tensor_invariants(tensor) for tensor in tensors]
+    return {name: np.stack([one[name] for one in invariants]) for name in _OF_TENSOR}
 
 
 def _of_azimuths(moments, number):
-    """Resultants and their test, dict; moments (..., m, 2), number (...) of azimuths behind them."""
+    """Return the resultants and their test, dict; moments (..., m, 2), number (...) of azimuths in the moments."""
     resultant = np.hypot(*np.moveaxis(moments, -1, 0))
     p_value = rayleigh_test(resultant, np.expand_dims(number, -1))
     return {"azimuth_resultant": resultant, "azimuth_p_value": p_value, "azimuth_number": number}
 
 
 def _radial(packing, ends):
-    """Middles of the radial bins, (k,), and the radial distribution of contacts with that of the surface, dict."""
+    """Return the middles of the radial bins, (k,), and the radial distributions of contacts and surface, dict."""
     contacts, second = np.nonzero(ends)
     rho = contact_radii(packing, contacts, second > 0)
     grains = packing["contact_body"].values[contacts, second]
     number = np.bincount(grains, minlength=packing.sizes["grain"])
-    some = np.flatnonzero(number)
-    edges, middles = radius_bins(max(rho.max(initial=0.0), largest_radius(packing, some)))
-    surface = surface_radii(packing, some, number[some].astype(float), edges)
+    touched = np.flatnonzero(number)
+    edges, middles = radius_bins(max(rho.max(initial=0.0), largest_radius(packing, touched)))
+    surface = surface_radii(packing, touched, number[touched].astype(float), edges)
     places = np.clip(np.searchsorted(edges, rho, side="right") - 1, 0, len(middles) - 1)
     counts = np.bincount(places, minlength=len(middles))
     n, width = len(rho), np.diff(edges)
@@ -201,7 +202,7 @@ def _radial(packing, ends):
 
 
 def _dataset(values, edges, radius, attrs):
-    """Dataset of the values, in the order of _VARIABLES, each followed by its standard error where there is one."""
+    """Return a Dataset of the values, in the order of _VARIABLES, with their standard errors."""
     data = {}
     for name, (dims, units, text) in _VARIABLES.items():
         about = {"units": units, "long_name": text}
@@ -230,23 +231,25 @@ def _dataset(values, edges, radius, attrs):
     return xr.Dataset(data, coords, attrs)
 
 
-def _check_alike(fabrics):
-    """Seeds of the fabrics, (n,); ValueError where they are not of packings that differ in their seed alone."""
+def _check_scenes(fabrics):
+    """Return the seeds of the fabrics, (n,); ValueError if their packings differ in more than their seed."""
     if len(fabrics) < 2:
-        raise ValueError("fabric_over_seeds: an error over seeds needs two packings at least; pack the scene once more")
+        raise ValueError("fabric_over_seeds: a standard error over seeds needs two packings or more; pack another seed")
     seeds = [int(data.attrs.get("seed", k)) for k, data in enumerate(fabrics)]
     if len(set(seeds)) < len(seeds):
-        raise ValueError(f"fabric_over_seeds: seeds {seeds} are not distinct, so the packings are not independent")
-    first = fabrics[0]
-    for data, seed in zip(fabrics[1:], seeds[1:], strict=True):
-        differing = [name for name in ("bearing_contacts", "cut") if data.attrs[name] != first.attrs[name]]
-        differing += differing_keys(
-            *(deciding_but_seed(json.loads(each.attrs.get("scene", "{}"))) for each in (first, data))
+        raise ValueError(
+            f"fabric_over_seeds: seeds {seeds} are not distinct, so the packings are not independent; give each once"
         )
-        differing += ["n_bins"] if data.sizes["angle"] != first.sizes["angle"] else []
+    reference = fabrics[0]
+    for data, seed in zip(fabrics[1:], seeds[1:], strict=True):
+        differing = [name for name in ("bearing_contacts", "cut") if data.attrs[name] != reference.attrs[name]]
+        differing += differing_keys(
+            *(deciding_but_seed(json.loads(one.attrs.get("scene", "{}"))) for one in (reference, data))
+        )
+        differing += ["n_bins"] if data.sizes["angle"] != reference.sizes["angle"] else []
         if differing:
             raise ValueError(
                 f"fabric_over_seeds: the packings of seeds {seeds[0]} and {seed} differ in {', '.join(differing)}; "
-                "give packings that differ in their seed alone"
+                "give packings that differ only in their seed"
             )
     return seeds

@@ -1,4 +1,4 @@
-"""A fabric as a small table to read."""
+"""Formats a fabric as a table for reading."""
 
 import numpy as np
 
@@ -6,12 +6,12 @@ LABELS = {"contact_normal": "contact normals", "long_axis": "long axes", "short_
 
 
 def fabric_text(fabric):
-    """Text of a Dataset of simcore.evaluation.fabric, of one packing or of several."""
+    """Return the text of a Dataset of simcore.evaluation.fabric, of one packing or of several."""
     several = "packings" in fabric.attrs
-    bed = f"{fabric.attrs['packings']} packings, " if several else ""
-    source = "over seeds" if several else "within the packing, contacts and grains taken as independent"
+    count = f"{fabric.attrs['packings']} packings, " if several else ""
+    source = "over seeds" if several else "within the packing, assuming independent contacts and grains"
     lines = [
-        f"{bed}{int(fabric['grains'])} grains in the bulk, {1e3 * float(fabric['z_lower']):.1f} to "
+        f"{count}{int(fabric['grains'])} grains in the bulk, {1e3 * float(fabric['z_lower']):.1f} to "
         f"{1e3 * float(fabric['z_upper']):.1f} mm above the floor",
         f"± standard error {source}",
         "",
@@ -25,31 +25,31 @@ def fabric_text(fabric):
     ):
         lines.append(f"{label:34}{_with_error(fabric, name)}")
     lines += ["", " " * 26 + "".join(f"{LABELS[name]:>20}" for name in fabric["direction"].values)]
-    each = [fabric.sel(direction=name) for name in fabric["direction"].values]
-    rows = [("number", [f"{int(one['vectors'])}" for one in each])]
+    columns = [fabric.sel(direction=name) for name in fabric["direction"].values]
+    rows = [("number", [f"{int(column['vectors'])}" for column in columns])]
     rows += [
-        (f"<P{order}> about the vertical", [_with_error(one.sel(order=order), "legendre", "+") for one in each])
+        (f"<P{order}> about the vertical", [_with_error(one.sel(order=order), "legendre", "+") for one in columns])
         for order in fabric["order"].values
     ]
     rows += [
-        (f"eigenvalue {rank + 1}", [_with_error(one.isel(rank=rank), "eigenvalues") for one in each])
+        (f"eigenvalue {rank + 1}", [_with_error(one.isel(rank=rank), "eigenvalues") for one in columns])
         for rank in range(3)
     ]
-    rows.append(("anisotropy of the tensor", [_with_error(one, "anisotropy") for one in each]))
+    rows.append(("anisotropy of the tensor", [_with_error(one, "anisotropy") for one in columns]))
     for fold in fabric["fold"].values:
-        rows.append((f"azimuth, {fold}-fold", [_azimuth(one.sel(fold=fold)) for one in each]))
+        rows.append((f"azimuth, {fold}-fold", [_azimuth(one.sel(fold=fold)) for one in columns]))
     lines += [f"{label:26}" + "".join(f"{text:>20}" for text in texts) for label, texts in rows]
     return "\n".join(lines)
 
 
 def _azimuth(fabric):
-    """Resultant and p-value of one fold of one direction; - where there is none."""
+    """Return resultant and p-value of one fold of one direction as text, or "-" if there is none."""
     resultant, p_value = (float(fabric[f"azimuth_{name}"]) for name in ("resultant", "p_value"))
     return "-" if np.isnan(resultant) else f"{resultant:.3f}, p {p_value:.3f}"
 
 
 def _with_error(fabric, name, sign=""):
-    """Value ± its standard error, if it has one; - where there is none."""
+    """Return a value, with ± its standard error if it has one, as text, or "-" if there is none."""
     value = float(fabric[name])
     if np.isnan(value):
         return "-"

@@ -1,4 +1,4 @@
-"""Size, form and orientation of the grains over height, and whether they change with it."""
+"""Size, form and orientation of the grains over height, with a test for trends."""
 
 import numpy as np
 import xarray as xr
@@ -16,16 +16,17 @@ QUANTITIES = {
 
 
 def height_trends(packing, interval=None, n_layers=5):
-    """Number-based mean of D, FL, EL and the long axis' angle in layers, with a test for trend over height, Dataset.
+    """Return number-based means of D, FL, EL and the long axis' angle in layers, with a test for trends, Dataset.
 
-    packing: Dataset as in packing_io; interval: heights (low, high) [m] of the centres of the grains taken; None cuts
-    the largest sieve size from both ends of the bed in both kinds of domain, since on a floor large grains have their
-    centres higher than small ones. n_layers: equal layers of the profile; the test does not depend on them.
+    packing: Dataset as in packing_io; interval: heights (low, high) [m] of the centres of the grains that are included;
+    None cuts the largest sieve size from both ends of the bed in both kinds of domain, because the centres of large
+    grains on a floor are higher than those of small ones. n_layers: number of equal layers of the profile, which does
+    not affect the test.
 
     The test is Spearman's rank correlation of the quantity with height over single grains: spearman_r and p_value (two
-    sided; four quantities are tested, so compare p with 0.05/4). relative_change is what linear regression gives from
-    the interval's lower to its upper end, divided by the mean. A quantity that is the same for all grains has no trend:
-    nan. Isotropic long axes have a mean angle of 1 rad.
+    sided; four quantities are tested, so compare p with 0.05/4). relative_change is the change from the lower to the
+    upper end of the interval by linear regression, divided by the mean. These are nan for a quantity that is the same
+    for all grains. Isotropic long axes have a mean angle of 1 rad. ValueError if there are too few grains.
     """
     if interval is None:
         profile = porosity_profile(packing)
@@ -35,8 +36,8 @@ def height_trends(packing, interval=None, n_layers=5):
     inside = (z >= low) & (z <= high)
     if inside.sum() < 4:
         raise ValueError(
-            f"height_trends: {inside.sum()} grains have their centre between {low:.4g} m and {high:.4g} m, too few for "
-            "a trend; widen the interval or use more grains"
+            f"height_trends: only {inside.sum()} grains have their centre between {low:.4g} m and {high:.4g} m, too "
+            "few for a trend; widen the interval or use more grains"
         )
     z = z[inside]
     edges = np.linspace(low, high, n_layers + 1)
@@ -78,12 +79,15 @@ def height_trends(packing, interval=None, n_layers=5):
 
 
 def long_axis_angle(orientation):
-    """Angle of each grain's long axis (its own z) against the vertical, 0 to pi/2, (n,) [rad]; orientation (n, 4)."""
+    """Return the angle of each grain's long axis (its own z) with the vertical, 0 to pi/2, (n,) [rad].
+
+    orientation: quaternions (n, 4).
+    """
     return np.arccos(np.clip(np.abs(vertical_axes(np.asarray(orientation))[:, 2]), 0.0, 1.0))
 
 
 def _grain_quantities(packing):
-    """The quantities of QUANTITIES for every grain, dict of (n,)."""
+    """Return the quantities of QUANTITIES for every grain, dict of (n,)."""
     long_axis, middle, short = (packing[name].values for name in ("L", "I", "S"))
     return {
         "D": packing["D"].values,
@@ -94,7 +98,7 @@ def _grain_quantities(packing):
 
 
 def _layer_means(values, layer, count):
-    """Mean and its standard error in each layer; nan where there are too few grains."""
+    """Return the mean and its standard error in each layer; they are nan if a layer has too few grains."""
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.bincount(layer, values, len(count)) / count
         squares = np.bincount(layer, (values - mean[layer]) ** 2, len(count))
@@ -102,10 +106,10 @@ def _layer_means(values, layer, count):
 
 
 def _trend(z, values, height):
-    """Spearman's r, its p-value, relative change over the height by linear regression and its standard error."""
-    from scipy.stats import linregress, spearmanr  # here: slow to load, and each look at the plan loads this module
+    """Return Spearman's r, its p-value, the relative change by linear regression, and its standard error."""
+    from scipy.stats import linregress, spearmanr  # imported here because it loads slowly and plans load this module
 
-    if np.ptp(values) <= 1e-9 * np.abs(values).max():  # one form for all, up to round-off: nothing to test
+    if np.ptp(values) <= 1e-9 * np.abs(values).max():  # all grains have the same value, up to round-off
         return np.full(4, np.nan)
     rank = spearmanr(z, values)
     line = linregress(z, values)

@@ -1,4 +1,4 @@
-"""Porosity of a packing: profile over height, and bulk value with its sampling error over the study's interval."""
+"""Porosity of a packing: profile over height, and bulk value with its sampling error over the evaluation interval."""
 
 import numpy as np
 import xarray as xr
@@ -7,12 +7,12 @@ from simcore.evaluation.interval import end_cuts, median_size
 from simcore.evaluation.sampling_error import sampling_error
 from simcore.evaluation.slicing import slab_volumes, vertical_extent
 
-CUT_OFF = 0.5  # porosity at the top of the bed (the study)
+CUT_OFF = 0.5  # porosity at the top of the bed (Rettinger et al. 2022)
 ORIGIN = ("scene", "seed", "code_version", "converged", "domain_shape", "domain_width", "largest_sieve_size")
 
 
 def domain_area(packing):
-    """Horizontal area of the periodic box or of the cylinder [m²]."""
+    """Return the horizontal area of the periodic box or of the cylinder [m²]."""
     width = packing.attrs["domain_width"]
     if packing.attrs["domain_shape"] == "periodic":
         return width**2
@@ -20,16 +20,17 @@ def domain_area(packing):
 
 
 def porosity_profile(packing, slice_height=1e-3, method="spheres"):
-    """n(z) in horizontal slices from the floor to above the bed, Dataset over `z`, the slices' middles [m].
+    """Return n(z) in horizontal slices from the floor to above the bed, Dataset over `z`, the slices' middles [m].
 
-    packing: Dataset as in packing_io; slice_height [m]; method: "spheres" slices volume-equivalent spheres in exact
-    segments (the study), "exact" the polyhedra and ellipsoids themselves. The sphere that stands for a flat grain on
-    the floor reaches below it; what lies there is in no slice and given as solid_volume_below_floor.
+    packing: Dataset as in packing_io; slice_height [m]; method: "spheres" slices volume-equivalent spheres, in exact
+    segments (Rettinger et al. 2022), "exact" the polyhedra and ellipsoids themselves. The equivalent sphere of a flat
+    grain on the floor extends below the floor; the volume there is in no slice and given as solid_volume_below_floor.
+    ValueError if slice_height is not positive, or if there is no grain.
     """
     if not slice_height > 0.0:
-        raise ValueError(f"porosity_profile: slice_height is {slice_height} m, it must be positive")
+        raise ValueError(f"porosity_profile: slice_height is {slice_height} m; it must be positive")
     if packing.sizes["grain"] == 0:
-        raise ValueError("porosity_profile: the packing holds no grain; check its amount and its log")
+        raise ValueError("porosity_profile: the packing contains no grain; check its amount and its log")
     low, high = vertical_extent(packing, method)
     n_slices = int(np.ceil(max(high.max(), slice_height) / slice_height)) + 1  # the topmost slice is empty
     edges = np.arange(n_slices + 1) * slice_height
@@ -54,25 +55,27 @@ def porosity_profile(packing, slice_height=1e-3, method="spheres"):
 
 
 def bed_top(profile):
-    """Height of the bed's surface z+ [m]: from the top, the first slice at most half solid above one at least so.
+    """Return the height of the bed's surface z+ [m].
 
-    ASSUME: z+ is the plane between the two, without interpolation, so that the half-empty slice is left out; the
-    study's program is known to take a slice, not a point between slices.
+    From the top downwards, it is the first plane between a slice that is at most half solid and one below it that is at
+    least half solid. ASSUME: there is no interpolation, so the half-empty slice is left out; the program of Rettinger
+    et al. (2022) uses a slice too, not a point between slices. ValueError if no slice is half solid.
     """
     solid = 1.0 - profile["porosity"].values
     surface = (solid[1:] <= 1.0 - CUT_OFF) & (solid[:-1] >= 1.0 - CUT_OFF)
     if not surface.any():
         raise ValueError(
-            f"bed_top: no slice of the packing is {CUT_OFF:g} solid (most: {solid.max():.3f}), so the bed has no "
-            "surface; use more grains or a narrower domain, or check that the packing has settled"
+            f"bed_top: no slice of the packing has a solid fraction of {CUT_OFF:g} (the maximum is {solid.max():.3f}), "
+            "so the bed has no surface; use more grains or a narrower domain, or check that the packing has settled"
         )
     return float(profile["z_bounds"].values[np.flatnonzero(surface)[-1], 1])
 
 
 def evaluation_interval(packing, profile, cut=None):
-    """Heights (z-, z+) between which bulk porosity is taken [m], from the profile's surface and the cut at both ends.
+    """Return the heights (z-, z+) [m] between which bulk porosity is evaluated.
 
-    cut: as of simcore.evaluation.interval.end_cuts. ValueError if less than one slice is left.
+    They follow from the surface in the profile and the cut at both ends; cut: as in
+    simcore.evaluation.interval.end_cuts. ValueError if less than one slice is left.
     """
     top = bed_top(profile)
     periodic = packing.attrs["domain_shape"] == "periodic"
@@ -89,12 +92,11 @@ def evaluation_interval(packing, profile, cut=None):
 
 
 def bulk_porosity(packing, method="spheres", cut=None, slice_height=1e-3):
-    """Mean porosity over the evaluation interval with its sampling error, Dataset of scalars.
+    """Return the mean porosity over the evaluation interval with its sampling error, Dataset of scalars.
 
     packing: Dataset as in packing_io; method, slice_height [m] as in porosity_profile; cut [m] as in
-    evaluation_interval. n is the mean of n(z) over the interval, exact also where z- or z+ lies inside a slice.
-    n_std_error: see simcore.evaluation.sampling_error; it is the scatter to expect over seeds, not the bias of method
-    or model.
+    evaluation_interval. n is the mean of n(z) over the interval, exact even if z- or z+ is inside a slice. n_std_error
+    is the expected scatter over seeds (simcore.evaluation.sampling_error), not the bias of method or model.
     """
     profile = porosity_profile(packing, slice_height, method)
     z_lower, z_upper = evaluation_interval(packing, profile, cut)
@@ -120,6 +122,6 @@ _HEIGHT = {"units": "m", "long_name": "height above the floor", "axis": "Z", "po
 
 
 def describe(packing, title):
-    """Global attributes of a result: CF version, title, and the packing it comes from."""
+    """Return the global attributes of a result: CF version, title, and the origin of the packing."""
     origin = {name: packing.attrs[name] for name in ORIGIN if name in packing.attrs}
     return {"Conventions": "CF-1.11", "title": title} | origin

@@ -1,16 +1,16 @@
 """Sampling error of a packing's bulk porosity, from contrasts between smooth blocks of the same packing.
 
-The bulk solid fraction is the mean of the solid field over the evaluation volume. How much it would change from one
-seed to the next is asked of the field itself: any weight over the volume with mean zero and mean square one (a
-contrast, say left blocks against right ones) has the same variance as the mean as long as its blocks are thicker than
-the correlation length. The contrasts used are the eigenmodes of the domain: waves in the periodic box, Bessel modes in
-the cylinder, cosines along z. Against sharp blocks they have two advantages: a grain cut by a block's border does not
-count as scatter, and neighbouring blocks need no correction for being correlated, since the modes are orthogonal.
+The bulk solid fraction is the mean of the solid field over the evaluation volume. Its scatter over seeds is estimated
+from the field of one packing. A contrast is a weight over the volume with mean zero and mean square one, for example
+left blocks minus right blocks. Its weighted mean has the same variance as the mean if its blocks are thicker than the
+correlation length. The contrasts used are the eigenmodes of the domain: waves in the periodic box, Bessel modes in the
+cylinder, cosines along z. They have two advantages over sharp blocks: a grain that is cut by the border of a block does
+not count as scatter, and no correction for correlated neighbouring blocks is needed, because the modes are orthogonal.
 
-Modes that vary horizontally have the expected value zero by the symmetry of the domain, whatever the profiles along
-height and radius are, so that floor, wall and compaction with depth do not enter. In the periodic box, whose floor and
-surface are cut away, modes of height alone are taken too, from the second on: the first would take a linear change of
-porosity with depth for scatter.
+By the symmetry of the domain, modes that vary horizontally have the expected value zero for any profile along height
+and radius, so that floor, wall and compaction with depth have no influence. In the periodic box, whose floor and
+surface are cut away, modes that vary only with height are used as well, except the first, because a linear change of
+porosity with depth would contribute to it.
 """
 
 import numpy as np
@@ -18,19 +18,20 @@ from scipy.special import jnp_zeros, jv, spherical_jn
 
 from simcore.evaluation.slicing import slab_volumes
 
-# ASSUME: half a wavelength, the size of a block, is at least 1.5 volume-weighted mean grain diameters; the pair
-# correlation of dense packings is damped out to a few per cent there, and their spectrum is flat beyond.
+# ASSUME: half a wavelength, the size of a block, is at least 1.5 volume-weighted mean grain diameters. At this distance
+# the pair correlation of dense packings is a few per cent, and their spectrum is flat for longer waves.
 BLOCK_DIAMETERS = 1.5
-# The longest waves are the closest to the mean; 32 of them give the error itself to 1/sqrt(2 * 32) = 12 %.
+# The longest waves are the most similar to the mean; with 32 of them the error is accurate to 1/sqrt(2 * 32) = 12 %.
 ENOUGH_CONTRASTS = 32
 
 
 def sampling_error(packing, z_lower, z_upper, method="spheres"):
-    """Standard error of the mean solid fraction (and of porosity) between two heights, from one packing.
+    """Estimate the standard error of the mean solid fraction (and porosity) between two heights, from one packing.
 
-    Returns a dict: n_std_error; n_contrasts, the number of independent contrasts (the error's own relative error is
-    1/sqrt(2 n_contrasts)); block_size [m], half the shortest wavelength used; correlation_length [m], the cube root of
-    the integral range that the error implies: the volume per independent sample, to be compared with block_size.
+    packing: Dataset as in packing_io; z_lower, z_upper [m]; method: as in slab_volumes. Returns a dict: n_std_error;
+    n_contrasts, the number of independent contrasts (the relative error of n_std_error is 1/sqrt(2 n_contrasts));
+    block_size [m], half the shortest wavelength used; correlation_length [m], the cube root of the integral range,
+    which is the volume per independent sample that the error implies; it can be compared with block_size.
     """
     shape, width = packing.attrs["domain_shape"], packing.attrs["domain_width"]
     height = z_upper - z_lower
@@ -65,28 +66,29 @@ def sampling_error(packing, z_lower, z_upper, method="spheres"):
 
 
 def _all_modes(shape, width, height, k_max):
-    """List of (wave number [1/m], horizontal mode, vertical order) up to k_max, and always the longest horizontal ones.
+    """Return a list of (wave number [1/m], horizontal mode, vertical order) up to k_max, by increasing wave number.
 
-    The horizontal mode (0, 0) is the constant one.
+    The longest horizontal modes are always included. The horizontal mode (0, 0) is the constant one.
     """
     m = int(k_max * width / (2.0 * np.pi)) + 1
     if shape == "periodic":
         horizontal_modes = [(0, j) for j in range(m + 1)] + [(i, j) for i in range(1, m + 1) for j in range(-m, m + 1)]
-    else:  # m-th order, n-th root; the first root of order m lies above m
+    else:  # m-th order, n-th root; the first root of order m is larger than m
         horizontal_modes = [(i, n) for i in range(1, int(0.5 * k_max * width) + 2) for n in range(1, m + 1)]
     modes = []
     for horizontal in horizontal_modes:
         k = _wave_number(shape, width, horizontal)
-        first = 2 if horizontal == (0, 0) else 0
-        for vertical in range(first, max(first, int(k_max * height / np.pi)) + 1):
+        lowest_order = 2 if horizontal == (0, 0) else 0
+        for vertical in range(lowest_order, max(lowest_order, int(k_max * height / np.pi)) + 1):
             modes.append((float(np.hypot(k, np.pi * vertical / height)), horizontal, vertical))
     return sorted(modes)
 
 
 def _choose_modes(modes, k_max):
-    """The longest waves: up to wave number k_max, no more than give ENOUGH_CONTRASTS, but whole shells of equal length.
+    """Select the longest waves, up to wave number k_max, until there are ENOUGH_CONTRASTS.
 
-    The shell of the longest horizontal waves is always among them, so that a narrow domain has an error too.
+    Shells of equal wavelength are complete. The shell of the longest horizontal waves is always included, so that there
+    is an error for narrow domains as well.
     """
     longest = min(k for k, horizontal, _ in modes if horizontal != (0, 0))
     chosen, count = [], 0
@@ -100,20 +102,23 @@ def _choose_modes(modes, k_max):
 
 
 def _ball_average(kr):
-    """Mean of an eigenmode of wave number k over a ball of radius r, divided by its value at the centre."""
-    kr = np.maximum(kr, 1e-9)  # the constant mode: 1
+    """Return the mean of an eigenmode of wave number k over a ball of radius r, divided by its value at the centre."""
+    kr = np.maximum(kr, 1e-9)  # for the constant mode the result is 1
     return 3.0 * spherical_jn(1, kr) / kr
 
 
 def _wave_number(shape, width, mode):
-    """Horizontal wave number of a mode [1/m]."""
+    """Return the horizontal wave number of a mode [1/m]."""
     if shape == "periodic":
         return 2.0 * np.pi / width * np.hypot(*mode)
     return jnp_zeros(mode[0], mode[1])[-1] / (0.5 * width)
 
 
 def _mode_values(shape, width, mode, x, y):
-    """The even and the odd form of a mode at the grains' centres, (2, n), mean square one over the domain's area."""
+    """Return the even and the odd form of a mode at the grains' centres, (2, n); (1, n) for the constant mode.
+
+    Their mean square over the area of the domain is one.
+    """
     if mode == (0, 0):
         return np.ones((1, len(x)))
     if shape == "periodic":

@@ -1,8 +1,8 @@
 """Solid volume between horizontal planes: closed forms for spheres, ellipsoids and convex polyhedra.
 
-An ellipsoid is an affine image of the unit ball and keeps the ball's share of volume between two planes; only its half
-height enters. The volume of a polyhedron below a plane is the sum over its faces of a piecewise cubic of the plane's
-height (divergence theorem with the field (0, 0, zeta - z), whose flux through the cut itself is zero).
+An ellipsoid is an affine image of the unit ball, so it has the ball's share of volume between two planes, which depends
+only on its half height. The volume of a polyhedron below a plane is a sum over its faces of piecewise cubic functions
+of the plane's height (divergence theorem with the field (0, 0, zeta - z), whose flux through the cut itself is zero).
 """
 
 from typing import NamedTuple
@@ -15,12 +15,12 @@ METHODS = ("spheres", "exact")
 
 
 class Geometry(NamedTuple):
-    """Arrays that place n grains and list the corners and triangles of their shapes, one after the other."""
+    """Positions of n grains, and the concatenated corners and triangles of their shapes."""
 
     position: np.ndarray  # (n, 3) [m]
     orientation: np.ndarray  # (n, 4), quaternions w, x, y, z
     scale: np.ndarray  # (n, 3) [m], along the axes of the shape
-    shape: np.ndarray  # (n,), which shape
+    shape: np.ndarray  # (n,), index of the shape
     vertex_start: np.ndarray  # of each shape
     vertex_count: np.ndarray
     vertices: np.ndarray  # (m, 3), in units of the scale
@@ -30,11 +30,11 @@ class Geometry(NamedTuple):
 
 
 def slab_volumes(packing, edges, method="spheres", per_grain=False):
-    """Solid volume between successive horizontal planes, (k,) or, per grain, (n, k) [m³].
+    """Return the solid volume between successive horizontal planes, (k,) or, per grain, (n, k) [m³].
 
-    packing: Dataset as in packing_io; edges: (k+1,) increasing heights of the planes [m];
-    method: "spheres" slices the volume-equivalent spheres (the study), "exact" the grains themselves.
-    Grains that overlap are counted twice where they do, as in the study (overlaps are below 1e-6 of a grain's size).
+    packing: Dataset as in packing_io; edges: (k + 1,), increasing heights of the planes [m], ValueError otherwise;
+    method: "spheres" slices the volume-equivalent spheres (Rettinger et al. 2022), "exact" the grains themselves. The
+    overlap of two grains counts twice, as in Rettinger et al. (overlaps are below 1e-6 of a grain's size).
     """
     edges = np.ascontiguousarray(edges, dtype=np.float64)
     if edges.ndim != 1 or len(edges) < 2 or not np.all(np.diff(edges) > 0.0):
@@ -44,16 +44,16 @@ def slab_volumes(packing, edges, method="spheres", per_grain=False):
     rows = np.arange(len(volumes)) if per_grain else np.zeros(len(volumes), np.int64)
     out = np.zeros((len(volumes) if per_grain else 1, len(edges) - 1))
     polyhedral = _polyhedral(packing, method)
-    round_ones = np.flatnonzero(~polyhedral)
+    ellipsoidal = np.flatnonzero(~polyhedral)
     half_heights = _half_heights(packing, method)
-    _add_balls(out, rows, round_ones, heights, half_heights, volumes, edges)
+    _add_balls(out, rows, ellipsoidal, heights, half_heights, volumes, edges)
     if polyhedral.any():
         _add_polyhedra(out, rows, np.flatnonzero(polyhedral), _geometry(packing), edges)
     return out if per_grain else out[0]
 
 
 def vertical_extent(packing, method="spheres"):
-    """Lowest and highest point of each grain, two arrays (n,) [m]; method as in slab_volumes."""
+    """Return the lowest and highest point of each grain, two arrays (n,) [m]; method as in slab_volumes."""
     z = packing["position"].values[:, 2]
     half = _half_heights(packing, method)
     low, high = z - half, z + half
@@ -64,13 +64,16 @@ def vertical_extent(packing, method="spheres"):
 
 
 def vertical_axes(orientation):
-    """Third row of each rotation matrix, (n, 3): the world's z seen from the body; orientation (n, 4) as w, x, y, z."""
+    """Return the vertical in the frame of each body, the third row of its rotation matrix, (n, 3).
+
+    orientation: quaternions (n, 4) as w, x, y, z.
+    """
     w, x, y, z = orientation.T
     return np.stack([2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)], axis=1)
 
 
 def _polyhedral(packing, method):
-    """True where a grain is to be sliced as a polyhedron, (n,)."""
+    """Return whether each grain is sliced as a polyhedron, (n,) bool."""
     if method not in METHODS:
         raise ValueError(f"porosity method {method!r} is unknown; choose one of {', '.join(METHODS)}")
     kinds = packing["shape_kind"].values.astype(str)[packing["shape"].values]
@@ -78,14 +81,14 @@ def _polyhedral(packing, method):
 
 
 def _half_heights(packing, method):
-    """Half height of the sphere or ellipsoid that stands for each grain, (n,) [m]."""
+    """Return the half height of the sphere or ellipsoid that represents each grain, (n,) [m]."""
     if method == "spheres":
         return np.cbrt(3.0 * packing["volume"].values / (4.0 * np.pi))
     return np.linalg.norm(vertical_axes(packing["orientation"].values) * packing["scale"].values, axis=1)
 
 
 def _geometry(packing):
-    """Return the Geometry of all grains; that of shapes other than polyhedra is empty."""
+    """Return the Geometry of all grains; shapes other than polyhedra have no vertices and faces."""
     return Geometry(
         packing["position"].values,
         packing["orientation"].values,
@@ -102,17 +105,17 @@ def _geometry(packing):
 
 @leaf
 def _ball_fraction(low, high):
-    """Share of the unit ball's volume between the planes low <= high, both in [-1, 1]."""
+    """Return the share of the unit ball's volume between the planes low <= high, both in [-1, 1]."""
     return 0.25 * (high - low) * (3.0 - (low * low + low * high + high * high))
 
 
 @kernel
 def _add_balls(out, rows, grains, heights, half_heights, volumes, edges):
-    """Add to out[row, slab] what each sphere or ellipsoid has there."""
+    """Add to out[row, slab] the volume of each sphere or ellipsoid there."""
     for g in grains:
         z, half = heights[g], half_heights[g]
-        first = max(np.searchsorted(edges, z - half) - 1, 0)
-        for k in range(first, len(edges) - 1):
+        lowest_slab = max(np.searchsorted(edges, z - half) - 1, 0)
+        for k in range(lowest_slab, len(edges) - 1):
             if edges[k] >= z + half:
                 break
             low = min(max((edges[k] - z) / half, -1.0), 1.0)
@@ -122,7 +125,7 @@ def _add_balls(out, rows, grains, heights, half_heights, volumes, edges):
 
 @kernel
 def world_vertices(points, g, geometry):
-    """Fill points[:count] with the grain's vertices, rotated and scaled, relative to its centre [m]; returns count."""
+    """Fill points[:count] with the grain's vertices, rotated and scaled, relative to its centre [m]; return count."""
     s, scale, vertices = geometry.shape[g], geometry.scale, geometry.vertices
     start, count = geometry.vertex_start[s], geometry.vertex_count[s]
     w, x, y, z = geometry.orientation[g]
@@ -138,9 +141,9 @@ def world_vertices(points, g, geometry):
 
 @leaf
 def _volume_over_face(z, a, b, c):
-    """Volume between a face's part below the plane at z and that plane, per horizontally projected area of the face.
+    """Return the volume between the plane at z and the part of a face below it, per projected area of the face.
 
-    a <= b <= c: heights of the face's corners.
+    The area is projected onto the horizontal. a <= b <= c: heights of the face's corners.
     """
     if z <= a:
         return 0.0
@@ -154,7 +157,7 @@ def _volume_over_face(z, a, b, c):
 
 @kernel
 def _add_polyhedra(out, rows, grains, geometry, edges):
-    """Add to out[row, slab] what each convex polyhedron has there."""
+    """Add to out[row, slab] the volume of each convex polyhedron there."""
     position, faces = geometry.position, geometry.faces
     points = np.empty((np.max(geometry.vertex_count), 3))
     below = np.empty(len(edges))

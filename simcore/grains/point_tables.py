@@ -1,4 +1,4 @@
-"""Point clouds from text: a table with columns x, y, z, found by its header, or of three columns without one."""
+"""Reads point clouds from text: a table with columns x, y, z in its header, or of three columns without a header."""
 
 import csv
 import re
@@ -26,23 +26,24 @@ _FORM_NAMES = (
     {"length", "width", "thickness"},
     {"flatness", "elongation"},
 )
-_LEAST_MEAN = 0.1  # of flatness and elongation in a specification (config/packing.schema.yaml)
-_LONGEST = 100.0  # longest over shortest axis of a gravel
+_LEAST_MEAN = 0.1  # minimum of mean flatness and elongation in a specification (config/packing.schema.yaml)
+_LONGEST = 100.0  # maximum of the longest over the shortest axis of gravel
 
 
 def read_points(path, unit):
-    """Points (n, 3) of a text table in its unit, and the names of the columns that were not used.
+    """Read the points (n, 3) of a text table, in its unit, and the names of the columns that were not used.
 
-    unit: "m" or "mm", which a unit in the header must not contradict. Comma, semicolon, tab or blanks separate the
-    fields; decimals may have commas where these do not separate. A count of the points may come first. ValueError
-    with row and column, counted from 1, but without the path; a table of axes is refused with the way to use it.
+    unit: "m" or "mm"; a unit in the header must not contradict it. Commas, semicolons, tabs or blanks separate the
+    fields; decimals may have commas unless commas separate the fields. The first row may be the number of points.
+    ValueError names row and column, counted from 1, but not the path. A table of axes is refused with advice on its
+    use.
     """
     header, rows = _read_rows(path)
     if header is None:
         if len(rows[0][1]) != 3:
             raise ValueError(
-                f"it has {len(rows[0][1])} columns and no header that says which are x, y and z: write a first line of "
-                "names, such as x,y,z, or keep these three columns only"
+                f"it has {len(rows[0][1])} columns and no header that names x, y and z; write a first line of names, "
+                "such as x,y,z, or keep only these three columns"
             )
         columns, unused = [0, 1, 2], []
     else:
@@ -52,13 +53,13 @@ def read_points(path, unit):
     for number, fields in rows:
         if len(fields) != width:
             raise ValueError(
-                f"row {number} has {len(fields)} fields, not {width} as {'the header' if header else 'the first row'}: "
-                "fill or drop some, and write decimals with a point where commas separate the fields"
+                f"row {number} has {len(fields)} fields, not {width} as {'the header' if header else 'the first row'}; "
+                "add or remove fields, and write decimals with a point if commas separate the fields"
             )
     points = _numbers(rows, columns, header)
     if header is None and _looks_like_axes(points):
         raise ValueError(
-            "each row has three positive numbers, the largest first, as a table of axes L, I, S has; "
+            "each row has three positive numbers, the largest first, like a table of axes L, I, S; "
             + how_to_use_forms(path)
             + "; if they are points, write x,y,z as its first line"
         )
@@ -66,7 +67,7 @@ def read_points(path, unit):
 
 
 def refuse_forms(path):
-    """ValueError if the header of a text file is that of a table of axes or forms, not of points or coefficients."""
+    """Raise ValueError if the header of a text file is that of a table of axes or forms."""
     lines = [line for line in _decode(path).splitlines()[:20] if line.strip() and not line.startswith("sep=")]
     header = _split(lines[0], _delimiter(lines)) if lines else []
     if _is_form_table(path, header):
@@ -74,26 +75,31 @@ def refuse_forms(path):
 
 
 def how_to_use_forms(path):
-    """What to do with a table of axes, with the statistics of its forms where they can be read."""
+    """Return advice on the use of a table of axes, with the statistics of its forms if they can be read."""
     advice = (
-        "pack grains of such forms without `grains`, by `shapes: {choice: form_distribution, flatness: "
-        "{mean: …, std: …}, elongation: {mean: …, std: …}}` with the mean and deviation of FL = S/I and EL = I/L"
+        "pack grains of such forms without `grains`, with `shapes: {choice: form_distribution, flatness: "
+        "{mean: …, std: …}, elongation: {mean: …, std: …}}`, the mean and standard deviation of FL = S/I and EL = I/L"
     )
     try:
         samples = read_samples(path)
     except ValueError:
         return advice
-    sets = [
+    distributions = [
         f"flatness: {{mean: {sample.mu_FL:.3f}, std: {sample.sigma_FL:.3f}}}, elongation: {{mean: {sample.mu_EL:.3f}, "
         f"std: {sample.sigma_EL:.3f}}}"
         for sample in samples
     ]
     if min(min(sample.mu_FL, sample.mu_EL) for sample in samples) < _LEAST_MEAN:
-        return f"{advice}; here {sets[0]}, but means below {_LEAST_MEAN} are not packed"
-    if len(sets) == 1:
-        return f"pack grains of these forms without `grains`, by `shapes: {{choice: form_distribution, {sets[0]}}}`"
-    listed = "; ".join(f"sample {sample.name}: {form}" for sample, form in zip(samples[:3], sets, strict=False))
-    return f"{advice}; here {listed}{' …' if len(sets) > 3 else ''}"
+        return f"{advice}; these are {distributions[0]}, but means below {_LEAST_MEAN} are not packed"
+    if len(distributions) == 1:
+        return (
+            "pack grains of these forms without `grains`, with `shapes: {choice: form_distribution, "
+            f"{distributions[0]}}}`"
+        )
+    listed = "; ".join(
+        f"sample {sample.name}: {form}" for sample, form in zip(samples[:3], distributions, strict=False)
+    )
+    return f"{advice}; these are {listed}{' …' if len(distributions) > 3 else ''}"
 
 
 def _form_error(path, header):
@@ -101,7 +107,7 @@ def _form_error(path, header):
 
 
 def _is_form_table(path, header):
-    """Whether a header names axes or forms, or those are read from the file, and it does not name x, y and z."""
+    """Return whether the file is a table of axes or forms, by its header or content, and its header lacks x, y, z."""
     if len(_axis_columns(header)) == 3 or all(_number(name) is not None for name in header):
         return False
     if _names_forms(header):
@@ -115,7 +121,7 @@ def _is_form_table(path, header):
 def _names_forms(header):
     names = {re.split(r"[\s_]*[\[(]", name.strip().lower())[0] for name in header}
     names |= {re.sub(r"_(mm|m|cm|µm|um|px)$", "", name) for name in names}
-    return any(wanted <= names for wanted in _FORM_NAMES)
+    return any(form_names <= names for form_names in _FORM_NAMES)
 
 
 def _decode(path):
@@ -129,7 +135,7 @@ def _decode(path):
 
 
 def _read_rows(path):
-    """Header (list of names, or None) and [(row number, fields)] of the rows with points."""
+    """Return the header (list of names, or None) and [(row number, fields)] of the rows with points."""
     comment, lines = None, []
     for number, line in enumerate(_decode(path).splitlines(), start=1):
         if line.startswith(("#", "//")):
@@ -137,16 +143,16 @@ def _read_rows(path):
         elif line.strip(" \t,;") and not line.lower().startswith("sep="):
             lines.append((number, line))
     if not lines:
-        raise ValueError("holds no points")
+        raise ValueError("the file contains no points; correct the path, or write the file again")
     mark = _delimiter([line for _, line in lines[:50]])
     rows = [(number, _split(line, mark)) for number, line in lines]
     header, rows = _without_count(*_without_header(rows))
     if not rows:
-        raise ValueError("holds no points")
+        raise ValueError("the file contains no points; correct the path, or write the file again")
     if header is None and comment is not None:
         names = _split(comment, _delimiter([comment]))
         header = names if len(names) == len(rows[0][1]) and len(_axis_columns(names)) == 3 else None
-    # A separator at the end of the rows makes a column without name and values.
+    # A separator at the end of the rows makes a column without name and values; it is dropped.
     width = max(i + 1 for fields in [header or [], *(fields for _, fields in rows)] for i, f in enumerate(fields) if f)
     return header and header[:width], [(number, fields[:width]) for number, fields in rows]
 
@@ -159,7 +165,7 @@ def _without_header(rows):
 
 
 def _without_count(header, rows):
-    """Drop a first row that counts the others; ValueError if it does not."""
+    """Drop a first row that is the number of the others; ValueError if that number is wrong."""
     if len(rows) < 2 or len(rows[0][1]) != 1 or len(rows[1][1]) == 1:
         return header, rows
     count = _number(rows[0][1][0])
@@ -168,13 +174,13 @@ def _without_count(header, rows):
     header, rows = _without_header(rows[1:])
     if count != len(rows):
         raise ValueError(
-            f"its first row counts {count:g} points, {len(rows)} follow: it is cut short, or the row is wrong"
+            f"its first row counts {count:g} points, but {len(rows)} follow; the file is cut short, or the row is wrong"
         )
     return header, rows
 
 
 def _delimiter(lines):
-    """Semicolon, tab, comma, or None for blanks."""
+    """Return the separator of the fields: semicolon, tab, comma, or None for blanks."""
     for mark in ";\t":
         if any(mark in line for line in lines):
             return mark
@@ -196,14 +202,14 @@ def _split(line, mark):
 
 
 def _number(field):
-    """The number in a field, decimals after a point or a comma; None if it is none."""
+    """Return the number in a field, with a decimal point or comma, or None if it is not a number."""
     if _DECIMAL_COMMA.fullmatch(field):
         field = field.replace(",", ".")
     return float(field) if _NUMBER.fullmatch(field) else None
 
 
 def _axis_columns(header):
-    """Position and unit of each of x, y, z that the header names: {axis: [(position, unit or None)]}."""
+    """Return the columns of x, y, z that the header names, {axis: [(position, unit or None)]}."""
     positions = {}
     for position, name in enumerate(header):
         match = _AXIS_NAME.fullmatch(name.strip())
@@ -222,16 +228,16 @@ def _find_columns(path, header, unit):
             raise ValueError(_form_error(path, header))
         missing = ", ".join(axis for axis in "xyz" if axis not in positions)
         raise ValueError(
-            f"its header ({listed}) names no column {missing}: call the three columns of coordinates x, y and z; a "
-            "table of axes belongs to `shapes.choice: form_distribution`"
+            f"its header ({listed}) names no column {missing}; name the three columns of coordinates x, y and z; use a "
+            "table of axes with `shapes.choice: form_distribution` instead"
         )
     for axis in "xyz":
         if len(positions[axis]) > 1:
-            raise ValueError(f"its header ({listed}) names {axis} twice: rename or drop one of the columns")
-        stated = positions[axis][0][1]
-        if stated in _LENGTHS and stated != unit:
+            raise ValueError(f"its header ({listed}) names {axis} twice; rename or remove one of the columns")
+        header_unit = positions[axis][0][1]
+        if header_unit in _LENGTHS and header_unit != unit:
             raise ValueError(
-                f"its header gives {header[positions[axis][0][0]]}, but `grains.unit` is {unit}: correct one of them"
+                f"its header gives {header[positions[axis][0][0]]}, but `grains.unit` is {unit}; correct one of them"
             )
     return [positions[axis][0][0] for axis in "xyz"]
 
@@ -247,12 +253,15 @@ def _numbers(rows, columns, header):
         return points
     row, column = np.argwhere(~np.isfinite(points))[0]
     field = table[row][column]
-    reason = "NaN or infinite" if _number(field) is not None else "no number"
-    raise ValueError(f"row {rows[row][0]}, column {names[column]}: '{field}' is {reason}: correct or drop the row")
+    reason = "NaN or infinite" if _number(field) is not None else "not a number"
+    raise ValueError(f"row {rows[row][0]}, column {names[column]}: '{field}' is {reason}; correct or remove the row")
 
 
 def _looks_like_axes(points):
-    """Whether all rows could be the axes of a grain; a grain's surface has points on all sides of its middle."""
+    """Return whether all rows could be axes L, I, S of grains.
+
+    The points of a grain's surface, on all sides of its middle, do not look like that.
+    """
     return bool(
         len(points) >= 4
         and (points > 0).all()

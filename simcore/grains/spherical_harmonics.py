@@ -1,4 +1,4 @@
-"""Grains given by spherical-harmonic coefficients of their radius, as CT laboratories publish them."""
+"""Reads grains given by spherical-harmonic coefficients of their radius, as CT laboratories publish them."""
 
 from pathlib import Path
 
@@ -9,32 +9,32 @@ from simcore.grains.spiral import spiral_directions
 
 
 def read_coefficients(path):
-    """Degrees n, orders m, and complex coefficients a_nm, each (k,), of a text file with rows `n m re im`.
+    """Read degrees n, orders m, and complex coefficients a_nm, each (k,), from a text file with rows `n m re im`.
 
-    Lines that start with # are skipped. Rows may hold m >= 0 only (then a(n, -m) = (-1)^m conj a(n, m) is
-    understood) or all m, as in the files of the VCCTL repository. ValueError if the rows are anything else.
+    Lines that start with # are skipped. The rows contain only m >= 0, which implies a(n, -m) = (-1)^m conj a(n, m), or
+    all m, as in the files of the VCCTL repository. ValueError if the rows are not of this kind.
     """
     try:
         lines = [line for line in Path(path).read_text().splitlines() if not line.startswith("#")]
         rows = np.loadtxt(lines, ndmin=2) if any(lines) else np.empty((0, 0))
     except ValueError as error:
-        raise ValueError(f"{path}: not rows of `n m re im`: {error}") from None
+        raise ValueError(f"{path}: the lines are not rows of `n m re im`; correct them ({error})") from None
     if rows.shape[0] == 0 or rows.shape[1] != 4:
-        raise ValueError(f"{path}: needs rows of four numbers `n m re im`, got an array {rows.shape}")
+        raise ValueError(f"{path}: rows of four numbers `n m re im` are needed; the file has an array {rows.shape}")
     n, m = rows[:, 0].astype(int), rows[:, 1].astype(int)
     if not np.isfinite(rows).all():
-        raise ValueError(f"{path}: coefficients with NaN or infinite values")
+        raise ValueError(f"{path}: some coefficients are NaN or infinite; correct or remove their rows")
     if np.any(rows[:, :2] != np.stack([n, m], axis=1)) or np.any((n < 0) | (np.abs(m) > n)):
-        raise ValueError(f"{path}: n and m must be integers with |m| <= n")
+        raise ValueError(f"{path}: n and m must be integers with |m| <= n; correct the rows")
     if len(set(zip(n.tolist(), m.tolist(), strict=True))) < len(n):
-        raise ValueError(f"{path}: a pair n, m occurs twice")
+        raise ValueError(f"{path}: a pair n, m occurs twice; remove one of the rows")
     return n, m, rows[:, 2] + 1j * rows[:, 3]
 
 
 def radius(coefficients, directions):
-    """r(theta, phi) = sum a_nm Y_nm along unit vectors (k, 3), in the coefficients' unit, shape (k,).
+    """Return r(theta, phi) = sum a_nm Y_nm along unit vectors (k, 3), in the coefficients' unit, (k,).
 
-    Y_nm orthonormal with the Condon-Shortley phase. ValueError if the sum is not real, or not positive.
+    Y_nm are orthonormal with the Condon-Shortley phase. ValueError if the sum is not real or not positive.
     """
     n, m, a = coefficients
     polar = np.arccos(np.clip(directions[:, 2], -1, 1))
@@ -45,24 +45,26 @@ def radius(coefficients, directions):
         term = value * sph_harm_y(degree, order, polar, azimuth)
         total += 2 * term.real if half and order > 0 else term
     scale = np.abs(total).max()
-    # a published file carries about ten digits, a truncated one six
+    # Published files have about ten digits, truncated ones six.
     if np.abs(total.imag).max() > 1e-3 * scale:
-        raise ValueError("coefficients do not sum to a real radius: check that a(n, -m) = (-1)^m conj a(n, m)")
+        raise ValueError("the coefficients do not sum to a real radius; check that a(n, -m) = (-1)^m conj a(n, m)")
     if total.real.min() <= 0:
-        raise ValueError("the radius is not positive everywhere: the coefficients are no closed surface")
+        raise ValueError(
+            "the radius is not positive everywhere, so the coefficients do not describe a closed surface; correct them"
+        )
     return total.real
 
 
 def sampled_directions(coefficients):
-    """Directions (k, 3), evenly spread, in which the surface is taken, dense enough for the hull.
+    """Return evenly spread directions (k, 3) that sample the surface densely enough for its hull.
 
-    16 (n_max + 1)² points, about eight to a wavelength of the highest degree, and at least 4000: the hull then
-    has lost 0.3 % of its volume or less, against one of far more points.
+    There are 16 (n_max + 1)² directions, about eight per wavelength of the highest degree, and at least 4000. Compared
+    with far more points, the hull then loses at most 0.3 % of its volume.
     """
     return spiral_directions(max(4000, 16 * (int(coefficients[0].max()) + 1) ** 2))
 
 
 def surface_points(coefficients):
-    """Points (k, 3) on the surface, in the coefficients' unit, in sampled_directions."""
+    """Return the points (k, 3) on the surface in sampled_directions, in the coefficients' unit."""
     directions = sampled_directions(coefficients)
     return radius(coefficients, directions)[:, None] * directions

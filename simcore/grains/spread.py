@@ -1,4 +1,4 @@
-"""The order that spreads the grains of a set over the Zingg diagram."""
+"""Orders the grains of a set so that the first of them, for any number, are spread over the Zingg diagram."""
 
 import csv
 
@@ -7,11 +7,10 @@ import pandas as pd
 
 
 def spread_order(flatness, elongation):
-    """Indices of all grains in the order that spreads them over the Zingg diagram, whatever number is taken.
+    """Return the indices (n,) of all grains in an order whose first k, for any k, are spread over the Zingg diagram.
 
-    The first is the nearest to the mean, each next one that which lies farthest from all before it.
-
-    flatness, elongation: (n,). Returns (n,) int; ties go to the lower index.
+    The first grain is the nearest to the mean; each next one is the farthest from all before it. Ties go to the lower
+    index. flatness, elongation: (n,).
     """
     points = np.column_stack([flatness, elongation])
     order = [int(np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1)))]
@@ -24,13 +23,13 @@ def spread_order(flatness, elongation):
 
 
 def spread_table(grains):
-    """DataFrame with the columns grain (name), FL and EL of all grains, in the order of `spread_order`."""
+    """Return a DataFrame with the columns grain (name), FL and EL of all grains, in the order of `spread_order`."""
     rows = [(grain.name, grain.flatness, grain.elongation) for grain in grains]
     table = pd.DataFrame(rows, columns=["grain", "FL", "EL"])
     return table.iloc[spread_order(table.FL, table.EL)]
 
 
 def read_spread(path):
-    """Read the names of grains in their order from a CSV file of `spread_table`."""
+    """Read the names of the grains, in their order, from a CSV file of `spread_table`."""
     with open(path, newline="", encoding="utf-8") as file:
         return [line["grain"] for line in csv.DictReader(file)]

@@ -1,5 +1,5 @@
 # ruff: noqa: E741  L, I, S are the field's names of the axes
-"""Features of a packing whose grains differ in form: statistics over its grains."""
+"""Features of a packing whose grains differ in form: statistics of form over its grains."""
 
 import numpy as np
 import pandas as pd
@@ -8,20 +8,21 @@ from simcore.grains.form import features as form_features
 
 
 def mixture_features(L, I, S):
-    """The 104 features of one packing, Series; L >= I >= S: full axes of all its grains (n,), any length unit."""
+    """Return the 104 features of one packing, Series; L >= I >= S: full axes of its grains (n,), in any one unit."""
     single = form_features(L, I, S)
     with np.errstate(invalid="ignore"):
         mean, std = single.mean(skipna=False), single.std(ddof=0, skipna=False)
-        # Grains of one form differ by rounding only, and the inverse of that would be a feature of 1e16.
+        # Grains of one form differ only by rounding, whose inverse would be a feature of about 1e16.
         return combine_statistics(mean, std.mask(std <= 1e-12 * mean.abs(), 0.0))
 
 
 def combine_statistics(mean, std):
-    """The 104 features of one packing, Series: mean and standard deviation of the 26, and the inverses of these.
+    """Return the 104 features of one packing, Series: mean and standard deviation of the 26, and their inverses.
 
-    mean, std: Series over the 26 features, number-based over the grains. Names as in the study's tables: mu_EQ,
-    sigma_EQ, and mu_EQ_inv = 1/mu_EQ. Of an inverse feature: mu_1/EQ, the mean of 1/EQ, and mu_1/EQ_inv, one over it.
-    A feature that is not finite for one grain has no finite statistics; usable_features leaves it out.
+    mean, std: Series over the 26 features, number-based over the grains. The names are those in the tables of Rettinger
+    et al. (2022), such as mu_EQ, sigma_EQ and mu_EQ_inv = 1/mu_EQ; for an inverse feature mu_1/EQ is the mean of 1/EQ,
+    and mu_1/EQ_inv its inverse. A feature that is not finite for one grain has no finite statistics; usable_features
+    leaves it out.
     """
 
     def rename(name):
@@ -33,7 +34,10 @@ def combine_statistics(mean, std):
 
 
 def equancy_statistics(mu_FL, sigma_FL, mu_EL, sigma_EL):
-    """Mean and standard deviation of EQ = FL EL from those of FL and EL, if these are independent (the study)."""
+    """Return mean and standard deviation of EQ = FL EL from those of FL and EL, which are assumed to be independent.
+
+    Source: Rettinger et al. (2022).
+    """
     mu_EQ = mu_EL * mu_FL
     variance = (mu_EL**2 + sigma_EL**2) * (mu_FL**2 + sigma_FL**2) - mu_EQ**2
     return mu_EQ, np.sqrt(variance)

@@ -1,4 +1,4 @@
-"""Tables about a set of grains: the study's statistics of form, its factors' structure, what decimation costs."""
+"""Tables about a set of grains: statistics of form as in Rettinger et al. (2022), form factors, decimation."""
 
 import numpy as np
 import pandas as pd
@@ -14,9 +14,9 @@ FACE_TARGETS = (300, 200, 100, 50)
 
 
 def form_table(grains):
-    """One row per grain, indexed by name: L, I, S, D [mm], volume [mm³], faces, sphericity, hull_ratio and form.
+    """Return a DataFrame with one row per grain, indexed by its name.
 
-    hull_ratio: as of Grain; form: the 13 form factors.
+    Columns: L, I, S, D [mm], volume [mm³], faces, sphericity, hull_ratio (as in Grain) and the 13 form factors.
     """
     table = pd.DataFrame(
         {
@@ -35,14 +35,14 @@ def form_table(grains):
 
 
 def form_statistics(table):
-    """The set's row for the study's Table 2, and more, as a DataFrame with one row.
+    """Return the statistics of form of a set, DataFrame with one row; they include those of Table 2 of Rettinger et al.
 
-    table: of form_table, at least three grains. Standard deviations are those of a sample (n - 1). shapiro_*:
-    W and p of the Shapiro-Wilk test; the study keeps a factor as normal at p > 0.05. r_*: Pearson correlations,
-    of size with its logarithm.
+    table: from form_table, with at least three grains. Standard deviations are those of a sample (n - 1). shapiro_*: W
+    and p of the Shapiro-Wilk test; Rettinger et al. (2022) regard a factor as normal if p > 0.05. r_*: Pearson
+    correlations; those with size use its logarithm.
     """
     if len(table) < 3:
-        raise ValueError(f"form statistics need at least three grains, the set has {len(table)}")
+        raise ValueError(f"form statistics need at least three grains, but the set has {len(table)}; add grains")
     row = {"size_min_mm": table.D_mm.min(), "size_max_mm": table.D_mm.max(), "n_samples": len(table)}
     for factor in ("FL", "EL"):
         row |= {f"mu_{factor}": table[factor].mean(), f"sigma_{factor}": table[factor].std(ddof=1)}
@@ -56,15 +56,15 @@ def form_statistics(table):
 
 
 def factor_correlations(table):
-    """Pearson correlations of the 13 form factors, DataFrame (13, 13), over grains for which all are finite."""
+    """Return the Pearson correlations of the 13 form factors, DataFrame (13, 13), over grains with finite factors."""
     return _finite_factors(table).corr()
 
 
 def principal_components(table):
-    """Principal components of the standardised form factors, DataFrame with one row per component.
+    """Return the principal components of the standardised form factors, DataFrame with one row per component.
 
-    Columns: explained (share of the variance), cumulative, then the 13 loadings, the largest one positive. Over
-    grains for which all factors are finite.
+    Columns: explained (share of the variance), cumulative, then the 13 loadings, of which the largest is positive. Only
+    grains with finite factors are used.
     """
     factors = _finite_factors(table)
     pca = PCA().fit(StandardScaler().fit_transform(factors))
@@ -80,15 +80,16 @@ def principal_components(table):
 def _finite_factors(table):
     factors = table[list(FORM_FACTORS)].replace([np.inf, -np.inf], np.nan).dropna()
     if len(factors) < 3:
-        raise ValueError(f"{len(factors)} grains have all 13 form factors finite: at least three are needed")
+        raise ValueError(f"only {len(factors)} grains have 13 finite form factors; at least three are needed")
     return factors
 
 
 def decimation_table(grains, targets=FACE_TARGETS):
-    """What decimation changes, one row per grain and face target: columns grain, target, faces and changes [%].
+    """Return the changes by decimation, DataFrame with one row per grain and target number of faces.
 
-    volume: before it is restored; FL, EL, sphericity: relative to the grain's own. A grain that has no more
-    faces than the target is not changed, and stands with zeros, as in the study's averages.
+    Columns: grain, target, faces, and the changes [%] of volume (before it is restored), flatness, elongation and
+    sphericity, relative to the grain's own. A grain with no more faces than the target has changes of zero, which count
+    in averages, as in Rettinger et al. (2022).
     """
     rows = []
     for target in targets:
@@ -102,20 +103,20 @@ def decimation_table(grains, targets=FACE_TARGETS):
 
 
 def decimation_summary(table):
-    """Mean, and largest absolute, change [%] of the set for each face target; table: of decimation_table."""
+    """Return the mean and the largest absolute change [%] of a set for each target; table: from decimation_table."""
     changes = table.drop(columns=["grain", "faces"]).groupby("target", sort=False)
     mean, largest = changes.mean(), changes.agg(lambda column: column.abs().max())
     return mean.join(largest.add_suffix("_largest"))
 
 
 def shape_comparison(shapes):
-    """Shapes of a set beside those of the scans: DataFrame, one row per measure.
+    """Compare the shapes of a set with those of scanned grains, DataFrame with one row per measure.
 
-    shapes: of shape_table. Columns min, max, mean, std, the same of 65 scanned grains with prefix scans_, and
-    within: whether all grains lie in the scans' range. Measures *_300 compare at like face counts; the others
-    at each grain's own.
+    shapes: from shape_table. Columns: min, max, mean, std; the same of 65 scanned grains with the prefix scans_; and
+    within, whether all grains are in the range of the scans. Measures *_300 are at similar numbers of faces, the others
+    at each grain's own number.
     """
-    ours = shapes.agg(["min", "max", "mean", "std"]).T
-    scans = scan_ranges().loc[ours.index, ["min", "max", "mean", "std"]]
-    within = (ours["min"] >= scans["min"]) & (ours["max"] <= scans["max"])
-    return ours.join(scans.add_prefix("scans_")).assign(within=within).rename_axis("measure")
+    statistics = shapes.agg(["min", "max", "mean", "std"]).T
+    scans = scan_ranges().loc[statistics.index, ["min", "max", "mean", "std"]]
+    within = (statistics["min"] >= scans["min"]) & (statistics["max"] <= scans["max"])
+    return statistics.join(scans.add_prefix("scans_")).assign(within=within).rename_axis("measure")

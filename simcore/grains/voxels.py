@@ -1,38 +1,38 @@
-"""Bodies in voxel images; surface points of a mask, free of the first-order bias that the hull of voxel centres has."""
+"""Bodies in voxel images, and points on their surface without the first-order bias of voxel centres."""
 
 import numpy as np
 from scipy.ndimage import find_objects, gaussian_filter, label
 
 from simcore.grains.bodies import Body
 
-# Width of the smoothing in voxels is this times the square root of the grain's radius in voxels: where the
-# surface is tangent to a lattice plane, the terraces of the mask are about sqrt(radius) wide.
+# The width of the smoothing in voxels is this times the square root of the grain's radius in voxels, because the
+# terraces of the mask are about sqrt(radius) wide where the surface is tangent to a lattice plane.
 _SMOOTHING = 0.25
-# Of all solid voxels, the least share that a label image has in the largest part of their label; of neighbouring solid
-# voxels, the least share of pairs of one label. Grey values have far less of both.
+# Minimum share of the solid voxels of a label image that are in the largest part of their label, and minimum share of
+# pairs of neighbouring solid voxels with one label. Images of grey values have far smaller shares.
 _LEAST_IN_PARTS, _LEAST_ALIKE = 0.5, 0.5
 _HOW_TO_MASK = "make a mask of 0 outside and 1 inside, for example `mask = image > threshold`"
 
 
 def mask_surface(mask, spacing):
-    """Points (n, 3) on the surface of the solid of a voxel mask, in the unit of spacing.
+    """Return points (n, 3) on the surface of the solid in a voxel mask, in the unit of spacing.
 
-    mask (nx, ny, nz), non-zero inside; spacing: edge of a voxel, a number or (3,). ValueError if the mask is
-    empty or the spacing not positive.
+    mask: (nx, ny, nz), non-zero inside; spacing: edge of a voxel, a number or (3,). ValueError if the mask is empty or
+    the spacing is not positive.
 
-    Bias. The hull of the centres of the solid's voxels lies inside the solid, by 0.5 voxel at a face along the
-    lattice, by 0.3 to 0.15 voxel on average on spheres of 5 to 40 voxels radius: 7 % and 1 % of the volume at
-    10 and 40. The hull of their corners lies outside by as much and more. Instead the mask is smoothed, and the
-    points are where it crosses 1/2 between neighbouring centres. Smoothing pulls curved surfaces inwards by
-    width² x curvature; the difference 2 G(w) - G(sqrt(2) w) of two Gaussians has no second moment and does
-    not. What is left (tests/grains/test_voxels.py) is below 0.1 voxel in the axes, of either sign.
+    Bias: the hull of the centres of solid voxels is inside the solid, by 0.5 voxel at a face along the lattice and by
+    0.3 to 0.15 voxel on average on spheres of 5 to 40 voxels radius. This is 7 % and 1 % of the volume at radii of 10
+    and 40. The hull of the corners is outside the solid by at least as much. Therefore the mask is smoothed, and the
+    points are where it crosses 1/2 between neighbouring centres. A Gaussian would shift curved surfaces inwards by
+    width² x curvature; the difference 2 G(w) - G(sqrt(2) w) of two Gaussians has no second moment and does not shift
+    them. The remaining error of the axes is below 0.1 voxel, of either sign (tests/grains/test_voxels.py).
     """
     mask = np.asarray(mask) != 0
     spacing = np.broadcast_to(np.asarray(spacing, float), 3)
     if mask.ndim != 3 or not mask.any():
-        raise ValueError(f"a voxel mask needs three dimensions and at least one solid voxel, got {mask.shape}")
+        raise ValueError(f"a voxel mask needs three dimensions and at least one solid voxel; its shape is {mask.shape}")
     if not (np.isfinite(spacing).all() and np.all(spacing > 0)):
-        raise ValueError(f"voxel spacing {spacing} must be positive")
+        raise ValueError(f"the voxel spacing {spacing} must be positive; correct it")
     inside = [np.flatnonzero(mask.any(axis=axes)) for axes in ((1, 2), (0, 2), (0, 1))]
     start = np.array([i[0] for i in inside])
     mask = mask[tuple(slice(i[0], i[-1] + 1) for i in inside)]
@@ -45,7 +45,10 @@ def mask_surface(mask, spacing):
 
 
 def _crossings(level, axis):
-    """Where a lattice field (nx, ny, nz) crosses zero between neighbours along axis, linearly, (n, 3) [index]."""
+    """Return the points (n, 3) [index] where a lattice field (nx, ny, nz) crosses zero between neighbours along axis.
+
+    The field is interpolated linearly between neighbours.
+    """
     along = np.moveaxis(level, axis, 0)
     index = np.argwhere((along[:-1] > 0) != (along[1:] > 0))
     here, there = along[:-1][tuple(index.T)], along[1:][tuple(index.T)]
@@ -55,25 +58,27 @@ def _crossings(level, axis):
 
 
 def image_bodies(image, spacing):
-    """[(name, bodies)] of a voxel image: of a mask one pair with the name "", of a label image one pair a label.
+    """Return [(name, bodies)] of a voxel image: one pair with the name "" for a mask, one pair per label otherwise.
 
-    image (nx, ny, nz): a mask of 0 and one other value, or whole numbers, 0 outside and one label a grain. spacing: as
-    of mask_surface. bodies: list of Body, the parts of the mask or label that do not touch, also not at corners.
-    ValueError if the image is neither, as of grey values, NaN, or one that is solid at its borders.
+    image: (nx, ny, nz), a mask of 0 and one other value, or whole numbers with 0 outside and one label per grain.
+    spacing: as in mask_surface. bodies: list of Body, the parts of the mask or label that do not touch each other, not
+    even at corners. ValueError if the image is neither mask nor labels: grey values, NaN, or solid at its borders.
     """
     image = np.asarray(image)
     if image.ndim != 3 or not image.any():
-        raise ValueError(f"a voxel mask needs three dimensions and at least one solid voxel, got {image.shape}")
+        raise ValueError(
+            f"a voxel image needs three dimensions and at least one solid voxel; its shape is {image.shape}"
+        )
     if image.dtype.kind not in "buif":
-        raise ValueError(f"its values are of type {image.dtype}, not numbers: {_HOW_TO_MASK}")
+        raise ValueError(f"its values are of type {image.dtype}, not numbers; {_HOW_TO_MASK}")
     if image.dtype.kind == "f" and not np.isfinite(image).all():
         raise ValueError(
-            "it has voxels with NaN or infinite values: set them to 0 where they are outside the grain, for example by "
+            "it has voxels with NaN or infinite values; if they are outside the grain, set them to 0, for example with "
             "`mask = np.isfinite(image)`"
         )
     values = [True] if image.dtype.kind == "b" else np.unique(image[image != 0])
     if image.all():
-        raise ValueError(f"its {len(values)} values have no 0 among them, so that all is solid: {_HOW_TO_MASK}")
+        raise ValueError(f"its {len(values)} values have no 0 among them, so all voxels are solid; {_HOW_TO_MASK}")
     _check_borders(image)
     if len(values) == 1:
         return [("", _parts(image != 0, spacing, image.shape, (0, 0, 0)))]
@@ -81,20 +86,20 @@ def image_bodies(image, spacing):
 
 
 def _check_borders(image):
-    """ValueError if most of the image's border is solid."""
+    """Raise ValueError if most of the image's border is solid."""
     faces = [np.take(image, end, axis) != 0 for axis in range(3) for end in (0, -1)]
     share = sum(np.count_nonzero(face) for face in faces) / sum(face.size for face in faces)
     if share > 0.5:
         raise ValueError(
-            f"{100 * share:.0f} % of the voxels at its borders are solid: the mask seems inverted (`mask = image == 0` "
-            "turns it round), or cropped too tightly (`np.pad(mask, 2)` puts voxels of 0 around it)"
+            f"{100 * share:.0f} % of the voxels at its borders are solid; the mask seems inverted (`mask = image == 0` "
+            "corrects it), or cropped too tightly (`np.pad(mask, 2)` adds voxels of 0 around it)"
         )
 
 
 def _labelled(image, values, spacing):
     if np.any(values != np.round(values)) or values[0] < 0 or not _could_be_labels(image):
         raise ValueError(
-            f"its {len(values)} values besides 0 are grey values, neither a mask nor labels of grains: {_HOW_TO_MASK}"
+            f"its {len(values)} values besides 0 are grey values, neither a mask nor labels of grains; {_HOW_TO_MASK}"
         )
     numbers = np.searchsorted(values, image) + 1  # from 1 without gaps, whatever the labels are
     numbers[image == 0] = 0
@@ -106,13 +111,13 @@ def _labelled(image, values, spacing):
     in_parts = sum(max(body.volume for body in bodies) for _, bodies in groups) / (voxel * np.count_nonzero(image))
     if in_parts < _LEAST_IN_PARTS:
         raise ValueError(
-            f"the voxels of each of its {len(values)} values are scattered, as grey values are: {_HOW_TO_MASK}"
+            f"the voxels of each of its {len(values)} values are scattered like grey values; {_HOW_TO_MASK}"
         )
     return groups
 
 
 def _could_be_labels(image):
-    """Whether most neighbours that are both solid have one value."""
+    """Return whether most neighbours that are both solid have the same value."""
     pairs = alike = 0
     for axis in range(3):
         along = np.moveaxis(image, axis, 0)
@@ -123,7 +128,7 @@ def _could_be_labels(image):
 
 
 def _parts(mask, spacing, shape, start):
-    """Bodies of the parts of a mask that do not touch; the mask begins at `start` of an image of this shape."""
+    """Return the bodies of the parts of a mask that do not touch; it begins at `start` of an image of this shape."""
     numbers, count = label(mask, np.ones((3, 3, 3)))
     voxel = float(np.prod(np.broadcast_to(spacing, 3)))
     bodies = []
@@ -135,11 +140,11 @@ def _parts(mask, spacing, shape, start):
 
 
 def _cut_note(box, start, shape):
-    """Note that a part touches the image's border, or none."""
+    """Return a note (in a tuple) if a part touches the image's border, otherwise an empty tuple."""
     sides = []
     for axis, part, offset, size in zip("xyz", box, start, shape, strict=True):
         sides += [f"{axis} = 0"] if offset + part.start == 0 else []
         sides += [f"{axis} = {size - 1}"] if offset + part.stop == size else []
     if not sides:
         return ()
-    return (f"touches the border of its voxel image ({', '.join(sides)}): unless it is cropped tightly, it is cut off",)
+    return (f"touches the border of its voxel image ({', '.join(sides)}); unless it is cropped tightly, it is cut off",)

@@ -64,10 +64,10 @@ def test_a_narrow_cylinder_and_a_low_bed_say_so():
     centres, _ = sphere_lattice("sc", 3, 8)
     centres[:, :2] -= 1.0
     narrow = make_packing(1e-2 * centres, 5e-3, width=3.5e-2, domain="cylinder")
-    with pytest.raises(ValueError, match="no grain is left .* and 20.0 mm beside the wall; use more grains"):
+    with pytest.raises(ValueError, match="no grain is left .*, 20.0 mm from the wall; use more grains"):
         bulk(narrow)
     low, width = sphere_lattice("sc", 3, 2)
     with pytest.raises(ValueError, match="too low to cut 20.0 mm from its floor and 10.0 mm from its surface"):
         bulk(make_packing(1e-2 * low, 5e-3, width=1e-2 * width))
-    with pytest.raises(ValueError, match="holds no grain"):
+    with pytest.raises(ValueError, match="contains no grain"):
         bulk(make_packing(np.zeros((0, 3)), np.zeros((0, 3))))

@@ -226,7 +226,7 @@ def test_packings_that_do_not_belong_together_are_refused():
         fabric_over_seeds([first, first])
     other = {"shapes": {"kind": "polyhedron"}, "seed": 2, "name": "x"}
     with pytest.raises(
-        ValueError, match="seeds 1 and 2 differ in shapes.kind; give packings that differ in their seed"
+        ValueError, match="seeds 1 and 2 differ in shapes.kind; give packings that differ only in their seed"
     ):
         fabric_over_seeds([first, second.assign_attrs(scene=json.dumps(other))])
     coarse, loose = (fabric(random_bed(2), **options) for options in ({"n_bins": 5}, {"bearing_contacts": 4}))

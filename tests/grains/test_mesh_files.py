@@ -256,5 +256,5 @@ def test_stl_and_off_that_cannot_be_read_say_so(tmp_path, name, data):
 
 def test_a_coordinate_that_is_no_length_is_refused(tmp_path):
     (tmp_path / "a.obj").write_text(obj_text(QUADS).replace("v 5.0", "v 1e300", 1).replace("v 5 ", "v 1e300 ", 1))
-    with pytest.raises(ValueError, match="1e\\+300 mm are no lengths"):
+    with pytest.raises(ValueError, match="1e\\+300 mm are too large for lengths"):
         read_grain(tmp_path / "a.obj", "mm")

@@ -67,18 +67,18 @@ def test_columns_that_are_not_used_are_noted(tmp_path):
 
 WRONG = {
     "four columns": (lines(before=["128"]), "4 columns and no header"),
-    "no number": (["x,y,z", *lines()[:6], "1,two,3"], "row 8, column y: 'two' is no number"),
-    "empty field": (["x,y,z", *lines()[:6], "1,,3"], "row 8, column y: '' is no number"),
-    "thousands": (["x,y,z", *lines()[:6], '"1,234.5",2,3'], "row 8, column x: '1,234.5' is no number"),
+    "no number": (["x,y,z", *lines()[:6], "1,two,3"], "row 8, column y: 'two' is not a number"),
+    "empty field": (["x,y,z", *lines()[:6], "1,,3"], "row 8, column y: '' is not a number"),
+    "thousands": (["x,y,z", *lines()[:6], '"1,234.5",2,3'], "row 8, column x: '1,234.5' is not a number"),
     "NaN": (["x,y,z", "nan,1,2", *lines()], "row 2, column x: 'nan' is NaN"),
     "short row": (["x,y,z", *lines()[:6], "1,2"], "row 8 has 2 fields, not 3"),
     "decimal commas between commas": (["x,y,z", *lines()[:6], "1,5,2,5,3,5"], "row 8 has 6 fields.*with a point"),
     "x twice": (["x,y,z,X", *lines(after=["1"])], "names x twice"),
     "no z": (["x,y,depth", *lines()], "names no column z"),
     "velocities": (["x_velocity,y_velocity,z_velocity", *lines()], "names no column x, y, z"),
-    "count is wrong": ([str(len(POINTS) + 3), *lines()], "counts 63 points, 60 follow"),
+    "count is wrong": ([str(len(POINTS) + 3), *lines()], "counts 63 points, but 60 follow"),
     "other unit": (["x_cm,y_cm,z_cm", *lines()], "header gives x_cm, but `grains.unit` is mm"),
-    "empty": (["x,y,z"], "holds no points"),
+    "empty": (["x,y,z"], "contains no points"),
 }
 
 
@@ -125,7 +125,7 @@ def test_forms_that_are_not_packed_are_named(tmp_path):
 
 def test_axes_without_header_are_no_cloud(tmp_path):
     text = "\n".join(",".join(f"{value:.3f}" for value in row) for row in AXES)
-    with pytest.raises(ValueError, match="as a table of axes"):
+    with pytest.raises(ValueError, match="like a table of axes"):
         read(tmp_path, "a.csv", text)
     # said to be points, they are points
     assert read(tmp_path, "a.csv", "x,y,z\n" + text).volume > 0

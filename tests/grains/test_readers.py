@@ -126,8 +126,8 @@ def test_bad_meshes_are_refused(tmp_path, body, kind, extension):
         ("a.obj", "# nothing\n", "a.obj"),
         ("a.off", "OFF\n0 0 0\n", "a.off"),
         ("a.ply", "not a mesh", "a.ply"),
-        ("a.xyz", "", "holds no points"),
-        ("a.csv", "x,y,z\n", "holds no points"),
+        ("a.xyz", "", "contains no points"),
+        ("a.csv", "x,y,z\n", "contains no points"),
         ("a.csv", "x,y,z\n1,2,3\n1,2,3,4\n", "a.csv"),
         ("a.xyz", "1 2\n3 4\n", "2 columns and no header"),
         ("a.xyz", "1 2 3\n1 2 nan\n2 3 4\n4 5 6\n", "NaN"),
@@ -161,7 +161,7 @@ def test_units_must_be_stated(tmp_path, body, unit):
 def test_missing_files_empty_folders_and_equal_names_are_refused(tmp_path, body):
     with pytest.raises(ValueError, match=r"none\.stl does not exist"):
         read_grain(tmp_path / "none.stl", "mm")
-    with pytest.raises(ValueError, match="holds no grain files"):
+    with pytest.raises(ValueError, match="contains no grain files"):
         read_grain_files(tmp_path, "mm")
     body.export(tmp_path / "a.ply")
     body.export(tmp_path / "a.stl")

@@ -59,7 +59,7 @@ def test_each_file_that_is_left_out_is_named_with_its_reason(folder):
 def test_a_folder_of_nothing_but_other_files_is_refused_with_their_reasons(folder):
     for name in ("round.stl", "dented.stl", "cloud.csv"):
         (folder / name).unlink()
-    with pytest.raises(ValueError, match=r"holds no grain files.*axes\.csv: it is a table of axes"):
+    with pytest.raises(ValueError, match=r"contains no grain files.*axes\.csv: it is a table of axes"):
         load_grains(group(folder))
 
 
