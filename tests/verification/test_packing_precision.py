@@ -81,7 +81,7 @@ def test_a_change_is_named_by_what_is_otherwise_than_in_the_first():
     table = packings({"bed": 0.0, "r22": 0.003}, (10.0, 5.0), seeds=(1, 2)).rename(columns={"step": "fill"})
     table["drop_height"] = [np.nan, np.nan, 0.1, 0.1]
     named = name_changes(table, ["seed", "fill", "drop_height"])
-    assert list(named) == ["ours", "ours", "fill study, drop_height 0.1", "fill study, drop_height 0.1"]
+    assert list(named) == ["ours", "ours", "fill r22, drop_height 0.1", "fill r22, drop_height 0.1"]
     assert list(porosity_errors(table.assign(change=named), ["change"]).setting) == ["ours", named.iloc[-1]]
 
 
