@@ -38,7 +38,7 @@ SPHERES = {
     "numerics": {"contact_time": "0.5 ms"},
 }
 SMOOTH, ROUGH, BEADS = ({"material": {"friction": friction}} for friction in (0.0, 0.5, 0.2))
-# In a periodic box the shaking force moves a smooth bed as a whole, so that nothing is shaken; a cylinder prevents this.
+# In a periodic box the shaking force moves a smooth bed as a whole and does not shake it; a cylinder prevents this.
 POURED = {"shaking": {"amplitude": "0 m", "duration": "0 s"}}
 
 
