@@ -1,1 +1,1 @@
-"""Error against run time of the parts of the core, each against a closed form: the datasets of `work_precision`."""
+"""Error and run time of the parts of the core, measured against references: the datasets of `work_precision`."""

@@ -1,8 +1,9 @@
-"""Signed distance by trying everything: the reference that `query` is measured against.
+"""Signed distance by brute force: the reference for `query`.
 
-Support functions are maxima over all vertices, and no polytope grows. Of two polyhedra every direction is tried that
-can matter; with an ellipsoid some hundred directions are, and the best of them are climbed. What is compared is always
-what a direction shows, a bound by itself: −f(n) bounds the depth from above, f(n) a gap from below.
+Support functions are maxima over all vertices, and no polytope is expanded. For two polyhedra, all directions are tried
+that can be normals of a facet of A − (B + r); with an ellipsoid, some hundred directions are tried and climbs start
+from the best of them. Each direction n gives a bound by itself: −f(n) bounds the depth from above, f(n) the gap from
+below.
 """
 
 import numpy as np
@@ -21,7 +22,7 @@ CLIMBED = 16
 
 @routine
 def support_value(shapes, solids, i, normal):
-    """h(n) of solid i about its centre."""
+    """Return the support value h(n) of solid i about its centre."""
     if solids.kind[i] != POLYHEDRON:
         return support_height(solids.form_matrix, i, normal)
     n, scale = into_axes(solids.rotation, i, normal), solids.scale
@@ -34,14 +35,14 @@ def support_value(shapes, solids, i, normal):
 
 @leaf
 def shown(shapes, solids, pair, normal):
-    """f(n) = n·r − h_a(n) − h_b(−n)"""
+    """Return the bound f(n) = n·r − h_a(n) − h_b(−n) for the direction n."""
     gap = dot(normal, pair.offset)
     return gap - support_value(shapes, solids, pair.a, normal) - support_value(shapes, solids, pair.b, negative(normal))
 
 
 @kernel
 def shown_along(shapes, solids, offset, normal):
-    """f (n,) of pairs of solids 2k and 2k + 1 along their normals (n, 3)."""
+    """Return f (n,) of pairs of solids 2k and 2k + 1 along their normals (n, 3)."""
     value = np.empty(len(offset))
     for k in range(len(offset)):
         value[k] = shown(shapes, solids, pair_of(solids, 2 * k, 2 * k + 1, read(offset, k)), read(normal, k))
@@ -56,7 +57,7 @@ def _scaled_vertex(shapes, solids, i, v):
 
 @kernel
 def _corners(shapes, solids, i):
-    """Vertices (n, 3) of polyhedron i in world axes about its centre; the sphere's is its centre."""
+    """Return vertices (n, 3) of polyhedron i in world axes about its centre; of a sphere, the centre."""
     first, last = shapes.vertex_start[solids.shape[i]], shapes.vertex_start[solids.shape[i] + 1]
     corners = np.empty((last - first, 3))
     for k in range(last - first):
@@ -66,7 +67,7 @@ def _corners(shapes, solids, i):
 
 @routine
 def _depth_along(a, b, offset, normal, best):
-    """The less of `best` and the support values of A − (B + r) along ±n, not normalised."""
+    """Return the minimum of `best` and the support values of A − (B + r) along ±normal, which is normalised here."""
     size = length(normal)
     if not size > 0.0:
         return best
@@ -85,10 +86,10 @@ def _depth_along(a, b, offset, normal, best):
 
 @kernel
 def depth_of_polyhedra(shapes, solids, pair):
-    """Least support value of A − (B + r), of polyhedra or spheres' centres: minus the signed distance of an overlap.
+    """Return the minimum support value of A − (B + r), for polyhedra or centres of spheres.
 
-    Its facets' normals are among those of two edges that meet in a vertex, and of an edge of each body. Negative: the
-    bodies are apart, by that much or more.
+    Positive: minus the signed distance of an overlap. Negative: the bodies are apart by this distance or more. The
+    normals of the facets are cross products of two edges that meet in a vertex, or of an edge of each body.
     """
     a, b = _corners(shapes, solids, pair.a), _corners(shapes, solids, pair.b)
     first_a, first_b = shapes.vertex_start[solids.shape[pair.a]], shapes.vertex_start[solids.shape[pair.b]]
@@ -118,8 +119,10 @@ def depth_of_polyhedra(shapes, solids, pair):
 
 @leaf
 def _surface_normal(shapes, solids, i, direction, k):
-    """Normal of solid i, not normalised: of an ellipsoid where a direction of the unit sphere leads, of a polyhedron
-    that of three vertices, taken as they come by the number k."""
+    """Return a normal of solid i, not normalised.
+
+    For an ellipsoid: at the image of a point of the unit sphere. For a polyhedron: of three vertices chosen by k.
+    """
     if solids.kind[i] != POLYHEDRON:
         scale = solids.scale
         v = Vec(direction.x / scale[i, 0], direction.y / scale[i, 1], direction.z / scale[i, 2])
@@ -135,7 +138,7 @@ def _surface_normal(shapes, solids, i, direction, k):
 
 @kernel
 def _fill_starts(shapes, solids, pair, starts, spiral):
-    """Directions to climb from: a spiral, normals of both bodies, and their axes. Returns their number."""
+    """Fill `starts` with directions to climb from (a spiral, normals and axes of both bodies); return their number."""
     n = 0
     for k in range(len(spiral)):
         for kind in range(3):
@@ -157,14 +160,17 @@ def _fill_starts(shapes, solids, pair, starts, spiral):
 
 @kernel
 def depth_by_starts(shapes, solids, pair, starts, spiral):
-    """Least −f(n) by climbs from many directions, solid b an ellipsoid (or sphere). starts: (m, 3) to fill."""
+    """Return the minimum of −f(n) by climbs from many directions; solid b is an ellipsoid or sphere.
+
+    starts: (m, 3), workspace for the directions.
+    """
     n = _fill_starts(shapes, solids, pair, starts, spiral)
     values = np.empty(n)
     for k in range(n):
         values[k] = shown(shapes, solids, pair, read(starts, k))
     best = values.max()
     for climb in range(CLIMBED):
-        # Half of the climbs from the best, half from anywhere
+        # Half of the climbs start from the best directions, half from arbitrary ones.
         k = np.argmax(values) if climb % 2 == 0 else (climb * 7919) % n
         values[k] = -np.inf
         normal = read(starts, k)
@@ -179,7 +185,7 @@ def depth_by_starts(shapes, solids, pair, starts, spiral):
 
 @kernel
 def depths(shapes, solids, offset, apart, spiral):
-    """Reference depth (n,) of pairs of solids 2k and 2k + 1; −inf where `apart` is true."""
+    """Return the reference depth (n,) of pairs of solids 2k and 2k + 1; −inf where `apart` is true."""
     depth = np.full(len(offset), -np.inf)
     starts = np.empty((3 * len(spiral) + 12, 3))
     for k in range(len(offset)):
@@ -198,7 +204,7 @@ def depths(shapes, solids, offset, apart, spiral):
 
 
 def spiral_directions(n: int = SPIRAL) -> np.ndarray:
-    """n unit vectors (n, 3), evenly spread (golden-angle spiral)."""
+    """Return n evenly spread unit vectors (n, 3), on a golden-angle spiral."""
     k = np.arange(n)
     z = 1.0 - (2.0 * k + 1.0) / n
     ring = np.sqrt(1.0 - z * z)

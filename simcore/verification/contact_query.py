@@ -1,11 +1,11 @@
-"""Depth and normal of touching pairs, against the time of a query.
+"""Error of depth and normal of touching pairs, against the time of a query.
 
-Pairs of pebbles and of ellipsoids overlap by 1e-3 of their size. Ours has no tolerance to be set: it is asked from
-nothing, and again after a small motion with what it remembers. Beside it stand the best of n directions, which anyone
-can write, and `coal` (GJK and EPA) at falling tolerances where that package can be imported.
+Pairs of polyhedra and pairs of ellipsoids overlap by 1e-3 of their size. Our query has no tolerance. It is measured
+without a previous result, and after a small motion with the remembered contact. It is compared with the best of n
+directions, a simple baseline, and with `coal` (GJK and EPA) at decreasing tolerances if that package is installed.
 
-References, independent of both: of hulls the facets of the convex hull of all differences of their vertices (Qhull); of
-ellipsoids Newton's iteration in extended precision from the best of many directions.
+The references are independent of these methods. For polyhedra: the facets of the convex hull of all differences of
+their vertices (Qhull). For ellipsoids: Newton's iteration in extended precision from the best of many directions.
 """
 
 import importlib.util
@@ -29,39 +29,39 @@ from simcore.dem.vectors import read, write
 from simcore.verification import brute_force as brute
 
 SEMI_AXES = np.array([1.0, 0.75, 0.5])  # [m]
-DEPTH, MOTION = 1e-3, 1e-4  # of the pair's size
+DEPTH, MOTION = 1e-3, 1e-4  # relative to the pair's size
 PAIRS, POINTS, REPEATS, ROUNDS = 48, 40, 5, 20
 DIRECTIONS = (64, 256, 1024, 4096, 16384)
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)
 OUR_STYLE, AGAIN, SCAN, COAL = "ours, from nothing", "ours, a motion later", "best of n directions", "coal (GJK + EPA)"
 NO_SETTING = "exact"
 
-# Uncached: a cache on disk notices changes of its own file only, and these call the core.
+# Not cached: the disk cache detects changes only of the file itself, but these functions call the core.
 _compiled = numba.njit(error_model="numpy")
 
 
 class Pairs(NamedTuple):
-    """n pairs of one kind. shapes: those of the bodies a and b by turns; poses: of the pair's two poses."""
+    """n pairs of bodies a and b of one kind, each pair in two poses; arrays of 2 n alternate between a and b."""
 
     kind: int  # of simcore.dem.shapes.hulls
     shapes: tuple  # (2 n)
-    scale: np.ndarray  # (2 n, 3) [m]; ones of hulls
+    scale: np.ndarray  # (2 n, 3) [m]; ones for polyhedra
     size: np.ndarray  # (n,) [m], sum of the radii
     quaternion: np.ndarray  # (2, n, 2, 4): pose, pair, body
-    offset: np.ndarray  # (2, n, 3) [m]: pose, pair; of b from a
+    offset: np.ndarray  # (2, n, 3) [m]: pose, pair; from a to b
 
 
 class Truth(NamedTuple):
-    """Depth (n,) and unit normal (n, 3) from a to b, and how far both may be off."""
+    """Reference depth (n,) and unit normal (n, 3) from a to b, with bounds of their errors."""
 
     depth: np.ndarray
     normal: np.ndarray
-    depth_error: float  # of the pair's size
+    depth_error: float  # relative to the pair's size
     normal_error: float  # [rad]
 
 
 def make_pairs(kind, n=PAIRS, points=POINTS, seed=1) -> Pairs:
-    """Pairs in random turns, pressed into each other by DEPTH; the second pose differs by MOTION."""
+    """Return pairs in random orientations that overlap by DEPTH; the second pose differs by MOTION."""
     rng = np.random.default_rng(seed)
     if kind == POLYHEDRON:
         clouds = rng.normal(size=(2 * n, points, 3))
@@ -74,13 +74,13 @@ def make_pairs(kind, n=PAIRS, points=POINTS, seed=1) -> Pairs:
     second = first / np.linalg.norm(first, axis=-1, keepdims=True) + 0.5 * MOTION * rng.normal(size=(n, 2, 4))
     quaternion = np.stack([q / np.linalg.norm(q, axis=-1, keepdims=True) for q in (first, second)])
     size = np.array([shape.radius for shape in shapes]).reshape(n, 2).sum(axis=1)
-    way = rng.normal(size=(n, 3))
-    offset = size[:, None] * way / np.linalg.norm(way, axis=1, keepdims=True)
+    direction = rng.normal(size=(n, 3))
+    offset = size[:, None] * direction / np.linalg.norm(direction, axis=1, keepdims=True)
     zero, index = np.zeros((n, 3)), 2 * np.arange(n)
-    for _ in range(3):  # to the depth along the normal, which turns little then
+    for _ in range(3):  # move to the depth along the normal, which hardly turns then
         q = quaternion[0]
-        found = query_many(shapes, index, (zero, q[:, 0]), index + 1, (offset, q[:, 1]))
-        offset = offset - (DEPTH * size + found.signed_distance)[:, None] * found.normal
+        contact = query_many(shapes, index, (zero, q[:, 0]), index + 1, (offset, q[:, 1]))
+        offset = offset - (DEPTH * size + contact.signed_distance)[:, None] * contact.normal
     drift = 0.1 * DEPTH * size[:, None] * rng.uniform(-1.0, 1.0, (n, 3))
     return Pairs(kind, shapes, scale, size, quaternion, np.stack([offset, offset + drift]))
 
@@ -89,13 +89,13 @@ def make_pairs(kind, n=PAIRS, points=POINTS, seed=1) -> Pairs:
 
 
 def true_contacts(pairs: Pairs, pose=0) -> Truth:
-    """Depth and normal of the pairs, with what is left unknown of them."""
-    find = _facets if pairs.kind == POLYHEDRON else _newton
-    return find(pairs, pose)
+    """Return the reference depth and normal of the pairs, with bounds of their errors."""
+    solve = _facets if pairs.kind == POLYHEDRON else _newton
+    return solve(pairs, pose)
 
 
 def _centers(pairs, pose):
-    """Rotations (n, 2, 3, 3), and offsets of the centres of mass (n, 3) [m]."""
+    """Return rotations (n, 2, 3, 3) and offsets of the centres of mass (n, 3) [m]."""
     n = len(pairs.size)
     rotation = rotation_matrix(pairs.quaternion[pose].reshape(-1, 4)).reshape(n, 2, 3, 3)
     center = np.array([shape.center for shape in pairs.shapes]).reshape(n, 2, 3)
@@ -104,7 +104,7 @@ def _centers(pairs, pose):
 
 
 def _facets(pairs, pose):
-    """Nearest facet of A − B, whose hull Qhull takes of all differences of vertices."""
+    """Return the nearest facet of A − B, the convex hull (by Qhull) of all differences of vertices, as Truth."""
     rotation, offset = _centers(pairs, pose)
     depth, normal = np.empty(len(offset)), np.empty((len(offset), 3))
     for k in range(len(offset)):
@@ -112,24 +112,24 @@ def _facets(pairs, pose):
         hull = ConvexHull((a[:, None] - b[None] - offset[k]).reshape(-1, 3))
         nearest = np.argmax(hull.equations[:, 3])
         normal[k] = hull.equations[nearest, :3]
-        # What the direction shows is exact but for rounding; Qhull's own offset carries its merging of facets.
+        # The bound of this direction is exact except for rounding; the offset of Qhull is affected by merged facets.
         depth[k] = (a @ normal[k]).max() - (b @ normal[k]).min() - offset[k] @ normal[k]
     rounding = 8.0 * np.finfo(float).eps
-    # A normal from differences of corners some tenths of the size apart
+    # The normal comes from differences of vertices some tenths of the size apart, which amplifies rounding.
     return Truth(depth, normal, rounding, 10.0 * rounding)
 
 
 def _newton(pairs, pose):
-    """The direction that shows the least overlap, in extended precision."""
+    """Return the direction of minimum overlap, by Newton's iteration in extended precision, as Truth."""
     rotation, offset = _centers(pairs, pose)
     n = len(offset)
     table, _ = table_of(pairs.shapes)
     solids = place_solids(pairs.shapes, np.arange(2 * n), rotation.reshape(-1, 3, 3))
     spiral = brute.spiral_directions(1024)
-    shown = np.stack([brute.shown_along(table, solids, offset, np.tile(d, (n, 1))) for d in spiral])
+    bounds = np.stack([brute.shown_along(table, solids, offset, np.tile(d, (n, 1))) for d in spiral])
     wide = np.longdouble
     axes = pairs.scale.reshape(n, 2, 3).astype(wide)
-    # The quaternion's matrix again, in extended precision: that of float64 is orthogonal to 1e-16 only
+    # The rotation is computed again in extended precision: the float64 matrix is orthogonal only to 1e-16.
     w, x, y, z = np.moveaxis(pairs.quaternion[pose].astype(wide), -1, 0)
     norm = w * w + x * x + y * y + z * z
     rows = [
@@ -141,7 +141,7 @@ def _newton(pairs, pose):
     form = np.einsum("npij,npj,npkj->npik", turned, axes**2, turned)
     depth, normal, last = np.empty(n), np.empty((n, 3)), 0.0
     for k in range(n):
-        d = spiral[np.argmax(shown[:, k])].astype(wide)
+        d = spiral[np.argmax(bounds[:, k])].astype(wide)
         for _ in range(60):
             across = np.array([np.cross(d, e) for e in np.eye(3)[np.argsort(np.abs(d))[:2]]], wide)
             across[0] /= np.sqrt(across[0] @ across[0])
@@ -166,7 +166,7 @@ def _newton(pairs, pose):
     return Truth(depth, normal, 2.0 * np.finfo(float).eps, last + np.finfo(float).eps)
 
 
-# -- methods: each gives (depth (n,), normal (n, 3), CPU times of one query (repeats,) [s]) -------------------
+# -- methods: all return (depth (n,), normal (n, 3), CPU times of one query (repeats,) [s]) ------------------
 
 
 def _timed(work, repeats, queries):
@@ -180,7 +180,7 @@ def _timed(work, repeats, queries):
 
 
 def ask(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
-    """Our query, from nothing."""
+    """Measure our query without a previous result."""
     rotation, offset = _centers(pairs, 0)
     n = len(offset)
     table, _ = table_of(pairs.shapes)
@@ -214,7 +214,7 @@ def _make_checks(kind):
 
 
 def ask_again(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
-    """What a step does: the pairs go between their two poses, and each query starts from what the last one found."""
+    """Measure our query as in a time step: pairs alternate between two poses, and queries reuse the previous result."""
     n = len(pairs.size)
     if pairs.kind == POLYHEDRON:
         bases = [Base(str(k), *shape.base[1:]) for k, shape in enumerate(pairs.shapes)]
@@ -222,7 +222,7 @@ def ask_again(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
     else:
         bases, index = [unit_sphere()], np.zeros(2 * n, int)
     shapes, still = collect_shapes(bases), np.zeros((2 * n, 3))
-    apart = 10.0 * pairs.size.max() * np.arange(n)  # no pair meets another
+    apart = 10.0 * pairs.size.max() * np.arange(n)  # pairs do not touch each other
     poses = []
     for pose in range(2):
         _, offset = _centers(pairs, pose)
@@ -234,7 +234,7 @@ def ask_again(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
     features = Features(pairs.kind, friction=False, periodic=False)
     contacts = list_candidates(poses[0], shapes, Box(0.0), 0.01, features).contacts
     if not (len(contacts.body_a) == n and (contacts.body_a == 2 * np.arange(n)).all()):
-        raise RuntimeError("the neighbour list is not that of the pairs")
+        raise RuntimeError("ask_again: the neighbour list contains other pairs than those that are measured")
     check = _make_checks(pairs.kind)
     spent = _timed(lambda: check(shapes, *poses, contacts, 10 * rounds), repeats, 20 * rounds * n)
     return contacts.overlap.copy(), contacts.direction.copy(), spent
@@ -246,14 +246,14 @@ def _scan(shapes, solids, offset, directions, depth, normal):
         depth[k] = np.inf
         pair = pair_of(solids, 2 * k, 2 * k + 1, read(offset, k))
         for d in range(len(directions)):
-            shown = -brute.shown(shapes, solids, pair, read(directions, d))
-            if shown < depth[k]:
-                depth[k] = shown
+            overlap = -brute.shown(shapes, solids, pair, read(directions, d))
+            if overlap < depth[k]:
+                depth[k] = overlap
                 write(normal, k, read(directions, d))
 
 
 def scan(pairs: Pairs, directions, repeats=REPEATS):
-    """The least overlap that evenly spread directions show."""
+    """Measure the minimum overlap over evenly spread directions."""
     rotation, offset = _centers(pairs, 0)
     n = len(offset)
     table, _ = table_of(pairs.shapes)
@@ -264,15 +264,15 @@ def scan(pairs: Pairs, directions, repeats=REPEATS):
 
 
 def has_coal() -> bool:
-    """Whether the optional library is there to be asked."""
+    """Return whether the optional package `coal` is installed."""
     return importlib.util.find_spec("coal") is not None
 
 
 def ask_coal(pairs: Pairs, tolerance, repeats=REPEATS, rounds=ROUNDS):
-    """coal's query from its default guess; nan where it ends without an answer.
+    """Measure the query of coal from its default guess; nan where it ends without a result.
 
-    Of its time that of a call on two spheres is taken off, which is Python's own. Iterations stay at coal's defaults:
-    it clears room for all of them at each call.
+    The time of a call on two spheres is subtracted, because it is the overhead of Python. The maximum numbers of
+    iterations are the defaults of coal, because it clears workspace for all of them at each call.
     """
     import coal
 
@@ -328,10 +328,10 @@ def _coal_shape(coal, pairs, k):
 
 
 def study(directions=DIRECTIONS, tolerances=TOLERANCES, repeats=REPEATS, pairs=PAIRS, again=True) -> pd.DataFrame:
-    """Rows for figures.work_precision: largest errors over the pairs, relative to their size, and of the normal [rad].
+    """Return rows for figures.work_precision: largest errors over the pairs, relative to their size; of normals [rad].
 
-    again: also our query with a memory, whose compiling takes a minute. A setting at which a query ended without an
-    answer has no row.
+    again: measure our query also with remembered contacts, which takes a minute to compile. A setting with a query that
+    ended without a result has no row.
     """
     rows = []
     for case, kind in (("polyhedra", POLYHEDRON), ("ellipsoids", ELLIPSOID)):
@@ -348,7 +348,7 @@ def study(directions=DIRECTIONS, tolerances=TOLERANCES, repeats=REPEATS, pairs=P
                 continue
             across = np.linalg.norm(np.cross(normal, truth.normal), axis=1)
             turned = np.arctan2(across, (normal * truth.normal).sum(axis=1))
-            for quantity, error, known in (
+            for quantity, error, reference_error in (
                 ("depth", np.abs(depth - truth.depth) / made.size, truth.depth_error),
                 ("normal", turned, truth.normal_error),
             ):
@@ -360,9 +360,9 @@ def study(directions=DIRECTIONS, tolerances=TOLERANCES, repeats=REPEATS, pairs=P
                         "setting": setting,
                         "default": method == AGAIN,
                         "repeat": repeat,
-                        "error": max(error.max(), 1e-17),  # of zero there is no logarithm
+                        "error": max(error.max(), 1e-17),  # zero has no logarithm
                         "cpu_s": cpu,
-                        "reference_error": known,
+                        "reference_error": reference_error,
                     }
                     for repeat, cpu in enumerate(spent)
                 ]

@@ -1,7 +1,8 @@
-"""One impact on the floor: restitution along the normal and the tangent, against the time step.
+"""One impact on the floor: error of the normal and tangential restitution against the time step.
 
-Reference: the normal motion is a damped oscillation in closed form. Its force drives the tangential spring, whose
-motion is closed too while it sticks and while it slips; only the instants between the two are searched for.
+Reference: the normal motion is a damped oscillation with a closed form. Its force drives the tangential spring, whose
+motion has a closed form both while the contact sticks and while it slips; only the instants of change between the two
+are found numerically.
 """
 
 import time
@@ -23,22 +24,22 @@ from simcore.dem.state.features import Features
 from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.dem.step.step import STAGES, Drive, make_advance
 
-RESTITUTION, POISSON_RATIO, FRICTION = 0.1, 0.22, 0.5  # the study's
+RESTITUTION, POISSON_RATIO, FRICTION = 0.1, 0.22, 0.5  # of Rettinger et al. (2022)
 ANGLE = np.radians(45.0)  # from the normal: the contact slips and sticks
-# The arm of friction is the radius less half the overlap: a sphere so large that this is lost (SHORTER_ARM).
+# The lever arm of friction is the radius minus half the overlap; the sphere is so large that the overlap is negligible.
 RADIUS, SPEED, CONTACT_TIME = 1.0, 1e-3, 1e-3
 LEVER = 3.5  # inverse effective mass of a sphere along the tangent
 STEPS = (5, 6, 8, 10, 14, 20, 28, 40, 80, 160, 320, 640)
 DEFAULT = ("explicit", 40)
 PHASES = 256
 REPEATS = 5
-TIMED_STEPS = 500  # at least, of one measurement of CPU time: some milliseconds
-ROUND_OFF = 1e-13  # of accelerations of order one
+TIMED_STEPS = 500  # minimum number of steps in a measurement of CPU time: some milliseconds
+ROUND_OFF = 1e-13  # for accelerations of order one
 ONE, MEAN = "one impact", "mean"
 
 
 class Impact(NamedTuple):
-    """What is left of the velocity at the impact, and how much of it the reference does not know."""
+    """Restitution: velocity after the impact relative to before, with the errors of the reference."""
 
     normal: float
     tangential: float  # of the centre
@@ -71,13 +72,13 @@ class _Fall:
         return self.stiffness * self.rate(t) - self.damping * self.force(t)
 
     def impulse(self, t0, t1):
-        """∫ |force|: the velocity it takes, piecewise about the change of sign."""
+        """Return ∫ |force|, the change of velocity, piecewise about the change of sign."""
         middle = min(max(self.turn, t0), t1)
         return abs(self.rate(t0) - self.rate(middle)) + abs(self.rate(middle) - self.rate(t1))
 
 
 def reference_impact(attractive, angle=ANGLE, restitution=RESTITUTION, friction=FRICTION) -> Impact:
-    """An impact without a time step, of a sphere so large that the overlap shortens no arm."""
+    """Return the impact without a time step, of a sphere so large that the overlap does not shorten the lever arm."""
     fall = _Fall(restitution, attractive)
     ratio = 2.0 * (1.0 - POISSON_RATIO) / (2.0 - POISSON_RATIO)
     k, d = ratio * fall.stiffness, np.sqrt(ratio) * fall.damping
@@ -86,7 +87,7 @@ def reference_impact(attractive, angle=ANGLE, restitution=RESTITUTION, friction=
     slips = d * u > friction * fall.force(0.0)
     while t < fall.end:
         if slips:
-            # Where the normal force changes its sign the friction cone closes and opens anew.
+            # Where the normal force changes its sign, the friction cone closes and opens again.
             last = fall.turn if t < fall.turn else fall.end
             t, s, u = _slip(fall, k, d, friction, t, last, s, u)
             slips = t == last
@@ -94,16 +95,16 @@ def reference_impact(attractive, angle=ANGLE, restitution=RESTITUTION, friction=
             t, s, u = _stick(fall, k, d, friction, t, s, u)
             slips = True
     rebound = -fall.rate(fall.end)
-    # A sphere is thrown by its centre: of the slip 1 / LEVER is the centre's.
+    # The sphere does not rotate before the impact; the centre takes the part 1 / LEVER of a change of slip.
     tangential = 1.0 + (u - start) / (LEVER * start)
     closed = np.exp(-fall.beta * fall.end)
     shortened = 0.5 * fall.overlap(np.arctan(fall.omega / fall.beta) / fall.omega) * SPEED * CONTACT_TIME / RADIUS
-    rounding = np.finfo(float).eps * RADIUS / (SPEED * CONTACT_TIME)  # of the overlap, a difference of heights
+    rounding = np.finfo(float).eps * RADIUS / (SPEED * CONTACT_TIME)  # rounding of the overlap, a difference of heights
     return Impact(closed if attractive else rebound, tangential, abs(rebound - closed) + rounding, shortened + rounding)
 
 
-def _first(condition, t0, t1):
-    """Where `condition` first exceeds round-off from t0 on, or t1."""
+def _first_time(condition, t0, t1):
+    """Return the first time from t0 on at which `condition` exceeds round-off, or t1."""
     times = np.linspace(t0, t1, 4001)
     above = np.flatnonzero(condition(times) > ROUND_OFF)
     if not len(above) or above[0] == 0:
@@ -113,7 +114,7 @@ def _first(condition, t0, t1):
 
 
 def _stick(fall, k, d, friction, t0, s0, u0):
-    """Spring and slip velocity until the force leaves the friction cone: s'' = −LEVER (k s + d s')."""
+    """Return time, spring and slip velocity when the force leaves the friction cone: s'' = −LEVER (k s + d s')."""
     rates = np.roots([1.0, LEVER * d, LEVER * k]).astype(complex)
     weights = np.linalg.solve(np.array([[1.0, 1.0], rates]), np.array([s0, u0], complex))
 
@@ -125,38 +126,38 @@ def _stick(fall, k, d, friction, t0, s0, u0):
         s, u = state(t)
         return np.abs(k * s + d * u) - friction * np.abs(fall.force(t))
 
-    end = _first(beyond, t0, fall.end)
+    end = _first_time(beyond, t0, fall.end)
     (s,), (u,) = state(np.array([end]))
     return end, s, u
 
 
 def _slip(fall, k, d, friction, t0, last, s0, u0):
-    """Spring and slip velocity while the force is the limit, until the trial force grows less than the limit does."""
+    """Return time, spring and slip velocity at the end of slip, when the trial force grows less than its limit."""
     trial = k * s0 + d * u0
     sense = np.sign(trial if abs(trial) > ROUND_OFF else k * u0)
 
     def velocity(t):
         return u0 - sense * LEVER * friction * np.array([fall.impulse(t0, x) for x in np.atleast_1d(t)])
 
-    def held(t):
+    def excess(t):
         limit = friction * np.abs(fall.force(t))
         limit_rate = friction * fall.force_rate(t) * np.where(t < fall.turn, 1.0, -1.0)
         return limit_rate - sense * (k * velocity(t) - sense * LEVER * d * limit)
 
-    end = _first(held, t0, last)
+    end = _first_time(excess, t0, last)
     u = float(velocity(end)[0])
     return end, (sense * friction * abs(fall.force(end)) - d * u) / k, u
 
 
 def impulse_by_quadrature(attractive, restitution=RESTITUTION):
-    """∫ |force| over the impact, for a test of the closed form."""
+    """Return ∫ |force| over the impact by quadrature, to test the closed form."""
     fall = _Fall(restitution, attractive)
     value, _ = quad(lambda t: abs(fall.force(t)), 0.0, fall.end, points=[fall.turn], epsabs=1e-13, epsrel=1e-13)
     return value
 
 
 def simulate(dashpot, attractive, steps, phases=PHASES, angle=ANGLE, repeats=1):
-    """Impacts of the compiled step, one for each phase of the first touch, far from each other.
+    """Simulate impacts with the compiled step, one per phase of the first touch within a step, far from each other.
 
     Returns (restitution (phases,), tangential restitution (phases,), CPU time of one impact (repeats,) [s]).
     """
@@ -173,21 +174,21 @@ def simulate(dashpot, attractive, steps, phases=PHASES, angle=ANGLE, repeats=1):
     thrown = np.tile([np.tan(angle) * SPEED, 0.0, -SPEED], (phases, 1))
     drive = Drive(dt, 0.0, 0.0, 0.0, 1.0, 0.0, np.inf)
     upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (phases, 1)), np.zeros((phases, 3))
-    # Until the last has left the floor: attractive contacts last a contact time, clamped ones creep out longer.
+    # All spheres must have left the floor: attractive contacts last one contact time, clamped ones end more slowly.
     count = int(np.ceil(1.5 * steps)) + 2 if attractive else 3 * steps
-    room, clock = make_workspace(shapes, numba.get_num_threads()), np.zeros(len(STAGES), np.int64)
+    workspace, clock = make_workspace(shapes, numba.get_num_threads()), np.zeros(len(STAGES), np.int64)
     rounds = -(-TIMED_STEPS // count) if repeats else 1
     spent = []
     for repeat in range(repeats + 1):
         elapsed = 0.0
-        for _ in range(rounds if repeat else 1):  # the first repeat loads or compiles
+        for _ in range(rounds if repeat else 1):  # the first repeat only loads or compiles the code
             bodies = make_bodies(
                 [base], np.zeros(phases, int), np.full((phases, 3), RADIUS),
                 position, upright, thrown, still, 1.0, features=features,
             )  # fmt: skip
             candidates = list_candidates(bodies, shapes, box, 0.5 * skin, features, None)
             began = time.process_time()
-            advance(State(shapes, bodies, *candidates, room), law, drive, clock, 0, count)
+            advance(State(shapes, bodies, *candidates, workspace), law, drive, clock, 0, count)
             elapsed += time.process_time() - began
         if repeat:
             spent.append(elapsed / rounds / phases)
@@ -195,7 +196,7 @@ def simulate(dashpot, attractive, steps, phases=PHASES, angle=ANGLE, repeats=1):
 
 
 def study(steps=STEPS, phases=PHASES, repeats=REPEATS) -> pd.DataFrame:
-    """Rows for figures.work_precision: root mean square error of one impact, and error of the mean over phases."""
+    """Return rows for figures.work_precision: RMS error of one impact, and error of the mean over phases."""
     rows = []
     continuous = contact_law(RESTITUTION, CONTACT_TIME, POISSON_RATIO, FRICTION)
     for attractive in (True, False):
@@ -206,12 +207,12 @@ def study(steps=STEPS, phases=PHASES, repeats=REPEATS) -> pd.DataFrame:
                 if CONTACT_TIME / n >= longest:
                     continue
                 normal, tangential, spent = simulate(dashpot, attractive, n, phases, repeats=repeats)
-                for quantity, found, true, error in (
+                for quantity, simulated, true, reference_error in (
                     ("restitution", normal, exact.normal, exact.normal_error),
                     ("tangential restitution", tangential, exact.tangential, exact.tangential_error),
                 ):
-                    off = found - true
-                    for average, value in ((ONE, np.sqrt((off**2).mean())), (MEAN, abs(off.mean()))):
+                    error = simulated - true
+                    for average, value in ((ONE, np.sqrt((error**2).mean())), (MEAN, abs(error.mean()))):
                         rows += [
                             {
                                 "case": "attractive" if attractive else "clamped",
@@ -222,7 +223,7 @@ def study(steps=STEPS, phases=PHASES, repeats=REPEATS) -> pd.DataFrame:
                                 "repeat": repeat,
                                 "error": value,
                                 "cpu_s": cpu,
-                                "reference_error": error,
+                                "reference_error": reference_error,
                             }
                             for repeat, cpu in enumerate(spent)
                         ]

@@ -1,7 +1,8 @@
-"""Error against run time of packings: what each setting does to porosity, and the cheapest settings for a wished error.
+"""Error against run time of packings: effect of each setting on porosity, and the cheapest settings for an error.
 
-A study changes one setting on a base, over several seeds. Its first setting is the reference, the most accurate. The
-error of another is its difference to that, paired by seed where both have the seed: the grains of a seed are the same.
+A study varies one setting of a base, over several seeds. Its first setting is the reference, which is the most
+accurate. The error of another setting is its difference to the reference, paired by seed where both have the seed,
+because packings of one seed have the same grains.
 """
 
 import itertools
@@ -9,16 +10,16 @@ import itertools
 import numpy as np
 import pandas as pd
 
-WISHED = (0.01, 0.005, 0.002)  # errors in porosity
+WISHED = (0.01, 0.005, 0.002)  # allowed errors of porosity
 
 
 def porosity_errors(packings: pd.DataFrame, varied: list[str]) -> pd.DataFrame:
-    """One row a setting, in the order in which they first stand in `packings`.
+    """Return one row per setting, in the order in which the settings first appear in `packings`.
 
-    packings: one row a packing, with the columns study, seed, n, cpu_s and those of `varied`; the setting that stands
-    first is the reference. Columns: study, varied, setting (text), seeds, n, n_std_error (over seeds), difference
-    (mean n less the reference's), difference_std_error, cpu_s (median), cpu_ratio (to the reference).
-    ValueError where a setting has no packing or one seed only.
+    packings: one row per packing, with the columns study, seed, n, cpu_s and those of `varied`; the first setting is
+    the reference. Columns: study, varied, setting (text), seeds, n, n_std_error (over seeds), difference (mean n minus
+    that of the reference), difference_std_error, cpu_s (median), cpu_ratio (to the reference).
+    ValueError if a setting has fewer than two packings.
     """
     keys = [key for key in varied if key != "seed"]
     table = packings.assign(setting=[_label(row, keys) for _, row in packings.iterrows()])
@@ -28,7 +29,7 @@ def porosity_errors(packings: pd.DataFrame, varied: list[str]) -> pd.DataFrame:
     for setting in order:
         runs = table[table.setting == setting].set_index("seed")
         if len(runs) < 2:
-            raise ValueError(f"study {table.study.iloc[0]}: {setting} has one seed; give two or more for an error")
+            raise ValueError(f"study {table.study.iloc[0]}: {setting} has one seed; an error needs two or more seeds")
         difference, error = compare(runs.n, reference.n)
         rows.append(
             {
@@ -48,7 +49,7 @@ def porosity_errors(packings: pd.DataFrame, varied: list[str]) -> pd.DataFrame:
 
 
 def name_changes(packings: pd.DataFrame, varied: list[str]) -> pd.Series:
-    """In words what each packing has otherwise than the first one, such as "fill study"; "ours" where nothing is."""
+    """Return the settings in which each packing differs from the first as text, such as "fill r22"; "ours" if equal."""
     keys = [key for key in varied if key != "seed"]
     spelled = packings[keys].map(str)
     return pd.Series(
@@ -61,9 +62,9 @@ def name_changes(packings: pd.DataFrame, varied: list[str]) -> pd.Series:
 
 
 def change_errors(tables: list[pd.DataFrame], varied: list[list[str]]) -> pd.DataFrame:
-    """What each change does to porosity: rows of `porosity_errors` with the column grain, study by study.
+    """Return the effect of each change on porosity: rows of `porosity_errors` with a column grain, for all studies.
 
-    tables: packings of each study; varied: names of what each study varies. Each grain has a reference of its own.
+    tables: packings of each study; varied: names of the keys that each study varies. Each grain has its own reference.
     """
     parts = []
     for packings, names in zip(tables, varied, strict=True):
@@ -74,28 +75,28 @@ def change_errors(tables: list[pd.DataFrame], varied: list[list[str]]) -> pd.Dat
 
 
 def study_errors(tables: list[pd.DataFrame], rows: list[list[dict]]) -> pd.DataFrame:
-    """Rows of `porosity_errors` of several studies.
+    """Return the rows of `porosity_errors` of several studies.
 
-    tables: packings of each study; rows: of each study the rows of its packings as simcore.campaign.studies has them.
+    tables: packings of each study; rows: for each study, the rows of its packings from simcore.campaign.studies.
     """
     parts = [porosity_errors(table, own[0]["varied"]) for table, own in zip(tables, rows, strict=True)]
     return pd.concat(parts, ignore_index=True)
 
 
 def work_precision_of_studies(errors, studies, titles, rows) -> pd.DataFrame:
-    """Rows of `work_precision_runs`, the base of each study marked as its default.
+    """Return the rows of `work_precision_runs`; the base of each study is marked as its default.
 
-    errors: of `study_errors`; studies: names, with rows in the same order; titles: by name.
+    errors: of `study_errors`; studies: names, with rows in the same order; titles: dict by name.
     """
     defaults = {study: base_setting(own) for study, own in zip(studies, rows, strict=True)}
     return work_precision_runs(errors, titles, defaults)
 
 
 def compare(runs: pd.Series, reference: pd.Series) -> tuple[float, float]:
-    """Mean difference of runs to reference, both with the seed as index, and its standard error.
+    """Return the mean difference of runs to reference, both indexed by seed, and its standard error.
 
-    Over the seeds that both have, where these are two or more: what the grains of a seed do to both is then taken out.
-    Otherwise of the means, each with its own scatter.
+    If two or more seeds are common to both, the difference is paired over these seeds, which removes the common effect
+    of the grains of a seed. Otherwise it is the difference of the means, with the scatter of both.
     """
     both = runs.index.intersection(reference.index)
     if len(both) > 1:
@@ -106,10 +107,10 @@ def compare(runs: pd.Series, reference: pd.Series) -> tuple[float, float]:
 
 
 def work_precision_runs(errors: pd.DataFrame, titles: dict[str, str], defaults: dict[str, str]) -> pd.DataFrame:
-    """Rows of `porosity_errors` as a table of simcore.verification.work_precision, each study a case.
+    """Return the rows of `porosity_errors` as a table of simcore.verification.work_precision; each study is a case.
 
-    titles: of the studies. defaults: the setting of each that the other studies hold to. The reference's own error is
-    the noise of the seeds: the median standard error of the study's differences. The reference has no error but that.
+    titles: dict of the studies. defaults: dict of the setting of each study that the other studies keep. The error of
+    the reference is the noise of the seeds: the median standard error of the study's differences.
     """
     parts = []
     for study, rows in errors.groupby("study", sort=False):
@@ -134,10 +135,9 @@ def work_precision_runs(errors: pd.DataFrame, titles: dict[str, str], defaults: 
 
 
 def base_setting(rows: list[dict]) -> str:
-    """The setting of a study that the other studies hold to. rows: dicts {varied, is_base} as simcore.campaign.studies
-    has them.
+    """Return the setting of a study that the other studies keep, "" if it has none.
 
-    "" where the study has none.
+    rows: dicts {varied, is_base} from simcore.campaign.studies.
     """
     return next(
         (_label(row["varied"], [k for k in row["varied"] if k != "seed"]) for row in rows if row["is_base"]), ""
@@ -145,12 +145,12 @@ def base_setting(rows: list[dict]) -> str:
 
 
 def cheapest_settings(errors: pd.DataFrame, wished=WISHED) -> pd.DataFrame:
-    """For each wished error the setting of every study that together cost least.
+    """Return for each allowed error the cheapest combination of settings, one of each study.
 
     errors: rows of `porosity_errors` of several studies. The error of a combination is bounded by the sum of the
-    differences' magnitudes, as they are measured, and its cost taken as the product of the cost ratios: both hold where
-    settings act independently. Columns: wished_error, one for each study with the setting, error_bound,
-    error_std_error (of the sum), cpu_ratio (to the references of all).
+    magnitudes of the measured differences, and its cost is taken as the product of the cost ratios; both are valid if
+    settings act independently. Columns: wished_error, one column per study with its setting, error_bound,
+    error_std_error (of the sum), cpu_ratio (to the combination of all references).
     """
     parts = [rows for _, rows in errors.groupby("study", sort=False)]
     table = []
@@ -172,7 +172,7 @@ def cheapest_settings(errors: pd.DataFrame, wished=WISHED) -> pd.DataFrame:
 
 
 def _label(row, keys):
-    """The setting of a packing in words, such as "0.001" or "40 explicit"; what is not set is left out."""
+    """Return the setting of a packing as text, such as "0.001" or "40 explicit", without values that are not set."""
     values = [row[key] for key in keys if not _is_unset(row[key])]
     return " ".join(f"{value:g}" if isinstance(value, float) else str(value) for value in values) or "not set"
 

@@ -1,4 +1,7 @@
-"""Porosity of finished packings by the study's equal spheres and by exact slices, against the height of the slices."""
+"""Error of the porosity of finished packings, by volume-equivalent spheres and by exact slices, against slice height.
+
+The method of volume-equivalent spheres is that of Rettinger et al. (2022).
+"""
 
 import time
 
@@ -8,14 +11,15 @@ from simcore.evaluation.porosity import bulk_porosity
 
 SLICE_HEIGHTS = (4e-3, 2e-3, 1e-3, 0.5e-3, 0.25e-3)  # [m]
 REFERENCE_HEIGHT = 0.1e-3  # [m], exact
-DEFAULT = ("spheres", 1e-3)  # the study's
+DEFAULT = ("spheres", 1e-3)  # of Rettinger et al. (2022)
 
 
 def study(packings, slice_heights=SLICE_HEIGHTS, reference_height=REFERENCE_HEIGHT) -> pd.DataFrame:
-    """Runs for simcore.verification.work_precision: each packing is a repeat, the setting the slice height [mm].
+    """Return runs for simcore.verification.work_precision; each packing is a repeat, the setting is the height [mm].
 
-    packings: sequence of Datasets as in packing_io. The error is that of the bulk porosity to exact slices of
-    reference_height [m]; the reference's own error is what halving its slices changed at most.
+    packings: sequence of Datasets as in simcore.packing.file. The error is the difference in bulk porosity to exact
+    slices of reference_height [m]; the error of the reference is the largest change on halving its slices to this
+    height.
     """
     rows = []
     for repeat, packing in enumerate(packings):

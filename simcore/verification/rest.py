@@ -1,7 +1,7 @@
-"""At how many steps per contact time a bed comes to rest, and stays so, with either dashpot.
+"""Number of steps per contact time at which a bed comes to rest and remains at rest, with either dashpot.
 
-A small bed is poured and settled with fine steps. From there it is stepped anew, damped and then left alone, without
-shaking: what motion is left then, the time step makes.
+A small bed is poured and settled with fine steps. From this state, it is stepped with other steps, first with damping
+and then free, without shaking. The motion that remains is caused by the time step.
 """
 
 import dataclasses
@@ -21,7 +21,7 @@ from simcore.scene.specification import resolve
 
 STEPS = (40, 20, 14, 10, 8, 6)
 SHAPES = ("sphere", "polyhedron")
-DAMPED, FREE, CHECKS = 0.3, 0.3, 6  # [s], [s], looks at the free bed
+DAMPED, FREE, CHECKS = 0.3, 0.3, 6  # [s], [s], number of measurements of the free bed
 SPECIFICATION = {
     "name": "rest",
     "domain": {"width": "27 mm", "height": "0.3 m"},
@@ -34,11 +34,12 @@ SPECIFICATION = {
 
 
 def study(shapes=SHAPES, steps=STEPS, specification=SPECIFICATION) -> pd.DataFrame:
-    """One row for each shape, dashpot and number of steps per contact time.
+    """Return one row per shape, dashpot and number of steps per contact time.
 
-    kinetic_energy: the largest of the free bed after damping, in units of its weight times the mean sieve size;
-    unbalanced_force, mean_overlap [m], coordination and mean_height [m] at the end; cpu_s [s]. A bed that flies apart
-    has an infinite energy. Steps that a grain pinched between two others does not bear have no row.
+    Columns: kinetic_energy, the largest value of the free bed after damping, in units of its weight times the mean
+    sieve size; unbalanced_force, mean_overlap [m], coordination and mean_height [m] at the end; cpu_s [s]. A bed that
+    flies apart has infinite energy. Numbers of steps at which a grain pinched between two others is unstable have no
+    row.
     """
     rows = []
     for shape in shapes:
@@ -50,17 +51,18 @@ def study(shapes=SHAPES, steps=STEPS, specification=SPECIFICATION) -> pd.DataFra
                 law = compose(setup.scene).continuous_law
                 if count >= minimum_steps_per_contact_time(law, dashpot == "implicit"):
                     rows.append(
-                        {"shape": shape, "dashpot": dashpot, "steps": count} | _leave(setup, settled, dashpot, count)
+                        {"shape": shape, "dashpot": dashpot, "steps": count} | _step_bed(setup, settled, dashpot, count)
                     )
     return pd.DataFrame(rows)
 
 
-def _leave(setup, settled, dashpot, steps):
+def _step_bed(setup, settled, dashpot, steps):
+    """Step the settled bed with damping and then free; return the measured columns of a row as a dict."""
     scene = setup.scene
     scene = dataclasses.replace(
         scene,
         numerics=dataclasses.replace(scene.numerics, dashpot=dashpot, steps_per_contact_time=steps),
-        # So faint that it moves nothing: the composed step stays that of the shaken bed, and need not be compiled.
+        # The amplitude is too small to move anything; with it the step of the shaken bed is reused without compiling.
         shaking=dataclasses.replace(scene.shaking, amplitude=1e-30),
     )
     process = Process(scene, setup.bases, setup.draw, lambda line: None)
@@ -84,15 +86,16 @@ def _leave(setup, settled, dashpot, steps):
         ),
         size,
     )
-    process.advance(1, DAMPING)  # compiled now
+    process.advance(1, DAMPING)  # compile before the measurement
     unit = b.mass.sum() * scene.material.effective_gravity * size
     began, energy = time.process_time(), 0.0
     try:
         process.advance(round(DAMPED / process.dt), DAMPING)
         for _ in range(CHECKS):
-            seen = process.advance(round(FREE / CHECKS / process.dt), SHAKING)
-            energy = max(energy, seen.kinetic_energy / unit)
+            measured = process.advance(round(FREE / CHECKS / process.dt), SHAKING)
+            energy = max(energy, measured.kinetic_energy / unit)
     except PackingError:
         return {"kinetic_energy": np.inf}
-    kept = {name: getattr(seen, name) for name in ("unbalanced_force", "mean_overlap", "coordination", "mean_height")}
+    names = ("unbalanced_force", "mean_overlap", "coordination", "mean_height")
+    kept = {name: getattr(measured, name) for name in names}
     return {"kinetic_energy": energy, **kept, "cpu_s": time.process_time() - began}

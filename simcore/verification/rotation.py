@@ -1,14 +1,14 @@
-"""The free top, the needle and the plate: attitude and energy after some turns, against the time step.
+"""Free rotation of a top, a needle and a plate: error of attitude and energy after some turns, against the time step.
 
-Ours is `rotate_free` of the core. Beside it stand textbook schemes, written here and used for nothing else. All start
-from the angular momentum in world axes and a unit quaternion, body to world.
+Our scheme is `rotate_free` of the core. It is compared with textbook schemes, which are implemented here and used for
+nothing else. All start from the angular momentum in world axes and a unit quaternion from body to world axes.
 
-A free body flatters Runge-Kutta: in a bed the torque stands still within a step, since contacts are evaluated once, and
-its four stages would need four evaluations to keep their order. Ours keeps the angular momentum to the bit, and its
+A free body favours Runge-Kutta. In a bed, the torque is constant within a step because contacts are evaluated once;
+Runge-Kutta would need four evaluations to retain its order. Our scheme conserves the angular momentum exactly, and its
 energy does not drift.
 
-Reference: Jacobi's elliptic functions give the angular velocity in body axes, a quadrature the precession about the
-angular momentum. Its own error is its distance from an integration of the equations of motion at 1e-13.
+Reference: Jacobi's elliptic functions give the angular velocity in body axes, and a quadrature gives the precession
+about the angular momentum. Its error is its distance from an integration of the equations of motion at 1e-13.
 """
 
 import time
@@ -24,8 +24,8 @@ from simcore.dem.step.motion import Quaternion, rotate_free
 from simcore.dem.vectors import Vec
 
 REPEATS = 5
-TIMED_STEPS = 20_000  # at least, of one measurement of CPU time: some milliseconds
-TURN_STEPS = (12, 25, 50, 100, 200, 400, 800, 1600, 3200, 6400, 12800)  # in the time of one turn
+TIMED_STEPS = 20_000  # minimum number of steps in a measurement of CPU time: some milliseconds
+TURN_STEPS = (12, 25, 50, 100, 200, 400, 800, 1600, 3200, 6400, 12800)  # per turn
 NODES = 24  # of the quadrature, in each of its intervals
 
 
@@ -33,7 +33,7 @@ class Top(NamedTuple):
     """A free body that starts with its axes along the world's."""
 
     inertia: tuple  # (3,) [kg m²], ascending
-    spin: tuple  # (3,) [1/s], without a part about the second axis
+    spin: tuple  # (3,) [1/s], without a component about the second axis
     duration: float  # [s]
 
 
@@ -43,10 +43,10 @@ TOPS = {
     "needle": Top((0.01, 1.0, 1.0001), (100.0, 0.0, 1.0), 1.0),
     "plate": Top((0.202, 0.2021, 0.4), (3.0, 0.0, 5.0), 10.0),
 }
-# A grain of a shaken bed turns by some 1e-3 in a step of the default contact time: 2 π / 1e-3 steps a turn.
+# A grain of a shaken bed turns by about 1e-3 rad per step at the default contact time: 2 π / 1e-3 steps per turn.
 DEFAULT = ("symmetric splitting (ours)", 6400)
 
-# Uncached: a cache on disk notices changes of its own file only, and these call the core.
+# Not cached: the disk cache detects changes only of the file itself, but these functions call the core.
 _compiled = numba.njit(error_model="numpy")
 
 
@@ -54,27 +54,29 @@ _compiled = numba.njit(error_model="numpy")
 
 
 def body_spin(top: Top, t):
-    """Angular velocity in body axes (n, 3) at times t (n,) [s]: Jacobi's solution for no spin about the second axis."""
+    """Return the angular velocity in body axes (n, 3) at times t (n,) [s]: Jacobi's solution without initial spin about
+    the second axis.
+    """
     (i1, i2, i3), (w1, _, w3) = top.inertia, top.spin
     twice_energy = i1 * w1**2 + i3 * w3**2
     squared_momentum = (i1 * w1) ** 2 + (i3 * w3) ** 2
     about_third = squared_momentum > i2 * twice_energy
-    if not about_third:  # the same with the first and the third axis exchanged
+    if not about_third:  # the same solution with the first and the third axis exchanged
         i1, i3, w1, w3 = i3, i1, w3, w1
     ratio = (i3 - i2) * (squared_momentum - twice_energy * i1) / (i1 * i2 * i3)
     modulus = (i2 - i1) * (twice_energy * i3 - squared_momentum) / (i3 - i2) / (squared_momentum - twice_energy * i1)
     second = np.sqrt((twice_energy * i3 - squared_momentum) / (i2 * (i3 - i2)))
     sn, cn, dn, _ = ellipj(np.sqrt(ratio) * np.asarray(t), modulus)
-    # ω2' = (I3 − I1) ω1 ω3 / I2 gives the sense of the second.
+    # The sign of the second component follows from ω2' = (I3 − I1) ω1 ω3 / I2.
     second *= np.sign((top.inertia[2] - top.inertia[0]) * w1 * w3)
-    found = np.stack([w1 * cn, second * sn, w3 * dn], axis=-1)
-    return found if about_third else found[..., ::-1]
+    spin = np.stack([w1 * cn, second * sn, w3 * dn], axis=-1)
+    return spin if about_third else spin[..., ::-1]
 
 
 def reference_attitude(top: Top):
-    """Orientation (4,) at the end, and a bound of its error [rad]."""
+    """Return the orientation (4,) at the end, and a bound of its error [rad]."""
     exact, integrated = _attitude_in_closed_form(top), _attitude_by_integration(top)
-    rounding = np.finfo(float).eps * np.linalg.norm(top.spin) * top.duration  # of the angle turned
+    rounding = np.finfo(float).eps * np.linalg.norm(top.spin) * top.duration  # rounding of the total angle
     return exact, max(attitude_error(exact, integrated), rounding)
 
 
@@ -83,7 +85,7 @@ def _attitude_in_closed_form(top):
     momentum = np.linalg.norm(inertia * top.spin)
     about = 2 if momentum**2 > inertia[1] * (inertia * np.square(top.spin)).sum() else 0
     others = [axis for axis in range(3) if axis != about]
-    # Precession about the momentum: L (2 T − L_a² / I_a) / (L² − L_a²), a the axis that the body keeps turning about.
+    # Rate of precession about the momentum: L (2 T − L_a² / I_a) / (L² − L_a²), where a is the axis of steady rotation.
     edges = np.linspace(0.0, top.duration, 401)
     x, weight = np.polynomial.legendre.leggauss(NODES)
     half = 0.5 * np.diff(edges)
@@ -97,7 +99,7 @@ def _attitude_in_closed_form(top):
 
 
 def _frame(momentum, about):
-    """Rows: a frame in body axes whose third is the momentum's direction, and whose first is across it and `about`."""
+    """Return a frame in body axes as rows: the third along the momentum, the first normal to it and to axis `about`."""
     third = momentum / np.linalg.norm(momentum)
     first = np.cross(np.eye(3)[about], third)
     first /= np.linalg.norm(first)
@@ -105,7 +107,7 @@ def _frame(momentum, about):
 
 
 def _quaternion(matrix):
-    """Unit quaternion (4,) of a rotation matrix, from its largest component."""
+    """Return the unit quaternion (4,) of a rotation matrix, from its largest component."""
     xx, yy, zz = np.diag(matrix)
     four = np.array([
         [1 + xx + yy + zz, matrix[2, 1] - matrix[1, 2], matrix[0, 2] - matrix[2, 0], matrix[1, 0] - matrix[0, 1]],
@@ -128,12 +130,12 @@ def _attitude_by_integration(top):
         )  # fmt: skip
         return np.concatenate([np.cross(inertia * w, w) / inertia, turning])
 
-    found = solve_ivp(slope, (0, top.duration), [*top.spin, 1, 0, 0, 0], method="DOP853", rtol=1e-13, atol=1e-15)
-    return found.y[3:, -1] / np.linalg.norm(found.y[3:, -1])
+    solution = solve_ivp(slope, (0, top.duration), [*top.spin, 1, 0, 0, 0], method="DOP853", rtol=1e-13, atol=1e-15)
+    return solution.y[3:, -1] / np.linalg.norm(solution.y[3:, -1])
 
 
 def attitude_error(first, second) -> float:
-    """Angle [rad] between two orientations (4,)."""
+    """Return the angle [rad] between two orientations (4,)."""
     (a, b), (x, y) = ((q[0], q[1:]) for q in (first, second))
     across = a * y - x * b - np.cross(b, y)
     return float(2.0 * np.arctan2(np.linalg.norm(across), abs(first @ second)))
@@ -145,7 +147,7 @@ def attitude_error(first, second) -> float:
 
 @_compiled
 def _rotated(q, v):
-    """Vector v of body axes in world axes."""
+    """Return vector v of body axes in world axes."""
     w, x, y, z = q
     a, b, c = v
     s, t, u = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
@@ -154,20 +156,20 @@ def _rotated(q, v):
 
 @_compiled
 def _spin_of(q, momentum, inertia):
-    """Angular velocity in body axes."""
+    """Return the angular velocity in body axes."""
     turned = _rotated(Quaternion(q.w, -q.x, -q.y, -q.z), momentum)
     return Vec(turned.x / inertia.x, turned.y / inertia.y, turned.z / inertia.z)
 
 
 @_compiled
 def _momentum_of(q, spin, inertia):
-    """Momentum in world axes of an angular velocity in body axes."""
+    """Return the momentum in world axes of an angular velocity in body axes."""
     return _rotated(q, Vec(inertia.x * spin.x, inertia.y * spin.y, inertia.z * spin.z))
 
 
 @_compiled
 def _product(p, q):
-    """Product of two quaternions."""
+    """Return the product of two quaternions."""
     w, x, y, z = p
     s, a, b, c = q
     return Quaternion(
@@ -178,7 +180,7 @@ def _product(p, q):
 
 @_compiled
 def _unit(q):
-    """Quaternion brought back to length one."""
+    """Return the quaternion normalised to length one."""
     w, x, y, z = q
     norm = np.sqrt(w * w + x * x + y * y + z * z)
     return Quaternion(w / norm, x / norm, y / norm, z / norm)
@@ -186,7 +188,7 @@ def _unit(q):
 
 @_compiled
 def _turned(q, v):
-    """The orientation turned by the rotation vector v in body axes."""
+    """Return the orientation turned by the rotation vector v in body axes."""
     a, b, c = v
     angle = np.sqrt(a * a + b * b + c * c)
     s = 0.5 if angle < 1e-8 else np.sin(0.5 * angle) / angle
@@ -201,7 +203,7 @@ def _ours(q, momentum, inertia, dt):
 
 @_compiled
 def _euler_slope(spin, inertia):
-    """Rate of the angular velocity in body axes."""
+    """Return the rate of the angular velocity in body axes."""
     a, b, c = spin
     i1, i2, i3 = inertia
     return Vec((i2 - i3) / i1 * b * c, (i3 - i1) / i2 * c * a, (i1 - i2) / i3 * a * b)
@@ -209,25 +211,25 @@ def _euler_slope(spin, inertia):
 
 @_compiled
 def _attitude_slope(q, spin):
-    """Rate of the orientation."""
+    """Return the rate of the orientation."""
     return _product(q, Quaternion(0.0, 0.5 * spin.x, 0.5 * spin.y, 0.5 * spin.z))
 
 
 @_compiled
 def _stepped(v, h, rate):
-    """Vector after h [s] at a rate."""
+    """Return the vector after h [s] at a rate."""
     return Vec(v.x + h * rate.x, v.y + h * rate.y, v.z + h * rate.z)
 
 
 @_compiled
 def _attitude_stepped(q, h, rate):
-    """Quaternion after h [s] at a rate, not of length one."""
+    """Return the quaternion after h [s] at a rate, not normalised."""
     return Quaternion(q.w + h * rate.w, q.x + h * rate.x, q.y + h * rate.y, q.z + h * rate.z)
 
 
 @_compiled
 def _explicit_euler(q, momentum, inertia, dt):
-    """Both from the state before the step, the quaternion brought back to length one."""
+    """Advance spin and quaternion with rates before the step; the quaternion is normalised."""
     spin = _spin_of(q, momentum, inertia)
     after = _unit(_attitude_stepped(q, dt, _attitude_slope(q, spin)))
     return after, _momentum_of(after, _stepped(spin, dt, _euler_slope(spin, inertia)), inertia)
@@ -235,14 +237,14 @@ def _explicit_euler(q, momentum, inertia, dt):
 
 @_compiled
 def _momentum_euler(q, momentum, inertia, dt):
-    """The momentum kept, and the orientation turned by its angular velocity before the step."""
+    """Keep the momentum, and turn the orientation by its angular velocity before the step."""
     spin = _spin_of(q, momentum, inertia)
     return _turned(q, Vec(dt * spin.x, dt * spin.y, dt * spin.z)), momentum
 
 
 @_compiled
 def _leapfrog(q, momentum, inertia, dt):
-    """Predictor-corrector of Zhao & van Wachem (2013): the turn is that of the spin half a step ahead, in body axes."""
+    """Advance by the predictor-corrector of Zhao & van Wachem (2013), with the spin in mid-step, in body axes."""
     spin = _spin_of(q, momentum, inertia)
     middle = _stepped(spin, 0.5 * dt, _euler_slope(spin, inertia))
     after = _unit(_turned(q, Vec(dt * middle.x, dt * middle.y, dt * middle.z)))
@@ -251,7 +253,7 @@ def _leapfrog(q, momentum, inertia, dt):
 
 @_compiled
 def _runge_kutta(q, momentum, inertia, dt):
-    """The classical fourth-order scheme on spin and quaternion, brought back to length one."""
+    """Advance spin and quaternion by the classical fourth-order scheme; the quaternion is normalised."""
     spin = _spin_of(q, momentum, inertia)
     attitude_sum, attitude_rate = Quaternion(0.0, 0.0, 0.0, 0.0), Quaternion(0.0, 0.0, 0.0, 0.0)
     spin_sum, spin_rate = Vec(0.0, 0.0, 0.0), Vec(0.0, 0.0, 0.0)
@@ -297,10 +299,10 @@ ORDERS = {
 
 
 def study(turn_steps=TURN_STEPS, repeats=REPEATS, tops=None) -> pd.DataFrame:
-    """Rows for figures.work_precision: attitude [rad] and relative energy error after a body's turns.
+    """Return rows for figures.work_precision: error of attitude [rad] and relative error of energy after all turns.
 
-    turn_steps: steps in the time that the body takes to turn once at its starting speed. cpu_s is that of one turn.
-    Where a scheme diverges (not finite, or energy off by more than itself) there is no row.
+    turn_steps: numbers of steps in the time of one turn at the initial speed. cpu_s is the time of one turn. A scheme
+    that diverges (the energy is not finite, or its relative error exceeds 1) has no row.
     """
     rows = []
     for case in tops or TOPS:
@@ -311,7 +313,7 @@ def study(turn_steps=TURN_STEPS, repeats=REPEATS, tops=None) -> pd.DataFrame:
         energy = 0.5 * sum(i * w**2 for i, w in zip(top.inertia, top.spin, strict=True))
         turns = np.linalg.norm(top.spin) * top.duration / (2.0 * np.pi)
         for method, run in SCHEMES.items():
-            run(momentum, inertia, 0.0, 1)  # compiled now
+            run(momentum, inertia, 0.0, 1)  # compile before the measurement
             for per_turn in turn_steps:
                 count = round(per_turn * turns)
                 rounds = -(-TIMED_STEPS // count)
@@ -323,7 +325,7 @@ def study(turn_steps=TURN_STEPS, repeats=REPEATS, tops=None) -> pd.DataFrame:
                     spent.append((time.process_time() - began) / rounds / turns)
                 if not np.isfinite(ended) or abs(ended / energy - 1.0) > 1.0:
                     continue
-                for quantity, error, known in (
+                for quantity, error, reference_error in (
                     ("attitude", attitude_error(exact, np.array(attitude)), exact_error),
                     ("energy", abs(ended / energy - 1.0), np.finfo(float).eps),
                 ):
@@ -337,7 +339,7 @@ def study(turn_steps=TURN_STEPS, repeats=REPEATS, tops=None) -> pd.DataFrame:
                             "repeat": repeat,
                             "error": error,
                             "cpu_s": cpu,
-                            "reference_error": known,
+                            "reference_error": reference_error,
                         }
                         for repeat, cpu in enumerate(spent)
                     ]

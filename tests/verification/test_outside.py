@@ -203,7 +203,7 @@ def test_a_solid_is_closed_and_has_its_volume_and_equal_axes(name, tmp_path):
 
 
 def test_an_unknown_solid_is_refused():
-    with pytest.raises(ValueError, match="no Platonic solid"):
+    with pytest.raises(ValueError, match="not a Platonic solid"):
         solid_mesh("prism", 1.0)
 
 

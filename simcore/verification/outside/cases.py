@@ -1,4 +1,7 @@
-"""What is expected of each packing, and who says so. Bands are set before a packing is run, and stay when it misses."""
+"""Expected values of the verification packings, with sources.
+
+A band is set before its packing is simulated, and is not changed if the result is outside.
+"""
 
 from typing import NamedTuple
 
@@ -19,10 +22,10 @@ class Case(NamedTuple):
     """A measured number and the band in which it is expected."""
 
     name: str
-    packings: tuple[str, ...]  # of PACKINGS; of two, the second's mean is subtracted from the first's
+    packings: tuple[str, ...]  # names in PACKINGS; the mean of a second one is subtracted
     quantity: str
-    measure: str  # of simcore.verification.outside.measures
-    options: dict  # of the measure, lengths in m
+    measure: str  # key of MEASURES in simcore.verification.outside.measures
+    options: dict  # arguments of the measure; lengths in m
     low: float
     high: float
     source: str

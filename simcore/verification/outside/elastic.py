@@ -1,4 +1,4 @@
-"""Spheres that lose nothing, stepped for a while, with their energy."""
+"""Energy over time of elastic spheres without friction."""
 
 import time
 
@@ -16,14 +16,15 @@ LOOKS = 250
 
 
 def jump(specification: dict, duration: float = DURATION, looks: int = LOOKS) -> xr.Dataset:
-    """Energy [J] over time [s] of the grains of a specification from when the last of them is inserted.
+    """Return the energy [J] over time [s] of the grains of a specification, beginning after the last insertion.
 
-    specification: as read from YAML; its shaking and damping are left out. Attribute: cpu_seconds, less compilation.
+    specification: as read from YAML; its shaking and damping are left out. looks: number of measurements. Attribute:
+    cpu_seconds, without compilation.
     """
     setup = set_up(resolve(specification), lambda group: [])
     process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
     process.generate()
-    process.advance(1, SHAKING)  # compiled now
+    process.advance(1, SHAKING)  # compile before the measurement
     began = time.process_time()
     every = max(round(duration / process.dt / looks), 1)
     times, energies = [process.step * process.dt], [_energy(process)]
@@ -39,7 +40,7 @@ def jump(specification: dict, duration: float = DURATION, looks: int = LOOKS) ->
 
 
 def _energy(process):
-    """Total energy [J], with velocities brought up to the positions."""
+    """Return the total energy [J], with velocities at the time of the positions."""
     process.evaluate()
     scene = process.scene
     return mechanical_energy(

@@ -1,18 +1,19 @@
-"""Closed forms and published formulas that give a band its middle."""
+"""Closed forms and published formulas for the middles of the expected bands."""
 
 import heapq
 from collections.abc import Sequence
 
 import numpy as np
 
-# Gap beside a rod over the rod's length; Farr and Groot's value, with which equal spheres fill 0.6435.
+# Gap beside a rod over its length; value of Farr and Groot, with which equal spheres have a solid fraction of 0.6435.
 GAP = 0.7654
 
 
 def zigzag_porosity(ratio: float) -> float:
-    """Porosity of a column of equal spheres in a tube of `ratio` sphere diameters, 1 < ratio < 1 + √3/2.
+    """Return the porosity of a column of equal spheres in a tube of `ratio` sphere diameters, 1 < ratio < 1 + √3/2.
 
-    Each sphere touches the wall opposite to the one below it, so centres rise by √(d² - (D - d)²) a sphere.
+    Each sphere touches the wall opposite to the one below it, so centres rise by √(d² - (D - d)²) per sphere.
+    ValueError for other ratios.
     """
     if not 1.0 < ratio < 1.0 + 0.5 * np.sqrt(3.0):
         raise ValueError(f"a zigzag column needs a tube of 1 to 1.866 sphere diameters, not {ratio:g}")
@@ -20,25 +21,26 @@ def zigzag_porosity(ratio: float) -> float:
 
 
 def wall_porosity(ratio: float) -> float:
-    """Mean porosity of equal spheres in a cylinder of `ratio` sphere diameters after Benyahia and O'Neill (2005)."""
+    """Return the mean porosity of equal spheres in a cylinder of `ratio` diameters (Benyahia and O'Neill 2005)."""
     return 0.390 + 1.740 / (ratio + 1.140) ** 2
 
 
 def rod_porosity(diameters: Sequence[float], volume_shares: Sequence[float], rods: int = 20_000) -> float:
-    """Porosity of close-packed spheres after Farr and Groot (2009), who pack the chords of a line instead.
+    """Return the porosity of close-packed spheres after Farr and Groot (2009), who pack chords on a line instead.
 
-    diameters, volume_shares (k,): of the classes of spheres. rods: number of chords that stand for all.
-    A random line cuts a sphere of diameter D into a chord L with density 2 L / D², and meets it as often as D². The
-    chords are placed from the longest to the shortest, each into the largest gap left, which it divides into GAP times
-    its length and the rest, or, where that is less, into twice GAP times its length.
+    diameters, volume_shares (k,): of the classes of spheres. rods: number of representative chords.
+    The chords L that a random line cuts from a sphere of diameter D have the density 2 L / D²; the line meets the
+    sphere with a frequency proportional to D². The chords are placed from the longest to the shortest, each in the
+    largest remaining gap, which is divided into GAP times the length of the chord and the rest, or, if the rest is
+    less, into twice GAP times this length.
     """
     order = np.argsort(diameters)
     size = np.asarray(diameters, float)[order]
-    met = np.asarray(volume_shares, float)[order] / size  # number, volume / D³, times D²
-    met /= met.sum()
+    frequency = np.asarray(volume_shares, float)[order] / size  # number, volume / D³, times D²
+    frequency /= frequency.sum()
     # The share of chords shorter than L is linear in L² between the diameters.
     knots = np.concatenate([[0.0], size**2])
-    shorter = np.concatenate([[0.0], [(met * np.minimum(knot / size**2, 1.0)).sum() for knot in size**2]])
+    shorter = np.concatenate([[0.0], [(frequency * np.minimum(knot / size**2, 1.0)).sum() for knot in size**2]])
     chords = np.sqrt(np.interp((np.arange(rods) + 0.5) / rods, shorter, knots))[::-1]
     gaps = [-GAP * chords[0]]
     for chord in chords[1:]:

@@ -1,4 +1,4 @@
-"""Numbers measured on a packing, to be compared with published ones; each takes a packing as in packing.file."""
+"""Quantities measured on a packing for comparison with published values; packings are as in simcore.packing.file."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -7,17 +7,21 @@ from simcore.evaluation.coordination import coordination_number
 from simcore.evaluation.porosity import bulk_porosity, domain_area
 from simcore.evaluation.slicing import slab_volumes
 
-SLICES_PER_GRAIN = 8  # in which the surface of the bed is looked for
-POINTS = 1_000_000  # of core_porosity: its error is 0.0005
+SLICES_PER_GRAIN = 8  # slices per mean grain diameter, in which the surface of the bed is detected
+POINTS = 1_000_000  # number of points of core_porosity, whose error is then 0.0005
 
 
 def porosity(packing, floor, surface):
-    """Bulk porosity by exact slices; floor, surface [m]: heights left out at both ends of the bed."""
+    """Return the bulk porosity by exact slices; floor, surface [m]: heights left out at both ends of the bed."""
     return float(_bulk(packing, floor, surface)["n"])
 
 
 def coordination(packing, floor, surface, bearing_contacts):
-    """Contacts per grain of the grains whose centres lie between the heights left out, without rattlers."""
+    """Return contacts per grain, without rattlers, of grains with centres between the heights left out.
+
+    floor, surface [m]: heights left out at both ends of the bed. bearing_contacts: minimum number of
+    force-carrying contacts of a grain that is not a rattler.
+    """
     bulk = _bulk(packing, floor, surface)
     height = packing["position"].values[:, 2]
     inside = (height >= float(bulk["z_lower"])) & (height <= float(bulk["z_upper"]))
@@ -25,9 +29,9 @@ def coordination(packing, floor, surface, bearing_contacts):
 
 
 def core_porosity(packing, core, floor, surface):
-    """Porosity of spheres within `core` [m] of a cylinder's axis, by points strewn evenly there.
+    """Return the porosity of equal spheres within `core` [m] of the axis of a cylinder, by evenly distributed points.
 
-    floor, surface [m]: heights left out at both ends of the bed.
+    floor, surface [m]: heights left out at both ends of the bed. ValueError if the spheres are not equal.
     """
     bulk = _bulk(packing, floor, surface)
     rng = np.random.default_rng(0)
@@ -36,13 +40,15 @@ def core_porosity(packing, core, floor, surface):
     points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
     radii = packing["scale"].values[:, 0]
     if np.ptp(radii) > 1e-4 * radii.mean():
-        raise ValueError("core_porosity: the spheres are not equal; take porosity, which slices grains of any kind")
+        raise ValueError(
+            "core_porosity: the spheres are not equal; use the measure porosity, which is valid for all grains"
+        )
     distance, _ = cKDTree(packing["position"].values).query(points)
     return float((distance > radii.mean()).mean())
 
 
 def column_porosity(packing):
-    """Porosity of a column of spheres between the centres of its lowest and highest one, where ends do not matter."""
+    """Return the porosity of a column between the centres of its lowest and highest sphere, without end effects."""
     height = packing["position"].values[:, 2]
     low, high = height.min(), height.max()
     solid = slab_volumes(packing, [low, high], "exact")[0]
@@ -50,7 +56,7 @@ def column_porosity(packing):
 
 
 def energy_ratio(record):
-    """Energy over its initial value, at the time when it is farthest from one; record: of elastic.jump."""
+    """Return the energy over its initial value at the largest deviation from 1; record: of elastic.jump."""
     ratio = record["energy"].values / float(record["energy"][0])
     return float(ratio[np.argmax(np.abs(ratio - 1.0))])
 

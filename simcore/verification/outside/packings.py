@@ -1,4 +1,4 @@
-"""The packings behind the cases: what is packed, in how many seeds. A specification is what a user would write."""
+"""Specifications and seeds of the verification packings. A specification has the keys that a user would write."""
 
 from typing import NamedTuple
 
@@ -6,14 +6,14 @@ from simcore.verification.outside.solids import SOLIDS
 
 
 class Seeds(NamedTuple):
-    """A specification without its name and seed, and the seeds with which it is packed."""
+    """A specification without name and seed, and the seeds with which it is simulated."""
 
     specification: dict
     seeds: tuple[int, ...]
 
 
 def _laid_over(base, *changes):
-    """The groups of `base` with those of `changes` laid over them, key by key."""
+    """Return the groups of `base`, where the keys in `changes` override those in `base`."""
     merged = {name: dict(group) if isinstance(group, dict) else group for name, group in base.items()}
     for change in changes:
         for name, group in change.items():
@@ -22,12 +22,12 @@ def _laid_over(base, *changes):
 
 
 def _equal(diameter):
-    """Sizes of equal grains: a sieve class that is a millionth wide. diameter [mm]."""
+    """Return the sizes of equal grains: one sieve class of relative width 1e-6. diameter [mm]."""
     return {"bounds": [f"{diameter:g} mm", f"{diameter * (1.0 + 1e-6):.8g} mm"], "mass_fractions": [1.0]}
 
 
-# 7 mm spheres at rest in a bed 10 diameters high overlap by less than 1e-3 of their diameter at 0.5 ms. The gates of
-# rest are narrower than by default, because smooth beds go on settling in modes that take hardly any force.
+# At a contact time of 0.5 ms, spheres of 7 mm in a bed 10 diameters high overlap by less than 1e-3 of their diameter.
+# The criteria of rest are stricter than by default, because smooth beds continue to settle under very small forces.
 SPHERES = {
     "domain": {"width": "49 mm", "height": "0.4 m"},
     "shapes": {"kind": "sphere"},
@@ -38,7 +38,7 @@ SPHERES = {
     "numerics": {"contact_time": "0.5 ms"},
 }
 SMOOTH, ROUGH, BEADS = ({"material": {"friction": friction}} for friction in (0.0, 0.5, 0.2))
-# In a periodic box the shaking force moves a smooth bed as a whole, so that nothing is shaken; a cylinder holds it.
+# In a periodic box the shaking force moves a smooth bed as a whole and does not shake it; a cylinder prevents this.
 POURED = {"shaking": {"amplitude": "0 m", "duration": "0 s"}}
 
 
@@ -47,8 +47,8 @@ def _cylinder(ratio, grains):
     return {"domain": domain, "amount": {"grains": grains}}
 
 
-# One grain at a time, strewn over the tube. Stiff, so that the weight of 30 spheres shortens the column by less than a
-# thousandth of a diameter a sphere.
+# Grains are inserted one at a time, at random places in the tube. Contacts are stiff, so that the weight of 30 spheres
+# shortens the column by less than a thousandth of a diameter per sphere.
 COLUMN = {
     "amount": {"grains": 30},
     "generation": {"placement": "random", "batch_grains": 1},
@@ -58,7 +58,7 @@ COLUMN = {
 
 
 def _bidisperse(coarse_share, grains):
-    """Spheres of 8 and 4 mm in a box four coarse diameters wide; coarse_share: of the volume."""
+    """Return changes for spheres of 8 and 4 mm in a box four coarse diameters wide; coarse_share: of the volume."""
     return {
         "domain": {"width": "32 mm"},
         "sizes": {
@@ -69,9 +69,8 @@ def _bidisperse(coarse_share, grains):
     }
 
 
-# Edges are of no concern: sizes come from the sieve. Tetrahedra have contacts far from their centre and light corners,
-# so they need shorter
-# steps, and are fewer.
+# The edge length of the meshes has no effect, because sizes come from the sieve. Tetrahedra need shorter steps, because
+# their contacts are far from the centre and their corners are light; therefore there are fewer of them.
 DICE = {
     "domain": {"width": "60 mm", "height": "0.5 m"},
     "shapes": {"kind": "polyhedron", "choice": "random"},
@@ -89,7 +88,7 @@ TETRAHEDRA = {
     "numerics": {"steps_per_contact_time": 70},
 }
 
-# Nothing is lost: no friction, full restitution, no shaking. It never comes to rest, so it is stepped, not packed.
+# Energy is conserved: no friction, full restitution, no shaking. The grains never come to rest and are only stepped.
 ELASTIC = {
     "domain": {"width": "35 mm", "height": "1 m"},
     "amount": {"grains": 64},
@@ -125,9 +124,9 @@ PACKED = [run for run in _RUNS if run not in ELASTIC_RUNS]
 
 
 def specification(run: str, dice: str) -> dict:
-    """The specification of a run, such as "column_1.5_seed2", as it would be read from YAML.
+    """Return the specification of a run, such as "column_1.5_seed2", as it would be read from YAML.
 
-    dice: folder with the meshes of the solids, such as cube.obj in mm. KeyError for a run that is none.
+    dice: folder with the meshes of the solids, such as cube.obj in mm. KeyError for an unknown run.
     """
     name = _RUNS[run]
     seed = int(run.rpartition("_seed")[2])

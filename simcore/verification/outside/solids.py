@@ -8,7 +8,7 @@ SOLIDS = ("tetrahedron", "cube", "octahedron", "dodecahedron", "icosahedron")
 
 
 def solid_mesh(name: str, edge: float) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices (n, 3), about their centre, and outward triangles (m, 3) of the solid with that edge."""
+    """Return vertices (n, 3) about their centre, and outward triangles (m, 3), of the solid with edge length `edge`."""
     vertices = _vertices(name)
     distances = np.linalg.norm(vertices[1:] - vertices[0], axis=1)
     vertices = vertices * edge / distances.min()
@@ -40,10 +40,10 @@ def _vertices(name):
         return _cyclic(1.0, _GOLDEN)
     if name == "dodecahedron":
         return np.concatenate([cube, _cyclic(1.0 / _GOLDEN, _GOLDEN)])
-    raise ValueError(f"{name!r} is no Platonic solid; choose one of {', '.join(SOLIDS)}")
+    raise ValueError(f"{name!r} is not a Platonic solid; choose one of {', '.join(SOLIDS)}")
 
 
 def _cyclic(a, b):
-    """(0, ±a, ±b) and its cyclic permutations, (12, 3)."""
+    """Return (0, ±a, ±b) and its cyclic permutations, (12, 3)."""
     corners = np.array([[0.0, i * a, j * b] for i in (-1.0, 1.0) for j in (-1.0, 1.0)])
     return np.concatenate([np.roll(corners, shift, axis=1) for shift in range(3)])

@@ -1,4 +1,4 @@
-"""The table of the cases: what was measured beside what was expected."""
+"""Table of the verification cases: measured values and expected bands."""
 
 from collections.abc import Callable
 
@@ -11,10 +11,10 @@ from simcore.verification.outside.packings import PACKINGS
 
 
 def case_table(read: Callable, cases: list[Case] = CASES) -> pd.DataFrame:
-    """One row a case, in their order.
+    """Return one row per case, in their order.
 
-    read(run) -> Dataset of the run of that name, such as "column_1.5_seed2". Columns: name, quantity, seeds, measured
-    (mean over seeds), std_error (of that mean), low, high, inside, cpu_s [s] (of all runs behind the row), source.
+    read(run) returns the Dataset of the run of that name, such as "column_1.5_seed2". Columns: name, quantity, seeds,
+    measured (mean over seeds), std_error (of that mean), low, high, inside, cpu_s [s] (of all runs of the row), source.
     """
     return pd.DataFrame([_row(case, read) for case in cases])
 
