@@ -260,6 +260,7 @@ def _key_before(old, k, pairs, p):
 
 @leaf
 def _same_key(old, k, pairs, p):
+    """Return whether key k of the old list is pair p."""
     if old.body_a[k] != pairs[p, 0] or old.body_b[k] != pairs[p, 1]:
         return False
     return len(old.image) == 0 or (old.image[k, 0] == pairs[p, 2] and old.image[k, 1] == pairs[p, 3])

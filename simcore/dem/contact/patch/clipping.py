@@ -46,7 +46,7 @@ class Side(NamedTuple):
 
 
 class Slab(NamedTuple):
-    """Heights along n [m] between which the overlap lies, from the centre of a."""
+    """Lowest and highest height of the overlap along n [m], relative to the centre of a."""
 
     low: float  # of the lowest point of b
     high: float  # of the highest point of a
