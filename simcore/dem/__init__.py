@@ -1,1 +1,1 @@
-"""The discrete element core: it knows no file and no config."""
+"""The discrete element core, which is independent of files and of the configuration."""

@@ -86,16 +86,19 @@ def _laws(scene: Scene) -> tuple[ContactLaw | HertzLaw, ContactLaw]:
 
 
 def _least_steps(scene: Scene, law: ContactLaw) -> float:
+    """Return the minimum steps per contact time of a grain pinched between two others. law: the continuous one."""
     if scene.hertzian is None:
         return minimum_steps_per_contact_time(law, scene.implicit)
     return scene.numerics.contact_time / longest_stable_step(law, False)
 
 
 def _firmness(law: HertzLaw, unit: float) -> Callable:
+    """Return the function firmness of Composition. unit [1/s²]: stiffness of the continuous law."""
     return lambda mass, partner, overlap: linear_law(law, mass, partner, overlap).stiffness / unit
 
 
 def _check_steps(scene: Scene, needed: float):
+    """Raise ValueError if the scene has fewer steps per contact time than needed."""
     steps, dashpot = scene.numerics.steps_per_contact_time, scene.numerics.dashpot
     if steps < needed:
         raise ValueError(

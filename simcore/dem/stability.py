@@ -213,6 +213,7 @@ def body_steps(
 
 
 def _steps_of_row(bodies, grips, law, friction, row, effective_contacts, time):
+    """Return the minimum steps per contact time of the body in this row."""
     # The matrix is linear in the load.
     parts = [_matrices(bodies, grips, Load(*unit), np.array([row]))[0] for unit in np.eye(len(Load._fields))]
 
@@ -312,6 +313,7 @@ class _Grips(NamedTuple):
 
 
 def _grips(bodies, candidates, width, certain, firmness=None):
+    """Return the grips of all touching contacts and walls; arguments as in stiffest_body."""
     contacts, walls = candidates
     p, w = np.flatnonzero(contacts.touching), np.flatnonzero(walls.touching)
     a, b = contacts.body_a[p], contacts.body_b[p]
@@ -370,6 +372,7 @@ def _matrices(bodies, grips, load, selected):
 
 
 def _quadratic(rows, weights):
+    """Return rowsᵀ weights rows for each grip, (k, 6, 6)."""
     return rows.transpose(0, 2, 1) @ weights @ rows
 
 

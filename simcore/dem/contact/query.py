@@ -155,6 +155,7 @@ def place_solids(shapes, index, rotation):
 
 
 def _query(shapes, index_a, position_a, orientation_a, index_b, position_b, orientation_b):
+    """Return the fields of ContactQuery for n pairs, as arrays."""
     table, _ = table_of(shapes)
     n = len(position_a)
     if not len(index_a) == len(index_b) == len(position_b) == n:

@@ -309,11 +309,13 @@ class _Halo:
 
 
 def _layout(size):
+    """Return (columns, rows) of `size` blocks, as close to a square as possible."""
     rows = max(k for k in range(1, int(np.sqrt(size)) + 1) if size % k == 0)
     return size // rows, rows
 
 
 def _wrapped(position, box):
+    """Return the horizontal positions (n, 2), wrapped into a periodic box."""
     place = position[:, :2].copy()
     if box.width > 0.0:
         place -= np.floor(place / box.width) * box.width
@@ -321,6 +323,7 @@ def _wrapped(position, box):
 
 
 def _bin(places, span):
+    """Return the bins of coordinates, of BINS equal bins over the span."""
     low, high = span
     return np.clip((places - low) / (high - low) * BINS, 0, BINS - 1).astype(np.int64)
 
@@ -332,6 +335,7 @@ def _quantiles(counts, number):
 
 
 def _slices(rows):
+    """Return by rank the slice of its rows in the concatenation of `rows`; ranks without rows are left out."""
     ends = np.cumsum([len(of_rank) for of_rank in rows])
     return {
         rank: slice(end - len(of_rank), end)

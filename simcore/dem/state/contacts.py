@@ -127,6 +127,7 @@ def carry_remembered_walls(old: Walls, new: Walls) -> None:
 
 
 def _carry(old, new, rows, old_rows, without):
+    """Copy the fields from `old_rows` of the old list to `rows` of the new list, except those in `without`."""
     for name in type(new)._fields:
         field = getattr(new, name)
         if name not in without and len(field):

@@ -38,7 +38,7 @@ def list_candidates(
     margin [m], a scalar or (n,): is stored in `bodies.margin`. Pairs and walls that `old` contains keep their
     remembered contacts. The positions of the bodies are stored as well: the list is valid while no point of a body has
     moved by more than the body's margin. Pairs with close bounding spheres are left out if their remembered contact, or
-    the line between their centres, shows a gap of more than both margins.
+    the line between their centres, shows a gap of more than the sum of their margins.
     """
     bodies.margin[:] = margin
     pairs = list_pairs(bodies, shapes, box, features, old)
@@ -260,6 +260,7 @@ def _key_before(old, k, pairs, p):
 
 @leaf
 def _same_key(old, k, pairs, p):
+    """Return whether key k of the old list is pair p."""
     if old.body_a[k] != pairs[p, 0] or old.body_b[k] != pairs[p, 1]:
         return False
     return len(old.image) == 0 or (old.image[k, 0] == pairs[p, 2] and old.image[k, 1] == pairs[p, 3])

@@ -1,5 +1,5 @@
-"""Patch contacts: the region in which two polyhedra overlap.
+"""Patch contacts: centroid and second moments of the region in which two polyhedra overlap.
 
-patch finds it: by corner where a corner meets a face, by crossing where two edges meet, by clipping otherwise. moments
-has the integrals that they share, axes the directions in which they measure, workspace the arrays they work in.
+`patch` selects the method: `corner` if a corner meets a face, `crossing` if two edges meet, `clipping` otherwise.
+`moments` contains the integrals that they share, `axes` the directions of the coordinates, and `workspace` the arrays.
 """

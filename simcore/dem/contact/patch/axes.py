@@ -1,4 +1,4 @@
-r"""The axes of a patch, and how vertices of a body are measured along them.
+r"""The axes of a patch, and the coordinates of vertices along them.
 
         n
         ^    b
@@ -17,7 +17,7 @@ from simcore.dem.vectors import Vec, basis, dot, negative
 
 
 class Axes(NamedTuple):
-    """Three perpendicular unit vectors; or, of a base, the directions that stand for them there."""
+    """Three perpendicular unit vectors, or the corresponding directions in the base of a body."""
 
     p: Vec
     q: Vec
@@ -25,23 +25,23 @@ class Axes(NamedTuple):
 
 
 class View(NamedTuple):
-    """How one of the bodies sees the overlap."""
+    """The overlap as viewed from one of the bodies."""
 
     axes: Axes
     depth: float  # [m], of the overlap along n
-    sign: float  # 1 from a, where the other body lies along n; −1 from b, where it lies along −n
+    sign: float  # 1 from a: the other body is along n; −1 from b: the other body is along −n
 
 
 @leaf
 def axes_about(normal):
-    """Axes whose n is the unit vector `normal`."""
+    """Return axes whose n is the unit vector `normal`."""
     p, q = basis(normal)
     return Axes(p, q, normal)
 
 
 @leaf
 def axes_in_base(bodies, i, axes):
-    """World axes as directions in the base of body i: their products with a base vertex are those with the vertex."""
+    """Return world axes as directions in the base of body i, for dot products with base vertices."""
     return Axes(
         base_direction_of(bodies, i, axes.p), base_direction_of(bodies, i, axes.q), base_direction_of(bodies, i, axes.n)
     )
@@ -49,11 +49,11 @@ def axes_in_base(bodies, i, axes):
 
 @leaf
 def toward_other(view):
-    """The axes of a view, n pointing from the body that sees the overlap to the other."""
+    """Return the axes of a view with n from the viewing body to the other body."""
     return Axes(view.axes.p, view.axes.q, view.axes.n if view.sign > 0.0 else negative(view.axes.n))
 
 
 @leaf
 def coordinates(axes, v):
-    """Components of a vector along the axes."""
+    """Return the components of a vector along the axes."""
     return Vec(dot(axes.p, v), dot(axes.q, v), dot(axes.n, v))

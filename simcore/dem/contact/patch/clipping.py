@@ -1,17 +1,17 @@
-r"""The overlap of two polyhedra in general: faces of each, cut by the planes of the other.
+r"""The overlap of two polyhedra in general: the faces of each body, cut by the planes of the other.
 
       n
       ^   \          b          /
-      |    \   _________       /           high   top of a       faces of b take part if they reach below it
-      | - - \-/- - - - -\- - -/- high      low    bottom of b    faces of a take part if they reach above it
+      |    \   _________       /           high   top of a       faces of b are used if they reach below it
+      | - - \-/- - - - -\- - -/- high      low    bottom of b    faces of a are used if they reach above it
       |      /           \   /
       | - - / \_________/_\_/ - low        The overlap, between the two, is a polytope. Its faces are parts of faces of
-      |    /       a       \               a, which look up, and of faces of b, which look down.
+      |    /       a       \               a, which point up, and of faces of b, which point down.
 
-The moments are integrals of its height over the shadows of these parts, positive where a face looks up along n and
-negative where it looks down. Most of the faces in the slab do not reach the overlap: where a corner or a crossing of
-edges has left the corners of a polytope that contains it (the bound), a plane that has all of them behind it cuts
-nothing, and its face takes no part.
+The moments are integrals of the height of these parts over their projections, positive if a face points up along n and
+negative if it points down. Most faces in the slab do not reach the overlap. If `corner` or `crossing` has stored the
+corners of a polytope that contains the overlap (the bound), a plane that has all of them behind it cuts nothing, and
+its face is left out.
 """
 
 from typing import NamedTuple
@@ -31,22 +31,22 @@ from simcore.dem.contact.patch.workspace import (
 )
 from simcore.dem.vectors import Vec, cross, dot, length, minus, over, plus, read, scaled
 
-TIE = 1e-14  # of the pair's size: by which planes that cut a are moved out, those that cut b in. docs/constants.md#tie
-BOUND_SLACK = 1e-10  # of the pair's size: how far beyond the bound planes are kept. Why: docs/constants.md#bound_slack
+TIE = 1e-14  # of the pair's size: planes that cut a are moved out by it, those that cut b in. docs/constants.md#tie
+BOUND_SLACK = 1e-10  # of the pair's size: planes within it beyond the bound are kept. docs/constants.md#bound_slack
 
 
 class Side(NamedTuple):
     """One of the two bodies, for the walk over its faces."""
 
     number: int  # 0: a, whose faces reach up; 1: b
-    first: int  # of the vertices of its base
+    first: int  # first vertex of its base
     top: int  # its vertex farthest toward the other body
     base: Axes  # of the patch, in its base
     centre: Vec  # [m], along the axes, from the centre of a
 
 
 class Slab(NamedTuple):
-    """Heights along n [m] between which the overlap lies, from the centre of a."""
+    """Lowest and highest height of the overlap along n [m], relative to the centre of a."""
 
     low: float  # of the lowest point of b
     high: float  # of the highest point of a
@@ -54,26 +54,27 @@ class Slab(NamedTuple):
 
 @leaf
 def side_of(shapes, bodies, number, i, top, base, centre):
-    """Side `number` of the pair: body i with its vertex farthest toward the other."""
+    """Return side `number` of the pair: body i with its vertex farthest toward the other."""
     return Side(number, shapes.vertex_start[bodies.shape[i]], top, base, centre)
 
 
 @leaf
 def place_vertex(shapes, side, v):
-    """A vertex along the axes, from the centre of a."""
+    """Return the coordinates of a vertex along the axes, relative to the centre of a."""
     return plus(side.centre, coordinates(side.base, read(shapes.vertices, v)))
 
 
 @leaf
 def is_in_slab(side, slab, height):
+    """Return whether a height [m] of this side is in the slab."""
     return (height >= slab.low) if side.number == 0 else (height <= slab.high)
 
 
 @leaf
 def gather_faces(shapes, side, slab, workspace, thread):
-    """Store the faces of one side that have a vertex in the slab; returns how many.
+    """Store the faces of one side that have a vertex in the slab; return their number.
 
-    These vertices are connected by edges among them, by convexity, so a walk along edges from the top finds them all.
+    Because the body is convex, edges connect these vertices with each other, and a walk from the top visits all.
     """
     ring_start, ring = shapes.neighbor_start, shapes.neighbors
     stamp = start_walk(workspace, thread, side.top, side.first)
@@ -94,7 +95,7 @@ def gather_faces(shapes, side, slab, workspace, thread):
                 mark[thread, u - side.first] = stamp
                 stack[thread, n_stack] = u
                 n_stack += 1
-            # The face v, last, u belongs to the least of its vertices in the slab.
+            # To be stored once, the face v, last, u is assigned to the smallest index of its vertices in the slab.
             if not ((inside and u < v) or (last_inside and last < v)):
                 write_face(workspace, thread, number, n_faces, 0, corner)
                 write_face(workspace, thread, number, n_faces, 1, last_corner)
@@ -106,7 +107,7 @@ def gather_faces(shapes, side, slab, workspace, thread):
 
 @leaf
 def find_planes(workspace, thread, side, n_faces, n_bound, slack):
-    """Store the planes of the gathered faces and drop faces that the overlap cannot reach; returns how many are left.
+    """Store the planes of the gathered faces, drop faces that do not reach the overlap, and return the number left.
 
     slack: distance [m] from the corners of the bound within which a plane is kept.
     """
@@ -137,7 +138,7 @@ def find_planes(workspace, thread, side, n_faces, n_bound, slack):
 
 @leaf
 def measure_heights(workspace, thread, number, n, normal, d):
-    """Store the heights of the n corners of a polygon over a plane; returns the lowest and the highest."""
+    """Store the heights of the n corners of a polygon above a plane; return the lowest and the highest."""
     lowest, highest = np.inf, -np.inf
     for k in range(n):
         h = dot(normal, read_polygon(workspace, thread, number, k)) + d
@@ -148,9 +149,9 @@ def measure_heights(workspace, thread, number, n, normal, d):
 
 @leaf
 def cut_polygon(workspace, thread, number, n):
-    """Store in the other polygon what of this one, of n corners, is not above the plane; returns how many corners.
+    """Store in the other polygon the part of this one that is not above the plane; return its number of corners.
 
-    The heights over the plane are those that `measure_heights` has stored.
+    n: number of corners of this polygon. The heights above the plane are those that `measure_heights` has stored.
     """
     height, into, kept, last = workspace.height, 1 - number, 0, n - 1
     for k in range(n):
@@ -169,7 +170,7 @@ def cut_polygon(workspace, thread, number, n):
 
 @leaf
 def cut_face(workspace, thread, side, face, n_planes, tie):
-    """Cut a gathered face by the planes of the other side: (which of the polygons is left, its number of corners)."""
+    """Cut a gathered face by the planes of the other side: (index of the polygon that is left, number of corners)."""
     planes, other = workspace.planes, 1 - side
     for corner in range(3):
         write_polygon(workspace, thread, 0, corner, read_face(workspace, thread, side, face, corner))
@@ -200,13 +201,13 @@ def polygon_moments(sums, workspace, thread, number, n, origin):
 
 @leaf
 def face_moments(workspace, thread, n_a, n_b, origin, tie):
-    """Moments about `origin` of all gathered faces, as far as they bound the overlap."""
+    """Return the moments about `origin` of the parts of all gathered faces that bound the overlap."""
     sums = NO_MOMENTS
     for side in range(2):
         n_faces, n_planes, moved = (n_a, n_b, -tie) if side == 0 else (n_b, n_a, tie)
         for face in range(n_faces):
             if workspace.planes[thread, side, face, 2] == 0.0:
-                continue  # parallel to n: it has no shadow
+                continue  # the face is parallel to n, and its projection has no area
             number, n = cut_face(workspace, thread, side, face, n_planes, moved)
             if n >= 3:
                 sums = polygon_moments(sums, workspace, thread, number, n, origin)
@@ -215,10 +216,10 @@ def face_moments(workspace, thread, n_a, n_b, origin, tie):
 
 @routine
 def clipped_moments(shapes, bodies, pair, axes, tops, n_bound, workspace, thread):
-    """Moments of the overlap of a pair about the first vertex of `tops`.
+    """Return the moments of the overlap of a pair about the first vertex of `tops`.
 
-    tops: the vertex of pair.a farthest along n, and that of pair.b farthest against it. n_bound: corners of the bound
-    in the workspace; 0: there is none.
+    tops: the vertex of pair.a farthest along n, and that of pair.b farthest against it. n_bound: number of corners of
+    the bound in the workspace; 0: there is none.
     """
     base_a, base_b = axes_in_base(bodies, pair.a, axes), axes_in_base(bodies, pair.b, axes)
     top, offset = coordinates(base_a, read(shapes.vertices, tops[0])), coordinates(axes, pair.offset)

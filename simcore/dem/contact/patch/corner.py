@@ -1,6 +1,6 @@
 r"""The overlap of a single corner with a face: a pyramid, in closed form.
 
-     n                               Seen along n:
+     n                               Viewed along n:
      ^        a                                               a           apex: the corner of body i
      |       / \     | depth            f2 ____________ f1    *           feet: where the edges of i that start at a
     _|______*___*____v_ face of j         /  *----*   /                   have fallen by `depth`
@@ -8,7 +8,8 @@ r"""The overlap of a single corner with a face: a pyramid, in closed form.
           / body i\                     /    *----* /
                                     f0 /___________/
 
-The moments are exact if all feet lie inside the face: then nothing but a reaches into j, and only this face bounds it.
+The moments are exact if all feet are inside the face: then only the corner reaches into j, and only this face bounds
+the overlap.
 """
 
 from typing import NamedTuple
@@ -19,7 +20,8 @@ from simcore.dem.contact.patch.moments import NO_MOMENTS, Point, cone, cone_side
 from simcore.dem.contact.patch.workspace import write_bound
 from simcore.dem.vectors import dot, minus, read
 
-FARTHEST = 1e3  # lengths of an edge, or of a face beside it, within which a bound lies. Why: docs/constants.md#farthest
+# Maximum distance of a bound, in lengths of an edge or of a face beside it. Why: docs/constants.md#farthest
+FARTHEST = 1e3
 
 
 class Line(NamedTuple):
@@ -31,28 +33,29 @@ class Line(NamedTuple):
 
 
 class Foot(NamedTuple):
-    """Where an edge, or its line, leaves the slab of the overlap."""
+    """The point at which an edge, or its line, leaves the slab of the overlap."""
 
     x: float  # [m], from the apex
     y: float
-    fall: float  # [m], how far the whole edge falls along n
+    fall: float  # [m], descent of the whole edge along n
 
 
 @leaf
 def side_line(orientation, start, end):
-    """Line from start to end. orientation: 1 if the face runs counterclockwise, else −1."""
+    """Return the line from start to end. orientation: 1 if the face is counterclockwise, else −1."""
     x, y = orientation * (start.y - end.y), orientation * (end.x - start.x)
     return Line(x, y, -(x * start.x + y * start.y))
 
 
 @leaf
 def is_outside(line, point):
+    """Return whether a point is on the outer side of a line."""
     return line.x * point.x + line.y * point.y + line.constant < 0.0
 
 
 @leaf
 def foot_of(vertices, apex, vertex, base, depth):
-    """Foot of the edge from the apex to a neighbouring vertex."""
+    """Return the foot of the edge from the apex to a neighbouring vertex."""
     edge = minus(read(vertices, vertex), apex)
     fall = -dot(edge, base.n)
     share = depth / fall
@@ -61,7 +64,7 @@ def foot_of(vertices, apex, vertex, base, depth):
 
 @leaf
 def face_lines(vertices, face, base, shift):
-    """Lines of the sides of a face (three vertices), inside positive. shift: of the body's centre, in the plane."""
+    """Return the lines of the sides of a face (three vertices), positive inside. shift: of the centre, in the plane."""
     f0, f1, f2 = read(vertices, face[0]), read(vertices, face[1]), read(vertices, face[2])
     p0 = Point(shift.x + dot(f0, base.p), shift.y + dot(f0, base.q))
     p1 = Point(shift.x + dot(f1, base.p), shift.y + dot(f1, base.q))
@@ -73,19 +76,19 @@ def face_lines(vertices, face, base, shift):
 
 @leaf
 def corner_overlap(shapes, bodies, pair, view, apex, face, workspace, thread):
-    """Shortcut for vertex `apex` of body pair.a and a face (three vertices) of body pair.b; moments are about the apex.
+    """Return the Shortcut of vertex `apex` of pair.a and a face (three vertices) of pair.b; moments are about the apex.
 
-    view: from pair.a. Where the moments are not exact, the feet bound the overlap.
+    view: from pair.a. If the moments are not exact, apex and feet bound the overlap.
     """
     vertices, ring_start, ring = shapes.vertices, shapes.neighbor_start, shapes.neighbors
     depth, sign = view.depth, view.sign
     base = axes_in_base(bodies, pair.a, toward_other(view))
     tip = read(vertices, apex)
     offset, at_tip = coordinates(view.axes, pair.offset), coordinates(base, tip)
-    # From the apex
+    # Coordinates relative to the apex
     shift = Point(offset.x - at_tip.x, offset.y - at_tip.y)
     line0, line1, line2 = face_lines(vertices, face, axes_in_base(bodies, pair.b, view.axes), shift)
-    # From the centre of body a of the contact, which is pair.b in the view from b
+    # Coordinates relative to the centre of body a of the contact, which is pair.b in the view from b
     x, y, z = at_tip.x, at_tip.y, sign * at_tip.z
     if sign < 0.0:
         x, y, z = x - offset.x, y - offset.y, z - offset.z

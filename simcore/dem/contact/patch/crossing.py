@@ -1,6 +1,6 @@
 r"""The overlap of two crossing edges: a pyramid with four sides, in closed form.
 
-     Seen along n:                      Across the edge of a:
+     Viewed along n:                    Across the edge of a:
 
               b1                            n
               |                             ^         c     |
@@ -16,7 +16,8 @@ r"""The overlap of two crossing edges: a pyramid with four sides, in closed form
      al, ar; bl, br   third corners of the        k1, k2   ends of the overlap on the edge of b, left and right of a
                       faces left and right        l1, l2   ends of the overlap on the edge of a, left and right of b
 
-The moments are exact if the four ends lie on the edges and on the faces beside them: then nothing else takes part.
+The moments are exact if the four ends are on the edges and on the faces beside them: then no other part of the bodies
+reaches into the overlap.
 """
 
 from typing import NamedTuple
@@ -39,19 +40,19 @@ from simcore.dem.contact.patch.workspace import write_bound
 from simcore.dem.shapes.hulls import vertex_of
 from simcore.dem.vectors import dot, negative, read
 
-NO_SHIFT = Point(-0.0, -0.0)  # adding −0 changes no number, not even a zero
+NO_SHIFT = Point(-0.0, -0.0)  # adding −0 leaves every number unchanged, including the sign of zero
 
 
 class Ridge(NamedTuple):
     """The face on one side of an edge."""
 
     corner: Point  # [m], its third corner
-    side: float  # [m²], signed distance of that corner from the edge's line, times the edge's length
-    share: float  # of that distance: where the face, or its plane, leaves the slab of the overlap
+    side: float  # [m²], signed distance of that corner from the line of the edge, times the length of the edge
+    share: float  # share of that distance at which the face, or its plane, leaves the slab of the overlap
 
 
 class Edge(NamedTuple):
-    """An edge in the tangent plane, from the centre of body a."""
+    """An edge in the tangent plane, relative to the centre of body a."""
 
     start: Point  # [m]
     end: Point
@@ -62,7 +63,7 @@ class Edge(NamedTuple):
 
 @leaf
 def facing_vertices(shapes, v, u):
-    """The two vertices that make a face with the edge v, u; v twice where there is no such edge."""
+    """Return the two vertices that make a face with the edge v, u; v twice if there is no such edge."""
     start, ring = shapes.neighbor_start, shapes.neighbors
     first, last = start[v], start[v + 1] - 1
     for k in range(first, last + 1):
@@ -73,13 +74,13 @@ def facing_vertices(shapes, v, u):
 
 @leaf
 def in_plane(v, base, shift):
-    """A base vertex in the tangent plane."""
+    """Return a base vertex in the tangent plane."""
     return Point(shift.x + dot(v, base.p), shift.y + dot(v, base.q))
 
 
 @leaf
 def ridge_of(v, base, shift, start, end, level, depth):
-    """Ridge beside the edge from start to end, with the third corner v of its face, a base vertex."""
+    """Return the Ridge beside the edge from start to end, with the third corner v of its face, a base vertex."""
     corner = in_plane(v, base, shift)
     fall = level - dot(v, base.n)
     return Ridge(corner, turn(point_minus(end, start), point_minus(corner, start)), depth / fall)
@@ -87,7 +88,7 @@ def ridge_of(v, base, shift, start, end, level, depth):
 
 @leaf
 def edge_of(vertices, ends, facing, base, shift, depth):
-    """The Edge between two vertices. facing: the third vertices of the faces beside it; base.n: outward."""
+    """Return the Edge between two vertices. facing: the third vertices of the faces beside it; base.n: outward."""
     v = read(vertices, ends[0])
     start, end = in_plane(v, base, shift), in_plane(read(vertices, ends[1]), base, shift)
     level = dot(v, base.n)
@@ -98,7 +99,7 @@ def edge_of(vertices, ends, facing, base, shift, depth):
 
 @leaf
 def is_in_triangle(p, a, b, c):
-    """Whether a point lies in a triangle, clockwise or not."""
+    """Return whether a point is in a triangle of either orientation."""
     at_a = turn(point_minus(b, a), point_minus(p, a))
     at_b = turn(point_minus(c, b), point_minus(p, b))
     at_c = turn(point_minus(a, c), point_minus(p, c))
@@ -107,15 +108,16 @@ def is_in_triangle(p, a, b, c):
 
 @leaf
 def is_on_face(point, edge, ridge):
+    """Return whether a point is on the face beside an edge."""
     return is_in_triangle(point, edge.start, edge.end, ridge.corner)
 
 
 @leaf
 def crossing_overlap(shapes, bodies, pair, view, ends_a, ends_b, workspace, thread):
-    """Shortcut for an edge of body pair.a and one of pair.b, both two vertices; moments are about the crossing.
+    """Return the Shortcut of an edge of pair.a and one of pair.b (two vertices each); moments are about the crossing.
 
-    The origin is the crossing, from the first vertex of the edge of a. Where the moments are not exact, the four ends
-    bound the overlap, unless they lie too far off.
+    The origin is the crossing, relative to the first vertex of the edge of a. If the moments are not exact, the four
+    ends bound the overlap, unless they are too far away.
     """
     nothing = shortcut(False, Point(0.0, 0.0), NO_MOMENTS, 0)
     depth, vertices = view.depth, shapes.vertices
@@ -137,10 +139,10 @@ def crossing_overlap(shapes, bodies, pair, view, ends_a, ends_b, workspace, thre
     area = turn(along_a, along_b)
     if area == 0.0:
         return nothing
-    # The crossing: share s of the way along a, t along b
+    # The crossing is at the share s of the edge of a and t of the edge of b.
     between = point_minus(b.start, a.start)
     s, t = turn(between, along_b) / area, turn(between, along_a) / area
-    # Along b the signed distance from the line of a grows by `area` per length of b; along a that from b by −area.
+    # Along the edge of b the signed distance (side) from the line of a grows by `area`; along a, that from b by −area.
     t1, t2 = a.left.share * a.left.side / area, a.right.share * a.right.side / area
     s1, s2 = -b.left.share * b.left.side / area, -b.right.share * b.right.side / area
     crossing = point_plus(a.start, point_scaled(s, along_a))

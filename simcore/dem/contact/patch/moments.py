@@ -7,8 +7,8 @@ r"""Moments of the depth of an overlap over the tangent plane, from triangles.
      |    |..|..|           The moments are ∫ d, ∫ d x, ∫ d y, ∫ d x², ∫ d xy, ∫ d y² over the plane.
      +-------------> x, y
 
-The overlap of a corner with a face, or of two crossing edges, is a pyramid: it is `depth` deep at the origin and its
-depth is zero at the ends s and e of each side. Its moments follow from sums of `cone_side`.
+The overlap of a corner with a face, or of two crossing edges, is a pyramid whose depth is `depth` at the origin and
+zero at the ends s and e of each side. Its moments follow from sums of `cone_side`.
 """
 
 from typing import NamedTuple
@@ -35,12 +35,12 @@ class Moments(NamedTuple):
 
 
 class Shortcut(NamedTuple):
-    """What is found about the overlap of a corner with a face, or of an edge with an edge."""
+    """The moments in closed form of the overlap of a corner with a face, or of two edges."""
 
-    exact: bool  # whether the moments are those of the overlap: nothing else of the two bodies reaches into it
-    origin: Point  # where they are taken about, from the vertex that `find_patch` names
+    exact: bool  # whether the moments are those of the overlap: no other part of the bodies reaches into it
+    origin: Point  # reference point of the moments, relative to the vertex that `find_patch` uses
     moments: Moments
-    n_bound: int  # corners in the workspace of a polytope that contains the overlap; 0: there is none
+    n_bound: int  # number of corners in the workspace of a polytope that contains the overlap; 0: there is none
 
 
 NO_MOMENTS = Moments(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -48,42 +48,45 @@ NO_MOMENTS = Moments(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @leaf
 def shortcut(exact, origin, moments, n_bound):
-    """A Shortcut whose members have one type each, whatever constants they are made of."""
+    """Return a Shortcut whose fields always have the same types, as compiled code requires."""
     return Shortcut(bool(exact), origin, moments, int(n_bound))
 
 
 @leaf
 def point_plus(a, b):
+    """Return a + b."""
     return Point(a.x + b.x, a.y + b.y)
 
 
 @leaf
 def point_minus(a, b):
+    """Return a − b."""
     return Point(a.x - b.x, a.y - b.y)
 
 
 @leaf
 def point_scaled(factor, a):
+    """Return factor a."""
     return Point(factor * a.x, factor * a.y)
 
 
 @leaf
 def turn(a, b):
-    """Twice the signed area between two vectors of the plane, positive where b lies counterclockwise of a."""
+    """Return twice the signed area between two vectors of the plane, positive if b is counterclockwise of a."""
     return a.x * b.y - a.y * b.x
 
 
 @leaf
 def add_moments(m, s):
-    """Moments of two parts together."""
+    """Return the moments of two parts together."""
     return Moments(m.d + s.d, m.dx + s.dx, m.dy + s.dy, m.dxx + s.dxx, m.dxy + s.dxy, m.dyy + s.dyy)
 
 
 @leaf
 def triangle_moments(a, b, c):
-    """Moments over a triangle of the plane whose corners have the depths a.z, b.z and c.z; minus those if clockwise.
+    """Return the moments over a triangle whose corners have the depths a.z, b.z and c.z; minus those if clockwise.
 
-    Products of barycentric coordinates integrate to 2 A a! b! c! / (a + b + c + 2)!.
+    Products of powers a, b, c of the barycentric coordinates integrate to 2 A a! b! c! / (a + b + c + 2)!.
     """
     double_area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
     total = a.z + b.z + c.z
@@ -92,7 +95,7 @@ def triangle_moments(a, b, c):
     second = double_area / 120.0
     a1, a2, a3 = 2.0 * total + 4.0 * a.z, 2.0 * total + 4.0 * b.z, 2.0 * total + 4.0 * c.z
     b12, b23, b31 = total + a.z + b.z, total + b.z + c.z, total + c.z + a.z
-    # Every mixed pair occurs twice in the sum over i, j.
+    # Each mixed term occurs twice in the sum over i, j.
     return Moments(
         double_area * total / 6.0,
         first * (w1 * a.x + w2 * b.x + w3 * c.x),
@@ -108,7 +111,7 @@ def triangle_moments(a, b, c):
 
 @leaf
 def cone_side(m, area, s, e):
-    """Add the triangle from the origin to s and e, of twice the area `area`, to sums m that `cone` makes moments."""
+    """Add the triangle of the origin, s and e, of twice the area `area`, to sums m, which `cone` turns into moments."""
     return Moments(
         m.d + area,
         m.dx + area * (s.x + e.x),
@@ -121,7 +124,7 @@ def cone_side(m, area, s, e):
 
 @leaf
 def cone(m, depth):
-    """Moments of a pyramid of that depth at the origin from the sums of `cone_side`: 1/6, 1/24 and 1/60 of them."""
+    """Return the moments of a pyramid with this depth at the origin: 1/6, 1/24 and 1/60 of the sums of `cone_side`."""
     return Moments(
         m.d * depth / 6.0, m.dx * depth / 24.0, m.dy * depth / 24.0,
         m.dxx * depth / 60.0, m.dxy * depth / 60.0, m.dyy * depth / 60.0,

@@ -1,4 +1,4 @@
-r"""The patch contact of two overlapping polyhedra: centroid and second moments of their overlap.
+r"""Patch contact of two overlapping polyhedra: centroid and second moments of their overlap.
 
          \       b       /                a, b   the bodies
           \_____________/                 n      contact normal, from a to b
@@ -6,16 +6,16 @@ r"""The patch contact of two overlapping polyhedra: centroid and second moments 
     /       \/_____\/    ^                depth  of the overlap along n
    /     a               | n
 
-Seen along n, the overlap is a depth over the tangent plane: usually the top of a minus the bottom of b, where that is
-positive. Depth is what an elastic bed under the patch would be pressed by. So its first moment is where the resultant
-acts, and its second moment is what resists rocking and twisting. Both vary continuously with the pose, also where a
-face comes to lie on a face or an edge.
+Viewed along n, the overlap is a depth over the tangent plane: usually the top of a minus the bottom of b, where that is
+positive. An elastic foundation under the patch would be compressed by this depth. The resultant force therefore acts at
+the first moment of the depth, and the second moments resist rocking and twisting. Both vary continuously with the pose,
+also where a face comes to rest on a face or an edge.
 
-The facet of the Minkowski difference names what meets: a corner and a face (corner.py), or two edges (crossing.py),
-whose overlap has a closed form if nothing else takes part; otherwise, and where two faces meet, it is clipped
-(clipping.py). At rest overlaps are about 1e-5 of the size, with the contact time of Rettinger et al. (2022). Deeper
-ones show the softness of the springs rather than the form of the grains and reach over many faces: the bodies are
-treated as if they were moved apart to PATCH_DEPTH.
+The facet of the Minkowski difference shows whether a corner and a face meet (corner.py) or two edges (crossing.py). The
+overlap then has a closed form if no other part of the bodies reaches into it. Otherwise, and where two faces meet, it
+is clipped (clipping.py). At rest overlaps are about 1e-5 of the size, with the contact time of Rettinger et al. (2022).
+Deeper overlaps reflect the softness of the springs rather than the form of the grains, and extend over many faces. The
+bodies are then treated as if they were moved apart to PATCH_DEPTH.
 """
 
 from simcore.compilation import leaf
@@ -33,32 +33,33 @@ PATCH_DEPTH = 1e-4  # of the pair's size: the largest depth of a patch. Why: doc
 
 @leaf
 def read_facet(facet, p):
-    """Vertices of contact p on a and on b (3 + 3): all alike for a corner, two alike for an edge."""
+    """Return the facet vertices of contact p on a and on b (3 + 3): three equal for a corner, two for an edge."""
     return (facet[p, 0], facet[p, 1], facet[p, 2]), (facet[p, 3], facet[p, 4], facet[p, 5])
 
 
 @leaf
 def is_corner(v):
+    """Return whether three vertices are equal."""
     return v[0] == v[1] and v[0] == v[2]
 
 
 @leaf
 def is_edge(v):
-    """Whether two of three vertices are alike, at least."""
+    """Return whether at least two of three vertices are equal."""
     return v[0] == v[1] or v[0] == v[2] or v[1] == v[2]
 
 
 @leaf
 def edge_ends(v):
-    """The two different vertices of an edge."""
+    """Return the two different vertices of an edge."""
     return v[0], v[2] if v[1] == v[0] else v[1]
 
 
 @leaf
 def closed_overlap(shapes, bodies, pair, view, facet, workspace, thread):
-    """Shortcut for the facet where a corner or two edges meet: (it, whether its moments are about the corner of b).
+    """Return (Shortcut of a facet, whether its moments are about the corner of b instead of the first vertex of a).
 
-    view: from a. Moments are about the first vertex of a otherwise, and not exact where two faces meet.
+    view: from a. The moments are exact only if a corner and a face, or two edges, meet.
     """
     on_a, on_b = facet
     if is_corner(on_a):
@@ -95,7 +96,7 @@ def find_patch(shapes, bodies, contacts, p, offset, workspace, thread):
         return
     x, y = m.dx / m.d, m.dy / m.d
     write_spread(contacts.spread, p, axes, m.dxx / m.d - x * x, m.dxy / m.d - x * y, m.dyy / m.d - y * y)
-    # The vertex that the moments are about is on the surface of its body: half the overlap leads midway.
+    # The reference vertex of the moments is on the surface of its body; the contact point is half the overlap away.
     if about_b:
         about, half = plus(vertex_of(shapes, bodies, j, on_b[0]), offset), 0.5 * overlap
     else:

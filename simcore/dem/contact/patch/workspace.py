@@ -1,15 +1,15 @@
-r"""Working memory of patches: each thread has its own, so that a step allocates nothing.
+r"""Workspace of patches: working memory for each thread, so that a step allocates nothing.
 
-      o---o            mark, stamp   vertex v was visited by the current walk over a hull where mark[v] == stamp
-     /|\ / \           stack         vertices whose neighbours the walk has still to visit
-    o-o-*---o          faces         triangles that take part, of a and of b, with their planes
-     \|/ \ /           polygon       two polygons: a face before and after it is cut by a plane
-      o---o            height        of the corners of a polygon over that plane
+      o---o            mark, stamp   the current walk over a polyhedron has visited vertex v if mark[v] == stamp
+     /|\ / \           stack         vertices whose neighbours the walk has yet to visit
+    o-o-*---o          faces         triangles of a and of b that take part, with their planes
+     \|/ \ /           polygon       two polygons: a face before and after a cut by a plane
+      o---o            height        heights of the corners of a polygon above that plane
                        bound         corners of a small polytope that contains the overlap
     o visited  * top
 
-Lengths are in metres. Faces, planes, polygons and bounds are given along the axes of the patch (axes.py), from the
-centre of body a.
+Lengths are in metres. Coordinates of faces, planes, polygons and bounds are along the axes of the patch (axes.py),
+relative to the centre of body a.
 """
 
 from typing import NamedTuple
@@ -35,7 +35,7 @@ class Workspace(NamedTuple):
 
 
 def make_workspace(shapes: Shapes, n_threads: int) -> Workspace:
-    """Workspace for the largest hull of the scene; its arrays have no rows where there is no hull."""
+    """Return a workspace for the largest polyhedron of the scene; without polyhedra its arrays have no rows."""
     counts = np.diff(shapes.vertex_start)
     n = int(counts.max(initial=0))
     threads = n_threads if n else 0
@@ -53,7 +53,7 @@ def make_workspace(shapes: Shapes, n_threads: int) -> Workspace:
 
 @leaf
 def start_walk(workspace, thread, vertex, first):
-    """Begin a walk over a hull at a vertex; returns the stamp of the walk. first: the hull's first vertex."""
+    """Begin a walk over a polyhedron at a vertex; return the stamp of the walk. first: first vertex of the base."""
     workspace.stamp[thread] += 1
     stamp = workspace.stamp[thread]
     workspace.mark[thread, vertex - first] = stamp
@@ -63,38 +63,41 @@ def start_walk(workspace, thread, vertex, first):
 
 @leaf
 def read_face(workspace, t, side, face, corner):
-    """A corner of a face of thread t."""
+    """Return a corner of a face of thread t."""
     faces = workspace.faces
     return Vec(faces[t, side, face, corner, 0], faces[t, side, face, corner, 1], faces[t, side, face, corner, 2])
 
 
 @leaf
 def write_face(workspace, t, side, face, corner, v):
+    """Store a corner of a face of thread t."""
     faces = workspace.faces
     faces[t, side, face, corner, 0], faces[t, side, face, corner, 1], faces[t, side, face, corner, 2] = v.x, v.y, v.z
 
 
 @leaf
 def read_polygon(workspace, t, number, corner):
-    """A corner of one of the two polygons of thread t."""
+    """Return a corner of one of the two polygons of thread t."""
     polygon = workspace.polygon
     return Vec(polygon[t, number, corner, 0], polygon[t, number, corner, 1], polygon[t, number, corner, 2])
 
 
 @leaf
 def write_polygon(workspace, t, number, corner, v):
+    """Store a corner of one of the two polygons of thread t."""
     polygon = workspace.polygon
     polygon[t, number, corner, 0], polygon[t, number, corner, 1], polygon[t, number, corner, 2] = v.x, v.y, v.z
 
 
 @leaf
 def read_bound(workspace, t, corner):
-    """A corner of the bound of thread t."""
+    """Return a corner of the bound of thread t."""
     bound = workspace.bound
     return Vec(bound[t, corner, 0], bound[t, corner, 1], bound[t, corner, 2])
 
 
 @leaf
 def write_bound(workspace, t, corner, x, y, z):
+    """Store a corner of the bound of thread t."""
     bound = workspace.bound
     bound[t, corner, 0], bound[t, corner, 1], bound[t, corner, 2] = x, y, z

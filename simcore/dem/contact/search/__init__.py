@@ -1,1 +1,1 @@
-"""Searches for the contact of two grains from nothing: distance and overlap of convex shapes."""
+"""Searches for the contact of two convex shapes without a remembered contact: distance and overlap."""

@@ -48,6 +48,7 @@ _take_polytope = polytope_scratch(MAX_VERTICES, 2 * MAX_VERTICES)
 
 @leaf
 def _semi_axis(m, rotation, i, axis):
+    """Return the length of a semi-axis of ellipsoid i."""
     return support_height(m, i, Vec(rotation[i, 0, axis], rotation[i, 1, axis], rotation[i, 2, axis]))
 
 

@@ -1,4 +1,4 @@
-"""EPA: the facet of the Minkowski difference M next to the origin (van den Bergen 2001)."""
+"""EPA: search for the facet of the Minkowski difference M that is nearest to the origin (van den Bergen 2001)."""
 
 from typing import NamedTuple
 
@@ -18,24 +18,24 @@ from simcore.dem.contact.search.simplex import along, copy_point, edge_of, put_s
 from simcore.dem.vectors import Vec, cross, dot, length, minus, negative, over, read, sideways
 
 MAX_VERTICES = 128  # a capacity (docs/constants_contact.md#capacities-and-bounds-of-iterations)
-TOLERANCE = 1e-12  # of the pair's size: how far M may reach beyond a facet that counts as its own
-FLAT = 1e-9  # of the size³: a tetrahedron of less volume is no start
+TOLERANCE = 1e-12  # of the pair's size: how far M may extend beyond a face that is accepted as a facet of M
+FLAT = 1e-9  # of the size³: a tetrahedron of less volume is not used as a start
 
 _take_polytope = polytope_scratch(MAX_VERTICES, 2 * MAX_VERTICES)
 
 
 class FacetDistance(NamedTuple):
-    """The facet of M next to the origin."""
+    """The facet of M nearest to the origin."""
 
     overlap: float  # [m], negative: a certain gap along the normal
     normal: Vec  # from a to b
     facet: Facet
-    lead: float  # [m], by which other facets show more than this one, as far as the search saw them
+    lead: float  # [m], overlap of the next facet minus this one, among the faces of the search
 
 
 @leaf
 def _farther(shapes, f, a, b, normal, point):
-    """Of the supports along n and −n the one farther from the plane through the point."""
+    """Return the support along n or −n, whichever is farther from the plane through the point."""
     above = support(shapes, f, a, b, normal)
     below = support(shapes, f, a, b, negative(normal))
     if dot(normal, minus(above.point, point)) >= -dot(normal, minus(below.point, point)):
@@ -45,7 +45,7 @@ def _farther(shapes, f, a, b, normal, point):
 
 @routine
 def _start_tetrahedron(shapes, f, a, b, normal, polytope):
-    """Points 0 to 3 from a direction: along it and back, then as far sideways as M reaches."""
+    """Store support points 0 to 3: along the direction and against it, then the farther ones sideways."""
     m = support(shapes, f, a, b, normal)
     put_support(polytope, 0, m)
     m = support(shapes, f, m.a, m.b, negative(normal))
@@ -61,7 +61,7 @@ def _start_tetrahedron(shapes, f, a, b, normal, polytope):
 
 @leaf
 def _least_weight(polytope, k, normal):
-    """Least barycentric weight of the origin's projection along n on face k: negative outside."""
+    """Return the least barycentric weight of the origin's projection along n on face k; negative outside."""
     faces = polytope.faces
     u, v, w = shadows(polytope.points, faces[k, 0], faces[k, 1], faces[k, 2], normal)
     return min(u, v, w) / (u + v + w)
@@ -69,7 +69,7 @@ def _least_weight(polytope, k, normal):
 
 @leaf
 def _lowest_corner(polytope, k, normal):
-    """Least height along n of the corners of face k."""
+    """Return the least height along n of the corners of face k."""
     lowest = np.inf
     for corner in range(3):
         lowest = min(lowest, along(polytope.points, polytope.faces[k, corner], normal))
@@ -78,10 +78,10 @@ def _lowest_corner(polytope, k, normal):
 
 @routine
 def _facet_below(polytope, n_faces, nearest, tolerance):
-    """Of the faces in the plane of the nearest one, that which contains the origin's projection.
+    """Return the face that contains the origin's projection, among the faces in the plane of the nearest one.
 
-    A facet of M is a triangle only by chance: that of two edges is a parallelogram, and EPA meets its triangles in
-    any order.
+    A facet of M need not be a triangle: the facet of two edges is a parallelogram, of which EPA may find the other
+    triangle first.
     """
     distances, normal = polytope.distances, read(polytope.normals, nearest)
     best, largest = nearest, _least_weight(polytope, nearest, normal)
@@ -90,7 +90,7 @@ def _facet_below(polytope, n_faces, nearest, tolerance):
     for k in range(n_faces):
         if distances[k] > distances[nearest] + tolerance:
             continue
-        # A face as near may also lie elsewhere (concentric bodies): then its corners are not in the plane.
+        # An equally near face may be in another plane (concentric bodies); its corners are then not in this plane.
         if _lowest_corner(polytope, k, normal) < distances[nearest] - 4.0 * tolerance:
             continue
         weight = _least_weight(polytope, k, normal)
@@ -101,7 +101,7 @@ def _facet_below(polytope, n_faces, nearest, tolerance):
 
 @leaf
 def _lead(polytope, n_faces, least, normal, tolerance):
-    """Distance of the nearest face that is not in the plane of normal n at `least`, less that."""
+    """Return the distance of the nearest face outside the plane with normal n at distance `least`, minus `least`."""
     second = np.inf
     for k in range(n_faces):
         if polytope.distances[k] < second and _lowest_corner(polytope, k, normal) < least - 4.0 * tolerance:
@@ -111,17 +111,18 @@ def _lead(polytope, n_faces, least, normal, tolerance):
 
 @leaf
 def _corners(polytope, k):
-    """The vertices of a and b that the corners of face k come from."""
+    """Return the vertices of a and b whose differences are the corners of face k."""
     vertices, p, q, s = polytope.vertices, polytope.faces[k, 0], polytope.faces[k, 1], polytope.faces[k, 2]
     return Facet(vertices[p, 0], vertices[q, 0], vertices[s, 0], vertices[p, 1], vertices[q, 1], vertices[s, 1])
 
 
 @routine
 def expand(shapes, f, a, b, normal, simplex, n_simplex):
-    """The facet of M next to the origin: (complete, FacetDistance), in the axes of the frame f.
+    """Search the facet of M nearest to the origin: (complete, FacetDistance), in the axes of the frame f.
 
-    Starts from GJK's simplex where that is a tetrahedron, else from the direction n and vertices a, b. Not complete:
-    the polytope ran out of room or could not be kept closed. lead: of the polytope's next face.
+    The search starts from the simplex of GJK if that is a tetrahedron, else from the direction n and vertices a, b. It
+    is not complete if the capacity of the polytope is exhausted or rounding would open its surface. The lead is that
+    of the next face of the polytope.
     """
     polytope = _take_polytope()
     volume = 0.0

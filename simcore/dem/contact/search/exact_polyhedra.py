@@ -1,4 +1,4 @@
-"""Two polyhedra, of which one may be a single point, from nothing: distance to the last digits, normal, points."""
+"""Query of two polyhedra, one of which may be a single point: distance to rounding, normal and closest points."""
 
 from simcore.compilation import leaf, routine
 from simcore.dem.contact.pair import Closest
@@ -31,13 +31,13 @@ from simcore.dem.vectors import (
     write,
 )
 
-UNSURE = 1e-12  # of the pair's size: between the bounds of a gap from below and above
-BESIDE = 1e-13  # of the pair's size: how far from the normal's line through the origin M's point may lie
+UNSURE = 1e-12  # of the pair's size: accepted difference between the lower and upper bound of a gap
+BESIDE = 1e-13  # of the pair's size: accepted distance of the point of M from the line along the normal
 
 
 @leaf
 def _weigh_triangle(simplex):
-    """Weigh three points by the point of their triangle next to the origin; returns how many have a weight."""
+    """Store the weights of the triangle's point nearest to the origin; return the number of points with a weight."""
     weights = simplex.weights
     weights[0], weights[1], weights[2] = triangle_weights(simplex.points, 0, 1, 2)
     return keep_weighted(simplex, weights, 3)
@@ -45,7 +45,7 @@ def _weigh_triangle(simplex):
 
 @leaf
 def _project_facet(shapes, f, facet, normal, simplex):
-    """Weigh the corners of a facet with this normal by the point next to the origin's projection, as above."""
+    """Store the weights of the facet's point nearest to the origin's projection along the normal; return as above."""
     v = simplex.vertices
     v[0, 0], v[1, 0], v[2, 0] = facet.a0, facet.a1, facet.a2
     v[0, 1], v[1, 1], v[2, 1] = facet.b0, facet.b1, facet.b2
@@ -56,7 +56,7 @@ def _project_facet(shapes, f, facet, normal, simplex):
 
 @leaf
 def _aside(shapes, f, normal, simplex, n):
-    """Distance of the point Σ w m of M from the line along n through the origin."""
+    """Return the distance of the point Σ w m of M from the line along n through the origin."""
     point = Vec(0.0, 0.0, 0.0)
     for k in range(n):
         m = difference(shapes, f, simplex.vertices[k, 0], simplex.vertices[k, 1])
@@ -66,11 +66,14 @@ def _aside(shapes, f, normal, simplex, n):
 
 @leaf
 def _search_facet(shapes, f, end, simplex):
-    """The approach where GJK certified no gap, by the facet of M next to the origin; its gap is minus the overlap."""
+    """Return the approach by the facet of M nearest to the origin, used if GJK certified no gap.
+
+    Its gap is minus the overlap.
+    """
     deepest = facet_distance(shapes, f, end.a, end.b, end.normal, simplex, end.n)
     n = _project_facet(shapes, f, deepest.facet, deepest.normal, simplex)
     gap, distance = -deepest.overlap, 0.0
-    if gap > 0.0:  # too small for GJK: the nearest feature may be an edge or a corner of the facet
+    if gap > 0.0:  # a gap too small for GJK: the nearest feature may be an edge or a corner of the facet
         for k in range(3):
             write(simplex.points, k, difference(shapes, f, simplex.vertices[k, 0], simplex.vertices[k, 1]))
         n = _weigh_triangle(simplex)
@@ -80,9 +83,9 @@ def _search_facet(shapes, f, end, simplex):
 
 @leaf
 def _sharpen_gap(shapes, f, end, simplex, fresh):
-    """The approach with a gap as good as the distance, to rounding."""
+    """Return the approach with a certain gap that equals the distance to rounding."""
     end = sharpen(shapes, f, simplex, end)
-    if end.distance - end.gap > UNSURE * f.size:  # a face whose corners GJK never met together: EPA finds its normal
+    if end.distance - end.gap > UNSURE * f.size:  # GJK did not find all corners of a face; EPA finds its normal
         nearest = facet_distance(shapes, f, end.a, end.b, end.normal, fresh, 0)
         if -nearest.overlap > end.gap:
             facet = nearest.facet
@@ -92,7 +95,7 @@ def _sharpen_gap(shapes, f, end, simplex, fresh):
 
 @routine
 def query_polyhedra(shapes, bodies, pair):
-    """Closest points of two polyhedra, in world axes."""
+    """Return the closest points of two polyhedra, in world axes."""
     simplex, fresh, rotation = take_simplex(), take_simplex(), bodies.rotation
     f = frame_of(bodies, pair)
     normal = Vec(1.0, 0.0, 0.0)

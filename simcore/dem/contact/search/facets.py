@@ -1,13 +1,13 @@
-"""All facets of the Minkowski difference M of two polyhedra, without building it.
+"""Search over all facets of the Minkowski difference M of two polyhedra, without building M.
 
 A facet of M belongs to a face of a, to a face of b, or to an edge of each. On the sphere of normals an edge is the arc
-between the normals of its two faces, and a vertex the region between its edges' arcs; the facets of two edges are
-where an arc of a crosses one of b. So: follow each arc of a across the regions of b, from vertex to neighbouring
-vertex. The cost is linear in edges and crossings, and nothing is stored.
+between the normals of its two faces, and a vertex is the region between the arcs of its edges. The facets of two edges
+are the crossings of an arc of a with an arc of b. The search therefore follows each arc of a across the regions of b,
+from vertex to neighbouring vertex. Its cost is linear in the number of edges and crossings, and it stores nothing.
 
-The support value of M along any direction is an upper bound of the depth, whatever the rounding of the direction, and
-it is what is compared: so rounding can misjudge a crossing, but never the depth that its direction shows. And where a
-crossing is missed because it lies at an arc's end by rounding, that end is a face's normal, and is tried too.
+The search compares support values of M. Along any direction, whatever its rounding, the support value is an upper bound
+of the depth, so that rounding may misplace a crossing but not the depth along its direction. A crossing may be missed
+by rounding if it is at the end of an arc; that end is the normal of a face, which is tried too.
 """
 
 from typing import NamedTuple
@@ -37,11 +37,11 @@ from simcore.dem.vectors import (
     scaled,
 )
 
-TIE = 1e-11  # of the pair's size: vertices this close below a support plane count as on it
+TIE = 1e-11  # of the pair's size: vertices within this distance below a support plane count as on it
 
 
 class Depth(NamedTuple):
-    """What a direction shows."""
+    """The depth along a direction."""
 
     overlap: float  # [m], support value of M: an upper bound of the overlap; negative: a certain gap
     normal: Vec
@@ -50,9 +50,9 @@ class Depth(NamedTuple):
 
 
 class Arc(NamedTuple):
-    """Normals between those of an edge's two faces, counterclockwise from the first; all normal to the edge."""
+    """The normals from that of one face of an edge to that of the other, counterclockwise; all normal to the edge."""
 
-    p: Vec  # basis of the plane normal to the edge
+    p: Vec  # basis p, q of the plane normal to the edge
     q: Vec
     first_p: float
     first_q: float
@@ -62,6 +62,7 @@ class Arc(NamedTuple):
 
 @leaf
 def _vertex(shapes, f, of_b, v):
+    """Return vertex v of b or of a, relative to its centre."""
     if of_b:
         return vertex_b(shapes, f, v)
     return vertex_a(shapes, f, v)
@@ -69,15 +70,15 @@ def _vertex(shapes, f, of_b, v):
 
 @leaf
 def _in_plane(arc, p, q):
-    """The direction of components p and q in the plane of an arc."""
+    """Return the direction with components p and q in the plane of an arc."""
     return plus(scaled(p, arc.p), scaled(q, arc.q))
 
 
 @routine
 def _arc(shapes, f, of_b, u, v):
-    """Arc of normals of edge u, v of a or of b.
+    """Return the arc of normals of edge u, v of a or of b.
 
-    Seen along the edge the body is a corner, and its sides are the extreme ones of the vectors to the neighbours.
+    Projected along the edge the body is a wedge, whose sides are the extreme vectors to the neighbours.
     """
     at_u = _vertex(shapes, f, of_b, u)
     edge = minus(_vertex(shapes, f, of_b, v), at_u)
@@ -98,16 +99,16 @@ def _arc(shapes, f, of_b, u, v):
                     lp, lq = cp, cq
                 if rp * cq - rq * cp < 0.0:
                     rp, rq = cp, cq
-    # Outward: to the left of the left side, to the right of the right one
+    # The outward normals are to the left of the left side and to the right of the right side.
     left, right = np.sqrt(lp * lp + lq * lq), np.sqrt(rp * rp + rq * rq)
     return Arc(p, q, -lq / left, lp / left, rq / right, -rp / right)
 
 
 @leaf
 def _consider(shapes, f, a, b, normal, best):
-    """The less of the best depth and that along n."""
+    """Return the best depth or that along n, whichever is less."""
     size = length(normal)
-    if not size > 0.5:  # a degenerate edge: nan
+    if not size > 0.5:  # a degenerate edge, whose normal is nan
         return best
     normal = over(normal, size)
     m = support(shapes, f, a, b, normal)
@@ -119,9 +120,9 @@ def _consider(shapes, f, a, b, normal, best):
 
 @leaf
 def _next_region(shapes, f, arc, b, lp, lq):
-    """Where the arc, from its direction l, leaves the region of vertex b: (neighbour that takes over, direction (2)).
+    """Return where the arc, from its direction l on, leaves the region of vertex b: (next vertex, direction (2)).
 
-    -1: nowhere before the arc's end.
+    The next vertex is -1 if the arc ends inside the region.
     """
     at_b = vertex_b(shapes, f, b)
     after, ep, eq = -1, arc.last_p, arc.last_q
@@ -131,8 +132,8 @@ def _next_region(shapes, f, arc, b, lp, lq):
         dp, dq = dot(edge, arc.p), dot(edge, arc.q)
         size = np.sqrt(dp * dp + dq * dq)
         hp, hq = -dq / size, dp / size
-        # Not before the present direction (vertices of one face follow each other in the same one; the way back to the
-        # last vertex lies at 180°), and before the best so far
+        # The crossing must not be before the present direction (vertices of one face are crossed in the same direction,
+        # and the way back to the last vertex is at 180°), and it must be before the best crossing so far.
         turn = lp * hq - lq * hp
         ahead = turn > 1e-14 or (turn >= -1e-14 and lp * hp + lq * hq > 0.0)
         if ahead and hp * eq - hq * ep > 0.0:
@@ -142,9 +143,9 @@ def _next_region(shapes, f, arc, b, lp, lq):
 
 @leaf
 def _follow_arc(shapes, f, arc, u, b, count_b, best):
-    """Best depth over the normals of an edge of a from vertex u: its ends and its crossings with b's arcs, and b there.
+    """Return the best depth over the ends of an arc of a and its crossings with arcs of b, and the last vertex of b.
 
-    b: vertex of b to climb from; count_b: number of vertices of b.
+    u: vertex of the edge of a. b: vertex of b from which the climb starts. count_b: number of vertices of b.
     """
     lp, lq = arc.first_p, arc.first_q
     normal = _in_plane(arc, lp, lq)
@@ -162,7 +163,7 @@ def _follow_arc(shapes, f, arc, u, b, count_b, best):
 
 @routine
 def least_depth(shapes, f, normal):
-    """Least support value of M over all its facets' normals, and over n, any direction: Depth."""
+    """Return the least support value of M over the normals of all its facets and over n, any direction: Depth."""
     start, neighbors = shapes.neighbor_start, shapes.neighbors
     first_a, last_a = shapes.vertex_start[f.shape_a], shapes.vertex_start[f.shape_a + 1]
     first_b, last_b = shapes.vertex_start[f.shape_b], shapes.vertex_start[f.shape_b + 1]
@@ -189,7 +190,7 @@ def least_depth(shapes, f, normal):
 
 @leaf
 def _tied(shapes, f, of_b, v, normal, lowest, way):
-    """Vertex of a or b that is farthest along a way among those that reach `lowest` along n, from vertex v."""
+    """Return the vertex of a or b farthest along `way` among those at least at `lowest` along n, by a climb from v."""
     best = dot(_vertex(shapes, f, of_b, v), way)
     for _ in range(len(shapes.vertices)):
         higher = v
@@ -205,10 +206,10 @@ def _tied(shapes, f, of_b, v, normal, lowest, way):
 
 @routine
 def facet_at(shapes, f, a, b, normal, simplex):
-    """Triangle in M's facet along n that contains the origin's projection, or comes nearest: number of its corners.
+    """Search the triangle in the facet of M along n that contains the origin's projection, or is nearest to it.
 
-    a, b: supports along n. Fills the simplex; its points are the parts normal to n. This is GJK in the plane, over the
-    vertices that reach the facet within TIE.
+    Returns the number of its corners. a, b: supports along n. The corners are stored in the simplex, whose points are
+    the parts normal to n. This is GJK in the plane, over the vertices that are on the facet within TIE.
     """
     points, weights = simplex.points, simplex.weights
     against = negative(normal)
@@ -236,6 +237,6 @@ def facet_at(shapes, f, a, b, normal, simplex):
             break
         if n == 3:
             n = keep_weighted(simplex, weights, n)
-            if n == 3:  # the origin's projection lies within: what is left is rounding
+            if n == 3:  # the origin's projection is inside; the remaining distance is rounding
                 break
     return n

@@ -1,4 +1,4 @@
-"""GJK: the point of the Minkowski difference M next to the origin (Gilbert, Johnson & Keerthi 1988)."""
+"""GJK: search for the point of the Minkowski difference M nearest to the origin (Gilbert, Johnson & Keerthi 1988)."""
 
 from typing import NamedTuple
 
@@ -20,28 +20,29 @@ from simcore.dem.contact.search.simplex import (
 )
 from simcore.dem.vectors import Vec, cross, dot, length, minus_scaled, negative, over, read, squared
 
-GJK_ITERATIONS = 128  # a bound, not a budget (docs/constants_contact.md#capacities-and-bounds-of-iterations)
-NEAR = 1e-3  # of the pair's size: nearer, directions come from the simplex's features, not from its nearest point
-GAP_TOLERANCE = 1e-13  # of the pair's size: how far the certain gap may fall short of the nearest point's distance
-SHARPENINGS = 8
+# An upper bound that is not reached in practice (docs/constants_contact.md#capacities-and-bounds-of-iterations)
+GJK_ITERATIONS = 128
+NEAR = 1e-3  # of the pair's size: below it, directions follow from the features of the simplex, not its nearest point
+GAP_TOLERANCE = 1e-13  # of the pair's size: accepted difference of the nearest point's distance and the certain gap
+SHARPENINGS = 8  # maximum number of iterations of `sharpen`
 
 _take_fresh = scratch(types.float64, 4)
 
 
 class Approach(NamedTuple):
-    """Where a search for the gap ended."""
+    """The end of a search for the gap."""
 
-    gap: float  # [m], certain: M stays below −gap along the normal; not positive: it certifies nothing
+    gap: float  # [m], certain: M is below −gap along the normal; if not positive, no gap is certified
     normal: Vec  # from a to b
     a: int  # support vertices along the normal
     b: int
-    distance: float  # [m], of the simplex's point next to the origin
-    n: int  # points of the simplex; 4: it contains the origin
+    distance: float  # [m], of the simplex's point nearest to the origin
+    n: int  # number of points of the simplex; 4: it contains the origin
 
 
 @leaf
 def _normal_to_edge(points, p, q, v):
-    """The part of a vector normal to edge p, q; twice, since the first pass leaves rounding of the vector's length."""
+    """Return the part of a vector normal to edge p, q; a second pass removes the rounding error of the first."""
     edge = edge_of(points, p, q)
     length2 = squared(edge)
     for _ in range(2):
@@ -51,7 +52,7 @@ def _normal_to_edge(points, p, q, v):
 
 @leaf
 def _triangle_normal(points, p, q, s):
-    """Normal of points p, q, s towards the origin's side, not normalised."""
+    """Return the normal of points p, q, s towards the side of the origin, not normalised."""
     normal = cross(edge_of(points, p, q), edge_of(points, p, s))
     if along(points, p, normal) > 0.0:
         return negative(normal)
@@ -60,9 +61,9 @@ def _triangle_normal(points, p, q, s):
 
 @leaf
 def _feature_normal(points, n, direction):
-    """The direction made normal to the simplex of two or three points.
+    """Return the direction made normal to the simplex of two or three points.
 
-    From the nearest point a direction has an error of eps size / distance, whatever the feature's own normal.
+    A direction from the nearest point has an error of eps size / distance, which the normal of the feature has not.
     """
     if n == 2:
         normal = _normal_to_edge(points, 0, 1, direction)
@@ -76,10 +77,10 @@ def _feature_normal(points, n, direction):
 
 @routine
 def walk_to_origin(shapes, f, a, b, normal, slack, simplex):
-    """GJK, from vertices a and b along a normal, in the axes of the frame f: Approach.
+    """Run GJK from vertices a and b along a normal, in the axes of the frame f: Approach.
 
-    Ends where the gap is not less than (1 − slack) of the distance, or where rounding ends the progress. Fills the
-    simplex; of four points it contains the origin, and the distance is zero.
+    The search ends if the gap is at least (1 − slack) times the distance, or if rounding stops its progress. The result
+    is stored in the simplex; if it has four points, it contains the origin, and the distance is zero.
     """
     fresh, points = _take_fresh(), simplex.points
     m = support(shapes, f, a, b, normal)
@@ -109,7 +110,7 @@ def walk_to_origin(shapes, f, a, b, normal, slack, simplex):
             break
         point = weighted_point(points, fresh, n + 1)
         nearer = length(point)
-        if not nearer < distance:  # rounding: the simplex as it was is the better one
+        if not nearer < distance:  # by rounding, the previous simplex is the better one
             break
         nearest, distance = point, nearer
         n = keep_weighted(simplex, fresh, n + 1)
@@ -118,7 +119,10 @@ def walk_to_origin(shapes, f, a, b, normal, slack, simplex):
 
 @leaf
 def _subset_normal(points, subset, n, count):
-    """Direction normal to a subset, a bit for each point, of one to three points of a simplex; not normalised."""
+    """Return the direction normal to a subset of one to three points of a simplex, not normalised.
+
+    subset: a bit for each point; count: number of its points.
+    """
     p, q, s = -1, -1, -1
     for k in range(n):
         if subset >> k & 1:
@@ -133,6 +137,7 @@ def _subset_normal(points, subset, n, count):
 
 @leaf
 def _count_points(subset, n):
+    """Return the number of points in a subset."""
     count = 0
     for k in range(n):
         if subset >> k & 1:
@@ -142,12 +147,12 @@ def _count_points(subset, n):
 
 @routine
 def sharpen(shapes, f, simplex, approach):
-    """The approach with the gap along the best of the directions normal to the simplex's features and those beside it.
+    """Return the approach with the gap along the best direction normal to a feature of the simplex, or of an extension.
 
-    GJK takes its direction from the nearest point, whose rounding is that of the size; over a gap g it is wrong by
-    eps size / g, and shows a gap that is short by eps size² / g. The normal of a feature is not, whatever the gap.
-    Where the nearest point lies on a feature's rim to rounding, GJK ends without the rest of the feature: so the
-    support along the best direction joins, and all corners, edges and triangles are tried again.
+    GJK takes its direction from the nearest point, whose rounding error is eps size. At a gap g the direction is wrong
+    by eps size / g, and its gap is too small by eps size² / g. The normal of a feature has no such error. If the
+    nearest point is on the rim of a feature to rounding, GJK ends without the rest of the feature. Therefore the
+    support along the best direction is added, and all corners, edges and triangles are tried again.
     """
     near, n = take_simplex(), approach.n
     for k in range(n):

@@ -1,7 +1,7 @@
-"""A pair of polyhedra in the axes of body a: the form in which the searches compute.
+"""A pair of polyhedra in the axes of body a, in which the searches compute.
 
-The Minkowski difference is M = A − (B + r). The matrix of b carries its scale, so a vertex of b is one matrix times its
-base vertex, and a direction for its base the transpose times the direction.
+The Minkowski difference is M = A − (B + r). The matrix of b includes its scale, so that a vertex of b is this matrix
+times the base vertex, and a direction in its base is the transposed matrix times the direction.
 """
 
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from simcore.dem.vectors import Vec, dot, into_axes, minus, negative, plus_scale
 
 
 class Frame(NamedTuple):
-    """Polyhedra a and b in the axes of a. The rows are those of the matrix W = Rₐᵀ R_b diag(scale of b)."""
+    """Polyhedra a and b in the axes of a. row_x, row_y, row_z: rows of the matrix W = Rₐᵀ R_b diag(scale of b)."""
 
     scale: Vec  # of a
     row_x: Vec
@@ -33,9 +33,9 @@ class Support(NamedTuple):
 
 
 class Facet(NamedTuple):
-    """Vertices of a and of b whose differences are three corners of a facet of M, or of its part next to the origin.
+    """Vertices of a and b whose differences are three corners of a facet of M, or of its part nearest to the origin.
 
-    -1 for corners that the part does not have.
+    Corners that the part does not have are -1.
     """
 
     a0: int
@@ -48,7 +48,7 @@ class Facet(NamedTuple):
 
 @leaf
 def frame_of(bodies, pair):
-    """The pair in the axes of its body a."""
+    """Return the pair in the axes of its body a."""
     rotation, scale, i, j = bodies.rotation, bodies.scale, pair.a, pair.b
     x = into_axes(rotation, i, Vec(rotation[j, 0, 0], rotation[j, 1, 0], rotation[j, 2, 0]))
     y = into_axes(rotation, i, Vec(rotation[j, 0, 1], rotation[j, 1, 1], rotation[j, 2, 1]))
@@ -63,53 +63,53 @@ def frame_of(bodies, pair):
 
 @leaf
 def vertex_a(shapes, f, a):
-    """Vertex of a, from its centre."""
+    """Return a vertex of a, relative to its centre."""
     v = shapes.vertices
     return Vec(f.scale.x * v[a, 0], f.scale.y * v[a, 1], f.scale.z * v[a, 2])
 
 
 @leaf
 def vertex_b(shapes, f, b):
-    """Vertex of b, from its centre."""
+    """Return a vertex of b, relative to its centre."""
     v = read(shapes.vertices, b)
     return Vec(dot(f.row_x, v), dot(f.row_y, v), dot(f.row_z, v))
 
 
 @leaf
 def direction_a(f, normal):
-    """A direction as that in which the base of a has its support point."""
+    """Return the direction in the base of a whose support point is that of a along n."""
     return Vec(f.scale.x * normal.x, f.scale.y * normal.y, f.scale.z * normal.z)
 
 
 @leaf
 def direction_b(f, normal):
-    """A direction as that in which the base of b has its support point."""
+    """Return the direction in the base of b whose support point is that of b along n."""
     return plus_scaled(plus_scaled(scaled(normal.x, f.row_x), normal.y, f.row_y), normal.z, f.row_z)
 
 
 @leaf
 def climb_a(shapes, f, a, normal):
-    """Vertex of a farthest along n, from vertex a."""
+    """Return the vertex of a farthest along n, by a climb from vertex a."""
     d = direction_a(f, normal)
     return climb(shapes, a, d.x, d.y, d.z)
 
 
 @leaf
 def climb_b(shapes, f, b, normal):
-    """Vertex of b farthest along n, from vertex b."""
+    """Return the vertex of b farthest along n, by a climb from vertex b."""
     d = direction_b(f, normal)
     return climb(shapes, b, d.x, d.y, d.z)
 
 
 @leaf
 def difference(shapes, f, a, b):
-    """The point m = a − b − r of vertices a and b."""
+    """Return the point m = a − b − r of vertices a and b."""
     return minus(minus(vertex_a(shapes, f, a), vertex_b(shapes, f, b)), f.offset)
 
 
 @leaf
 def support(shapes, f, a, b, normal):
-    """Support point of M along n; vertices a and b are where the climbs start."""
+    """Return the support point of M along n; the climbs start from vertices a and b."""
     a = climb_a(shapes, f, a, normal)
     b = climb_b(shapes, f, b, negative(normal))
     return Support(a, b, difference(shapes, f, a, b))
@@ -117,7 +117,7 @@ def support(shapes, f, a, b, normal):
 
 @leaf
 def support_afar(shapes, f, normal):
-    """Support point of M along a direction far from the last one."""
+    """Return the support point of M along a direction far from the last one; the climbs start from hints."""
     d = direction_a(f, normal)
     a = climb_from_hint(shapes, f.shape_a, d.x, d.y, d.z)
     d = negative(direction_b(f, normal))

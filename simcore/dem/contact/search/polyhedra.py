@@ -1,17 +1,18 @@
-"""Polyhedron against polyhedron from nothing, by the Minkowski difference M = A − (B + r).
+"""Search for the contact of two polyhedra by the Minkowski difference M = A − (B + r).
 
-M is evaluated only through its support points m = a − b − r, a and b vertices, and contains the origin where the bodies
+M is evaluated only through its support points m = a − b − r, a and b vertices. It contains the origin if the bodies
 overlap.
 
-    pair_frame   the pair in the axes of body a: all searches compute there
-    gjk          walks to the point of M next to the origin: the gap. A direction in which M stays below zero is a
-                 certificate of separation, whatever happened on the way.
-    epa          grows a polytope inside M, always at the facet next to the origin, until that facet belongs to M: the
-                 overlap. It starts from the tetrahedron that GJK ended with. With signed facet distances it needs no
-                 start that contains the origin: a facet that has the origin outside is the nearest of all and is
-                 pushed out first. So it also decides the cases between touching and not touching that GJK cannot.
-    facets       goes through all facets of M: for deep pairs, which have more facets near the origin than EPA has room
-                 for, and where rounding tears its polytope. It cannot fail.
+    pair_frame   the pair in the axes of body a, in which all searches compute
+    gjk          walks to the point of M nearest to the origin, whose distance is the gap. A direction in which M is
+                 below zero proves that the bodies are apart, however it was found.
+    epa          grows a polytope inside M at its facet nearest to the origin until that facet belongs to M, whose
+                 distance is the overlap. It starts from the last tetrahedron of GJK. Because facet distances are
+                 signed, the start need not contain the origin: a facet with the origin outside is the nearest of all
+                 and is pushed out first. EPA therefore also decides cases between touching and apart that GJK cannot
+                 decide.
+    facets       tests all facets of M. It is used for deep overlaps, which have more facets near the origin than the
+                 capacity of EPA, and if rounding would open the polytope of EPA. It always has a result.
 """
 
 from typing import NamedTuple
@@ -31,19 +32,19 @@ class Separation(NamedTuple):
 
     distance: float  # [m], positive: a certain gap; negative: minus the overlap
     normal: Vec  # from a to b
-    facet: Facet  # of M along the normal; of a pair apart the part of M next to the origin: one to three corners
-    lead: float  # [m], how much more overlap other facets show, as far as the search saw them
+    facet: Facet  # of M along the normal; for a pair apart the part of M nearest to the origin: one to three corners
+    lead: float  # [m], overlap of the next facet minus this one, among the faces of the search
 
 
 @leaf
 def world_difference(shapes, bodies, pair, a, b):
-    """The point m = a − b − r of vertices a and b, in world axes."""
+    """Return the point m = a − b − r of vertices a and b, in world axes."""
     return minus(minus(vertex_of(shapes, bodies, pair.a, a), vertex_of(shapes, bodies, pair.b, b)), pair.offset)
 
 
 @leaf
 def world_support(shapes, bodies, pair, a, b, normal):
-    """Support point of M along n, in world axes; vertices a and b are where the climbs start."""
+    """Return the support point of M along n, in world axes; the climbs start from vertices a and b."""
     a = support_vertex_along(shapes, bodies, pair.a, a, normal)
     b = support_vertex_along(shapes, bodies, pair.b, b, negative(normal))
     return Support(a, b, world_difference(shapes, bodies, pair, a, b))
@@ -51,10 +52,10 @@ def world_support(shapes, bodies, pair, a, b, normal):
 
 @leaf
 def search_pair(shapes, bodies, pair, a, b, normal, slack):
-    """Separation of two polyhedra by GJK, and by the facet next to the origin where they overlap.
+    """Search the Separation of two polyhedra by GJK and, if they overlap, by the facet nearest to the origin.
 
-    The normal and the vertices a and b start the search. A gap is not less than (1 − slack) of the distance; below some
-    1e-7 of the size, where rounding ends the search early, it may be shorter.
+    The search starts from the normal and the vertices a and b. A gap is at least (1 − slack) times the distance; below
+    about 1e-7 of the size, where rounding ends the search early, it may be smaller.
     """
     simplex = take_simplex()
     f = frame_of(bodies, pair)
@@ -75,9 +76,9 @@ def search_pair(shapes, bodies, pair, a, b, normal, slack):
 
 @routine
 def facet_distance(shapes, f, a, b, normal, simplex, n):
-    """The facet of M next to the origin by EPA, and by all facets where EPA gives up: FacetDistance in the axes of f.
+    """Search the facet of M nearest to the origin by EPA, or over all facets if EPA fails: FacetDistance in axes of f.
 
-    The normal and vertices a and b are where it starts; n: points of the simplex that GJK left, 0 for none.
+    The search starts from the normal and vertices a and b. n: number of points of the simplex of GJK, 0 for none.
     """
     complete, nearest = expand(shapes, f, a, b, normal, simplex, n)
     if complete:

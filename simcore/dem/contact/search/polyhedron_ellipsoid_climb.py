@@ -1,10 +1,10 @@
-"""Convex polyhedron against ellipsoid by the common normal.
+"""Climb to the common normal of a convex polyhedron and an ellipsoid.
 
-f(n) = n·r − h_polyhedron(n) − h_ellipsoid(n) is the least of smooth functions, one for each vertex v of the polyhedron:
-f_v(n) = n·(r − v) − h_ellipsoid(n). At its maximum one, two or three of them are equal: the ellipsoid touches a
-corner, an edge or a face. Newton's iteration is then a sequence of small problems: maximise the least of the f_v, each
-with its slope and all with the ellipsoid's curvature, over the vertices that matter. The vertices are found on the way:
-where a step leads to another support vertex that spoils it, that vertex joins in.
+f(n) = n·r − h_polyhedron(n) − h_ellipsoid(n) is the minimum of smooth functions, one for each vertex v of the
+polyhedron: f_v(n) = n·(r − v) − h_ellipsoid(n). At the maximum of f one, two or three of them are equal: the ellipsoid
+touches a corner, an edge or a face. Each step of Newton's iteration solves a small problem: it maximises the minimum of
+the f_v of the active vertices, each with its slope and all with the curvature of the ellipsoid. If a step leads to
+another support vertex at which f is too small, that vertex becomes active.
 """
 
 from typing import NamedTuple
@@ -24,34 +24,34 @@ from simcore.dem.contact.search.scratch import scratch_tuple
 from simcore.dem.shapes.hulls import support_vertex_along, vertex_of
 from simcore.dem.vectors import Vec, basis, dot, minus, plus_scaled
 
-TOLERANCE = 1e-12  # of the pair's size: tangential distance of the two surface points that is left
-GAIN = 1e-15  # of the pair's size: a step that promises less is the last
+TOLERANCE = 1e-12  # of the pair's size: tangential distance of the two surface points that is accepted
+GAIN = 1e-15  # of the pair's size: a step with a smaller predicted gain is the last
 ITERATIONS = 60
-CORNERS = 4
+CORNERS = 4  # maximum number of active vertices
 
 
 class Feature(NamedTuple):
-    """Where a climb ended: what of the polyhedron the ellipsoid touches, or comes nearest to."""
+    """The end of a climb: the corner, edge or face of the polyhedron that is nearest to the ellipsoid."""
 
     value: float  # [m], f: a gap, or minus an overlap
     normal: Vec  # from the polyhedron to the ellipsoid
     converged: bool
-    point: Vec  # [m], of the polyhedron, from its centre: a convex combination of the vertices
-    a0: int  # vertices of the corner, edge or face; -1 for those that it does not have
+    point: Vec  # [m], of the polyhedron, relative to its centre: a convex combination of the vertices
+    a0: int  # vertices of the corner, edge or face; -1 for vertices that it does not have
     a1: int
     a2: int
 
 
 class Active(NamedTuple):
-    """The vertices that matter; how many are in use is passed beside them."""
+    """The active vertices; the number in use is a separate argument."""
 
     vertices: np.ndarray  # (CORNERS,) int64
-    slopes: np.ndarray  # (CORNERS, 3): f_v less f, and its slope in axes in which the curvature is one
+    slopes: np.ndarray  # (CORNERS, 3): f_v − f, and the slope of f_v in axes in which the curvature is one
     weights: np.ndarray  # (CORNERS,) of the convex combination
 
 
 class Place(NamedTuple):
-    """A direction, the value of f there and the polyhedron's support vertex."""
+    """A direction, the value of f along it and the support vertex of the polyhedron."""
 
     normal: Vec
     value: float
@@ -59,7 +59,7 @@ class Place(NamedTuple):
 
 
 class Model(NamedTuple):
-    """The ellipsoid's point at a direction, the tangents p and q, and the curvature K = L Lᵀ in them."""
+    """The point of the ellipsoid along a direction, the tangents p and q, and the curvature K = L Lᵀ in them."""
 
     point: Vec
     p: Vec
@@ -70,17 +70,17 @@ class Model(NamedTuple):
 
 
 class Proposal(NamedTuple):
-    """A step in the tangents, its share of the one that was promised, and the gain [m] that was promised."""
+    """A step along the tangents."""
 
     sp: float
     sq: float
-    share: float
-    gain: float
-    open_to_more: bool  # whether a vertex that is not active yet may join in
+    share: float  # ratio of the step to that of the full prediction
+    gain: float  # [m], predicted for the full step
+    open_to_more: bool  # whether another vertex may become active
 
 
 class Step(NamedTuple):
-    """Where a step leads, and what the active vertices were for it."""
+    """The result of a step, and the feature of its active vertices."""
 
     place: Place
     moved: bool
@@ -97,7 +97,7 @@ _take_active = scratch_tuple(
 
 @leaf
 def gap_and_vertex(shapes, bodies, pair, v, normal):
-    """f(n) of polyhedron a and ellipsoid b, and the polyhedron's support vertex there, climbed to from vertex v."""
+    """Return f(n) of polyhedron a and ellipsoid b, and the support vertex of the polyhedron, by a climb from v."""
     v = support_vertex_along(shapes, bodies, pair.a, v, normal)
     height = support_height(bodies.form_matrix, pair.b, normal)
     return dot(normal, minus(pair.offset, vertex_of(shapes, bodies, pair.a, v))) - height, v
@@ -111,10 +111,10 @@ def _clear(weights, n):
 
 @routine
 def _balance(slopes, n, weights):
-    """Weights λ of the least Σ λ f + ½ |Σ λ t|² with λ >= 0, Σ λ = 1; slopes: rows f, t. Returns that least value.
+    """Store the weights λ that minimise Σ λ f + ½ |Σ λ t|² with λ >= 0, Σ λ = 1; return the minimum. slopes: rows f, t.
 
-    It is the dual of the small problem, with t in axes in which the curvature is one. A convex function over a simplex
-    is least at a corner or at the stationary point of an edge or a triangle: all are tried.
+    This is the dual of the small problem, with t in axes in which the curvature is one. A convex function over a
+    simplex has its minimum at a corner or at the stationary point of an edge or a triangle; all are tried.
     """
     best = np.inf
     for k in range(n):
@@ -136,7 +136,7 @@ def _balance(slopes, n, weights):
                     weights[k], weights[m] = mu, 1.0 - mu
             for o in range(m):
                 ef, ep, eq = slopes[o, 0] - slopes[m, 0], slopes[o, 1] - slopes[m, 1], slopes[o, 2] - slopes[m, 2]
-                # Both t along d and e vanish: solved for the point p, q itself, then for the weights
+                # The derivatives along d and e vanish. The point p, q is computed first, then the weights.
                 bd = -(df + dp * slopes[m, 1] + dq * slopes[m, 2])
                 be = -(ef + ep * slopes[m, 1] + eq * slopes[m, 2])
                 det = dp * eq - dq * ep
@@ -154,7 +154,7 @@ def _balance(slopes, n, weights):
 
 @leaf
 def _model_at(m, pair, place):
-    """Model of f near a place; the curvature is of the ellipsoid and of the sphere of directions, made positive."""
+    """Return the Model of f near a place, with the curvature of ellipsoid and sphere of directions, made positive."""
     point, height = surface_point(m, pair.b, place.normal)
     p, q = basis(place.normal)
     kpp, kqq, kpq = curvatures(m, pair.b, p, q, point, height)
@@ -166,6 +166,7 @@ def _model_at(m, pair, place):
 
 @leaf
 def _fill_slopes(shapes, bodies, pair, place, model, active, n):
+    """Store value and slope of each active vertex."""
     for k in range(n):
         corner = vertex_of(shapes, bodies, pair.a, active.vertices[k])
         slope = minus(minus(pair.offset, model.point), corner)
@@ -177,7 +178,7 @@ def _fill_slopes(shapes, bodies, pair, place, model, active, n):
 
 @leaf
 def _combine(shapes, bodies, pair, active, n):
-    """Slope (2) and point of the polyhedron by the weights of the active vertices."""
+    """Return the weighted slope (2) of the active vertices and their weighted point on the polyhedron."""
     tp, tq, point = 0.0, 0.0, Vec(0.0, 0.0, 0.0)
     for k in range(n):
         tp += active.weights[k] * active.slopes[k, 1]
@@ -197,7 +198,7 @@ def _is_active(active, n, v):
 
 @leaf
 def _shorten(shapes, bodies, pair, place, model, active, n, proposal):
-    """Halve a proposed step until it climbs, or until it leads to a vertex that may join: (place, moved, joins)."""
+    """Halve a step until it climbs, or until it leads to a vertex that may become active: (place, moved, joins)."""
     sp, sq, share = proposal.sp, proposal.sq, proposal.share
     trial, moved, joins = place, False, False
     for _ in range(40):
@@ -205,7 +206,7 @@ def _shorten(shapes, bodies, pair, place, model, active, n, proposal):
         value, v = gap_and_vertex(shapes, bodies, pair, place.vertex, normal)
         trial = Place(normal, value, v)
         joins = not _is_active(active, n, v)
-        # A step must bring its share of the promise, or it would leap to and fro over a sharp rim.
+        # A step must achieve a tenth of its predicted gain, or it could oscillate across a sharp edge.
         moved = value >= place.value + 0.1 * share * proposal.gain - 1e-15 * pair.size
         if moved or (joins and proposal.open_to_more):
             break
@@ -216,7 +217,7 @@ def _shorten(shapes, bodies, pair, place, model, active, n, proposal):
 
 @leaf
 def _update_active(active, n, v, joins):
-    """Drop the vertices of no weight, and let v join, unless it is active; returns (their number, first three kept)."""
+    """Remove vertices without weight, and add v if it joins and is not active: (number, first three that were kept)."""
     kept = 0
     for k in range(n):
         if active.weights[k] > 0.0:
@@ -236,7 +237,7 @@ def _update_active(active, n, v, joins):
 
 @leaf
 def _step_from(shapes, bodies, pair, place, active, n):
-    """One step of Newton's iteration: Step. Vertices that spoil it join in, as long as they lower its promise."""
+    """Make one step of Newton's iteration: Step. Vertices that spoil it become active while they lower its gain."""
     model = _model_at(bodies.form_matrix, pair, place)
     trial, moved, gain, residual, promised = place, False, 0.0, 0.0, np.inf
     point, a0, a1, a2 = Vec(0.0, 0.0, 0.0), -1, -1, -1
@@ -251,12 +252,12 @@ def _step_from(shapes, bodies, pair, place, active, n):
         if reach > 0.5:
             share = 0.5 / reach
             sp, sq = share * sp, share * sq
-        # A vertex that joined and took nothing from the promise spoils the step by curvature, not by slope: then the
-        # step is too long.
+        # If the last vertex that became active did not lower the predicted gain, the step is spoiled by curvature and
+        # not by slope: it is too long and must be halved.
         proposal = Proposal(sp, sq, share, gain, gain < promised * (1.0 - 1e-9))
         promised = gain
         trial, moved, joins = _shorten(shapes, bodies, pair, place, model, active, n, proposal)
-        # The support vertex of where the step leads stays in any case.
+        # The support vertex at the end of a step that moved is always kept.
         n, a0, a1, a2 = _update_active(active, n, trial.vertex, joins or moved)
         if moved or not joins:
             break
@@ -265,7 +266,7 @@ def _step_from(shapes, bodies, pair, place, active, n):
 
 @routine
 def climb_feature(shapes, bodies, pair, v, normal, enough):
-    """The feature at a local maximum of f, climbed to from n and from vertex v, of polyhedron a and ellipsoid b.
+    """Climb from n and vertex v to a local maximum of f of polyhedron a and ellipsoid b: Feature.
 
     A gap f > enough ends the climb early.
     """
@@ -285,7 +286,7 @@ def climb_feature(shapes, bodies, pair, v, normal, enough):
             return _ended(feature, place, True)
         if not step.moved:
             return _ended(feature, place, False)
-        if idle:  # nothing left to gain, but the points of flat ellipsoids still move
+        if idle:  # no gain is left, but the points of flat ellipsoids still move
             last = step.residual
         place = step.place
     return _ended(feature, place, place.value > enough)

@@ -1,14 +1,14 @@
-r"""A convex polytope that grows by one vertex at a time, as expanding-polytope searches need it.
+r"""A convex polytope that grows by one vertex at a time, for expanding-polytope searches.
 
-It begins as a tetrahedron (`start_polytope`). A new vertex w replaces the faces below it by a fan from their rim:
+It starts as a tetrahedron (`start_polytope`). A new vertex w replaces the faces below it by a fan to their rim:
 
             w                       w
                                    / \          :::  faces whose plane w lies beyond
-         .:::::.                  /   \          R   rim: the edges between these faces and the others, a ring
+         .:::::.                  /   \          R   rim: the ring of edges between these faces and the others
        R ------- R      ->      R       R
       /           \            /         \
 
-The searches differ in where they take the next vertex from and in when they end; the growth is this one.
+The searches differ in how they select the next vertex and in when they end.
 """
 
 from typing import NamedTuple
@@ -22,15 +22,15 @@ from simcore.dem.vectors import Vec, cross, dot, length, minus, plus, read, scal
 
 
 class Polytope(NamedTuple):
-    """Closed triangle mesh, its faces outward. Lengths are capacities; the numbers in use are passed beside it."""
+    """Closed surface of outward triangles. The arrays have a fixed capacity; numbers in use are separate arguments."""
 
     points: np.ndarray  # (n, 3)
-    vertices: np.ndarray  # (n, 2) int64: of polyhedra, the vertices a and b that a point comes from
+    vertices: np.ndarray  # (n, 2) int64: for polyhedra, the vertices a and b whose difference is the point
     faces: np.ndarray  # (m, 3) int64
     adjacent: np.ndarray  # (m, 3) int64: face beyond the edge from corner k to k + 1
     normals: np.ndarray  # (m, 3)
-    distances: np.ndarray  # (m,) of the plane from the origin; infinite: the slot is empty, or a sliver's
-    mark: np.ndarray  # (m,) int64: number of the last insertion that saw the face, or made it
+    distances: np.ndarray  # (m,) signed distance of the plane from the origin; infinite for an empty slot or a sliver
+    mark: np.ndarray  # (m,) int64: number of the last insertion that created the face or found it below its vertex
     stack: np.ndarray  # (m,) int64
     free: np.ndarray  # (m,) int64, empty slots
     rim: np.ndarray  # (m, 4) int64: edges of the rim: start, end, face outside, its slot
@@ -38,7 +38,7 @@ class Polytope(NamedTuple):
 
 
 def polytope_scratch(max_vertices, max_faces):
-    """Function for compiled code that gives a polytope of this capacity on the stack (see `scratch`)."""
+    """Return a function for compiled code that returns a polytope of this capacity on the stack (see `scratch`)."""
     number, index = types.float64, types.int64
     return scratch_tuple(
         Polytope,
@@ -58,36 +58,36 @@ def polytope_scratch(max_vertices, max_faces):
 
 @leaf
 def _set_face(polytope, k, p, q, s, size):
-    """Face k of vertices p, q, s: unit outward normal and signed distance of its plane from the origin."""
+    """Store face k with vertices p, q, s, its unit outward normal and the signed distance of its plane."""
     points, faces, distances = polytope.points, polytope.faces, polytope.distances
     faces[k, 0], faces[k, 1], faces[k, 2] = p, q, s
     at_p, at_q, at_s = read(points, p), read(points, q), read(points, s)
     normal = cross(minus(at_q, at_p), minus(at_s, at_p))
     area = length(normal)
     if area <= 1e-13 * size * size:
-        # A sliver has no reliable plane: never the nearest face and never seen from a new vertex, but the
-        # polytope stays closed.
+        # A sliver has no reliable plane. It is never the nearest face and never below a new vertex, but it keeps the
+        # polytope closed.
         write(polytope.normals, k, Vec(0.0, 0.0, 0.0))
         distances[k] = np.inf
         return
     normal = scaled(1.0 / area, normal)
     write(polytope.normals, k, normal)
-    # The mean over the vertices halves the rounding of a single one.
+    # The mean over the three vertices has about half the rounding error of a single one.
     distances[k] = dot(normal, plus(plus(at_p, at_q), at_s)) / 3.0
 
 
 @leaf
 def volume_of(points):
-    """Six times the signed volume of the tetrahedron of points 0 to 3."""
+    """Return six times the signed volume of the tetrahedron of points 0 to 3."""
     apex = read(points, 0)
     return triple(minus(read(points, 1), apex), minus(read(points, 2), apex), minus(read(points, 3), apex))
 
 
 @leaf
 def shadows(points, p, q, s, normal):
-    """Areas, seen along n and doubled, that the origin spans with the sides q s, s p and p q of a triangle.
+    """Return the doubled areas, projected along n, of the origin with the sides q s, s p and p q of a triangle.
 
-    Over their sum they are the barycentric weights of the origin's projection.
+    Divided by their sum they are the barycentric weights of the origin's projection.
     """
     at_p, at_q, at_s = read(points, p), read(points, q), read(points, s)
     return triple(at_q, at_s, normal), triple(at_s, at_p, normal), triple(at_p, at_q, normal)
@@ -95,9 +95,9 @@ def shadows(points, p, q, s, normal):
 
 @routine
 def start_polytope(polytope, size):
-    """Faces of the tetrahedron of points 0 to 3, slots 0 to 3."""
+    """Store the faces of the tetrahedron of points 0 to 3 in slots 0 to 3."""
     adjacent = polytope.adjacent
-    if volume_of(polytope.points) > 0.0:  # p, q, s run outward, seen from outside, where 3 lies below them
+    if volume_of(polytope.points) > 0.0:  # p, q, s is ordered so that its normal points away from point 3
         p, q, s = 0, 2, 1
     else:
         p, q, s = 0, 1, 2
@@ -116,7 +116,7 @@ def start_polytope(polytope, size):
 
 @leaf
 def nearest_face(polytope, n_faces):
-    """(face, its distance); an infinite distance where there is none."""
+    """Return (nearest face, its distance); the distance is infinite if there is no face."""
     nearest, least = 0, np.inf
     for k in range(n_faces):
         if polytope.distances[k] < least:
@@ -127,9 +127,9 @@ def nearest_face(polytope, n_faces):
 
 @leaf
 def _find_rim(polytope, w, nearest, n_free, mark, size):
-    """Walk over the faces that point w sees, from the nearest, so that they hang together: (edges of the rim, n_free).
+    """Walk from the nearest face over the connected faces that have point w above them: (edges of the rim, n_free).
 
-    Lists the faces as free and fills the rim, as far as there is room.
+    The faces are listed as free and the edges of the rim are stored, up to the capacity.
     """
     faces, adjacent, marks = polytope.faces, polytope.adjacent, polytope.mark
     stack, free, rim = polytope.stack, polytope.free, polytope.rim
@@ -167,9 +167,9 @@ def _find_rim(polytope, w, nearest, n_free, mark, size):
 
 @leaf
 def _is_ring(polytope, n_rim):
-    """Whether the rim is one ring: n_rim edges that lead from one to the next and back, each once.
+    """Return whether the n_rim edges of the rim form one closed ring that contains each edge once.
 
-    Fills from_vertex with the edge that starts at each vertex of the rim.
+    The edge that starts at each vertex of the rim is stored in from_vertex.
     """
     rim, from_vertex = polytope.rim, polytope.from_vertex
     for k in range(n_rim):
@@ -188,7 +188,7 @@ def _is_ring(polytope, n_rim):
 
 @leaf
 def _close(polytope, w, n_rim, n_faces, n_free, mark, size):
-    """Join every edge of the rim to point w by a face, in free slots first: (n_faces, n_free)."""
+    """Add a face from every edge of the rim to point w, in free slots first: (n_faces, n_free)."""
     adjacent, rim = polytope.adjacent, polytope.rim
     first, last, edge = -1, -1, 0
     for _ in range(n_rim):
@@ -216,9 +216,9 @@ def _close(polytope, w, n_rim, n_faces, n_free, mark, size):
 
 @routine
 def insert_point(polytope, w, nearest, n_faces, n_free, mark, size):
-    """Grow the polytope to point w beyond face `nearest`: (done, n_faces, n_free). mark: positive, new at each call.
+    """Extend the polytope to point w beyond face `nearest`: (done, n_faces, n_free). mark: positive, new at each call.
 
-    Not done where there is no room, or where rounding would tear the mesh.
+    It is not done if the capacity is exhausted or if rounding would open the surface.
     """
     n_rim, n_freed = _find_rim(polytope, w, nearest, n_free, mark, size)
     if n_rim < 3 or n_faces + n_rim > len(polytope.faces):

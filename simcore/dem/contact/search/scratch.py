@@ -1,7 +1,7 @@
-"""Scratch arrays on the stack: for compiled functions that count no references and so may not allocate.
+"""Scratch arrays on the stack, for compiled functions without reference counting, which may not allocate.
 
-A search needs some ten small arrays. Allocated, they cost more than the arithmetic, and an allocating function counts
-references on every array that it is given (measurements: docs/constants_contact.md#scratch-arrays).
+A search needs about ten small arrays. Their allocation would cost more than the arithmetic, and a function that
+allocates counts references on all of its arrays (measurements: docs/constants_contact.md#scratch-arrays).
 """
 
 import numpy as np
@@ -14,10 +14,11 @@ _ITEM_BYTES = 8
 
 
 def scratch(item, *shape):
-    """Function for compiled code that gives an uninitialised array of float64 or int64 of this fixed shape.
+    """Return a function for compiled code that returns an uninitialised array of float64 or int64 of this fixed shape.
 
-    The array lives as long as the compiled function that took it, once for each place in the source: in a loop it is
-    the same array every time. Stacks of threads have 2 MB at least; keep the sum well below 100 kB.
+    The array exists until the calling compiled function returns. Each call in the source has one array, so that a call
+    in a loop returns the same array every time. The stack of a thread has at least 2 MB; keep the sum of all arrays
+    well below 100 kB.
     """
     array_type = _array_type(shape, item)
 
@@ -32,7 +33,7 @@ def scratch(item, *shape):
 
 
 def scratch_tuple(kind, **arrays):
-    """As `scratch`, for a NamedTuple of arrays. arrays: of each field its (item, *shape)."""
+    """Return such a function for a NamedTuple of arrays; see `scratch`. arrays: (item, *shape) of each field."""
     fields = [(_array_type(shape, item), shape) for item, *shape in (arrays[name] for name in kind._fields)]
     tuple_type = types.NamedTuple([array_type for array_type, _ in fields], kind)
 
@@ -52,7 +53,7 @@ def _array_type(shape, item):
 
 
 def _on_the_stack(context, builder, array_type, shape):
-    """Value of an array whose items are on the stack of the function that is being compiled."""
+    """Return the value of an array whose items are on the stack of the function that is being compiled."""
 
     def constants(values):
         return [context.get_constant(types.intp, int(value)) for value in values]

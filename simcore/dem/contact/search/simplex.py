@@ -1,4 +1,4 @@
-"""Up to four points of the Minkowski difference M: where they come from, and their point next to the origin."""
+"""A simplex of up to four points of the Minkowski difference M, and its point nearest to the origin."""
 
 from typing import NamedTuple
 
@@ -11,11 +11,11 @@ from simcore.dem.vectors import Vec, cross, dot, minus, plus_scaled, read, scale
 
 
 class Simplex(NamedTuple):
-    """Corners of a part of M next to the origin; the number of corners in use is passed beside it."""
+    """Corners of a part of M near the origin; the number of corners in use is passed as a separate argument."""
 
     points: np.ndarray  # (4, 3) m = a − b − r
     vertices: np.ndarray  # (4, 2) int64: the vertices a and b
-    weights: np.ndarray  # (4,) barycentric, of the simplex's point next to the origin
+    weights: np.ndarray  # (4,) barycentric weights of the simplex's point nearest to the origin
 
 
 take_simplex = scratch_tuple(
@@ -39,7 +39,7 @@ def copy_point(target, k, source, m):
 
 @leaf
 def has_point(simplex, n, a, b):
-    """Whether one of the first n points comes from the vertices a and b."""
+    """Return whether one of the first n points is the difference of vertices a and b."""
     repeated = False
     for k in range(n):
         if simplex.vertices[k, 0] == a and simplex.vertices[k, 1] == b:
@@ -49,9 +49,9 @@ def has_point(simplex, n, a, b):
 
 @leaf
 def keep_weighted(simplex, weights, n):
-    """Keep those of the first n points that have a positive weight; returns their number.
+    """Keep those of the first n points that have a positive weight; return their number.
 
-    weights: (4,) that the simplex takes over, or its own.
+    weights: (4,) to be copied to the simplex, or its own.
     """
     kept = 0
     for k in range(n):
@@ -65,7 +65,7 @@ def keep_weighted(simplex, weights, n):
 
 @leaf
 def weighted_point(points, weights, n):
-    """Σ w m over the first n points."""
+    """Return Σ w m over the first n points."""
     point = Vec(0.0, 0.0, 0.0)
     for k in range(n):
         point = plus_scaled(point, weights[k], read(points, k))
@@ -74,19 +74,19 @@ def weighted_point(points, weights, n):
 
 @leaf
 def edge_of(points, p, q):
-    """Vector from point p to point q."""
+    """Return the vector from point p to point q."""
     return minus(read(points, q), read(points, p))
 
 
 @leaf
 def along(points, p, direction):
-    """Point p, projected on a direction."""
+    """Return the coordinate of point p along a direction."""
     return dot(read(points, p), direction)
 
 
 @leaf
 def segment_weights(points, p, q):
-    """Barycentric weights of the point of segment p, q next to the origin."""
+    """Return the barycentric weights of the point of segment p, q nearest to the origin."""
     edge = edge_of(points, p, q)
     length2 = squared(edge)
     if length2 == 0.0:
@@ -97,13 +97,14 @@ def segment_weights(points, p, q):
 
 @leaf
 def _side_distance2(points, p, q):
+    """Return the squared distance of side p, q from the origin, and the weights of its nearest point."""
     u, v = segment_weights(points, p, q)
     return squared(plus_scaled(scaled(u, read(points, p)), v, read(points, q))), u, v
 
 
 @routine
 def _nearest_side(points, p, q, s):
-    """As `triangle_weights`, where rounding leaves the triangle no inside: the nearest of its sides."""
+    """Return the result of `triangle_weights` by the nearest side, for a triangle that is degenerate to rounding."""
     d_s, p_s, q_s = _side_distance2(points, p, q)
     d_q, p_q, s_q = _side_distance2(points, p, s)
     d_p, q_p, s_p = _side_distance2(points, q, s)
@@ -116,7 +117,7 @@ def _nearest_side(points, p, q, s):
 
 @routine
 def triangle_weights(points, p, q, s):
-    """Barycentric weights of the point of triangle p, q, s next to the origin (regions of Ericson 2005, 5.1.5)."""
+    """Return the weights of the point of triangle p, q, s nearest to the origin (regions of Ericson 2005, 5.1.5)."""
     e, f = edge_of(points, p, q), edge_of(points, p, s)
     e_p, f_p = -along(points, p, e), -along(points, p, f)
     if e_p <= 0.0 and f_p <= 0.0:
@@ -148,7 +149,7 @@ def triangle_weights(points, p, q, s):
 
 @routine
 def nearest_on_simplex(points, n, weights):
-    """Fill the weights of the simplex point next to the origin; True where a tetrahedron contains the origin."""
+    """Store the weights of the point nearest to the origin; return whether the simplex is a tetrahedron around it."""
     weights[0], weights[1], weights[2], weights[3] = 0.0, 0.0, 0.0, 0.0
     if n == 1:
         weights[0] = 1.0
@@ -167,7 +168,7 @@ def nearest_on_simplex(points, n, weights):
         origin_side = -along(points, p, normal)
         apex_side = along(points, apex, normal) + origin_side
         if origin_side * apex_side > 0.0:
-            continue  # the origin lies on the inner side of this face
+            continue  # the origin is on the inner side of this face
         inside = False
         u, v, w = triangle_weights(points, p, q, s)
         point = plus_scaled(plus_scaled(scaled(u, read(points, p)), v, read(points, q)), w, read(points, s))
