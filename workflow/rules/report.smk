@@ -1,8 +1,8 @@
-# Pictures, and one static page of all tables and figures.
+# Pictures, and one static page with all tables and figures.
 from simcore.campaign.showpieces import corner_mixtures, showpieces
 
 
-# Of each study its porosities beside the source study's, and its first packing.
+# Figures of a study: its porosities compared with Rettinger et al. (2022), and its first packing.
 rule study_figures:
     input:
         table="<results>/tables/{study}.csv",
@@ -47,7 +47,7 @@ rule study_figures:
         "../scripts/study_figures.py"
 
 
-# What the studies have together: the table of their cost, and of trends over height.
+# Tables over all studies: their cost, and trends over height.
 rule campaign_tables:
     input:
         packings=collect("<results>/tables/{study}_packings.csv", study=studies),
@@ -67,7 +67,7 @@ rule campaign_tables:
         "../scripts/campaign_tables.py"
 
 
-# One packing of each kind of domain, from the side.
+# One packing of each kind of domain, seen from the side.
 shown = showpieces(plan.in_report)
 
 
@@ -104,7 +104,7 @@ corners = corner_mixtures(plan.in_report.query("study == 'form_mixtures'"))
 if len(corners):
     campaign_figures += ["mixtures"]
 
-    # Four distributions of form, from above.
+    # Four distributions of form, seen from above.
     rule mixture_pictures:
         input:
             packings=collect(
@@ -176,7 +176,7 @@ rule report:
         profiles=collect("<results>/figures/profiles/{study}.png", study=studies),
     output:
         report="<results>/report.html",
-        # In Snakemake's report, which holds the figures apart: browsers show no frame of more than 2 MB.
+        # For Snakemake's report, which has the figures as separate files: browsers show no frame above 2 MB.
         tables=report(
             "<results>/tables.html",
             caption="../report/page.rst",
@@ -194,7 +194,7 @@ rule report:
         "../scripts/report.py"
 
 
-# Tables, figures and a page of the rows that are committed: --configfile config/workstation.yaml -- committed_studies
+# Tables, figures and a page of the committed rows: --configfile config/workstation.yaml -- committed_studies
 rule committed_studies:
     input:
         rows=branch(
