@@ -1,4 +1,4 @@
-"""Write tables of deposits: rows of packings, means over seeds, maxima, symmetry, crossing angles, effects of changes."""
+"""Write tables of deposits: packings, means over seeds, maxima, symmetry, crossing angles, effects of changes."""
 
 import xarray as xr
 
