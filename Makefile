@@ -1,13 +1,13 @@
-# `make` sets up an environment and runs the default campaign; `make check` sets it up and checks style and some tests of
-# each package within two minutes; `make test` runs the tests; `make verify` runs every extreme case, also those that
-# take too long for the tests.
+# `make` sets up an environment and runs the default campaign. `make check` sets it up, checks the style and runs some
+# tests of each package within two minutes. `make test` runs the tests. `make verify` runs every extreme case, also
+# those that take too long for the tests.
 VENV ?= .venv
 PYTHON ?= python3
 CORES ?= all
-# Files of tests that run beside each other.
+# Number of test files that run at the same time.
 WORKERS ?= 2
 PYTEST_ARGS ?=
-# Tests of `make check`: some of each package, 75 s of CPU time in all once their kernels are compiled.
+# Tests of `make check`: some of each package, in total 75 s of CPU time once their kernels are compiled.
 QUICK_TESTS := $(addprefix tests/,test_structure.py test_command_line.py \
   $(addprefix grains/,test_form.py test_mesh.py test_sieve.py) \
   $(addprefix scene/,test_specification.py test_identity.py) \
@@ -21,9 +21,9 @@ QUICK_TESTS := $(addprefix tests/,test_structure.py test_command_line.py \
   $(addprefix report/,test_sections.py test_page.py) \
   verification/test_work_precision_tables.py provenance)
 
-# Neither make nor the scripts of an environment work below a folder whose path has spaces.
+# make and the scripts of an environment do not work if the path of the folder has spaces.
 ifneq ($(words $(CURDIR)),1)
-$(error The path of this clone has spaces, "$(CURDIR)"; move it to a path without any)
+$(error The path of this clone, "$(CURDIR)", has spaces; move it to a path without spaces)
 endif
 
 bin := $(abspath $(VENV))/bin
@@ -31,8 +31,8 @@ installed := $(VENV)/.installed
 
 .PHONY: all environment check test verify
 
-# In an environment that is not activated, snakemake would find the system's python: hence PATH. Steps are compiled
-# first, so that no two packings at once compile the same.
+# PATH is set because snakemake would find the system's python if the environment is not activated. Steps are compiled
+# first, so that packings which start together do not compile the same step.
 all: environment
 	PATH="$(bin):$$PATH" python -m simcore compile
 	PATH="$(bin):$$PATH" snakemake --cores $(CORES)

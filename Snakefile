@@ -1,13 +1,13 @@
-# Scree: from grains to a model of porosity. This file is the table of contents.
-#   config/      the science: what is packed (config.yaml, work_precision.yaml; overlays smoke.yaml, r22.yaml,
-#                deposits.yaml and others)
-#   profiles/    the machine: how it is run
-#   workflow/    the rules, and a script for each
+# Scree: from grains to a model of porosity. This file lists the parts of the workflow.
+#   config/      the packings (config.yaml, work_precision.yaml; overlays smoke.yaml, r22.yaml, deposits.yaml and
+#                others)
+#   profiles/    settings of the machine
+#   workflow/    the rules, and a script for each rule
 
 
-# Snakemake 9.27 looks for jobs to start a second after each look while any wait, and once more for each job that ended:
-# dozens of looks a second after a day. The limit of starts a second is behind it, and is for clusters. Its settings are not
-# there yet when this file is read; the scheduler is, when the first job starts.
+# Snakemake 9.27 searches for jobs to start every second while jobs wait, and again for each job that ended, which adds
+# up to dozens of searches per second after a day. The cause is the rate limit for job starts, which is meant for
+# clusters. It is switched off when the first job starts, because the scheduler does not exist when this file is read.
 onstart:
     if workflow.local_exec:
         workflow.scheduler.job_rate_limiter = None

@@ -14,12 +14,12 @@ from simcore.packing.launch import add_launch_options, launch_packing
 
 
 def main(arguments=None) -> int:
-    """Exit status: 0 done; 2 the input is wrong, with one line that says what; 1 the packing failed.
+    """Run a command and return its exit status: 0 success; 1 the packing failed; 2 wrong input, with one line on it.
 
-    141, as a shell has it, where who reads the output wants no more of it, such as `| head`.
+    The status is 141, as in a shell, if the reader of the output closes it early, such as `| head`.
     """
     options = _parser().parse_args(arguments)
-    # Numba reads its number of threads when it is imported, and must not see another one later.
+    # Numba reads its number of threads when it is imported, and the variable must not change afterwards.
     if getattr(options, "threads", None) and "numba" not in sys.modules:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(max(options.threads, 1)))
     try:
@@ -27,7 +27,7 @@ def main(arguments=None) -> int:
         sys.stdout.flush()
         return status
     except BrokenPipeError:
-        # What is left in the buffer would be complained of at exit.
+        # Otherwise Python reports an error at exit for the text that is still in the buffer.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 128 + signal.SIGPIPE
     except (ValueError, OSError) as error:
@@ -38,17 +38,19 @@ def main(arguments=None) -> int:
 def _parser():
     parser = argparse.ArgumentParser(prog="python -m simcore", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
-    explain = commands.add_parser("explain", help="what a packing computes and costs, without running it")
+    explain = commands.add_parser("explain", help="print what a packing computes and costs, without running it")
     explain.add_argument("specification", type=Path, help="YAML file, see config/packing.schema.yaml")
     explain.set_defaults(run=_explain)
     pack = commands.add_parser("pack", help="run one packing")
     pack.add_argument("specification", type=Path, help="YAML file, see config/packing.schema.yaml")
     pack.add_argument("output", type=Path, help="netCDF file to write")
-    pack.add_argument("--threads", type=int, default=1, help="threads; the result does not depend on them")
-    pack.add_argument("--log", type=Path, help="file that gets the progress lines too")
-    pack.add_argument("--checkpoints", type=Path, metavar="FOLDER", help="where to keep what it can go on from")
-    pack.add_argument("--checkpoint-interval", default="10 min", metavar="TIME", help="wall-clock time between them")
-    pack.add_argument("--force", action="store_true", help="pack a bed too low for its porosity to be evaluated, too")
+    pack.add_argument("--threads", type=int, default=1, help="number of threads; it does not change the result")
+    pack.add_argument("--log", type=Path, help="file to which progress lines are also written")
+    pack.add_argument("--checkpoints", type=Path, metavar="FOLDER", help="where to write checkpoints to resume from")
+    pack.add_argument(
+        "--checkpoint-interval", default="10 min", metavar="TIME", help="wall-clock time between checkpoints"
+    )
+    pack.add_argument("--force", action="store_true", help="also pack a bed that is too low to evaluate its porosity")
     pack.set_defaults(run=_pack)
     compile_ = commands.add_parser("compile", help="compile the steps of packings ahead of time")
     compile_.add_argument(
@@ -56,51 +58,57 @@ def _parser():
         type=Path,
         nargs="*",
         metavar="SPEC.yaml",
-        help="what is to be packed; default: all packings of the campaign in config/config.yaml",
+        help="specifications of packings; default: all packings of the campaign in config/config.yaml",
     )
-    compile_.add_argument("--threads", type=int, default=1, help="as the packings will have: one, or several")
+    compile_.add_argument("--threads", type=int, default=1, help="threads of the packings: 1, or any larger number")
     compile_.set_defaults(run=_compile)
-    launch = commands.add_parser("launch", help="run one packing on several ranks, under a watchdog")
+    launch = commands.add_parser("launch", help="run one packing on several ranks under a watchdog")
     add_launch_options(launch)
     launch.set_defaults(run=_launch)
     porosity = commands.add_parser("porosity", help="bulk porosity of a packing with its sampling error, as JSON")
     porosity.add_argument("packing", type=Path, help="netCDF file of `pack`")
-    porosity.add_argument("--exact", action="store_true", help="slice the grains themselves, not equal spheres")
-    porosity.add_argument("--cut", metavar="LENGTH", help='left out at both ends of the bed: "8 mm", or metres')
+    porosity.add_argument(
+        "--exact", action="store_true", help="slice the grains themselves instead of spheres of equal volume"
+    )
+    porosity.add_argument("--cut", metavar="LENGTH", help='length left out at both ends of the bed: "8 mm", or metres')
     porosity.set_defaults(run=_porosity)
     fabric = commands.add_parser(
         "fabric",
-        help="density, contacts and directions in the bulk of a packing, or of several seeds with their errors",
-        description="Solid fraction, coordination, contact normals and axes of the bulk; of several packings of one "
-        "scene the mean over seeds with its standard error.",
+        help="density, contacts and directions in the bulk of a packing, or of several seeds with errors",
+        description="Solid fraction, coordination, contact normals and axes of the bulk. For several packings of one "
+        "scene: the mean over seeds with its standard error.",
     )
     fabric.add_argument("packings", type=Path, nargs="+", metavar="BED.nc", help="netCDF files of `pack`")
-    fabric.add_argument("--cut", metavar="LENGTH", help='left out above floor, below surface, beside wall: "8 mm"')
-    fabric.add_argument("--bearing-contacts", type=int, metavar="N", help="grains with fewer are rattlers (2)")
-    fabric.add_argument("--out", type=Path, metavar="FABRIC.nc", help="netCDF file that gets all of it")
+    fabric.add_argument("--cut", metavar="LENGTH", help='length left out at floor, surface and wall: "8 mm"')
+    fabric.add_argument("--bearing-contacts", type=int, metavar="N", help="grains with fewer contacts are rattlers (2)")
+    fabric.add_argument("--out", type=Path, metavar="FABRIC.nc", help="netCDF file for all results")
     fabric.set_defaults(run=_fabric)
     predict = commands.add_parser(
         "predict",
-        help="porosity of a bed of measured grains, by our models and those of Rettinger et al. (2022)",
-        description="Porosity of a bed of measured grains with its prediction interval, without packing them. Exit "
-        "status 2 where a sample lies too far outside what the models were fitted to.",
+        help="porosity of a bed of measured grains, from our models and those of Rettinger et al. (2022)",
+        description="Porosity of a bed of measured grains with its prediction interval, without packing them. The exit "
+        "status is 2 if a sample is too far outside the range that the models were fitted to.",
     )
     predict.add_argument(
         "forms",
         type=Path,
         metavar="FORMS.csv",
-        help="table as text or .xlsx: columns L, I, S or FL, EL, a row a grain (or, with a column count, so many "
-        "grains); or mean_FL, std_FL, mean_EL, std_EL, a row a sample",
+        help="table as text or .xlsx. One row per grain: columns L, I, S or FL, EL, and optionally count, the number "
+        "of such grains; or one row per sample: columns mean_FL, std_FL, mean_EL, std_EL",
     )
-    predict.add_argument("--case", required=True, help="U1, U7, ..., or one-class: any single sieve class, U1's model")
     predict.add_argument(
-        "--sample", metavar="COLUMN", help='column that tells samples apart; default: "sample", if any'
+        "--case",
+        required=True,
+        help="sieve curve U1, U7, ..., or one-class: any single sieve class, with the model of U1",
     )
-    predict.add_argument("--models", type=Path, metavar="FOLDER", help="results/models of a campaign of yours")
-    predict.add_argument("--source", help="of the committed packings of one form, those of these grains alone")
-    predict.add_argument("--level", type=float, default=0.95, help="of the prediction interval (0.95)")
+    predict.add_argument(
+        "--sample", metavar="COLUMN", help='column with the name of the sample; default: "sample", if it exists'
+    )
+    predict.add_argument("--models", type=Path, metavar="FOLDER", help="folder results/models of your own campaign")
+    predict.add_argument("--source", help="use only the committed packings of one form with grains of this source")
+    predict.add_argument("--level", type=float, default=0.95, help="level of the prediction interval (0.95)")
     form = predict.add_mutually_exclusive_group()
-    form.add_argument("--csv", action="store_const", dest="form", const="csv", help="a row a sample and model")
+    form.add_argument("--csv", action="store_const", dest="form", const="csv", help="one row per sample and model")
     form.add_argument("--json", action="store_const", dest="form", const="json")
     predict.set_defaults(run=_predict, form="text")
     return parser
@@ -129,7 +137,7 @@ def _pack(options):
 
 
 def _pack_on(ranks, options):
-    """Exit status, the same on all ranks: every error that is caught here is met by all of them."""
+    """Run `pack` and return the exit status, equal on all ranks, since all ranks raise the errors caught here."""
     from simcore.packing.checkpoints.file import CheckpointError
     from simcore.packing.packed import Interrupted, PackingError
     from simcore.packing.process import pack
@@ -167,7 +175,7 @@ def _pack_on(ranks, options):
 
 
 def _prepare(ranks, options, report):
-    """Specification, Setup, keeper and warnings of a packing; ValueError or OSError on all ranks if it cannot run."""
+    """Return specification, Setup, keeper and warnings; ValueError or OSError on all ranks if it cannot run."""
     from simcore.compilation import set_threads
     from simcore.dem.from_scene import compose
     from simcore.grains.sources import load_grains
@@ -185,7 +193,7 @@ def _prepare(ranks, options, report):
     interval = parse_quantity(options.checkpoint_interval, "s")
     set_threads(options.threads)
     setup = set_up(specification, load_grains)
-    compose(setup.scene)  # ValueError where its time step is too long for any bed
+    compose(setup.scene)  # ValueError if its time step is too long for any bed
     if not options.force:
         check_setup(setup)
     ranks.on_first(lambda: _check_writable(options.output))
@@ -198,7 +206,7 @@ def _prepare(ranks, options, report):
 
 
 def _write(output, packed, specification, setup, warned, run):
-    """Write the file of a packing. warned: what was warned of before it ran. run: attributes on how it was run."""
+    """Write the file of a packing. warned: warnings before it ran. run: attributes that describe how it was run."""
     from simcore.packing.file import packing_dataset, write_packing
     from simcore.packing.heartbeat import beat
 
@@ -219,7 +227,7 @@ def _write(output, packed, specification, setup, warned, run):
 
 
 def _say_nothing(line):
-    """Report of a rank that is not the first."""
+    """Ignore the line: the report function of all ranks but the first."""
 
 
 def _compile(options):
@@ -232,7 +240,7 @@ def _compile(options):
     specifications = [read_specification(path) for path in options.specifications] or _campaign_specifications()
     count = compile_steps(specifications, _reporter(None))
     steps = "The step is" if count == 1 else f"The {count} steps are"
-    print(f"{steps} compiled and kept on disk; compiling took {compile_time():.0f} s of CPU time.")
+    print(f"{steps} compiled and stored on disk; compiling took {compile_time():.0f} s of CPU time.")
     return 0
 
 
@@ -277,10 +285,10 @@ def _fabric(options):
             fabrics.append(fabric(packing, cut, bearing))
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
-    found = fabrics[0] if len(fabrics) == 1 else fabric_over_seeds(fabrics)
+    result = fabrics[0] if len(fabrics) == 1 else fabric_over_seeds(fabrics)
     if options.out is not None:
-        write_packing(options.out, found)
-    print(fabric_text(found))
+        write_packing(options.out, result)
+    print(fabric_text(result))
     return 0
 
 
@@ -302,7 +310,7 @@ def _predict(options):
 
 
 def _length(option, text):
-    """Length [m] of an option, a number of metres or a quantity such as "8 mm"; None where it is not given.
+    """Return the length [m] of an option, given as a number of metres or as a quantity such as "8 mm"; None if absent.
 
     ValueError unless it is more than 0.
     """
@@ -318,12 +326,12 @@ def _length(option, text):
         except ValueError as error:
             raise ValueError(f"{option}: {error}") from None
     if not 0.0 < metres < math.inf:
-        raise ValueError(f"{option}: {text!r} is no length; give one of more than 0, such as '8 mm'")
+        raise ValueError(f"{option}: {text!r} is not a length above 0; give one such as '8 mm'")
     return metres
 
 
 def _check_writable(output):
-    """OSError before any work is lost where the output cannot be written."""
+    """Raise OSError if the output cannot be written, before any work is done."""
     probe = output.with_name(output.name + ".part")
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
@@ -334,7 +342,7 @@ def _check_writable(output):
 
 
 def _reporter(log):
-    """Function that prints a line to stderr and, where given, to a log file."""
+    """Return a function that prints a line to stderr and, if `log` is a path, to this file."""
     if log is not None:
         log.parent.mkdir(parents=True, exist_ok=True)
         log.write_text("")

@@ -1,8 +1,9 @@
-"""How numba compiles: every option is set here, and code on disk is found by what it was compiled from.
+"""Options and disk cache of numba: every compiler option is set here.
 
-numba's own cache compares the file of a function, comments included, and does not see other files whose leaves are
-compiled into it. Here each file has a folder named after the digest of its code and of all that it imports, see
-simcore.provenance.digest: editing code compiles anew what depends on it, editing a comment or a docstring nothing.
+numba's own cache compares the file of a function, with its comments, and ignores other files whose leaves are compiled
+into it. Here each file has a cache folder named after the digest of its code and of all that it imports, see
+simcore.provenance.digest. A change of code recompiles everything that depends on it; a change of a comment or a
+docstring recompiles nothing.
 """
 
 import ast
@@ -27,10 +28,10 @@ DECORATORS = {"leaf", "routine", "loops", "kernel", "parallel_kernel"}
 
 @functools.cache
 def source_digest() -> str:
-    """Hexadecimal digest (12 digits) of all code of simcore that is compiled or compiled in, and of numba's version.
+    """Return a hexadecimal digest (12 digits) of all code that affects compiled functions, and of numba's version.
 
-    These are the files that import one of DECORATORS and all that they import, directly or not: constants of other
-    modules are compiled in. Comments, docstrings and layout do not count.
+    This code is the files that import one of DECORATORS, and all files that they import, directly or indirectly, since
+    constants of other modules are compiled in. Comments, docstrings and layout do not count.
     """
     compiled = [path.relative_to(ROOT) for path in sorted((ROOT / "simcore").rglob("*.py")) if _compiles(path)]
     return digest("simcore/compilation.py", *compiled, of=numba.__version__)[:12]
@@ -52,7 +53,7 @@ def _file_digest(path):
 
 
 class _Locator(UserProvidedCacheLocator):
-    """Where the compiled functions of a file of this project are kept, and what tells whether they are fresh."""
+    """Path of the cache for the compiled functions of a file of this project, and the stamp that marks them valid."""
 
     def __init__(self, py_func, py_file):
         self._py_file = py_file
@@ -63,7 +64,7 @@ class _Locator(UserProvidedCacheLocator):
 
     @classmethod
     def from_function(cls, py_func, py_file):
-        """None for a file of another project, which numba locates."""
+        """Return a locator, or None for a file of another project, which numba locates itself."""
         if not Path(py_file).resolve().is_relative_to(ROOT):
             return None
         return super(UserProvidedCacheLocator, cls).from_function(py_func, py_file)
@@ -72,7 +73,7 @@ class _Locator(UserProvidedCacheLocator):
         return self._stamp
 
     def get_disambiguator(self):
-        """Not the line, which a comment above moves: no two functions of a file have one qualified name."""
+        """Return "" instead of the line number, which comments shift: qualified names are unique within a file."""
         return ""
 
 
@@ -81,7 +82,7 @@ class _CacheFiles(CompileResultCacheImpl):
 
 
 class _Cache(FunctionCache):
-    """Also tells apart what was compiled with different options: for one thread and for several."""
+    """Cache that separates functions compiled with different options, such as for one thread and for several."""
 
     _impl_class = _CacheFiles
 
@@ -99,7 +100,7 @@ class _Compiled(CPUDispatcher):
         self._cache = _Cache(py_func, self.targetoptions)
 
     def compile(self, sig):
-        """Without Python's garbage collector, which took a tenth of the time of compiling and found little."""
+        """Compile without Python's garbage collector, which took a tenth of the compile time and found little."""
         collecting = gc.isenabled()
         gc.disable()
         try:
@@ -110,10 +111,10 @@ class _Compiled(CPUDispatcher):
 
 
 class _Inner(_Compiled):
-    """Called by compiled code, without the wrapper for calls from Python, which took a quarter of compiling."""
+    """Function that only compiled code calls; it lacks the wrapper for Python, a quarter of the compile time."""
 
     def __call__(self, *arguments):
-        """For tests and verification: a twin with the wrapper is compiled."""
+        """Call from Python, for tests and verification, through a second version that is compiled with the wrapper."""
         return self._outer(*arguments)
 
     @functools.cached_property
@@ -122,7 +123,7 @@ class _Inner(_Compiled):
 
 
 class _Loops(_Inner):
-    """Has a version for one thread and one for several; calls in compiled code take the one that their caller is."""
+    """Function with a version for one thread and one for several; compiled code calls the version of its caller."""
 
     @functools.cached_property
     def _threaded(self):
@@ -139,19 +140,19 @@ class _Loops(_Inner):
 
 
 def _compiler(kind, **options):
-    # Division by zero gives inf or nan as in C, without a branch and an exception per division. No fastmath flag:
-    # it may round a loop's vector body and its remainder differently, and results would depend on the thread count.
+    # Division by zero gives inf or nan as in C, without a branch and an exception per division. There is no fastmath
+    # flag: it may round a loop's vector body and its remainder differently, so that results depend on the thread count.
     options |= {"nopython": True, "error_model": "numpy", "no_cfunc_wrapper": True}
     return lambda function: kind(function, targetoptions=dict(options))
 
 
-# Leaves are inlined and count no references: each call would otherwise count every array of Bodies and Contacts up
-# and down, atomically, which cost 6.3 µs of a step's 6.6 µs per polyhedron. So a leaf may allocate nothing and may
-# call leaves only.
+# Leaves are inlined and compiled without reference counting. Otherwise each call would atomically count every array of
+# Bodies and Contacts up and down, which took 6.3 µs of a step's 6.6 µs per polyhedron. A leaf must therefore not
+# allocate, and may only call leaves.
 leaf = _compiler(_Inner, forceinline=True, _nrt=False, no_cpython_wrapper=True)
-# A long leaf that stays a call: it counts no references either; its arrays lie on the stack (contact/scratch.py).
+# A long leaf that is not inlined, also without reference counting; its arrays are on the stack (contact/scratch.py).
 routine = _compiler(_Inner, _nrt=False, no_cpython_wrapper=True)
-# Loops over prange that a kernel calls, once a step.
+# Loops over prange that a kernel calls once per step.
 loops = _compiler(_Loops, _nrt=False, no_cpython_wrapper=True)
 kernel = _compiler(_Compiled)
 parallel_kernel = _compiler(_Compiled, parallel=True)
@@ -159,7 +160,7 @@ parallel_kernel = _compiler(_Compiled, parallel=True)
 
 @intrinsic
 def cycles(typing_context):
-    """Cycle counter of the processor (int64): differences time parts of a step."""
+    """Return the cycle counter of the processor (int64); its differences measure the time of parts of a step."""
 
     def generate(context, builder, signature, arguments):
         counter = builder.module.declare_intrinsic("llvm.readcyclecounter", (), ir.FunctionType(ir.IntType(64), ()))
@@ -169,11 +170,11 @@ def cycles(typing_context):
 
 
 def set_threads(n_threads: int) -> None:
-    """Number of threads of the parallel kernels. ValueError if the machine's limit is exceeded."""
+    """Set the number of threads of the parallel kernels. ValueError if it exceeds the limit of the machine."""
     limit = numba.config.NUMBA_NUM_THREADS
     if not 1 <= n_threads <= limit:
         raise ValueError(
-            f"threads: {n_threads} asked for, but numba can use 1 to {limit} here; "
-            f"lower --threads, or set NUMBA_NUM_THREADS before the start"
+            f"threads: {n_threads} is not possible, since numba can use 1 to {limit} here; "
+            f"change --threads, or set NUMBA_NUM_THREADS before the start"
         )
     numba.set_num_threads(n_threads)

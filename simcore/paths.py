@@ -1,4 +1,4 @@
-"""Where the files lie that come with the project."""
+"""Paths of the files that are part of the project."""
 
 import os
 import sys
@@ -11,5 +11,5 @@ R22_TABLES = REFERENCE / "r22"  # the tables of Rettinger et al. (2022)
 
 
 def find_this_python_first() -> None:
-    """Have the programs that this process starts find its Python before others, also where no environment is active."""
+    """Put this process's Python first in PATH for the programs that it starts, also without an active environment."""
     os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])

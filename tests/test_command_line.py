@@ -55,11 +55,11 @@ def test_pack_then_porosity(folder, capsys):
     assert main(["porosity", str(output), "--cut", "2 mm"]) == 0
     assert json.loads(capsys.readouterr().out) == bulk
     for cut, reason in (
-        ("-0.01", "'-0.01' is no length; give one of more than 0, such as '8 mm'"),
-        ("0", "is no length"),
-        ("nan", "is no length"),
-        ("inf", "is no length"),
-        ("-2 mm", "is no length"),
+        ("-0.01", "'-0.01' is not a length above 0; give one such as '8 mm'"),
+        ("0", "is not a length above 0"),
+        ("nan", "is not a length above 0"),
+        ("inf", "is not a length above 0"),
+        ("-2 mm", "is not a length above 0"),
         ("8 kg", "'8 kg' is a mass; a length is needed"),
         ("much", "'much' is not a number with a unit"),
     ):
@@ -119,7 +119,7 @@ def test_a_missing_file_and_too_many_threads(folder, capsys):
     assert main(["pack", str(folder / "none.yaml"), str(folder / "out.nc")]) == 2
     assert "none.yaml: there is no such file" in capsys.readouterr().err
     assert main(["pack", str(folder / "good.yaml"), str(folder / "out.nc"), "--threads", "1000"]) == 2
-    assert capsys.readouterr().err.startswith("simcore pack: threads: 1000 asked for, but numba can use")
+    assert capsys.readouterr().err.startswith("simcore pack: threads: 1000 is not possible, since numba can use")
     assert main(["porosity", str(folder / "none.nc")]) == 2
     assert "none.nc: there is no such file" in capsys.readouterr().err
     (folder / "cut.nc").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))

@@ -1,4 +1,4 @@
-"""How far porosities are known to be off for the settings and the size of their beds, as measured on other beds."""
+"""Bias of the porosity caused by the settings and the size of a bed, as measured on other packings."""
 
 from pathlib import Path
 
@@ -20,26 +20,28 @@ COLUMNS = [
     "difference_std_error",
     "source",
 ]
-GRAINS, ELLIPSOIDS = "grains", "ellipsoids"  # of which SETTINGS are told
+GRAINS, ELLIPSOIDS = "grains", "ellipsoids"  # kinds of packings for which the bias of SETTINGS is measured
 SETTINGS, SIZE, SHAKING, INSERTIONS = "settings", "size of the bed", "time of shaking", "insertion"
 INSERTED = {"bed": "just above the bed", "r22": "at the heights of Rettinger et al."}  # by generation.fill
-REFERENCE, REFERENCE_BED = "r22", (63.0, 1200)  # the accuracy, and width [mm] and grains, that others stand beside
-LEAST_PAIRS = 3  # of fewer no standard error is told
+REFERENCE, REFERENCE_BED = "r22", (63.0, 1200)  # preset, and (width [mm], grains), with which others are compared
+LEAST_PAIRS = 3  # with fewer pairs no bias is given
 CONTACT_TIME, REGION, GATE = "numerics.contact_time", "numerics.polyhedron_contact", "convergence.max_unbalanced_force"
 
 
 def measured_biases(folder):
-    """One row a difference that was measured, columns COLUMNS; tables that `folder` does not hold are left out.
+    """Return a DataFrame with one row per measured difference in porosity and the columns COLUMNS.
 
-    folder: accuracy.csv, beds of each accuracy that share their seeds; accuracy_heights.csv, others that were born at
-    the study's heights; difference_ellipsoid_steps.csv (config/differences.yaml), ellipsoids as campaigns have them,
-    born so, and with stiffer contacts; bed_size.csv, single forms in beds of several sizes
-    (benchmarks/studies/bed_size.py); work_precision/packings.csv, of which the time of shaking is taken;
-    difference_process.csv (config/differences.yaml), of which where grains are inserted.
+    folder: its tables are read if they exist. accuracy.csv has packings with each preset, paired by seed;
+    accuracy_heights.csv the same with insertion at the heights of Rettinger et al. (2022);
+    difference_ellipsoid_steps.csv (config/differences.yaml) ellipsoids inserted at those heights, with the contacts of
+    campaigns and with stiffer ones; bed_size.csv (benchmarks/studies/bed_size.py) single forms in beds of several
+    sizes. The time of shaking is taken from work_precision/packings.csv, and the insertion from difference_process.csv
+    (config/differences.yaml).
 
-    of: SETTINGS (all that an accuracy stands for, the time step among it, beside `r22`, or stiffer contacts), SIZE
-    (beside 1200 grains in a box of 63 mm), SHAKING (beside the longest) or INSERTIONS (beside the study's). difference:
-    mean over the pairs of beds, with its standard error. Of SETTINGS, inserted: where, and kind: GRAINS or ELLIPSOIDS.
+    Column of: SETTINGS (all settings of a preset, with the time step, compared with `r22` or with stiffer contacts),
+    SIZE (compared with 1200 grains in a box of 63 mm), SHAKING (compared with the longest) or INSERTIONS (compared with
+    those of Rettinger et al.). difference: mean over the pairs of packings, with its standard error. For SETTINGS also
+    inserted: where, and kind: GRAINS or ELLIPSOIDS.
     """
     folder = Path(folder)
     parts = [
@@ -54,33 +56,35 @@ def measured_biases(folder):
         )
         if (folder / name).exists()
     ]
-    found = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=COLUMNS)
-    return found.reindex(columns=COLUMNS).fillna({"inserted": "", "kind": ""})
+    table = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=COLUMNS)
+    return table.reindex(columns=COLUMNS).fillna({"inserted": "", "kind": ""})
 
 
 def _of_settings(rows, inserted="bed"):
     n = rows.pivot(index=["case", "seed"], columns="accuracy", values="n")
-    found = [_mean(name, n[name] - n[REFERENCE]) for name in n if name != REFERENCE and REFERENCE in n]
+    differences = [_mean(name, n[name] - n[REFERENCE]) for name in n if name != REFERENCE and REFERENCE in n]
     bed = f"{rows['grains'].iloc[0]} grains of all forms, inserted {INSERTED[inserted]}"
-    return pd.DataFrame(found).assign(of=SETTINGS, against=REFERENCE, bed=bed, inserted=INSERTED[inserted], kind=GRAINS)
+    return pd.DataFrame(differences).assign(
+        of=SETTINGS, against=REFERENCE, bed=bed, inserted=INSERTED[inserted], kind=GRAINS
+    )
 
 
 def _of_settings_at_heights(rows):
     settings = zip(rows["accuracy"], rows["polyhedron_contact"], rows["contact_time_s"], strict=True)
-    names = [_name_settings(*each) for each in settings]
+    names = [_name_settings(*values) for values in settings]
     return _of_settings(rows.assign(accuracy=names), "r22")
 
 
 def _of_ellipsoids(rows):
-    """Contacts as soft as campaigns have them beside the stiffest, at the steps of `standard`."""
+    """Compare contacts as soft as in campaigns with the stiffest ones, at the steps of preset `standard`."""
     numerics = _settings_of("standard")["numerics"]
-    alike = rows[(rows["dashpot"] == numerics["dashpot"])]
-    alike = alike[alike["steps_per_contact_time"] == numerics["steps_per_contact_time"]]
-    n = alike.pivot(index=["case", "grain", "seed"], columns="contact_time_s", values="n")
+    selected = rows[(rows["dashpot"] == numerics["dashpot"])]
+    selected = selected[selected["steps_per_contact_time"] == numerics["steps_per_contact_time"]]
+    n = selected.pivot(index=["case", "grain", "seed"], columns="contact_time_s", values="n")
     stiff = n.columns.min()
-    found = [_mean(_name_settings("standard", "point", time), n[time] - n[stiff]) for time in n if time != stiff]
+    differences = [_mean(_name_settings("standard", "point", time), n[time] - n[stiff]) for time in n if time != stiff]
     forms = rows["grain"].nunique()
-    return pd.DataFrame(found).assign(
+    return pd.DataFrame(differences).assign(
         of=SETTINGS,
         against=f"a contact time of {1e3 * stiff:g} ms",
         bed=f"{rows['grains'].iloc[0]} ellipsoids of one of {forms} forms, inserted {INSERTED['r22']}",
@@ -91,30 +95,30 @@ def _of_ellipsoids(rows):
 
 def _of_size(rows):
     n = rows.pivot_table(index=["case", "grain"], columns=["width_mm", "grains"], values="n")
-    found = [
+    differences = [
         _mean(describe_bed(*size), n[size] - n[REFERENCE_BED])
         for size in n
         if size != REFERENCE_BED and (n[size] - n[REFERENCE_BED]).count() >= LEAST_PAIRS
     ]
-    return pd.DataFrame(found).assign(of=SIZE, against=describe_bed(*REFERENCE_BED), bed="single forms")
+    return pd.DataFrame(differences).assign(of=SIZE, against=describe_bed(*REFERENCE_BED), bed="single forms")
 
 
 def _of_shaking(rows):
     rows = rows[rows["study"] == "precision_shaking"]
     seconds = rows["setting"].astype(float)
     longest = seconds.max()
-    found = rows.assign(setting=[f"{value:g} s" for value in seconds], beds=rows["seeds"])[seconds < longest]
-    return found.assign(of=SHAKING, against=f"{longest:g} s", bed="600 grains of all forms, draft")
+    shorter = rows.assign(setting=[f"{value:g} s" for value in seconds], beds=rows["seeds"])[seconds < longest]
+    return shorter.assign(of=SHAKING, against=f"{longest:g} s", bed="600 grains of all forms, draft")
 
 
 def _of_insertions(rows):
-    alike = [name for name in rows if name not in ("fill", "n", "n_error", "cpu_s")]
-    # What was left to a case's own value is empty in the table; no number is a group of its own there.
-    n = rows.assign(**rows[alike].map(str)).pivot_table(index=alike, columns="fill", values="n")
+    keys = [name for name in rows if name not in ("fill", "n", "n_error", "cpu_s")]
+    # A setting with its default value is empty in the table; as text, empty is a group of its own.
+    n = rows.assign(**rows[keys].map(str)).pivot_table(index=keys, columns="fill", values="n")
     n = n.reindex(columns=list(INSERTED))
-    found = pd.DataFrame([_mean(INSERTED["bed"], n["bed"] - n["r22"])])
-    found = found[found["beds"] >= LEAST_PAIRS]
-    return found.assign(of=INSERTIONS, against=INSERTED["r22"], bed=f"{rows['grains'].iloc[0]} grains of all forms")
+    table = pd.DataFrame([_mean(INSERTED["bed"], n["bed"] - n["r22"])])
+    table = table[table["beds"] >= LEAST_PAIRS]
+    return table.assign(of=INSERTIONS, against=INSERTED["r22"], bed=f"{rows['grains'].iloc[0]} grains of all forms")
 
 
 def _mean(setting, differences):
@@ -128,21 +132,22 @@ def _mean(setting, differences):
 
 
 def describe_bed(width_mm, grains):
-    """Size of a bed in words, as the table of biases has it."""
+    """Return the size of a bed in words, as in the table of biases."""
     return f"{grains:g} grains in {width_mm:g} mm"
 
 
 def describe_settings(specification):
-    """Name of a packing's settings in the table of biases; None where they differ from its accuracy in more than that.
+    """Return the name of a packing's settings in the table of biases, or None if there is no name for them.
 
-    That is the contact time, and the deepest point in place of the patch, whose gate of rest may be wider. What is
-    compared is what an accuracy sets, faces apart: ellipsoids have none, and grains may come decimated.
+    There are names for a preset with its own settings, with another contact time, and with point contacts instead of
+    patch contacts; the limit of the unbalanced force may then differ too. Only the settings of the preset are compared,
+    and without the number of faces, since ellipsoids have none and grains may be decimated already.
     """
     if specification["accuracy"] is None:
         return None
-    of_accuracy = _settings_of(specification["accuracy"])
+    preset = _settings_of(specification["accuracy"])
     groups = ("shaking", "numerics", "convergence")
-    other = differing_keys(*({group: spec[group] for group in groups} for spec in (of_accuracy, specification)))
+    other = differing_keys(*({group: spec[group] for group in groups} for spec in (preset, specification)))
     other = set(other) - {"numerics.progress_interval"}
     if other - {CONTACT_TIME} - ({REGION, GATE} if REGION in other else set()):
         return None
@@ -158,38 +163,38 @@ def _settings_of(accuracy):
 
 
 def _name_settings(accuracy, region, contact_time):
-    """An accuracy, and what of the two is not its own."""
-    its = _settings_of(accuracy)["numerics"]
-    at_point = region != its["polyhedron_contact"]
+    """Return the preset's name and those of the two settings that differ from it."""
+    numerics = _settings_of(accuracy)["numerics"]
+    at_point = region != numerics["polyhedron_contact"]
     words = ["at the deepest point"] if at_point else []
-    if not np.isclose(contact_time, its["contact_time"], rtol=1e-9, atol=0.0):
+    if not np.isclose(contact_time, numerics["contact_time"], rtol=1e-9, atol=0.0):
         words.append(f"contact time {1e3 * contact_time:g} ms")
     joined = " and ".join(words)
     return f"{accuracy} {'' if at_point else 'with '}{joined}" if words else accuracy
 
 
 def bias_note(specifications, biases):
-    """A sentence on the bias of the porosities of a study, for its page.
+    """Return a sentence on the bias of the porosities of a study, for its page.
 
-    specifications: of its packings, resolved; biases: as of measured_biases. What its packings do not share, or was not
-    measured for them, is said to be so.
+    specifications: of its packings, resolved. biases: from measured_biases. The sentence also states which settings are
+    not the same in all packings, and which were not measured.
     """
-    found = {
+    settings = {
         SETTINGS: [describe_settings(spec) for spec in specifications],
         SIZE: [_bed_of(spec) for spec in specifications],
         SHAKING: [f"{spec['shaking']['duration']:g} s" for spec in specifications],
         INSERTIONS: [_insertions_of(spec["generation"]) for spec in specifications],
     }
-    # Settings do to grains that fall far what they need not do to those that are inserted just above the bed.
-    inserted = set(found[INSERTIONS]) if len(set(found[INSERTIONS])) == 1 else ()
-    known = biases[(biases["of"] != SETTINGS) | biases["inserted"].isin(inserted)]
-    # Ellipsoids have no faces, whose error makes up for others; where nothing is known of them, it is told of grains.
+    # The bias of the settings depends on the height from which grains fall.
+    inserted = set(settings[INSERTIONS]) if len(set(settings[INSERTIONS])) == 1 else ()
+    measured = biases[(biases["of"] != SETTINGS) | biases["inserted"].isin(inserted)]
+    # Ellipsoids have no faces, whose error compensates others; without a measurement, that of polyhedra is used.
     smooth = all(spec["shapes"]["kind"] in ("ellipsoid", "sphere") for spec in specifications)
-    of_kind = known["setting"].isin(known["setting"][known["kind"] == ELLIPSOIDS]) & smooth
+    of_kind = measured["setting"].isin(measured["setting"][measured["kind"] == ELLIPSOIDS]) & smooth
     wanted = np.where(of_kind, ELLIPSOIDS, GRAINS)
-    known = known[(known["of"] != SETTINGS) | (known["kind"] == wanted)]
-    parts = [f"{of}: {_phrase(values, known[known['of'] == of])}" for of, values in found.items()]
-    return f"Bias, as measured on other beds, of the {'; of the '.join(parts)}."
+    measured = measured[(measured["of"] != SETTINGS) | (measured["kind"] == wanted)]
+    parts = [f"{of}: {_phrase(values, measured[measured['of'] == of])}" for of, values in settings.items()]
+    return f"Bias of the porosity, measured on other packings, of the {'; of the '.join(parts)}."
 
 
 def _bed_of(spec):
@@ -203,22 +208,22 @@ def _insertions_of(generation):
 
 
 def _phrase(values, biases):
-    """What is known of one kind of bias; values: what each packing of a study has of it, None where it has no name."""
+    """Return a phrase on one kind of bias. values: the name of each packing's setting; None if it has no name."""
     named = {value for value in values if value is not None}
     if len(named) == 1 and None in values:
         count = sum(value is not None for value in values)
         rest = len(values) - count
-        return f"of {count} packings {_phrase(named, biases)}, of the other {rest} not measured"
+        return f"for {count} packings {_phrase(named, biases)}, for the other {rest} not measured"
     if len(named) > 1:
-        return "not the same throughout"
+        return "not the same in all packings"
     value = next(iter(values))
     row = biases[biases["setting"] == value]
     if len(row):
         row = row.iloc[0]
-        return f"{_number(row)} ({value}, beside {row['against']}; {row['bed']})"
+        return f"{_number(row)} ({value} instead of {row['against']}; {row['bed']})"
     if value in set(biases["against"]):
         others = ", ".join(f"{_number(row)} for {row['setting']}" for _, row in biases.iterrows())
-        return f"{value}, beside which others came out {others}"
+        return f"none for {value}, the reference; others differ from it by {others}"
     return "not measured" + (f" for {value}" if value else "")
 
 

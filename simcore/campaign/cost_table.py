@@ -1,18 +1,18 @@
-"""What the studies of a campaign cost, beside what the source study's program takes for as much."""
+"""CPU time of the studies of a campaign, compared with that of the program of Rettinger et al. (2022)."""
 
 import pandas as pd
 
-# A packing of the study, 20 000 grains for 1.5 million steps, takes 230 core-hours (its program; it says 230 to 250).
+# A packing of Rettinger et al., 20 000 grains and 1.5 million steps, takes their program 230 to 250 core-hours.
 R22_HOURS, R22_GRAINS, R22_STEPS = 230.0, 20_000, 1.5e6
 
 
 def cost_table(packings):
-    """CPU time of each study, and of all, DataFrame with one row a study and a last one `all`.
+    """Return the CPU time of the studies as a DataFrame with one row per study and a last row `all`.
 
-    packings: one row a packing, as from study_tables.tabulate, of all studies. Columns: study, packings, grains (of all
-    packings), cpu_h, cpu_h_per_packing, grain_steps, the sum of grains times steps, cpu_us_per_grain_step [µs], and
-    r22_cpu_h, the core-hours of the study's program for as many grain-steps, counted alike: all grains of a packing
-    in all its steps.
+    packings: one row per packing of all studies, as from study_tables.tabulate. Columns: study, packings, grains (of
+    all packings), cpu_h, cpu_h_per_packing, grain_steps (sum of grains times steps), cpu_us_per_grain_step [µs], and
+    r22_cpu_h: the core-hours of the program of Rettinger et al. for the same number of grain-steps. Both count all
+    grains of a packing in all its steps.
     """
     of_packing = packings[["study", "grains"]].assign(
         packings=1,
@@ -31,10 +31,10 @@ def cost_table(packings):
 
 
 def r22_hours(grain_steps):
-    """Core-hours of the study's program for that many grains times steps."""
+    """Return the core-hours of the program of Rettinger et al. for this number of grains times steps."""
     return R22_HOURS * grain_steps / (R22_GRAINS * R22_STEPS)
 
 
 def read_packings(paths):
-    """The tables of packings of several studies as one, in the order of the paths."""
+    """Return the tables of packings of several studies as one DataFrame, in the order of the paths."""
     return pd.concat([pd.read_csv(path) for path in paths], ignore_index=True)

@@ -1,9 +1,10 @@
-"""Deposits of ellipsoids as a table: one row a packing, means over seeds, and what each change of settings does.
+"""Tables of deposits of ellipsoids: one row per packing, means over seeds, and the effect of changes of settings.
 
-A form is eta = a/b and zeta = b/c of the semi-axes a >= b >= c; L/S is eta times zeta. Studies whose name begins with
-PREFIX belong together; what stands after it says how they are read: `map`, `diagonal`, `prolate` and `oblate` differ
-in form alone (a further word, as in `map_long`, is a box of another size), `sizes` in the spread of size S, `forms` in
-the spread of form, `bridge` holds forms deposited by the first study's law and process, `change` experiments.
+The form of an ellipsoid is eta = a/b and zeta = b/c of its semi-axes a >= b >= c; L/S is eta times zeta. Studies whose
+name begins with PREFIX belong together. The next word of the name is the family: `map`, `diagonal`, `prolate` and
+`oblate` differ only in form (a further word, as in `map_long`, marks a box of another size), `sizes` in the spread of
+size S, and `forms` in the spread of form; `bridge` has forms deposited with the law and the process of Rettinger et al.
+(2022), and `change` has experiments.
 """
 
 import json
@@ -14,7 +15,7 @@ import pandas as pd
 PREFIX = "deposit_"
 FAMILIES = ("map", "diagonal", "prolate", "oblate", "sizes", "forms", "bridge", "change")
 PLAIN = ("map", "diagonal", "prolate", "oblate")
-# What is averaged over seeds, and compared between settings.
+# Columns that are averaged over seeds and compared between settings.
 RESULTS = (
     "solid_fraction",
     "coordination_number",
@@ -26,26 +27,26 @@ RESULTS = (
 )
 FORM = ("eta", "zeta", "std_eta", "std_zeta", "spread")
 TABLE, SOURCE = "deposits", "ellipsoids"  # in simcore.campaign.gathering
-KEYS = ["study", "packing"]  # which packing a row is of
+KEYS = ["study", "packing"]  # columns that identify the packing of a row
 AS_OTHERS = "none"
 
 
 def family(study):
-    """What a study's name says after PREFIX, of FAMILIES; ValueError for another name."""
+    """Return the family, one of FAMILIES, from a study's name; ValueError for another name."""
     word = study.removeprefix(PREFIX).split("_")[0]
     if not study.startswith(PREFIX) or word not in FAMILIES:
-        known = ", ".join(PREFIX + name for name in FAMILIES)
-        raise ValueError(f"studies.{study}: what it shows is not known; names of deposits begin with {known}")
+        allowed = ", ".join(PREFIX + name for name in FAMILIES)
+        raise ValueError(f"studies.{study}: the name has no known family; names of deposits begin with {allowed}")
     return word
 
 
-def deposit_row(study, row, found, base):
-    """One packing's row, dict. found: of simcore.evaluation.deposit.
+def deposit_row(study, row, fabric, base):
+    """Return the row of one packing as a dict. fabric: Dataset of simcore.evaluation.deposit.
 
-    row: {packing, varied} as simcore.campaign.studies has it, base: of the study's first packing. An experiment's
-    column `change` says what differs between the two.
+    row: {packing, varied} as in simcore.campaign.studies. base: the row of the study's first packing. The column
+    `change` of an experiment names the difference between the two.
     """
-    scene = json.loads(found.attrs["scene"])
+    scene = json.loads(fabric.attrs["scene"])
     eta, std_eta = _ratio(scene["shapes"]["eta"])
     zeta, std_zeta = _ratio(scene["shapes"]["zeta"])
     values = {
@@ -59,37 +60,37 @@ def deposit_row(study, row, found, base):
         "law": scene["material"]["law"],
         "shaking_s": scene["shaking"]["duration"],
         "seed": scene["seed"],
-        "grains": found.attrs["n_grains"],
-        "bulk_grains": int(found["grains"]),
+        "grains": fabric.attrs["n_grains"],
+        "bulk_grains": int(fabric["grains"]),
     }
     for name in ("solid_fraction", "coordination_number", "coordination_number_without_rattlers", "rattler_fraction"):
-        values[name] = float(found[name])
+        values[name] = float(fabric[name])
     for kind in ("contact_normal", "long_axis", "short_axis"):
-        values[f"P2_{kind}"] = float(found["legendre"].sel(direction=kind, order=2))
+        values[f"P2_{kind}"] = float(fabric["legendre"].sel(direction=kind, order=2))
     for kind in ("contact_normal", "long_axis"):
-        for fold in found["fold"].values:
-            values[f"azimuth_p{fold}_{kind}"] = float(found["azimuth_p_value"].sel(direction=kind, fold=fold))
+        for fold in fabric["fold"].values:
+            values[f"azimuth_p{fold}_{kind}"] = float(fabric["azimuth_p_value"].sel(direction=kind, fold=fold))
     return values | {
-        "bulk_height_in_long_axes": _bulk_height(found, scene, eta, zeta),
-        "mean_overlap": float(found["mean_overlap"]),
-        "steps": int(found.attrs["steps"]),
-        "time_s": float(found.attrs["time"]),
-        "last_insertion_s": float(found.attrs["last_insertion"]),
-        "cpu_s": float(found.attrs["cpu_seconds"]),
+        "bulk_height_in_long_axes": _bulk_height(fabric, scene, eta, zeta),
+        "mean_overlap": float(fabric["mean_overlap"]),
+        "steps": int(fabric.attrs["steps"]),
+        "time_s": float(fabric.attrs["time"]),
+        "last_insertion_s": float(fabric.attrs["last_insertion"]),
+        "cpu_s": float(fabric.attrs["cpu_seconds"]),
         "change": _change(row, base) if family(study) == "change" else "",
     }
 
 
 def deposit_rows(study, rows, deposits, base):
-    """DataFrame of the deposit_row of each; rows and deposits in one order."""
-    return pd.DataFrame([deposit_row(study, row, found, base) for row, found in zip(rows, deposits, strict=True)])
+    """Return a DataFrame of the deposit_row of each packing; rows and deposits have the same order."""
+    return pd.DataFrame([deposit_row(study, row, fabric, base) for row, fabric in zip(rows, deposits, strict=True)])
 
 
 def tabulate_deposits(studies, rows, fabrics):
-    """DataFrame of all deposits with their family, study by study; one row a packing.
+    """Return a DataFrame of all deposits with their family, study by study, one row per packing.
 
-    studies, rows, fabrics: of each packing the name of its study, its row as of simcore.campaign.studies and its
-    Dataset of simcore.evaluation.deposit, in one order.
+    studies, rows, fabrics: for each packing the name of its study, its row as from simcore.campaign.studies, and its
+    Dataset from simcore.evaluation.deposit, in the same order.
     """
     parts = []
     for study in dict.fromkeys(studies):
@@ -100,20 +101,20 @@ def tabulate_deposits(studies, rows, fabrics):
 
 def read_deposits(path):
     """Read the committed rows of deposits from a CSV file, with their family."""
-    rows = pd.read_csv(path, keep_default_na=False, na_values=["", "nan"])  # "none" is a change
+    rows = pd.read_csv(path, keep_default_na=False, na_values=["", "nan"])  # "none" is a value of `change`
     return add_family(rows.assign(change=rows["change"].fillna("")))
 
 
 def add_family(rows):
-    """The rows with a first column family."""
+    """Return the rows with the additional first column `family`."""
     return rows.assign(family=rows["study"].map(family))[["family", *rows.columns]]
 
 
 def means(rows):
-    """Means over the seeds, DataFrame: one row for each family, form, spread, law, shaking and change.
+    """Return the means over the seeds: one row for each family, form, spread, law, shaking and change.
 
-    For each of RESULTS also *_error, the standard error over the seeds (nan of one), and packings, their number. cpu_s
-    is their sum. Boxes of other sizes are not told apart but in experiments.
+    The DataFrame also has *_error for each of RESULTS, the standard error over the seeds (nan for one seed), and
+    packings, their number. cpu_s is the sum. Boxes of different sizes are only separated in experiments.
     """
     keys = ["family", *FORM, "law", "shaking_s", "change"]
     groups = rows.groupby(keys, sort=False, dropna=False)
@@ -128,31 +129,31 @@ def means(rows):
 
 
 def plain_means(rows):
-    """Means over all packings of one form that differ in form, seed and box alone, DataFrame as of means()."""
+    """Return the means over the packings of each form in the PLAIN families, as a DataFrame like that of means()."""
     plain = rows[rows["family"].isin(PLAIN)]
     return means(plain.assign(family="plain", change=""))
 
 
 def curve(rows, name):
-    """Rows of one family over its one ratio, DataFrame with the column `ratio`, ascending: diagonal, prolate, oblate.
+    """Return the rows of the family diagonal, prolate or oblate, with the ascending column `ratio`.
 
-    The sphere stands in all three, and forms on them that the map has, too.
+    All three include the sphere, and also the forms of the map that belong to the family.
     """
     plain = rows[rows["family"].isin(PLAIN)]
-    on = {
+    selected = {
         "diagonal": plain["eta"] == plain["zeta"],
         "prolate": plain["zeta"] == 1.0,
         "oblate": plain["eta"] == 1.0,
     }[name]
     ratio = "zeta" if name == "oblate" else "eta"
-    return plain[on].assign(ratio=plain[ratio]).sort_values(["ratio", "seed"], ignore_index=True)
+    return plain[selected].assign(ratio=plain[ratio]).sort_values(["ratio", "seed"], ignore_index=True)
 
 
 def experiment_differences(rows):
-    """What each change does: means of the differences to the unchanged setting of its form, paired by seed, DataFrame.
+    """Return the effect of each change: mean difference to the unchanged setting of the same form, paired by seed.
 
-    rows: of the family `change`. Columns study, eta, zeta, change, pairs, and for each of
-    RESULTS the difference and its standard error (nan of one pair).
+    rows: of the family `change`. The DataFrame has the columns study, eta, zeta, change, pairs, and for each of RESULTS
+    the difference and its standard error (nan for one pair).
     """
     table = []
     for (study, eta, zeta), group in rows.groupby(["study", "eta", "zeta"], sort=False):
@@ -162,19 +163,19 @@ def experiment_differences(rows):
                 continue
             other = group[group["change"] == change].set_index("seed")
             shared = other.index.intersection(base.index)
-            found = {"study": study, "eta": eta, "zeta": zeta, "change": change}
-            found["pairs"] = len(shared)
+            entry = {"study": study, "eta": eta, "zeta": zeta, "change": change}
+            entry["pairs"] = len(shared)
             for name in RESULTS:
                 difference = other.loc[shared, name] - base.loc[shared, name]
-                found[name] = difference.mean()
-                found[f"{name}_error"] = difference.std(ddof=1) / np.sqrt(max(len(shared), 1))
-            table.append(found)
+                entry[name] = difference.mean()
+                entry[f"{name}_error"] = difference.std(ddof=1) / np.sqrt(max(len(shared), 1))
+            table.append(entry)
     of_results = [name for result in RESULTS for name in (result, f"{result}_error")]
     return pd.DataFrame(table).reindex(columns=["study", "eta", "zeta", "change", "pairs", *of_results])
 
 
 def _change(row, base):
-    """What of a study's settings, but for form and seed, differs from those of its first packing, as text."""
+    """Return as text the settings, without form and seed, that differ from those of the study's first packing."""
     varied = {name: value for name, value in row["varied"].items() if name not in (*FORM, "seed")}
     changed = {name: value for name, value in varied.items() if value != base["varied"][name]}
     words = (f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}" for name, value in changed.items())
@@ -182,13 +183,13 @@ def _change(row, base):
 
 
 def _ratio(value):
-    """Mean and standard deviation of a ratio of a specification."""
+    """Return mean and standard deviation of a ratio of a specification."""
     return (value["mean"], value["std"]) if isinstance(value, dict) else (float(value), 0.0)
 
 
-def _bulk_height(found, scene, eta, zeta):
-    """Height of the bulk in long axes of a grain of the mid-range radius; nan where sizes are of a sieve curve."""
+def _bulk_height(fabric, scene, eta, zeta):
+    """Return the height of the bulk in long axes of a grain of the mid-range radius; nan for a sieve curve."""
     if scene["sizes"]["beta"] is None:
         return np.nan
     long_axis = 2.0 * scene["sizes"]["beta"]["radius"] * np.cbrt(eta**2 * zeta)
-    return (float(found["z_upper"]) - float(found["z_lower"])) / long_axis
+    return (float(fabric["z_upper"]) - float(fabric["z_lower"])) / long_axis

@@ -1,9 +1,9 @@
-"""Rows of finished packings, gathered into the committed tables of a campaign while it still runs.
+"""Gather rows of finished packings into the committed tables of a campaign, also while it still runs.
 
-A table in the reference folder holds one row a packing. Packings that are not finished yet are left out; rows that
-stand there already stay, unless the same packing is gathered again. gathered.csv there names each packing that has a
-row, with a digest of its settings, so that a campaign goes on where its rows end when its packings are gone;
-collected.csv sums it up. trends.csv holds what a packing's porosity does not tell: order over its height.
+A table in the reference folder has one row per packing. Unfinished packings are left out. Existing rows remain, unless
+the same packing is gathered again. gathered.csv lists each packing that has a row, with a digest of its settings, so
+that a campaign continues after its last row even if the packings' files are gone. collected.csv is its summary.
+trends.csv has the trends of size, form and orientation over the height of each packing.
 """
 
 import json
@@ -22,7 +22,7 @@ from simcore.scene.identity import result_digest, same_result
 log = logging.getLogger(__name__)
 
 RESULT = ["n", "n_error", "grains", "cpu_s"]
-# Of each table the columns that say which packing it is, and what else is known of it.
+# For each table: the columns that identify a packing, and further columns that describe it.
 COLUMNS = {
     "single_form": (["source", "case", "grain", "representation", "seed"], ["L", "I", "S"]),
     "form_mixture": (
@@ -36,38 +36,38 @@ COLUMNS = {
     "difference_long_stones": (["source", "case", "faces", "seed"], []),
     "trends": (["source", "study", "packing", "quantity"], []),
 }
-# Where the seed stands after what is known of the form, or a column is left out.
+# Order of the columns in tables where the seed follows the columns of the form, or where a column is left out.
 ORDER = {
     "accuracy": [*COLUMNS["accuracy"][0], "grains", "n", "cpu_s"],
     "form_mixture": [*COLUMNS["form_mixture"][0][:-1], *COLUMNS["form_mixture"][1], "seed", *RESULT],
 }
 LEDGER = ["study", "source", "packing", "settings", "cpu_s", "grain_steps", "code"]
-# Studies whose name begins so go into one table; any other study has its own.
+# Studies whose name begins with a key share that table; any other study has its own table.
 TABLES = {"single_form": "single_form", "equivalent_ellipsoids": "single_form", "form_mixtures": "form_mixture"}
 DECIMALS = {"n": 6, "n_error": 6, "cpu_s": 1} | dict.fromkeys("LIS", 7)
 DECIMALS |= dict.fromkeys(["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"], 6)
 
 
 def table_of(study):
-    """Name of the table that the packings of a study go into."""
+    """Return the name of the table for the packings of a study."""
     return next((table for start, table in TABLES.items() if study.startswith(start)), study)
 
 
 def check_gathered(folder, test_only, example):
-    """ValueError unless this campaign's rows are to be gathered. example: a configuration that names a folder."""
+    """Raise ValueError if this campaign's rows must not be gathered. example: a configuration with a folder."""
     if not folder:
-        raise ValueError(f"this campaign is not gathered: `reference` names no folder; {example} has one")
+        raise ValueError(f"the rows of this campaign cannot be gathered: set `reference` to a folder, as in {example}")
     if test_only:
-        raise ValueError("this campaign is a test only (`test_only`): its rows are not gathered")
+        raise ValueError("the rows of this campaign are not gathered, since `test_only` is set")
 
 
 def finished(folder, study, packings):
-    """What is there of a study: (rows, their Datasets, a table for `record`: packing and the other columns of LEDGER).
+    """Return the finished packings of a study: rows, their Datasets, and a table for `record` with columns of LEDGER.
 
-    folder: of the Datasets, `study`/`packing`.nc each, with the scene in its attributes. packings: dicts with row,
-    specification and cpu_h. A Dataset of other settings than the specification's is left out, and that is logged.
+    folder: of the Datasets, one `study`/`packing`.nc each, with the scene in its attributes. packings: dicts with row,
+    specification and cpu_h. A Dataset whose settings differ from the specification is left out, which is logged.
     """
-    rows, found, made = [], [], []
+    rows, datasets, made = [], [], []
     for packing in packings:
         name = packing["row"]["packing"]
         path = Path(folder) / study / f"{name}.nc"
@@ -75,10 +75,10 @@ def finished(folder, study, packings):
             continue
         dataset = xr.load_dataset(path)
         if not same_result(packing["specification"], json.loads(dataset.attrs["scene"])):
-            log.info("%s left out: it was packed by other settings than the campaign's", path)
+            log.info("%s is left out: it was packed with other settings than those of the campaign", path)
             continue
         rows.append(packing["row"])
-        found.append(dataset)
+        datasets.append(dataset)
         attrs = dataset.attrs
         made.append(
             {
@@ -89,28 +89,34 @@ def finished(folder, study, packings):
                 "code": attrs["code_version"],
             }
         )
-    return rows, found, pd.DataFrame(made, columns=LEDGER[2:])
+    return rows, datasets, pd.DataFrame(made, columns=LEDGER[2:])
 
 
 def not_gathered(folder, study, source, packings):
-    """Of packings, as of `finished`, those that have no row in the tables of `folder` yet."""
-    there = _ledger(folder)
-    there = there[(there.study == study) & (there.source == source)]
-    there = set(zip(there.packing, there.settings, strict=True))
-    return [each for each in packings if (each["row"]["packing"], result_digest(each["specification"])) not in there]
+    """Return those packings (dicts as for `finished`) that have no row in the tables of `folder` yet."""
+    ledger = _ledger(folder)
+    ledger = ledger[(ledger.study == study) & (ledger.source == source)]
+    gathered = set(zip(ledger.packing, ledger.settings, strict=True))
+    return [
+        packing
+        for packing in packings
+        if (packing["row"]["packing"], result_digest(packing["specification"])) not in gathered
+    ]
 
 
 def _ledger(folder):
     path = Path(folder) / "gathered.csv"
     if not path.exists():
         return pd.DataFrame(columns=LEDGER)
-    return pd.read_csv(path, dtype={"packing": str, "settings": str}).reindex(columns=LEDGER)  # older ones lack columns
+    return pd.read_csv(path, dtype={"packing": str, "settings": str}).reindex(
+        columns=LEDGER
+    )  # older files lack columns
 
 
 def rows_of(study, rows, evaluations, source):
-    """One row for each evaluated packing of a study, with the columns of its table; arguments as of tabulate.
+    """Return one row per evaluated packing of a study, with the columns of its table; arguments as for tabulate.
 
-    L, I, S: means over the grains [m]; n_error: the packing's sampling error; cpu_s [s].
+    L, I, S: means over the grains [m]. n_error: the packing's sampling error. cpu_s: CPU time [s].
     """
     table = tabulate(study, rows, evaluations).assign(source=source)
     table = table.drop(columns=[name for name in ("mu_EQ", "mu_EL") if name in table])
@@ -128,7 +134,7 @@ def _order(name):
 
 
 def trends_of(study, rows, evaluations, source):
-    """Rows of trends.csv; arguments as of `rows_of`. A quantity that all grains of a packing share has none."""
+    """Return rows of trends.csv; arguments as for `rows_of`. A quantity equal for all grains has no row."""
     table = tabulate_trends(study, rows, evaluations).assign(source=source)
     table = table[table["spearman_r"].notna()].drop(columns="p_value")
     numbers = table.select_dtypes("float").columns
@@ -137,21 +143,21 @@ def trends_of(study, rows, evaluations, source):
 
 
 def gather(folder, name, rows):
-    """Lay rows over the table `name`.csv in `folder`, sorted; returns how many it holds now.
+    """Merge rows into the table `name`.csv in `folder`, sorted; return the new number of rows.
 
-    ValueError if the table there has other columns.
+    A new row replaces an existing one of the same packing. ValueError if the existing table has other columns.
     """
     path = Path(folder) / f"{name}.csv"
     rows = rows.round({column: places for column, places in DECIMALS.items() if column in rows})
     keys = COLUMNS[name][0] if name in COLUMNS else [column for column in rows if column not in RESULT]
     if path.exists():
-        there = pd.read_csv(path)
-        if list(there) != list(rows):
-            raise ValueError(f"{path}: has the columns {', '.join(there)}, not {', '.join(rows)}; move it away")
-        rows = pd.concat([there, rows], ignore_index=True)
-    # Numbers of a file and of a specification are one, 300 and "300", and so is what neither states.
-    spelled = rows[keys].map(lambda value: "" if pd.isna(value) else str(value))
-    rows = rows[~spelled.duplicated(keep="last")].sort_values(keys, key=_sortable)
+        existing = pd.read_csv(path)
+        if list(existing) != list(rows):
+            raise ValueError(f"{path}: has the columns {', '.join(existing)} and not {', '.join(rows)}; move it")
+        rows = pd.concat([existing, rows], ignore_index=True)
+    # Keys are compared as text: 300 of a file equals "300" of a specification, and empty equals empty.
+    texts = rows[keys].map(lambda value: "" if pd.isna(value) else str(value))
+    rows = rows[~texts.duplicated(keep="last")].sort_values(keys, key=_sortable)
     _write(rows, path)
     return len(rows)
 
@@ -161,12 +167,12 @@ def _sortable(column):
 
 
 def record(folder, table, study, source, packings, made, command, machine):
-    """Lay what was `made` over gathered.csv in `folder`, and the study's sum over collected.csv.
+    """Merge the table `made` into gathered.csv in `folder`, and the summary of the study into collected.csv.
 
-    table: name of the one that the rows went into. packings and made: as of `finished`, which does not know those
-    whose files are gone. command, of the campaign, and machine: where packings are of several, all stand there. What
-    another campaign says of the study stays where this one has no packing of it. r22_cpu_h there: core-hours of the
-    source study's program for as many grain-steps, of packings that state theirs.
+    table: name of the table with the rows. packings and made: as from `finished`; `made` lacks packings whose files are
+    gone. command (of the campaign) and machine: the summary lists all of them. The entry of another campaign remains if
+    this one has no packing of the study. r22_cpu_h in the summary: core-hours of the program of Rettinger et al. for
+    the same number of grain-steps, of the packings whose number is recorded.
     """
     key = {"study": study, "source": source}
     ledger = _ledger(folder)
@@ -174,9 +180,9 @@ def record(folder, table, study, source, packings, made, command, machine):
         ledger = pd.concat([ledger, made.assign(**key)], ignore_index=True) if len(ledger) else made.assign(**key)
     ledger = ledger.drop_duplicates([*key, "packing"], keep="last").sort_values([*key, "packing"])
     _write(ledger[LEDGER].astype({"grain_steps": "Int64"}), Path(folder) / "gathered.csv")
-    left = not_gathered(folder, study, source, packings)
-    hours_left = sum(packing["cpu_h"] for packing in left)
-    names = {packing["row"]["packing"] for packing in packings} - {packing["row"]["packing"] for packing in left}
+    remaining = not_gathered(folder, study, source, packings)
+    hours_left = sum(packing["cpu_h"] for packing in remaining)
+    names = {packing["row"]["packing"] for packing in packings} - {packing["row"]["packing"] for packing in remaining}
     done = ledger[(ledger.study == study) & (ledger.source == source) & ledger.packing.isin(names)]
     print(f"{study}: {len(done)} of {len(packings)} packings, about {hours_left:.1f} CPU hours left", flush=True)
     steps = done.grain_steps.sum(min_count=1)
@@ -191,19 +197,19 @@ def record(folder, table, study, source, packings, made, command, machine):
         "code": " ".join(sorted(set(done.code))),
     }
     path, keys = Path(folder) / "collected.csv", ["table", "study", "source"]
-    behind = {"command": command, "machine": machine}
-    summary = pd.read_csv(path, keep_default_na=False) if path.exists() else pd.DataFrame(columns=[*keys, *behind])
-    known = summary[(summary[keys] == [entry[name] for name in keys]).all(axis=1)]
-    texts = {name: [part for before in known[name] for part in before.split("; ") if part] for name in behind}
-    of_others = texts["command"] if len(known) else list(summary.command[summary.study == study])
+    provenance = {"command": command, "machine": machine}
+    summary = pd.read_csv(path, keep_default_na=False) if path.exists() else pd.DataFrame(columns=[*keys, *provenance])
+    entries = summary[(summary[keys] == [entry[name] for name in keys]).all(axis=1)]
+    texts = {name: [part for text in entries[name] for part in text.split("; ") if part] for name in provenance}
+    of_others = texts["command"] if len(entries) else list(summary.command[summary.study == study])
     if not len(done) and of_others and command not in texts["command"]:
         return
-    # A campaign that plans a study is told before it has a packing of it, a machine is not.
+    # The command is listed as soon as a campaign plans the study, the machine only once it has made a packing.
     if len(made) or not len(done):
         texts["command"].append(command)
     if len(made):
         texts["machine"].append(machine)
-    entry |= {name: "; ".join(dict.fromkeys(texts[name])) for name in behind}
+    entry |= {name: "; ".join(dict.fromkeys(texts[name])) for name in provenance}
     summary = pd.concat([summary, pd.DataFrame([entry])], ignore_index=True) if len(summary) else pd.DataFrame([entry])
     _write(summary.drop_duplicates(keys, keep="last").sort_values(keys)[list(entry)], path)
 

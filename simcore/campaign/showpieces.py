@@ -1,4 +1,4 @@
-"""Which packings of a campaign are shown as pictures, from its plan alone."""
+"""Selects from the plan of a campaign the packings that are shown as pictures."""
 
 import numpy as np
 import pandas as pd
@@ -6,15 +6,15 @@ import pandas as pd
 from simcore.scene.sizes import size_curve
 
 AXES = ("flatness", "elongation")
-# Of Zingg's four fields, as far out as they go.
+# Corners of Zingg's four fields, (flatness, elongation).
 FIELDS = {"bladed": (0.0, 0.0), "oblate": (0.0, 1.0), "prolate": (1.0, 0.0), "equant": (1.0, 1.0)}
 
 
 def showpieces(packings):
-    """The packing shown of each kind of domain, rows of the table `packings` (of simcore.campaign.studies.expand).
+    """Return one packing to show for each kind of domain: rows of `packings` (of simcore.campaign.studies.expand).
 
-    That whose sizes span the widest range, since pictures are coloured by size; of several one of many forms, then
-    the first.
+    The packing has the widest range of sizes, since pictures are coloured by size. Among several, one with many forms
+    is preferred, then the first.
     """
     table = pd.DataFrame(
         {
@@ -29,10 +29,10 @@ def showpieces(packings):
 
 
 def corner_mixtures(packings):
-    """Packings of form distributions nearest to the four corners of the Zingg diagram, rows of `packings`.
+    """Return the packings of form distributions nearest to the four corners of the Zingg diagram: rows of `packings`.
 
-    Of those with the narrowest distributions in the first case; fewer than four if there are no more. The new column
-    `label` names mean and standard deviation of FL and EL.
+    Only the narrowest distributions of the first case are considered, so there may be fewer than four. The new column
+    `label` gives mean and standard deviation of FL and EL.
     """
     shapes = packings["specification"].map(lambda specification: specification["shapes"])
     mixed = packings[shapes.map(lambda group: group["choice"] == "form_distribution")]
@@ -42,17 +42,17 @@ def corner_mixtures(packings):
     mixed = mixed[cases == cases.iloc[0]]
     forms = np.array([[shapes[k][name][part] for part in ("mean", "std") for name in AXES] for k in mixed.index])
     width = forms[:, 2:].sum(axis=1)
-    left = list(np.flatnonzero(width <= width.min() + 1e-9))
+    candidates = list(np.flatnonzero(width <= width.min() + 1e-9))
     chosen = []
     for corner in FIELDS.values():
-        if left:
-            distance = np.abs(forms[left, :2] - corner).sum(axis=1)
-            chosen.append(left.pop(int(np.argmin(distance))))
+        if candidates:
+            distance = np.abs(forms[candidates, :2] - corner).sum(axis=1)
+            chosen.append(candidates.pop(int(np.argmin(distance))))
     labels = [f"FL {forms[k, 0]:g} ± {forms[k, 2]:g}, EL {forms[k, 1]:g} ± {forms[k, 3]:g}" for k in chosen]
     return mixed.iloc[chosen].assign(label=labels)
 
 
 def _size_span(specification):
-    """Largest over smallest size that has mass."""
+    """Return the largest over the smallest size that has mass."""
     curve = size_curve(specification["sizes"])
     return curve.largest / curve.least

@@ -1,4 +1,4 @@
-"""Studies: tables of packings. A study is the cartesian product of what it varies over what it fixes."""
+"""Studies: tables of packings. A study is the cartesian product of its varied settings, over its fixed settings."""
 
 import copy
 import itertools
@@ -16,37 +16,42 @@ from simcore.scene.unused import given_keys, is_shared, needed_settings, why_unu
 
 
 def expand(config):
-    """All packings of all studies of a resolved campaign, as a DataFrame with one row a packing.
+    """Return all packings of all studies of a resolved campaign, as a DataFrame with one row per packing.
 
-    Columns: study; packing, its name within the study; grains, the resolved group of that name behind its shapes, None
-    where they need no grain; grain_set, the set of these grains that it takes, such as "synthetic_1b2c3d4e/faces_100",
-    or empty; form, the rank of its grain in the spread of forms, or 0; specification, resolved, with that grain set as
-    its source; row, a dict of its name, of what the study varies, by column, and of is_base: whether it is what the
-    study's fixed settings alone would give, for any seed. The campaign's packing and grains, the study's fixed settings
-    and what it varies lie over each other in this order, each with all that a choice such as `accuracy` in it stands
-    for. ValueError names the study and the key at fault; a key is, too, where none of the packings that it is given for
-    uses it, unless it is one that studies have in common.
+    Columns:
+    study
+    packing: its name within the study
+    grains: the resolved group `grains` for its shapes; None if they need no grain
+    grain_set: the set of these grains, such as "synthetic_1b2c3d4e/faces_100", or empty
+    form: the rank of its grain in the spread of forms, or 0
+    specification: resolved, with the grain set as its source
+    row: dict of packing (its name), varied (the varied settings by column), and is_base (whether the packing is what
+    the fixed settings alone would give, for any seed)
+
+    The campaign's packing and grains, the study's fixed settings and its varied settings are merged in this order, each
+    with all settings that a choice such as `accuracy` in it implies. ValueError names the study and the wrong key. A
+    key is also wrong if none of its packings uses it, unless it is a key that studies have in common.
     """
     check_source(config["grains"])
     if "grains" in config["packing"]:
-        raise ValueError("packing.grains: it belongs one level up, as `grains`, or under the `fixes` of a study")
+        raise ValueError("packing.grains: move it one level up, to `grains`, or to the `fixes` of a study")
     tables = [expand_study(name, study, config) for name, study in config["studies"].items() if study]
     if not tables:
-        raise ValueError("studies: none is left; a campaign needs at least one")
+        raise ValueError("studies: there is no study; a campaign needs at least one")
     table = pd.concat(tables, ignore_index=True)
     _check_used({key: list(table.specification) for key in given_keys(config["packing"])}, "packing")
     return table
 
 
 def expand_study(name, study, config):
-    """The rows of one study of `config`; see `expand`."""
+    """Return the rows of one study of `config`; see `expand`."""
     where, folder = f"studies.{name}", config["pathvars"]["results"]
     axes = [_axis(key, values, f"{where}.varies") for key, values in study["varies"].items() if values]
     axes += [_forms(study["forms"])] if study["forms"] else []
     common = express({"grains": config["grains"]}, "config")
     fixed = merge(with_presets(config["packing"]), common, with_presets(study["fixes"]))
     base = _base(fixed)
-    # All that any group of an axis sets: groups that leave a key as it was would else be told apart by nothing.
+    # All keys that any group of an axis sets, since a group may differ from another only by a key that it does not set.
     columns = [key for axis in axes for part in axis if not part.get("is_form") for key in part["settings"]]
     columns = list(dict.fromkeys(columns))
     rows, resolved, varied = [], [], {}
@@ -55,8 +60,8 @@ def expand_study(name, study, config):
         spec = resolve({**_lay_over(fixed, combination, where), "name": packing}, where=where)
         if spec["sizes"]["own"]:
             raise ValueError(
-                f"{where}, packing {packing}: sizes.own is for single packings (`python -m simcore pack`), as grains "
-                "are not read when a campaign is planned; give a case, bounds or beta"
+                f"{where}, packing {packing}: sizes.own is only for single packings (`python -m simcore pack`), as "
+                "grains are not read when a campaign is planned. Give a case, bounds or beta."
             )
         check_top_class(spec, f"{where}, packing {packing}")
         form = next((part["form"] for part in combination if "form" in part), 0)
@@ -82,10 +87,10 @@ def expand_study(name, study, config):
                 at = f"{where}.forms" if part.get("is_form") else f"{where}.varies"
                 varied.setdefault((key, at), []).extend([] if value is None else [spec])
     table = pd.DataFrame(rows)
-    twice = table.packing[table.packing.duplicated()]
-    if len(twice):
-        raise ValueError(f"{where}.varies: the packing {twice.iloc[0]} stands there twice")
-    # Studies that are not part of `all` come with every campaign, also with one of spheres.
+    repeated = table.packing[table.packing.duplicated()]
+    if len(repeated):
+        raise ValueError(f"{where}.varies: the packing {repeated.iloc[0]} is listed twice; remove one")
+    # Studies that are not part of `all` are defined in every campaign, so they may have keys that its settings exclude.
     ours = set() if study["in_all"] else set(given_keys(config["packing"]))
     _check_used({key: resolved for key in given_keys(study["fixes"])}, f"{where}.fixes", ours=ours)
     for (key, at), given in varied.items():
@@ -94,7 +99,7 @@ def expand_study(name, study, config):
 
 
 def _lay_over(fixed, combination, where):
-    """The settings of one packing, not resolved: those of its parts of the axes over the `fixed` ones."""
+    """Return the unresolved settings of one packing: those of the axes laid over the `fixed` ones."""
     settings = {key: value for part in combination for key, value in part["settings"].items()}
     raw = merge(fixed, with_presets({key: value for key, value in settings.items() if "." not in key}))
     for key, value in settings.items():
@@ -103,10 +108,10 @@ def _lay_over(fixed, combination, where):
 
 
 def _check_used(specifications, where, may_share=True, ours=frozenset()):
-    """ValueError at the first key that has an effect in none of the specifications it is given for.
+    """Raise ValueError at the first key that has no effect in any of its specifications.
 
-    specifications: of dotted keys, the resolved ones. may_share: whether keys that studies have in common pass. ours:
-    settings of the campaign; a key that needs one of them passes.
+    specifications: dict from dotted key to the resolved specifications for which it is given. may_share: whether keys
+    that studies have in common are accepted. ours: settings of the campaign; a key that needs one of them is accepted.
     """
     schema = read_schema("packing")
     for path, given in specifications.items():
@@ -123,7 +128,7 @@ def _check_used(specifications, where, may_share=True, ours=frozenset()):
 
 
 def _base(raw):
-    """What the settings give without anything varied; None where they are not a whole specification."""
+    """Return the deciding settings without variation; None if the settings are not a complete specification."""
     try:
         return deciding_but_seed(resolve(raw))
     except ValueError:
@@ -131,19 +136,19 @@ def _base(raw):
 
 
 def merge(*groups):
-    """One dict of all given nested dicts, later ones laid over earlier ones; none is changed."""
+    """Return one nested dict in which later groups override earlier ones; the groups are not changed."""
     merged = {}
     for group in groups:
         for key, value in group.items():
-            both = isinstance(value, dict) and isinstance(merged.get(key), dict)
-            merged[key] = merge(merged[key], value) if both else copy.deepcopy(value)
+            nested = isinstance(value, dict) and isinstance(merged.get(key), dict)
+            merged[key] = merge(merged[key], value) if nested else copy.deepcopy(value)
     return merged
 
 
 def _axis(key, values, where):
-    """One axis of the product, a list of {settings, label}; a value sets `key`, or is a group of settings."""
+    """Return one axis of the product, a list of {settings, label}; a value sets `key`, or is a group of settings."""
     if not isinstance(values, list):
-        raise ValueError(f"{where}.{key}: {values!r} is wrong; a list of what it varies over is needed")
+        raise ValueError(f"{where}.{key}: {values!r} is not a list; give a list of the values to vary over")
     name = "" if key == "sizes.case" else "_".join(key.split(".")[1:] or [key])
     parts = []
     for value in values:
@@ -156,16 +161,16 @@ def _axis(key, values, where):
     return parts
 
 
-def _flatten(group, above=""):
+def _flatten(group, prefix=""):
     for key, value in group.items():
         if isinstance(value, dict):
-            yield from _flatten(value, f"{above}{key}.")
+            yield from _flatten(value, f"{prefix}{key}.")
         else:
-            yield f"{above}{key}", value
+            yield f"{prefix}{key}", value
 
 
 def _forms(forms):
-    """The axis of single forms: ranks in the spread over the Zingg diagram, or named grains."""
+    """Return the axis of single forms: ranks in the spread over the Zingg diagram, or named grains."""
     if isinstance(forms, list):
         return [
             {
@@ -175,7 +180,7 @@ def _forms(forms):
             }
             for name in forms
         ]
-    # The name follows when the grains are read (choose_form); until then the text stands for it.
+    # The name is set when the grains are read (choose_form); until then this text replaces it.
     return [
         {
             "settings": {"shapes.choice": "one", "shapes.grain": f"form {rank} of the spread"},
@@ -188,16 +193,16 @@ def _forms(forms):
 
 
 def choose_form(specification, form, names):
-    """The specification with the grain of rank `form` (from 1; 0: none is chosen) of `names` (n,), in that order."""
+    """Return the specification with grain names[form - 1]; form 0 leaves it unchanged. names (n,): in rank order."""
     if form == 0:
         return specification
     if form > len(names):
-        raise ValueError(f"packing {specification['name']}: form {form} of a set of {len(names)} grains was asked for")
+        raise ValueError(f"packing {specification['name']}: there is no form {form} of a set of {len(names)} grains")
     return {**specification, "shapes": {**specification["shapes"], "grain": names[form - 1]}}
 
 
 def specification_text(specification, form, names):
-    """The specification of one packing as YAML with units, the grain of rank `form` in it as of `choose_form`."""
+    """Return the specification of a packing as YAML with units and the grain of rank `form`; see `choose_form`."""
     return yaml.safe_dump(express(choose_form(specification, form, names)), sort_keys=False, allow_unicode=True)
 
 
@@ -206,7 +211,7 @@ def _slug(value):
 
 
 def _grain_set(spec, form, where):
-    """The grains behind a resolved specification and the name of the set of them that it takes; None and "" of none."""
+    """Return the group `grains` of a specification and the name of its grain set; None and "" without grains."""
     grains = spec["grains"]
     if not needs_grains(spec["shapes"]):
         return None, ""
@@ -215,18 +220,18 @@ def _grain_set(spec, form, where):
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from None
     if grains["source"] == "synthetic" and form > grains["number"]:
-        raise ValueError(f"{where}.forms.spread: {form} forms of a set of {grains['number']} grains")
+        raise ValueError(f"{where}.forms.spread: there is no form {form} of a set of {grains['number']} grains")
     faces = "original" if spec["faces"] == "original" else f"faces_{spec['faces']}"
     return grains, f"{set_name(grains)}/{faces}"
 
 
 def _with_grain_set(spec, path):
-    # The set is decimated already, its grains are in metres and each is one body.
+    # The set is already decimated, its grains are in metres, and each grain is one body.
     return {**spec, "grains": {**spec["grains"], "source": path, "unit": None, "bodies": "one"}, "faces": "original"}
 
 
 def _column(key):
-    """Name of the column of a key that a study varies: its own one, or the last part of the key."""
+    """Return the column of a varied key: the one in COLUMN_OF_KEY, or the last part of the key."""
     return COLUMN_OF_KEY.get(key, key.split(".")[-1])
 
 
@@ -235,7 +240,7 @@ def _put(raw, path, value, where):
     for key in parents:
         raw = raw.setdefault(key, {})
         if not isinstance(raw, dict):
-            raise ValueError(f"{where}.varies: '{path}' goes through '{key}', which holds no keys")
+            raise ValueError(f"{where}.varies: '{path}' is not possible, since '{key}' has no keys below it")
     raw[last] = value
 
 

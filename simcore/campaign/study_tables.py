@@ -1,4 +1,4 @@
-"""The table of a study: one row a packing, then means over the seeds."""
+"""Tables of a study: one row per packing, and means over the seeds."""
 
 import json
 
@@ -7,17 +7,17 @@ import pandas as pd
 
 from simcore.reference.columns import FORM
 
-STATISTICS_ASKED_FOR = ("mean_FL", "mean_EL")  # of a mixture, before grains were drawn
+STATISTICS_ASKED_FOR = ("mean_FL", "mean_EL")  # nominal values of a mixture, before grains are drawn
 
 
 def tabulate(study, rows, evaluations):
-    """DataFrame with one row a packing.
+    """Return a DataFrame with one row per packing of a study.
 
-    study: its name; rows: dicts {packing, varied} as simcore.campaign.studies has them; evaluations: their datasets, as
-    from simcore.evaluation.evaluate. Columns: study, packing, case, what else the study varies, grain (of single
-    forms), kind, seed, grains, L, I, S [m] (means), mean and standard deviation of FL, EL, EQ, n and n_std_error
-    (spheres, as in the study), the same from exact slices, coordination_number, spearman_D (trend of size over height),
-    steps, cpu_s, and warnings: what was warned of when the packing was made, one line each.
+    study: its name. rows: dicts {packing, varied} as in simcore.campaign.studies. evaluations: their datasets from
+    simcore.evaluation.evaluate. Columns: study, packing, case, the other varied settings, grain (of single forms),
+    kind, seed, grains, L, I, S [m] (means), mean and standard deviation of FL, EL, EQ, n and n_std_error (from spheres,
+    as in Rettinger et al. (2022)), the same from exact slices, coordination_number, spearman_D (trend of size over
+    height), steps, cpu_s, and warnings (those of the packing, one per line).
     """
     table = []
     for row, data in zip(rows, evaluations, strict=True):
@@ -53,14 +53,15 @@ def tabulate(study, rows, evaluations):
 
 
 def summarise(packings, varied):
-    """Means over the seeds: DataFrame with one row for each setting of what else is varied.
+    """Return the means over the seeds, a DataFrame with one row for each combination of the other varied settings.
 
-    packings: as from `tabulate`; varied: the columns that the study varies. n_std: standard deviation over the runs,
-    and n_seed_error: the standard error of their mean (nan for one run); n_std_error: of the mean, from the sampling
-    errors of the runs: few seeds tell their scatter badly, three to half of it. cpu_h: of all runs together.
+    packings: as from `tabulate`. varied: the columns that the study varies. runs: number of packings. n_std: standard
+    deviation over the runs. n_seed_error: standard error of their mean (nan for one run). n_std_error: standard error
+    of the mean from the sampling errors of the runs, since few seeds give the scatter badly (three to half of it).
+    cpu_h: of all runs together.
     """
     settings = dict.fromkeys(["study", "case", *varied, "grain"])
-    # What a setting has not, such as the grain of a sphere, is no reason to leave it out.
+    # A setting without a value, such as the grain of spheres, is still a group: dropna=False.
     keys = [key for key in settings if key in packings and key != "seed"]
     groups = packings.groupby(keys, sort=False, dropna=False)
     table = groups["n"].agg(runs="size", n="mean", n_std="std")
@@ -72,10 +73,10 @@ def summarise(packings, varied):
 
 
 def tabulate_features(packings, evaluations):
-    """DataFrame with one row a packing: packing, case, sample, kind, n, and the 104 of simcore.grains.statistics.
+    """Return a DataFrame with one row per packing: packing, case, sample, kind, n and the form statistics.
 
-    sample: in words what was packed, but for the seed; equal for packings that differ in their seed alone. kind
-    is "discrete" where forms were drawn from the grain set, else "continuous".
+    The 104 statistics are those of simcore.grains.statistics. sample: the settings without the seed in words, equal for
+    packings that differ only in their seed. kind: "discrete" if forms are drawn from the grain set, else "continuous".
     """
     rows = [data.form.to_series() for data in evaluations]
     choices = [json.loads(data.attrs["scene"])["shapes"]["choice"] for data in evaluations]
@@ -90,7 +91,7 @@ def tabulate_features(packings, evaluations):
 
 
 def mark(table, test_only):
-    """The table, and if `test_only` a first column that says so in every row."""
+    """Return the table; if `test_only`, with a first column `note` that marks every row as a test."""
     marked = table.copy()
     if test_only:
         marked.insert(0, "note", "test only")

@@ -1,11 +1,11 @@
-"""Whether size, form and orientation of the grains change over height: a table of a study's packings, and its means.
+"""Trends of size, form and orientation of the grains over the height: a table per study, and its means.
 
-The source study finds no segregation by size and an isotropic mixing of size and shape.
+Rettinger et al. (2022) report no segregation by size and an isotropic mixing of size and shape.
 
-Packings of one seed draw the same sizes and, in a mixture, the same forms in the same order, so that chance leaves
-the same trend of these in all of them: 63 beds of one seed have a change of size that scatters by 0.4 times each
-one's own error, the same beds of another seed another change. Only seeds are independent here. How grains lie is each
-packing's own.
+Packings with the same seed draw the same sizes and, in a mixture, the same forms in the same order. Their random trends
+of these quantities are therefore the same: the trends of size in 63 packings of one seed scatter by only 0.4 times
+their own errors, and another seed gives another trend. For these quantities only seeds are independent samples. The
+orientations of the grains are independent in each packing.
 """
 
 import json
@@ -21,19 +21,18 @@ SUMMARY = [
     "study", "case", "kind", "quantity", "packings", "seeds", "grains", "spearman_r", "spearman_z", "relative_change",
     "relative_change_std_error", "mean", "mean_std_error", "isotropic",
 ]  # fmt: skip
-ISOTROPIC_ANGLE = 1.0  # mean angle of a random line against the vertical [rad]
-# What is drawn with the seed.
+ISOTROPIC_ANGLE = 1.0  # mean angle between a random line and the vertical [rad]
+# Quantities that are drawn with the seed.
 DRAWN = ("D", "EL", "FL")
 
 
 def tabulate_trends(study, rows, evaluations):
-    """DataFrame with one row a packing and quantity (see simcore.evaluation.height_trends.QUANTITIES).
+    """Return a DataFrame with one row per packing and quantity (see simcore.evaluation.height_trends.QUANTITIES).
 
-    study: its name; rows: dicts {packing, varied} as simcore.campaign.studies has them; evaluations: their datasets, as
-    from simcore.evaluation.evaluate. Columns: study, packing, seed, case, kind, quantity, grains (between the heights
-    looked at), mean and its standard error in the quantity's unit, spearman_r, p_value, relative_change over the height
-    and its standard error. A packing too low for trends has no row; a quantity that is the same for all grains no trend
-    (nan).
+    study: its name. rows: dicts {packing, varied} as in simcore.campaign.studies. evaluations: their datasets from
+    simcore.evaluation.evaluate. Columns: study, packing, seed, case, kind, quantity, grains (in the evaluated height),
+    mean and its standard error in the quantity's unit, spearman_r, p_value, relative_change over the height and its
+    standard error. A packing that is too low for trends has no row. A quantity equal for all grains has no trend (nan).
     """
     table = []
     for row, data in zip(rows, evaluations, strict=True):
@@ -43,8 +42,8 @@ def tabulate_trends(study, rows, evaluations):
         count = data["grain_count"].values
         for quantity in data["quantity"].values:
             layers, errors = (data[f"{quantity}_{name}"].values for name in ("mean", "std_error"))
-            some = count > 1  # a single grain tells no scatter, none no mean
-            share = count[some] / count[some].sum()
+            usable = count > 1  # one grain has no standard error
+            share = count[usable] / count[usable].sum()
             trend = data.sel(quantity=quantity)
             table.append(
                 {
@@ -55,8 +54,8 @@ def tabulate_trends(study, rows, evaluations):
                     "kind": scene["shapes"]["kind"],
                     "quantity": str(quantity),
                     "grains": int(count.sum()),
-                    "mean": float(share @ layers[some]),
-                    "mean_std_error": float(np.sqrt(share**2 @ errors[some] ** 2)),
+                    "mean": float(share @ layers[usable]),
+                    "mean_std_error": float(np.sqrt(share**2 @ errors[usable] ** 2)),
                     "spearman_r": float(trend["spearman_r"]),
                     "p_value": float(trend["p_value"]),
                     "relative_change": float(trend["relative_change"]),
@@ -67,33 +66,33 @@ def tabulate_trends(study, rows, evaluations):
 
 
 def summarise_trends(trends):
-    """Means over the packings of a study, DataFrame: one row for each study, case, kind of grain and quantity.
+    """Return means over the packings: a DataFrame with one row for each study, case, kind of grain and quantity.
 
-    trends: of tabulate_trends. spearman_r: mean of the packings, weighted by their grains less one, which are the
-    inverse variances of rank correlations where there is no trend; spearman_z: that mean in its standard errors, of
-    normal distribution then. relative_change and mean with standard errors: plain means. Of what is DRAWN all this is
-    over the means of the seeds, each as certain as one of its packings. isotropic: the mean angle of long axes that
-    point anywhere [rad], empty for the other quantities. Packings whose quantity is the same for all grains do not
-    count.
+    trends: from tabulate_trends. spearman_r: mean over the packings, weighted by their number of grains less one, the
+    inverse variance of a rank correlation without a trend. spearman_z: this mean over its standard error; without a
+    trend it has a normal distribution. relative_change and mean, with standard errors: plain means. For the quantities
+    in DRAWN the means are over the means of the seeds, each with the uncertainty of a single packing. isotropic: mean
+    angle of randomly oriented long axes [rad], empty for the other quantities. Packings with an equal quantity for all
+    grains do not count.
     """
-    known = trends[trends["spearman_r"].notna()]
-    if known.empty:
+    defined = trends[trends["spearman_r"].notna()]
+    if defined.empty:
         return pd.DataFrame(columns=SUMMARY)
     keys = ["study", "case", "kind", "quantity"]
-    groups = known.groupby(keys, sort=False)
+    groups = defined.groupby(keys, sort=False)
     table = pd.DataFrame([dict(zip(keys, group, strict=True)) | _combine(rows) for group, rows in groups])
     table["isotropic"] = np.where(table["quantity"] == "angle", ISOTROPIC_ANGLE, np.nan)
     return table[SUMMARY]
 
 
 def _combine(rows):
-    """The summary of one group of packings of one quantity, dict."""
+    """Return the summary of one group of packings and one quantity as a dict."""
     drawn = rows["quantity"].iloc[0] in DRAWN
     sample = rows["seed"].to_numpy() if drawn else np.arange(len(rows))
     squared = {f"{name}_std_error": rows[f"{name}_std_error"] ** 2 for name in ("relative_change", "mean")}
     weight = rows["grains"] - 1.0
-    each = rows.assign(weight=weight, weighted=weight * rows["spearman_r"], **squared)
-    samples = each.groupby(sample)[["weight", "weighted", "relative_change", "mean", *squared]].mean()
+    weighted = rows.assign(weight=weight, weighted=weight * rows["spearman_r"], **squared)
+    samples = weighted.groupby(sample)[["weight", "weighted", "relative_change", "mean", *squared]].mean()
     errors = np.sqrt(samples[list(squared)].sum()) / len(samples)
     return {
         "packings": len(rows),

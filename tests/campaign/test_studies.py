@@ -141,12 +141,12 @@ def test_named_forms():
     ("changes", "message"),
     [
         ({"varies": {"sizes.cas": ["U1"]}}, r"studies\.s\.sizes\.cas: unknown key; did you mean 'case'\?"),
-        ({"varies": {"sizes.case": "U1"}}, r"studies\.s\.varies\.sizes\.case: 'U1' is wrong; a list"),
+        ({"varies": {"sizes.case": "U1"}}, r"studies\.s\.varies\.sizes\.case: 'U1' is not a list"),
         ({"varies": {"sizes.case": ["U9"]}}, r"studies\.s, packing U9: sizes\.case: 'U9' is unknown; the cases are U1"),
         ({"varies": {"sizes.case": ["U1"], "seed": [1, 1]}}, r"studies\.s\.varies: the packing U1-seed_1 .* twice"),
         ({"packing": {"faces": "few"}}, r"studies\.s\.faces: 'few' is wrong"),
         ({"fixes": {"domain": {"width": "3 kg", "height": "1 m"}}}, r"studies\.s\.domain\.width: '3 kg' is a mass"),
-        ({"forms": {"spread": 64}}, r"studies\.s\.forms\.spread: 64 forms of a set of 63 grains"),
+        ({"forms": {"spread": 64}}, r"studies\.s\.forms\.spread: there is no form 64 of a set of 63 grains"),
         ({"forms": {"spred": 6}}, r"studies\.s\.forms\.spred: unknown key; did you mean 'spread'\?"),
         ({"grains": {"source": "no/such/folder", "unit": "mm"}}, r"grains\.source: 'no/such/folder' does not exist"),
         ({"grains": {"source": "."}}, r"grains\.unit is missing"),
@@ -178,7 +178,7 @@ def test_named_forms():
             {"fixes": {**STUDY["fixes"], "grains": {"source": "/no/such/folder", "unit": "mm"}}},
             r"studies\.s: grains\.source: '/no/such/folder' does not exist",
         ),
-        ({"packing": {"grains": {"source": "synthetic"}}}, r"packing\.grains: it belongs one level up"),
+        ({"packing": {"grains": {"source": "synthetic"}}}, r"packing\.grains: move it one level up"),
         ({"porosity": {"slice_height": "1 s"}}, r"porosity\.slice_height: '1 s' is a time; a length is needed"),
     ],
 )
@@ -295,7 +295,7 @@ def test_near_spheres_are_a_sphere_and_ten_ellipsoids_up_to_twice_as_long_as_thi
 
 
 def test_own_sizes_of_grains_are_refused_in_a_study():
-    with pytest.raises(ValueError, match=r"studies\.s, packing .*: sizes\.own is for single packings"):
+    with pytest.raises(ValueError, match=r"studies\.s, packing .*: sizes\.own is only for single packings"):
         expand(campaign(varies={"seed": [1]}, fixes={**STUDY["fixes"], "sizes": {"own": True}}))
 
 

@@ -159,10 +159,10 @@ def test_a_river_sample_in_too_wide_a_box_is_refused(tmp_path, capsys):
     path, output = write(tmp_path, RIVER), tmp_path / "bed.nc"
     assert main(["pack", path, str(output)]) == 2
     told = capsys.readouterr().err
-    assert told.count("\n") == 1 and "give at least 1" in told and "--force" in told and not output.exists()
+    assert told.count("\n") == 1 and "set amount to at least 1" in told and "--force" in told and not output.exists()
     assert main(["explain", path]) == 0
     told = capsys.readouterr().out
-    assert "None of it is left to evaluate" in told and "Warning     The bed will be about" in told
+    assert "Nothing of it is left to evaluate" in told and "Warning     The bed will be about" in told
 
 
 def test_force_packs_what_cannot_be_evaluated_and_warnings_reach_the_page(tmp_path, capsys):
@@ -258,4 +258,4 @@ def test_the_lines_on_the_bed_name_what_is_left_out():
     lines = "\n".join(bed_lines(setup, draw_packing(setup)))
     bed = forecast(setup.scene.domain, grains_of(setup))
     assert f"about {bed.height * 1e3:.0f} mm high" in lines and "without the lowest 8 mm" in lines
-    assert f"sampling error of about {bed.sampling_error:.2g}, which is known to a factor of 1.6" in lines
+    assert f"sampling error of about {bed.sampling_error:.2g}; this estimate is right within a factor of 1.6" in lines

@@ -118,8 +118,8 @@ def test_beds_of_other_settings_and_other_campaigns_are_left_out(campaign, workp
     assert not (campaign.folder / "kept" / "heights.csv").exists()
     (workplace.folder / "tests.yaml").write_text(f"test_only: true\n{CAMPAIGN}")
     for arguments, message in (
-        (["--configfile", "tests.yaml"], "its rows are not gathered"),
-        ([], "this campaign is not gathered"),
+        (["--configfile", "tests.yaml"], "are not gathered, since `test_only` is set"),
+        ([], "cannot be gathered: set `reference` to a folder"),
     ):
         status, said = workplace.run(*arguments, "--", "collect")
         assert status != 0 and message in said

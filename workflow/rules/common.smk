@@ -1,4 +1,4 @@
-# Validation, and thin input functions over the campaign's plan, before any job.
+# Validation of the configuration, and thin input functions over the plan of the campaign.
 report: "../report/workflow.rst"
 
 
@@ -16,7 +16,7 @@ from simcore.provenance.digest import digest
 from simcore.scene.specification import resolve
 from simcore.verification.outside import packings as outside_packings
 
-# Jobs take the Python that runs Snakemake.
+# Jobs use the Python that runs Snakemake.
 find_this_python_first()
 
 try:
@@ -24,21 +24,22 @@ try:
     plan = Plan(
         campaign, [os.path.relpath(path) for path in workflow.overwrite_configfiles]
     )
-    # Jobs read this file too, and need no check.
+    # Jobs read this file too, but need no check.
     if workflow.is_main_process:
         plan.check()
 except ValueError as error:
     raise WorkflowError(f"config: {error}") from None
 
-# Paths of rules begin with <results>, which Snakemake takes from the same key.
+# Paths of rules begin with <results>, which Snakemake replaces by the same key of the configuration.
 packings, studies, all_studies = plan.packings, plan.studies, plan.all_studies
 
-# A dry run says what the campaign will cost. Snakemake tells no workflow that it is one before all rules are read.
+# A dry run prints the estimated cost of the campaign. The command line is read because Snakemake does not report a dry
+# run to the workflow before all rules are read.
 if {"-n", "--dry-run", "--dryrun"} & set(sys.argv):
     print(plan.description(), file=sys.stderr)
 
 
-# The name of the set is of what the files hold: how old they are decides nothing.
+# The name of the set has a digest of the files' contents, so their modification times are ignored.
 def files_of_set(wildcards):
     return [ancient(path) for path in source_files(plan.grain_group(wildcards.grains))]
 
@@ -48,12 +49,12 @@ def group_of_set(wildcards):
 
 
 def unless_none(paths, there_are, overlay):
-    """Input function: these paths, or an error that names the overlay where the campaign has none of such studies."""
+    """Return an input function: these paths, or an error that names the overlay if the campaign has no such studies."""
 
     def inputs(wildcards):
         if not there_are:
             raise WorkflowError(
-                f"this campaign has no such study; name one that has: --configfile {overlay}"
+                f"this campaign has no such study; use a configuration that has one: --configfile {overlay}"
             )
         return paths
 
@@ -90,7 +91,7 @@ def specification_from_outside(wildcards):
     )
 
 
-# A figure as PNG, which Snakemake's report shows under its caption, and as PDF.
+# A figure as PNG, which Snakemake's report shows with its caption, and as PDF.
 def figure(path, category, caption=None, **labels):
     caption = caption or "_".join(path.split("/")[-2:])
     shown = report(

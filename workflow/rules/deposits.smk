@@ -1,10 +1,10 @@
-# Deposits of general ellipsoids, a study beside the first: config/deposits.yaml. Not part of `all`: ask for `deposits`.
-# Their packings are made as any (packings.smk); what they are read by, and how they are tabulated, stands here.
+# Deposits of general ellipsoids (config/deposits.yaml). They are not part of `all`; the target is `deposits`. Their
+# packings are made like all others (packings.smk); this file has their evaluation and tables.
 deposit_studies = plan.studies_named("deposit_")
 deposit_packings = plan.of(*deposit_studies)
 deposit_tables = ["packings", "means", "maxima", "symmetry", "crossings", "changes"]
 deposit_figures = ["map", "forms", "directions", "histograms", "sizes", "bridge"]
-# What the rows alone show.
+# Tables and figures that need only the rows.
 row_tables = ["means", "maxima", "symmetry", "changes"]
 row_figures = [name for name in deposit_figures if name != "histograms"]
 
@@ -27,7 +27,7 @@ rule deposit:
         fabric="<results>/fabric/{study}/{packing}.nc",
     log:
         "<results>/logs/deposit/{study}/{packing}.log",
-    # Before the next packing, so that what is finished can be gathered.
+    # Runs before the next packing, so that finished packings can be gathered.
     priority: 1
     params:
         code=digest("workflow/scripts/deposit.py"),
@@ -35,7 +35,7 @@ rule deposit:
         "../scripts/deposit.py"
 
 
-# All rows, their means over seeds, and what they show.
+# All rows, their means over seeds, and the results.
 rule deposit_tables:
     input:
         fabrics=collect(
@@ -83,7 +83,7 @@ rule deposit_figures:
         "../scripts/deposit_figures.py"
 
 
-# The rows of the deposits that are finished, into the committed table; see `collect`.
+# Writes the rows of finished deposits to the committed table; see `collect`.
 rule collect_deposits:
     log:
         "<results>/logs/collect_deposits.log",
@@ -97,7 +97,7 @@ rule collect_deposits:
         "../scripts/collect_deposits.py"
 
 
-# Tables and figures of the rows that are committed, in seconds: --configfile config/deposits.yaml -- committed_deposits
+# Tables and figures of the committed rows, in seconds: --configfile config/deposits.yaml -- committed_deposits
 rule committed_deposits:
     input:
         rows=f"{campaign['reference']}/deposits.csv",

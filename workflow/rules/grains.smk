@@ -1,4 +1,4 @@
-# What a grain is: read or made, decimated, put in order, reported.
+# Grains: read or generated, decimated, ordered by form, and reported.
 
 
 rule grain_set:

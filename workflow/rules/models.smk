@@ -1,4 +1,4 @@
-# From the tables of the studies to models of porosity. A model exists where the campaign has its study.
+# Models of porosity from the tables of the studies. A model exists only if the campaign has its study.
 models, model_figures = [], []
 single_form_studies = [name for name in studies if name.startswith("single_form")]
 
@@ -101,7 +101,7 @@ if {"single_form", "equivalent_ellipsoids"} <= set(studies):
             "../scripts/shape_kinds.py"
 
 
-# Where the one and the other are there: a model that holds for both.
+# One model for single forms and mixtures, if the campaign has both.
 if {"single_form", "form_mixture"} <= set(models):
     models += ["unified", "unified_feature_sets"]
 

@@ -66,7 +66,7 @@ rule packing:
         "<results>/logs/packing/{study}/{packing}.log",
     benchmark:
         "<results>/benchmarks/packing/{study}/{packing}.tsv"
-    # Cores. That there are fewer changes neither ranks nor their threads, which then share them.
+    # Number of cores. If there are fewer, the number of ranks and threads remains, and they share the cores.
     threads: cores
     resources:
         tasks=ranks,
@@ -81,17 +81,18 @@ rule packing:
             "simcore/packing/file.py",
         ),
         checkpoints=f"{plan.results}/checkpoints",
-    # The checkpoints are no output, so that a packing that was interrupted goes on from them. Each study has a folder of
-    # them: two may hold the same packing, and a scene is run by one process a folder. With `exec` the parent of the
-    # packing is Snakemake: where it is killed, the packing ends too, and does not go on beside the next run. With `force`,
-    # since the height of each bed was checked against the campaign's own cut when the rules were read.
+    # The checkpoints are not an output, so that an interrupted packing resumes from them. Each study has its own folder
+    # of checkpoints, because two studies may have the same packing, and only one process per folder may run a scene.
+    # `exec` makes Snakemake the parent of the packing: if Snakemake is killed, the packing ends too instead of running
+    # beside the next run. `--force` is given because the height of each bed was checked with the campaign's own cut
+    # when the rules were read.
     shell:
         "exec python -m simcore launch {input.specification} {output.packing}"
         " --ranks {resources.tasks} --threads {resources.cpus_per_task} --mpiexec={resources.mpi:q}"
         " --checkpoints {params.checkpoints:q}/{wildcards.study} --with-parent --force > {log} 2>&1"
 
 
-# As soon as its packing is there: a campaign that is ended leaves rows, not packings alone.
+# This runs as soon as the packing is finished, so that an interrupted campaign leaves rows and not only packings.
 rule porosity:
     input:
         packing="<results>/packings/{study}/{packing}.nc",
@@ -130,7 +131,7 @@ rule study_table:
         "../scripts/study_table.py"
 
 
-# Each study is a target of its own: `snakemake single_form`.
+# Each study is a target: `snakemake single_form`.
 for study in all_studies:
 
     rule:
@@ -140,7 +141,7 @@ for study in all_studies:
             f"<results>/tables/{study}.csv",
 
 
-# A study in pieces of some hours; each goes on where it was ended: `snakemake single_form_piece_1`.
+# Pieces of a study that take some hours; an interrupted piece resumes: `snakemake single_form_piece_1`.
 for study, piece, names in plan.pieces():
 
     rule:
@@ -150,8 +151,8 @@ for study, piece, names in plan.pieces():
             [f"<results>/porosity/{study}/{packing}.nc" for packing in names],
 
 
-# What of a study has no row in the committed tables yet, whether or not its packings are there: `snakemake
-# single_form_left`, then `snakemake collect`. So a campaign goes on where its rows end, on another machine too.
+# The packings of a study that have no row in the committed tables yet, whether or not their files exist: `snakemake
+# single_form_left`, then `snakemake collect`. A campaign can thus continue after its last row, also on another machine.
 for study in all_studies if campaign["reference"] else []:
 
     rule:
@@ -161,9 +162,9 @@ for study in all_studies if campaign["reference"] else []:
             plan.files_left(study),
 
 
-# The finished packings of all studies, as rows of the committed tables; the others may come later. The tables are no
-# outputs: they are there in a clone, and stay when what they were made of is gone. Of studies that are not part of `all`,
-# those of which something was packed here.
+# Writes rows of all finished packings to the committed tables; other packings can follow later. The tables are not
+# outputs: they are part of a clone, and remain if the packings are deleted. Studies that are not part of `all` are
+# included if they have packings here.
 rule collect:
     log:
         "<results>/logs/collect.log",

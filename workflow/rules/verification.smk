@@ -1,4 +1,4 @@
-# Error against run time. Not part of `all`: ask for `work_precision`, with --cores 1 so that runs are timed alone.
+# Error against run time. It is not part of `all`; the target is `work_precision`, with --cores 1 for undisturbed times.
 precision_studies = [
     "one_contact",
     "rotation",
@@ -68,7 +68,7 @@ rule rest:
         "../scripts/rest.py"
 
 
-# How a porosity is evaluated, on the finished packings of one study.
+# Error of the evaluation of porosity, on the finished packings of one study.
 rule evaluation_precision:
     input:
         packings=collect(
@@ -89,7 +89,7 @@ rule evaluation_precision:
         "../scripts/evaluation_precision.py"
 
 
-# What each setting of a packing does to its porosity; the studies stand in config/work_precision.yaml.
+# Effect of each setting of a packing on its porosity; the studies are in config/work_precision.yaml.
 rule packing_precision:
     input:
         tables=collect(
@@ -111,7 +111,7 @@ rule packing_precision:
         "../scripts/packing_precision.py"
 
 
-# What in our process and law makes porosity differ from the study's: config/differences.yaml.
+# Effects of our process and contact law on the difference in porosity to Rettinger et al.: config/differences.yaml.
 difference_studies = plan.studies_named("difference_")
 
 
@@ -134,8 +134,8 @@ rule differences:
         "../scripts/differences.py"
 
 
-# Packings whose outcome is published or follows from a closed form: docs/verification.md. Their runs, bands and sources
-# stand in simcore/verification/outside.
+# Packings whose result is published or follows from a closed form: docs/verification.md. Their runs, bands and sources
+# are in simcore/verification/outside.
 wildcard_constraints:
     outside="|".join(outside_packings.PACKED + outside_packings.ELASTIC_RUNS),
 
@@ -187,7 +187,7 @@ rule outside_specification:
         "../scripts/outside_specification.py"
 
 
-# As `packing`, on one core: so are they small, and their CPU times comparable.
+# Like `packing`, but on one core: these packings are small, and their CPU times are comparable.
 rule outside_packing:
     input:
         specification="<results>/verification/packings/{outside}.yaml",

@@ -1,4 +1,4 @@
-"""Of all studies together: what they cost, and whether size, form and orientation change over height."""
+"""Write tables over all studies: their cost, and the trends of size, form and orientation over the height."""
 
 import pandas as pd
 

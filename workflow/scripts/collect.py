@@ -1,4 +1,4 @@
-"""Rows of the packings that are finished, into the committed tables, and what stands behind them."""
+"""Write rows of the finished packings to the committed tables, with their provenance."""
 
 import logging
 

@@ -1,4 +1,4 @@
-"""Rows of the deposits that are finished, into the committed table, and what stands behind it."""
+"""Write rows of the finished deposits to the committed table, with their provenance."""
 
 import logging
 

@@ -1,4 +1,4 @@
-"""Tables and figures of the deposits whose rows are committed; no packing is made."""
+"""Write tables and figures of the committed rows of deposits; no packing is made."""
 
 from simcore.campaign.deposit_findings import findings
 from simcore.campaign.deposits import read_deposits

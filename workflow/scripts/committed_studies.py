@@ -1,4 +1,4 @@
-"""Tables and figures of the studies whose rows are committed, and a page of them; no packing is made."""
+"""Write tables, figures and a page of the studies with committed rows; no packing is made."""
 
 import logging
 from pathlib import Path

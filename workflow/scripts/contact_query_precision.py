@@ -1,4 +1,4 @@
-"""Depth and normal of touching pairs against the time of a query: the runs, and error against CPU time."""
+"""Write errors of depth and normal of touching pairs against the CPU time of a query."""
 
 from simcore.compilation import set_threads
 from simcore.report.figures.saving import save_figure

@@ -1,4 +1,4 @@
-"""The grains of the set with at most so many faces each."""
+"""Write the grains of the set, decimated to the given maximum number of faces."""
 
 from simcore.grains.grain_set import read_grains, write_grains
 from simcore.grains.mesh import decimate

@@ -1,4 +1,4 @@
-"""Fabric of a deposit's bulk."""
+"""Write the fabric of the bulk of a deposit."""
 
 from simcore.evaluation.deposit import deposit
 from simcore.packing.file import read_packing

@@ -1,4 +1,4 @@
-"""Deposits as figures: over form, spread of size, and beside beds of the first study's law and process."""
+"""Draw deposits over form and over spread of size, and compared with the law and process of Rettinger et al. (2022)."""
 
 import pandas as pd
 import xarray as xr

@@ -1,4 +1,4 @@
-"""Deposits as tables: one row a packing, means over seeds, maxima, symmetry, crossing angles, what changes do."""
+"""Write tables of deposits: packings, means over seeds, maxima, symmetry, crossing angles, effects of changes."""
 
 import xarray as xr
 

@@ -1,4 +1,4 @@
-"""What each change does to porosity: its difference to the first setting of its study, paired by seed."""
+"""Write the effect of each change on porosity: the difference to the first setting of its study, paired by seed."""
 
 import pandas as pd
 

@@ -1,4 +1,4 @@
-"""Error of a packing's porosity by how it is evaluated, against CPU time."""
+"""Write the error of the porosity of a packing against the CPU time of its evaluation, by method."""
 
 from simcore.packing.file import read_packing
 from simcore.report.figures.saving import save_figure

@@ -1,4 +1,4 @@
-"""Models of beds with a distribution of form, their prediction of unseen packings, and figures."""
+"""Fit models of beds with a distribution of form; write them, their predictions of unseen packings, and figures."""
 
 import logging
 

@@ -1,4 +1,4 @@
-"""The grains in the order that spreads their forms over the Zingg diagram."""
+"""Write the grains in the order that spreads their forms over the Zingg diagram."""
 
 from simcore.grains.grain_set import read_grains
 from simcore.grains.spread import spread_table

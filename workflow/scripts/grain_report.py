@@ -1,4 +1,4 @@
-"""Tables and figures about the grains themselves."""
+"""Write tables and figures of the grains."""
 
 from simcore.grains.grain_set import read_grains
 from simcore.report.grains import grain_findings

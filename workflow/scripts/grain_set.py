@@ -1,4 +1,4 @@
-"""The grains of the source: synthetic, read from files, or a set that was prepared before."""
+"""Write the grains of the source: synthetic, read from files, or from an existing set."""
 
 import sys
 

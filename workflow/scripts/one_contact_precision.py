@@ -1,4 +1,4 @@
-"""Restitution of one impact against the time step: its runs, and error against CPU time."""
+"""Write the error of the restitution of one impact against the time step and the CPU time."""
 
 from simcore.compilation import set_threads
 from simcore.report.figures.saving import save_figure

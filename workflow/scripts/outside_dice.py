@@ -1,4 +1,4 @@
-"""Meshes of the Platonic solids, as a user would have them."""
+"""Write mesh files of the Platonic solids, like files of a user."""
 
 from pathlib import Path
 

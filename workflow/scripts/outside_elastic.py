@@ -1,4 +1,4 @@
-"""The energy of spheres that lose nothing, over time."""
+"""Write the energy of spheres without dissipation over time."""
 
 from pathlib import Path
 

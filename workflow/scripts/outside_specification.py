@@ -1,4 +1,4 @@
-"""The specification of one packing whose outcome is known."""
+"""Write the specification of one packing whose result is known."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Several packings side by side on one scale of sizes."""
+"""Draw several packings side by side with one colour scale of sizes."""
 
 from simcore.packing.file import read_packing
 from simcore.report.figures.packings import packings_figure

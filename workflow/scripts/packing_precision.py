@@ -1,4 +1,4 @@
-"""Error in porosity of each setting of a packing against its CPU time, and the cheapest settings for a wished error."""
+"""Write the error in porosity of each setting against its CPU time, and the cheapest settings for a given error."""
 
 import pandas as pd
 

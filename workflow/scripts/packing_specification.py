@@ -1,4 +1,4 @@
-"""The complete specification of one packing, with the name of its grain."""
+"""Write the complete specification of one packing, with the name of its grain."""
 
 from pathlib import Path
 

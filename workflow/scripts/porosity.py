@@ -1,4 +1,4 @@
-"""Everything that is asked of one packing: porosity and its error, coordination, trends over height, form."""
+"""Write the evaluation of one packing: porosity and its error, coordination, trends over height, form."""
 
 from simcore.evaluation.evaluate import evaluate
 from simcore.packing.file import read_packing

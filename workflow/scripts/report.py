@@ -1,4 +1,4 @@
-"""One page with every table and figure of the campaign."""
+"""Write one page with every table and figure of the campaign."""
 
 from pathlib import Path
 

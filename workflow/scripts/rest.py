@@ -1,4 +1,4 @@
-"""At how many steps per contact time a bed rests, with either dashpot."""
+"""Write the number of steps per contact time at which a bed comes to rest, for each dashpot."""
 
 from simcore.compilation import set_threads
 from simcore.report.figures.saving import save_figure

@@ -1,4 +1,4 @@
-"""Attitude and energy of free bodies against the time step: the runs, and error against CPU time."""
+"""Write the errors of attitude and energy of free bodies against the time step and the CPU time."""
 
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import work_precision_figure

@@ -1,4 +1,4 @@
-"""How far packings of polyhedra and of their mass-equivalent ellipsoids differ in porosity."""
+"""Write the difference in porosity between packings of polyhedra and of their mass-equivalent ellipsoids."""
 
 import pandas as pd
 

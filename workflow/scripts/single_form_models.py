@@ -1,4 +1,4 @@
-"""Models of beds of one form, per case, with their tables and figures."""
+"""Fit models of beds of one form, per sieve curve, and write their tables and figures."""
 
 import logging
 

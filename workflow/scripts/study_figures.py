@@ -1,4 +1,4 @@
-"""The porosities of a study beside the source study's; its first packing as it lies, and its porosity over height."""
+"""Draw the porosities of a study beside those of Rettinger et al., its first packing, and the porosity over height."""
 
 import pandas as pd
 import xarray as xr

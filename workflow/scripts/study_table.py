@@ -1,4 +1,4 @@
-"""The packings of a study, their forms and trends over height, and means over the seeds beside the study's values."""
+"""Write the packings of a study, their forms and trends, and means over seeds beside values of Rettinger et al."""
 
 import xarray as xr
 

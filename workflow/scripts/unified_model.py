@@ -1,4 +1,4 @@
-"""The model for beds of one form and for mixtures alike, beside the separate ones, per case."""
+"""Fit one model for single forms and mixtures, and compare it with the separate models, per sieve curve."""
 
 import logging
 

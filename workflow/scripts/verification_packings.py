@@ -1,4 +1,4 @@
-"""Packings with known outcomes: what was measured beside what was expected."""
+"""Compare packings with known results: measured and expected values."""
 
 from pathlib import Path
 

@@ -160,8 +160,8 @@ def test_reasons_of_refusal(written, tmp_path):
     whole = written.read_bytes()
     assert refusal(written, key="f" * 16).count("another scene") == 1
     assert KEY in refusal(written, key="f" * 16)
-    assert "another version of the code (0.1.0+fedcba, this run's is 0.2.0)" in refusal(written, code="0.2.0")
-    assert "schema 1, this code reads schema 2" in refusal(written, schema=2)
+    assert "another version of the code (0.1.0+fedcba; this run has 0.2.0)" in refusal(written, code="0.2.0")
+    assert "schema 1, but this code reads schema 2" in refusal(written, schema=2)
     assert "is a folder" in refusal(tmp_path)
     assert "No such file" in refusal(tmp_path / "none")
     loop = tmp_path / "loop"
