@@ -12,12 +12,13 @@ from simcore.grains.statistics import mixture_features
 def evaluate(packing, slice_height=1e-3, cut=None):
     """Return porosity, its profile, coordination, trends over height and form of a packing in one Dataset.
 
-    packing: Dataset as from simcore.packing.file.read_packing; slice_height, cut [m]: see simcore.evaluation.porosity. Porosities whose names
-    end in _exact are from slices of the grains themselves, the others from slices of volume-equivalent spheres as in
-    Rettinger et al. (2022). profile is n(z) over z; form are the 104 features of simcore.grains.statistics; axes are
-    the means of L, I, S. The trends have the dimensions layer and quantity; if the bed is too low for them, the
-    attribute height_trends gives the reason. The sieve curve and the forms of the whole bed and of its evaluated part
-    are those of simcore.evaluation.composition. Where sizes separate, the attribute warnings has one more line.
+    packing: Dataset as from simcore.packing.file.read_packing; slice_height, cut [m]: see simcore.evaluation.porosity.
+    Porosities whose names end in _exact are from slices of the grains themselves, the others from slices of
+    volume-equivalent spheres as in Rettinger et al. (2022). profile is n(z) over z; form are the 104 features of
+    simcore.grains.statistics; axes are the means of L, I, S. The trends have the dimensions layer and quantity; if the
+    bed is too low for them, the attribute height_trends gives the reason. The sieve curve and the forms of the whole
+    bed and of its evaluated part are those of simcore.evaluation.composition. Where sizes separate, the attribute
+    warnings has one more line.
     """
     bulk = bulk_porosity(packing, "spheres", cut, slice_height)
     exact = bulk_porosity(packing, "exact", cut, slice_height)[["n", "n_std_error"]]

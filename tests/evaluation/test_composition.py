@@ -5,7 +5,7 @@ import pytest
 
 from simcore.evaluation.composition import composition, separation_warnings
 from simcore.evaluation.evaluate import evaluate
-from tests.helpers.packings import lattice, make_packing
+from tests.helpers.packings import make_packing, sphere_lattice
 
 
 def bed(radius, z, seed=1, bounds=None):
@@ -91,7 +91,7 @@ def test_an_empty_evaluated_part_is_refused():
 
 
 def test_the_evaluation_of_a_packing_has_its_composition_and_its_warning():
-    centres, width = lattice("fcc", 4, 12)
+    centres, width = sphere_lattice("fcc", 4, 12)
     size = np.where(centres[:, 2] > centres[:, 2].mean(), 8e-3, 6e-3)
     packing = make_packing(1e-2 * centres, np.repeat(0.5 * size[:, None], 3, axis=1), width=1e-2 * width)
     packing["sieve_bounds"] = (("sieve_class", "bound"), np.array([[5e-3, 7e-3], [7e-3, 9e-3]]), {"units": "m"})
