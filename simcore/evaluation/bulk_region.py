@@ -26,7 +26,7 @@ class Bulk(NamedTuple):
 def bulk(packing, cut=None):
     """Return the bulk of a packing: its grains, and its porosity with its lower and upper end.
 
-    packing: Dataset as in packing_io; cut [m]: thickness that is left out above the floor, below the surface (the
+    packing: Dataset of read_packing; cut [m]: thickness that is left out above the floor, below the surface (the
     height at which the bed is half solid), and in a cylinder next to its wall; None means FLOOR_LAYER, SURFACE_LAYER
     and WALL_LAYER long axes. A grain is in the bulk if its centre is. The porosity is that of the whole cross-section,
     in a cylinder up to its wall. ValueError if no grain is left.

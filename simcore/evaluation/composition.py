@@ -25,7 +25,7 @@ PARTS, WEIGHTS = ("bed", "evaluated"), ("volume", "number")
 
 
 def composition(packing, z_lower, z_upper, method="spheres"):
-    """Composition of a packing as a Dataset; packing: Dataset as in packing_io, z_lower, z_upper [m]: evaluated part.
+    """Composition of a packing as a Dataset; packing: Dataset of read_packing, z_lower, z_upper [m]: evaluated part.
 
     sieve_fraction (part, weight, sieve_class): shares of the classes of the sieve curve, where the packing has one.
     form_mean, form_std (part, weight, ratio): mean and standard deviation of FL, EL and EQ. part: the whole bed, or its

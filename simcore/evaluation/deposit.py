@@ -8,7 +8,7 @@ from simcore.evaluation.fabric import fabric
 def deposit(packing):
     """Return the fabric of a deposit's bulk (simcore.evaluation.fabric) with its mean_overlap, Dataset.
 
-    packing: Dataset as in packing_io. mean_overlap: of contacts between grains, divided by the diameter of the sphere
+    packing: Dataset of read_packing. mean_overlap: of contacts between grains, divided by the diameter of the sphere
     of the mean grain volume; the overlap increases the solid fraction by about three times this share. The attributes
     include the scene.
     """

@@ -66,7 +66,7 @@ _SUMS = ("grains", "vectors")
 def fabric(packing, cut=None, bearing_contacts=BEARING_CONTACTS, n_bins=N_BINS):
     """Return the fabric of one packing, Dataset.
 
-    packing: Dataset as in packing_io; cut [m]: see simcore.evaluation.bulk_region; bearing_contacts: see
+    packing: Dataset of read_packing; cut [m]: see simcore.evaluation.bulk_region; bearing_contacts: see
     simcore.evaluation.coordination; n_bins: number of bins of equal solid angle from the vertical to the horizontal.
 
     Scalars: solid_fraction; coordination_number, also _without_rattlers; rattler_fraction.

@@ -18,7 +18,7 @@ QUANTITIES = {
 def height_trends(packing, interval=None, n_layers=5):
     """Return number-based means of D, FL, EL and the long axis' angle in layers, with a test for trends, Dataset.
 
-    packing: Dataset as in packing_io; interval: heights (low, high) [m] of the centres of the grains that are included;
+    packing: Dataset of read_packing; interval: heights (low, high) [m] of the centres of the grains that are included;
     None cuts the largest sieve size from both ends of the bed in both kinds of domain, because the centres of large
     grains on a floor are higher than those of small ones. n_layers: number of equal layers of the profile, which does
     not affect the test.

@@ -22,7 +22,7 @@ def domain_area(packing):
 def porosity_profile(packing, slice_height=1e-3, method="spheres"):
     """Return n(z) in horizontal slices from the floor to above the bed, Dataset over `z`, the slices' middles [m].
 
-    packing: Dataset as in packing_io; slice_height [m]; method: "spheres" slices volume-equivalent spheres, in exact
+    packing: Dataset of read_packing; slice_height [m]; method: "spheres" slices volume-equivalent spheres, in exact
     segments (Rettinger et al. 2022), "exact" the polyhedra and ellipsoids themselves. The equivalent sphere of a flat
     grain on the floor extends below the floor; the volume there is in no slice and given as solid_volume_below_floor.
     ValueError if slice_height is not positive, or if there is no grain.
@@ -94,7 +94,7 @@ def evaluation_interval(packing, profile, cut=None):
 def bulk_porosity(packing, method="spheres", cut=None, slice_height=1e-3):
     """Return the mean porosity over the evaluation interval with its sampling error, Dataset of scalars.
 
-    packing: Dataset as in packing_io; method, slice_height [m] as in porosity_profile; cut [m] as in
+    packing: Dataset of read_packing; method, slice_height [m] as in porosity_profile; cut [m] as in
     evaluation_interval. n is the mean of n(z) over the interval, exact even if z- or z+ is inside a slice. n_std_error
     is the expected scatter over seeds (simcore.evaluation.sampling_error), not the bias of method or model.
     """

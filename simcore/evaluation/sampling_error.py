@@ -28,7 +28,7 @@ ENOUGH_CONTRASTS = 32
 def sampling_error(packing, z_lower, z_upper, method="spheres"):
     """Estimate the standard error of the mean solid fraction (and porosity) between two heights, from one packing.
 
-    packing: Dataset as in packing_io; z_lower, z_upper [m]; method: as in slab_volumes. Returns a dict: n_std_error;
+    packing: Dataset of read_packing; z_lower, z_upper [m]; method: as in slab_volumes. Returns a dict: n_std_error;
     n_contrasts, the number of independent contrasts (the relative error of n_std_error is 1/sqrt(2 n_contrasts));
     block_size [m], half the shortest wavelength used; correlation_length [m], the cube root of the integral range,
     which is the volume per independent sample that the error implies; it can be compared with block_size.

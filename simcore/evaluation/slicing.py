@@ -32,7 +32,7 @@ class Geometry(NamedTuple):
 def slab_volumes(packing, edges, method="spheres", per_grain=False):
     """Return the solid volume between successive horizontal planes, (k,) or, per grain, (n, k) [m³].
 
-    packing: Dataset as in packing_io; edges: (k + 1,), increasing heights of the planes [m], ValueError otherwise;
+    packing: Dataset of read_packing; edges: (k + 1,), increasing heights of the planes [m], ValueError otherwise;
     method: "spheres" slices the volume-equivalent spheres (Rettinger et al. 2022), "exact" the grains themselves. The
     overlap of two grains counts twice, as in Rettinger et al. (overlaps are below 1e-6 of a grain's size).
     """
