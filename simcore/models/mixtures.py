@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from simcore.models.regression import FOLDS, correlate, cross_validate, fit_and_validate, usable_features
-from simcore.models.tables import beside, beside_models, over_seeds
+from simcore.models.tables import join_r22, join_r22_models, over_seeds
 
 log = logging.getLogger(__name__)
 
@@ -67,17 +67,17 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
     if r22_correlations is not None:
         published = r22_correlations.query("study == 'form_mixture'")
         published = published.assign(feature=published["feature"].str.replace(" inverse", "_inv"))
-        tables["correlations"] = beside(tables["correlations"], published, ["case", "feature"], {"r": "r22_r"})
+        tables["correlations"] = join_r22(tables["correlations"], published, ["case", "feature"], {"r": "r22_r"})
     if r22_sets is not None:
         published = _long_sets(r22_sets)
         columns = {"mae_1e-3": "r22_error", "R2": "r22_r_squared"}
-        tables["feature_sets"] = beside(tables["feature_sets"], published, ["case", *MIXTURE], columns)
+        tables["feature_sets"] = join_r22(tables["feature_sets"], published, ["case", *MIXTURE], columns)
     if r22_models is not None and models:
-        tables["models"] = beside_models(tables["models"], r22_models)
+        tables["models"] = join_r22_models(tables["models"], r22_models)
     return tables, models
 
 
-def application_table(models, packings, study=None):
+def application_table(models, packings, r22=None):
     """Predict packings that no model was fitted to, as in Table 11 of Rettinger et al. (2022); one row per packing.
 
     models: dict from (name, case) to PorosityModel with the models "form_mixture" and, optionally, "unified". packings:
@@ -93,15 +93,15 @@ def application_table(models, packings, study=None):
             ]
             table[f"{prefix}predicted"] = predicted
             table[f"{prefix}abs_error"] = (table[f"{prefix}predicted"] - table["simulated"]).abs()
-    if study is not None:
+    if r22 is not None:
         parts = [
             pd.DataFrame(
                 {
-                    "case": study["case"],
+                    "case": r22["case"],
                     "kind": kind,
-                    "r22_predicted": study["predicted"],
-                    "r22_simulated": study[f"{kind}_simulated"],
-                    "study_abs_error": 1e-3 * study[f"{kind}_abs_error_1e-3"],
+                    "r22_predicted": r22["predicted"],
+                    "r22_simulated": r22[f"{kind}_simulated"],
+                    "r22_abs_error": 1e-3 * r22[f"{kind}_abs_error_1e-3"],
                 }
             )
             for kind in ("continuous", "discrete")

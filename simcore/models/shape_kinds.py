@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from simcore.models.tables import beside
+from simcore.models.tables import join_r22
 
 
 def pair_shape_kinds(meshes, ellipsoids):
@@ -25,7 +25,7 @@ def pair_shape_kinds(meshes, ellipsoids):
     return paired[["case", "grain", "EQ", "n_mesh", "n_ellipsoid", "n_mesh_error", "n_ellipsoid_error"]]
 
 
-def shape_kind_table(packings, study=None):
+def shape_kind_table(packings, r22=None):
     """Return the differences in porosity between polyhedra and their equivalent ellipsoids, one row per case.
 
     packings: columns case, n_mesh, n_ellipsoid, one row per form. study: columns case, rms_difference, the values of
@@ -40,4 +40,4 @@ def shape_kind_table(packings, study=None):
             "forms": groups.size(),
         }
     ).reset_index()
-    return table if study is None else beside(table, study, ["case"], {"rms_difference": "r22_rms_difference"})
+    return table if r22 is None else join_r22(table, r22, ["case"], {"rms_difference": "r22_rms_difference"})

@@ -7,7 +7,7 @@ import pandas as pd
 
 from simcore.grains.form import features as form_features
 from simcore.models.regression import FOLDS, correlate, cross_validate, fit_and_validate, screen, usable_features
-from simcore.models.tables import beside, beside_models, over_seeds
+from simcore.models.tables import join_r22, join_r22_models, over_seeds
 
 log = logging.getLogger(__name__)
 
@@ -51,14 +51,14 @@ def single_form_models(packings, r22_correlations=None, r22_errors=None, r22_mod
     }
     if r22_correlations is not None:
         published = r22_correlations.query("study == 'single_form'")
-        tables["correlations"] = beside(tables["correlations"], published, ["case", "feature"], {"r": "r22_r"})
+        tables["correlations"] = join_r22(tables["correlations"], published, ["case", "feature"], {"r": "r22_r"})
     if r22_errors is not None:
         published = r22_errors.melt(id_vars="case", var_name="feature", value_name="r22_error")
         published["r22_error"] *= 1e-3
         columns = {"r22_error": "r22_error"}
-        tables["second_features"] = beside(tables["second_features"], published, ["case", "feature"], columns)
+        tables["second_features"] = join_r22(tables["second_features"], published, ["case", "feature"], columns)
     if r22_models is not None:
-        tables["models"] = beside_models(tables["models"], r22_models)
+        tables["models"] = join_r22_models(tables["models"], r22_models)
     return tables, models
 
 

@@ -30,15 +30,15 @@ def compare_predictions(models, name, table):
     return pd.concat(parts) if parts else pd.DataFrame(columns=names)
 
 
-def beside(ours, study, keys, columns):
-    """Add columns of the table `study` of Rettinger et al. to our table where the keys agree.
+def join_r22(ours, r22, keys, columns):
+    """Add columns of the table `r22` of Rettinger et al. to our table where the keys agree.
 
-    columns: dict from their name in `study` to the new name.
+    columns: dict from their name in `r22` to the new name.
     """
-    return ours.merge(study[[*keys, *columns]].rename(columns=columns), how="left", on=keys)
+    return ours.merge(r22[[*keys, *columns]].rename(columns=columns), how="left", on=keys)
 
 
-def beside_models(ours, study):
-    """Add the coefficients of Rettinger et al. to the table of ours; `study` has one row per model."""
-    study = study.melt(id_vars=["model", "case"], value_name="coefficient", var_name="term").dropna()
-    return beside(ours, study, ["model", "case", "term"], {"coefficient": "r22_coefficient"})
+def join_r22_models(ours, r22):
+    """Add the coefficients of Rettinger et al. to the table of ours; `r22` has one row per model."""
+    r22 = r22.melt(id_vars=["model", "case"], value_name="coefficient", var_name="term").dropna()
+    return join_r22(ours, r22, ["model", "case", "term"], {"coefficient": "r22_coefficient"})

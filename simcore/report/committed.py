@@ -147,7 +147,7 @@ def _single_forms_of(source, rows, seed, folds):
     features = form_features(*(beds[axis] for axis in "LIS"))
     compared = pd.concat([beds[["case", "n", "n_std_error", "r22_n"]], features], axis=1)
     figures = {
-        f"single_form_features_{source}": form_figure(beds, study=correlations, r22_models=r22_models),
+        f"single_form_features_{source}": form_figure(beds, r22_correlations=correlations, r22_models=r22_models),
         f"single_form_zingg_{source}": porosity_zingg_figure(beds, shown),
         f"single_form_prediction_{source}": prediction_figure(
             compare_predictions(models, "single_form", compared), list(shown.values())

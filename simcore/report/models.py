@@ -40,7 +40,7 @@ def single_form_findings(packings, committed, seed, folds) -> Findings:
     compared = pd.concat([columns, form_features(packings.L, packings.I, packings.S)], axis=1)
     predictions = compare_predictions(models, "single_form", compared)
     figures = {
-        "features": form_figure(packings, study=correlations, r22_models=r22_models),
+        "features": form_figure(packings, r22_correlations=correlations, r22_models=r22_models),
         "zingg": porosity_zingg_figure(packings, shown),
         "prediction": prediction_figure(predictions, list(shown.values())),
     }

@@ -11,10 +11,10 @@ from simcore.report.figures.zingg import draw_fields
 _STYLES = [("o", "0.15"), ("^", "0.55"), ("s", "white"), ("x", "0.35")]
 
 
-def zingg_diagram(tables, study=None):
+def zingg_diagram(tables, r22=None):
     """Draw EL against FL in Zingg's diagram; tables: dict from label to form_table. Returns Figure.
 
-    study: a row of table2_form_statistics of Rettinger et al. (2022), whose mean and standard deviation are drawn as a
+    r22: a row of table2_form_statistics of Rettinger et al. (2022), whose mean and standard deviation are drawn as a
     cross.
     """
     figure = Figure(figsize=(4.8, 4.9), layout="constrained")
@@ -22,19 +22,19 @@ def zingg_diagram(tables, study=None):
     draw_fields(axes)
     for (label, table), (marker, colour) in zip(tables.items(), _STYLES, strict=False):
         _scatter(axes, table.FL, table.EL, marker, colour, f"{label} (n = {len(table)})")
-    if study is not None:
+    if r22 is not None:
         axes.errorbar(
-            study.mu_FL, study.mu_EL, study.sigma_EL, study.sigma_FL, fmt="D", color="#b3541e", mfc="white", ms=6,
-            lw=1.4, capsize=3, zorder=4, label=f"{study.n_samples:.0f} grains of Rettinger et al.: mean ± std.",
+            r22.mu_FL, r22.mu_EL, r22.sigma_EL, r22.sigma_FL, fmt="D", color="#b3541e", mfc="white", ms=6,
+            lw=1.4, capsize=3, zorder=4, label=f"{r22.n_samples:.0f} grains of Rettinger et al.: mean ± std.",
         )  # fmt: skip
     figure.legend(frameon=False, fontsize="small", loc="outside upper center", ncols=2)
     return figure
 
 
-def form_histograms(table, study=None):
+def form_histograms(table, r22=None):
     """Draw histograms of FL and EL with the normal density of their mean and standard deviation. Returns Figure.
 
-    study: a row of table2_form_statistics of Rettinger et al. (2022), whose normal density is drawn for the same number
+    r22: a row of table2_form_statistics of Rettinger et al. (2022), whose normal density is drawn for the same number
     of grains.
     """
     figure = Figure(figsize=(7, 3.4), layout="constrained")
@@ -46,8 +46,8 @@ def form_histograms(table, study=None):
         x = np.linspace(0.2, 1, 200)
         grains = len(values) * (edges[1] - edges[0])
         axes.plot(x, grains * norm.pdf(x, values.mean(), values.std(ddof=1)), "k", lw=1.2, label="normal, this set")
-        if study is not None:
-            density = norm.pdf(x, study[f"mu_{factor}"], study[f"sigma_{factor}"])
+        if r22 is not None:
+            density = norm.pdf(x, r22[f"mu_{factor}"], r22[f"sigma_{factor}"])
             axes.plot(x, grains * density, "--", color="#b3541e", lw=1.6, label="normal, Rettinger et al.")
         axes.set_title(f"mean {values.mean():.3f}, std {values.std(ddof=1):.3f}", fontsize="medium")
         axes.set(xlabel=f"{name} {factor} [-]", xlim=(0.2, 1))

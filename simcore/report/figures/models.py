@@ -17,12 +17,12 @@ FEATURE_LABELS = {
 R22_SPHERES = {"U1": 0.36}  # of equal spheres, approached by the ellipsoids in Fig. 10 of Rettinger et al.
 
 
-def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), study=None, r22_models=None):
+def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), r22_correlations=None, r22_models=None):
     """Draw porosity against features of the form with fit lines and Pearson's r, a panel per feature, a row per case.
 
-    packings: columns case, L, I, S, n and, optionally, n_std_error. study: correlations.csv of Rettinger et al. (2022),
-    whose r are added to the legend. r22_models: models.csv, whose single-form model is drawn over EQ^-1, at the mean
-    EL^-1 of our packings; Rettinger et al. give no line over the other features.
+    packings: columns case, L, I, S, n and, optionally, n_std_error. r22_correlations: correlations.csv of Rettinger et
+    al. (2022), whose r are added to the legend. r22_models: models.csv, whose single-form model is drawn over EQ^-1, at
+    the mean EL^-1 of our packings; Rettinger et al. give no line over the other features.
     """
     cases = list(packings.groupby("case", sort=False))
     figure = Figure(figsize=(3.4 * len(features), 0.6 + 2.9 * len(cases)), layout="constrained")
@@ -30,7 +30,7 @@ def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), study=None, r22
     for row, (case, rows), style in zip(grid, cases, STYLES, strict=False):
         values = form_features(*(rows[axis].to_numpy() for axis in "LIS"))
         for axes, feature in zip(row, features, strict=True):
-            _draw_feature(axes, case, values[feature], rows, feature, style, study)
+            _draw_feature(axes, case, values[feature], rows, feature, style, r22_correlations)
             if feature == "EQ_inv" and r22_models is not None:
                 _draw_r22_line(axes, case, values, r22_models)
             axes.legend(frameon=False, fontsize="x-small", loc="upper left")
@@ -42,7 +42,7 @@ def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), study=None, r22
     return figure
 
 
-def _draw_feature(axes, case, x, rows, feature, style, study):
+def _draw_feature(axes, case, x, rows, feature, style, r22_correlations):
     """Draw the packings of a case over one feature, with the line of a fit."""
     (marker, color), n = style, rows["n"].to_numpy()
     axes.errorbar(
@@ -51,7 +51,7 @@ def _draw_feature(axes, case, x, rows, feature, style, study):
     )  # fmt: skip
     if len(rows) > 2 and np.ptp(x) > 0.0:
         line = np.array([x.min(), x.max()])
-        label = f"fit: r = {np.corrcoef(x, n)[0, 1]:.3f}" + _r22_r(study, case, feature)
+        label = f"fit: r = {np.corrcoef(x, n)[0, 1]:.3f}" + _r22_r(r22_correlations, case, feature)
         axes.plot(line, np.polyval(np.polyfit(x, n, 1), line), color=color, lw=1.2, label=label)
 
 
@@ -162,9 +162,9 @@ def _draw_near_spheres(axes, rows, bars):
         )  # fmt: skip
 
 
-def _r22_r(study, case, feature):
+def _r22_r(r22_correlations, case, feature):
     """Return the r of Rettinger et al. for single forms as text, empty if they give none."""
-    if study is None:
+    if r22_correlations is None:
         return ""
-    row = study.query("study == 'single_form' and case == @case and feature == @feature")
+    row = r22_correlations.query("study == 'single_form' and case == @case and feature == @feature")
     return f" (Rettinger et al. {row['r'].iloc[0]:.3f})" if len(row) else ""

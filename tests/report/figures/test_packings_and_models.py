@@ -71,7 +71,7 @@ def legend(axes):
 
 
 def test_form_figure_has_a_fit_for_each_case_and_feature(forms, study, tmp_path):
-    figure = form_figure(forms, study=study[0], r22_models=study[1])
+    figure = form_figure(forms, r22_correlations=study[0], r22_models=study[1])
     figure.savefig(tmp_path / "figure.pdf")
     assert len(figure.axes) == 2 * 3
     # Panels share their axes: the labels stand below and at the left.
