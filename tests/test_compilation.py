@@ -178,5 +178,5 @@ def test_what_only_compiled_code_calls_can_be_called_from_python_too():
 
 
 def test_too_many_threads_are_refused():
-    with pytest.raises(ValueError, match="lower --threads"):
+    with pytest.raises(ValueError, match="change --threads"):
         compilation.set_threads(10_000)

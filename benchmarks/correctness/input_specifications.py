@@ -141,7 +141,7 @@ def confirm_bed(domain, solid, output):
     expected = solid / area / fraction
     if abs(height * 1e-3 - expected) > 0.6e-3 + 0.01 * expected:
         raise Contradiction(f"the bed is {height} mm high, expected {expected * 1e3:.1f}")
-    evaluated = re.search(r"from a height of about (\d+) mm", output)
+    evaluated = re.search(r"evaluated over a height of about (\d+) mm", output)
     if evaluated and not 0 <= float(evaluated[1]) <= height:
         raise Contradiction(f"{evaluated[1]} mm of {height} are evaluated")
     if re.search(r"sampling error of about -|about -", output):

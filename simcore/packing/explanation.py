@@ -23,9 +23,9 @@ from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
 # For each kind of scene: what its step includes, and what the steps of the other kinds leave out.
 KINDS = {
     SPHERE: ("spheres, contacts in closed form", "spheres in closed form"),
-    ELLIPSOID: ("ellipsoids, contacts by Newton from the last normal", "ellipsoids"),
-    POLYHEDRON: ("convex polyhedra, contacts from the facet found last", "polyhedra: no mesh, facet or search of one"),
-    MIXED: ("ellipsoids beside polyhedra, each pair by its kinds", "kinds side by side"),
+    ELLIPSOID: ("ellipsoids, contacts by Newton iteration from the last normal", "ellipsoids"),
+    POLYHEDRON: ("convex polyhedra, contacts from the facet found last", "polyhedra and their contact search"),
+    MIXED: ("ellipsoids and polyhedra, contacts by the kinds of the pair", "mixtures of kinds"),
 }
 
 
@@ -154,7 +154,7 @@ def _sliding_lines(scene: Scene) -> list[str]:
     limit = f"of at most {material.friction:g} times the normal force" if sliding == CAPPED else "without limit"
     return [
         f"Friction    Sliding dies out in {material.sliding_time:g} s, by a force {limit}",
-        "            Nothing holds grains in place, so that beds creep",
+        "            No force keeps grains at rest, so that beds creep",
     ]
 
 

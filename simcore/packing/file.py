@@ -196,11 +196,11 @@ def _one(long_name):
 
 def _sieve_variables(curve, sample):
     """Return the classes of a SieveCurve, with the specified mass fractions and those of the grains of the packing."""
-    asked, drawn = "specified share of the mass in the class", "share of the mass of the packed grains in the class"
+    specified, drawn = "specified share of the mass in the class", "share of the mass of the packed grains in the class"
     bounds = np.column_stack([curve.bounds[:-1], curve.bounds[1:]])
     return {
-        "sieve_bounds": (("sieve_class", "bound"), bounds, _m("sieve sizes between which the class lies")),
-        "mass_fraction_asked": ("sieve_class", curve.mass_fractions, _one(asked)),
+        "sieve_bounds": (("sieve_class", "bound"), bounds, _m("lower and upper sieve size of the class")),
+        "mass_fraction_asked": ("sieve_class", curve.mass_fractions, _one(specified)),
         "mass_fraction_drawn": ("sieve_class", class_fractions(curve, sample.D, sample.volume), _one(drawn)),
     }
 
@@ -215,8 +215,12 @@ def _shape_variables(bases):
     kinds = ["convex" if len(array) else "sphere" for array in vertices]
     return starts | {
         "shape_name": ("shape", [base.name for base in bases]),
-        "shape_kind": ("shape", kinds, {"long_name": "unit sphere or convex hull"}),
-        "shape_vertices": (("vertex", "xyz"), np.concatenate(vertices), _m("vertices of the hulls, principal axes")),
+        "shape_kind": ("shape", kinds, {"long_name": "unit sphere or convex polyhedron"}),
+        "shape_vertices": (
+            ("vertex", "xyz"),
+            np.concatenate(vertices),
+            _m("vertices of the polyhedra, principal axes"),
+        ),
         "shape_faces": (
             ("face", "corner"),
             np.concatenate(faces).reshape(-1, 3).astype(np.int64),

@@ -190,7 +190,7 @@ def test_a_run_ends_with_what_started_it_where_asked(tmp_path):
     family = [launcher, *marked(launcher.pid)]
     run.process.kill()
     said, _ = run.process.communicate(timeout=PATIENCE)
-    assert "the process that started this one has ended" in said
+    assert "the parent process has ended" in said
     assert "simcore stand-in: interrupted at step" in said
     assert_none_left(family)
 

@@ -164,8 +164,8 @@ def test_an_impact_too_deep_stops_the_run_before_it_is_over():
     """At 4 m/s and 10 ms grains sink 5 to 7 mm deep and are 2.8 to 4 mm in radius; few looks fall on an impact."""
     error, _ = told_by(numerics={"contact_time": "10 ms"}, generation={"velocity_z": "-4 m/s"})
     assert isinstance(error, str)
-    assert "into what it meets" in error and "Shorten numerics.contact_time, which is 0.01 s, to" in error
-    grain, speed, depth = re.search(r"grain (\d+) moves at (\S+) m/s .* sink (\S+) mm", error).groups()
+    assert "would overlap what it hits by" in error and "Shorten numerics.contact_time, which is 0.01 s, to" in error
+    grain, speed, depth = re.search(r"grain (\d+) moves at (\S+) m/s .* what it hits by (\S+) mm", error).groups()
     # verification.md 1.1; and on a grain that lies on the floor, of which the next test has a simulation.
     assert float(depth) / float(speed) == pytest.approx(1e3 * 1.33177 * 0.1290665 * 0.01, rel=0.01)
 
@@ -186,7 +186,10 @@ def test_a_deep_impact_is_foreseen():
     made, lines = set_up_few_spheres(numerics={"contact_time": "10 ms"}, domain={"height": "5 m"}), []
     Process(made.scene, made.bases, made.draw, lines.append).expect()
     (line,) = lines
-    assert "sinks" in line and "Shorten numerics.contact_time, which is 0.01 s, to make contacts stiffer." in line
+    assert (
+        "overlaps another by" in line
+        and "Shorten numerics.contact_time, which is 0.01 s, to make contacts stiffer." in line
+    )
 
 
 def test_the_stiffest_grain_of_a_bed_is_among_those_looked_at(settled):

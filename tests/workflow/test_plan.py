@@ -78,7 +78,9 @@ def test_a_campaign_of_beds_too_low_to_be_evaluated_is_refused(workplace):
     (workplace.folder / "low.yaml").write_text(low)
     status, said = workplace.run("--dry-run", "--configfile", "low.yaml", "--", "spheres")
     assert status != 0 and "Traceback" not in said
-    assert "studies.spheres, packing spheres: amount: The bed will be about" in said and "give at least" in said
+    assert (
+        "studies.spheres, packing spheres: amount: The bed will be about" in said and "set amount to at least" in said
+    )
     (workplace.folder / "low.yaml").write_text(low + "\nporosity: {cut: 2 mm}\n")
     assert workplace.run("--dry-run", "--configfile", "low.yaml", "--", "spheres")[0] == 0
 
@@ -150,7 +152,9 @@ def test_work_precision_is_a_target_of_its_own(workplace):
 def test_a_target_whose_studies_are_elsewhere_names_the_overlay(workplace, target):
     status, said = workplace.run("--dry-run", "--", target)
     assert status != 0
-    assert f"this campaign has no such study; name one that has: --configfile config/{target}.yaml" in said
+    assert (
+        f"this campaign has no such study; use a configuration that has one: --configfile config/{target}.yaml" in said
+    )
 
 
 @pytest.mark.parametrize(
