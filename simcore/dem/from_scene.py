@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from simcore.dem.forces.hertz import HertzLaw, hertz_law, linear_law
-from simcore.dem.forces.sliding_friction import CAPPED, NONE, VISCOUS
 from simcore.dem.forces.spring_dashpot import ContactLaw, contact_law, implicit_law
+from simcore.dem.forces.viscous_friction import CAPPED, NONE, VISCOUS
 from simcore.dem.stability import longest_stable_step, minimum_steps_per_contact_time
 from simcore.dem.state.features import Features
 from simcore.scene.scene import SPRUNG, Scene
@@ -68,7 +68,7 @@ def _features(scene: Scene) -> Features:
 
 
 def _sliding(scene: Scene) -> int:
-    """Return the friction against the sliding velocity, a constant of simcore.dem.forces.sliding_friction."""
+    """Return the friction against the sliding velocity, a constant of simcore.dem.forces.viscous_friction."""
     if scene.material.friction_law == "dynamic":
         return CAPPED if scene.material.friction > 0.0 else NONE
     return VISCOUS if scene.material.friction_law == "viscous" else NONE

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.dem.contact.patch.workspace import make_workspace
-from simcore.dem.forces.sliding_friction import CAPPED
+from simcore.dem.forces.viscous_friction import CAPPED
 from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import collect_shapes
 from simcore.dem.state.bodies import make_bodies

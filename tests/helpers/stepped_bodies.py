@@ -4,7 +4,7 @@ import numba
 import numpy as np
 
 from simcore.dem.contact.patch.workspace import make_workspace
-from simcore.dem.forces.sliding_friction import NONE
+from simcore.dem.forces.viscous_friction import NONE
 from simcore.dem.shapes.hulls import MIXED, POLYHEDRON, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State

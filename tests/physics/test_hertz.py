@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.hertz import HertzLaw
-from simcore.dem.forces.sliding_friction import CAPPED
+from simcore.dem.forces.viscous_friction import CAPPED
 from simcore.dem.shapes.hulls import SPHERE
 from simcore.packing.energy import mechanical_energy
 from simcore.scene.impact import DURATION, damping_number, impact_depth, restitution

@@ -33,7 +33,7 @@ class HertzLaw(NamedTuple):
     tangential: float  # ratio of the stiffness of the tangential spring to k √ξ
     root_tangential: float  # ratio of the tangential to the normal dashpot
     friction: float
-    sliding: float  # [1/s], see simcore.dem.forces.sliding_friction
+    sliding: float  # [1/s], see simcore.dem.forces.viscous_friction
     size: float  # [m/kg^(1/3)], ratio of the radius of a sphere to the cube root of its mass
 
 

@@ -33,7 +33,7 @@ class ContactLaw(NamedTuple):
     root_tangential: float
     friction: float
     step: float = 0.0  # [s], over which an implicit dashpot acts; 0 for an explicit one
-    sliding: float = 0.0  # [1/s], rate of a friction without springs (simcore.dem.forces.sliding_friction)
+    sliding: float = 0.0  # [1/s], rate of a friction without springs (simcore.dem.forces.viscous_friction)
 
 
 LEVER = 3.5  # 1 + m r² / I of a sphere. ASSUME: used for all grains. Why: docs/constants.md#lever

@@ -23,7 +23,7 @@ class Features(NamedTuple):
     timed: bool = False  # count the processor cycles of each stage of the step
     potential: bool = False  # contacts of ellipsoids by their potentials instead of a common normal
     hertz: bool = False  # the contact law's coefficients follow from the overlap (simcore.dem.forces.hertz)
-    sliding: int = 0  # friction without springs, instead of `friction`: NONE, CAPPED or VISCOUS (sliding_friction.py)
+    sliding: int = 0  # friction without springs, instead of `friction`: NONE, CAPPED or VISCOUS (viscous_friction.py)
     preloaded: bool = False  # with friction: a contact that begins to stick has its spring loaded to the limit
     inflated: bool = False  # contacts of polyhedra as in Rettinger et al. (2022), simcore.dem.contact.pairs.inflated
 

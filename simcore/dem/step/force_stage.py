@@ -9,7 +9,7 @@ from numba import prange
 from simcore.compilation import loops
 from simcore.dem.forces.hertz import contact_law_at, wall_law_at
 from simcore.dem.forces.pressing import press_contact, press_wall
-from simcore.dem.forces.sliding_friction import rub_contact, rub_wall
+from simcore.dem.forces.viscous_friction import rub_contact, rub_wall
 
 
 @loops

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.hertz import STORED, law_at, linear_law, local_law
-from simcore.dem.forces.sliding_friction import CAPPED, NONE, VISCOUS
 from simcore.dem.forces.spring_dashpot import normal_force
+from simcore.dem.forces.viscous_friction import CAPPED, NONE, VISCOUS
 from simcore.dem.from_scene import compose
 from simcore.dem.stability import body_steps, contact_load, longest_stable_step, stiffest_body
 from simcore.packing.energy import spring_energy
