@@ -16,40 +16,40 @@ def steps_advice(scene) -> str:
     return f"raise numerics.steps_per_contact_time (now {scene.numerics.steps_per_contact_time:g})"
 
 
-def about_stiffest(memory) -> str:
-    """Return a clause on the number of steps that the stiffest grain needs. memory: WatchState."""
+def about_stiffest(watch_state) -> str:
+    """Return a clause on the number of steps that the stiffest grain needs. watch_state: WatchState."""
     return (
-        f"grain {memory.stiffest} with {memory.contacts} contacts alone needs {memory.needed:.1f} steps per contact "
-        f"time, and a bed needs {BED_STEP_FACTORS[0]:g} to {BED_STEP_FACTORS[1]:g} times as many"
+        f"grain {watch_state.stiffest} with {watch_state.contacts} contacts alone needs {watch_state.needed:.1f} steps "
+        f"per contact time, and a bed needs {BED_STEP_FACTORS[0]:g} to {BED_STEP_FACTORS[1]:g} times as many"
     )
 
 
-def hint(scene, memory) -> str:
+def hint(scene, watch_state) -> str:
     """Return an addition to a message if the time step may be too long for the stiffest grain, otherwise ""."""
-    return f"; {about_stiffest(memory)}" if may_jitter(scene, memory) else ""
+    return f"; {about_stiffest(watch_state)}" if may_jitter(scene, watch_state) else ""
 
 
-def may_jitter(scene, memory) -> bool:
+def may_jitter(scene, watch_state) -> bool:
     """Return whether the time step may be too long for the stiffest grain with its contacts in the bed."""
-    return BED_STEP_FACTORS[1] * memory.needed > scene.numerics.steps_per_contact_time
+    return BED_STEP_FACTORS[1] * watch_state.needed > scene.numerics.steps_per_contact_time
 
 
-def advice_on_rest(scene, memory) -> str:
+def advice_on_rest(scene, watch_state) -> str:
     """Return the advice for a bed that does not come to rest."""
-    if may_jitter(scene, memory):
-        needed = int(np.ceil(BED_STEP_FACTORS[1] * memory.needed))
+    if may_jitter(scene, watch_state):
+        needed = int(np.ceil(BED_STEP_FACTORS[1] * watch_state.needed))
         steps = scene.numerics.steps_per_contact_time
         return f"Raise numerics.steps_per_contact_time from {steps:g} to at least {needed}."
     return "Shake or damp longer, or loosen `convergence`."
 
 
-def let_pass(scene, memory) -> list[str]:
+def let_pass(scene, watch_state) -> list[str]:
     """Return a sentence for each exceeded limit that was tolerated while the packing ran."""
     lines = []
-    if memory.warned_of_steps:
+    if watch_state.warned_of_steps:
         steps = scene.numerics.steps_per_contact_time
-        lines.append(f"At the stiffest moment {about_stiffest(memory)}; the packing had {steps:g}.")
-    if memory.warned_of_pinching:
+        lines.append(f"At the stiffest moment {about_stiffest(watch_state)}; the packing had {steps:g}.")
+    if watch_state.warned_of_pinching:
         lines.append(
             f"While grains fell, a stone with at least {PINCHING:g} times the mass of a grain overlapped it by more "
             f"than half of the grain's thickness."
@@ -63,10 +63,10 @@ def overlapping(problem: DeepOverlap) -> str:
     return f"grain {problem.grain} and {partner} overlap by {problem.overlap * 1e3:.3g} mm"
 
 
-def few_steps_warning(scene, memory, step) -> str:
+def few_steps_warning(scene, watch_state, step) -> str:
     """Return the warning that the stiffest grain needs more steps per contact time than the packing has."""
     return (
-        f"{scene.name}: warning: at step {step} {about_stiffest(memory)}; this packing has "
+        f"{scene.name}: warning: at step {step} {about_stiffest(watch_state)}; this packing has "
         f"{scene.numerics.steps_per_contact_time:g}. Such a grain vibrates and gains energy until its contacts slip or "
         f"open. If the bed gains energy or does not come to rest, the packing stops with an error"
     )
@@ -81,13 +81,16 @@ def pinching_warning(scene, problem: DeepOverlap, step) -> str:
 
 
 @singledispatch
-def describe(problem, scene, step, memory) -> str:
-    """Return the message about a problem of simcore.packing.run_checks. memory: WatchState, for hints on the step."""
+def describe(problem, scene, step, watch_state) -> str:
+    """Return the message about a problem of simcore.packing.run_checks.
+
+    watch_state: WatchState, for hints on the step.
+    """
     raise TypeError(f"no message describes {problem!r}")
 
 
 @describe.register
-def _(problem: NotFinite, scene, step, memory):
+def _(problem: NotFinite, scene, step, watch_state):
     return (
         f"{scene.name}: the position of grain {problem.grain} is not finite at step {step}. Most likely the time step "
         f"is too long: {steps_advice(scene)}"
@@ -95,7 +98,7 @@ def _(problem: NotFinite, scene, step, memory):
 
 
 @describe.register
-def _(problem: TooFast, scene, step, memory):
+def _(problem: TooFast, scene, step, watch_state):
     return (
         f"{scene.name}: grain {problem.grain} moves at {problem.speed:.3g} m/s at step {step}, more than fall and "
         f"shaking can cause ({problem.limit:.3g} m/s). The time step is too long for its contacts "
@@ -104,7 +107,7 @@ def _(problem: TooFast, scene, step, memory):
 
 
 @describe.register
-def _(problem: DeepImpact, scene, step, memory):
+def _(problem: DeepImpact, scene, step, watch_state):
     return (
         f"{scene.name}: grain {problem.grain} moves at {problem.speed:.3g} m/s at step {step} and would overlap "
         f"what it hits by {problem.depth * 1e3:.3g} mm, more than half of the grain's thickness. "
@@ -113,7 +116,7 @@ def _(problem: DeepImpact, scene, step, memory):
 
 
 @describe.register
-def _(problem: DeepOverlap, scene, step, memory):
+def _(problem: DeepOverlap, scene, step, watch_state):
     return (
         f"{scene.name}: {overlapping(problem)} at step {step}, more than half of the grain's thickness: contacts are "
         f"too soft for the forces on them. {stiffening_advice(scene)} Overlaps also become smaller if grains fall less "
@@ -122,9 +125,9 @@ def _(problem: DeepOverlap, scene, step, memory):
 
 
 @describe.register
-def _(problem: EnergyGain, scene, step, memory):
+def _(problem: EnergyGain, scene, step, watch_state):
     return (
         f"{scene.name}: the energy grew by {problem.gained:.3g} J within {problem.time:.3g} s before step {step}, but "
         f"fall, shaking and springs explain at most {problem.allowed:.3g} J; grain {problem.grain} has the most "
-        f"energy. The time step is too long for its contacts: {steps_advice(scene)}{hint(scene, memory)}"
+        f"energy. The time step is too long for its contacts: {steps_advice(scene)}{hint(scene, watch_state)}"
     )

@@ -171,7 +171,7 @@ class Process:
         allowed = f" (allowed {goal.max_speed:g})" if goal.rule == "still" else ""
         raise PackingError(
             f"{scene.name}: not at rest after {scene.damping.max_time:g} s of damping, step {state.step}: "
-            f"{verdict.told}, grain {fastest} moves at {observed.max_speed:.2g} m/s{allowed}"
+            f"{verdict.reason}, grain {fastest} moves at {observed.max_speed:.2g} m/s{allowed}"
             f"{self.watch.hint(state.watch)}. {self.watch.advice_on_rest(state.watch)}"
         )
 

@@ -20,7 +20,7 @@ class Verdict(NamedTuple):
     """Whether a packing is at rest, and the values of the measures in words, for messages."""
 
     at_rest: bool
-    told: str
+    reason: str
 
 
 def judge_still(goal: Convergence, observed: Observation, previous: float) -> Verdict:

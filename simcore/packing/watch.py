@@ -44,43 +44,45 @@ class Watch:
 
         falling: whether grains may still be falling from their insertion height, until State.space_deadline.
         """
-        memory, step = state.watch, state.step
+        watch_state, step = state.watch, state.step
         self.check_finite(bodies, step)
         thickness = half_thickness(bodies)
         self._check_speeds(state, bodies, thickness)
         self._check_overlap(state, bodies, candidates, thickness, falling and step < state.space_deadline)
         time = (step - state.stretch_start) * drive.dt
         interval = Interval(drive, time, self.composition)
-        memory.energy, problem = check_energy(bodies, candidates, memory.energy, interval, self.ranks)
-        self._stop_for(problem, step, memory)
-        if memory.looks % STIFFNESS_LOOKS == 0:
-            self._note_stiffest(memory, bodies, candidates, drive.dt, step)
-        memory.looks += 1
+        watch_state.energy, problem = check_energy(bodies, candidates, watch_state.energy, interval, self.ranks)
+        self._stop_for(problem, step, watch_state)
+        if watch_state.looks % STIFFNESS_LOOKS == 0:
+            self._note_stiffest(watch_state, bodies, candidates, drive.dt, step)
+        watch_state.looks += 1
 
     def check_finite(self, bodies: Bodies, step: int) -> None:
         """Raise PackingError if a position is not finite."""
         self._stop_for(check_finite(bodies, self.ranks), step, None)
 
-    def stability(self, memory: WatchState, expected: Estimate | None) -> Stability:
+    def stability(self, watch_state: WatchState, expected: Estimate | None) -> Stability:
         """Return the Stability of the packing: its steps per contact time and the number that it needed."""
         steps = self.scene.numerics.steps_per_contact_time
-        return Stability(steps, expected, memory.needed, memory.stiffest, memory.contacts, memory.deepest)
+        return Stability(
+            steps, expected, watch_state.needed, watch_state.stiffest, watch_state.contacts, watch_state.deepest
+        )
 
-    def hint(self, memory: WatchState) -> str:
+    def hint(self, watch_state: WatchState) -> str:
         """Return an addition to a message if the time step may be too long for the stiffest grain, otherwise ""."""
-        return hint(self.scene, memory)
+        return hint(self.scene, watch_state)
 
-    def advice_on_rest(self, memory: WatchState) -> str:
+    def advice_on_rest(self, watch_state: WatchState) -> str:
         """Return the advice for a bed that does not come to rest."""
-        return advice_on_rest(self.scene, memory)
+        return advice_on_rest(self.scene, watch_state)
 
-    def warnings(self, memory: WatchState) -> list[str]:
+    def warnings(self, watch_state: WatchState) -> list[str]:
         """Return a sentence for each exceeded limit that was tolerated."""
-        return let_pass(self.scene, memory)
+        return let_pass(self.scene, watch_state)
 
-    def _stop_for(self, problem, step, memory):
+    def _stop_for(self, problem, step, watch_state):
         if problem is not None:
-            raise PackingError(describe(problem, self.scene, step, memory))
+            raise PackingError(describe(problem, self.scene, step, watch_state))
 
     def _check_speeds(self, state, bodies, thickness):
         self._stop_for(check_speed(bodies, self.scene, self.ranks), state.step, state.watch)
@@ -89,35 +91,35 @@ class Watch:
 
     def _check_overlap(self, state, bodies, candidates, thickness, falling):
         """Check overlaps. A far heavier stone may overlap a pebble deeply while grains fall; this is reported once."""
-        memory = state.watch
+        watch_state = state.watch
         deepest = deepest_of_all(bodies, candidates, thickness, self.ranks)
-        memory.deepest = max(memory.deepest, deepest.ratio)
+        watch_state.deepest = max(watch_state.deepest, deepest.ratio)
         if too_deep(deepest) and falling:
             others = deepest_of_all(bodies, candidates, thickness, self.ranks, ~pinched(bodies, candidates))
-            if not too_deep(others) and not memory.warned_of_pinching:
-                memory.warned_of_pinching = True
+            if not too_deep(others) and not watch_state.warned_of_pinching:
+                watch_state.warned_of_pinching = True
                 self.report(pinching_warning(self.scene, deepest, state.step))
             deepest = others
         if too_deep(deepest):
-            self._stop_for(deepest, state.step, memory)
+            self._stop_for(deepest, state.step, watch_state)
 
-    def _note_stiffest(self, memory, bodies, candidates, dt, step):
+    def _note_stiffest(self, watch_state, bodies, candidates, dt, step):
         """Store the grain whose contacts need the shortest time step; warn once if the time step is longer."""
         scene, law, firmness = self.scene, self.composition.continuous_law, self.composition.firmness
         friction, implicit = self.composition.features.friction, self.composition.features.implicit
         # With an implicit dashpot, bodies are ranked as if each had one contact.
         load = contact_load(law, dt, friction, 1.0 if implicit else None)
         stiffest = stiffest_body(bodies, candidates, self.width, load, ranks=self.ranks, firmness=firmness)
-        if stiffest.load <= memory.load:
+        if stiffest.load <= watch_state.load:
             return
-        memory.load, memory.stiffest, memory.contacts = stiffest.load, stiffest.body, stiffest.contacts
+        watch_state.load, watch_state.stiffest, watch_state.contacts = stiffest.load, stiffest.body, stiffest.contacts
         effective_contacts = stiffest.contacts if implicit else None
         # The linear law derived from law hertz may be overdamped and then has no contact time.
         time = None if firmness is None else scene.numerics.contact_time
-        memory.needed = body_steps(
+        watch_state.needed = body_steps(
             bodies, candidates, self.width, law, friction, stiffest.body,
             effective_contacts=effective_contacts, ranks=self.ranks, firmness=firmness, time=time,
         )  # fmt: skip
-        if memory.needed > scene.numerics.steps_per_contact_time and not memory.warned_of_steps:
-            memory.warned_of_steps = True
-            self.report(few_steps_warning(scene, memory, step))
+        if watch_state.needed > scene.numerics.steps_per_contact_time and not watch_state.warned_of_steps:
+            watch_state.warned_of_steps = True
+            self.report(few_steps_warning(scene, watch_state, step))

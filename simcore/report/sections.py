@@ -158,7 +158,7 @@ def committed_page(folder, titles, biases, captions):
         cost.append(fragment(figures["trends"], caption_of("campaign_trends")))
     cost_tables = (
         ("collected", COLLECTED, ()),
-        ("biases", BIASES, ("born", "kind", "source")),
+        ("biases", BIASES, ("inserted", "kind", "source")),
         ("trends", caption_of("campaign_trends"), ()),
     )
     cost += [table(tables[name], *arguments) for name, *arguments in cost_tables if name in tables]

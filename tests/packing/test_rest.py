@@ -20,7 +20,7 @@ def test_still_asks_for_height_speed_and_force():
         (STILL._replace(unbalanced_force=0.03), 0.05),
     ):
         verdict = judge_still(GOAL, seen, before)
-        assert not verdict.at_rest and "mean height changed by" in verdict.told
+        assert not verdict.at_rest and "mean height changed by" in verdict.reason
 
 
 def looks(rate, energy=0.0, seconds=0.5):
@@ -41,7 +41,7 @@ def test_settled_asks_for_a_rate_of_compaction():
     """5e-4 in 0.1 s is 5e-3 a second; the window is taken whole, to the rounding of the times of the looks."""
     assert judge(looks(4.95e-3)).at_rest
     verdict = judge(looks(5.05e-3))
-    assert not verdict.at_rest and "solid fraction changed by 0.00051 (relative) in 0.1 s" in verdict.told
+    assert not verdict.at_rest and "solid fraction changed by 0.00051 (relative) in 0.1 s" in verdict.reason
 
 
 def test_settled_waits_for_its_window():
@@ -55,7 +55,7 @@ def test_settled_asks_for_kinetic_energy_as_a_share_of_m_g_d():
     unit = 0.02 * MATERIAL.effective_gravity * size
     assert judge(looks(0.0, 0.99e-5 * unit)).at_rest
     verdict = judge(looks(0.0, 2e-5 * unit))
-    assert not verdict.at_rest and "kinetic energy 2e-05 m g d per grain" in verdict.told
+    assert not verdict.at_rest and "kinetic energy 2e-05 m g d per grain" in verdict.reason
 
 
 @pytest.mark.parametrize("missing", ["window", "compaction", "kinetic_energy"])
