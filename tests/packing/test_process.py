@@ -242,7 +242,7 @@ def spoilt(made, grain, value):
 
 def test_a_number_that_is_not_finite_names_grain_and_step():
     made = set_up_few_spheres()
-    with pytest.raises(PackingError, match=r"few: the position of grain 5 is not finite at step 1; .*time step"):
+    with pytest.raises(PackingError, match=r"few: the position of grain 5 is not finite at step 1\. .*time step"):
         pack(made.scene, made.bases, spoilt(made, 5, np.nan))
 
 
