@@ -243,7 +243,7 @@ def test_explain_says_what_follows_from_the_stiffness():
             "implicit works only with material.friction_law static",
         ),
         ({"generation": {"batch_grains": 5}}, 'it has no effect unless placement is "random"'),
-        ({"generation": {"placement": "random", "fill": "r22"}}, 'placement "random" works only with fill "bed"'),
+        ({"generation": {"placement": "random", "fill": "r22"}}, 'placement "random" and "filled" work only with fill "bed"'),
         ({"sizes": {"beta": {"radius": "3 mm", "spread": 0.2}}}, "give either a case, such as U1, or both bounds"),
         ({"shapes": {"kind": "ellipsoid", "choice": "ratios", "eta": 1.6}}, 'choice "ratios" needs a number'),
     ],
