@@ -347,13 +347,13 @@ def survive(options, folder):
     for number, fault in enumerate(faults):
         # Snakemake takes a while before it starts anything.
         moment = rng.uniform(0.0, seconds * (2.0 if fault == "snakemake killed" else 1.0))
-        seen = run(fault, moment, rng, Bench(folder / f"{number:03d}", options), reference)
-        first, again = seen["first"], seen["again"]
-        outcome = "; ".join(seen["wrong"]) or "same bits"
+        observed = run(fault, moment, rng, Bench(folder / f"{number:03d}", options), reference)
+        first, again = observed["first"], observed["again"]
+        outcome = "; ".join(observed["wrong"]) or "same bits"
         rerun = (again.status, f"{again.seconds:.1f}") if again else ("", "")
-        shown = (f"{moment:.2f}", str(first.status), f"{first.seconds:.1f}", seen["kept"], *rerun)
+        shown = (f"{moment:.2f}", str(first.status), f"{first.seconds:.1f}", observed["kept"], *rerun)
         print(LINE.format(number, fault, *shown, outcome, first.line), flush=True)
-        survived[fault] += not seen["wrong"]
+        survived[fault] += not observed["wrong"]
     for fault, total in collections.Counter(faults).items():
         print(f"{fault:17} {survived[fault]} of {total}")
     print(f"{survived.total()} of {options.runs} survived")

@@ -119,16 +119,16 @@ def theirs(options, seed):
         done = subprocess.run(
             [options.python, SCRIPT, grains, poses], stdout=subprocess.PIPE, text=True, env=environment, check=True
         )
-        told = json.loads(done.stdout.splitlines()[-1])
+        result = json.loads(done.stdout.splitlines()[-1])
         with np.load(poses) as file:
             bed = bed._replace(position=file["position"], orientation=file["orientation"], velocity=still)
     process = start(setup, bed)
     process.evaluate()
     from simcore.packing.observation import observe
 
-    seen = observe(process.bodies, process.candidates)
-    packed = Packed(process.bodies, process.candidates, seen, told["steps"], told["simulated_s"], 0.0, [])
-    return figures(setup, specification, packed, options, seed) | told | {"max_speed_m_s": told["max_speed"]}
+    observed = observe(process.bodies, process.candidates)
+    packed = Packed(process.bodies, process.candidates, observed, result["steps"], result["simulated_s"], 0.0, [])
+    return figures(setup, specification, packed, options, seed) | result | {"max_speed_m_s": result["max_speed"]}
 
 
 def figures(setup, specification, packed, options, seed):
@@ -143,7 +143,7 @@ def figures(setup, specification, packed, options, seed):
         setup.scene, setup.bases, packed, sample, specification, largest_sieve_size=setup.curve.largest
     )
     bulk = bulk_porosity(packing, method="exact")
-    seen = observe(packed.bodies, packed.candidates)
+    observed = observe(packed.bodies, packed.candidates)
     return {
         "seed": seed,
         "grains": options.grains,
@@ -151,9 +151,9 @@ def figures(setup, specification, packed, options, seed):
         "n": float(bulk.n),
         "n_std_error": float(bulk.n_std_error),
         "coordination": float(coordination_number(packing).coordination_number),
-        "mean_overlap_m": seen.mean_overlap,
-        "max_overlap_m": seen.max_overlap,
-        "max_speed_m_s": seen.max_speed,
+        "mean_overlap_m": observed.mean_overlap,
+        "max_overlap_m": observed.max_overlap,
+        "max_speed_m_s": observed.max_speed,
         "digest": code_version(),
     }
 

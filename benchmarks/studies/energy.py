@@ -41,7 +41,7 @@ class Bed:
         self.box, self.skin, self.candidates = Box(width), 0.6 * SIZE, None
         self.list_candidates()
         self.advance_steps = make_advance(features)
-        self.room = make_workspace(self.shapes, get_num_threads())
+        self.workspace = make_workspace(self.shapes, get_num_threads())
         self.clock, self.step = np.zeros(len(STAGES), np.int64), 0
 
     def list_candidates(self):
@@ -58,7 +58,7 @@ class Bed:
 
         drive = Drive(dt, self.gravity, 0.0, 0.0, 1.0, self.box.width, np.inf)
         while n_steps > 0:
-            state = State(self.shapes, self.bodies, *self.candidates, self.room)
+            state = State(self.shapes, self.bodies, *self.candidates, self.workspace)
             done, stale = self.advance_steps(state, self.law, drive, self.clock, self.step, n_steps)
             n_steps -= done
             self.step += done

@@ -62,10 +62,10 @@ def touching_pairs(hulls, index, overlap, rng):
     place_b = way / np.linalg.norm(way, axis=1, keepdims=True) * (radius[0::2] + radius[1::2])[:, None]
     origin = np.zeros((n, 3))
     for _ in range(40):
-        seen = query_many(hulls, index[0::2], (origin, turns[0::2]), index[1::2], (place_b, turns[1::2]))
-        place_b = place_b - (seen.signed_distance + overlap)[:, None] * seen.normal
-    right = np.abs(seen.signed_distance + overlap) < 1e-4 * overlap
-    return turns, place_b, seen.normal, right
+        observed = query_many(hulls, index[0::2], (origin, turns[0::2]), index[1::2], (place_b, turns[1::2]))
+        place_b = place_b - (observed.signed_distance + overlap)[:, None] * observed.normal
+    right = np.abs(observed.signed_distance + overlap) < 1e-4 * overlap
+    return turns, place_b, observed.normal, right
 
 
 def measure(grains, size_a, size_b, longer, pairs, overlap):

@@ -64,9 +64,9 @@ def folder(tmp_path):
     rows = pd.concat([pd.DataFrame(shaking), pd.DataFrame(other)]).assign(difference_std_error=0.0003)
     rows.to_csv(tmp_path / "work_precision/packings.csv", index=False)
     # Five seeds, of which one lacks its partner; a row that differs in more is nobody's partner.
-    born = pd.DataFrame({"case": "U1", "fill": "bed", "spacing": np.nan, "seed": range(5), "grains": 600, "n": 0.35})
-    other = born[:4].assign(fill="r22", n=0.35 - 0.001 * np.array([8, 10, 8, 10]))
-    pd.concat([born, other, other.assign(spacing=0.016, n=0.2)]).to_csv(
+    in_bed = pd.DataFrame({"case": "U1", "fill": "bed", "spacing": np.nan, "seed": range(5), "grains": 600, "n": 0.35})
+    other = in_bed[:4].assign(fill="r22", n=0.35 - 0.001 * np.array([8, 10, 8, 10]))
+    pd.concat([in_bed, other, other.assign(spacing=0.016, n=0.2)]).to_csv(
         tmp_path / "difference_process.csv", index=False
     )
     return tmp_path
@@ -107,8 +107,8 @@ def test_settings_are_known_by_their_accuracy_and_contact_time():
     assert describe_settings(softer) == "standard with contact time 1 ms"
     point = {"contact_time": "1 ms", "polyhedron_contact": "point"}
     wide = {"max_unbalanced_force": 0.5}
-    told = "standard at the deepest point and contact time 1 ms"
-    assert describe_settings(specification(numerics=point, convergence=wide)) == told
+    text = "standard at the deepest point and contact time 1 ms"
+    assert describe_settings(specification(numerics=point, convergence=wide)) == text
     assert describe_settings(specification(convergence=wide)) is None
     assert describe_settings(specification(numerics={"polyhedron_contact": "inflated"})) is None
     assert describe_settings(specification(shaking={"duration": "1 s"})) is None

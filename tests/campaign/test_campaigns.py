@@ -112,7 +112,7 @@ def test_no_impact_goes_through_a_grain(overlays):
     deepest (those behind results/reference/accuracy.csv), mixtures of 1200 expected at 0.86 had 0.59 to 0.89."""
     grains = synthetic_grains(seed=1, n=63)
     flattest = min(grains, key=lambda grain: grain.flatness).name
-    seen = set()
+    observed = set()
     for specification in campaign(*overlays).specification:
         shapes, flatness = dict(specification["shapes"]), specification["shapes"]["flatness"]
         # The thinnest: the flattest grain, and of the mixtures the flattest and widest. Ellipsoids are as thick.
@@ -124,10 +124,10 @@ def test_no_impact_goes_through_a_grain(overlays):
             shapes["grain"] = flattest
         kind = (specification["sizes"]["case"], specification["domain"]["height"], shapes["choice"], str(flatness))
         kind += (specification["numerics"]["contact_time"],)
-        if kind in seen:
+        if kind in observed:
             continue
-        seen.add(kind)
+        observed.add(kind)
         setup = set_up({**specification, "shapes": shapes}, lambda _: grains)
         expected = expect(setup.scene, setup.bases, setup.draw)
         assert expected.impact_depth <= 0.9 * expected.half_thickness, (kind, expected)
-    assert len(seen) > 3 and np.isfinite(expected.impact_depth)
+    assert len(observed) > 3 and np.isfinite(expected.impact_depth)

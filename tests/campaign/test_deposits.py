@@ -81,9 +81,9 @@ def test_errors_of_the_maximum_are_those_of_repeated_campaigns():
     found = [maximum(ratio, exact + 0.001 * rng.normal(size=len(ratio)), seed, 400) for seed in range(60)]
     for value, error in ((0, 1), (2, 3)):
         scatter = np.std([top[value] for top in found], ddof=1)
-        told = np.sqrt(np.mean([top[error] ** 2 for top in found]))
+        text = np.sqrt(np.mean([top[error] ** 2 for top in found]))
         # A standard deviation from 60 is known to 1/√118; the told one from a few ratios of five to about 1/√40.
-        assert told == pytest.approx(scatter, rel=3.0 * np.hypot(1 / np.sqrt(118), 1 / np.sqrt(40)))
+        assert text == pytest.approx(scatter, rel=3.0 * np.hypot(1 / np.sqrt(118), 1 / np.sqrt(40)))
     assert np.mean([top.ratio for top in found]) == pytest.approx(
         PEAK, abs=4 * found[0].ratio_error / np.sqrt(60) + 0.01
     )

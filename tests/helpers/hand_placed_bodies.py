@@ -5,14 +5,13 @@ import functools
 
 import numpy as np
 
-from simcore.dem.from_scene import compose
 from simcore.dem.shapes.hulls import SPHERE, unit_sphere
 from simcore.dem.state.bodies import FLOOR, make_bodies
-from simcore.packing.energy import mechanical_energy
 from simcore.packing.packed import DAMPING, SHAKING
 from simcore.packing.process import Process
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
+from simcore.verification.outside.elastic import total_energy
 
 # Grains in air, under full gravity. The shaking of 6e-296 m/s² has no effect; with it the step is the one that is
 # compiled for the other tests.
@@ -73,15 +72,6 @@ def run_watched(process, duration, damped=False):
         left -= steps
         energies.append(total_energy(process))
     return np.array(energies)
-
-
-def total_energy(process):
-    """Kinetic, potential and elastic energy [J], with the velocities at the time of the positions."""
-    process.evaluate()
-    scene = process.scene
-    return mechanical_energy(
-        process.bodies, process.candidates, compose(scene).law, scene.material.effective_gravity, process.dt
-    ).total
 
 
 def floor_force(process):

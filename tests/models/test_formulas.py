@@ -13,12 +13,14 @@ def test_the_formula_is_that_of_the_fit():
     features = pd.DataFrame({"EQ_inv": rng.uniform(1.2, 4.0, 30), "EL_inv": rng.uniform(1.0, 2.5, 30)})
     n = 0.27 + 0.02 * features["EQ_inv"] - 0.015 * features["EL_inv"] + rng.normal(0.0, 0.002, 30)
     model = fit_and_validate(features, n.to_numpy(), "single_form", "U1", seed=1)
-    told = formulas(model.to_rows().assign(source="scans")).iloc[0]
-    assert list(told[["beds", "case", "source", "samples", "r22"]]) == ["of one form", "U1", "scans", 30, None]
-    text = told["porosity"].removeprefix("n = ").replace("−", "-").replace("L/S", "* EQ_inv").replace("L/I", "* EL_inv")
+    table = formulas(model.to_rows().assign(source="scans")).iloc[0]
+    assert list(table[["beds", "case", "source", "samples", "r22"]]) == ["of one form", "U1", "scans", 30, None]
+    text = (
+        table["porosity"].removeprefix("n = ").replace("−", "-").replace("L/S", "* EQ_inv").replace("L/I", "* EL_inv")
+    )
     np.testing.assert_allclose(features.eval(text), model.predict(features), atol=1e-3)
-    assert told["error"] == model.mean_absolute_error
-    assert told["range"] == ", ".join(
+    assert table["error"] == model.mean_absolute_error
+    assert table["range"] == ", ".join(
         f"{name} {features[key].min():.2g} to {features[key].max():.2g}"
         for name, key in (("L/S", "EQ_inv"), ("L/I", "EL_inv"))
     )
@@ -38,7 +40,7 @@ def test_the_study_stands_beside_and_helpers_of_the_fit_do_not():
             "samples": 52,
         }
     )
-    told = formulas(rows)
-    assert list(told["porosity"]) == ["n = 0.287 + 0.0278 µ_EQ⁻¹ − 0.00266 σ_EL⁻¹"]
-    assert list(told["r22"]) == ["n = 0.287 + 0.032 µ_EQ⁻¹"]
-    assert list(told["source"]) == [None]
+    table = formulas(rows)
+    assert list(table["porosity"]) == ["n = 0.287 + 0.0278 µ_EQ⁻¹ − 0.00266 σ_EL⁻¹"]
+    assert list(table["r22"]) == ["n = 0.287 + 0.032 µ_EQ⁻¹"]
+    assert list(table["source"]) == [None]

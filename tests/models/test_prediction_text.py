@@ -38,15 +38,15 @@ def test_on_the_command_line(capsys, tmp_path):
     ]
     assert len(rows) == 27
     assert main(["predict", "--case", "U1", str(TABLE_2), "--json", "--level", "0.5"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert (told["case"], told["level"], len(told["samples"])) == ("U1", 0.5, 9)
-    first = told["samples"][0]["predictions"]
+    output = json.loads(capsys.readouterr().out)
+    assert (output["case"], output["level"], len(output["samples"])) == ("U1", 0.5, 9)
+    first = output["samples"][0]["predictions"]
     assert first[0]["n"] == pytest.approx(float(rows[0]["n"])) and first[2]["lower"] is None
     assert first[0]["upper"] - first[0]["lower"] < float(rows[0]["upper"]) - float(rows[0]["lower"])
     (tmp_path / "bad.csv").write_text("L,I,S\n1,2,3\n")
     assert main(["predict", "--case", "U1", str(tmp_path / "bad.csv")]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith("simcore predict: ") and told.count("\n") == 1 and "bad.csv, row 2" in told
+    output = capsys.readouterr().err
+    assert output.startswith("simcore predict: ") and output.count("\n") == 1 and "bad.csv, row 2" in output
     assert main(["predict", "--case", "U1", str(TABLE_2), "--level", "95"]) == 2
     assert "level 95: give a number between 0 and 1" in capsys.readouterr().err
 

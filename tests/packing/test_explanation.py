@@ -38,24 +38,24 @@ def test_every_part_is_there_or_left_out():
 @pytest.mark.parametrize("example", sorted(path.stem for path in (ROOT / "examples").glob("*.yaml")))
 def test_every_example_is_explained(example, capsys):
     assert main(["explain", str(ROOT / "examples" / f"{example}.yaml")]) == 0
-    told = capsys.readouterr().out
+    output = capsys.readouterr().out
     specification = read_specification(ROOT / "examples" / f"{example}.yaml")
-    assert told.startswith(f"{example}: ")
+    assert output.startswith(f"{example}: ")
     steps = specification["numerics"]["steps_per_contact_time"]
     for word in ("The step has", "It leaves out", "Steps of ", "Time", "Memory", f"Stability   {steps:g} steps"):
-        assert word in told, word
-    dt = float(re.search(r"Steps of (\S+) s", told)[1])
+        assert word in output, word
+    dt = float(re.search(r"Steps of (\S+) s", output)[1])
     contact_time = specification["numerics"]["contact_time"]
     assert specification["material"]["law"] == "hertz" or dt == pytest.approx(contact_time / steps, rel=1e-12)
-    grains = int(re.match(rf"{example}: (\d+) grains", told)[1])
-    mass = float(re.search(r"grains, (\S+) kg", told)[1])
+    grains = int(re.match(rf"{example}: (\d+) grains", output)[1])
+    mass = float(re.search(r"grains, (\S+) kg", output)[1])
     if specification["amount"]["grains"] is not None:
         assert grains == specification["amount"]["grains"]
     else:
         assert mass >= specification["amount"]["mass"] * 0.9999
     shaking = round(specification["shaking"]["duration"] / dt)
-    assert re.search(rf"shaking +{shaking},", told)
-    left_out = told.split("It leaves out")[1].split("Steps of")[0]
+    assert re.search(rf"shaking +{shaking},", output)
+    left_out = output.split("It leaves out")[1].split("Steps of")[0]
     assert ("cylinder" in left_out) == (specification["domain"]["type"] == "periodic")
     assert ("polyhedra" in left_out) == (specification["shapes"]["kind"] != "polyhedron")
 
@@ -124,8 +124,8 @@ def test_wrong_input_is_told_as_by_pack(tmp_path, capsys):
 def test_a_warning_of_the_run_is_told_before():
     from simcore.packing.explanation import explain
 
-    told = explain(set_up_few_spheres(numerics={"contact_time": "1 ms", "steps_per_contact_time": 20}))
-    assert "Warning     20 steps per contact time are fewer than the 33.8" in told
+    output = explain(set_up_few_spheres(numerics={"contact_time": "1 ms", "steps_per_contact_time": 20}))
+    assert "Warning     20 steps per contact time are fewer than the 33.8" in output
     assert "Warning     20 steps" not in explain(set_up_few_spheres())
 
 
@@ -138,11 +138,11 @@ def test_grains_longer_than_the_domain_is_wide_are_told(kind, effect):
     # Ellipsoids of one sieve size d with I = S = d, L = d / 0.3.
     shapes = {"kind": "ellipsoid", "choice": "form", "flatness": 1.0, "elongation": 0.3}
     sizes = {"bounds": ["7.2 mm", "7.5 mm"]}
-    told = explain(set_up_few_spheres(domain={"type": kind}, shapes=shapes, sizes=sizes, amount={"grains": 6}))
-    assert "longer than the domain" not in told
-    told = explain(
+    output = explain(set_up_few_spheres(domain={"type": kind}, shapes=shapes, sizes=sizes, amount={"grains": 6}))
+    assert "longer than the domain" not in output
+    output = explain(
         set_up_few_spheres(domain={"type": kind, "width": "24 mm"}, shapes=shapes, sizes=sizes, amount={"grains": 6})
     )
     assert re.search(
-        rf"The longest grain, 2[45]\.?\d* mm, is longer than the domain is wide, 24 mm, and {effect}", told
+        rf"The longest grain, 2[45]\.?\d* mm, is longer than the domain is wide, 24 mm, and {effect}", output
     )

@@ -158,11 +158,16 @@ def test_a_bed_that_tells_its_porosity_badly_is_warned_of():
 def test_a_river_sample_in_too_wide_a_box_is_refused(tmp_path, capsys):
     path, output = write(tmp_path, RIVER), tmp_path / "bed.nc"
     assert main(["pack", path, str(output)]) == 2
-    told = capsys.readouterr().err
-    assert told.count("\n") == 1 and "set amount to at least 1" in told and "--force" in told and not output.exists()
+    message = capsys.readouterr().err
+    assert (
+        message.count("\n") == 1
+        and "set amount to at least 1" in message
+        and "--force" in message
+        and not output.exists()
+    )
     assert main(["explain", path]) == 0
-    told = capsys.readouterr().out
-    assert "Nothing of it is left to evaluate" in told and "Warning     The bed will be about" in told
+    message = capsys.readouterr().out
+    assert "Nothing of it is left to evaluate" in message and "Warning     The bed will be about" in message
 
 
 def test_force_packs_what_cannot_be_evaluated_and_warnings_reach_the_page(tmp_path, capsys):
@@ -230,8 +235,8 @@ def test_asked_and_drawn_fractions_stand_side_by_side():
     assert f"4 to 8 mm{drawn[1]:>17.1%}" not in lines and f"{0.5:.1%}" in lines and f"{drawn[0]:.1%}" in lines
     assert "The grains are spheres" in lines and "FL = S/I is 1.000" in lines
     few_grains = set_up_few_spheres(sizes={**sizes, "allow_few_top_grains": True}, amount={"grains": 12})
-    told = [text for text in setup_warnings(few_grains) if "do not represent the sieve curve" in text]
-    assert len(told) == (np.abs(class_fractions(setup.curve, *draw_12(few_grains)) - 0.5).max() >= 0.05)
+    message = [text for text in setup_warnings(few_grains) if "do not represent the sieve curve" in text]
+    assert len(message) == (np.abs(class_fractions(setup.curve, *draw_12(few_grains)) - 0.5).max() >= 0.05)
 
 
 def draw_12(setup):

@@ -20,10 +20,10 @@ def packed():
 
 
 def test_it_converges_and_says_so(packed):
-    seen = packed.observation
+    observed = packed.observation
     assert len(packed.bodies.mass) == 40
-    assert seen.max_speed < 5e-3 and seen.unbalanced_force < 0.02
-    assert 3.0 < seen.coordination < 6.0
+    assert observed.max_speed < 5e-3 and observed.unbalanced_force < 0.02
+    assert 3.0 < observed.coordination < 6.0
     assert [phase for _, phase, _ in packed.checks][-1] == "damping"
     assert packed.time == pytest.approx(packed.steps * 1e-3 / 40)
     assert (packed.bodies.position[:, 2] > 0.9 * packed.bodies.radius).all()

@@ -14,12 +14,12 @@ GOAL, MATERIAL = CREEPING.convergence, CREEPING.material
 
 def test_still_asks_for_height_speed_and_force():
     assert judge_still(GOAL, STILL, 0.05 + 0.9e-5).at_rest
-    for seen, before in (
+    for observed, before in (
         (STILL, 0.05 + 1.1e-5),
         (STILL._replace(max_speed=6e-3), 0.05),
         (STILL._replace(unbalanced_force=0.03), 0.05),
     ):
-        verdict = judge_still(GOAL, seen, before)
+        verdict = judge_still(GOAL, observed, before)
         assert not verdict.at_rest and "mean height changed by" in verdict.reason
 
 

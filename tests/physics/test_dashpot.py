@@ -180,9 +180,9 @@ def rest(dashpot, steps):
     process.shake(process.generate() + process.shaking_steps)
     process.advance(round(0.5 / process.dt), DAMPING)
     process.stepper.scene = replace(made.scene, shaking=replace(made.scene.shaking, amplitude=0.0))
-    seen = process.advance(round(0.2 / process.dt), SHAKING)
+    observed = process.advance(round(0.2 / process.dt), SHAKING)
     weight = process.bodies.mass.sum() * made.scene.material.effective_gravity
-    return seen.kinetic_energy / (weight * 7e-3), seen.unbalanced_force
+    return observed.kinetic_energy / (weight * 7e-3), observed.unbalanced_force
 
 
 def test_a_bed_rests_at_ten_steps_with_the_implicit_dashpot_only():

@@ -19,8 +19,8 @@ def test_the_page_holds_every_table_once_under_its_heading(tmp_path):
         (rows.assign(**_model(name)) if name in BEDS else rows).to_csv(tmp_path / f"{name}.csv", index=False)
     titles = {"validation": "Against the experiment", "single_form": "One form", "domain_size": "Width"}
     html = committed_page(tmp_path, titles, {study: f"off in {study}" for study in titles}, CAPTIONS)
-    told = re.findall(r"<h2[^>]*>([^<]+)|this is (\w+)|(off in \w+)", html)
-    assert ["".join(each) for each in told] == [
+    text = re.findall(r"<h2[^>]*>([^<]+)|this is (\w+)|(off in \w+)", html)
+    assert ["".join(each) for each in text] == [
         "In short",
         "Models",
         "single_form",

@@ -95,5 +95,5 @@ def test_an_overlap_at_rest_is_that_of_a_grain_on_the_floor():
 
 
 def test_a_grain_falls_as_far_as_it_is_told():
-    born = SimpleNamespace(velocity_z=-3.0, velocity_horizontal=0.0)
-    assert fall_speed(born, 0.8, 10.0) == pytest.approx(5.0, rel=1e-12)
+    inserted = SimpleNamespace(velocity_z=-3.0, velocity_horizontal=0.0)
+    assert fall_speed(inserted, 0.8, 10.0) == pytest.approx(5.0, rel=1e-12)

@@ -47,7 +47,7 @@ def test_quantity_is_the_float_nearest_to_what_was_written(text, unit, expected)
 
 
 def test_defaults_are_the_parameters_of_the_study():
-    """Values of the source study as listed in results/reference/r22/README.md."""
+    """Values of Rettinger et al. (2022) as listed in results/reference/r22/README.md."""
     spec = resolve(MINIMAL)
     assert spec["domain"] == {"type": "periodic", "width": 0.2, "height": 0.8}
     assert spec["material"] == {

@@ -143,5 +143,5 @@ def test_a_file_is_refused_in_one_line_that_names_it(tmp_path, capsys, changes, 
     path.write_text(yaml.safe_dump(merge(BED, changes), sort_keys=False))
     for command in (["explain", str(path)], ["pack", str(path), str(tmp_path / "bed.nc")]):
         assert main(command) == 2
-        told = capsys.readouterr()
-        assert told.err == f"simcore {command[0]}: {path}: {message}\n" and told.out == ""
+        text = capsys.readouterr()
+        assert text.err == f"simcore {command[0]}: {path}: {message}\n" and text.out == ""

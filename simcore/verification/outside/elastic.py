@@ -27,11 +27,11 @@ def jump(specification: dict, duration: float = DURATION, looks: int = LOOKS) ->
     process.advance(1, SHAKING)  # compile before the measurement
     began = time.process_time()
     every = max(round(duration / process.dt / looks), 1)
-    times, energies = [process.step * process.dt], [_energy(process)]
+    times, energies = [process.step * process.dt], [total_energy(process)]
     for _ in range(looks):
         process.advance(every, SHAKING)
         times.append(process.step * process.dt)
-        energies.append(_energy(process))
+        energies.append(total_energy(process))
     return xr.Dataset(
         {"energy": ("time", energies, {"units": "J", "long_name": "energy of motion, height and springs"})},
         {"time": ("time", times, {"units": "s"})},
@@ -39,7 +39,7 @@ def jump(specification: dict, duration: float = DURATION, looks: int = LOOKS) ->
     )
 
 
-def _energy(process):
+def total_energy(process):
     """Return the total energy [J], with velocities at the time of the positions."""
     process.evaluate()
     scene = process.scene

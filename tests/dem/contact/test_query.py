@@ -195,8 +195,8 @@ def test_exchange_rotation_and_translation():
     )
     apart = there.signed_distance > 0.0
     assert 0.1 * n < apart.sum() < 0.9 * n
-    for seen in (back, moved):
-        error = np.abs(seen.signed_distance - there.signed_distance)
+    for observed in (back, moved):
+        error = np.abs(observed.signed_distance - there.signed_distance)
         assert error[apart].max() < 1e-12
         assert error.max() < 1e-8
         assert np.median(error) < 1e-14

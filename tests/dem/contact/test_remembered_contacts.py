@@ -177,6 +177,6 @@ def test_a_broken_check_is_noticed(tmp_path):
     """The comparison above can fail: a check that takes any remembered facet for right does not pass."""
     script = BREAK.format(root=str(ROOT), constant="CHECK_TOLERANCE", value=1.0)
     environment = os.environ | {"SCREE_CACHE": str(tmp_path)}
-    told = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True)
-    assert told.returncode != 0
-    assert "AssertionError" in told.stderr, told.stderr
+    output = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True)
+    assert output.returncode != 0
+    assert "AssertionError" in output.stderr, output.stderr

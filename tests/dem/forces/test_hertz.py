@@ -217,11 +217,11 @@ def test_its_springs_hold_two_fifths_k_times_the_overlap_to_five_halves(deposit)
 
 
 def test_explain_says_what_follows_from_the_stiffness():
-    told = explain(set_up_few_spheres(**DEPOSIT))
-    assert "Hertzian contacts with a viscous term" in told and "friction against the sliding velocity" in told
-    time = float(re.search(r"contact time of (\S+) s", told)[1])
+    text = explain(set_up_few_spheres(**DEPOSIT))
+    assert "Hertzian contacts with a viscous term" in text and "friction against the sliding velocity" in text
+    time = float(re.search(r"contact time of (\S+) s", text)[1])
     assert time == pytest.approx(set_up_few_spheres(**DEPOSIT).scene.numerics.contact_time, rel=1e-2)
-    assert "Sliding dies out in 0.01 s, by a force of at most 0.5 times the normal force" in told
+    assert "Sliding dies out in 0.01 s, by a force of at most 0.5 times the normal force" in text
 
 
 @pytest.mark.parametrize(
@@ -243,7 +243,10 @@ def test_explain_says_what_follows_from_the_stiffness():
             "implicit works only with material.friction_law static",
         ),
         ({"generation": {"batch_grains": 5}}, 'it has no effect unless placement is "random"'),
-        ({"generation": {"placement": "random", "fill": "r22"}}, 'placement "random" and "filled" work only with fill "bed"'),
+        (
+            {"generation": {"placement": "random", "fill": "r22"}},
+            'placement "random" and "filled" work only with fill "bed"',
+        ),
         ({"sizes": {"beta": {"radius": "3 mm", "spread": 0.2}}}, "give either a case, such as U1, or both bounds"),
         ({"shapes": {"kind": "ellipsoid", "choice": "ratios", "eta": 1.6}}, 'choice "ratios" needs a number'),
     ],

@@ -46,5 +46,5 @@ def test_a_disturbed_order_is_noticed(folder):
     launch(DISTURBED, folder / "disturbed", ["spheres", "polyhedra"], timeout=TIMEOUT)
     for scene in ("spheres", "polyhedra"):
         disturbed = read_packing(folder / "disturbed" / f"{scene}.nc")
-        told = differences(read_packing(folder / "one" / f"{scene}.nc"), disturbed)
-        assert any(line.startswith("position: ") for line in told)
+        text = differences(read_packing(folder / "one" / f"{scene}.nc"), disturbed)
+        assert any(line.startswith("position: ") for line in text)

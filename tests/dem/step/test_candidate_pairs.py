@@ -145,7 +145,7 @@ def test_every_body_lists_its_contacts_in_order_of_partner_and_image():
     upright = np.tile([1.0, 0, 0, 0], (n, 1))
     bodies = make_bodies([unit_sphere()], np.zeros(n, int), np.full((n, 3), 0.04), position, upright, still, still, 1.0)
     contacts = list_candidates(bodies, SHAPES, Box(0.1), 0.0, ALL_FIELDS).contacts
-    seen = 0
+    observed = 0
     for i in range(n):
         sides = contacts.incident[contacts.incident_start[i] : contacts.incident_start[i + 1]]
         order = []
@@ -155,8 +155,8 @@ def test_every_body_lists_its_contacts_in_order_of_partner_and_image():
             partner = (contacts.body_a if is_b else contacts.body_b)[p]
             order.append((partner, *(contacts.image[p] * (-1 if is_b else 1))))
         assert order == sorted(order)
-        seen += len(sides)
-    assert seen == 2 * len(contacts.body_a)
+        observed += len(sides)
+    assert observed == 2 * len(contacts.body_a)
 
 
 @pytest.mark.parametrize("kind", ["convex", "ellipsoid", "mixed"])

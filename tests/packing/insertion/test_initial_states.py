@@ -71,11 +71,11 @@ def test_no_overlap_at_birth(domain, orientation, kind):
     assert count > 100
     assert (np.diff(taken) > 0).all()
     generation = Generation(0.012, "bed", 0.01, -1.0, 0.1, 0.1, orientation)
-    birth = initial_states(generation, sites[taken], drawn.sieve_size[:count], drawn.uniforms[:count])
-    np.testing.assert_allclose(np.linalg.norm(birth.orientation, axis=1), 1.0, atol=1e-14)
+    states = initial_states(generation, sites[taken], drawn.sieve_size[:count], drawn.uniforms[:count])
+    np.testing.assert_allclose(np.linalg.norm(states.orientation, axis=1), 1.0, atol=1e-14)
     still = np.zeros((count, 3))
     bodies = make_bodies(
-        bases, drawn.shape[:count], scale[:count], birth.position, birth.orientation, still, still, 1.0
+        bases, drawn.shape[:count], scale[:count], states.position, states.orientation, still, still, 1.0
     )
     width = domain.width if domain.periodic else 0.0
     shapes = collect_shapes(bases)
@@ -87,7 +87,7 @@ def test_no_overlap_at_birth(domain, orientation, kind):
         update_polyhedra(shapes, bodies, contacts, width)
     assert contacts.touching.sum() == 0
     for i in range(count):
-        points = birth.position[i] + corners(bases[drawn.shape[i]], scale[i], bodies.rotation[i])
+        points = states.position[i] + corners(bases[drawn.shape[i]], scale[i], bodies.rotation[i])
         assert points[:, 2].min() > 0.0
         if not domain.periodic:
             assert np.hypot(points[:, 0], points[:, 1]).max() < 0.5 * domain.width
@@ -98,13 +98,13 @@ def test_velocities_and_orientations_of_the_newborn():
     uniforms = np.random.default_rng(2).uniform(size=(n, 8))
     size = np.full(n, 0.005)
     generation = Generation(0.01, "bed", 0.01, -1.0, 0.1, 0.1, "random")
-    birth = initial_states(generation, np.zeros((n, 3)), size, uniforms)
-    assert (birth.velocity[:, 2] == -1.0).all()
-    for values, limit in ((birth.velocity[:, :2], 0.1), (birth.angular_velocity, 0.1 / 0.005)):
+    states = initial_states(generation, np.zeros((n, 3)), size, uniforms)
+    assert (states.velocity[:, 2] == -1.0).all()
+    for values, limit in ((states.velocity[:, :2], 0.1), (states.angular_velocity, 0.1 / 0.005)):
         assert np.abs(values).max() <= limit
         # Uniform: mean 0 and variance limit²/3, each within 5 standard errors
         assert np.abs(values.mean(axis=0)).max() < 5.0 * limit / np.sqrt(3 * n)
         assert np.abs(values.var(axis=0) / (limit**2 / 3.0) - 1.0).max() < 5.0 * np.sqrt(0.8 / n)
     # Uniform rotations: E[q q^T] = 1/4, the standard error of an entry is below 0.25/√n
-    q = birth.orientation
+    q = states.orientation
     np.testing.assert_allclose(q.T @ q / n, 0.25 * np.eye(4), atol=5 * 0.25 / np.sqrt(n))

@@ -58,9 +58,9 @@ def test_no_two_overlap_and_all_lie_in_the_zone(domain, reach):
 
 def test_of_two_that_touch_the_later_takes_its_next_place(reach):
     """The second grain's first place is told to be taken: it goes on to its next, and the first stays."""
-    told = iter([np.array([[0, 1]]), np.zeros((0, 2), int)])
+    text = iter([np.array([[0, 1]]), np.zeros((0, 2), int)])
     free = release_places([3, 4], reach[:2], 0.3, BOX, 0.0, 5, lambda places: np.zeros((0, 2), int))
-    moved = release_places([3, 4], reach[:2], 0.3, BOX, 0.0, 5, lambda places: next(told))
+    moved = release_places([3, 4], reach[:2], 0.3, BOX, 0.0, 5, lambda places: next(text))
     assert (moved[0] == free[0]).all() and (moved[1] != free[1]).all()
 
 
@@ -101,8 +101,8 @@ def test_grains_of_a_batch_are_apart_by_the_exact_query(kind):
     process = Process(made.scene, made.bases, made.draw, lambda line: None)
     process.insert_batch()
     bodies, drawn = process.bodies, made.draw(np.arange(120))
-    birth = initial_states(made.scene.generation, bodies.position, drawn.sieve_size, drawn.uniforms)
-    assert (bodies.velocity == birth.velocity).all()
+    states = initial_states(made.scene.generation, bodies.position, drawn.sieve_size, drawn.uniforms)
+    assert (bodies.velocity == states.velocity).all()
     solids = [
         convex(made.bases[shape].vertices * scale) if len(made.bases[shape].vertices) else ellipsoid(*scale)
         for shape, scale in zip(bodies.shape, bodies.scale, strict=True)
@@ -113,7 +113,7 @@ def test_grains_of_a_batch_are_apart_by_the_exact_query(kind):
     close = np.linalg.norm(offset, axis=1) < bodies.radius[one] + bodies.radius[other]
     one, other, offset = one[close], other[close], offset[close]
     assert len(one) > 30  # bounding spheres that overlap
-    turns = birth.orientation
+    turns = states.orientation
     found = query_many(solids, one, (np.zeros_like(offset), turns[one]), other, (offset, turns[other]))
     assert found.signed_distance.min() > 0.0
 

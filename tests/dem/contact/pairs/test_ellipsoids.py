@@ -110,10 +110,10 @@ def test_a_pair_seen_from_the_other_body_and_from_elsewhere():
     _, there = search_pairs(semi[0], semi[1], *moved, turn.apply(offsets), common=100.0)
     rows = one.touching > 0
     assert rows.sum() > 0.3 * n
-    for seen in (other, there):
-        assert (seen.touching == one.touching).all()
+    for observed in (other, there):
+        assert (observed.touching == one.touching).all()
         # The depth is stationary in the normal, so it is known to rounding; 100 eps by the common offset.
-        np.testing.assert_allclose(seen.overlap[rows], one.overlap[rows], atol=1e-12)
+        np.testing.assert_allclose(observed.overlap[rows], one.overlap[rows], atol=1e-12)
     # The normal is known to TOLERANCE / curvature radius of the flattest side, 0.09 here
     np.testing.assert_allclose(other.direction[rows], -one.direction[rows], atol=1e-8)
     np.testing.assert_allclose(other.point[rows] + offsets[rows], one.point[rows], atol=1e-8)

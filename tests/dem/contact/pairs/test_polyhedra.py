@@ -175,12 +175,12 @@ def test_a_pair_seen_from_the_other_body(clouds):
     orientation = random_orientations(2 * n, rng)
     offsets = directions(n, rng) * rng.uniform(0.3, 1.2, (n, 1))
     swap = np.arange(2 * n) ^ 1
-    seen = []
+    observed = []
     for order, r in ((np.arange(2 * n), offsets), (swap, -offsets)):
         bodies, shapes, contacts = place_pairs([bases[k] for k in order], scale[order], orientation[order], r)
         update_polyhedra(shapes, bodies, contacts, 0.0)
-        seen.append((bodies, contacts))
-    (bodies, one), (_, other) = seen
+        observed.append((bodies, contacts))
+    (bodies, one), (_, other) = observed
     assert (one.touching == other.touching).all()
     touching = one.touching > 0
     size = (bodies.radius[0::2] + bodies.radius[1::2])[touching]

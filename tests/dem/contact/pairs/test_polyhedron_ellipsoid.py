@@ -126,8 +126,8 @@ def test_a_pair_is_the_same_from_its_other_body():
     offset = pairs.bodies.position[1::2] - pairs.bodies.position[0::2]
     other.bodies.position[0::2], other.bodies.position[1::2] = 0.0, -offset
     pairs.bodies.position[0::2], pairs.bodies.position[1::2] = 0.0, offset
-    for seen in (pairs, other):
-        update_mixed(seen.shapes, seen.bodies, seen.contacts, 0.0)
+    for observed in (pairs, other):
+        update_mixed(observed.shapes, observed.bodies, observed.contacts, 0.0)
     one, two = pairs.contacts, other.contacts
     # Both look from the hull, so only the sum that gives the point is rounded anew.
     np.testing.assert_array_equal(one.touching, two.touching)
