@@ -308,7 +308,7 @@ class _Grips(NamedTuple):
     share: np.ndarray  # (k,) of the load of the contact, in units of the mass of the body
     normal: np.ndarray  # (k, 3), unit vectors
     arm: np.ndarray  # (k, 3) [m], from the centre of the body to the contact point
-    firmness: np.ndarray  # (k,) factor on springs and dashpots relative to the load; not on the sliding friction
+    firmness: np.ndarray  # (k,) factor on springs and dashpots relative to the load; not on the viscous friction
     spread: np.ndarray  # (k, 6) [m²], or (0, 6)
 
 

@@ -18,7 +18,7 @@ class SteppedBodies:
     """Bodies, the scene they are in, and the compiled step.
 
     law: ContactLaw, or HertzLaw with hertz; with an implicit dashpot the law of the time step (implicit_law). All
-    variants have a floor and, except those with sliding friction, friction. A friction coefficient of 0 and a floor far
+    variants have a floor and, except those with viscous friction, friction. A friction coefficient of 0 and a floor far
     below are data, so they need no compilation of their own.
     """
 

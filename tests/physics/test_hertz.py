@@ -1,6 +1,6 @@
 """Impacts and creep of spheres by the compiled step, with Hertzian contacts and friction without memory.
 
-All on one variant of the step, clamped, with sliding friction up to Coulomb's limit; without friction where µ = 0.
+All on one variant of the step, clamped, with viscous friction up to Coulomb's limit; without friction where µ = 0.
 """
 
 import numpy as np

@@ -33,7 +33,7 @@ def sliding_force(law, mass, limit, normal, velocity):
 
 @leaf
 def rub(touches, k, normal, velocity, law, mass, has):
-    """Add the sliding friction to the force [N] of row k of contacts or walls; return the friction."""
+    """Add the viscous friction to the force [N] of row k of contacts or walls; return the friction."""
     pressed = read(touches.force, k)
     limit = np.inf
     if has.sliding == CAPPED:
@@ -45,7 +45,7 @@ def rub(touches, k, normal, velocity, law, mass, has):
 
 @leaf
 def rub_contact(bodies, contacts, law, drive, p, has):
-    """Add the sliding friction of touching contact p to its force and torques. has: features of the scene."""
+    """Add the viscous friction of touching contact p to its force and torques. has: features of the scene."""
     i, j = contacts.body_a[p], contacts.body_b[p]
     arm_a = read(contacts.point, p)
     arm_b = minus(arm_a, partner_offset(bodies, contacts, p, drive.width, has.periodic))
@@ -58,7 +58,7 @@ def rub_contact(bodies, contacts, law, drive, p, has):
 
 @leaf
 def rub_wall(bodies, walls, law, w, has):
-    """Add the sliding friction of touching wall w to its force and torque. has: features of the scene."""
+    """Add the viscous friction of touching wall w to its force and torque. has: features of the scene."""
     i, arm = walls.body[w], read(walls.point, w)
     friction = rub(walls, w, read(walls.normal, w), wall_velocity(bodies, i, arm), law, bodies.mass[i], has)
     write(walls.torque, w, plus(read(walls.torque, w), cross(arm, friction)))

@@ -52,7 +52,7 @@ PARTS = (
         "tangential springs that start at the limit of friction, as in Rettinger et al. (2022)",
         "springs that start at the limit of friction",
     ),
-    Part(lambda f: f.sliding, "friction against the sliding velocity, without history", "sliding friction"),
+    Part(lambda f: f.sliding, "friction against the sliding velocity, without history", "viscous friction"),
     Part(lambda f: f.implicit, "implicit dashpots, weighted by the effective contacts of a grain", "implicit dashpots"),
     Part(lambda f: f.patch, "patch contacts: polyhedra press at the centroid of their overlap", "patch contacts"),
     Part(
