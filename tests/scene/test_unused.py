@@ -54,6 +54,11 @@ CASES = {
         STRANGE,
     ),
     "generation.drop_height": ({"generation": {"drop_height": "5 mm"}}, {"generation": {"fill": "r22"}}, STRANGE),
+    "generation.solid_fraction": (
+        {"generation": {"solid_fraction": 0.1}},
+        STRANGE,
+        {"generation": {"placement": "filled"}},
+    ),
     "generation.orientation": ({"generation": {"orientation": "random"}}, SPHERES, ELLIPSOIDS),
     "shaking.period": ({"shaking": {"period": "20 ms"}}, {"shaking": {"amplitude": "0 m"}}, {}),
     "convergence.kinetic_energy": ({"convergence": {"kinetic_energy": 1e-4}}, {}, SETTLED),
