@@ -18,7 +18,7 @@ from simcore.packing.forecast import check_bed, typical_grains
 from simcore.paths import REFERENCE
 from simcore.scene.domain import Domain
 
-# Smallest number of packings to fit a model: four features, an intercept, and two degrees of freedom.
+# simcore.models.regression.fewest_samples of the features of mixtures, without importing it for each job
 SMALLEST_MIXTURE_STUDY = 7
 
 

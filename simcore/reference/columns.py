@@ -82,7 +82,8 @@ COMMITTED_NAMES = {column.name: column.committed for column in COLUMNS if column
 # Statistics over the grains of a packing: dict from the name of the column to that in simcore.grains.statistics
 FORM = {column.name: column.statistic for column in COLUMNS if column.statistic}
 # Distributions of form in the specification: dict from their columns to the statistics over the grains
-ASKED_FOR = {"mean_FL": "mu_FL", "mean_EL": "mu_EL", "std_FL": "sigma_FL", "std_EL": "sigma_EL"}
+SPECIFIED_FORM = {"mean_FL": "mu_FL", "mean_EL": "mu_EL", "std_FL": "sigma_FL", "std_EL": "sigma_EL"}
+SPECIFIED_MEANS = ("mean_FL", "mean_EL")
 
 
 def study_names(*names):

@@ -7,7 +7,14 @@ from simcore.campaign.gathering import COLUMNS as GATHERED
 from simcore.campaign.gathering import ORDER, RESULT
 from simcore.campaign.study_tables import summarise
 from simcore.paths import REFERENCE
-from simcore.reference.columns import ASKED_FOR, COLUMN_OF_KEY, COLUMNS, COMMITTED_NAMES, FORM, study_names
+from simcore.reference.columns import (
+    COLUMN_OF_KEY,
+    COLUMNS,
+    COMMITTED_NAMES,
+    FORM,
+    SPECIFIED_FORM,
+    study_names,
+)
 from simcore.scene.specification import resolve
 
 STUDY_NAMES = {column.name for column in COLUMNS}
@@ -20,7 +27,11 @@ def test_each_column_stands_there_once_and_has_a_meaning():
     assert len(set(names)) == len(names) and all(column.meaning for column in COLUMNS)
     for of in (COLUMN_OF_KEY, study_names()):
         assert len(set(of.values())) == len(of)
-    assert study_names("EQ") == {"mu_EQ": "EQ"} and {"EQ", "EL"} <= set(FORM) and set(ASKED_FOR) <= set(COMMITTED_NAMES)
+    assert (
+        study_names("EQ") == {"mu_EQ": "EQ"}
+        and {"EQ", "EL"} <= set(FORM)
+        and set(SPECIFIED_FORM) <= set(COMMITTED_NAMES)
+    )
 
 
 @pytest.mark.parametrize("name", sorted(set(GATHERED) - {OF_DEPOSITS}))
