@@ -224,6 +224,10 @@ def test_packings_that_do_not_belong_together_are_refused():
         fabric_over_seeds([first])
     with pytest.raises(ValueError, match=r"seeds \[1, 1\] are not distinct"):
         fabric_over_seeds([first, first])
+    unnamed = second.copy()
+    del unnamed.attrs["seed"]
+    with pytest.raises(ValueError, match="fabric 2 of 2 has no attribute seed"):
+        fabric_over_seeds([first, unnamed])
     other = {"shapes": {"kind": "polyhedron"}, "seed": 2, "name": "x"}
     with pytest.raises(
         ValueError, match="seeds 1 and 2 differ in shapes.kind; give packings that differ only in their seed"

@@ -127,11 +127,6 @@ def test_express_is_the_inverse_of_resolve():
         ),
         ("shapes.kind", "mixed", r"shapes\.ellipsoid_share: kind \"mixed\" needs a number from 0 to 1"),
         (
-            "shapes.ellipsoid_share",
-            0.5,
-            r"shapes\.ellipsoid_share: it has no effect unless kind is \"mixed\"; leave it out",
-        ),
-        (
             "shapes",
             {"kind": "mixed", "ellipsoid_share": 1.5},
             r"shapes\.ellipsoid_share: 1\.5 is out of bounds; it must be at most 1",

@@ -5,6 +5,7 @@ import yaml
 
 from simcore.__main__ import main
 from simcore.campaign.studies import merge
+from simcore.scene.setup import shape_choice
 from simcore.scene.specification import express, read_schema, resolve
 from simcore.scene.unused import given_keys, is_shared, why_unused
 
@@ -35,6 +36,7 @@ CASES = {
     "grains.number": ({"grains": {"number": 30}}, FILES, {}),
     "grains.seed": ({"grains": {"seed": 2}}, FILES, {}),
     "faces": ({"faces": 50}, ELLIPSOIDS, {}),
+    "shapes.ellipsoid_share": ({"shapes": {"ellipsoid_share": 0.5}}, {}, {"shapes": {"kind": "mixed"}}),
     "shapes.choice": ({"shapes": {"choice": "random"}}, SPHERES, ELLIPSOIDS),
     "shapes.grain": ({"shapes": {"grain": "G01"}}, {}, {"shapes": {"choice": "one"}}),
     "shapes.flatness": ({"shapes": {"flatness": MIXTURE["flatness"]}}, {}, {"shapes": MIXTURE}),
@@ -93,6 +95,12 @@ def test_a_key_that_is_not_used_is_refused_by_name(key):
     resolve(merge(BED, having, given), unused="refuse")
     # What packings have in common is kept, as it was given.
     assert why_unused(next(given_keys(given)), resolve(merge(BED, without, given)), read_schema("packing"))[0] == key
+
+
+def test_packings_of_a_study_may_share_the_share_of_ellipsoids():
+    for kind, share in (("mixed", 0.5), ("polyhedron", None)):
+        resolved = resolve(merge(BED, {"shapes": {"kind": kind, "ellipsoid_share": 0.5}}))
+        assert shape_choice(resolved["shapes"]).ellipsoid_share == share
 
 
 def test_settings_of_an_accuracy_are_not_given():
