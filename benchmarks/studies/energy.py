@@ -174,7 +174,7 @@ class Impacts(NamedTuple):
         Leapfrog keeps v²/2 + ω² x² (1 − (ω dt)²/4) / 2 within the contact. A contact that starts at a share φ of a
         step loses (ω dt)² φ (1 − φ) of v²/2 against that, and gets it back with another φ at its end: at most
         (ω dt)²/4, with ω² = s (π/T_c)². (Central contacts end as they started where T_c/dt is a whole number, so that
-        verification.md 1.3 has a third order.)
+        their error is of third order.)
         """
         return 0.25 * self.lever * (np.pi / steps) ** 2
 

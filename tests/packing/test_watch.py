@@ -166,7 +166,8 @@ def test_an_impact_too_deep_stops_the_run_before_it_is_over():
     assert isinstance(error, str)
     assert "would overlap what it hits by" in error and "Shorten numerics.contact_time, which is 0.01 s, to" in error
     grain, speed, depth = re.search(r"grain (\d+) moves at (\S+) m/s .* what it hits by (\S+) mm", error).groups()
-    # verification.md 1.1; and on a grain that lies on the floor, of which the next test has a simulation.
+    # Largest overlap as in tests/physics/test_contact_law.py; on a grain that lies on the floor it is 1.33 times that,
+    # of which the next test has a simulation.
     assert float(depth) / float(speed) == pytest.approx(1e3 * 1.33177 * 0.1290665 * 0.01, rel=0.01)
 
 

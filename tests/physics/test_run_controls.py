@@ -1,4 +1,4 @@
-"""Gravity, damping and shaking of the study against closed forms (verification.md 1.7)."""
+"""Gravity, damping and shaking of Rettinger et al. (2022) against closed forms."""
 
 import numpy as np
 import pytest

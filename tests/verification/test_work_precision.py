@@ -46,7 +46,7 @@ def test_the_implicit_dashpot_is_nearer_at_the_same_steps(impacts, end):
         assert (implicit < (1.02 if quantity.startswith("tangential") else 1.0) * explicit).all()
 
 
-# e_t of an impact at e_n = 0.1, µ = 0.5 by angle from the normal: attractive, clamped (verification.md 1.4)
+# e_t of an impact at e_n = 0.1, µ = 0.5 by angle from the normal: attractive, clamped (2e6 steps per contact)
 OBLIQUE = {
     5: (0.71036, 0.70049),
     15: (0.71032, 0.70035),
@@ -106,7 +106,7 @@ def test_orders_of_rotation(case):
 
 
 def test_the_reference_of_rotation():
-    """verification.md 2.1: case A after 20 s and the angular velocity after 5 s; its own error is near round-off."""
+    """Attitude of the top after 20 s and its angular velocity after 5 s; the error of both is near round-off."""
     attitude, unknown = rotation.reference_attitude(rotation.TOPS["top"])
     stated = np.array([0.58403954, -0.35261047, 0.20195319, -0.7026938])
     assert rotation.attitude_error(attitude, stated) < 3e-8  # the digits of the table

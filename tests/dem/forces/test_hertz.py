@@ -112,7 +112,7 @@ def test_a_pinched_grain_sets_the_least_steps_and_fewer_are_refused():
     assert compose(made).continuous_law == law
     needed = made.numerics.contact_time / longest_stable_step(law, False)
     assert compose(made).least_steps == needed
-    # Jury's conditions for two contacts, verification.md 1.2 with twice the matrix
+    # Jury's conditions for semi-implicit Euler with two contacts, which double the matrix
     h = made.numerics.contact_time / needed
     assert 2.0 * (h**2 * law.stiffness + 2.0 * h * law.damping) == pytest.approx(4.0, rel=1e-9)
     with pytest.raises(ValueError, match=rf"at least {needed:.2f} steps are needed"):

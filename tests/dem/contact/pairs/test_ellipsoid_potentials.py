@@ -129,7 +129,7 @@ WITHIN = {"concentric", "sphere at the tip", "sphere beside"}
 @pytest.mark.parametrize("name", KNOWN_PAIRS)
 @pytest.mark.parametrize("size", [1.0, 1e-6, 1e3])
 def test_known_pairs(name, size):
-    """verification.md 3.2: overlap or not; and its depth, where the contact vector is the common normal."""
+    """Overlap or not; and its depth, where the contact vector is the common normal."""
     semi_a, semi_b, turn, centre, distance = KNOWN_PAIRS[name]
     bodies, _, contacts = place_pairs(
         [UNIT_SPHERE] * 2, [semi_a, semi_b], [IDENTITY, turn], np.atleast_2d(centre), size
@@ -157,7 +157,7 @@ def test_known_pairs(name, size):
             np.testing.assert_allclose(contacts.direction[0], normal / np.linalg.norm(normal), atol=1e-8)
 
 
-ROOTS = {  # verification.md 3.2
+ROOTS = {
     "spheres apart": (0.25, 4.0),
     "triaxial apart": (1.455174, 6.184826),
     "parallel apart": (0.236787, 4.223213),
