@@ -28,7 +28,7 @@ class Bed:
         from numba import get_num_threads
 
         from simcore.dem.contact.patch.workspace import make_workspace
-        from simcore.dem.shapes.hulls import collect_shapes
+        from simcore.dem.shapes.polyhedra import collect_shapes
         from simcore.dem.state.bodies import make_bodies
         from simcore.dem.state.contacts import Box
         from simcore.dem.step.step import STAGES, make_advance
@@ -75,7 +75,7 @@ class Bed:
 
 def pebble(seed, n_points=40):
     """Hull of random points on an ellipsoid 1 : 0.8 : 0.6 of the size of the unit sphere."""
-    from simcore.dem.shapes.hulls import Base
+    from simcore.dem.shapes.polyhedra import Base
     from simcore.grains.mesh import make_grain
 
     points = np.random.default_rng(seed).standard_normal((n_points, 3))
@@ -87,7 +87,7 @@ def pebble(seed, n_points=40):
 
 def block(a, b, c):
     """Cuboid of these edges."""
-    from simcore.dem.shapes.hulls import Base, convex
+    from simcore.dem.shapes.polyhedra import Base, convex
 
     corners = np.array([[x, y, z] for x in (-a, a) for y in (-b, b) for z in (-c, c)]) / 2.0
     hull = convex(corners).base
@@ -105,7 +105,7 @@ def jumping_bed(kind, features, restitution=1.0, n_layers=4, seed=1):
     kind: sphere, ellipsoid or polyhedron. features: of the step; friction is off in the law in any case.
     """
     from simcore.dem.forces.spring_dashpot import contact_law
-    from simcore.dem.shapes.hulls import unit_sphere
+    from simcore.dem.shapes.polyhedra import unit_sphere
 
     rng = np.random.default_rng(seed)
     bases = [pebble(k) for k in range(4)] if kind == "polyhedron" else [unit_sphere()]
@@ -192,7 +192,7 @@ FORMS = {
 def scatter(form, features, restitution, steps, n, floor, eccentric, speed, rng):
     """A Bed without gravity of n pairs that are about to meet, far from other pairs, or n grains above the floor."""
     from simcore.dem.forces.spring_dashpot import contact_law
-    from simcore.dem.shapes.hulls import unit_sphere
+    from simcore.dem.shapes.polyhedra import unit_sphere
     from simcore.dem.state.bodies import make_bodies
 
     _, given = FORMS[form]
@@ -293,7 +293,7 @@ def _normal_motion(b, rotation, i, point, normal, v, w):
 
 
 def bed_features(kind, patch):
-    from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE
+    from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON, SPHERE
     from simcore.dem.state.features import Features
 
     number = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": POLYHEDRON}[kind]

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import ELLIPSOID, SPHERE, Base, unit_sphere
+from simcore.dem.shapes.polyhedra import ELLIPSOID, SPHERE, Base, unit_sphere
 from simcore.dem.stability import (
     Load,
     _mean_over_surface,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import unit_sphere
+from simcore.dem.shapes.polyhedra import unit_sphere
 from simcore.dem.stability import contact_load, stiffest_body
 from simcore.dem.state.bodies import make_bodies
 from simcore.packing.energy import spring_energy

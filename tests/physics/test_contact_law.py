@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import SPHERE
+from simcore.dem.shapes.polyhedra import SPHERE
 from simcore.dem.stability import minimum_steps_per_contact_time
 from tests.helpers.stepped_bodies import SteppedBodies
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import LEVER, contact_law, implicit_law
-from simcore.dem.shapes.hulls import SPHERE
+from simcore.dem.shapes.polyhedra import SPHERE
 from simcore.dem.stability import longest_stable_step, minimum_steps_per_contact_time
 from simcore.packing.packed import DAMPING, SHAKING
 from simcore.packing.process import Process

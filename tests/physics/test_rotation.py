@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import ELLIPSOID, SPHERE, unit_sphere
+from simcore.dem.shapes.polyhedra import ELLIPSOID, SPHERE, unit_sphere
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
 from simcore.dem.state.features import Features
 from simcore.dem.step.motion import Quaternion, _cos_sin, derive_rotation, rotate_free, turn

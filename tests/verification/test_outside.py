@@ -257,7 +257,7 @@ def test_eight_spheres_poured_into_a_tube_stand_in_a_zigzag(tmp_path):
 def test_elastic_spheres_keep_their_energy_and_damped_ones_do_not():
     raw = packings.specification("elastic_spheres_seed1", "dice")
     raw["amount"] = {"grains": 12}
-    elastic = jump(raw, duration=0.2, looks=10)
+    elastic = jump(raw, duration=0.2, measurements=10)
     assert measures.energy_ratio(elastic) == pytest.approx(1.0, abs=0.005)
     raw["material"]["restitution"] = 0.9
-    assert measures.energy_ratio(jump(raw, duration=0.2, looks=10)) < 0.95
+    assert measures.energy_ratio(jump(raw, duration=0.2, measurements=10)) < 0.95

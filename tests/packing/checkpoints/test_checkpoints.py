@@ -15,7 +15,7 @@ import weakref
 import numpy as np
 import pytest
 
-from simcore.dem.shapes.hulls import Base
+from simcore.dem.shapes.polyhedra import Base
 from simcore.packing.checkpoints import lock
 from simcore.packing.checkpoints.file import CheckpointError, read_checkpoint, write_checkpoint
 from simcore.packing.checkpoints.key import scene_key

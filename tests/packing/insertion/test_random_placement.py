@@ -6,7 +6,7 @@ from scipy import stats
 
 from benchmarks.correctness.equality import load_grains
 from simcore.dem.contact.query import query_many
-from simcore.dem.shapes.hulls import convex, ellipsoid
+from simcore.dem.shapes.polyhedra import convex, ellipsoid
 from simcore.packing.insertion import random_placement as release
 from simcore.packing.insertion.initial_states import initial_states
 from simcore.packing.insertion.random_placement import DILUTE, fall_time, layer_grains, release_places, zone_height

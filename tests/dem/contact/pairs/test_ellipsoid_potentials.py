@@ -13,7 +13,7 @@ from simcore.dem.contact.pair import Pair
 from simcore.dem.contact.pairs import ellipsoid_potentials as potential
 from simcore.dem.contact.search.deep_overlap import start_normal
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import ELLIPSOID, MIXED
+from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED
 from simcore.dem.vectors import Vec, read
 from simcore.scene.specification import resolve
 from tests.helpers.contact_pairs import UNIT_SPHERE, certain_gap, make_update, place_pairs
