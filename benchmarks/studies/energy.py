@@ -162,7 +162,7 @@ class Impacts(NamedTuple):
 
     gain: np.ndarray  # of energy over the contact, in units of what its normal motion brought
     lever: np.ndarray  # s: stiffness and damping against the normal motion, over those of a central contact
-    switched: np.ndarray  # most that changes of the vertex or face that is deepest can have done to `gain`
+    switched: np.ndarray  # largest part of `gain` that changes of the deepest vertex or face can have caused
 
     @property
     def restitution(self):
@@ -230,10 +230,10 @@ def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, 
     b, dt = bed.bodies, CONTACT_TIME / steps
     unit = np.arange(n) if floor else np.arange(2 * n) // 2
     found = []
-    # Of each unit: whether it touches, and of that contact what it brought, its lever, energy before, most in the
-    # spring, force and speed of approach in the last step, and the speed that the force takes in a step
+    # Of each unit: whether it touches, and of that contact what it brought, its lever, energy before, largest
+    # energy stored in the spring, force and speed of approach in the last step, and the speed that it takes in a step
     touched = np.zeros(n, bool)
-    brought, lever, before, most, switched, push, speeds, braking = np.zeros((8, n))
+    brought, lever, before, stored, switched, push, speeds, braking = np.zeros((8, n))
     energy = motion(b, unit, n)
     for _ in range(round(2.5 * (1.0 if floor else 2.0) * b.radius.max() / speed / dt)):
         x, v, w, rotation = b.position.copy(), b.velocity.copy(), b.angular_velocity.copy(), b.rotation.copy()
@@ -245,7 +245,7 @@ def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, 
         touching = np.zeros(n, bool)
         touching[k] = True
         # A contact that ended did so a step ago, so the energy is that of free flight.
-        found += _results(np.flatnonzero(touched & ~touching), energy, before, brought, most, lever, switched)
+        found += _results(np.flatnonzero(touched & ~touching), energy, before, brought, stored, lever, switched)
         normal = touches.normal[on] if floor else -touches.direction[on]  # into a
         inverse, approach = _normal_motion(b, rotation, i, touches.point[on], normal, v, w)
         mass = b.mass[i]
@@ -263,13 +263,13 @@ def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, 
         switched[o] += 0.5 * dt * np.maximum(push[o], force[old]) * jump
         new = k[~old]
         brought[new] = (0.5 * approach**2 / inverse)[~old]
-        lever[new], before[new], most[new], switched[new] = (mass * inverse)[~old], energy[new], 0.0, 0.0
-        most[k] = np.maximum(most[k], 0.5 * force * touches.overlap[on])
+        lever[new], before[new], stored[new], switched[new] = (mass * inverse)[~old], energy[new], 0.0, 0.0
+        stored[k] = np.maximum(stored[k], 0.5 * force * touches.overlap[on])
         lever[k] = np.maximum(lever[k], mass * inverse)
         push[k], speeds[k], braking[k] = force, approach, dt * force * inverse
         touched, energy = touching, motion(b, unit, n)
     # Overdamped contacts never end: they are at rest.
-    found += _results(np.flatnonzero(touched), energy, before, brought, most, lever, switched)
+    found += _results(np.flatnonzero(touched), energy, before, brought, stored, lever, switched)
     return Impacts(*np.array(found).T)
 
 
@@ -279,8 +279,8 @@ def motion(b, unit, n):
     return np.bincount(unit, each, n)
 
 
-def _results(ended, energy, before, brought, most, lever, switched):
-    unit = np.maximum(brought, most)
+def _results(ended, energy, before, brought, stored, lever, switched):
+    unit = np.maximum(brought, stored)
     return [((energy[k] - before[k]) / unit[k], lever[k], switched[k] / unit[k]) for k in ended]
 
 

@@ -67,7 +67,7 @@ def test_extreme_but_sound_packings_are_not_stopped(changes):
     assert not isinstance(packed, str), packed
 
 
-def test_too_few_steps_are_told_before_and_while_running_and_stop_the_run():
+def test_too_few_steps_are_warned_of_before_and_while_running_and_stop_the_run():
     """Seven steps a contact time: a pinched grain is stable, one with five contacts is not."""
     error, lines = told_by(numerics={"steps_per_contact_time": 7})
     warned = [line for line in lines if "warning" in line]

@@ -181,7 +181,7 @@ def test_a_new_contact_starts_with_an_empty_spring():
     assert thrown.bodies.velocity[0, 0] == pytest.approx(0.71036e-6, rel=0.006)
 
 
-def test_preloaded_friction_throws_as_the_studys_program_does():
+def test_preloaded_friction_throws_as_the_r22_program_does():
     """At the first touch its spring is loaded to the limit against what little slides (study_program.md, defects)."""
     thrown, _, _ = impact(True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, radius=5e-3, preloaded=True)
     assert thrown.bodies.velocity[0, 0] == pytest.approx(-1.55e-3, rel=0.01)

@@ -46,7 +46,7 @@ def test_quantity_is_the_float_nearest_to_what_was_written(text, unit, expected)
     assert parse_quantity(text, unit) == expected
 
 
-def test_defaults_are_the_parameters_of_the_study():
+def test_defaults_are_the_parameters_of_r22():
     """Values of Rettinger et al. (2022) as listed in results/reference/r22/README.md."""
     spec = resolve(MINIMAL)
     assert spec["domain"] == {"type": "periodic", "width": 0.2, "height": 0.8}

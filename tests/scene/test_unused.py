@@ -113,7 +113,7 @@ def test_null_is_not_given():
     resolve(merge(BED, SPHERES, {"shapes": {"grain": None, "flatness": None}}), unused="refuse")
 
 
-def test_a_specification_that_was_written_out_tells_no_choices():
+def test_keys_of_a_specification_that_was_written_out_are_no_choices():
     """As the workflow writes it: every key is there, whether or not it has an effect."""
     resolved = resolve(merge(BED, ELLIPSOIDS, {"faces": 50, "numerics": {"polyhedron_contact": "point"}}))
     assert resolve(express(resolved), unused="refuse") == resolved

@@ -21,7 +21,7 @@ def test_the_models_come_from_the_packings(finished):
         assert packing.attrs["converged"] == 1
 
 
-def test_every_table_and_the_report_say_that_they_are_tests(finished):
+def test_every_table_and_the_report_are_marked_as_tests(finished):
     workplace, _ = finished
     results = workplace.folder / "results" / "smoke"
     tables = [*(results / "tables").glob("*.csv"), *(results / "models").glob("*.csv")]

@@ -150,7 +150,7 @@ def deposit():
     return running, births
 
 
-def test_batches_are_born_as_they_are_asked_for(deposit):
+def test_batches_are_inserted_as_specified(deposit):
     running, births = deposit
     assert [count for _, count in births] == [12, 24, 36, 40]
     steps = np.diff([step for step, _ in births])
@@ -216,7 +216,7 @@ def test_its_springs_hold_two_fifths_k_times_the_overlap_to_five_halves(deposit)
     assert spring_energy(bodies, running.candidates, law).sum() == pytest.approx(total, rel=1e-12)
 
 
-def test_explain_says_what_follows_from_the_stiffness():
+def test_explain_gives_what_follows_from_the_stiffness():
     text = explain(set_up_few_spheres(**DEPOSIT))
     assert "Hertzian contacts with a viscous term" in text and "friction against the sliding velocity" in text
     time = float(re.search(r"contact time of (\S+) s", text)[1])
