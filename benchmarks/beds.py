@@ -175,7 +175,7 @@ def start(setup, bed, report=lambda line: None, **options):
         density=setup.scene.material.density,
         features=process.stepper.features,
     )
-    process.place(process.ranks.welcome(None, bodies, process.stepper.box), float(np.mean(bed.sieve_size)))
+    process.place(process.ranks.insert(None, bodies, process.stepper.box), float(np.mean(bed.sieve_size)))
     return process
 
 

@@ -143,7 +143,7 @@ def _pack_on(ranks, options):
     from simcore.packing.process import pack
 
     started = time.monotonic()
-    report = _reporter(options.log) if ranks.rank == 0 else _say_nothing
+    report = _reporter(options.log) if ranks.rank == 0 else _ignore_line
     try:
         specification, setup, keeper, warned = _prepare(ranks, options, report)
     except (ValueError, OSError) as error:
@@ -226,7 +226,7 @@ def _write(output, packed, specification, setup, warned, run):
     write_packing(output, packing)
 
 
-def _say_nothing(line):
+def _ignore_line(line):
     """Ignore the line: the report function of all ranks but the first."""
 
 

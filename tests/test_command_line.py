@@ -135,7 +135,7 @@ def test_a_packing_that_fails_leaves_no_file_and_status_one(folder, capsys):
     assert names(folder) == ["bad.yaml", "good.yaml"]
 
 
-def test_an_output_that_cannot_be_written_is_told_before_the_work(folder, capsys):
+def test_an_output_that_cannot_be_written_is_an_error_before_the_work(folder, capsys):
     (folder / "file").write_text("")
     assert main(["pack", str(folder / "good.yaml"), str(folder / "file" / "out.nc")]) == 2
     told = capsys.readouterr().err

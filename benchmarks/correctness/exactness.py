@@ -59,7 +59,7 @@ def nearly_flat(rng, noise):
 
 def make_shapes(family, rng, count, size):
     """Shapes to draw from, two lists: the bodies a and the bodies b."""
-    from simcore.dem.shapes.hulls import convex, ellipsoid, sphere
+    from simcore.dem.shapes.polyhedra import convex, ellipsoid, sphere
 
     def hulls(thinned):
         scale = thin(rng, count) if thinned else np.ones((count, 3))
@@ -108,7 +108,7 @@ def draw(family, rng, n, size=20, count=400):
     sizes 1:1000. All together scaled to 1e-6 to 1e3 m; a third of them stand 1e6 sizes from the world's origin.
     """
     from simcore.dem.contact import query_many
-    from simcore.dem.shapes.hulls import Shape
+    from simcore.dem.shapes.polyhedra import Shape
 
     a, b = make_shapes(family, rng, min(count, n), size)
     factor = 10.0 ** rng.uniform(-6, 3)

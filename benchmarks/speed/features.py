@@ -54,7 +54,7 @@ def main(arguments=None):
 def kinds(options):
     """Rows of one bed of spheres, stepped by each kind of scene."""
     from benchmarks.beds import RELAXING, bed_settings, prepare, settled_bed
-    from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE, unit_sphere
+    from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON, SPHERE, unit_sphere
 
     settings = bed_settings("sphere", options.grains)
     bed = settled_bed(settings, options.beds, print_progress)
@@ -187,7 +187,7 @@ def faceted_sphere():
     """A polyhedron of 320 faces in the unit sphere, as a base shape: none overlap where the spheres did not."""
     import trimesh
 
-    from simcore.dem.shapes.hulls import Base
+    from simcore.dem.shapes.polyhedra import Base
     from simcore.grains.mesh import make_grain
 
     grain = make_grain("faceted sphere", trimesh.creation.icosphere(subdivisions=2).vertices)

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from benchmarks.measurement import machine
 from simcore.compilation import kernel
 from simcore.dem.contact.find_contact import check_polyhedra, search_polyhedra
-from simcore.dem.shapes.hulls import POLYHEDRON, Base, collect_shapes
+from simcore.dem.shapes.polyhedra import POLYHEDRON, Base, collect_shapes
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features

@@ -15,7 +15,7 @@ from simcore.compilation import kernel
 from simcore.dem.contact.pair import pair_of
 from simcore.dem.contact.query import place_solids, query_pairs, table_of
 from simcore.dem.contact.search.polyhedra import search_pair
-from simcore.dem.shapes.hulls import convex
+from simcore.dem.shapes.polyhedra import convex
 from simcore.dem.state.bodies import rotation_matrix
 from simcore.dem.vectors import direction_of, read
 

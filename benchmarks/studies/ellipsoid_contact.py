@@ -29,7 +29,7 @@ from simcore.dem.contact.pair import Pair
 from simcore.dem.contact.pairs.ellipsoid_potentials import meeting_of
 from simcore.dem.contact.query import place_solids, table_of
 from simcore.dem.contact.search.ellipsoid_climb import climb_normal, surface_point
-from simcore.dem.shapes.hulls import ELLIPSOID, collect_shapes, ellipsoid, unit_sphere
+from simcore.dem.shapes.polyhedra import ELLIPSOID, collect_shapes, ellipsoid, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features

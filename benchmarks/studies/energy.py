@@ -28,7 +28,7 @@ class Bed:
         from numba import get_num_threads
 
         from simcore.dem.contact.patch.workspace import make_workspace
-        from simcore.dem.shapes.hulls import collect_shapes
+        from simcore.dem.shapes.polyhedra import collect_shapes
         from simcore.dem.state.bodies import make_bodies
         from simcore.dem.state.contacts import Box
         from simcore.dem.step.step import STAGES, make_advance
@@ -75,7 +75,7 @@ class Bed:
 
 def pebble(seed, n_points=40):
     """Hull of random points on an ellipsoid 1 : 0.8 : 0.6 of the size of the unit sphere."""
-    from simcore.dem.shapes.hulls import Base
+    from simcore.dem.shapes.polyhedra import Base
     from simcore.grains.mesh import make_grain
 
     points = np.random.default_rng(seed).standard_normal((n_points, 3))
@@ -87,7 +87,7 @@ def pebble(seed, n_points=40):
 
 def block(a, b, c):
     """Cuboid of these edges."""
-    from simcore.dem.shapes.hulls import Base, convex
+    from simcore.dem.shapes.polyhedra import Base, convex
 
     corners = np.array([[x, y, z] for x in (-a, a) for y in (-b, b) for z in (-c, c)]) / 2.0
     hull = convex(corners).base
@@ -105,7 +105,7 @@ def jumping_bed(kind, features, restitution=1.0, n_layers=4, seed=1):
     kind: sphere, ellipsoid or polyhedron. features: of the step; friction is off in the law in any case.
     """
     from simcore.dem.forces.spring_dashpot import contact_law
-    from simcore.dem.shapes.hulls import unit_sphere
+    from simcore.dem.shapes.polyhedra import unit_sphere
 
     rng = np.random.default_rng(seed)
     bases = [pebble(k) for k in range(4)] if kind == "polyhedron" else [unit_sphere()]
@@ -162,7 +162,7 @@ class Impacts(NamedTuple):
 
     gain: np.ndarray  # of energy over the contact, in units of what its normal motion brought
     lever: np.ndarray  # s: stiffness and damping against the normal motion, over those of a central contact
-    switched: np.ndarray  # most that changes of the vertex or face that is deepest can have done to `gain`
+    switched: np.ndarray  # largest part of `gain` that changes of the deepest vertex or face can have caused
 
     @property
     def restitution(self):
@@ -174,7 +174,7 @@ class Impacts(NamedTuple):
         Leapfrog keeps v²/2 + ω² x² (1 − (ω dt)²/4) / 2 within the contact. A contact that starts at a share φ of a
         step loses (ω dt)² φ (1 − φ) of v²/2 against that, and gets it back with another φ at its end: at most
         (ω dt)²/4, with ω² = s (π/T_c)². (Central contacts end as they started where T_c/dt is a whole number, so that
-        verification.md 1.3 has a third order.)
+        their error is of third order.)
         """
         return 0.25 * self.lever * (np.pi / steps) ** 2
 
@@ -192,7 +192,7 @@ FORMS = {
 def scatter(form, features, restitution, steps, n, floor, eccentric, speed, rng):
     """A Bed without gravity of n pairs that are about to meet, far from other pairs, or n grains above the floor."""
     from simcore.dem.forces.spring_dashpot import contact_law
-    from simcore.dem.shapes.hulls import unit_sphere
+    from simcore.dem.shapes.polyhedra import unit_sphere
     from simcore.dem.state.bodies import make_bodies
 
     _, given = FORMS[form]
@@ -230,10 +230,10 @@ def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, 
     b, dt = bed.bodies, CONTACT_TIME / steps
     unit = np.arange(n) if floor else np.arange(2 * n) // 2
     found = []
-    # Of each unit: whether it touches, and of that contact what it brought, its lever, energy before, most in the
-    # spring, force and speed of approach in the last step, and the speed that the force takes in a step
+    # Of each unit: whether it touches, and of that contact what it brought, its lever, energy before, largest
+    # energy stored in the spring, force and speed of approach in the last step, and the speed that it takes in a step
     touched = np.zeros(n, bool)
-    brought, lever, before, most, switched, push, speeds, braking = np.zeros((8, n))
+    brought, lever, before, stored, switched, push, speeds, braking = np.zeros((8, n))
     energy = motion(b, unit, n)
     for _ in range(round(2.5 * (1.0 if floor else 2.0) * b.radius.max() / speed / dt)):
         x, v, w, rotation = b.position.copy(), b.velocity.copy(), b.angular_velocity.copy(), b.rotation.copy()
@@ -245,7 +245,7 @@ def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, 
         touching = np.zeros(n, bool)
         touching[k] = True
         # A contact that ended did so a step ago, so the energy is that of free flight.
-        found += _results(np.flatnonzero(touched & ~touching), energy, before, brought, most, lever, switched)
+        found += _results(np.flatnonzero(touched & ~touching), energy, before, brought, stored, lever, switched)
         normal = touches.normal[on] if floor else -touches.direction[on]  # into a
         inverse, approach = _normal_motion(b, rotation, i, touches.point[on], normal, v, w)
         mass = b.mass[i]
@@ -263,13 +263,13 @@ def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, 
         switched[o] += 0.5 * dt * np.maximum(push[o], force[old]) * jump
         new = k[~old]
         brought[new] = (0.5 * approach**2 / inverse)[~old]
-        lever[new], before[new], most[new], switched[new] = (mass * inverse)[~old], energy[new], 0.0, 0.0
-        most[k] = np.maximum(most[k], 0.5 * force * touches.overlap[on])
+        lever[new], before[new], stored[new], switched[new] = (mass * inverse)[~old], energy[new], 0.0, 0.0
+        stored[k] = np.maximum(stored[k], 0.5 * force * touches.overlap[on])
         lever[k] = np.maximum(lever[k], mass * inverse)
         push[k], speeds[k], braking[k] = force, approach, dt * force * inverse
         touched, energy = touching, motion(b, unit, n)
     # Overdamped contacts never end: they are at rest.
-    found += _results(np.flatnonzero(touched), energy, before, brought, most, lever, switched)
+    found += _results(np.flatnonzero(touched), energy, before, brought, stored, lever, switched)
     return Impacts(*np.array(found).T)
 
 
@@ -279,8 +279,8 @@ def motion(b, unit, n):
     return np.bincount(unit, each, n)
 
 
-def _results(ended, energy, before, brought, most, lever, switched):
-    unit = np.maximum(brought, most)
+def _results(ended, energy, before, brought, stored, lever, switched):
+    unit = np.maximum(brought, stored)
     return [((energy[k] - before[k]) / unit[k], lever[k], switched[k] / unit[k]) for k in ended]
 
 
@@ -293,7 +293,7 @@ def _normal_motion(b, rotation, i, point, normal, v, w):
 
 
 def bed_features(kind, patch):
-    from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE
+    from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON, SPHERE
     from simcore.dem.state.features import Features
 
     number = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": POLYHEDRON}[kind]

@@ -157,7 +157,7 @@ def steps_and_size_ratio(ratio, steps):
 def placed(contact_time, radius, position, velocity=0.0):
     """Process of spheres (n,) above each other; the upper one falls at `velocity` [m/s]."""
     from simcore.campaign.studies import merge
-    from simcore.dem.shapes.hulls import unit_sphere
+    from simcore.dem.shapes.polyhedra import unit_sphere
     from simcore.dem.state.bodies import make_bodies
     from simcore.packing.process import Process
     from simcore.scene.setup import set_up

@@ -143,8 +143,8 @@ def symmetry(rows, names=("solid_fraction", "coordination_number")):
     return pd.DataFrame(table)
 
 
-def diagonal_fabrics(studies, fabrics, most=5):
-    """Return the fabrics of at most `most` forms with eta = zeta, evenly from first to last: dict of label to Dataset.
+def diagonal_fabrics(studies, fabrics, max_forms=5):
+    """Return the fabrics of `max_forms` forms with eta = zeta or fewer, evenly spread: dict of label to Dataset.
 
     studies: name of the study of each of `fabrics`. A form with several seeds has the mean over them.
     """
@@ -153,7 +153,7 @@ def diagonal_fabrics(studies, fabrics, most=5):
         if family(study) == "diagonal":
             by_form.setdefault(json.loads(fabric.attrs["scene"])["shapes"]["eta"], []).append(fabric)
     ratios = sorted(by_form)
-    chosen = np.unique(np.linspace(0, len(ratios) - 1, min(most, len(ratios))).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(ratios) - 1, min(max_forms, len(ratios))).round().astype(int))
     return {
         f"η = ζ = {ratio:g}": fabric_over_seeds(by_form[ratio]) if len(by_form[ratio]) > 1 else by_form[ratio][0]
         for ratio in (ratios[k] for k in chosen)

@@ -18,20 +18,20 @@ from simcore.packing.forecast import check_bed, typical_grains
 from simcore.paths import REFERENCE
 from simcore.scene.domain import Domain
 
-# Smallest number of packings to fit a model: four features, an intercept, and two degrees of freedom.
+# simcore.models.regression.fewest_samples of the features of mixtures, without importing it for each job
 SMALLEST_MIXTURE_STUDY = 7
 
 
-def number_pieces(cpu_hours, seeds, most):
+def number_pieces(cpu_hours, seeds, max_hours):
     """Return the number of the piece, from 1, of each packing of a study, (n,) int.
 
     cpu_hours (n,): estimate for each packing. seeds (n,): packings are ordered by seed, so that an interrupted study
-    has every setting once before it has any setting twice. most: maximum number of CPU hours of a piece; a packing that
-    takes longer is a piece by itself.
+    has every setting once before it has any setting twice. max_hours: largest number of CPU hours of a piece; a
+    packing that takes longer is a piece by itself.
     """
     pieces, piece, filled = np.empty(len(cpu_hours), int), 0, np.inf
     for k in np.argsort(seeds, kind="stable"):
-        if filled + cpu_hours[k] > most:
+        if filled + cpu_hours[k] > max_hours:
             piece, filled = piece + 1, 0.0
         pieces[k] = piece
         filled += cpu_hours[k]

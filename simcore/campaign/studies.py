@@ -91,10 +91,10 @@ def expand_study(name, study, config):
     if len(repeated):
         raise ValueError(f"{where}.varies: the packing {repeated.iloc[0]} is listed twice; remove one")
     # Studies that are not part of `all` are defined in every campaign, so they may have keys that its settings exclude.
-    ours = set() if study["in_all"] else set(given_keys(config["packing"]))
-    _check_used({key: resolved for key in given_keys(study["fixes"])}, f"{where}.fixes", ours=ours)
+    campaign_keys = set() if study["in_all"] else set(given_keys(config["packing"]))
+    _check_used({key: resolved for key in given_keys(study["fixes"])}, f"{where}.fixes", campaign_keys=campaign_keys)
     for (key, at), given in varied.items():
-        _check_used({key: given}, at, may_share=False, ours=ours)
+        _check_used({key: given}, at, may_share=False, campaign_keys=campaign_keys)
     return table
 
 
@@ -107,15 +107,16 @@ def _lay_over(fixed, combination, where):
     return raw
 
 
-def _check_used(specifications, where, may_share=True, ours=frozenset()):
+def _check_used(specifications, where, may_share=True, campaign_keys=frozenset()):
     """Raise ValueError at the first key that has no effect in any of its specifications.
 
     specifications: dict from dotted key to the resolved specifications for which it is given. may_share: whether keys
-    that studies have in common are accepted. ours: settings of the campaign; a key that needs one of them is accepted.
+    that studies have in common are accepted. campaign_keys: settings of the campaign; a key that needs one of them is
+    accepted.
     """
     schema = read_schema("packing")
     for path, given in specifications.items():
-        if (may_share and is_shared(path, schema)) or needed_settings(path, schema) & ours:
+        if (may_share and is_shared(path, schema)) or needed_settings(path, schema) & campaign_keys:
             continue
         unused = None
         for specification in given:

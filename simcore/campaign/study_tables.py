@@ -7,8 +7,6 @@ import pandas as pd
 
 from simcore.reference.columns import FORM
 
-STATISTICS_ASKED_FOR = ("mean_FL", "mean_EL")  # nominal values of a mixture, before grains are drawn
-
 
 def tabulate(study, rows, evaluations):
     """Return a DataFrame with one row per packing of a study.

@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 
 from simcore.dem.forces.spring_dashpot import ContactLaw, explicit_dashpot, implicit_dashpot, implicit_law
 from simcore.dem.ranks.one_rank import ONE_RANK
-from simcore.dem.shapes.hulls import Base
+from simcore.dem.shapes.polyhedra import Base
 from simcore.dem.state.bodies import Bodies
 from simcore.dem.state.contacts import CandidatePairs
 

@@ -115,7 +115,7 @@ def fabric_over_seeds(fabrics):
     fabrics: two or more Datasets from fabric(), with the same variables. Invariants of the tensor are those of the mean
     tensor, and their standard errors are by jackknife. Numbers of grains and vectors are sums over all packings.
     *_of_seed, over `seed`, are the values of the single packings. ValueError if the scenes differ in more than their
-    seed, or have the same seed.
+    seed, or have the same seed or none.
     """
     fabrics = list(fabrics)
     seeds = _check_scenes(fabrics)
@@ -235,7 +235,13 @@ def _check_scenes(fabrics):
     """Return the seeds of the fabrics, (n,); ValueError if their packings differ in more than their seed."""
     if len(fabrics) < 2:
         raise ValueError("fabric_over_seeds: a standard error over seeds needs two packings or more; pack another seed")
-    seeds = [int(data.attrs.get("seed", k)) for k, data in enumerate(fabrics)]
+    without = [k for k, data in enumerate(fabrics, start=1) if "seed" not in data.attrs]
+    if without:
+        raise ValueError(
+            f"fabric_over_seeds: fabric {without[0]} of {len(fabrics)} has no attribute seed, so it may be of the same "
+            "packing as another; make the fabrics from files of `python -m simcore pack`, or set the attribute"
+        )
+    seeds = [int(data.attrs["seed"]) for data in fabrics]
     if len(set(seeds)) < len(seeds):
         raise ValueError(
             f"fabric_over_seeds: seeds {seeds} are not distinct, so the packings are not independent; give each once"

@@ -19,7 +19,7 @@ _MESHES = (".stl", ".ply", ".obj", ".off")
 _POINTS = (".xyz", ".csv")
 _COEFFICIENTS = (".txt", ".dat")
 _ARRAYS = (".npy", ".npz")
-_KNOWN = (*_MESHES, *_POINTS, *_COEFFICIENTS, *_ARRAYS)
+_EXTENSIONS = (*_MESHES, *_POINTS, *_COEFFICIENTS, *_ARRAYS)
 _SHEETS = (".xlsx", ".xls", ".ods", ".tsv")
 _APPLE_DOUBLE = b"\x00\x05\x16\x07"  # first bytes of the files `._name` that macOS writes next to others
 # Coordinates are refused if they are this many times the body's size from the origin and rounded to more than this
@@ -121,7 +121,7 @@ def grain_files(source):
         if not usable:
             others = "; ".join(f"{file.name}: {reason}" for file, reason in list(reasons.items())[:5])
             raise ValueError(
-                f"the folder {path} contains no grain files ({' '.join(_KNOWN)}); correct the path"
+                f"the folder {path} contains no grain files ({' '.join(_EXTENSIONS)}); correct the path"
                 + (f"; left out are {others}" if others else "")
             )
         files += usable
@@ -135,7 +135,7 @@ def _reason_to_leave_out(file):
         return "it is a folder; only files directly in the given folder are read"
     if file.name.startswith("."):
         return "it is hidden, like the files that macOS writes next to others"
-    if suffix not in _KNOWN:
+    if suffix not in _EXTENSIONS:
         return f"its extension {suffix!r} is not that of a file of grains"
     if suffix in _COEFFICIENTS and not (file.name.endswith(".sh.txt") or "anm" in file.name):
         return "its name is not that of coefficients, *.sh.txt or *anm*.dat"
@@ -158,8 +158,8 @@ def _read_groups(path, unit, spacing):
             f"points cannot be read from the extension {suffix!r}, only from {' or '.join(_POINTS)}; if it is a table "
             "of axes, " + how_to_use_forms(path)
         )
-    if suffix not in _KNOWN:
-        raise ValueError(f"unknown extension {suffix!r}; files of grains have one of {' '.join(_KNOWN)}")
+    if suffix not in _EXTENSIONS:
+        raise ValueError(f"unknown extension {suffix!r}; files of grains have one of {' '.join(_EXTENSIONS)}")
     if suffix in _ARRAYS:
         return _array_groups(path, unit, spacing)
     if suffix in _POINTS:

@@ -8,12 +8,12 @@ import xarray as xr
 
 from simcore.models.files import read_models
 from simcore.models.mixtures import MIXTURE
-from simcore.models.regression import fit_and_validate
+from simcore.models.regression import fewest_samples, fit_and_validate
 from simcore.models.single_form import SINGLE_FORM
 from simcore.models.tables import over_seeds
 from simcore.models.unified import fit_unified, unified_features
 from simcore.paths import REFERENCE, ROOT
-from simcore.reference.committed_rows import read_mixtures, read_single_forms
+from simcore.reference.committed_rows import fitted_forms, read_mixtures, read_single_forms
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,9 @@ def fit_reference_models(folder=REFERENCE, source=None, seed=0):
     folder: contains single_form.csv and form_mixture.csv of the largest campaign, with one row per packing. A model for
     which these have no rows, or too few, is fitted to the tables of the default campaign in default/ (single_form.csv,
     form_mixtures.csv); the unified model takes both kinds of packing from one campaign. source: source of the grains
-    of single forms, such as "synthetic"; None: all. Packings of ellipsoids are left out, because real grains have
-    facets. ValueError if there are no rows, or none of that source.
+    of single forms, such as "synthetic"; None: all sources together, whereas the report of the committed rows fits each
+    source by itself. Which rows are fitted otherwise is the rule of simcore.reference.committed_rows. ValueError if
+    there are no rows, or none of that source.
     """
     folder, fitted = Path(folder), FittedModels({}, {})
     campaigns = [
@@ -52,8 +53,8 @@ def fit_reference_models(folder=REFERENCE, source=None, seed=0):
         raise ValueError(f"{folder}: there are no grains of source {source}; choose one of the sources: {available}")
     for single, mixture in campaigns:
         single_forms = forms.get(single)
-        if single_forms is not None and source is not None:
-            single_forms = single_forms[single_forms["source"] == source]
+        if single_forms is not None:
+            single_forms = fitted_forms(single_forms, source)
         mixtures = read_mixtures(mixture) if mixture.exists() else None
         models = _fit_campaign(single_forms, mixtures, seed)
         for key in models.keys() - fitted.models.keys():
@@ -71,7 +72,7 @@ def _fit_campaign(single_forms, mixtures, seed):
     models = {}
     if single_forms is not None:
         for case, rows in over_seeds(single_forms, "grain").groupby("case"):
-            if len(rows) >= len(SINGLE_FORM) + 3:
+            if len(rows) >= fewest_samples(SINGLE_FORM):
                 features = pd.DataFrame({"EQ_inv": rows.L / rows.S, "EL_inv": rows.L / rows.I})
                 models["single_form", case] = fit_and_validate(features, rows.n, "single_form", case, seed)
     if mixtures is not None:

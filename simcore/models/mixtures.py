@@ -5,7 +5,14 @@ import logging
 import numpy as np
 import pandas as pd
 
-from simcore.models.regression import FOLDS, correlate, cross_validate, fit_and_validate, usable_features
+from simcore.models.regression import (
+    FOLDS,
+    correlate,
+    cross_validate,
+    fewest_samples,
+    fit_and_validate,
+    usable_features,
+)
 from simcore.models.tables import join_r22, join_r22_models, over_seeds
 
 log = logging.getLogger(__name__)
@@ -44,7 +51,7 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
             .sort_values("r", key=np.abs, ascending=False, kind="stable")
         )
         for columns in MIXTURE_SETS:
-            if not set(columns) <= set(features) or len(n) <= len(columns) + 2:
+            if not set(columns) <= set(features) or len(n) < fewest_samples(columns):
                 log.warning(
                     "case %s: feature set %s is left out: %d packings are too few, or a feature is unusable",
                     case,

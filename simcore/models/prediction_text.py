@@ -50,7 +50,7 @@ def describe(table, case, fitted, level=0.95):
         lines.append(
             "(U1's models are used: only ratios of sizes affect porosity, so any single sieve class packs like U1)"
         )
-    lines += _describe_lack_of_ours(table, model_case(case), fitted)
+    lines += _describe_missing_models(table, model_case(case), fitted)
     lines += ["", *_samples_in_columns(table), "", "Models"]
     for (by, name), _ in table.groupby(["by", "model"], sort=False):
         lines.append(f"  {_equation(by, name, model_case(case), fitted)}")
@@ -70,7 +70,7 @@ def describe(table, case, fitted, level=0.95):
     return "\n".join([*lines, "", *_caveats(table, level)])
 
 
-def _describe_lack_of_ours(table, case, fitted):
+def _describe_missing_models(table, case, fitted):
     """Return lines that list the samples that none of our models predicts, with the reason."""
     if case not in fitted.cases():
         available = ", ".join(fitted.cases())

@@ -22,6 +22,11 @@ RESAMPLES = 2000  # of the bootstrap; the ends of its 95 % intervals then vary b
 CORRELATED = 0.8  # a second feature with |r| above this to the first is dropped (Rettinger et al. 2022)
 
 
+def fewest_samples(features):
+    """Return how many samples a fit to these features with its error needs; features: their names."""
+    return len(features) + 3  # the intercept, the slopes, and two for the scatter about them
+
+
 def usable_features(features):
     """Return the columns of a feature table (n, m) that can enter a model; the others are logged with the reason.
 

@@ -6,7 +6,15 @@ import numpy as np
 import pandas as pd
 
 from simcore.grains.form import features as form_features
-from simcore.models.regression import FOLDS, correlate, cross_validate, fit_and_validate, screen, usable_features
+from simcore.models.regression import (
+    FOLDS,
+    correlate,
+    cross_validate,
+    fewest_samples,
+    fit_and_validate,
+    screen,
+    usable_features,
+)
 from simcore.models.tables import join_r22, join_r22_models, over_seeds
 
 log = logging.getLogger(__name__)
@@ -27,7 +35,7 @@ def single_form_models(packings, r22_correlations=None, r22_errors=None, r22_mod
     table9_second_factor_mae.csv and models.csv of Rettinger et al. (2022).
     """
     correlations, errors, models = [], [], {}
-    for case, rows in _cases(over_seeds(packings, "grain"), len(SINGLE_FORM) + 3):
+    for case, rows in _cases(over_seeds(packings, "grain"), fewest_samples(SINGLE_FORM)):
         n = rows["n"].to_numpy()
         features = usable_features(form_features(*(rows[axis].to_numpy() for axis in "LIS")))
         _require(features, SINGLE_FORM, case)

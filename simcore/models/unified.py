@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 
 from simcore.models.mixtures import MIXTURE
-from simcore.models.regression import FOLDS, fit_and_validate, predict_unseen
+from simcore.models.regression import FOLDS, fewest_samples, fit_and_validate, predict_unseen
 from simcore.models.single_form import SINGLE_FORM
 from simcore.models.tables import over_seeds
 
@@ -133,7 +133,7 @@ def _beds(single_forms, mixtures):
     all_forms, all_mixtures = over_seeds(single_forms, "grain"), over_seeds(mixtures, "sample")
     for case in all_forms["case"][all_forms["case"].isin(all_mixtures["case"])].unique():
         one, mix = (table[table["case"] == case].reset_index(drop=True) for table in (all_forms, all_mixtures))
-        if len(one) < len(SINGLE_FORM) + 3 or len(mix) < len(MIXTURE) + 3:
+        if len(one) < fewest_samples(SINGLE_FORM) or len(mix) < fewest_samples(MIXTURE):
             log.warning(
                 "case %s: %d beds of one form and %d mixtures are too few for the unified model; it is left out",
                 case,

@@ -1,6 +1,6 @@
 """The progress line that a packing reports while its step is compiled."""
 
-from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
+from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
 from simcore.dem.state.features import Features
 
 # CPU time [s] with an empty cache on the reference machine, rounded up: docs/cost.md.

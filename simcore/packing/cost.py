@@ -99,9 +99,9 @@ class PackingCost(NamedTuple):
         """Return the wall-clock time to request from the scheduler [min]."""
         return int(np.ceil((START_UP + MARGIN * self.cpu_seconds / cores) / 60.0))
 
-    def ranks(self, most: int, grains_per_rank: int) -> int:
-        """Return the number of ranks that the packing can use, between 1 and `most`."""
-        return max(min(most, self.grains // grains_per_rank), 1)
+    def ranks(self, max_ranks: int, grains_per_rank: int) -> int:
+        """Return the number of ranks that the packing can use, between 1 and `max_ranks`."""
+        return max(min(max_ranks, self.grains // grains_per_rank), 1)
 
 
 def estimate(specification: dict) -> PackingCost:

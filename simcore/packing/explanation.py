@@ -7,7 +7,7 @@ import numpy as np
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.viscous_friction import CAPPED
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import collect_shapes
+from simcore.dem.shapes.polyhedra import collect_shapes
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import bytes_per_pair
 from simcore.dem.state.features import PARTS, Features

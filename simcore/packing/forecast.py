@@ -64,10 +64,10 @@ class Forecast(NamedTuple):
         return self.highest < SLICE
 
 
-def draw_packing(setup: Setup, most: int | None = None) -> GrainSample:
-    """Return the grains of the packing of `setup` in the order of their ids, or the first `most` of them."""
+def draw_packing(setup: Setup, max_grains: int | None = None) -> GrainSample:
+    """Return the grains of the packing of `setup` in the order of their ids, or the first `max_grains` of them."""
     scene, parts, mass = setup.scene, [], 0.0
-    wanted = scene.amount_grains if most is None else min(scene.amount_grains or most, most)
+    wanted = scene.amount_grains if max_grains is None else min(scene.amount_grains or max_grains, max_grains)
     count = 0
     while mass < (scene.amount_mass or np.inf) and (wanted is None or count < wanted):
         ids = np.arange(count, count + CHUNK if wanted is None else min(count + CHUNK, wanted))

@@ -85,7 +85,7 @@ def launch(
         for number in INTERRUPTIONS:
             signal.signal(number, signal.SIG_IGN)
     if silent:
-        _say(f"{output}: {silent}. All its processes were ended; {go_on}")
+        _report(f"{output}: {silent}. All its processes were ended; {go_on}")
         return 1
     return _judge(child.returncode, output, received, go_on)
 
@@ -158,7 +158,7 @@ def _claim(heartbeat, output, received):
         nonlocal waiting_since
         if waiting_since is None:
             waiting_since = time.monotonic()
-            _say(f"{output}: waiting for another run that writes it to end (process {other})")
+            _report(f"{output}: waiting for another run that writes it to end (process {other})")
         if time.monotonic() - waiting_since > LONGEST_WAIT or received:
             raise ValueError(
                 f"{output} is being written by another run (process {other}). Wait until it ends, end it, or give "
@@ -205,7 +205,7 @@ def _watch(child, heartbeat, silence, startup, received, parent):
         if parent is not None and os.getppid() != parent:
             parent = None
             received.append(signal.SIGTERM)
-            _say("the parent process has ended; the packing is interrupted")
+            _report("the parent process has ended; the packing is interrupted")
         if len(received) > passed_on:
             passed_on = len(received)
             child.send_signal(signal.SIGTERM)
@@ -270,9 +270,9 @@ def _judge(status, output, received, go_on):
     if status in (0, 1, 2, INTERRUPTED):  # the packing has reported the reason
         return status
     if received:  # before it could write a checkpoint
-        _say(f"{output}: interrupted ({signal.Signals(received[0]).name}); {go_on}")
+        _report(f"{output}: interrupted ({signal.Signals(received[0]).name}); {go_on}")
         return INTERRUPTED
-    _say(f"{output}: {_cause(status)}; {go_on}")
+    _report(f"{output}: {_cause(status)}; {go_on}")
     return 1
 
 
@@ -290,5 +290,5 @@ def _cause(status):
     return f"a rank was ended by {name}{why}"
 
 
-def _say(line):
+def _report(line):
     print(f"simcore launch: {line}", file=sys.stderr, flush=True)

@@ -43,7 +43,7 @@ def advice_on_rest(scene, watch_state) -> str:
     return "Shake or damp longer, or loosen `convergence`."
 
 
-def let_pass(scene, watch_state) -> list[str]:
+def describe_tolerated(scene, watch_state) -> list[str]:
     """Return a sentence for each exceeded limit that was tolerated while the packing ran."""
     lines = []
     if watch_state.warned_of_steps:

@@ -142,7 +142,7 @@ class Process:
     def insert_batch(self):
         """Insert the next batch of grains; each rank takes its own grains."""
         new, mean_size = self.insertion.batch(self.state, self.bodies)
-        self.place(self.ranks.welcome(self.bodies, new, self.stepper.box), mean_size)
+        self.place(self.ranks.insert(self.bodies, new, self.stepper.box), mean_size)
 
     def shake(self, end):
         """Shake until step `end`."""

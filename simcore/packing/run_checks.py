@@ -90,7 +90,7 @@ def check_impact(bodies: Bodies, thickness, scene, backing: float, ranks) -> Dee
     return DeepImpact(grain, speed, depth) if relative > DEEPEST else None
 
 
-def deepest_of_all(bodies: Bodies, candidates: CandidatePairs, thickness, ranks, counted=None) -> DeepOverlap:
+def deepest_on_all_ranks(bodies: Bodies, candidates: CandidatePairs, thickness, ranks, counted=None) -> DeepOverlap:
     """Return the overlap of all ranks with the largest ratio to the thinner grain's half thickness; ratio 0: none."""
     overlap, (thin, other), ratio = deepest_overlap(candidates, thickness, bodies.id, counted)
     thin, other = (int(bodies.id[row]) if row >= 0 else -1 for row in (thin, other))

@@ -16,7 +16,7 @@ class WatchState:
     stiffest: int = -1  # its id
     contacts: int = 0  # number of its contacts
     deepest: float = 0.0  # largest overlap over the thinner grain's half thickness
-    looks: int = 0  # number of checks
+    checks: int = 0  # number of checks
     warned_of_steps: bool = False
     warned_of_pinching: bool = False
     energy: TotalEnergy | None = None  # at the last check; None after bodies were added or changed from outside

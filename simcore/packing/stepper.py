@@ -7,7 +7,7 @@ from numba import get_num_threads
 
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import collect_shapes
+from simcore.dem.shapes.polyhedra import collect_shapes
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.step.step import STAGES, Drive, make_advance
 from simcore.packing.packed import DAMPING

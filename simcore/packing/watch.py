@@ -7,7 +7,14 @@ from simcore.dem.state.bodies import Bodies
 from simcore.dem.state.contacts import CandidatePairs
 from simcore.dem.step.step import Drive
 from simcore.packing.expectation import backing
-from simcore.packing.messages import advice_on_rest, describe, few_steps_warning, hint, let_pass, pinching_warning
+from simcore.packing.messages import (
+    advice_on_rest,
+    describe,
+    describe_tolerated,
+    few_steps_warning,
+    hint,
+    pinching_warning,
+)
 from simcore.packing.packed import PackingError, Stability
 from simcore.packing.run_checks import (
     Interval,
@@ -15,7 +22,7 @@ from simcore.packing.run_checks import (
     check_finite,
     check_impact,
     check_speed,
-    deepest_of_all,
+    deepest_on_all_ranks,
     half_thickness,
     pinched,
     too_deep,
@@ -23,7 +30,7 @@ from simcore.packing.run_checks import (
 from simcore.packing.state import State, WatchState
 from simcore.scene.scene import Scene
 
-STIFFNESS_LOOKS = 5  # number of checks from one search for the stiffest grain to the next
+CHECKS_PER_SEARCH = 5  # number of checks from one search for the stiffest grain to the next
 
 
 class Watch:
@@ -53,9 +60,9 @@ class Watch:
         interval = Interval(drive, time, self.composition)
         watch_state.energy, problem = check_energy(bodies, candidates, watch_state.energy, interval, self.ranks)
         self._stop_for(problem, step, watch_state)
-        if watch_state.looks % STIFFNESS_LOOKS == 0:
+        if watch_state.checks % CHECKS_PER_SEARCH == 0:
             self._note_stiffest(watch_state, bodies, candidates, drive.dt, step)
-        watch_state.looks += 1
+        watch_state.checks += 1
 
     def check_finite(self, bodies: Bodies, step: int) -> None:
         """Raise PackingError if a position is not finite."""
@@ -78,7 +85,7 @@ class Watch:
 
     def warnings(self, watch_state: WatchState) -> list[str]:
         """Return a sentence for each exceeded limit that was tolerated."""
-        return let_pass(self.scene, watch_state)
+        return describe_tolerated(self.scene, watch_state)
 
     def _stop_for(self, problem, step, watch_state):
         if problem is not None:
@@ -92,10 +99,10 @@ class Watch:
     def _check_overlap(self, state, bodies, candidates, thickness, falling):
         """Check overlaps. A far heavier stone may overlap a pebble deeply while grains fall; this is reported once."""
         watch_state = state.watch
-        deepest = deepest_of_all(bodies, candidates, thickness, self.ranks)
+        deepest = deepest_on_all_ranks(bodies, candidates, thickness, self.ranks)
         watch_state.deepest = max(watch_state.deepest, deepest.ratio)
         if too_deep(deepest) and falling:
-            others = deepest_of_all(bodies, candidates, thickness, self.ranks, ~pinched(bodies, candidates))
+            others = deepest_on_all_ranks(bodies, candidates, thickness, self.ranks, ~pinched(bodies, candidates))
             if not too_deep(others) and not watch_state.warned_of_pinching:
                 watch_state.warned_of_pinching = True
                 self.report(pinching_warning(self.scene, deepest, state.step))

@@ -14,20 +14,20 @@ from simcore.campaign.trend_tables import summarise_trends
 from simcore.grains.form import features as form_features
 from simcore.grains.sieve import read_cases
 from simcore.models.mixtures import MIXTURE, application_table, mixture_models
-from simcore.models.regression import FOLDS
+from simcore.models.regression import FOLDS, fewest_samples
 from simcore.models.shape_kinds import pair_shape_kinds, shape_kind_table
-from simcore.models.single_form import single_form_models
+from simcore.models.single_form import SINGLE_FORM, single_form_models
 from simcore.models.tables import compare_predictions
 from simcore.models.unified import STATISTICS, UNIFIED, unified_features, unified_models
 from simcore.paths import CONFIG
-from simcore.reference.columns import ASKED_FOR, FORM, study_names
+from simcore.reference.columns import FORM, SPECIFIED_FORM, SPECIFIED_MEANS, study_names
+from simcore.reference.committed_rows import SOURCE_OF_MIXTURES, fitted_forms, fitted_mixtures
 from simcore.reference.r22_tables import add_reference, read_r22_table
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.report.figures.studies import porosities_figure, trends_figure
 from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
 from simcore.report.findings import Findings
 
-MESH, ELLIPSOID = "polyhedron", "ellipsoid"
 # Studies whose means are compared with a table of Rettinger et al. (2022), or shown alone if there is none.
 PLAIN_STUDIES = (
     "mesh_resolution",
@@ -116,23 +116,23 @@ def read_rows(path):
 
 
 def _single_forms(packings, seed, folds):
-    """Fit models of beds of one form for each source of grains; the result has only the models of synthetic grains."""
+    """Fit models of single forms for each source of grains; only those of SOURCE_OF_MIXTURES are among the models."""
     results, parts = Findings(), {}
-    by_source = packings[packings["kind"] == MESH].groupby("source")
-    for source, rows in sorted(by_source, key=lambda group: (group[0] != "synthetic", group[0])):
-        of_source = _single_forms_of(source, rows, seed, folds)
+    sources = fitted_forms(packings)["source"].dropna().unique()
+    for source in sorted(sources, key=lambda name: (name != SOURCE_OF_MIXTURES, name)):
+        of_source = _single_forms_of(source, fitted_forms(packings, source), seed, folds)
         for name, table in of_source.tables.items():
             parts.setdefault(name, []).append(_with_source(table, source))
-        results |= of_source._replace(tables={}, models=of_source.models if source == "synthetic" else {})
+        results |= of_source._replace(tables={}, models=of_source.models if source == SOURCE_OF_MIXTURES else {})
     return results._replace(tables={name: pd.concat(tables, ignore_index=True) for name, tables in parts.items()})
 
 
 def _single_forms_of(source, rows, seed, folds):
-    """Return the porosities of grains of one source, and the models of their cases with more than four forms."""
+    """Return the porosities of grains of one source, and the models of their cases with enough forms for a fit."""
     correlations, r22_models = read_r22_table("correlations"), read_r22_table("models")
     means = add_reference(summarise(rows, ["case"]), "single_form")
     tables = {"single_form_porosities": means}
-    fitted = rows.groupby("case", sort=False).filter(lambda cases: cases["grain"].nunique() > 4)
+    fitted = rows.groupby("case", sort=False).filter(lambda of: of["grain"].nunique() >= fewest_samples(SINGLE_FORM))
     if fitted.empty:
         return Findings(tables)
     of_source, models = single_form_models(
@@ -179,8 +179,8 @@ def _at_mean_form(models, r22_models):
 
 def _shape_kinds(packings, near_spheres):
     """Compare polyhedra with their equivalent ellipsoids, and show ellipsoids that are rounder than any grain."""
-    own = packings[packings["source"] == "synthetic"]
-    pairs = pair_shape_kinds(own[own["kind"] == MESH], own[own["kind"] == ELLIPSOID])
+    ellipsoids = packings[(packings["source"] == SOURCE_OF_MIXTURES) & (packings["kind"] == "ellipsoid")]
+    pairs = pair_shape_kinds(fitted_forms(packings, SOURCE_OF_MIXTURES), ellipsoids)
     if pairs.empty:
         return Findings()
     table = shape_kind_table(pairs, read_r22_table("polyhedron_ellipsoid_difference"))
@@ -201,7 +201,7 @@ def _application(packings, models):
 def _mixtures(packings, seed, folds):
     """Fit the models of mixtures, and return them with their tables and figures."""
     fitted, models = mixture_models(
-        _samples(packings).drop(columns=["mean_FL", "mean_EL"]),
+        _samples(packings).drop(columns=list(SPECIFIED_MEANS)),
         read_r22_table("correlations"),
         read_r22_table("table10_form_mixture_features"),
         read_r22_table("models"),
@@ -210,7 +210,7 @@ def _mixtures(packings, seed, folds):
     )
     tables = {("form_mixture" if name == "models" else f"form_mixture_{name}"): part for name, part in fitted.items()}
     figures = {}
-    means = add_reference(summarise(packings, list(ASKED_FOR)), "form_mixtures")
+    means = add_reference(summarise(packings, list(SPECIFIED_FORM)), "form_mixtures")
     tables["form_mixture_porosities"] = means
     if models:
         compared = pd.concat([means[["case", "n", "n_std_error", "r22_n"]], _statistics(means)], axis=1)
@@ -219,22 +219,21 @@ def _mixtures(packings, seed, folds):
         means["model_n"] = predictions["predicted"]
         means["model_difference"] = means["model_n"] - means["r22_n"]
         figures["form_mixture_prediction"] = prediction_figure(predictions, list(models.values()))
-    asked_for = means.drop(columns=list(ASKED_FOR.values()), errors="ignore").rename(columns=ASKED_FOR)
-    figures["form_mixture_sets"] = form_sets_figure(asked_for)
+    specified = means.drop(columns=list(SPECIFIED_FORM.values()), errors="ignore").rename(columns=SPECIFIED_FORM)
+    figures["form_mixture_sets"] = form_sets_figure(specified)
     return Findings(tables, figures, models)
 
 
 def _unified(forms, mixtures, seed, folds):
     """Fit the unified model for beds of one form and for mixtures."""
-    synthetic = forms[(forms["kind"] == MESH) & (forms["source"] == "synthetic")]
-    unified, models = unified_models(synthetic, _samples(mixtures), read_r22_table("models"), seed, folds)
+    fitted = fitted_forms(forms, SOURCE_OF_MIXTURES)
+    unified, models = unified_models(fitted, _samples(mixtures), read_r22_table("models"), seed, folds)
     return Findings({"unified": unified["models"], "unified_feature_sets": unified["feature_sets"]}, {}, models)
 
 
 def _samples(packings):
-    """Return mixtures with the columns that the models need; packings that differ only in their seed share a sample."""
-    sample = packings[list(ASKED_FOR)].astype(str).agg(" ".join, axis=1)
-    beds = packings[["case", "n", "mean_FL", "mean_EL"]].assign(sample=sample)
+    """Return the mixtures that are fitted, with the features of all models of mixtures."""
+    beds = fitted_mixtures(packings)[["case", "n", *SPECIFIED_MEANS, "sample"]]
     return pd.concat([beds, _statistics(packings)], axis=1)
 
 

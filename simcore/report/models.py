@@ -2,13 +2,13 @@
 
 import pandas as pd
 
-from simcore.campaign.study_tables import STATISTICS_ASKED_FOR
 from simcore.grains.form import features as form_features
 from simcore.models.mixtures import application_table, mixture_models
 from simcore.models.shape_kinds import pair_shape_kinds, shape_kind_table
 from simcore.models.single_form import single_form_models
 from simcore.models.tables import compare_predictions
 from simcore.models.unified import unified_models
+from simcore.reference.columns import SPECIFIED_MEANS
 from simcore.reference.r22_tables import add_reference, read_r22_table
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
@@ -77,9 +77,9 @@ def unified_findings(single_forms, mixtures, features, seed, folds) -> Findings:
 
     single_forms, mixtures: tables of the packings of both studies; features: table of features of the mixtures.
     """
-    asked_for = ["packing", *STATISTICS_ASKED_FOR]
-    if set(asked_for) <= set(mixtures):
-        features = features.merge(mixtures[asked_for], on="packing")
+    specified = ["packing", *SPECIFIED_MEANS]
+    if set(specified) <= set(mixtures):
+        features = features.merge(mixtures[specified], on="packing")
     tables, models = unified_models(single_forms, features, read_r22_table("models"), seed=seed, folds=folds)
     return Findings(tables, {}, models)
 

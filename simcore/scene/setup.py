@@ -131,7 +131,9 @@ def _number_of_mass(specification, curve, choice, grains) -> int:
 
 def shape_choice(shapes: dict) -> ShapeChoice:
     """Return the ShapeChoice of the resolved group `shapes`, in which a distribution is {mean, std}."""
-    settings = {key: shapes[key] for key in ("kind", "choice", "grain", "ellipsoid_share")}
+    settings = {key: shapes[key] for key in ("kind", "choice", "grain")}
+    if shapes["kind"] == "mixed":  # packings of a study may share the key
+        settings["ellipsoid_share"] = shapes["ellipsoid_share"]
     for key in ("flatness", "elongation", "eta", "zeta"):
         value = shapes[key]
         if isinstance(value, dict):

@@ -64,6 +64,11 @@ def check_top_class(spec, where=""):
 
     `where` precedes the message. Sizes without classes are not checked. `sizes.own` is rejected for shapes that are not
     those of grains of the set.
+
+    With `amount.mass`, grains count as spheres of their sieve size, because the grains are not read at this point. Flat
+    grains have less volume and are undercounted: a packing of them may be rejected although five would be drawn. The
+    synthetic grains have 1.5 times this volume (simcore.packing.cost) and are overcounted. With `amount.grains`, the
+    number is that of the grains if all classes have the same forms.
     """
     try:
         if spec["sizes"]["own"]:

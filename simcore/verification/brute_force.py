@@ -13,7 +13,7 @@ from simcore.dem.contact.pair import exchanged, pair_of
 from simcore.dem.contact.search.ellipsoid_climb import climb_normal, support_height
 from simcore.dem.contact.search.polyhedron_ellipsoid_climb import climb_feature
 from simcore.dem.contact.search.simplex import edge_of
-from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE
+from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON, SPHERE
 from simcore.dem.vectors import Vec, cross, dot, into_axes, length, negative, out_of_axes, over, read, write
 
 SPIRAL = 64

@@ -20,7 +20,7 @@ from scipy.spatial import ConvexHull
 from simcore.dem.contact.find_contact import check_ellipsoids, check_polyhedra, search_ellipsoids, search_polyhedra
 from simcore.dem.contact.pair import pair_of
 from simcore.dem.contact.query import place_solids, query_many, query_pairs, table_of
-from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, Base, collect_shapes, convex, ellipsoid, unit_sphere
+from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON, Base, collect_shapes, convex, ellipsoid, unit_sphere
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
@@ -43,7 +43,7 @@ _compiled = numba.njit(error_model="numpy")
 class Pairs(NamedTuple):
     """n pairs of bodies a and b of one kind, each pair in two poses; arrays of 2 n alternate between a and b."""
 
-    kind: int  # of simcore.dem.shapes.hulls
+    kind: int  # of simcore.dem.shapes.polyhedra
     shapes: tuple  # (2 n)
     scale: np.ndarray  # (2 n, 3) [m]; ones for polyhedra
     size: np.ndarray  # (n,) [m], sum of the radii
@@ -179,7 +179,7 @@ def _timed(work, repeats, queries):
     return np.array(spent)
 
 
-def ask(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
+def query_from_nothing(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
     """Measure our query without a previous result."""
     rotation, offset = _centers(pairs, 0)
     n = len(offset)
@@ -213,7 +213,7 @@ def _make_checks(kind):
     return check
 
 
-def ask_again(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
+def query_again(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
     """Measure our query as in a time step: pairs alternate between two poses, and queries reuse the previous result."""
     n = len(pairs.size)
     if pairs.kind == POLYHEDRON:
@@ -234,7 +234,7 @@ def ask_again(pairs: Pairs, repeats=REPEATS, rounds=ROUNDS):
     features = Features(pairs.kind, friction=False, periodic=False)
     contacts = list_candidates(poses[0], shapes, Box(0.0), 0.01, features).contacts
     if not (len(contacts.body_a) == n and (contacts.body_a == 2 * np.arange(n)).all()):
-        raise RuntimeError("ask_again: the neighbour list contains other pairs than those that are measured")
+        raise RuntimeError("query_again: the neighbour list contains other pairs than those that are measured")
     check = _make_checks(pairs.kind)
     spent = _timed(lambda: check(shapes, *poses, contacts, 10 * rounds), repeats, 20 * rounds * n)
     return contacts.overlap.copy(), contacts.direction.copy(), spent
@@ -268,7 +268,7 @@ def has_coal() -> bool:
     return importlib.util.find_spec("coal") is not None
 
 
-def ask_coal(pairs: Pairs, tolerance, repeats=REPEATS, rounds=ROUNDS):
+def query_coal(pairs: Pairs, tolerance, repeats=REPEATS, rounds=ROUNDS):
     """Measure the query of coal from its default guess; nan where it ends without a result.
 
     The time of a call on two spheres is subtracted, because it is the overhead of Python. The maximum numbers of
@@ -327,7 +327,7 @@ def _coal_shape(coal, pairs, k):
 # -- study --------------------------------------------------------------------------------------------------
 
 
-def study(directions=DIRECTIONS, tolerances=TOLERANCES, repeats=REPEATS, pairs=PAIRS, again=True) -> pd.DataFrame:
+def query_runs(directions=DIRECTIONS, tolerances=TOLERANCES, repeats=REPEATS, pairs=PAIRS, again=True) -> pd.DataFrame:
     """Return rows for figures.work_precision: largest errors over the pairs, relative to their size; of normals [rad].
 
     again: measure our query also with remembered contacts, which takes a minute to compile. A setting with a query that
@@ -337,12 +337,12 @@ def study(directions=DIRECTIONS, tolerances=TOLERANCES, repeats=REPEATS, pairs=P
     for case, kind in (("polyhedra", POLYHEDRON), ("ellipsoids", ELLIPSOID)):
         made = make_pairs(kind, pairs)
         truths = [true_contacts(made, pose) for pose in range(2)]
-        runs = [(OUR_STYLE, NO_SETTING, truths[0], ask(made, repeats))]
+        runs = [(OUR_STYLE, NO_SETTING, truths[0], query_from_nothing(made, repeats))]
         if again:
-            runs.append((AGAIN, NO_SETTING, truths[0], ask_again(made, repeats)))
+            runs.append((AGAIN, NO_SETTING, truths[0], query_again(made, repeats)))
         runs += [(SCAN, f"{n}", truths[0], scan(made, n, repeats)) for n in directions]
         if has_coal():
-            runs += [(COAL, f"{t:g}", truths[0], ask_coal(made, t, repeats)) for t in tolerances]
+            runs += [(COAL, f"{t:g}", truths[0], query_coal(made, t, repeats)) for t in tolerances]
         for method, setting, truth, (depth, normal, spent) in runs:
             if not np.isfinite(depth).all():
                 continue

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law, implicit_law
-from simcore.dem.shapes.hulls import SPHERE, collect_shapes, unit_sphere
+from simcore.dem.shapes.polyhedra import SPHERE, collect_shapes, unit_sphere
 from simcore.dem.stability import longest_stable_step
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
@@ -195,7 +195,7 @@ def simulate(dashpot, attractive, steps, phases=PHASES, angle=ANGLE, repeats=1):
     return bodies.velocity[:, 2] / SPEED, bodies.velocity[:, 0] / thrown[:, 0], np.array(spent)
 
 
-def study(steps=STEPS, phases=PHASES, repeats=REPEATS) -> pd.DataFrame:
+def impact_runs(steps=STEPS, phases=PHASES, repeats=REPEATS) -> pd.DataFrame:
     """Return rows for figures.work_precision: RMS error of one impact, and error of the mean over phases."""
     rows = []
     continuous = contact_law(RESTITUTION, CONTACT_TIME, POISSON_RATIO, FRICTION)

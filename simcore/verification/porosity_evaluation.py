@@ -14,7 +14,7 @@ REFERENCE_HEIGHT = 0.1e-3  # [m], exact
 DEFAULT = ("spheres", 1e-3)  # of Rettinger et al. (2022)
 
 
-def study(packings, slice_heights=SLICE_HEIGHTS, reference_height=REFERENCE_HEIGHT) -> pd.DataFrame:
+def evaluation_runs(packings, slice_heights=SLICE_HEIGHTS, reference_height=REFERENCE_HEIGHT) -> pd.DataFrame:
     """Return runs for simcore.verification.work_precision; each packing is a repeat, the setting is the height [mm].
 
     packings: sequence of Datasets as in simcore.packing.file. The error is the difference in bulk porosity to exact

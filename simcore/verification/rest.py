@@ -33,7 +33,7 @@ SPECIFICATION = {
 }
 
 
-def study(shapes=SHAPES, steps=STEPS, specification=SPECIFICATION) -> pd.DataFrame:
+def rest_table(shapes=SHAPES, steps=STEPS, specification=SPECIFICATION) -> pd.DataFrame:
     """Return one row per shape, dashpot and number of steps per contact time.
 
     Columns: kinetic_energy, the largest value of the free bed after damping, in units of its weight times the mean

@@ -298,7 +298,7 @@ ORDERS = {
 }
 
 
-def study(turn_steps=TURN_STEPS, repeats=REPEATS, tops=None) -> pd.DataFrame:
+def rotation_runs(turn_steps=TURN_STEPS, repeats=REPEATS, tops=None) -> pd.DataFrame:
     """Return rows for figures.work_precision: error of attitude [rad] and relative error of energy after all turns.
 
     turn_steps: numbers of steps in the time of one turn at the initial speed. cpu_s is the time of one turn. A scheme

@@ -95,7 +95,7 @@ def test_ellipsoids_have_the_axes_promised():
     np.testing.assert_allclose(scale / scale[:, 2:], [[0.5, 0.75, 1.0]] * 20, rtol=1e-12)
 
 
-def test_height_tells_the_ends_of_a_bed_from_its_middle():
+def test_height_separates_the_ends_of_a_bed_from_its_middle():
     """Grains of 1 mm in a bed of 20 mm, 0.02 denser in the upper 3 mm and 0.1 looser in the lowest."""
     z = 1e-3 * (np.arange(0.0, 22.0, 0.25) + 0.125)
     n = np.where(z > 17e-3, 0.33, np.where(z < 1e-3, 0.45, 0.35))

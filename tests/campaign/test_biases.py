@@ -96,12 +96,12 @@ def test_differences_are_those_of_the_pairs(folder):
     assert len(found) == 5
 
 
-def test_without_tables_nothing_is_known(tmp_path):
+def test_without_tables_there_are_no_biases(tmp_path):
     assert measured_biases(tmp_path).empty
     assert "settings: not measured for standard" in bias_note([specification()], measured_biases(tmp_path))
 
 
-def test_settings_are_known_by_their_accuracy_and_contact_time():
+def test_settings_are_named_by_their_preset_and_contact_time():
     assert describe_settings(specification()) == "standard"
     softer = specification(numerics={"contact_time": "1 ms", "progress_interval": "1 s"})
     assert describe_settings(softer) == "standard with contact time 1 ms"
@@ -117,7 +117,7 @@ def test_settings_are_known_by_their_accuracy_and_contact_time():
     assert describe_settings(specification(faces="original")) == "standard"
 
 
-def test_a_study_is_told_the_bias_of_its_own_beds(folder):
+def test_the_note_of_a_study_gives_the_bias_of_its_own_packings(folder):
     biases = measured_biases(folder)
     note = bias_note([specification(), specification(seed=2)], biases)
     assert (

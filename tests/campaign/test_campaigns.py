@@ -28,7 +28,7 @@ def campaign(*overlays):
     return expand(resolve(merge(*raw), "config"))
 
 
-def test_the_settings_of_the_study_are_those_of_paper():
+def test_the_settings_of_the_r22_campaign_are_those_of_its_preset():
     """Nothing that the default campaign states for its own sizes may leak through."""
     r22 = read_presets("accuracy")["r22"]
     for row in campaign("r22").itertuples():

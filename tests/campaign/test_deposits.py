@@ -103,7 +103,7 @@ def test_the_diagonal_above_the_spheroids_in_standard_errors():
     assert np.isnan(other.above_prolate)
 
 
-def test_symmetry_tells_a_lean_from_scatter():
+def test_symmetry_separates_a_difference_from_scatter():
     table = campaign(noise=0.002)
     even = symmetry(table).set_index("of").loc["solid_fraction"]
     # Spheroids of nine ratios, and the forms of the map (4 x 4) that are none of them.
@@ -131,7 +131,7 @@ def test_means_over_seeds_and_changes_paired_by_seed():
     assert change.solid_fraction_error == pytest.approx(0.002 / np.sqrt(3))
 
 
-def test_names_of_studies_say_how_they_are_read():
+def test_the_family_is_read_from_the_name_of_the_study():
     assert family("deposit_map_long") == "map"
     with pytest.raises(ValueError, match="studies.deposit_moon: .* names of deposits begin with deposit_map"):
         family("deposit_moon")
@@ -154,7 +154,7 @@ def deposit_of_lattice(seed):
     return deposit(bed)
 
 
-def test_a_row_says_what_the_deposit_is():
+def test_a_row_has_the_settings_and_results_of_its_deposit():
     rows = [
         {"packing": f"p{seed}", "varied": {"eta": 1.3, "seed": seed, "width_m": width}}
         for seed, width in ((1, 4.0), (2, 8.0))

@@ -131,7 +131,7 @@ def test_a_key_that_is_left_open_is_the_same_in_a_file(tmp_path):
     assert [gather(tmp_path, "difference_x", rows) for _ in range(2)] == [2, 2]
 
 
-def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
+def test_the_summary_remains_when_the_packings_are_deleted(tmp_path):
     """Gathered twice, from the packings of two machines: the second has only those that were left."""
     plan = [{"row": {"packing": f"p{seed}"}, "specification": specify(seed), "cpu_h": 0.5} for seed in (1, 2, 3)]
 
@@ -158,7 +158,7 @@ def test_what_stands_behind_a_table_outlives_its_packings(tmp_path):
     assert pd.read_csv(tmp_path / "gathered.csv").grain_steps.fillna(0).tolist() == [0, 2e9, 0]
 
 
-def test_a_row_of_other_settings_does_not_stand_for_a_packing(tmp_path):
+def test_a_row_of_other_settings_is_no_row_of_a_packing(tmp_path):
     plan = [{"row": {"packing": "p"}, "specification": specify(1), "cpu_h": 0.5}]
     made = pd.DataFrame([("p", result_digest(specify(2)), 9.0, 30_000, "v")], columns=LEDGER[2:])
     record(tmp_path, "single_form", "single_form", "synthetic", plan, made, "a", "one")
@@ -166,7 +166,7 @@ def test_a_row_of_other_settings_does_not_stand_for_a_packing(tmp_path):
     assert pd.read_csv(tmp_path / "collected.csv").packings[0] == 0
 
 
-def test_a_campaign_leaves_what_another_says_of_a_study(tmp_path):
+def test_a_campaign_keeps_the_entry_of_another_for_a_study(tmp_path):
     """An overlay holds the studies that it lies over, in other sizes, and gathers none of them."""
 
     def tell(seed, command, *made, source="synthetic"):

@@ -7,6 +7,8 @@ import pandas as pd
 import pytest
 
 from simcore.campaign.plan import SMALLEST_MIXTURE_STUDY, Plan, describe_studies, estimate_studies, number_pieces
+from simcore.models.mixtures import MIXTURE
+from simcore.models.regression import fewest_samples
 from simcore.packing.cost import PackingCost, estimate
 from simcore.scene.identity import result_digest
 from simcore.scene.specification import resolve
@@ -143,6 +145,10 @@ def test_cases_are_fitted_to_committed_rows_unless_they_are_packed():
     assert plan.cases_committed == ["U7"]
     assert plan.committed_single_forms.name == "single_form.csv"
     assert plan_of(models={"committed": ["U1"]}).committed_single_forms is None
+
+
+def test_the_smallest_study_of_mixtures_is_the_smallest_that_is_fitted():
+    assert SMALLEST_MIXTURE_STUDY == fewest_samples(MIXTURE)
 
 
 @pytest.mark.parametrize("packings", [SMALLEST_MIXTURE_STUDY - 1, SMALLEST_MIXTURE_STUDY])

@@ -49,7 +49,7 @@ def test_settings_of_a_group_vary_together():
     ]
 
 
-def test_groups_that_set_different_keys_are_told_apart_by_all_of_them():
+def test_groups_that_set_different_keys_are_named_by_all_of_them():
     """Else a mean over the seeds would take them for one."""
     groups = [{"faces": 300}, {"shapes.kind": "ellipsoid"}, {"generation.fill": "r22"}]
     rows = [row["varied"] for row in expand(campaign(varies={"sizes.case": ["U7"], "change": groups})).row]
@@ -72,7 +72,7 @@ def test_a_study_goes_over_the_common_settings_and_these_over_the_defaults():
     assert (spec["shaking"]["duration"], spec["shaking"]["period"]) == (3.0, 0.025)
 
 
-def test_an_accuracy_goes_over_the_settings_it_stands_for_of_a_layer_below():
+def test_a_preset_overrides_its_settings_of_a_layer_below():
     table = expand(
         campaign(
             packing={"accuracy": "standard", "faces": 60},
@@ -97,7 +97,7 @@ def test_an_accuracy_goes_over_the_settings_it_stands_for_of_a_layer_below():
         ({"kind": "polyhedron"}, True),
     ],
 )
-def test_shapes_that_are_no_grains_ask_for_none(shapes, needed):
+def test_shapes_that_are_no_grains_need_no_grain_set(shapes, needed):
     table = expand(campaign(varies={"sizes.case": ["U1"]}, fixes={**STUDY["fixes"], "shapes": shapes}))
     assert table.grain_set[0] == (f"{SYNTHETIC}/faces_100" if needed else "")
     assert (table.specification[0]["grains"]["source"] == "synthetic") != needed

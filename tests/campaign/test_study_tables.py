@@ -107,13 +107,13 @@ def test_predictions_leave_out_cases_without_a_model():
     assert list(compared) == ["case", "simulated", "predicted"]
 
 
-def test_predictions_keep_the_error_and_what_the_study_predicts():
+def test_predictions_keep_the_error_and_the_r22_prediction():
     table = pd.DataFrame({"case": ["U1"], "n": [0.4], "x": [0.2], "n_std_error": [0.003], "r22_n": [0.35]})
     row = compare_predictions({("m", "U1"): Line()}, "m", table).iloc[0]
     assert (row.simulated, row.predicted, row.n_std_error, row.r22_predicted) == (0.4, 0.4, 0.003, 0.35)
 
 
-def test_mark_says_test_only_in_every_row():
+def test_mark_adds_test_only_to_every_row():
     table = pd.DataFrame({"n": [1, 2]})
     assert mark(table, True).note.tolist() == ["test only"] * 2
     assert list(mark(table, False)) == ["n"]

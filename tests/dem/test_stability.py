@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import ELLIPSOID, SPHERE, Base, unit_sphere
+from simcore.dem.shapes.polyhedra import ELLIPSOID, SPHERE, Base, unit_sphere
 from simcore.dem.stability import (
     Load,
     _mean_over_surface,
@@ -25,7 +25,7 @@ from simcore.grains.mesh import make_grain
 
 T_C = 1e-3
 STUDY = contact_law(0.1, T_C, 0.22, 0.5)
-# verification.md 1.2: least steps per contact time of a mode of s contacts
+# Least steps per contact time of a mode of s contacts, by Jury's conditions for semi-implicit Euler
 MODES = {
     (0.1, 1): 3.414, (0.1, 2): 5.893, (0.1, 4): 10.637, (0.1, 12): 29.190, (0.1, 20): 47.644,
     (0.3, 2): 3.870, (0.3, 12): 16.505, (0.5, 2): 3.071, (0.5, 12): 11.112, (0.9, 2): 2.331, (0.9, 20): 8.161,

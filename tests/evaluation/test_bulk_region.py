@@ -60,7 +60,7 @@ def test_grains_beside_a_cylinder_s_wall_are_left_out():
     assert narrower.sum() > inner.sum() and distance[narrower].min() >= 1.0
 
 
-def test_a_narrow_cylinder_and_a_low_bed_say_so():
+def test_a_narrow_cylinder_and_a_low_bed_are_errors():
     centres, _ = sphere_lattice("sc", 3, 8)
     centres[:, :2] -= 1.0
     narrow = make_packing(1e-2 * centres, 5e-3, width=3.5e-2, domain="cylinder")

@@ -28,7 +28,7 @@ def test_contacts_and_rattlers_are_counted():
     assert float(upper["coordination_number_std_error"]) == pytest.approx(0.5)
 
 
-def test_rattlers_are_found_along_a_chain_and_by_the_number_asked_for():
+def test_rattlers_are_found_along_a_chain_and_by_the_given_number():
     # A tetrahedron 0-1-2-3 and a chain 3-4-5-6 that ends in the air: 6, then 5, then 4 go, one after the other.
     contacts = [[a, b] for a in range(4) for b in range(a + 1, 4)] + [[3, 4], [4, 5], [5, 6]]
     bed = make_packing([[0, 0, z] for z in range(1, 8)], 0.5, contacts=contacts)

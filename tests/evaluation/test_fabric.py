@@ -66,7 +66,7 @@ def test_crystals(kind):
     np.testing.assert_allclose(found["surface_radius_density"], at_one)
 
 
-def test_normals_of_a_face_centred_crystal_stand_in_two_bins():
+def test_normals_of_a_face_centred_crystal_are_in_two_bins():
     found = fabric(crystal("fcc")).sel(direction="contact_normal")
     # Of six normals two are level and four at 45°; bins of 20 equal heights have 1/20 of the hemisphere each.
     expected = np.zeros(20)
@@ -224,6 +224,10 @@ def test_packings_that_do_not_belong_together_are_refused():
         fabric_over_seeds([first])
     with pytest.raises(ValueError, match=r"seeds \[1, 1\] are not distinct"):
         fabric_over_seeds([first, first])
+    unnamed = second.copy()
+    del unnamed.attrs["seed"]
+    with pytest.raises(ValueError, match="fabric 2 of 2 has no attribute seed"):
+        fabric_over_seeds([first, unnamed])
     other = {"shapes": {"kind": "polyhedron"}, "seed": 2, "name": "x"}
     with pytest.raises(
         ValueError, match="seeds 1 and 2 differ in shapes.kind; give packings that differ only in their seed"
@@ -247,7 +251,7 @@ def test_everything_has_units_and_goes_through_a_file(tmp_path):
             xr.testing.assert_allclose(read.load(), found)
 
 
-def test_text_says_what_stands_in_the_dataset():
+def test_the_text_has_the_values_of_the_dataset():
     single = [fabric(random_bed(seed)) for seed in (1, 2)]
     text = fabric_text(fabric_over_seeds(single))
     assert text.startswith("2 packings, ") and "standard error over seeds" in text

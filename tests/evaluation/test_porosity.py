@@ -44,7 +44,7 @@ def test_profile_counts_all_solid_volume(simple_cubic):
         assert float(profile["porosity"][-1]) == 1.0
 
 
-def test_profile_says_what_its_spheres_hold_below_the_floor():
+def test_the_profile_gives_the_volume_below_the_floor():
     flat = make_packing([[0, 0, 1e-3]], [[4e-3, 4e-3, 1e-3]])
     assert float(porosity_profile(flat, method="exact")["solid_volume_below_floor"]) == pytest.approx(0.0, abs=1e-20)
     spheres = porosity_profile(flat)
@@ -111,7 +111,7 @@ def test_what_shaking_packs_closer_at_the_surface_is_no_bulk(layers, at_surface)
     assert 5.0 * layers - 1e3 * high == pytest.approx(at_surface)
 
 
-def test_a_bed_too_low_says_so(simple_cubic):
+def test_a_bed_that_is_too_low_is_an_error(simple_cubic):
     with pytest.raises(ValueError, match="too low to cut 70.0 mm from its floor and 70.0 mm from its surface"):
         bulk_porosity(simple_cubic, cut=70e-3)
 

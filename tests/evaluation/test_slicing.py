@@ -105,7 +105,7 @@ def test_both_methods_hold_the_same_volume_and_add_over_grains():
     assert not np.allclose(slab_volumes(bed, edges, "exact"), slab_volumes(bed, edges, "spheres"), rtol=1e-3)
 
 
-def test_exact_slicing_of_spheres_is_the_studys():
+def test_exact_slicing_of_spheres_equals_the_method_for_spheres():
     bed = make_packing([[0, 0, 1], [0, 0, 2]], [0.5, 0.7], random_orientations(2, 0))
     edges = np.linspace(0, 3, 17)
     np.testing.assert_allclose(slab_volumes(bed, edges, "exact"), slab_volumes(bed, edges), rtol=1e-12, atol=1e-15)

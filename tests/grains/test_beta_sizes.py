@@ -7,7 +7,7 @@ from scipy import stats
 from simcore.grains.beta_sizes import BetaSizes
 from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains, sample_sizes
 
-# (exponent + 1, spread): means of r, r², r³ and standard deviation over mean, mid-range radius 1; verification.md 5
+# (exponent + 1, spread): means of r, r², r³ and standard deviation over mean, mid-range radius 1
 CHECKS = {
     (4, 0.5): (0.91089, 0.85726, 0.83239, 0.18220),
     (2, 0.5): (0.84025, 0.75000, 0.71006, 0.24958),

@@ -66,14 +66,14 @@ def test_split_makes_a_grain_of_each_body(tmp_path):
     assert [len(grain.notes) for grain in grains] == [0, 0, 1] and "noise" in grains[2].notes[0]
 
 
-def test_largest_leaves_the_others_out_and_says_so(tmp_path):
+def test_largest_leaves_the_others_out_with_a_note(tmp_path):
     path = write(tmp_path / "a.stl", together(ball(0.3, (9, 0, 0)), ball()))
     (grain,) = read_grains_of(path, "mm", bodies="largest")
     assert grain.name == "a" and grain.volume == pytest.approx(ball().volume * 1e-9, rel=1e-5)
     assert "largest of 2 bodies" in grain.notes[0]
 
 
-def test_joined_takes_the_hull_of_all_and_says_so(tmp_path):
+def test_joined_takes_the_hull_of_all_with_a_note(tmp_path):
     mesh = together(ball(), ball(5, (10.2, 0, 0)))
     (grain,) = read_grains_of(write(tmp_path / "a.stl", mesh), "mm", bodies="joined")
     assert grain.volume == pytest.approx(mesh.convex_hull.volume * 1e-9, rel=1e-5)

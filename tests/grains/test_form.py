@@ -20,7 +20,7 @@ def test_axes_of_an_ellipsoid_come_back_sorted():
     assert mass_equivalent_axes(semi_axes**2 / 5) == pytest.approx((4.0, 2.0, 1.0), rel=1e-15)
 
 
-def test_axes_follow_the_study_formula_from_moments_of_inertia():
+def test_axes_follow_the_r22_formula_from_moments_of_inertia():
     second = np.array([0.3, 1.1, 0.7])
     inertia = second.sum() - second  # of unit mass
     semi = np.sqrt(5 * (inertia.sum() - 2 * inertia) / 2)

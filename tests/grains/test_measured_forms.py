@@ -45,7 +45,7 @@ def test_flatness_and_elongation_are_grains_and_alike_ones_are_one_form(read):
     assert not read("FL,EL\n0.5,0.7\n0.5,0.71\n")[0].one_form
 
 
-def test_a_column_tells_samples_apart(read):
+def test_a_column_separates_samples(read):
     text = "site,sample,FL,EL\nx,a,0.5,0.7\ny,b,0.6,0.8\nx,b,0.7,0.9\n"
     assert [(s.name, s.grains) for s in read(text)] == [("a", 1), ("b", 2)]
     assert [(s.name, s.grains) for s in read(text, "site")] == [("x", 2), ("y", 1)]
@@ -238,7 +238,7 @@ def test_a_column_that_numbers_the_rows_is_no_count(notices_of):
     assert sample.grains == 0 and unused.endswith("columns that are not used: n")
 
 
-def test_a_column_that_may_tell_samples_apart_is_named(notices_of):
+def test_a_column_that_may_separate_samples_is_named(notices_of):
     text = "river,FL,EL,D50\nRhine,0.5,0.7,9\nKall,0.6,0.8,8\nRhine,0.7,0.9,7\n"
     (sample,), (hint, unused) = notices_of(text)
     assert sample.grains == 3

@@ -247,7 +247,7 @@ def test_stl_and_off(tmp_path, kind):
         ("a.off", off_text(head="4OFF\n8 {} 0").encode()),
     ],
 )
-def test_stl_and_off_that_cannot_be_read_say_so(tmp_path, name, data):
+def test_stl_and_off_that_cannot_be_read_are_errors(tmp_path, name, data):
     (tmp_path / name).write_bytes(data)
     with pytest.raises(ValueError, match=rf"{name}: (the file cannot be read as a mesh|it is a file)") as error:
         read_grain(tmp_path / name, "mm")

@@ -43,7 +43,7 @@ def random_curve(rng, k, accept=None):
             return curve
 
 
-def test_the_expected_mass_in_each_class_is_that_asked_for():
+def test_the_expected_mass_in_each_class_is_the_specified_one():
     """Exactly, for curves of any width; the mean volume of a class is that of the sizes that are drawn in it."""
     rng = np.random.default_rng(1)
     within = (np.arange(4000) + 0.5) / 4000
@@ -63,7 +63,7 @@ def test_the_expected_mass_in_each_class_is_that_asked_for():
             assert np.mean(D**3) == pytest.approx(mean, rel=1.1 * error + 1e-13)
 
 
-def test_two_million_draws_have_the_masses_asked_for():
+def test_two_million_draws_have_the_specified_masses():
     """Fifty random curves at 4 standard errors.
 
     With Y the D³ of a grain and X_i the same where it is in class i, else 0, X_i - f_i Y has the mean 0 and the
@@ -158,7 +158,7 @@ def test_class_fractions_weigh_volumes():
         ([0.4, 0.5], r"sum to 0\.9, not to 1: divide them by their sum"),
     ],
 )
-def test_shares_that_do_not_sum_to_one_say_how_they_are_wrong(fractions, message):
+def test_the_error_of_shares_that_do_not_sum_to_one_names_the_fault(fractions, message):
     with pytest.raises(ValueError, match=message):
         SieveCurve(np.arange(1, len(fractions) + 2), fractions)
 

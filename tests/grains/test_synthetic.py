@@ -22,7 +22,7 @@ def anew(grains):
     return [make_grain(grain.name, grain.vertices) for grain in grains]
 
 
-def test_form_statistics_are_the_studys(anew):
+def test_form_statistics_are_those_of_r22(anew):
     flatness = np.array([grain.flatness for grain in anew])
     elongation = np.array([grain.elongation for grain in anew])
     log_size = np.log([grain.sieve_size for grain in anew])

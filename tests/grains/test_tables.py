@@ -29,7 +29,7 @@ def table(grains):
     return form_table(grains)
 
 
-def test_table_2s_row(table):
+def test_the_row_of_table_2(table):
     row = form_statistics(table).iloc[0]
     study = {"n_samples": 63, "mu_FL": 0.647, "sigma_FL": 0.175, "mu_EL": 0.682, "sigma_EL": 0.139}
     study |= {"r_FL_EL": -0.089, "r_size_FL": -0.11, "r_size_EL": 0.23}
@@ -40,13 +40,13 @@ def test_table_2s_row(table):
         form_statistics(table.iloc[:2])
 
 
-def test_correlations_are_pearsons_and_those_the_study_relies_on(table):
+def test_correlations_are_pearsons_and_agree_with_r22(table):
     correlations = factor_correlations(table)
     assert list(correlations.columns) == list(correlations.index) == list(FORM_FACTORS)
     np.testing.assert_allclose(correlations, np.corrcoef(table[list(FORM_FACTORS)].T), atol=1e-12)
 
 
-def test_two_components_explain_the_factors_as_in_the_study(table):
+def test_two_components_explain_the_factors_as_in_r22(table):
     components = principal_components(table)
     assert components.explained.sum() == pytest.approx(1)
     assert components.cumulative.iloc[1] > 0.95

@@ -13,7 +13,7 @@ from simcore.dem.contact.find_contact import (
     search_mixed,
     search_polyhedra,
 )
-from simcore.dem.shapes.hulls import POLYHEDRON, collect_shapes, unit_sphere
+from simcore.dem.shapes.polyhedra import POLYHEDRON, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features

@@ -12,7 +12,7 @@ NEEDLE, DISC = (100.0, 1.0, 1.0), (100.0, 100.0, 1.0)
 Z90, X90, Z30 = turn_about([0, 0, 1], np.pi / 2), turn_about([1, 0, 0], np.pi / 2), turn_about([0, 0, 1], np.pi / 6)
 SLANTED = turn_about([1, 1, 1], 1.0)
 SPHERE, HALF = (1.0,) * 3, (0.5,) * 3
-# verification.md 3.2: semi-axes of A and B, orientation of B, centre of B, signed distance
+# Semi-axes of A and B, orientation of B, centre of B, signed distance
 KNOWN_PAIRS = {
     "spheres apart": (SPHERE, SPHERE, IDENTITY, (2.5, 0, 0), 0.5),
     "spheres": (SPHERE, SPHERE, IDENTITY, (1.9, 0, 0), -0.1),

@@ -5,7 +5,7 @@ import functools
 
 import numpy as np
 
-from simcore.dem.shapes.hulls import SPHERE, unit_sphere
+from simcore.dem.shapes.polyhedra import SPHERE, unit_sphere
 from simcore.dem.state.bodies import FLOOR, make_bodies
 from simcore.packing.packed import DAMPING, SHAKING
 from simcore.packing.process import Process

@@ -4,7 +4,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import ConvexHull
 
-from simcore.dem.shapes.hulls import Base
+from simcore.dem.shapes.polyhedra import Base
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])  # edge 1
 TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1.0]]) / np.sqrt(8.0)  # edge 1

@@ -5,7 +5,7 @@ import numpy as np
 
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.viscous_friction import NONE
-from simcore.dem.shapes.hulls import MIXED, POLYHEDRON, collect_shapes, unit_sphere
+from simcore.dem.shapes.polyhedra import MIXED, POLYHEDRON, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features

@@ -29,7 +29,7 @@ def test_the_rows_of_a_campaign_are_what_is_fitted(reference):
         fit_reference_models(reference / "none")
 
 
-def test_the_committed_rows_stand_in_until_then():
+def test_models_are_fitted_to_the_committed_rows_by_default():
     fitted = fit_reference_models()
     assert {("single_form", "U1"), ("form_mixture", "U1"), ("unified", "U1")} <= set(fitted.models)
     for key in fitted.models:

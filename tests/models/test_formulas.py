@@ -26,7 +26,7 @@ def test_the_formula_is_that_of_the_fit():
     )
 
 
-def test_the_study_stands_beside_and_helpers_of_the_fit_do_not():
+def test_r22_is_shown_and_auxiliary_columns_of_the_fit_are_not():
     rows = pd.DataFrame(
         {
             "model": ["form_mixture"] * 3 + ["single_form_EQ"],

@@ -184,7 +184,7 @@ def test_a_formula_or_an_interval_that_leaves_0_to_1_is_refused(reference):
     assert table.refused.tolist()[0] == "its formula gives a porosity outside (0, 1)"
 
 
-def test_table_2_is_the_studys_and_gives_its_predictions():
+def test_table_2_is_that_of_r22_and_gives_its_predictions():
     """The example against the study's table, and its first data set against what Table 11 predicts for it.
 
     The published coefficients have three decimals: 5e-4 in each, times 1, 2.3, 6.2, 1.5 (and 7.2).

@@ -59,7 +59,7 @@ def test_a_reader_that_has_seen_enough_is_no_error():
     assert run.returncode == 141
 
 
-def test_a_case_with_beds_of_one_form_alone_leaves_distributions_to_r22_and_says_so(reference, caplog):
+def test_a_case_without_mixtures_is_predicted_by_r22_alone_with_a_remark(reference, caplog):
     rows = pd.read_csv(reference / "single_form.csv")
     pd.concat([rows, rows.assign(case="U7", n=rows.n - 0.05)]).to_csv(reference / "single_form.csv", index=False)
     fitted = fit_reference_models(reference, source="synthetic")

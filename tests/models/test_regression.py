@@ -166,7 +166,7 @@ def test_what_lies_outside_the_fit_is_named():
     assert [name for name, *_ in both] == ["EQ_inv", "EL_inv"]
 
 
-def test_the_bootstrap_knows_of_scatter_that_grows():
+def test_the_bootstrap_includes_scatter_that_grows():
     """Its deviations are the sandwich estimate's to 1/sqrt(2 RESAMPLES) = 1.6 % and the order of 3/400."""
     rng = np.random.default_rng(6)
     features = pd.DataFrame({"a": rng.uniform(1.0, 5.0, 400), "b": rng.normal(size=400)})

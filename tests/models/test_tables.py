@@ -42,7 +42,7 @@ def mixture_packings():
     return pd.DataFrame(rows)
 
 
-def test_single_form_tables_stand_beside_the_studys(single_form_packings):
+def test_single_form_tables_are_compared_with_r22(single_form_packings):
     r22_r = pd.DataFrame({"study": "single_form", "case": ["U1"], "feature": ["EQ_inv"], "r": [0.964]})
     r22_errors = pd.DataFrame({"case": ["U1"], "EQ_inv": [5.74], "EL_inv": [4.66]})
     r22_models = pd.DataFrame(
@@ -207,7 +207,7 @@ def test_seeds_of_a_form_are_no_forms(single_form_packings):
         np.testing.assert_allclose(averaged[key].std_errors, model.std_errors, rtol=1e-6)
 
 
-def test_the_folds_are_those_asked_for(single_form_packings, mixture_packings):
+def test_the_number_of_folds_is_that_of_the_argument(single_form_packings, mixture_packings):
     for folds in (4, 10):
         errors = single_form_models(single_form_packings, folds=folds)[0]["second_features"]
         assert (errors.folds == folds).all()

@@ -91,7 +91,7 @@ def test_the_set_that_holds_the_truth_has_the_least_error(beds):
     assert tables["models"].term.tolist() == ["intercept", *UNIFIED]
 
 
-def test_the_studys_models_stand_beside_it_as_published(beds):
+def test_r22_models_are_compared_as_published(beds):
     forms, mixtures = beds
     table = unified_models(*beds, STUDY)[0]["feature_sets"].set_index("model")
     means = forms.groupby("grain", sort=False)[["L", "I", "S", "n"]].mean()
@@ -116,6 +116,6 @@ def test_a_case_that_lacks_one_kind_is_left_out_with_a_message(beds, caplog):
     assert tables["feature_sets"].query("model == 'unified'").shape[0] == 5
 
 
-def test_the_folds_are_those_asked_for(beds):
+def test_the_number_of_folds_is_that_of_the_argument(beds):
     table = unified_models(*beds, folds=4)[0]["feature_sets"]
     assert (table.folds.dropna() == 4).all()

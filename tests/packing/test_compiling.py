@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from simcore.dem.shapes.hulls import POLYHEDRON, SPHERE
+from simcore.dem.shapes.polyhedra import POLYHEDRON, SPHERE
 from simcore.dem.state.features import Features
 from simcore.packing.announcement import announcement
 from simcore.paths import ROOT

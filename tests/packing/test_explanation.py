@@ -109,7 +109,7 @@ def test_amounts_by_mass_and_several_batches():
     assert cost.batches > 1 and cost.generating > 0
 
 
-def test_wrong_input_is_told_as_by_pack(tmp_path, capsys):
+def test_wrong_input_gives_the_same_error_as_pack(tmp_path, capsys):
     bad = tmp_path / "bad.yaml"
     bad.write_text("domain: {width: 25 kg, height: 1 m}\nsizes: {case: U1}\namount: {grains: 5}\n")
     said = []
@@ -121,7 +121,7 @@ def test_wrong_input_is_told_as_by_pack(tmp_path, capsys):
     assert "there is no such file" in capsys.readouterr().err
 
 
-def test_a_warning_of_the_run_is_told_before():
+def test_a_warning_of_the_run_is_given_before_it():
     from simcore.packing.explanation import explain
 
     output = explain(set_up_few_spheres(numerics={"contact_time": "1 ms", "steps_per_contact_time": 20}))
@@ -132,7 +132,7 @@ def test_a_warning_of_the_run_is_told_before():
 @pytest.mark.parametrize(
     ("kind", "effect"), [("periodic", "can touch its own periodic image"), ("cylinder", "cannot lie flat")]
 )
-def test_grains_longer_than_the_domain_is_wide_are_told(kind, effect):
+def test_grains_longer_than_the_width_of_the_domain_are_warned_of(kind, effect):
     from simcore.packing.explanation import explain
 
     # Ellipsoids of one sieve size d with I = S = d, L = d / 0.3.

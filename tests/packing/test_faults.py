@@ -31,7 +31,7 @@ def test_killed_and_interrupted_runs_survive(specification, capsys):
     assert all(kind in table for kind in kinds)
 
 
-def test_other_bits_are_told(specification, capsys, monkeypatch):
+def test_other_bits_are_reported(specification, capsys, monkeypatch):
     monkeypatch.setattr(faults, "differing", lambda *arguments: ["numbers"])
     assert survive(specification, "--runs", "1", "--faults", "all ranks killed") == 1
     table = capsys.readouterr().out

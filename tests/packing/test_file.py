@@ -24,7 +24,7 @@ def made():
     return packed, packing_dataset(setup.scene, setup.bases, packed, sample, specification, setup.curve, **attributes)
 
 
-def test_the_file_tells_how_far_the_time_step_was_from_its_limits(made):
+def test_the_file_has_the_distance_of_the_time_step_from_its_limits(made):
     packed, dataset = made
     attrs = dataset.attrs
     assert attrs["steps_per_contact_time"] == 40.0
@@ -84,7 +84,7 @@ def test_contact_forces_carry_the_weight(made):
     assert -force[:, 2].sum() == pytest.approx(weight + unbalanced, rel=1e-12)
 
 
-def test_what_cannot_be_read_is_told_in_one_line(made, tmp_path):
+def test_files_that_cannot_be_read_give_an_error_of_one_line(made, tmp_path):
     _, dataset = made
     with pytest.raises(ValueError, match=r"none.nc: there is no such file. Make it with"):
         read_packing(tmp_path / "none.nc")
@@ -115,7 +115,7 @@ def test_a_file_that_another_program_writes_to_is_not_called_truncated(made, tmp
     xr.testing.assert_identical(read_packing(path), read_packing(path))
 
 
-def test_the_file_has_the_sieve_fractions_asked_for_and_drawn(made):
+def test_the_file_has_the_specified_and_the_drawn_sieve_fractions(made):
     """The curve of `made` has one class; here a packing of two, by hand and without a step."""
     packed, dataset = made
     assert dataset["mass_fraction_drawn"].values == dataset["mass_fraction_asked"].values == 1.0

@@ -141,7 +141,7 @@ def test_the_advised_mass_and_width_are_enough():
     assert forecast(BOX, less).evaluated < 8e-3
 
 
-def test_a_bed_that_tells_its_porosity_badly_is_warned_of():
+def test_a_bed_with_a_large_sampling_error_is_warned_of():
     poor = grains(BOX.area * 0.64 * 0.09, size=16e-3)
     bed = forecast(BOX, poor)
     assert not bed.too_low and bed.sampling_error < LARGE_ERROR and not bed_warnings(BOX, poor, DENSITY)
@@ -200,7 +200,7 @@ def test_a_campaign_of_low_beds_is_refused_before_its_first_job():
 
 
 @pytest.mark.parametrize("kind", ["sphere", "ellipsoid"])
-def test_typical_grains_stand_for_those_drawn(kind):
+def test_typical_grains_represent_those_drawn(kind):
     """The campaign's check reads no grain."""
     shapes = {"kind": kind}
     if kind == "ellipsoid":
@@ -224,7 +224,7 @@ def test_all_grains_of_a_packing_are_drawn_and_no_more():
     assert part.total == pytest.approx(sample.volume.sum()) and part.one_form
 
 
-def test_asked_and_drawn_fractions_stand_side_by_side():
+def test_specified_and_drawn_fractions_are_both_reported():
     sizes = {"bounds": ["2 mm", "4 mm", "8 mm"], "mass_fractions": [0.5, 0.5]}
     setup = set_up_few_spheres(sizes=sizes, amount={"grains": 2000}, domain={"height": "2 m"})
     sample = draw_packing(setup)
@@ -244,7 +244,7 @@ def draw_12(setup):
     return sample.D, sample.volume
 
 
-def test_what_hulls_add_is_told_and_warned_of():
+def test_volume_added_by_hulls_is_reported_and_warned_of():
     cube = make_grain("cube", np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, -1).T * 0.01)
     setup = set_up_few_spheres()._replace(grains=(cube,))
     setup = setup._replace(sample=lambda ids, sample=setup.sample: sample(ids))

@@ -182,7 +182,7 @@ def test_a_killed_launcher_leaves_no_orphans(tmp_path, ranks, stopped):
     assert again.end()[0] == 0
 
 
-def test_a_run_ends_with_what_started_it_where_asked(tmp_path):
+def test_a_run_ends_with_its_parent_process_if_specified(tmp_path):
     shell = ["bash", "-c", '"$@" & wait', "shell"]
     run = Run(tmp_path, parent=shell, more=["--with-parent"])
     run.rank(0)

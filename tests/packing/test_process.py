@@ -19,7 +19,7 @@ def packed():
     return pack_few_spheres()
 
 
-def test_it_converges_and_says_so(packed):
+def test_it_converges_and_reports_it(packed):
     observed = packed.observation
     assert len(packed.bodies.mass) == 40
     assert observed.max_speed < 5e-3 and observed.unbalanced_force < 0.02
@@ -144,7 +144,7 @@ def test_amount_by_mass_ends_with_the_grain_that_reaches_it():
     assert mass.sum() >= 0.012 > mass[:-1].sum()
 
 
-def test_the_fill_of_the_study_makes_whole_batches():
+def test_fill_r22_inserts_whole_batches():
     made = set_up_few_spheres(
         amount={"mass": "20 g", "grains": None},
         generation={"fill": "r22", "spacing": "12 mm"},
@@ -163,7 +163,7 @@ def test_not_at_rest_names_grain_and_step():
         pack_few_spheres(damping={"max_time": "0.02 s"}, convergence={"max_speed": "1e-9 m/s"})
 
 
-def test_a_domain_too_low_says_so():
+def test_a_domain_that_is_too_low_is_an_error():
     with pytest.raises(PackingError, match=r"few: after \d+ grains the bed reaches \d+ mm .*domain.height = 40 mm"):
         pack_few_spheres(domain={"height": "40 mm"}, amount={"grains": 120})
     with pytest.raises(PackingError, match=r"no grain can be inserted"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import unit_sphere
+from simcore.dem.shapes.polyhedra import unit_sphere
 from simcore.dem.stability import contact_load, stiffest_body
 from simcore.dem.state.bodies import make_bodies
 from simcore.packing.energy import spring_energy
@@ -67,7 +67,7 @@ def test_extreme_but_sound_packings_are_not_stopped(changes):
     assert not isinstance(packed, str), packed
 
 
-def test_too_few_steps_are_told_before_and_while_running_and_stop_the_run():
+def test_too_few_steps_are_warned_of_before_and_while_running_and_stop_the_run():
     """Seven steps a contact time: a pinched grain is stable, one with five contacts is not."""
     error, lines = told_by(numerics={"steps_per_contact_time": 7})
     warned = [line for line in lines if "warning" in line]
@@ -166,7 +166,8 @@ def test_an_impact_too_deep_stops_the_run_before_it_is_over():
     assert isinstance(error, str)
     assert "would overlap what it hits by" in error and "Shorten numerics.contact_time, which is 0.01 s, to" in error
     grain, speed, depth = re.search(r"grain (\d+) moves at (\S+) m/s .* what it hits by (\S+) mm", error).groups()
-    # verification.md 1.1; and on a grain that lies on the floor, of which the next test has a simulation.
+    # Largest overlap as in tests/physics/test_contact_law.py; on a grain that lies on the floor it is 1.33 times that,
+    # of which the next test has a simulation.
     assert float(depth) / float(speed) == pytest.approx(1e3 * 1.33177 * 0.1290665 * 0.01, rel=0.01)
 
 

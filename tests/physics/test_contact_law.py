@@ -1,10 +1,10 @@
-"""Impact of spheres against closed forms of the linear spring-dashpot and the oblique impact (verification.md 1)."""
+"""Impact of spheres against closed forms of the linear spring-dashpot and the oblique impact."""
 
 import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import SPHERE
+from simcore.dem.shapes.polyhedra import SPHERE
 from simcore.dem.stability import minimum_steps_per_contact_time
 from tests.helpers.stepped_bodies import SteppedBodies
 
@@ -36,7 +36,7 @@ def impact(attractive, restitution, dt, velocity, start=0.0, friction=0.0, spin=
     return thrown, deepest, steps * dt
 
 
-# e nominal: (e clamped, time until the force ends / T_c, largest overlap / (v T_c)), verification.md 1.1
+# e nominal: (e clamped, time until the force ends / T_c, largest overlap / (v T_c)), closed forms
 CLOSED = {
     0.1: (0.252729, 0.597344, 0.1290665),
     0.5: (0.550283, 0.861754, 0.2305801),
@@ -68,7 +68,7 @@ def test_restitution_time_and_depth_are_the_limit_of_small_steps(attractive, nom
     assert extrapolated == pytest.approx(CLOSED[nominal][2] * T_C, rel=1e-4)
 
 
-# Mean, least and largest over 400 phases at T_c/dt = 40 (verification.md 1.3)
+# Mean, least and largest over 400 phases of first touch at T_c/dt = 40, by a separate program
 PHASES = {
     (True, 0.1): (0.08993, 0.0836, 0.0948),
     (True, 0.5): (0.4970, 0.4905, 0.5089),
@@ -91,7 +91,7 @@ def test_restitution_at_forty_steps(attractive, nominal):
     assert e.max() == pytest.approx(largest, abs=1e-4 + (largest - least) / 100)
 
 
-# Angle from the normal: (e_t, R ω'/v) with attraction, (e_t, R ω'/v) clamped; e_n = 0.1, µ = 0.5 (verification.md 1.4)
+# Angle from the normal: (e_t, R ω'/v) with attraction, (e_t, R ω'/v) clamped; e_n = 0.1, µ = 0.5 (2e6 steps)
 OBLIQUE = {
     5: ((0.71036, 0.06311), (0.70049, 0.06526)),
     15: ((0.71032, 0.18743), (0.70035, 0.19389)),
@@ -121,8 +121,8 @@ def test_oblique_impact(attractive):
         spin = thrown.bodies.angular_velocity[:, 1].reshape(-1, n_phases).mean(axis=1)
         errors.append((e_t - tangential, spin - turning))
     coarse, fine, finest = errors
-    # At 40 steps verification.md states 0.003 and, clamped, 0.006. Clamped at 60 degrees ours is off by 0.0073: the
-    # spring grows before it presses, which is another term of first order.
+    # At 40 steps a separate program is off by 0.003 and, clamped, by 0.006. Clamped at 60 degrees ours is off by
+    # 0.0073: the spring grows before it presses, which is another term of first order.
     assert np.abs(coarse[0]).max() < (0.003 if attractive else 0.0075)
     # First order: what is left after extrapolation is the square of the error at 400 steps, the digits of the table,
     # and half the overlap over the radius, by which the arm of the friction is shorter than the radius (1e-4).
@@ -181,7 +181,7 @@ def test_a_new_contact_starts_with_an_empty_spring():
     assert thrown.bodies.velocity[0, 0] == pytest.approx(0.71036e-6, rel=0.006)
 
 
-def test_preloaded_friction_throws_as_the_studys_program_does():
+def test_preloaded_friction_throws_as_the_r22_program_does():
     """At the first touch its spring is loaded to the limit against what little slides (study_program.md, defects)."""
     thrown, _, _ = impact(True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, radius=5e-3, preloaded=True)
     assert thrown.bodies.velocity[0, 0] == pytest.approx(-1.55e-3, rel=0.01)

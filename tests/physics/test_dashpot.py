@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import LEVER, contact_law, implicit_law
-from simcore.dem.shapes.hulls import SPHERE
+from simcore.dem.shapes.polyhedra import SPHERE
 from simcore.dem.stability import longest_stable_step, minimum_steps_per_contact_time
 from simcore.packing.packed import DAMPING, SHAKING
 from simcore.packing.process import Process
@@ -16,7 +16,7 @@ from tests.helpers.stepped_bodies import SteppedBodies
 
 T_C = 1e-3
 NU = 0.22
-CLAMPED = {0.1: 0.252729, 0.5: 0.550283, 0.9: 0.902026}  # restitution without attraction, verification.md 1.1
+CLAMPED = {0.1: 0.252729, 0.5: 0.550283, 0.9: 0.902026}  # restitution without attraction: exp(-β t_c)
 N_PHASES = 1000
 
 
@@ -83,7 +83,7 @@ def test_a_sphere_at_rest_sinks_in_by_what_the_softer_spring_says():
 
 
 def test_limits_of_the_explicit_dashpot_are_those_of_the_reference():
-    """verification.md 1.2: sphere among z fixed ones incl. tangential springs, checked there with eigenvalues."""
+    """A sphere among z fixed ones with tangential springs; the numbers were checked with eigenvalues."""
     law = contact_law(0.1, T_C, NU, 0.5)
     for z, moving, turning in ((2, 5.64, 8.49), (6, 14.65, 23.00), (12, 27.95, 44.60)):
         steps = minimum_steps_per_contact_time(law, contacts=z, normal=z / 3, tangential=2 * z / 3)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.studies import energy
-from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE
+from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON, SPHERE
 from simcore.dem.state.features import Features
 
 KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": POLYHEDRON}

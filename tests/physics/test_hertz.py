@@ -8,7 +8,7 @@ import pytest
 
 from simcore.dem.forces.hertz import HertzLaw
 from simcore.dem.forces.viscous_friction import CAPPED
-from simcore.dem.shapes.hulls import SPHERE
+from simcore.dem.shapes.polyhedra import SPHERE
 from simcore.packing.energy import mechanical_energy
 from simcore.scene.impact import DURATION, damping_number, impact_depth, restitution
 from tests.helpers.stepped_bodies import SteppedBodies

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import ELLIPSOID, SPHERE, unit_sphere
+from simcore.dem.shapes.polyhedra import ELLIPSOID, SPHERE, unit_sphere
 from simcore.dem.state.bodies import make_bodies, rotation_matrix
 from simcore.dem.state.features import Features
 from simcore.dem.step.motion import Quaternion, _cos_sin, derive_rotation, rotate_free, turn
@@ -72,7 +72,7 @@ def test_case_a_at_second_order():
         assert attitude_error(q, q_true) < 6e-5
         np.testing.assert_allclose(found, omega, atol=6e-5)
     errors = [attitude_error(free_top((1, 0, 1), 20.0, n)[1], CASE_A[20.0][1]) for n in (400, 800, 1600)]
-    assert errors[0] == pytest.approx(1.7e-3, rel=0.05)  # verification.md 2.2
+    assert errors[0] == pytest.approx(1.7e-3, rel=0.05)  # a separate program of this scheme
     np.testing.assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 2.0, atol=0.15)
 
 
@@ -87,7 +87,7 @@ def test_case_b_turns_over_in_time():
         assert omega[1] == pytest.approx((-1.0) ** flips, abs=1e-4)
 
 
-# Inertia, spin, time, steps; ω and q at the end by DOP853 (rtol 1e-13), and the attitude error of verification.md 2.2
+# Inertia, spin, time, steps; ω and q at the end by DOP853 (rtol 1e-13), and the attitude error of this scheme
 SLENDER_AND_FLAT = {
     "needle": (
         (0.01, 1, 1.0001), (100, 0, 1), 1.0, 800, (99.9999495701, -0.999306264286, 0.0398458429762),

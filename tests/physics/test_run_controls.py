@@ -1,11 +1,11 @@
-"""Gravity, damping and shaking of the study against closed forms (verification.md 1.7)."""
+"""Gravity, damping and shaking of Rettinger et al. (2022) against closed forms."""
 
 import numpy as np
 import pytest
 
 from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import ELLIPSOID, SPHERE
+from simcore.dem.shapes.polyhedra import ELLIPSOID, SPHERE
 from simcore.scene.scene import Material, Shaking
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve

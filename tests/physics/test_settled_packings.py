@@ -74,7 +74,7 @@ def test_equal_spheres_in_a_cylinder_follow_the_wall_effect(ratio, grains):
     assert porosity.mean() == pytest.approx(expected, abs=0.02)
 
 
-def test_the_settled_ellipsoids_of_the_study():
+def test_the_settled_ellipsoids_of_r22():
     """study_program.md: 265 ellipsoids 1 : 0.75 : 0.5, shaken until t = 0.3 s: two seeds of another program.
 
     Coordination 4.45, mean overlap 8.2e-8 m, largest 6e-7 to 1.4e-6 m, 4.95 pairs of bounding spheres per grain. Four

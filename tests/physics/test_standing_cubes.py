@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import POLYHEDRON
+from simcore.dem.shapes.polyhedra import POLYHEDRON
 from tests.helpers.polyhedra import make_box
 from tests.helpers.stepped_bodies import SteppedBodies
 

@@ -11,7 +11,7 @@ def beside(study, **columns):
     return add_reference(pd.DataFrame({"n": 0.3, "n_std_error": 0.004, **columns}), study)
 
 
-def test_faces_stand_for_at_most_so_many():
+def test_faces_are_a_maximum_number():
     table = beside("mesh_resolution", case=["U7", "B50", "U3"], faces=["original", 300, 300], cpu_h=1.0, runs=1)
     assert table.r22_n.tolist()[:2] == [0.309, 0.278]
     assert np.isnan(table.r22_n[2])
@@ -23,7 +23,7 @@ def test_shaking_time_as_a_float():
     assert table.r22_n_std.tolist() == [0.001, 0.004]
 
 
-def test_a_setting_that_the_study_does_not_have_stays_empty():
+def test_a_setting_that_r22_do_not_have_stays_empty():
     assert beside("shaking_periodic", case=["U7"], shaking_s=[0.5]).r22_n.isna().all()
     assert beside("shaking_periodic", case=["U7"]).r22_n.isna().all()
     assert beside("a_study_of_ones_own", case=["U1"]).r22_n.isna().all()
@@ -43,7 +43,7 @@ def test_mixtures_take_the_fitted_model():
     assert table.r22_n[0] == pytest.approx(0.2765)
 
 
-def test_application_tells_drawn_from_continuous_forms():
+def test_application_separates_drawn_from_continuous_forms():
     table = beside("application", case=["U1", "U7"], choice=["random", "form_distribution"])
     assert table.r22_n.tolist() == [0.353, 0.288]
 
@@ -58,7 +58,7 @@ def test_the_difference_is_counted_in_standard_errors_of_both():
     assert table.loc[1, ["r22_n", "r22_n_error", "difference", "z"]].isna().all()
 
 
-def test_the_studys_deviations_divide_by_the_number_of_runs():
+def test_r22_deviations_divide_by_the_number_of_runs():
     """What add_reference takes for granted, on the only table that gives the runs themselves."""
     table = read_r22_table("table6_validation")
     runs = table[["run1", "run2", "run3"]]
@@ -68,7 +68,7 @@ def test_the_studys_deviations_divide_by_the_number_of_runs():
     assert agree[1] <= len(table) // 2
 
 
-def test_the_validation_stands_beside_the_experiment():
+def test_the_validation_is_compared_with_the_experiment():
     """U3 was measured at 0.356, the study's packings are 3.76 % above."""
     table = beside("validation", case=["U3", "own"], n=[0.3738, 0.4])
     assert table.experiment_n[0] == 0.356
@@ -77,14 +77,14 @@ def test_the_validation_stands_beside_the_experiment():
     assert np.isnan(table.experiment_error_percent[1])
 
 
-def test_run_times_of_the_study_stand_beside_ours():
+def test_r22_run_times_are_in_the_table_with_ours():
     table = beside("mesh_resolution", case=["U7", "B50"], faces=[300, 50], cpu_h=6.0, runs=[3, 2])
     assert table.cpu_h_per_run.tolist() == [2.0, 3.0]
     assert table.r22_runtime_h.tolist() == [1.92, 4.04]
     assert table.r22_volume_change_percent.tolist() == [-0.2, -3.6]
 
 
-def test_predictions_of_the_studys_models_have_the_error_of_their_cross_validation():
+def test_predictions_of_r22_models_have_the_error_of_their_cross_validation():
     """U1: 4.66e-3 is Table 9's mean magnitude with EL^-1, 4.33e-3 Table 10's with all four features."""
     form = {"EQ": [0.5], "EL": [0.8], "sigma_EQ": [0.1], "sigma_EL": [0.1], "case": ["U1"]}
     expected = {"single_form": 4.66e-3, "form_mixtures": 4.33e-3}

@@ -64,7 +64,7 @@ def test_models_of_rows_are_the_lines_that_they_follow(folder):
     assert (tables["single_form"].query("source == 'scans'").samples == 9).all(), "seeds do not pass for forms"
 
 
-def test_ellipsoids_stand_beside_grains_and_spheres(folder):
+def test_ellipsoids_are_compared_with_grains_and_spheres(folder):
     tables, figures = findings(folder)
     (row,) = tables["shape_kinds"].itertuples()
     assert (row.forms, round(row.mean_difference, 9), round(row.rms_difference, 9)) == (9, 0.01, 0.01)
@@ -90,7 +90,7 @@ def test_mixtures_predict_what_was_not_fitted(folder):
     assert {"form_mixture_sets", "form_mixture_prediction"} <= set(figures)
 
 
-def test_our_own_model_stands_beside_the_studys_for_each_mixture(folder):
+def test_our_model_is_compared_with_that_of_r22_for_each_mixture(folder):
     rows = pd.read_csv(folder / "form_mixture.csv")
     rows.loc[0, "n"] += 0.01  # which no line through all of them follows
     rows.to_csv(folder / "form_mixture.csv", index=False)
@@ -103,7 +103,7 @@ def test_our_own_model_stands_beside_the_studys_for_each_mixture(folder):
     assert (sets.model_n - sets.n).abs().max() > 1e-3
 
 
-def test_other_studies_stand_beside_the_studys_values(folder):
+def test_other_studies_are_compared_with_r22_values(folder):
     tables, figures = findings(folder)
     cases = tables["validation"].set_index("case")
     assert cases.runs.tolist() == [2, 2] and cases.r22_n["U1"] == 0.383

@@ -6,13 +6,16 @@ import pytest
 from simcore.grains.synthetic import synthetic_grains
 from simcore.grains.tables import factor_correlations, form_table
 from simcore.report.grains import grain_findings
+from tests.helpers.column_names import undescribed_columns
 
 
 def test_grains_have_tables_with_their_row_names_and_figures(tmp_path):
     grains = synthetic_grains(seed=1, n=21)
     found = grain_findings(grains)
-    output = {name: tmp_path / f"{name}.csv" for name in found.tables}
+    (tmp_path / "grains").mkdir()
+    output = {name: tmp_path / "grains" / f"{name}.csv" for name in found.tables}
     found._replace(figures={}).write(output)
+    assert undescribed_columns(tmp_path) == {}
     forms = pd.read_csv(output["forms"])
     assert list(forms.grain) == [grain.name for grain in grains]
     assert pd.read_csv(output["statistics"]).source[0] == "this set"

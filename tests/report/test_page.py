@@ -34,7 +34,7 @@ def test_a_table_shows_numbers_shortly_and_no_note(tmp_path):
     assert "&lt;b&gt;" in html and "<b>" not in html
 
 
-def test_what_is_read_first_stands_first_and_what_has_no_value_is_left_out(tmp_path):
+def test_columns_behind_come_last_and_columns_without_values_are_left_out(tmp_path):
     path = tmp_path / "n.csv"
     path.write_text("study,n,grains,n_exact,r22_n\nvalidation,0.38,11805.5,,0.37\n")
     html = table(path, behind=("grains", "study", "absent"))

@@ -56,7 +56,7 @@ def _model(name):
     return columns | known | {"feature_min": float("nan"), "feature_max": float("nan")}
 
 
-def test_a_figure_says_of_which_grains_it_is(tmp_path):
+def test_a_caption_names_the_grains_of_its_figure(tmp_path):
     header = b"\x89PNG\r\n\x1a\n" + bytes(8) + (1).to_bytes(4, "big") + (1).to_bytes(4, "big")
     for source in ("scans", "synthetic"):
         (tmp_path / f"single_form_zingg_{source}.png").write_bytes(header)

@@ -94,6 +94,6 @@ def test_an_overlap_at_rest_is_that_of_a_grain_on_the_floor():
     assert found.modulus * np.sqrt(radius) * (2e-3 * radius) ** 1.5 == pytest.approx(mean * 6.0, rel=1e-12)
 
 
-def test_a_grain_falls_as_far_as_it_is_told():
+def test_a_grain_falls_the_given_height():
     inserted = SimpleNamespace(velocity_z=-3.0, velocity_horizontal=0.0)
     assert fall_speed(inserted, 0.8, 10.0) == pytest.approx(5.0, rel=1e-12)

@@ -5,6 +5,7 @@ import yaml
 
 from simcore.__main__ import main
 from simcore.campaign.studies import merge
+from simcore.scene.setup import shape_choice
 from simcore.scene.specification import express, read_schema, resolve
 from simcore.scene.unused import given_keys, is_shared, why_unused
 
@@ -35,6 +36,7 @@ CASES = {
     "grains.number": ({"grains": {"number": 30}}, FILES, {}),
     "grains.seed": ({"grains": {"seed": 2}}, FILES, {}),
     "faces": ({"faces": 50}, ELLIPSOIDS, {}),
+    "shapes.ellipsoid_share": ({"shapes": {"ellipsoid_share": 0.5}}, {}, {"shapes": {"kind": "mixed"}}),
     "shapes.choice": ({"shapes": {"choice": "random"}}, SPHERES, ELLIPSOIDS),
     "shapes.grain": ({"shapes": {"grain": "G01"}}, {}, {"shapes": {"choice": "one"}}),
     "shapes.flatness": ({"shapes": {"flatness": MIXTURE["flatness"]}}, {}, {"shapes": MIXTURE}),
@@ -95,6 +97,12 @@ def test_a_key_that_is_not_used_is_refused_by_name(key):
     assert why_unused(next(given_keys(given)), resolve(merge(BED, without, given)), read_schema("packing"))[0] == key
 
 
+def test_packings_of_a_study_may_share_the_share_of_ellipsoids():
+    for kind, share in (("mixed", 0.5), ("polyhedron", None)):
+        resolved = resolve(merge(BED, {"shapes": {"kind": kind, "ellipsoid_share": 0.5}}))
+        assert shape_choice(resolved["shapes"]).ellipsoid_share == share
+
+
 def test_settings_of_an_accuracy_are_not_given():
     resolve({**BED, **ELLIPSOIDS, "accuracy": "draft"}, unused="refuse")
     with pytest.raises(ValueError, match=r"^faces: it has no effect while shapes\.kind is ellipsoid"):
@@ -105,7 +113,7 @@ def test_null_is_not_given():
     resolve(merge(BED, SPHERES, {"shapes": {"grain": None, "flatness": None}}), unused="refuse")
 
 
-def test_a_specification_that_was_written_out_tells_no_choices():
+def test_keys_of_a_specification_that_was_written_out_are_no_choices():
     """As the workflow writes it: every key is there, whether or not it has an effect."""
     resolved = resolve(merge(BED, ELLIPSOIDS, {"faces": 50, "numerics": {"polyhedron_contact": "point"}}))
     assert resolve(express(resolved), unused="refuse") == resolved

@@ -210,7 +210,7 @@ def test_an_unknown_solid_is_refused():
 # -- the table ----------------------------------------------------------------------------------------------------
 
 
-def test_the_table_has_means_standard_errors_and_tells_misses(monkeypatch):
+def test_the_table_has_means_standard_errors_and_marks_misses(monkeypatch):
     for name in ("first", "second"):
         monkeypatch.setitem(packings.PACKINGS, name, packings.Seeds({}, (1, 2, 3)))
     monkeypatch.setitem(measures.MEASURES, "number", lambda record: float(record["number"]))
@@ -242,7 +242,7 @@ def test_the_table_has_means_standard_errors_and_tells_misses(monkeypatch):
 # -- the real way -------------------------------------------------------------------------------------------------
 
 
-def test_eight_spheres_poured_into_a_tube_stand_in_a_zigzag(tmp_path):
+def test_eight_spheres_poured_into_a_tube_form_a_zigzag(tmp_path):
     """From the case's own specification to its measure, as the workflow does it."""
     raw = packings.specification("column_1.5_seed1", "dice")
     raw["amount"], raw["shaking"] = {"grains": 8}, {"duration": "0.1 s"}
@@ -257,7 +257,7 @@ def test_eight_spheres_poured_into_a_tube_stand_in_a_zigzag(tmp_path):
 def test_elastic_spheres_keep_their_energy_and_damped_ones_do_not():
     raw = packings.specification("elastic_spheres_seed1", "dice")
     raw["amount"] = {"grains": 12}
-    elastic = jump(raw, duration=0.2, looks=10)
+    elastic = jump(raw, duration=0.2, measurements=10)
     assert measures.energy_ratio(elastic) == pytest.approx(1.0, abs=0.005)
     raw["material"]["restitution"] = 0.9
-    assert measures.energy_ratio(jump(raw, duration=0.2, looks=10)) < 0.95
+    assert measures.energy_ratio(jump(raw, duration=0.2, measurements=10)) < 0.95

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON
+from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON
 from simcore.verification import contact_query, one_contact, rotation
 from simcore.verification.work_precision import observed_order, settings_table
 
 
 @pytest.fixture(scope="module")
 def impacts():
-    return settings_table(one_contact.study(steps=(20, 40, 80), phases=128, repeats=1))
+    return settings_table(one_contact.impact_runs(steps=(20, 40, 80), phases=128, repeats=1))
 
 
 def orders(table, **chosen):
@@ -46,7 +46,7 @@ def test_the_implicit_dashpot_is_nearer_at_the_same_steps(impacts, end):
         assert (implicit < (1.02 if quantity.startswith("tangential") else 1.0) * explicit).all()
 
 
-# e_t of an impact at e_n = 0.1, µ = 0.5 by angle from the normal: attractive, clamped (verification.md 1.4)
+# e_t of an impact at e_n = 0.1, µ = 0.5 by angle from the normal: attractive, clamped (2e6 steps per contact)
 OBLIQUE = {
     5: (0.71036, 0.70049),
     15: (0.71032, 0.70035),
@@ -93,7 +93,7 @@ STEPS_IN_THE_ASYMPTOTIC_RANGE = {1: (1600, 3200, 6400), 2: (200, 400, 800), 4: (
 
 @pytest.mark.parametrize("case", ["top", "plate"])
 def test_orders_of_rotation(case):
-    table = settings_table(rotation.study((50, 100, 200, 400, 800, 1600, 3200, 6400), repeats=1, tops=[case]))
+    table = settings_table(rotation.rotation_runs((50, 100, 200, 400, 800, 1600, 3200, 6400), repeats=1, tops=[case]))
     for method, order in rotation.ORDERS.items():
         chosen = table[table["setting"].isin(STEPS_IN_THE_ASYMPTOTIC_RANGE[order])]
         found = orders(chosen, case=case, method=method, quantity="attitude")
@@ -106,7 +106,7 @@ def test_orders_of_rotation(case):
 
 
 def test_the_reference_of_rotation():
-    """verification.md 2.1: case A after 20 s and the angular velocity after 5 s; its own error is near round-off."""
+    """Attitude of the top after 20 s and its angular velocity after 5 s; the error of both is near round-off."""
     attitude, unknown = rotation.reference_attitude(rotation.TOPS["top"])
     stated = np.array([0.58403954, -0.35261047, 0.20195319, -0.7026938])
     assert rotation.attitude_error(attitude, stated) < 3e-8  # the digits of the table
@@ -120,7 +120,9 @@ def test_the_reference_of_rotation():
 
 @pytest.fixture(scope="module")
 def queries():
-    return settings_table(contact_query.study((64, 256, 1024, 4096), tolerances=(), repeats=1, pairs=16, again=False))
+    return settings_table(
+        contact_query.query_runs((64, 256, 1024, 4096), tolerances=(), repeats=1, pairs=16, again=False)
+    )
 
 
 @pytest.mark.parametrize("case, slope", [("polyhedra", 0.5), ("ellipsoids", 1.0)])

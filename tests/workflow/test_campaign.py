@@ -4,6 +4,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from tests.helpers.column_names import undescribed_columns
+
 pytestmark = pytest.mark.workflow
 
 
@@ -19,7 +21,7 @@ def test_the_models_come_from_the_packings(finished):
         assert packing.attrs["converged"] == 1
 
 
-def test_every_table_and_the_report_say_that_they_are_tests(finished):
+def test_every_table_and_the_report_are_marked_as_tests(finished):
     workplace, _ = finished
     results = workplace.folder / "results" / "smoke"
     tables = [*(results / "tables").glob("*.csv"), *(results / "models").glob("*.csv")]
@@ -30,6 +32,11 @@ def test_every_table_and_the_report_say_that_they_are_tests(finished):
     # As text of a data URL, base64, Chromium shows it up to 2 MB.
     assert "Test only" in (results / "tables.html").read_text()
     assert (results / "tables.html").stat().st_size < 1.4e6
+
+
+def test_each_column_of_each_table_is_described(finished):
+    workplace, _ = finished
+    assert undescribed_columns(workplace.folder / "results" / "smoke") == {}
 
 
 def test_snakemake_looks_for_jobs_when_one_has_ended(finished):

@@ -125,7 +125,7 @@ def test_beds_of_other_settings_and_other_campaigns_are_left_out(campaign, workp
         assert status != 0 and message in said
 
 
-def test_a_dry_run_tells_packings_hours_and_pieces(workplace):
+def test_a_dry_run_prints_packings_hours_and_pieces(workplace):
     """Of the study's own sizes: more hours than a machine has, and as many pieces as packings of more than two."""
     status, said = workplace.run("--dry-run", "--configfile", "config/r22.yaml", "--", "validation_piece_1")
     assert status == 0, said

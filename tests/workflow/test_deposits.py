@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from tests.helpers.column_names import undescribed_columns
 from tests.helpers.workplace import Workplace
 
 pytestmark = pytest.mark.workflow
@@ -81,6 +82,7 @@ def deposited(tmp_path_factory):
 def test_a_tiny_campaign_gives_tables_and_figures(deposited):
     results = deposited.folder / "results" / "tiny"
     table = pd.read_csv(results / "deposits" / "packings.csv")
+    assert undescribed_columns(results) == {}
     assert table.family.tolist() == ["diagonal"] * 2 + ["map"] * 2
     assert table.solid_fraction.between(0.4, 0.75).all() and (table.steps > 100).all()
     assert pd.read_csv(results / "deposits" / "means.csv").packings.sum() == 4

@@ -27,7 +27,7 @@ def test_the_smoke_campaign_has_one_packing_a_study_and_a_dozen_for_the_model(wo
     assert {study: packings.count(study) for study in STUDIES} == {**dict.fromkeys(STUDIES, 1), "single_form": 12}
 
 
-def test_the_campaign_of_the_study_has_its_number_of_packings(workplace):
+def test_the_r22_campaign_has_its_number_of_packings(workplace):
     """Counts by hand from the study's tables; the shapes are 63 in three cases, the mixtures 52 sets in two."""
     jobs = workplace.plan("--configfile", "config/r22.yaml")
     packings = [study for rule, study in jobs if rule == "packing"]

@@ -3,12 +3,12 @@
 from simcore.compilation import set_threads
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import work_precision_figure
-from simcore.verification.contact_query import study
+from simcore.verification.contact_query import query_runs
 from simcore.verification.machine import describe_machine
 
 set_threads(1)
 machine = describe_machine()
-runs = study().assign(machine=machine)
+runs = query_runs().assign(machine=machine)
 runs.to_csv(snakemake.output.runs, index=False)
 labels = {
     "depth": "largest error of the depth,\nrelative to the pair's size [-]",

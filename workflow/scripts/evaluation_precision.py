@@ -4,10 +4,10 @@ from simcore.packing.file import read_packing
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import work_precision_figure
 from simcore.verification.machine import describe_machine
-from simcore.verification.porosity_evaluation import study
+from simcore.verification.porosity_evaluation import evaluation_runs
 
 machine = describe_machine()
-runs = study([read_packing(path) for path in snakemake.input.packings]).assign(machine=machine)
+runs = evaluation_runs([read_packing(path) for path in snakemake.input.packings]).assign(machine=machine)
 runs.to_csv(snakemake.output.runs, index=False)
 figure = work_precision_figure(
     runs,

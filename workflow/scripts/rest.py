@@ -4,10 +4,10 @@ from simcore.compilation import set_threads
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import rest_figure
 from simcore.verification.machine import describe_machine
-from simcore.verification.rest import study
+from simcore.verification.rest import rest_table
 
 set_threads(1)
-table = study()
+table = rest_table()
 table.assign(machine=describe_machine()).to_csv(snakemake.output.table, index=False)
 for path in (snakemake.output.figure, snakemake.output.vector):
     save_figure(rest_figure(table), path)

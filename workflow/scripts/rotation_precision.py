@@ -3,10 +3,10 @@
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import work_precision_figure
 from simcore.verification.machine import describe_machine
-from simcore.verification.rotation import study
+from simcore.verification.rotation import rotation_runs
 
 machine = describe_machine()
-runs = study().assign(machine=machine)
+runs = rotation_runs().assign(machine=machine)
 runs.to_csv(snakemake.output.runs, index=False)
 labels = {"attitude": "error of the attitude [rad]", "energy": "relative error of the energy [-]"}
 figure = work_precision_figure(runs, "CPU time of one turn", labels, "steps per turn", note=machine)

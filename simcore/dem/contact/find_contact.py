@@ -12,7 +12,7 @@ from simcore.dem.contact.pairs import ellipsoid_potentials, ellipsoids, polyhedr
 from simcore.dem.contact.pairs.gap_memory import remember_apart, still_apart
 from simcore.dem.contact.pairs.inflated import search_inflated
 from simcore.dem.contact.pairs.spheres import touch
-from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, is_hull
+from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, POLYHEDRON, is_polyhedron
 from simcore.dem.state.touches import forget_springs, partner_offset
 from simcore.dem.vectors import squared, write
 
@@ -51,7 +51,7 @@ def _make_check(kind, potential=False):
         if contacts.touching[p] == 0 and still_apart(bodies, contacts, p, pair):
             return
         if kind == MIXED:
-            a, b = is_hull(shapes, bodies, pair.a), is_hull(shapes, bodies, pair.b)
+            a, b = is_polyhedron(shapes, bodies, pair.a), is_polyhedron(shapes, bodies, pair.b)
             if a and b:
                 certain, contact = recheck_polyhedra(shapes, bodies, contacts, p, pair)
             elif a or b:
@@ -78,7 +78,7 @@ def _make_search(kind, potential=False):
     def search(shapes, bodies, contacts, p, width, periodic):
         pair = _pair(bodies, contacts, p, width, periodic)
         if kind == MIXED:
-            a, b = is_hull(shapes, bodies, pair.a), is_hull(shapes, bodies, pair.b)
+            a, b = is_polyhedron(shapes, bodies, pair.a), is_polyhedron(shapes, bodies, pair.b)
             if a and b:
                 contact = search_polyhedron_contact(shapes, bodies, contacts, p, pair)
             elif a or b:

@@ -24,7 +24,7 @@ from simcore.dem.contact.search.exact_polyhedra import query_polyhedra
 from simcore.dem.contact.search.facets import facet_at
 from simcore.dem.contact.search.pair_frame import climb_a, frame_of, vertex_a
 from simcore.dem.contact.search.simplex import take_simplex
-from simcore.dem.shapes.hulls import ELLIPSOID, HINT_CELLS, POLYHEDRON, SPHERE, Shape, Shapes, collect_shapes
+from simcore.dem.shapes.polyhedra import ELLIPSOID, HINT_CELLS, POLYHEDRON, SPHERE, Shape, Shapes, collect_shapes
 from simcore.dem.state.bodies import rotation_matrix
 from simcore.dem.vectors import (
     Vec,
@@ -66,7 +66,7 @@ class Solids(NamedTuple):
 
 
 def query(shape_a: Shape, pose_a, shape_b: Shape, pose_b) -> ContactQuery:
-    """Return signed distance [m], normal and closest (or deepest) points of two shapes of `simcore.dem.shapes.hulls`.
+    """Return signed distance [m], normal and closest (or deepest) points of two Shapes.
 
     pose: position (3,) [m] and quaternion (4,) (w, x, y, z), of any length but zero, from the frame of the shape to the
     world. ValueError for a pose that is not finite or has a zero quaternion.

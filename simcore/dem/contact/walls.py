@@ -14,7 +14,7 @@ import numpy as np
 from simcore.compilation import leaf
 from simcore.dem.contact.patch.axes import Axes, axes_in_base, coordinates
 from simcore.dem.contact.patch.workspace import start_walk
-from simcore.dem.shapes.hulls import support_vertex_along, vertex_of
+from simcore.dem.shapes.polyhedra import support_vertex_along, vertex_of
 from simcore.dem.state.touches import forget_springs
 from simcore.dem.vectors import ZERO, Vec, plus_scaled, read, write
 

@@ -18,7 +18,7 @@ import numpy as np
 from mpi4py import MPI
 
 from simcore.dem.ranks.one_rank import OneRank
-from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, SPHERE
+from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, SPHERE
 from simcore.dem.state.bodies import Bodies, join_bodies
 from simcore.dem.state.contacts import CandidatePairs
 from simcore.dem.state.features import Features
@@ -85,7 +85,7 @@ class ManyRanks(OneRank):
 
     # -- distribution of the bodies -------------------------------------------------------------------------
 
-    def welcome(self, bodies: Bodies | None, inserted: Bodies, box) -> Bodies:
+    def insert(self, bodies: Bodies | None, inserted: Bodies, box) -> Bodies:
         """Return `bodies` joined with those of the inserted bodies that this rank moves.
 
         inserted: all inserted bodies, the same on every rank.

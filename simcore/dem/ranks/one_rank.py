@@ -15,7 +15,7 @@ from simcore.dem.state.parts import assemble, take_part
 from simcore.dem.step.candidate_pairs import list_candidates
 
 _BITS = 62  # sums of integers stay below 2^62, so that an int64 cannot overflow
-HEARS = 0.5  # [s], approximate interval at which a single rank checks for a stop request
+STOP_CHECK_INTERVAL = 0.5  # [s], approximate interval at which a single rank checks for a stop request
 
 
 class OneRank:
@@ -26,7 +26,7 @@ class OneRank:
     exchanging, bytes_sent, steps = 0.0, 0, 0  # of the exchange between ranks: time [s], bytes, number of steps
 
     def __init__(self):
-        self.at_once = 1  # number of steps that recently took about HEARS
+        self.steps_per_check = 1  # number of steps that recently took about STOP_CHECK_INTERVAL
 
     def maximum(self, values) -> np.ndarray:
         """Return the maximum over all ranks of each value, (k,) floats."""
@@ -101,7 +101,7 @@ class OneRank:
 
     # -- distribution of the bodies -------------------------------------------------------------------------
 
-    def welcome(self, bodies, inserted, box):
+    def insert(self, bodies, inserted, box):
         """Return `bodies` (or None) joined with those of the inserted bodies that this rank moves."""
         return inserted if bodies is None else join_bodies(bodies, inserted)
 
@@ -117,12 +117,12 @@ class OneRank:
         if stop_request is None:
             return *step(n_steps), 0
         started = time.monotonic()
-        done, stale = step(min(n_steps, self.at_once))
+        done, stale = step(min(n_steps, self.steps_per_check))
         elapsed = time.monotonic() - started
-        if elapsed > HEARS:
-            self.at_once = max(done // 2, 1)
-        elif elapsed < 0.4 * HEARS and done == self.at_once:
-            self.at_once = 2 * done
+        if elapsed > STOP_CHECK_INTERVAL:
+            self.steps_per_check = max(done // 2, 1)
+        elif elapsed < 0.4 * STOP_CHECK_INTERVAL and done == self.steps_per_check:
+            self.steps_per_check = 2 * done
         return done, stale, stop_request()
 
     def parts(self, bodies, candidates):

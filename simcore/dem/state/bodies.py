@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from simcore.dem.shapes.hulls import POLYHEDRON, SPHERE, Base
+from simcore.dem.shapes.polyhedra import POLYHEDRON, SPHERE, Base
 
 FLOOR, CYLINDER = 0, 1  # walls, as Walls.wall numbers them
 

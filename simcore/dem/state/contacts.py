@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.compilation import kernel, leaf
-from simcore.dem.shapes.hulls import MIXED, POLYHEDRON, SPHERE, Shapes
+from simcore.dem.shapes.polyhedra import MIXED, POLYHEDRON, SPHERE, Shapes
 from simcore.dem.state.bodies import CYLINDER, FLOOR, Bodies, Contacts, Walls
 from simcore.dem.state.features import Features, columns
 

@@ -11,7 +11,7 @@ import numpy as np
 class Features(NamedTuple):
     """The features of a scene. Each combination is compiled separately and has only the arrays that it needs."""
 
-    kind: int  # of simcore.dem.shapes.hulls: SPHERE, ELLIPSOID, POLYHEDRON or MIXED
+    kind: int  # of simcore.dem.shapes.polyhedra: SPHERE, ELLIPSOID, POLYHEDRON or MIXED
     friction: bool
     attractive: bool = True  # the normal force may pull at the end of a contact
     floor: bool = True

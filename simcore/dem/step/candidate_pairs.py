@@ -14,7 +14,7 @@ import numpy as np
 
 from simcore.compilation import kernel, leaf
 from simcore.dem.contact.search.ellipsoid_climb import support_height
-from simcore.dem.shapes.hulls import SPHERE, Shapes, base_direction, climb_from_hint, is_hull
+from simcore.dem.shapes.polyhedra import SPHERE, Shapes, base_direction, climb_from_hint, is_polyhedron
 from simcore.dem.state.bodies import Bodies
 from simcore.dem.state.contacts import (
     Box,
@@ -237,7 +237,7 @@ def _can_meet(pairs, bodies, shapes, old, width):
 @leaf
 def _reach(shapes, bodies, i, nx, ny, nz):
     """Return how far body i, a polyhedron or an ellipsoid, extends from its centre along n."""
-    if not is_hull(shapes, bodies, i):
+    if not is_polyhedron(shapes, bodies, i):
         return support_height(bodies.form_matrix, i, Vec(nx, ny, nz))
     dx, dy, dz = base_direction(bodies, i, nx, ny, nz)
     v = climb_from_hint(shapes, bodies.shape[i], dx, dy, dz)

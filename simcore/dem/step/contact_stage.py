@@ -31,7 +31,7 @@ from simcore.dem.contact.walls import (
     floor_patch,
     floor_sphere,
 )
-from simcore.dem.shapes.hulls import is_hull
+from simcore.dem.shapes.polyhedra import is_polyhedron
 from simcore.dem.state.bodies import FLOOR
 from simcore.dem.state.touches import partner_offset
 
@@ -100,7 +100,7 @@ def find_patches(shapes, bodies, contacts, workspace, drive, has):
     for p in prange(len(contacts.body_a)):
         if contacts.touching[p] != 0:
             i, j = contacts.body_a[p], contacts.body_b[p]
-            if is_hull(shapes, bodies, i) and is_hull(shapes, bodies, j):
+            if is_polyhedron(shapes, bodies, i) and is_polyhedron(shapes, bodies, j):
                 offset = partner_offset(bodies, contacts, p, drive.width, has.periodic)
                 find_patch(shapes, bodies, contacts, p, offset, workspace, get_thread_id())
 
@@ -139,7 +139,7 @@ def find_walls_of_polyhedra(shapes, bodies, walls, drive):
 def find_walls_of_mixed(shapes, bodies, walls, drive):
     """Find the contacts of ellipsoids and convex polyhedra with the walls."""
     for w in prange(len(walls.body)):
-        hull = is_hull(shapes, bodies, walls.body[w])
+        hull = is_polyhedron(shapes, bodies, walls.body[w])
         if walls.wall[w] == FLOOR and hull:
             floor_convex(shapes, bodies, walls, w)
         elif walls.wall[w] == FLOOR:
@@ -154,7 +154,7 @@ def find_walls_of_mixed(shapes, bodies, walls, drive):
 def find_wall_patches(shapes, bodies, walls, workspace, drive):
     """Find the patches of the polyhedra that touch a wall."""
     for w in prange(len(walls.body)):
-        if walls.touching[w] != 0 and is_hull(shapes, bodies, walls.body[w]):
+        if walls.touching[w] != 0 and is_polyhedron(shapes, bodies, walls.body[w]):
             if walls.wall[w] == FLOOR:
                 floor_patch(shapes, bodies, walls, w, workspace, get_thread_id())
             else:

@@ -7,7 +7,7 @@ argument of the function.
 from numba import prange
 
 from simcore.compilation import leaf, loops
-from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, is_hull
+from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, is_polyhedron
 from simcore.dem.step.motion import (
     add_forces,
     count_effective_contacts,
@@ -44,7 +44,7 @@ def move_bodies(shapes, bodies, contacts, walls, drive, push, moved, has):
         if drive.dt > 0.0:
             move(bodies, i, force, torque, push, drive.dt, drive.damping)
             turn(bodies, i, drive.dt, drive.damping)
-            if has.kind == ELLIPSOID or (has.kind == MIXED and not is_hull(shapes, bodies, i)):
+            if has.kind == ELLIPSOID or (has.kind == MIXED and not is_polyhedron(shapes, bodies, i)):
                 derive_form_matrix(bodies, i)
             moved[k] = has_left(bodies, i, True)
 

@@ -17,7 +17,7 @@ import numpy as np
 from numba import get_num_threads
 
 from simcore.compilation import cycles, kernel, leaf, parallel_kernel
-from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
+from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
 from simcore.dem.state.features import Features
 from simcore.dem.step.contact_stage import (
     find_ellipsoids,

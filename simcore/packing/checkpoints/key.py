@@ -39,7 +39,7 @@ def scene_key(specification: dict, bases: Iterable, drawn: Iterable = ()) -> str
     """Return a digest (16 hex digits) of everything except the code that determines the bits of a packing.
 
     specification: resolved; only the keys that affect the bits count, in any order. bases: the base shapes
-    (simcore.dem.shapes.hulls.Base), in their order. drawn: arrays such as the Draw of the first grains. They cover what
+    (simcore.scene.shapes.Base), in their order. drawn: arrays such as the Draw of the first grains. They cover what
     specification and bases do not contain: the forms of ellipsoids come from files of which the specification has only
     the path, and the sieve curve of a case comes from a table.
     """

@@ -12,13 +12,13 @@ from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
 DURATION = 2.5  # [s]; 10^5 steps
-LOOKS = 250
+MEASUREMENTS = 250
 
 
-def jump(specification: dict, duration: float = DURATION, looks: int = LOOKS) -> xr.Dataset:
+def jump(specification: dict, duration: float = DURATION, measurements: int = MEASUREMENTS) -> xr.Dataset:
     """Return the energy [J] over time [s] of the grains of a specification, beginning after the last insertion.
 
-    specification: as read from YAML; its shaking and damping are left out. looks: number of measurements. Attribute:
+    specification: as read from YAML; its shaking and damping are left out. measurements: their number. Attribute:
     cpu_seconds, without compilation.
     """
     setup = set_up(resolve(specification), lambda group: [])
@@ -26,9 +26,9 @@ def jump(specification: dict, duration: float = DURATION, looks: int = LOOKS) ->
     process.generate()
     process.advance(1, SHAKING)  # compile before the measurement
     began = time.process_time()
-    every = max(round(duration / process.dt / looks), 1)
+    every = max(round(duration / process.dt / measurements), 1)
     times, energies = [process.step * process.dt], [total_energy(process)]
-    for _ in range(looks):
+    for _ in range(measurements):
         process.advance(every, SHAKING)
         times.append(process.step * process.dt)
         energies.append(total_energy(process))

@@ -6,7 +6,7 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact import query, query_many
-from simcore.dem.shapes.hulls import convex, ellipsoid, sphere
+from simcore.dem.shapes.polyhedra import convex, ellipsoid, sphere
 from tests.helpers.polyhedra import CUBE, TETRAHEDRON
 from tests.helpers.rotations import IDENTITY, X45, Y45, Z45, turn_about, turn_about_axis
 

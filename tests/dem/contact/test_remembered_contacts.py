@@ -12,7 +12,7 @@ import pytest
 from simcore.dem.contact import query_many
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import MIXED, POLYHEDRON, collect_shapes, convex, ellipsoid, sphere
+from simcore.dem.shapes.polyhedra import MIXED, POLYHEDRON, collect_shapes, convex, ellipsoid, sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features

@@ -14,7 +14,7 @@ from simcore.dem.contact.walls import (
     floor_ellipsoid,
     floor_sphere,
 )
-from simcore.dem.shapes.hulls import POLYHEDRON, collect_shapes
+from simcore.dem.shapes.polyhedra import POLYHEDRON, collect_shapes
 from simcore.dem.state.bodies import CYLINDER, FLOOR, make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features

@@ -112,7 +112,7 @@ def test_a_pinched_grain_sets_the_least_steps_and_fewer_are_refused():
     assert compose(made).continuous_law == law
     needed = made.numerics.contact_time / longest_stable_step(law, False)
     assert compose(made).least_steps == needed
-    # Jury's conditions for two contacts, verification.md 1.2 with twice the matrix
+    # Jury's conditions for semi-implicit Euler with two contacts, which double the matrix
     h = made.numerics.contact_time / needed
     assert 2.0 * (h**2 * law.stiffness + 2.0 * h * law.damping) == pytest.approx(4.0, rel=1e-9)
     with pytest.raises(ValueError, match=rf"at least {needed:.2f} steps are needed"):
@@ -150,7 +150,7 @@ def deposit():
     return running, births
 
 
-def test_batches_are_born_as_they_are_asked_for(deposit):
+def test_batches_are_inserted_as_specified(deposit):
     running, births = deposit
     assert [count for _, count in births] == [12, 24, 36, 40]
     steps = np.diff([step for step, _ in births])
@@ -216,7 +216,7 @@ def test_its_springs_hold_two_fifths_k_times_the_overlap_to_five_halves(deposit)
     assert spring_energy(bodies, running.candidates, law).sum() == pytest.approx(total, rel=1e-12)
 
 
-def test_explain_says_what_follows_from_the_stiffness():
+def test_explain_gives_what_follows_from_the_stiffness():
     text = explain(set_up_few_spheres(**DEPOSIT))
     assert "Hertzian contacts with a viscous term" in text and "friction against the sliding velocity" in text
     time = float(re.search(r"contact time of (\S+) s", text)[1])

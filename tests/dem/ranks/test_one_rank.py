@@ -37,6 +37,6 @@ def test_the_largest_of_equals_is_that_of_the_lowest_id():
     assert ONE_RANK.largest(np.zeros(0), np.zeros(0, int), np.zeros(0)) == (-np.inf, -1, None)
 
 
-def test_who_started_this_process_is_known_from_its_environment():
+def test_the_starter_of_a_process_is_read_from_its_environment():
     assert started_by_mpi({"PMI_RANK": "0"}) and started_by_mpi({"PMIX_RANK": "1"})
     assert not started_by_mpi({"SLURM_NTASKS": "4", "PATH": ""})

@@ -10,7 +10,7 @@ import pytest
 
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law
-from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE, collect_shapes, unit_sphere
+from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON, SPHERE, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box, State
 from simcore.dem.state.features import Features

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, collect_shapes, unit_sphere
+from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, POLYHEDRON, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features

@@ -15,7 +15,7 @@ import weakref
 import numpy as np
 import pytest
 
-from simcore.dem.shapes.hulls import Base
+from simcore.dem.shapes.polyhedra import Base
 from simcore.packing.checkpoints import lock
 from simcore.packing.checkpoints.file import CheckpointError, read_checkpoint, write_checkpoint
 from simcore.packing.checkpoints.key import scene_key
@@ -101,7 +101,7 @@ def test_the_same_state_makes_the_same_file(written, tmp_path):
     assert other.read_bytes() == written.read_bytes()
 
 
-def test_a_section_is_let_go_of_before_the_next_is_asked_for(tmp_path):
+def test_a_section_is_released_before_the_next_is_read(tmp_path):
     alive = []
 
     def sections():
@@ -216,7 +216,7 @@ def sealed(header, *tables, schema=1):
         b"\x01",
     ],
 )
-def test_what_a_file_says_of_itself_is_bounded_by_its_length_even_where_the_checksum_holds(written, table):
+def test_sizes_in_a_header_are_bounded_by_the_length_of_the_file_even_if_the_checksum_is_right(written, table):
     written.write_bytes(sealed(HEADER, "[]"))
     assert len(read_checkpoint(written, KEY, CODE)[1]) == 1
     written.write_bytes(sealed(HEADER, "[]", table))
@@ -230,7 +230,7 @@ def test_a_header_that_is_none_is_refused(written):
     assert "another scene (None" in refusal(written)
 
 
-def test_sections_stay_readable_when_the_file_is_replaced_and_say_so_when_it_shrinks(written):
+def test_sections_stay_readable_when_the_file_is_replaced_and_are_an_error_when_it_shrinks(written):
     _, sections = read_checkpoint(written, KEY, CODE)
     write_checkpoint(written, HEADER, a_state(seed=3))
     assert_same_bits(sections, a_state(seed=1))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import pdist, squareform
 
-from simcore.dem.shapes.hulls import collect_shapes, unit_sphere
+from simcore.dem.shapes.polyhedra import collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import Box
 from simcore.dem.step.candidate_pairs import list_candidates

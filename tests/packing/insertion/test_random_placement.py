@@ -6,7 +6,7 @@ from scipy import stats
 
 from benchmarks.correctness.equality import load_grains
 from simcore.dem.contact.query import query_many
-from simcore.dem.shapes.hulls import convex, ellipsoid
+from simcore.dem.shapes.polyhedra import convex, ellipsoid
 from simcore.packing.insertion import random_placement as release
 from simcore.packing.insertion.initial_states import initial_states
 from simcore.packing.insertion.random_placement import DILUTE, fall_time, layer_grains, release_places, zone_height
@@ -118,7 +118,7 @@ def test_grains_of_a_batch_are_apart_by_the_exact_query(kind):
     assert found.signed_distance.min() > 0.0
 
 
-def test_what_does_not_fit_is_told(monkeypatch, reach):
+def test_grains_that_do_not_fit_are_an_error(monkeypatch, reach):
     with pytest.raises(ValueError, match="does not fit into a domain 50 mm wide"):
         strewn(np.arange(1), np.array([0.026]), BOX, 0.0, seed=1)
     with pytest.raises(ValueError, match="grain 0, 50 mm wide, cannot be placed without touching the wall"):

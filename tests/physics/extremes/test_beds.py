@@ -7,7 +7,7 @@ import yaml
 from simcore.__main__ import main
 from simcore.campaign.studies import merge
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import POLYHEDRON
+from simcore.dem.shapes.polyhedra import POLYHEDRON
 from simcore.packing.packed import PackingError
 from simcore.packing.process import pack
 from simcore.scene.setup import set_up

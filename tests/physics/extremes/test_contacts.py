@@ -43,7 +43,7 @@ def test_a_column_of_spheres_stands_at_its_static_overlaps(contact_time):
 def test_a_bouncing_sphere_gains_nothing(restitution):
     """Twenty impacts or until it lies: speed after the first within the step's error of e, and energy never rises.
 
-    At 40 steps the error of e is 0.010 (verification.md 1.3); an elastic contact keeps its energy within
+    At 40 steps the error of e is 0.010 (tests/physics/test_contact_law.py); an elastic contact keeps its energy within
     (ω dt)² = (π / 40)² of it (tests/physics/test_energy.py).
     """
     contact_time = 1e-4
@@ -117,7 +117,7 @@ def test_a_drop_from_ten_metres(contact_time):
     for _ in range(round(5 * contact_time / ball.dt)):
         ball.advance(1, UNDAMPED)
         deepest = max(deepest, R - ball.bodies.position[0, 2])
-    # One step of first order at 40 steps: 1/40 of the way, and of e as in verification.md 1.3
+    # One step of first order at 40 steps: 1/40 of the way, and of e as in tests/physics/test_contact_law.py
     assert deepest == pytest.approx(0.1290665 * speed * contact_time, rel=0.05)
     away = ball.bodies.velocity[0, 2]
     assert away == pytest.approx(0.0899 * speed, abs=0.0065 * speed + 5 * GRAVITY * contact_time)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON
+from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON
 from simcore.packing.packed import PackingError
 from tests.helpers.hand_placed_bodies import (
     UNDAMPED,

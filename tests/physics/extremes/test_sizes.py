@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import POLYHEDRON, SPHERE
+from simcore.dem.shapes.polyhedra import POLYHEDRON, SPHERE
 from simcore.packing.packed import PackingError
 from tests.helpers.hand_placed_bodies import UNDAMPED, floor_force, make_scene, pair_overlap, place_bodies, run_watched
 from tests.helpers.polyhedra import make_box

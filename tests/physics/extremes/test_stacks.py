@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import POLYHEDRON
+from simcore.dem.shapes.polyhedra import POLYHEDRON
 from tests.helpers.hand_placed_bodies import floor_force, make_scene, place_bodies, run_watched
 from tests.helpers.polyhedra import make_box
 

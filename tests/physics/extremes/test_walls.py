@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from simcore.campaign.studies import merge
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import ELLIPSOID, POLYHEDRON, SPHERE
+from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON, SPHERE
 from simcore.packing.process import pack
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve

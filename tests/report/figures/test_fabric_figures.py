@@ -63,7 +63,7 @@ def test_kinds_of_directions_that_nobody_has_get_no_panel():
     assert [axes.get_title() for axes in fabric_figure({"a": fabric(0.1)}, ["long_axis"]).axes] == ["long axes"]
 
 
-def test_contacts_stand_before_the_surface(tmp_path):
+def test_contacts_are_drawn_in_front_of_the_surface(tmp_path):
     figure = contact_radius_figure({"flat": fabric(0.2), "round": fabric(0.0)})
     figure.savefig(tmp_path / "radius.png", dpi=40)
     assert len(figure.axes) == 2

@@ -37,7 +37,7 @@ def test_zingg_diagram_holds_every_grain(table, tmp_path):
     check(figure, tmp_path / "f.png")
 
 
-def test_the_studys_grains_stand_beside_ours(table, tmp_path):
+def test_r22_grains_are_shown_with_ours(table, tmp_path):
     study = read_r22_table("table2_form_statistics").iloc[0]
     figure = figures.zingg_diagram({"a": table}, study)
     (cross,) = figure.axes[0].containers

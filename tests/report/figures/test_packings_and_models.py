@@ -102,7 +102,7 @@ def test_prediction_figure_holds_every_packing(forms, tmp_path):
     assert sum(map(len, error_bar_points(figure.axes[0]).values())) == len(forms)
 
 
-def test_the_studys_predictions_stand_beside_ours_with_their_error(forms, tmp_path):
+def test_r22_predictions_are_shown_with_ours_and_their_error(forms, tmp_path):
     predictions = forms.assign(simulated=forms.n, predicted=forms.n, r22_predicted=forms.n - 0.01)
     figure = prediction_figure(predictions, [])
     check(figure, tmp_path)

@@ -12,7 +12,7 @@ def table(**columns):
     return pd.DataFrame({"n_std_error": 0.004, "r22_n": np.nan, **columns})
 
 
-def test_settings_are_rows_with_the_study_and_the_experiment(tmp_path):
+def test_settings_are_rows_with_r22_and_the_experiment(tmp_path):
     rows = table(case=["U7", "B50"], run=[1.0, 2.5], n=[0.3, 0.26], r22_n=[0.29, np.nan], r22_n_std=[0.001, np.nan])
     figure = study_figure(rows.assign(experiment_n=0.31, experiment_n_std=0.002), ["case", "run"])
     figure.savefig(tmp_path / "f.png", dpi=40)
@@ -43,7 +43,7 @@ def test_a_width_is_given_in_millimetres():
     np.testing.assert_allclose(error_bar_points(axes)["U7, simulated (± std. error)"][:, 0], [100.0, 200.0])
 
 
-def test_original_meshes_stand_after_the_numbers():
+def test_original_meshes_follow_the_numbers():
     rows = table(case=["U7"] * 3, faces=["original", "300", "50"], n=[0.28, 0.29, 0.3])
     axes = sweep_figure(rows, "faces").axes[0]
     assert [label.get_text() for label in axes.get_xticklabels()] == ["50", "300", "original"]

@@ -19,7 +19,7 @@ from simcore.dem.contact.search.pair_frame import Facet
 from simcore.dem.contact.search.polyhedra import search_pair, world_difference, world_support
 from simcore.dem.contact.search.scratch import scratch
 from simcore.dem.contact.search.simplex import segment_weights, triangle_weights
-from simcore.dem.shapes.hulls import vertex_of
+from simcore.dem.shapes.polyhedra import vertex_of
 from simcore.dem.vectors import (
     ZERO,
     Contact,

@@ -25,7 +25,7 @@ from simcore.dem.contact.pairs.gap_memory import STILL_GAP, remember_apart
 from simcore.dem.contact.search.deep_overlap import least_of_mixed, rolling_radius
 from simcore.dem.contact.search.ellipsoid_climb import Summit, image, solved, surface_point
 from simcore.dem.contact.search.polyhedron_ellipsoid_climb import Feature, climb_feature, gap_and_vertex
-from simcore.dem.shapes.hulls import base_direction_of, climb_from_hint, is_hull, vertex_of
+from simcore.dem.shapes.polyhedra import base_direction_of, climb_from_hint, is_polyhedron, vertex_of
 from simcore.dem.vectors import (
     ZERO,
     Contact,
@@ -176,7 +176,7 @@ def recheck(shapes, bodies, contacts, p, pair):
     if a[0] < 0:
         return False, Contact(0.0, ZERO, ZERO)
     normal, last = read(contacts.direction, p), contacts.overlap[p]
-    swapped = not is_hull(shapes, bodies, pair.a)
+    swapped = not is_polyhedron(shapes, bodies, pair.a)
     ordered = pair
     if swapped:
         ordered, normal = exchanged(pair), negative(normal)
@@ -200,7 +200,7 @@ def recheck(shapes, bodies, contacts, p, pair):
 @routine
 def search_contact(shapes, bodies, contacts, p, pair):
     """Search the contact of candidate pair p, without a remembered contact."""
-    swapped = not is_hull(shapes, bodies, pair.a)
+    swapped = not is_polyhedron(shapes, bodies, pair.a)
     ordered = pair
     if swapped:
         ordered = exchanged(pair)

@@ -12,7 +12,7 @@ r"""The axes of a patch, and the coordinates of vertices along them.
 from typing import NamedTuple
 
 from simcore.compilation import leaf
-from simcore.dem.shapes.hulls import base_direction_of
+from simcore.dem.shapes.polyhedra import base_direction_of
 from simcore.dem.vectors import Vec, basis, dot, negative
 
 

@@ -37,7 +37,7 @@ from simcore.dem.contact.patch.moments import (
     turn,
 )
 from simcore.dem.contact.patch.workspace import write_bound
-from simcore.dem.shapes.hulls import vertex_of
+from simcore.dem.shapes.polyhedra import vertex_of
 from simcore.dem.vectors import dot, negative, read
 
 NO_SHIFT = Point(-0.0, -0.0)  # adding −0 leaves every number unchanged, including the sign of zero

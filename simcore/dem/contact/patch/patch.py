@@ -25,7 +25,7 @@ from simcore.dem.contact.patch.clipping import clipped_moments
 from simcore.dem.contact.patch.corner import corner_overlap
 from simcore.dem.contact.patch.crossing import crossing_overlap
 from simcore.dem.contact.patch.moments import NO_MOMENTS, Point, shortcut, write_spread
-from simcore.dem.shapes.hulls import vertex_of
+from simcore.dem.shapes.polyhedra import vertex_of
 from simcore.dem.vectors import plus, plus_scaled, read, write
 
 PATCH_DEPTH = 1e-4  # of the pair's size: the largest depth of a patch. Why: docs/constants.md#patch_depth

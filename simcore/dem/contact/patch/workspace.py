@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.compilation import leaf
-from simcore.dem.shapes.hulls import Shapes
+from simcore.dem.shapes.polyhedra import Shapes
 from simcore.dem.vectors import Vec
 
 

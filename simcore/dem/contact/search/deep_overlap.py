@@ -24,7 +24,7 @@ from simcore.dem.contact.search.polytope import (
     start_polytope,
     volume_of,
 )
-from simcore.dem.shapes.hulls import support_vertex_along, vertex_of
+from simcore.dem.shapes.polyhedra import support_vertex_along, vertex_of
 from simcore.dem.vectors import (
     Vec,
     cross,

@@ -7,7 +7,7 @@ times the base vertex, and a direction in its base is the transposed matrix time
 from typing import NamedTuple
 
 from simcore.compilation import leaf
-from simcore.dem.shapes.hulls import climb, climb_from_hint
+from simcore.dem.shapes.polyhedra import climb, climb_from_hint
 from simcore.dem.vectors import Vec, dot, into_axes, minus, negative, plus_scaled, read, scaled
 
 

@@ -23,7 +23,7 @@ from simcore.dem.contact.search.facets import facet_at, least_depth
 from simcore.dem.contact.search.gjk import walk_to_origin
 from simcore.dem.contact.search.pair_frame import Facet, Support, frame_of
 from simcore.dem.contact.search.simplex import take_simplex
-from simcore.dem.shapes.hulls import support_vertex_along, vertex_of
+from simcore.dem.shapes.polyhedra import support_vertex_along, vertex_of
 from simcore.dem.vectors import Vec, into_axes, minus, negative, out_of_axes
 
 

@@ -21,7 +21,7 @@ from simcore.dem.contact.search.ellipsoid_climb import (
     turned,
 )
 from simcore.dem.contact.search.scratch import scratch_tuple
-from simcore.dem.shapes.hulls import support_vertex_along, vertex_of
+from simcore.dem.shapes.polyhedra import support_vertex_along, vertex_of
 from simcore.dem.vectors import Vec, basis, dot, minus, plus_scaled
 
 TOLERANCE = 1e-12  # of the pair's size: tangential distance of the two surface points that is accepted

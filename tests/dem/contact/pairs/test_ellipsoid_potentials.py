@@ -13,7 +13,7 @@ from simcore.dem.contact.pair import Pair
 from simcore.dem.contact.pairs import ellipsoid_potentials as potential
 from simcore.dem.contact.search.deep_overlap import start_normal
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import ELLIPSOID, MIXED
+from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED
 from simcore.dem.vectors import Vec, read
 from simcore.scene.specification import resolve
 from tests.helpers.contact_pairs import UNIT_SPHERE, certain_gap, make_update, place_pairs
@@ -129,7 +129,7 @@ WITHIN = {"concentric", "sphere at the tip", "sphere beside"}
 @pytest.mark.parametrize("name", KNOWN_PAIRS)
 @pytest.mark.parametrize("size", [1.0, 1e-6, 1e3])
 def test_known_pairs(name, size):
-    """verification.md 3.2: overlap or not; and its depth, where the contact vector is the common normal."""
+    """Overlap or not; and its depth, where the contact vector is the common normal."""
     semi_a, semi_b, turn, centre, distance = KNOWN_PAIRS[name]
     bodies, _, contacts = place_pairs(
         [UNIT_SPHERE] * 2, [semi_a, semi_b], [IDENTITY, turn], np.atleast_2d(centre), size
@@ -157,7 +157,7 @@ def test_known_pairs(name, size):
             np.testing.assert_allclose(contacts.direction[0], normal / np.linalg.norm(normal), atol=1e-8)
 
 
-ROOTS = {  # verification.md 3.2
+ROOTS = {
     "spheres apart": (0.25, 4.0),
     "triaxial apart": (1.455174, 6.184826),
     "parallel apart": (0.236787, 4.223213),

@@ -17,7 +17,7 @@ from simcore.dem.contact.find_contact import check_polyhedra, find_inflated, sea
 from simcore.dem.contact.pairs.inflated import MARGIN, MAX_FACES, TOLERANCE
 from simcore.dem.contact.query import place_solids, table_of
 from simcore.dem.from_scene import compose
-from simcore.dem.shapes.hulls import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, convex
+from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, convex
 from tests.helpers.contact_pairs import place_pairs, update_polyhedra
 from tests.helpers.few_spheres import set_up_few_spheres
 from tests.helpers.polyhedra import make_pebble

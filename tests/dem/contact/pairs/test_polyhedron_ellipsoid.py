@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact import query_many
-from simcore.dem.shapes.hulls import convex, ellipsoid
+from simcore.dem.shapes.polyhedra import convex, ellipsoid
 from tests.helpers.contact_pairs import UNIT_SPHERE, place_pairs, update_mixed
 from tests.helpers.polyhedra import CUBE, make_pebble, make_polyhedron
 from tests.helpers.rotations import random_orientations

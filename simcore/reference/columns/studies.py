@@ -1,22 +1,10 @@
-"""The columns of all tables of studies: name, unit, meaning, name in the committed rows, and the key that is varied.
+"""Columns of the tables of studies and of the committed rows of their packings.
 
 A table of a study has one row per packing (`simcore.campaign.study_tables.tabulate`) or per setting (`summarise`);
-committed rows are in results/reference. The names of the columns of both are defined here.
+committed rows are in results/reference.
 """
 
-from typing import NamedTuple
-
-
-class Column(NamedTuple):
-    """A column of the tables of studies."""
-
-    name: str
-    unit: str  # "" for a dimensionless number and for text
-    meaning: str
-    committed: str = ""  # name in the committed rows; "" if it is the same or there is no such column
-    key: str = ""  # key of the specification, if a study may vary it under this name
-    statistic: str = ""  # name in simcore.grains.statistics, if it is a statistic over the grains of a packing
-
+from simcore.reference.columns.column import Column
 
 COLUMNS = (
     Column("study", "", "name of the study"),
@@ -67,6 +55,38 @@ COLUMNS = (
     Column("cpu_s", "s", "CPU time of the packing"),
     Column("cpu_h", "h", "CPU time of all packings of a row"),
     Column("warnings", "", "warnings of the packing, one line each"),
+    Column("note", "", "test only, if the rows are those of a test of the workflow"),
+    # Settings that single studies vary
+    Column("dashpot", "", "how the dashpot is evaluated: explicit or implicit", key="numerics.dashpot"),
+    Column("steps_per_contact_time", "", "time steps per contact time", key="numerics.steps_per_contact_time"),
+    Column("polyhedron_contact", "", "patch, point or inflated contact", key="numerics.polyhedron_contact"),
+    Column("friction_law", "", "law of friction", key="material.friction_law"),
+    Column("end_of_contact", "", "normal force at the end of a contact", key="material.end_of_contact"),
+    Column("orientation", "", "orientation at insertion", key="generation.orientation"),
+    Column("fill", "", "insertion height: bed or r22", key="generation.fill"),
+    Column("spacing", "m", "distance of lattice points at insertion", key="generation.spacing"),
+    Column("drop_height", "m", "clearance between the bed and a new batch", key="generation.drop_height"),
+    Column(
+        "max_unbalanced_force",
+        "",
+        "limit of the mean net force on a grain over the mean contact force, at rest",
+        key="convergence.max_unbalanced_force",
+    ),
+    # Comparison with Rettinger et al. (2022), simcore.reference.r22_tables.add_reference
+    Column("r22_n", "", "porosity by Rettinger et al.: from their tables, or by their fitted model"),
+    Column("r22_n_std", "", "standard deviation of their porosity over their runs"),
+    Column("r22_n_error", "", "standard error of r22_n"),
+    Column("difference", "", "n minus r22_n"),
+    Column("z", "", "difference divided by the standard error of both porosities"),
+    Column("experiment_n", "", "porosity measured in the laboratory, by Rettinger et al."),
+    Column("experiment_n_std", "", "standard deviation of experiment_n"),
+    Column("experiment_error_percent", "%", "difference of n to experiment_n, relative to the latter"),
+    Column("r22_error_percent", "%", "the same difference for the packings of Rettinger et al."),
+    Column("cpu_h_per_run", "h", "CPU time of a packing, mean of the row"),
+    Column("r22_volume_change_percent", "%", "change of the grains' volume by decimation, by Rettinger et al."),
+    Column("r22_runtime_h", "h", "run time of their packing"),
+    Column("model_n", "", "porosity by our model of mixtures"),
+    Column("model_difference", "", "model_n minus r22_n"),
     # Columns of the table of trends over height
     Column("quantity", "", "quantity whose change over height is measured"),
     Column("mean", "", "mean of the quantity over the grains, in its own unit"),
@@ -75,6 +95,18 @@ COLUMNS = (
     Column("p_value", "", "probability of at least this correlation without a trend"),
     Column("relative_change", "", "change from the lower to the upper end of the bed, divided by the mean"),
     Column("relative_change_std_error", "", "standard error of the relative change"),
+    Column("packings", "", "number of packings of a row"),
+    Column("seeds", "", "number of seeds of a row"),
+    Column("spearman_z", "", "weighted mean rank correlation in units of its standard error without a trend"),
+    Column("isotropic", "rad", "mean angle to the vertical if directions are isotropic"),
+)
+
+# Table of features: statistics over the grains of a packing (simcore.grains.statistics)
+FEATURES = (
+    Column("sample", "", "settings without the seed, equal for packings that differ only in their seed"),
+    Column("kind", "", "discrete: forms are drawn from the grain set; continuous: from a distribution"),
+    Column("mu_*", "", "mean of a form factor, or of its inverse (1/), over the grains; _inv: its inverse"),
+    Column("sigma_*", "", "standard deviation of a form factor, or of its inverse (1/); _inv: its inverse"),
 )
 
 COLUMN_OF_KEY = {column.key: column.name for column in COLUMNS if column.key}
@@ -82,7 +114,8 @@ COMMITTED_NAMES = {column.name: column.committed for column in COLUMNS if column
 # Statistics over the grains of a packing: dict from the name of the column to that in simcore.grains.statistics
 FORM = {column.name: column.statistic for column in COLUMNS if column.statistic}
 # Distributions of form in the specification: dict from their columns to the statistics over the grains
-ASKED_FOR = {"mean_FL": "mu_FL", "mean_EL": "mu_EL", "std_FL": "sigma_FL", "std_EL": "sigma_EL"}
+SPECIFIED_FORM = {"mean_FL": "mu_FL", "mean_EL": "mu_EL", "std_FL": "sigma_FL", "std_EL": "sigma_EL"}
+SPECIFIED_MEANS = ("mean_FL", "mean_EL")
 
 
 def study_names(*names):

@@ -138,7 +138,7 @@ def climb(shapes, vertex, dx, dy, dz):
 
 
 @leaf
-def is_hull(shapes, bodies, i):
+def is_polyhedron(shapes, bodies, i):
     """Return whether body i is a polyhedron, that is whether its base has vertices."""
     shape = bodies.shape[i]
     return shapes.vertex_start[shape] < shapes.vertex_start[shape + 1]

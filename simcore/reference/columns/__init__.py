@@ -1,0 +1,119 @@
+"""The columns of all tables: name, unit, meaning, name in the committed rows, and the key that is varied.
+
+`describe_columns` returns those of one table. Each group of tables has one file in this package: studies, deposits,
+models, campaign, verification, benchmarks, and r22 for the published tables of Rettinger et al. (2022).
+"""
+
+from fnmatch import fnmatch
+from pathlib import PurePath
+
+from simcore.reference.columns import benchmarks, campaign, deposits, models, r22, studies, verification
+from simcore.reference.columns.column import Column
+from simcore.reference.columns.studies import (
+    COLUMN_OF_KEY,
+    COLUMNS,
+    COMMITTED_NAMES,
+    FORM,
+    SPECIFIED_FORM,
+    SPECIFIED_MEANS,
+    study_names,
+)
+
+__all__ = [
+    "COLUMNS",
+    "COLUMN_OF_KEY",
+    "COMMITTED_NAMES",
+    "FORM",
+    "SPECIFIED_FORM",
+    "SPECIFIED_MEANS",
+    "TABLES",
+    "Column",
+    "describe_columns",
+    "find_column",
+    "study_names",
+]
+
+# Groups of columns of each table, by patterns of its path in results/reference or in the results of a campaign; the
+# first pattern that fits is valid, and of equal names the first group. A table without a pattern is one of a study.
+TABLES = {
+    "gathered": (campaign.LEDGERS,),
+    "*collected": (campaign.LEDGERS,),
+    "deposits": (deposits.DEPOSITS,),
+    "*deposits/maxima": (deposits.MAXIMA,),
+    "*deposits/symmetry": (deposits.SYMMETRY,),
+    "*deposits/changes": (deposits.CHANGES, deposits.DEPOSITS),
+    "*deposits/crossings": (deposits.CROSSINGS,),
+    "deposit_crossings": (deposits.CROSSINGS,),
+    "*deposits/*": (deposits.DEPOSITS,),
+    "r22/correlations": (r22.CORRELATIONS,),
+    "r22/form_factors": (r22.FORM_FACTORS,),
+    "r22/models": (r22.MODELS,),
+    "r22/polyhedron_ellipsoid_difference": (r22.DIFFERENCE,),
+    "r22/table2_*": (r22.FORM_STATISTICS,),
+    "r22/table3_*": (r22.CASES,),
+    "r22/table6_*": (r22.VALIDATION,),
+    "r22/table9_*": (r22.SECOND_FACTOR,),
+    "r22/table10_*": (r22.FEATURE_SETS,),
+    "r22/table11_*": (r22.APPLICATION,),
+    "r22/*": (r22.POROSITIES,),
+    "bed_size": (benchmarks.BED_SIZE, COLUMNS),
+    "contact_region": (benchmarks.CONTACT_REGION, COLUMNS),
+    "ellipsoid_contact": (benchmarks.ELLIPSOID_CONTACT,),
+    "features": (benchmarks.FEATURES,),
+    "height": (benchmarks.HEIGHT,),
+    "inflated": (benchmarks.INFLATED,),
+    "ranks": (benchmarks.RANKS,),
+    "scaling": (benchmarks.SCALING,),
+    "settling": (benchmarks.SETTLING,),
+    "stability": (benchmarks.STABILITY,),
+    "verification*": (verification.OUTSIDE,),
+    "work_precision/cheapest_settings": (verification.CHEAPEST_SETTINGS,),
+    "work_precision/packings": (verification.PACKINGS,),
+    "work_precision/rest": (verification.REST,),
+    "work_precision/rows": (COLUMNS,),
+    "work_precision/*": (verification.PRECISION,),
+    "differences": (verification.PACKINGS,),
+    "grains/*": (campaign.GRAINS,),
+    "tables/*_features": (studies.FEATURES, COLUMNS),
+    "*/cost": (campaign.COST, COLUMNS),
+    "committed/biases": (campaign.BIASES,),
+    "committed/*_porosities": (COLUMNS,),
+    "*/application_predictions": (models.APPLICATION, models.MODELS, COLUMNS),
+    "models/application": (models.APPLICATION, models.MODELS, COLUMNS),
+    "committed/single_form_mean_form": (models.MEAN_FORM, COLUMNS),
+    "models/*": (models.MODELS, COLUMNS),
+    # Finished campaigns and committed rows have their tables of models beside those of studies.
+    "default/form_mixture": (models.MODELS, COLUMNS),
+    "committed/form_mixture": (models.MODELS, COLUMNS),
+    "committed/single_form": (models.MODELS, COLUMNS),
+    "*_correlations": (models.MODELS, COLUMNS),
+    "*_feature_sets": (models.MODELS, COLUMNS),
+    "*_second_features": (models.MODELS, COLUMNS),
+    "*/shape_kind*": (models.MODELS, COLUMNS),
+    "*/unified": (models.MODELS, COLUMNS),
+}
+
+
+def describe_columns(table):
+    """Return the possible columns of a table: dict from their names in this table to Column.
+
+    table: path of the table in results/reference or in the folder of a campaign's results, with or without the ending,
+    such as "work_precision/rest.csv" or "models/unified". Names that end with * stand for all names that begin so.
+    """
+    path = PurePath(table)
+    name = path.with_suffix("").as_posix() if path.suffix == ".csv" else path.as_posix()
+    groups = next((groups for pattern, groups in TABLES.items() if fnmatch(name, pattern)), (COLUMNS,))
+    described = {}
+    for group in groups:
+        for column in group:
+            for known in filter(None, (column.name, column.committed)):
+                described.setdefault(known, column)
+    return described
+
+
+def find_column(table, name):
+    """Return the Column `name` of a table, or None if it is not described; table: as in `describe_columns`."""
+    described = describe_columns(table)
+    if name in described:
+        return described[name]
+    return next((column for key, column in described.items() if key.endswith("*") and fnmatch(name, key)), None)

@@ -1,0 +1,134 @@
+"""Columns of the committed tables that benchmarks write: speed, and single studies."""
+
+from simcore.reference.columns.column import Column
+
+_SHAPE = Column("shape", "", "shape of the grains")
+_GRAINS = Column("grains", "", "number of grains")
+_DIGEST = Column("digest", "", "digest of the code that was measured")
+_LOAD = Column("load_average", "", "load average of the machine at the end")
+_CONTACTS = Column("contacts_per_grain", "", "contacts over the number of grains; each contact counts once")
+_PAIRS = Column("near_pairs_per_grain", "", "listed candidate pairs over the number of grains")
+_CPU = Column("cpu_us_per_grain_step", "µs", "CPU time per grain and time step, median of the runs")
+_WALL = Column("wall_us_per_grain_step", "µs", "wall time per grain and time step")
+_FACES = Column("faces", "", "maximum number of faces of a polyhedron")
+
+FEATURES = (
+    Column("what", "", "kind of grains, or the feature that differs from the first row of its shape"),
+    _SHAPE,
+    Column("bed", "", "same: the bed of the first row; own: poured with the feature"),
+    _GRAINS,
+    _CPU,
+    Column("ratio", "", "CPU time over that of the row without the feature"),
+    Column("cpu_us_per_contact_step", "µs", "CPU time per contact and time step"),
+    _CONTACTS,
+    _PAIRS,
+    Column("solid_fraction", "", "solid fraction of the bed"),
+    Column("bytes_per_grain", "B", "memory of the arrays of the grains, per grain"),
+    Column("cpu_us_least", "µs", "smallest CPU time per grain and time step of the runs"),
+    Column("cpu_us_most", "µs", "largest CPU time per grain and time step of the runs"),
+    _DIGEST,
+)
+SCALING = (
+    _SHAPE,
+    _FACES,
+    _GRAINS,
+    Column("threads", "", "number of threads"),
+    _CPU,
+    _WALL,
+    Column("speedup", "", "wall time of one thread over that of these threads"),
+    _CONTACTS,
+    _PAIRS,
+    Column("steps", "", "number of time steps measured"),
+    _LOAD,
+    _DIGEST,
+)
+RANKS = (
+    _SHAPE,
+    _FACES,
+    _GRAINS,
+    Column("ranks", "", "number of MPI processes"),
+    _WALL,
+    Column("speedup", "", "wall time of the smallest number of ranks over that of these ranks"),
+    Column("exchange_share", "", "share of the wall time for communication and waiting"),
+    Column("bytes_per_step_and_rank", "B", "data that a rank sends in a time step"),
+    Column("ghosts_per_own", "", "grains of other ranks that a rank stores, over its own grains"),
+    Column("pairs_twice_share", "", "share of the candidate pairs that two ranks compute"),
+    Column("steps", "", "number of time steps measured"),
+    Column("runs", "", "number of runs, of which the median is given"),
+    _LOAD,
+    _DIGEST,
+)
+SETTLING = (
+    Column("code", "", "program"),
+    Column("version", "", "version of the program"),
+    Column("settings", "", "preset, or settings of the other program"),
+    Column("seed", "", "seed of the packing"),
+    _GRAINS,
+    _FACES,
+    Column("cpu_s", "s", "CPU time of the packing"),
+    Column("simulated_s", "s", "simulated time"),
+    Column("n", "", "bulk porosity by volume-equivalent spheres"),
+    Column("n_std_error", "", "sampling error of n"),
+    Column("coordination", "", "mean number of contacts of a grain"),
+    Column("mean_overlap_m", "m", "mean overlap of contacts"),
+    Column("max_overlap_m", "m", "largest overlap of a contact"),
+    Column("max_speed_m_s", "m/s", "largest speed of a grain at the end"),
+    _DIGEST,
+)
+_OF_AXIS = "given in the meaning"
+STABILITY = (
+    Column("map", "", "scene and the two settings that are varied"),
+    Column("x", _OF_AXIS, "contact time [s], restitution, size or weight ratio, or speed of the impact [m/s]"),
+    Column("y", _OF_AXIS, "time steps per contact time, or contact time [s]"),
+    Column("outcome", "", "stable, soft, refused, stopped or wrong (benchmarks/studies/stability.py)"),
+    Column("overlap", "", "largest overlap over the diameter of the smaller grain"),
+    Column("cpu_s", "s", "CPU time of the scene"),
+    Column("message", "", "error of a scene that was refused or stopped"),
+)
+BED_SIZE = (
+    Column("width_mm", "mm", "width of the periodic box"),
+    Column("grain", "", "name of the grain whose form all grains have"),
+)
+HEIGHT = (
+    Column("study", "", "study of the packings"),
+    Column("end", "", "end of the bed: floor or surface"),
+    Column("grains_from_it", "", "distance of a layer from this end, in mean sieve sizes"),
+    Column("beds", "", "number of packings"),
+    Column("difference", "", "porosity of the layer minus that of the middle of the bed"),
+    Column("std_error", "", "standard error of difference, over the packings"),
+)
+INFLATED = (
+    Column("kind", "", "kind of pairs"),
+    Column("pairs", "", "number of pairs"),
+    Column("size_a", "m", "sieve size of the first grain"),
+    Column("size_b", "m", "sieve size of the second grain"),
+    Column("longer", "", "factor on the lengths of the grains"),
+    Column("mean_L_over_S", "", "mean ratio of the longest to the shortest axis"),
+    Column("overlap", "m", "overlap of each pair"),
+    Column("lost", "", "share of the pairs that the search does not report as touching"),
+    Column("short", "", "share of the pairs with less than 0.99 of the overlap"),
+    Column("mean_share", "", "reported overlap over the overlap, mean; lost pairs count as 0"),
+    Column("share_5_percent", "", "5 % quantile of the same"),
+    Column("angle_90_percent", "rad", "90 % quantile of the error of the normal, without lost pairs"),
+    Column("angle_99_percent", "rad", "99 % quantile of the same"),
+    Column("us", "µs", "CPU time of a search"),
+)
+_OF_UNIT = "given in unit"
+ELLIPSOID_CONTACT = (
+    Column("measure", "", "what is measured: error of the depth or the normal, energy gained in impacts, cost"),
+    Column("form", "", "ratios of the axes"),
+    Column("depth", "", "overlap over the radius of the sphere of the larger grain's volume"),
+    Column("construction", "", "construction of the contact"),
+    Column("n", "", "number of values"),
+    Column("mean", _OF_UNIT, "mean value"),
+    Column("standard_error", _OF_UNIT, "standard error of mean"),
+    Column("std", _OF_UNIT, "standard deviation of the values"),
+    Column("median_size", _OF_UNIT, "median of the magnitudes"),
+    Column("largest_size", _OF_UNIT, "largest magnitude"),
+    Column("unit", "", "unit of the values"),
+)
+CONTACT_REGION = (
+    Column("choice", "", "contact of polyhedra: reference (patch), or deepest point alone"),
+    Column("coordination", "", "mean number of contacts of a grain"),
+    Column("code_version", "", "version of the code, digest of its sources, and commit"),
+)

@@ -1,0 +1,77 @@
+"""Columns of the tables of models: coefficients, correlations, feature sets, predictions, kinds of shape."""
+
+from simcore.reference.columns.column import Column
+
+MODELS = (
+    # Coefficients, PorosityModel.to_rows
+    Column("model", "", "name of the model; in comparisons: unified, separate or r22"),
+    Column("term", "", "intercept, or the feature that the coefficient multiplies"),
+    Column("coefficient", "", "coefficient of the linear model of porosity"),
+    Column("std_error", "", "standard error of the coefficient by least squares"),
+    Column("lower_95", "", "lower end of its 95 % confidence interval by least squares"),
+    Column("upper_95", "", "upper end of its 95 % confidence interval by least squares"),
+    Column("bootstrap_lower_95", "", "lower end of its 95 % confidence interval by a bootstrap"),
+    Column("bootstrap_upper_95", "", "upper end of its 95 % confidence interval by a bootstrap"),
+    Column("feature_min", "", "smallest value of the feature in the fit"),
+    Column("feature_max", "", "largest value of the feature in the fit"),
+    Column("r_squared", "", "coefficient of determination"),
+    Column("rmse", "", "root mean square residual of porosity over the samples of the fit"),
+    Column("scatter", "", "standard deviation of porosity about the model, for its degrees of freedom"),
+    Column("mean_absolute_error", "", "mean cross-validated error of porosity"),
+    Column("median_absolute_error", "", "median cross-validated error of porosity"),
+    Column("samples", "", "number of samples of the fit; packings that differ only in their seed are one"),
+    Column("r22_coefficient", "", "coefficient of Rettinger et al. (2022)"),
+    Column("packed_by", "", "this campaign, or committed rows"),
+    # Correlations
+    Column("feature", "", "feature of form; _inv: its inverse"),
+    Column("r", "", "Pearson's correlation of the feature with porosity"),
+    Column("r_first", "", "Pearson's correlation of the feature with inverse equancy"),
+    Column("kept", "", "whether the feature's correlation with inverse equancy is low enough for a second feature"),
+    Column("r22_r", "", "correlation with porosity by Rettinger et al."),
+    # Sets of features, cross-validated
+    Column("features", "", "features of the model"),
+    Column("mu_EQ_inv", "", "1 if the inverse of the mean equancy is in the set, else 0"),
+    Column("sigma_EQ_inv", "", "1 if the inverse of the standard deviation of equancy is in the set, else 0"),
+    Column("mu_EL_inv", "", "1 if the inverse of the mean elongation is in the set, else 0"),
+    Column("sigma_EL_inv", "", "1 if the inverse of the standard deviation of elongation is in the set, else 0"),
+    Column("folds", "", "number of folds of the cross-validation"),
+    Column("repeats", "", "number of times that it is repeated with other folds"),
+    Column("r22_error", "", "mean cross-validated error by Rettinger et al."),
+    Column("r22_r_squared", "", "coefficient of determination by Rettinger et al."),
+    Column("single_form_error", "", "mean cross-validated error over the packings of one form"),
+    Column("form_mixture_error", "", "mean cross-validated error over the packings with a distribution of form"),
+    Column("bias", "", "mean of predicted minus simulated porosity"),
+    Column("error_without_bias", "", "mean error after the bias is subtracted"),
+    Column("single_forms", "", "number of packings of one form, averaged over seeds"),
+    Column("form_mixtures", "", "number of packings with a distribution of form, averaged over seeds"),
+    # Polyhedra compared with their mass-equivalent ellipsoids
+    Column("n_mesh", "", "porosity of polyhedra, mean over seeds"),
+    Column("n_ellipsoid", "", "porosity of their mass-equivalent ellipsoids, mean over seeds"),
+    Column("n_mesh_error", "", "standard error of n_mesh"),
+    Column("n_ellipsoid_error", "", "standard error of n_ellipsoid"),
+    Column("rms_difference", "", "root mean square difference in porosity of polyhedra to their ellipsoids"),
+    Column("mean_difference", "", "mean difference in porosity of polyhedra to their ellipsoids"),
+    Column("forms", "", "number of forms that are compared"),
+    Column("r22_rms_difference", "", "rms_difference of Rettinger et al."),
+)
+# Packings to which no model was fitted
+APPLICATION = (
+    Column("kind", "", "discrete: forms are drawn from the grain set; continuous: from a distribution"),
+    Column("simulated", "", "porosity of the packings, mean over seeds"),
+    Column("predicted", "", "porosity by the model of mixtures"),
+    Column("abs_error", "", "absolute difference of predicted to simulated"),
+    Column("unified_predicted", "", "porosity by the unified model"),
+    Column("unified_abs_error", "", "absolute difference of unified_predicted to simulated"),
+    Column("r22_predicted", "", "porosity by the model of Rettinger et al."),
+    Column("r22_simulated", "", "porosity of their packings"),
+    Column("r22_abs_error", "", "absolute difference of the two"),
+)
+# Porosity at the mean form of the grains of Rettinger et al.
+MEAN_FORM = (
+    Column("FL", "", "mean flatness of the grains of Rettinger et al."),
+    Column("EL", "", "mean elongation of the grains of Rettinger et al."),
+    Column("n", "", "porosity by our model of single forms"),
+    Column("lower_95", "", "lower end of the 95 % prediction interval"),
+    Column("upper_95", "", "upper end of the 95 % prediction interval"),
+    Column("r22_n", "", "porosity by the model of Rettinger et al."),
+)
