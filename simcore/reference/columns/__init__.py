@@ -66,6 +66,7 @@ TABLES = {
     "scaling": (benchmarks.SCALING,),
     "settling": (benchmarks.SETTLING,),
     "stability": (benchmarks.STABILITY,),
+    "wide_cost": (benchmarks.WIDE_COST, COLUMNS),
     "verification*": (verification.OUTSIDE,),
     "work_precision/cheapest_settings": (verification.CHEAPEST_SETTINGS,),
     "work_precision/packings": (verification.PACKINGS,),

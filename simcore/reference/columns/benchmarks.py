@@ -132,3 +132,8 @@ CONTACT_REGION = (
     Column("coordination", "", "mean number of contacts of a grain"),
     Column("code_version", "", "version of the code, digest of its sources, and commit"),
 )
+WIDE_COST = (
+    Column("settings", "", "study of config/wide.yaml whose settings the packing has"),
+    Column("shapes", "", "source of the grains"),
+    Column("grain_steps", "", "grains times time steps"),
+)

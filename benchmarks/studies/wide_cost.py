@@ -1,0 +1,93 @@
+"""Cost of the settings for wide sieve curves, and how the porosity differs from that of today's settings.
+
+    python -m benchmarks.studies.wide_cost
+
+It reads the tables results/reference/wide_*.csv and writes results/reference/wide_cost.csv with one row a packing. It
+prints one line for each sieve curve and each study that packs beds of `wide_quota` again: the number of pairs (same
+curve, same seed), the mean difference of the porosity with its standard error, whether the rule of config/wide.yaml
+accepts the setting, and the ratio of the CPU times. The rule asks for a mean difference of at most 0.003 in size with a
+standard error of at most 0.0015, over at least three seeds, as many as the rule of the study says.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from simcore.paths import REFERENCE
+
+BASE = "wide_quota"
+UNPAIRED = {"wide_random"}  # its packings have other grains
+LARGEST_DIFFERENCE, LARGEST_ERROR = 0.003, 0.0015
+# Seeds over which the rule judges each study; three where it is not listed.
+SEEDS = {"wide_soft": 8}
+COLUMNS = ["settings", "case", "seed", "shapes", "mass_kg", "n", "n_error", "grains", "grain_steps", "cpu_s"]
+
+
+def cost_table(tables: dict[str, pd.DataFrame], gathered: pd.DataFrame) -> pd.DataFrame:
+    """One row a packing, with COLUMNS.
+
+    tables: rows of each study. gathered: rows of gathered.csv, which give the grain-steps; a row belongs to the packing
+    of the same study with the same CPU time. ValueError if there is not exactly one.
+    """
+    rows = []
+    for study, table in tables.items():
+        entries = gathered[gathered["study"] == study]
+        for row in table.to_dict("records"):
+            entry = entries[entries["cpu_s"] == row["cpu_s"]]
+            if len(entry) != 1:
+                raise ValueError(
+                    f"gathered.csv has {len(entry)} packings of {study} that took {row['cpu_s']} s of CPU time; one is "
+                    f"needed for the row of seed {row['seed']}. Collect the study again: snakemake --cores 1 "
+                    "--configfile config/wide.yaml -- collect"
+                )
+            one = entry.iloc[0]
+            rows.append({**row, "settings": study, "shapes": one["source"], "grain_steps": one["grain_steps"]})
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def paired(table: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
+    """Differences from the packings of `base`, paired by case and seed: one row for each settings and case.
+
+    Columns: settings, case, pairs, difference and error (mean and standard error; NaN if there is one pair), cost
+    (ratio of the CPU times of all pairs) and verdict.
+    """
+    reference = table[table["settings"] == base].set_index(["case", "seed"])
+    rows = []
+    for (settings, case), group in table.groupby(["settings", "case"], sort=False):
+        group = group.set_index(["case", "seed"])
+        group = group[group.index.isin(reference.index)]
+        if settings == base or settings in UNPAIRED or group.empty:
+            continue
+        of_base = reference.loc[group.index]
+        difference = (group["n"] - of_base["n"]).to_numpy()
+        count, mean = len(difference), float(difference.mean())
+        error = float(difference.std(ddof=1) / np.sqrt(count)) if count > 1 else np.nan
+        cost = float(group["cpu_s"].sum() / of_base["cpu_s"].sum())
+        rows.append((settings, case, count, mean, error, cost, verdict(mean, error, count, SEEDS.get(settings, 3))))
+    return pd.DataFrame(rows, columns=["settings", "case", "pairs", "difference", "error", "cost", "verdict"])
+
+
+def verdict(difference: float, error: float, pairs: int, required: int) -> str:
+    """Return what the rule says of a mean difference with its standard error, over this number of pairs."""
+    if pairs < required:
+        return f"open: {pairs} of {required} pairs"
+    return "accepted" if abs(difference) <= LARGEST_DIFFERENCE and error <= LARGEST_ERROR else "not accepted"
+
+
+def read_tables(folder: Path = REFERENCE) -> dict[str, pd.DataFrame]:
+    """The committed rows of each study of wide sieve curves, the base first."""
+    names = sorted(path.stem for path in folder.glob("wide_*.csv") if path.stem != "wide_cost")
+    names.sort(key=lambda name: name != BASE)
+    return {name: pd.read_csv(folder / f"{name}.csv") for name in names}
+
+
+def main() -> None:
+    """Write the table of packings and print the pairs."""
+    table = cost_table(read_tables(), pd.read_csv(REFERENCE / "gathered.csv"))
+    table.to_csv(REFERENCE / "wide_cost.csv", index=False)
+    print(paired(table).to_string(index=False, float_format="%.4f", na_rep=""))
+
+
+if __name__ == "__main__":
+    main()
