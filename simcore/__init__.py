@@ -12,6 +12,7 @@ Data flow in one direction: grains -> scene -> dem -> packing -> evaluation -> m
     campaign/      many packings: studies, their plan and cost, their tables, the committed rows
     report/        the page of a campaign and its figures
     verification/  comparison of parts of the code with closed forms
+    commands/      the commands of the command line
     provenance/    version of the code, machine, CPU time
 
     paths          paths of the files that are part of the project
