@@ -1,12 +1,17 @@
-"""Command line: `python -m simcore COMMAND ...`; the commands are listed in simcore.commands."""
+"""The command line, `scree COMMAND ...` or `python -m simcore COMMAND ...`; simcore.commands lists the commands."""
 
 import argparse
 import importlib
 import os
-import signal
 import sys
 
 from simcore.commands import COMMANDS
+
+# Package that only some commands need: the extra of pyproject.toml that installs it.
+EXTRAS = {
+    "mpi4py": "mpi",
+}
+BROKEN_PIPE = 141  # 128 + SIGPIPE
 
 
 def main(arguments=None) -> int:
@@ -25,18 +30,61 @@ def main(arguments=None) -> int:
     except BrokenPipeError:
         # Otherwise Python reports an error at exit for the text that is still in the buffer.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 128 + signal.SIGPIPE
+        return BROKEN_PIPE
+    except ImportError as error:
+        missing = (error.name or "").partition(".")[0]
+        if missing not in EXTRAS:
+            raise
+        print(
+            f"simcore {options.command}: this needs the package {missing}, which is not installed; install it with: "
+            f"pip install 'scree[{EXTRAS[missing]}]'",
+            file=sys.stderr,
+        )
+        return 2
     except (ValueError, OSError) as error:
         print(f"simcore {options.command}: {error}", file=sys.stderr)
         return 2
 
 
 def _parser():
-    parser = argparse.ArgumentParser(prog="python -m simcore", description=__doc__)
+    called = os.path.basename(sys.argv[0])
+    prog = "scree" if called in ("scree", "scree.exe") else "python -m simcore"
+    parser = argparse.ArgumentParser(prog=prog, description="Porosity of gravel beds from the form of the grains.")
+    parser.add_argument("--version", action=_Version, help="print the version and a digest of the code, and exit")
+    parser.add_argument(
+        "--print-completion",
+        action=_Completion,
+        choices=("bash", "zsh", "tcsh"),
+        help="print a script that completes commands and options in a shell, and exit",
+    )
     commands = parser.add_subparsers(dest="command", required=True)
     for name in COMMANDS:
         importlib.import_module(f"simcore.commands.{name}").add(commands)
     return parser
+
+
+class _Version(argparse.Action):
+    """Prints the version, the digest of the code and, in a clone, its commit, as files of packings have them."""
+
+    def __init__(self, option_strings, dest, help):
+        super().__init__(option_strings, dest, nargs=0, help=help)
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        from simcore.packing.file import code_version
+
+        print(f"scree {code_version()}")
+        parser.exit()
+
+
+class _Completion(argparse.Action):
+    """Prints the completion script of a shell, made by shtab."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        import shtab
+
+        parser.prog = "scree"
+        print(shtab.complete(parser, values))
+        parser.exit()
 
 
 if __name__ == "__main__":

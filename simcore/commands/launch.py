@@ -1,5 +1,6 @@
 """`scree launch SPEC.yaml OUT.nc`: one packing on several ranks under a watchdog."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -32,6 +33,8 @@ def add_launch_options(parser) -> None:
 
 def run(options) -> int:
     """Run the packing and return its exit status."""
+    if os.name != "posix":
+        raise ValueError("launch needs the signals of Linux, macOS or WSL; use `pack`, which runs on one rank")
     from simcore.packing.launch import launch_packing
 
     check_writable(options.output)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from simcore.commands.options import check_writable, reporter
 
+INTERRUPTED = 75  # EX_TEMPFAIL: the same command resumes the packing
+
 
 def add(commands) -> None:
     """Add the parser of this command."""
@@ -65,7 +67,7 @@ def _pack_on(ranks, options):
         return 1
     except Interrupted as error:
         report(str(error))
-        return os.EX_TEMPFAIL
+        return INTERRUPTED
     except (CheckpointError, OSError) as error:
         report(f"simcore pack: {error}")
         return 2
@@ -75,28 +77,19 @@ def _pack_on(ranks, options):
 
 def _prepare(ranks, options, report):
     """Return specification, Setup, keeper and warnings; ValueError or OSError on all ranks if it cannot run."""
-    from simcore.compilation import set_threads
-    from simcore.dem.from_scene import compose
-    from simcore.grains.sources import load_grains
     from simcore.packing.checkpoints.keeper import CheckpointKeeper
     from simcore.packing.checkpoints.key import checkpoint_code, packing_key
     from simcore.packing.file import code_version
-    from simcore.packing.forecast_text import check_setup, setup_warnings
+    from simcore.packing.single import prepare
     from simcore.scene.quantity import parse_quantity
-    from simcore.scene.setup import set_up
     from simcore.scene.specification import read_specification
 
     code_version()
     code = checkpoint_code() if options.checkpoints else ""
     specification = read_specification(options.specification)
     interval = parse_quantity(options.checkpoint_interval, "s")
-    set_threads(options.threads)
-    setup = set_up(specification, load_grains)
-    compose(setup.scene)  # ValueError if its time step is too long for any bed
-    if not options.force:
-        check_setup(setup)
+    setup, warned = prepare(specification, options.threads, options.force)
     ranks.on_first(lambda: check_writable(options.output))
-    warned = setup_warnings(setup, low_bed=not options.force)
     for text in warned:
         report(f"{setup.scene.name}: warning: {text}")
     key = packing_key(specification, setup) if options.checkpoints else ""
@@ -106,21 +99,12 @@ def _prepare(ranks, options, report):
 
 def _write(output, packed, specification, setup, warned, run):
     """Write the file of a packing. warned: warnings before it ran. run: attributes that describe how it was run."""
-    from simcore.packing.file import packing_dataset, write_packing
+    from simcore.packing.file import write_packing
     from simcore.packing.heartbeat import beat
+    from simcore.packing.single import dataset_of
 
     beat()
-    packing = packing_dataset(
-        setup.scene,
-        setup.bases,
-        packed,
-        setup.sample(range(len(packed.bodies.mass))),
-        specification,
-        setup.curve,
-        largest_sieve_size=setup.curve.largest,
-        warnings="\n".join([*warned, *packed.warnings]),
-        **run,
-    )
+    packing = dataset_of(packed, specification, setup, warned, **run)
     beat()
     write_packing(output, packing)
 
