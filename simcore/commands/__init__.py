@@ -15,4 +15,5 @@ COMMANDS = (
     "porosity",
     "fabric",
     "predict",
+    "schema",
 )
