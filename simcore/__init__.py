@@ -1,5 +1,18 @@
 """Scree: porosity of gravel from the form of its grains.
 
+    import simcore
+
+    bed = simcore.pack("spec.yaml")             a packing, as an xarray Dataset; also from a dict
+    bed = simcore.read_packing("bed.nc")        a packing from a file; write_packing(path, bed) writes one
+    simcore.porosity(bed)                       bulk porosity with its sampling error
+    simcore.porosity_profile(bed)               porosity over height
+    simcore.fabric(bed)                         solid fraction, coordination number and directions of the bulk
+    simcore.coordination_number(bed)            of all grains, and the contacts of each
+    simcore.predict("forms.csv", "one-class")   porosity of measured grains, without packing them
+    simcore.query(shape, pose, shape, pose)     distance of two shapes: sphere, ellipsoid, convex
+
+These names are imported when they are first used, so that `import simcore` is fast.
+
 Data flow in one direction: grains -> scene -> dem -> packing -> evaluation -> models -> campaign -> report.
 
     grains/        grains: files, convex hull, mass-equivalent ellipsoid, form factors, sieve curves
@@ -12,6 +25,7 @@ Data flow in one direction: grains -> scene -> dem -> packing -> evaluation -> m
     campaign/      many packings: studies, their plan and cost, their tables, the committed rows
     report/        the page of a campaign and its figures
     verification/  comparison of parts of the code with closed forms
+    commands/      the commands of the command line
     provenance/    version of the code, machine, CPU time
 
     paths          paths of the files that are part of the project
@@ -19,4 +33,37 @@ Data flow in one direction: grains -> scene -> dem -> packing -> evaluation -> m
     __main__       the command line
 """
 
-__version__ = "0.1.0"
+from importlib import import_module
+
+from simcore.provenance.version import VERSION as __version__
+
+# Public name: (module, its name there).
+_PUBLIC = {
+    "pack": ("simcore.packing.single", "pack"),
+    "read_packing": ("simcore.packing.file", "read_packing"),
+    "write_packing": ("simcore.packing.file", "write_packing"),
+    "porosity": ("simcore.evaluation.porosity", "bulk_porosity"),
+    "porosity_profile": ("simcore.evaluation.porosity", "porosity_profile"),
+    "fabric": ("simcore.evaluation.fabric", "fabric"),
+    "coordination_number": ("simcore.evaluation.coordination", "coordination_number"),
+    "predict": ("simcore.models.measured_prediction", "predict"),
+    "query": ("simcore.dem.contact.query", "query"),
+    "query_many": ("simcore.dem.contact.query", "query_many"),
+    "sphere": ("simcore.dem.shapes.polyhedra", "sphere"),
+    "ellipsoid": ("simcore.dem.shapes.polyhedra", "ellipsoid"),
+    "convex": ("simcore.dem.shapes.polyhedra", "convex"),
+}
+__all__ = ["__version__", *_PUBLIC]
+
+
+def __getattr__(name):
+    """Return a public name, imported now (PEP 562); AttributeError for any other name."""
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'simcore' has no attribute {name!r}; it has {', '.join(_PUBLIC)}")
+    module, attribute = _PUBLIC[name]
+    value = globals()[name] = getattr(import_module(module), attribute)
+    return value
+
+
+def __dir__():
+    return sorted({*globals(), *_PUBLIC})

@@ -24,6 +24,7 @@ ORDER = (
     "campaign",
     "verification",
     "report",
+    "commands",
     "__main__",
 )
 # Functions that may have more positional arguments than structure.MOST_ARGUMENTS, with the reason.

@@ -62,7 +62,9 @@ def package_imports(checkout: Path) -> Counter:
     pairs = Counter()
     for name, file in files.items():
         imported = {package_of(other) for other in imported_modules(name, syntax_tree(file), files)}
-        # The root's __init__ has the version alone, and whoever imports a package imports it too.
+        # The root's __init__ names what is public, and whoever imports a package imports it too.
+        if name == "simcore":
+            continue
         pairs.update((package_of(name), other) for other in imported - {package_of(name), ""})
     return pairs
 

@@ -3,6 +3,7 @@
 This module needs no numba, because Snakemake reads the rules again for every job that it starts.
 """
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -110,6 +111,12 @@ class Plan:
         overlays: paths of the configurations laid over config.yaml, for the command that reproduces the campaign.
         """
         self.campaign = campaign
+        cores = campaign["cores_per_node"]
+        if cores is not None and campaign["threads"] > cores:
+            raise ValueError(
+                f"threads: {campaign['threads']} threads of a rank need as many cores, but cores_per_node is {cores}; "
+                "lower threads or raise cores_per_node"
+            )
         self.results = campaign["pathvars"]["results"]
         self.command = " ".join(["snakemake --configfile", *overlays])
         self.packings = _with_cost(expand(campaign), campaign)
@@ -191,13 +198,37 @@ class Plan:
         """Return the number of cores of a packing: ranks times threads."""
         return self.ranks(study, packing) * self.campaign["threads"]
 
+    def _ranks_per_node(self, study, packing):
+        """Return the maximum number of ranks of a packing that one node has cores for."""
+        ranks, cores = self.ranks(study, packing), self.campaign["cores_per_node"]
+        return ranks if cores is None else min(ranks, cores // self.campaign["threads"])
+
+    def nodes(self, study, packing):
+        """Return the number of nodes of a packing."""
+        return -(-self.ranks(study, packing) // self._ranks_per_node(study, packing))
+
     def memory_mb(self, study, packing, attempt=1):
-        """Return the memory to request for a packing [MB]; it increases with each attempt."""
-        return attempt * self._rows[study, packing].cost.memory_mb(self.ranks(study, packing))
+        """Return the memory to request for a packing on each of its nodes [MB].
+
+        From the second attempt on it is double. It grows no further, because most attempts only continue a packing
+        whose time was too short.
+        """
+        cost = self._rows[study, packing].cost
+        return min(attempt, 2) * cost.memory_mb(self._ranks_per_node(study, packing))
 
     def minutes(self, study, packing, attempt=1):
-        """Return the wall-clock time to request for a packing [min]; it increases with each attempt."""
-        return attempt * self._rows[study, packing].cost.minutes(self.cores(study, packing))
+        """Return the wall-clock time to request for a packing [min]; it increases with each attempt, to longest_job."""
+        minutes = attempt * self._rows[study, packing].cost.minutes(self.cores(study, packing))
+        longest = self.campaign["longest_job"]
+        return minutes if longest is None else min(minutes, int(longest // 60.0))
+
+    def steps_to_compile(self):
+        """Return the specifications of the packings, without those that differ from another only in seed or amount."""
+        distinct = {}
+        for specification in self.packings.specification:
+            rest = {key: value for key, value in specification.items() if key not in ("name", "seed", "amount")}
+            distinct.setdefault(json.dumps(rest, sort_keys=True), specification)
+        return list(distinct.values())
 
     def mpiexec(self, study, packing):
         """Return the command that starts the ranks; "" for one rank, since the Slurm executor rejects MPI then."""

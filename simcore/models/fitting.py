@@ -12,7 +12,7 @@ from simcore.models.regression import fewest_samples, fit_and_validate
 from simcore.models.single_form import SINGLE_FORM
 from simcore.models.tables import over_seeds
 from simcore.models.unified import fit_unified, unified_features
-from simcore.paths import REFERENCE, ROOT
+from simcore.paths import REFERENCE, project_name
 from simcore.reference.committed_rows import fitted_forms, read_mixtures, read_single_forms
 
 
@@ -57,7 +57,7 @@ def fit_reference_models(folder=REFERENCE, source=None, seed=0):
             single_forms = fitted_forms(single_forms, source)
         mixtures = read_mixtures(mixture) if mixture.exists() else None
         models = _fit_campaign(single_forms, mixtures, seed)
-        for key in models.keys() - fitted.models.keys():
+        for key in [key for key in models if key not in fitted.models]:
             fitted.models[key] = models[key]
             fitted.behind[key] = _describe_rows(key, models[key], (single, single_forms), (mixture, mixtures))
     if not fitted.models:
@@ -91,11 +91,11 @@ def _describe_rows(key, model, single, mixture):
     """Describe the rows to which a model (name, case) was fitted; single, mixture: each (path, table)."""
     name, case = key
     if name == "unified":
-        rows = f"{_relative(single[0])} and {mixture[0].name}, {model.n_samples} beds"
+        rows = f"{project_name(single[0])} and {mixture[0].name}, {model.n_samples} beds"
     else:
         noun, (path, table) = ("forms", single) if name == "single_form" else ("mixtures", mixture)
         packings = int((table["case"] == case).sum())
-        rows = f"{_relative(path)}, {model.n_samples} {noun} in {packings} packings"
+        rows = f"{project_name(path)}, {model.n_samples} {noun} in {packings} packings"
     return rows if name == "single_form" else f"{rows}, cross-validated on left-out mean forms"
 
 
@@ -116,7 +116,3 @@ def read_campaign_models(folder):
         names = ", ".join(path.name for path in files)
         raise ValueError(f"{folder}: there is no model in {names}; give the folder results/models of a campaign")
     return FittedModels(models, behind)
-
-
-def _relative(path):
-    return str(path.relative_to(ROOT) if path.is_relative_to(ROOT) else path)

@@ -4,10 +4,9 @@ import json
 
 import numpy as np
 
-from simcore.grains.measured_forms import read_measured
 from simcore.models.fitted_range import FAR, NEAR
-from simcore.models.fitting import fit_reference_models, read_campaign_models
-from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case, predict_samples
+from simcore.models.measured_prediction import predict_measured
+from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case
 from simcore.reference.r22_tables import read_r22_table
 
 FEW_GRAINS = 30  # fewer grains do not determine the spread of form well
@@ -16,21 +15,10 @@ FEW_GRAINS = 30  # fewer grains do not determine the spread of form well
 def predict_file(path, case, models=None, source=None, column=None, level=0.95, form="text", notify=None):
     """Return what `python -m simcore predict` prints for the table of measured grains at `path`.
 
-    case, level: as in predict_samples. models: folder results/models of a campaign; None: models fitted to the
-    committed packings, only to those of grains from `source` if given. column: column with the names of the samples.
-    form: "text", "csv" or "json". notify: function that is called with each notice on how the table was read; JSON
-    output contains the notices too. ValueError if the table or an argument is wrong, or if no model can be evaluated
-    for a sample.
+    Arguments and errors: as in `predict_measured`. form: "text", "csv" or "json". notify: function that is called with
+    each notice on how the table was read; JSON output contains the notices too.
     """
-    if not 0 < level < 1:
-        raise ValueError(f"level {level:g}: give a number between 0 and 1, such as 0.95")
-    if models is not None and source is not None:
-        raise ValueError(
-            "--source selects committed packings, but a campaign's models (--models) are already fitted; give only one"
-        )
-    samples, notices = read_measured(path, column)
-    fitted = fit_reference_models(source=source) if models is None else read_campaign_models(models)
-    table = predict_samples(samples, case, fitted, level)
+    table, fitted, notices = predict_measured(path, case, models, source, column, level)
     for notice in notices if notify is not None else []:
         notify(notice)
     if form == "csv":

@@ -92,7 +92,10 @@ class PackingCost(NamedTuple):
         return self.generating + self.shaking + self.damping
 
     def memory_mb(self, ranks: int) -> int:
-        """Return the memory to request from the scheduler [MB]."""
+        """Return the memory to request from the scheduler for the node of the first rank [MB].
+
+        ranks: on this node. The first rank gathers the whole packing, so that no other node needs more.
+        """
         return int(np.ceil(1e-6 * (ranks * PROCESS_MEMORY + COPIES * self.array_bytes)))
 
     def minutes(self, cores: int) -> int:

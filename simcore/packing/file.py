@@ -1,6 +1,5 @@
 """The netCDF file of a packing (CF conventions): positions, shapes, contacts and provenance."""
 
-import fcntl
 import functools
 import json
 import os
@@ -9,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from filelock import lock_descriptor
 
-from simcore import __version__
 from simcore.compilation import source_digest
 from simcore.dem.state.bodies import CYLINDER, FLOOR
 from simcore.grains.sieve import SieveCurve, class_fractions
 from simcore.packing.packed import Packed
 from simcore.paths import ROOT
+from simcore.provenance.version import VERSION
 from simcore.scene.scene import Scene
 from simcore.scene.shapes import Base
 
@@ -59,7 +59,7 @@ def packing_dataset(
     attrs = {
         "Conventions": "CF-1.11",
         "title": f"Packing {scene.name}",
-        "source": f"Scree {__version__}",
+        "source": f"Scree {VERSION}",
         "code_version": code_version(),
         "scene": json.dumps(specification, sort_keys=True),
         "seed": scene.seed,
@@ -136,12 +136,9 @@ def _is_in_use(path):
     """Return whether another process has locked the file, as the HDF5 library does while it writes."""
     try:
         with path.open("rb") as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
+            return not lock_descriptor(file.fileno(), blocking=False)
     except OSError:  # no permission, or a file system without locks
         return False
-    return False
 
 
 # Attributes in which two runs of one packing may differ: they describe how it was run.
@@ -174,7 +171,7 @@ def code_version() -> str:
     The first call fixes the result. It is made before a run starts, so that the result names the code that ran even if
     files are changed in the meantime.
     """
-    version = f"{__version__}+{source_digest()}"
+    version = f"{VERSION}+{source_digest()}"
     if not (ROOT / ".git").exists():
         return version
     try:

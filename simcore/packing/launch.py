@@ -90,25 +90,8 @@ def launch(
     return _judge(child.returncode, output, received, go_on)
 
 
-def add_launch_options(parser) -> None:
-    """Add the options of `python -m simcore launch`, for `launch_packing`, to an argparse parser."""
-    parser.add_argument("specification", type=Path, help="YAML file, see config/packing.schema.yaml")
-    parser.add_argument("output", type=Path, help="netCDF file to write")
-    parser.add_argument("--ranks", type=int, default=1, help="number of MPI processes; it does not change the result")
-    parser.add_argument("--threads", type=int, default=1, help="threads per rank; the result does not depend on them")
-    parser.add_argument("--checkpoints", type=Path, metavar="FOLDER", help="as for pack")
-    parser.add_argument("--checkpoint-interval", metavar="TIME", help="as for pack")
-    parser.add_argument("--log", type=Path, help="as for pack")
-    parser.add_argument("--force", action="store_true", help="as for pack")
-    parser.add_argument("--silence", default="10 min", help="longest time between heartbeats, else all is ended")
-    parser.add_argument("--startup", default="30 min", help="longest time to the first heartbeat, after compiling")
-    parser.add_argument("--grace", default="10 s", help="time between SIGTERM and SIGKILL when ending")
-    parser.add_argument("--mpiexec", default="", help='program that starts ranks, such as "srun"; "-n RANKS" is added')
-    parser.add_argument("--with-parent", action="store_true", help="end when the parent process has ended")
-
-
 def launch_packing(options, program: list[str]) -> int:
-    """Run `program` pack with the options of `add_launch_options` and return its exit status; see `launch`."""
+    """Run `program` pack with the options of `simcore.commands.launch` and return its exit status; see `launch`."""
     times = {}
     for name in ("silence", "startup", "grace"):
         try:

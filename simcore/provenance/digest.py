@@ -3,28 +3,28 @@
 import ast
 import functools
 import hashlib
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
-from simcore.paths import ROOT
+from simcore.paths import ROOT, project_file, project_name
 
 
 def digest(*roots, of=""):
     """Return a digest (16 hex digits) of the given sources and all files of simcore that they import, also indirectly.
 
-    roots: paths of Python files or other files, relative to the project or absolute. Python files enter with their
-    syntax tree, so that comments, docstrings and layout have no effect. Imports inside functions are followed too.
-    of: further text that enters the digest.
+    roots: paths of Python files or other files, in the clone or absolute. Python files enter with their syntax tree,
+    so that comments, docstrings and layout have no effect. Imports inside functions are followed too. of: further text
+    that enters the digest. The digest does not depend on the place where the package is installed.
     """
-    sources, todo = {}, [ROOT / root for root in roots]
+    sources, todo = {}, [project_file(root) for root in roots]
     while todo:
         path = todo.pop()
         if path not in sources:
             sources[path] = read_source(path)
             todo.extend(sources[path].imports)
     total = hashlib.sha256(of.encode())
-    for path in sorted(sources):
-        total.update(f"{path.relative_to(ROOT)}\n{sources[path].content}\n".encode())
+    for path in sorted(sources, key=lambda path: PurePosixPath(project_name(path))):
+        total.update(f"{project_name(path)}\n{sources[path].content}\n".encode())
     return total.hexdigest()[:16]
 
 

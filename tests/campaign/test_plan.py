@@ -85,6 +85,34 @@ def test_ranks_cores_time_and_memory_are_those_of_the_estimate():
     assert plan.mpiexec("spheres", few) == "" and plan.mpiexec("spheres", many) == "mpiexec -n 2"
     assert plan.minutes("spheres", many, 3) == 3 * cost.minutes(8)
     assert plan.memory_mb("spheres", many, 2) == 2 * cost.memory_mb(4) > plan.memory_mb("spheres", many)
+    assert plan.memory_mb("spheres", many, 9) == 2 * cost.memory_mb(4)  # later attempts continue, with no more memory
+    assert plan.nodes("spheres", many) == 1
+
+
+def test_memory_is_that_of_the_ranks_of_one_node():
+    plan = plan_of(cores_per_node=6)  # three ranks of two threads
+    many = plan.of("spheres").query("ranks == 4").packing.iloc[0]
+    cost = estimate(plan.of("spheres").set_index("packing").specification[many])
+    assert plan.nodes("spheres", many) == 2
+    assert plan.memory_mb("spheres", many) == cost.memory_mb(3)
+    assert plan_of(cores_per_node=2).nodes("spheres", many) == 4
+    with pytest.raises(ValueError, match="2 threads of a rank need as many cores, but cores_per_node is 1"):
+        plan_of(cores_per_node=1)
+
+
+def test_time_grows_up_to_that_of_the_longest_job():
+    plan = plan_of(longest_job="30 min")
+    many = plan.of("spheres").query("ranks == 4").packing.iloc[0]
+    minutes = plan_of().minutes("spheres", many)
+    assert plan.minutes("spheres", many) == minutes < 30
+    assert plan.minutes("spheres", many, 9) == 30
+
+
+def test_packings_that_differ_in_seed_or_amount_are_compiled_once():
+    plan = plan_of()
+    assert len(plan.of("spheres")) == 4
+    names = [specification["shapes"]["kind"] for specification in plan.steps_to_compile()]
+    assert names.count("sphere") == 1
 
 
 def test_pieces_hold_each_packing_once_and_the_first_seed_first():

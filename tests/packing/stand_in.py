@@ -20,8 +20,9 @@ import netCDF4
 import numpy as np
 import yaml
 
+from simcore.commands.launch import add_launch_options
 from simcore.packing.heartbeat import beat
-from simcore.packing.launch import add_launch_options, launch_packing
+from simcore.packing.launch import launch_packing
 from simcore.scene.quantity import parse_quantity
 
 

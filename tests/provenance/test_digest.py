@@ -2,6 +2,7 @@
 
 import pytest
 
+from simcore import paths
 from simcore.provenance import digest as provenance
 
 
@@ -9,6 +10,8 @@ from simcore.provenance import digest as provenance
 def project(tmp_path, monkeypatch):
     """A project with packages a -> b -> c, and d on its own."""
     monkeypatch.setattr(provenance, "ROOT", tmp_path)
+    monkeypatch.setattr(paths, "ROOT", tmp_path)
+    monkeypatch.setattr(paths, "DATA", tmp_path)
     package = tmp_path / "simcore"
     (package / "deep").mkdir(parents=True)
     (package / "__init__.py").write_text("")

@@ -53,7 +53,7 @@ def test_ranks_and_threads_of_the_config_are_accounted(planned):
 
 def test_the_profile_for_slurm_asks_for_tasks_memory_and_time(planned):
     """One rank is no MPI job: the executor refuses MPI with one task."""
-    small, large = planned("--profile", "profiles/slurm")
+    small, large = planned("--workflow-profile", "profiles/slurm")
     assert "--ranks 1 --threads 1 --mpiexec= " in small
     assert "--ranks 5 --threads 1 --mpiexec='srun --mpi=pmi2' " in large
     few, many = asked(small), asked(large)

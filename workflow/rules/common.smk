@@ -69,12 +69,22 @@ def cores(wildcards):
     return plan.cores(wildcards.study, wildcards.packing)
 
 
+def nodes(wildcards):
+    return plan.nodes(wildcards.study, wildcards.packing)
+
+
 def memory_mb(wildcards, attempt):
     return plan.memory_mb(wildcards.study, wildcards.packing, attempt)
 
 
 def minutes(wildcards, attempt):
     return plan.minutes(wildcards.study, wildcards.packing, attempt)
+
+
+# An input that packings wait for, but that does not make finished ones outdated.
+def compiled_steps(wildcards):
+    path = f"{plan.results}/compiled.txt"
+    return [ancient(path)] if campaign["compile_first"] else []
 
 
 def mpiexec(wildcards):

@@ -42,8 +42,24 @@ rule packing_specification:
         "../scripts/packing_specification.py"
 
 
+# Compiles each step once, so that the ranks and packings of a cluster do not all compile it; see compile_first.
+rule compiled_steps:
+    output:
+        steps="<results>/compiled.txt",
+    log:
+        "<results>/logs/compiled_steps.log",
+    threads: campaign["threads"]
+    params:
+        specifications=plan.steps_to_compile() if campaign["compile_first"] else [],
+        threads=campaign["threads"],
+        code=digest("workflow/scripts/compiled_steps.py"),
+    script:
+        "../scripts/compiled_steps.py"
+
+
 rule packing:
     input:
+        compiled_steps,
         specification="<results>/packings/{study}/{packing}.yaml",
         grains=branch(
             lookup(
@@ -70,6 +86,7 @@ rule packing:
     threads: cores
     resources:
         tasks=ranks,
+        nodes=nodes,
         cpus_per_task=campaign["threads"],
         mpi=mpiexec,
         mem_mb=memory_mb,

@@ -121,7 +121,9 @@ def _plain(value):
 
 
 def _sync_folder(folder):
-    """Make a rename in `folder` permanent even if power fails."""
+    """Make a rename in `folder` permanent even if power fails, on systems where a folder can be opened."""
+    if os.name != "posix":
+        return
     handle = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(handle)

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from simcore import __version__
 from simcore.compilation import source_digest
 from simcore.provenance.digest import digest
+from simcore.provenance.version import VERSION
 from simcore.scene.identity import deciding_bits
 
 DRAWN = 1000  # grains whose draw is part of the key, since it depends on files that the specification only names
@@ -32,7 +32,7 @@ def checkpoint_code() -> str:
         "simcore/grains/sources.py",
         "config/cases.tsv",
     )
-    return f"{__version__}+{source_digest()}+{packing}+numpy{np.__version__}"
+    return f"{VERSION}+{source_digest()}+{packing}+numpy{np.__version__}"
 
 
 def scene_key(specification: dict, bases: Iterable, drawn: Iterable = ()) -> str:

@@ -1,9 +1,10 @@
 """A lock file that one process locks and that names this process."""
 
-import fcntl
 import os
 from collections.abc import Callable
 from contextlib import suppress
+
+from filelock import lock_descriptor
 
 HOLDER_LENGTH = 200  # bytes
 
@@ -18,16 +19,15 @@ def take_lock(path, holder: str, busy: Callable, no_locks: Callable = lambda err
     while True:
         file, locked = open(path, "a+b", buffering=0), True
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            file.seek(0)
-            other = file.read(HOLDER_LENGTH).decode(errors="replace").strip()
+            free = lock_descriptor(file.fileno(), blocking=False)
+        except OSError as error:
+            no_locks(error)
+            free, locked = True, False
+        if not free:
+            other = _read_holder(file)
             file.close()
             busy(other)
             continue
-        except OSError as error:
-            no_locks(error)
-            locked = False
         # Between opening and locking, its holder may have removed the file and another process made a new one.
         with suppress(FileNotFoundError):
             if os.path.samestat(os.fstat(file.fileno()), os.stat(path)):
@@ -36,3 +36,12 @@ def take_lock(path, holder: str, busy: Callable, no_locks: Callable = lambda err
                     file.write(holder.encode()[:HOLDER_LENGTH])
                 return file, locked
         file.close()
+
+
+def _read_holder(file):
+    """Return what the holder of a lock wrote into the file; "" where, as on Windows, a locked file cannot be read."""
+    try:
+        file.seek(0)
+        return file.read(HOLDER_LENGTH).decode(errors="replace").strip()
+    except OSError:
+        return ""

@@ -386,13 +386,13 @@ def test_a_second_process_is_refused_until_the_first_is_dead(tmp_path):
 
 def test_the_lock_that_counts_is_the_one_that_bears_the_name(tmp_path, monkeypatch):
     """The first holder ends, and removes its lock file, between another's opening it and locking it."""
-    flock, first = lock.fcntl.flock, Store(tmp_path, KEY, CODE, pytest.fail)
+    take, first = lock.lock_descriptor, Store(tmp_path, KEY, CODE, pytest.fail)
 
-    def late(file, how):
+    def late(file, blocking):
         first.close()
-        flock(file, how)
+        return take(file, blocking=blocking)
 
-    monkeypatch.setattr(lock.fcntl, "flock", late)
+    monkeypatch.setattr(lock, "lock_descriptor", late)
     with Store(tmp_path, KEY, CODE, pytest.fail):
         assert names(tmp_path, "") == [f"{KEY}.lock"]
         with pytest.raises(CheckpointError, match="runs this scene"):
@@ -400,10 +400,10 @@ def test_the_lock_that_counts_is_the_one_that_bears_the_name(tmp_path, monkeypat
 
 
 def test_a_file_system_without_locks_is_reported_and_used_with_care(tmp_path, monkeypatch):
-    def no_lock(file, how):
+    def no_lock(file, blocking):
         raise OSError(errno.ENOLCK, "No locks available")
 
-    monkeypatch.setattr(lock.fcntl, "flock", no_lock)
+    monkeypatch.setattr(lock, "lock_descriptor", no_lock)
     part, lines = tmp_path / f"{KEY}-5.checkpoint.part", []
     part.write_text("")
     with Store(tmp_path, KEY, CODE, lines.append) as store:

@@ -1,0 +1,113 @@
+"""`scree pack SPEC.yaml OUT.nc`: one packing."""
+
+import os
+import time
+from pathlib import Path
+
+from simcore.commands.options import check_writable, reporter
+
+INTERRUPTED = 75  # EX_TEMPFAIL: the same command resumes the packing
+
+
+def add(commands) -> None:
+    """Add the parser of this command."""
+    parser = commands.add_parser("pack", help="run one packing")
+    parser.add_argument("specification", type=Path, help="YAML file, see config/packing.schema.yaml")
+    parser.add_argument("output", type=Path, help="netCDF file to write")
+    parser.add_argument("--threads", type=int, default=1, help="number of threads; it does not change the result")
+    parser.add_argument("--log", type=Path, help="file to which progress lines are also written")
+    parser.add_argument("--checkpoints", type=Path, metavar="FOLDER", help="where to write checkpoints to resume from")
+    parser.add_argument(
+        "--checkpoint-interval", default="10 min", metavar="TIME", help="wall-clock time between checkpoints"
+    )
+    parser.add_argument("--force", action="store_true", help="also pack a bed that is too low to evaluate its porosity")
+    parser.set_defaults(run=run)
+
+
+def run(options) -> int:
+    """Run one packing and return the exit status; under mpiexec or srun, as one of its ranks."""
+    from simcore.dem.ranks.one_rank import ONE_RANK, started_by_mpi
+
+    if not started_by_mpi(os.environ):
+        return _pack_on(ONE_RANK, options)
+    from simcore.dem.ranks.many_ranks import ManyRanks
+
+    ranks = ManyRanks()
+    with ranks.together():
+        return _pack_on(ranks, options)
+
+
+def _pack_on(ranks, options):
+    """Run `pack` and return the exit status, equal on all ranks, since all ranks raise the errors caught here."""
+    from simcore.packing.checkpoints.file import CheckpointError
+    from simcore.packing.packed import Interrupted, PackingError
+    from simcore.packing.process import pack
+
+    started = time.monotonic()
+    report = reporter(options.log) if ranks.rank == 0 else _ignore_line
+    try:
+        specification, setup, keeper, warned = _prepare(ranks, options, report)
+    except (ValueError, OSError) as error:
+        report(f"simcore pack: {error}")
+        return 2
+    try:
+        packed = pack(setup.scene, setup.bases, setup.draw, report, ranks, keeper)
+        keeper.stepped()
+        cpu_seconds = keeper.cpu_seconds()
+        run = {
+            "threads": options.threads,
+            "ranks": ranks.size,
+            "cpu_seconds": cpu_seconds,
+            "wall_seconds": time.monotonic() - started,
+        }
+        ranks.on_first(lambda: _write(options.output, packed, specification, setup, warned, run))
+        ranks.on_first(keeper.done)
+    except PackingError as error:
+        report(f"failed: {error}")
+        return 1
+    except Interrupted as error:
+        report(str(error))
+        return INTERRUPTED
+    except (CheckpointError, OSError) as error:
+        report(f"simcore pack: {error}")
+        return 2
+    report(f"{setup.scene.name}: wrote {options.output} after {time.monotonic() - started:.0f} s")
+    return 0
+
+
+def _prepare(ranks, options, report):
+    """Return specification, Setup, keeper and warnings; ValueError or OSError on all ranks if it cannot run."""
+    from simcore.packing.checkpoints.keeper import CheckpointKeeper
+    from simcore.packing.checkpoints.key import checkpoint_code, packing_key
+    from simcore.packing.file import code_version
+    from simcore.packing.single import prepare
+    from simcore.scene.quantity import parse_quantity
+    from simcore.scene.specification import read_specification
+
+    code_version()
+    code = checkpoint_code() if options.checkpoints else ""
+    specification = read_specification(options.specification)
+    interval = parse_quantity(options.checkpoint_interval, "s")
+    setup, warned = prepare(specification, options.threads, options.force)
+    ranks.on_first(lambda: check_writable(options.output))
+    for text in warned:
+        report(f"{setup.scene.name}: warning: {text}")
+    key = packing_key(specification, setup) if options.checkpoints else ""
+    keeper = CheckpointKeeper(options.checkpoints, key, code, interval, report, ranks)
+    return specification, setup, keeper, warned
+
+
+def _write(output, packed, specification, setup, warned, run):
+    """Write the file of a packing. warned: warnings before it ran. run: attributes that describe how it was run."""
+    from simcore.packing.file import write_packing
+    from simcore.packing.heartbeat import beat
+    from simcore.packing.single import dataset_of
+
+    beat()
+    packing = dataset_of(packed, specification, setup, warned, **run)
+    beat()
+    write_packing(output, packing)
+
+
+def _ignore_line(line):
+    """Ignore the line: the report function of all ranks but the first."""

@@ -1,0 +1,78 @@
+"""One packing from its specification to its dataset, on one rank or on many."""
+
+from collections.abc import Callable
+from os import PathLike
+
+import numpy as np
+import xarray as xr
+
+from simcore.compilation import set_threads
+from simcore.dem.from_scene import compose
+from simcore.grains.sources import load_grains
+from simcore.packing.file import code_version, packing_dataset
+from simcore.packing.forecast_text import check_setup, setup_warnings
+from simcore.packing.process import pack as run_packing
+from simcore.provenance.cpu_time import cpu_time
+from simcore.scene.setup import Setup, set_up
+from simcore.scene.sizes import size_curve
+from simcore.scene.specification import read_specification, resolve
+
+
+def pack(
+    specification: dict | str | PathLike,
+    *,
+    threads: int = 1,
+    force: bool = False,
+    report: Callable[[str], None] = lambda line: None,
+) -> xr.Dataset:
+    """Pack grains in this process and return the packing, the Dataset that `read_packing` returns too.
+
+    specification: a nested dict with the keys of config/packing.schema.yaml, in which a quantity is text with its unit,
+    such as "8 mm"; or the path of a YAML file with them. threads: they do not change the result. force: also pack a bed
+    that is too low for its porosity to be evaluated. report(line): called with each line on the progress.
+
+    The Dataset has one row per grain: position (n, 3) [m], orientation (n, 4), L, I, S and D [m], volume [m³]; and one
+    row per contact: contact_body (c, 2), contact_point (c, 3) [m], contact_force (c, 3) [N]. `write_packing` writes it
+    to a file. ValueError if the specification is wrong; PackingError if the packing fails, such as by gaining energy
+    from nowhere.
+    """
+    if isinstance(specification, dict):
+        specification = resolve(specification, unused="refuse")
+        size_curve(specification["sizes"])
+    else:
+        specification = read_specification(specification)
+    code_version()  # names the code that runs, even if files are changed in the meantime
+    setup, warned = prepare(specification, threads, force)
+    for text in warned:
+        report(f"{setup.scene.name}: warning: {text}")
+    spent = cpu_time()
+    packed = run_packing(setup.scene, setup.bases, setup.draw, report)
+    return dataset_of(packed, specification, setup, warned, threads=threads, ranks=1, cpu_seconds=cpu_time() - spent)
+
+
+def prepare(specification: dict, threads: int, force: bool) -> tuple[Setup, list[str]]:
+    """Return the Setup of a resolved specification and warnings about it; ValueError if it cannot be packed.
+
+    threads: of this process, set here. force: also accept a bed that is too low for its porosity to be evaluated.
+    """
+    set_threads(threads)
+    setup = set_up(specification, load_grains)
+    compose(setup.scene)  # ValueError if its time step is too long for any bed
+    if not force:
+        check_setup(setup)
+    return setup, setup_warnings(setup, low_bed=not force)
+
+
+def dataset_of(packed, specification: dict, setup: Setup, warned: list[str], **run) -> xr.Dataset:
+    """Return the Dataset of a finished packing. warned: from `prepare`. run: attributes on how it was run."""
+    return packing_dataset(
+        setup.scene,
+        setup.bases,
+        packed,
+        setup.sample(np.arange(len(packed.bodies.mass))),
+        specification,
+        setup.curve,
+        largest_sieve_size=setup.curve.largest,
+        warnings="\n".join([*warned, *packed.warnings]),
+        **run,
+    )

@@ -1,0 +1,3 @@
+"""The version of Scree."""
+
+VERSION = "0.1.0"

@@ -1,0 +1,39 @@
+"""The public names of simcore, and the ten lines of the README that use them."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+import simcore
+from simcore.paths import ROOT
+
+
+def test_every_public_name_is_there_and_documented():
+    for name in simcore.__all__:
+        value = getattr(simcore, name)
+        assert name in dir(simcore)
+        assert name == "__version__" or len(value.__doc__) > 40, name
+
+
+def test_an_unknown_name_is_refused_with_those_that_exist():
+    with pytest.raises(AttributeError, match="no attribute 'packing_of'; it has pack, read_packing, "):
+        simcore.packing_of  # noqa: B018
+
+
+def test_the_package_alone_imports_nothing_large():
+    code = "import sys, simcore; print({'numba', 'numpy', 'xarray', 'scipy'} & set(sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "set()\n"
+
+
+def test_ten_lines_of_the_readme_pack_spheres_and_print_their_coordination_number(tmp_path):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(import simcore\n.*?)```", text, re.DOTALL)
+    assert len([line for line in code.splitlines() if line.strip()]) <= 10
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    *rows, last = done.stdout.splitlines()
+    assert len(rows) == 100 and all(len(row.strip("[] ").split()) == 3 for row in rows)
+    # With friction, spheres need at least four contacts on average where they carry load; the top of the bed has fewer.
+    assert 3.0 < float(last) < 6.0

@@ -1,0 +1,34 @@
+"""environment.txt and pyproject.toml list the same packages with the same bounds."""
+
+import tomllib
+
+from simcore.__main__ import EXTRAS
+from simcore.paths import ROOT
+from simcore.provenance.version import VERSION
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+def in_environment():
+    lines = (ROOT / "environment.txt").read_text(encoding="utf-8").splitlines()
+    return [line.strip() for line in lines if line.strip() and not line.startswith("#")]
+
+
+def test_both_files_list_the_same():
+    listed = [
+        *PROJECT["dependencies"],
+        *(line for extra in PROJECT["optional-dependencies"].values() for line in extra),
+    ]
+    assert len(set(listed)) == len(listed)
+    assert sorted(in_environment()) == sorted(listed)
+
+
+def test_messages_name_the_extra_that_has_the_package():
+    for package, extra in EXTRAS.items():
+        lines = PROJECT["optional-dependencies"][extra]
+        assert any(line.startswith(f"{package}>=") for line in lines), (package, extra)
+
+
+def test_the_version_is_that_of_the_code():
+    assert PROJECT["version"] == VERSION
+    assert f"version: {VERSION}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
