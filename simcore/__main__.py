@@ -2,7 +2,6 @@
 `porosity OUT.nc`, `fabric OUT.nc ...` and `predict FORMS.csv`."""
 
 import argparse
-import json
 import math
 import os
 import signal
@@ -10,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+from simcore.commands import compare, export, plot, porosity, watch
 from simcore.packing.launch import add_launch_options, launch_packing
 
 
@@ -65,13 +65,6 @@ def _parser():
     launch = commands.add_parser("launch", help="run one packing on several ranks under a watchdog")
     add_launch_options(launch)
     launch.set_defaults(run=_launch)
-    porosity = commands.add_parser("porosity", help="bulk porosity of a packing with its sampling error, as JSON")
-    porosity.add_argument("packing", type=Path, help="netCDF file of `pack`")
-    porosity.add_argument(
-        "--exact", action="store_true", help="slice the grains themselves instead of spheres of equal volume"
-    )
-    porosity.add_argument("--cut", metavar="LENGTH", help='length left out at both ends of the bed: "8 mm", or metres')
-    porosity.set_defaults(run=_porosity)
     fabric = commands.add_parser(
         "fabric",
         help="density, contacts and directions in the bulk of a packing, or of several seeds with errors",
@@ -111,6 +104,8 @@ def _parser():
     form.add_argument("--csv", action="store_const", dest="form", const="csv", help="one row per sample and model")
     form.add_argument("--json", action="store_const", dest="form", const="json")
     predict.set_defaults(run=_predict, form="text")
+    for module in (porosity, export, plot, compare, watch):
+        module.add(commands)
     return parser
 
 
@@ -255,17 +250,6 @@ def _campaign_specifications():
 def _launch(options):
     _check_writable(options.output)
     return launch_packing(options, [sys.executable, "-m", "simcore"])
-
-
-def _porosity(options):
-    from simcore.evaluation.porosity import bulk_porosity
-    from simcore.packing.file import read_packing
-
-    method, cut = "exact" if options.exact else "spheres", _length("--cut", options.cut)
-    bulk = bulk_porosity(read_packing(options.packing), method=method, cut=cut)
-    scalars = {name: float(value) for name, value in bulk.data_vars.items() if value.ndim == 0}
-    print(json.dumps({"method": method, **scalars}, indent=1))
-    return 0
 
 
 def _fabric(options):

@@ -21,9 +21,11 @@ ORDER = (
     "packing",
     "reference",
     "models",
+    "export",
     "campaign",
     "verification",
     "report",
+    "commands",
     "__main__",
 )
 # Functions that may have more positional arguments than structure.MOST_ARGUMENTS, with the reason.

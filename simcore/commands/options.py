@@ -1,0 +1,52 @@
+"""Reading of options and paths that several commands have."""
+
+import math
+import sys
+from pathlib import Path
+
+
+def length(option: str, text: str | None) -> float | None:
+    """Return the length [m] of an option, given as a number of metres or as a quantity such as "8 mm"; None if absent.
+
+    option: its name, for the message. ValueError unless the length is more than 0.
+    """
+    from simcore.scene.quantity import parse_quantity
+
+    if text is None:
+        return None
+    try:
+        metres = float(text)
+    except ValueError:
+        try:
+            metres = parse_quantity(text, "m")
+        except ValueError as error:
+            raise ValueError(f"{option}: {error}") from None
+    if not 0.0 < metres < math.inf:
+        raise ValueError(f"{option}: {text!r} is not a length above 0; give one such as '8 mm'")
+    return metres
+
+
+def check_writable(output: Path) -> None:
+    """Raise OSError if the output cannot be written, before any work is done."""
+    probe = output.with_name(output.name + ".part")
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise OSError(f"{output} cannot be written ({error.strerror}): {error.filename}; give another path") from None
+
+
+def reporter(log: Path | None):
+    """Return a function that prints a line to stderr and, if `log` is a path, to this file."""
+    if log is not None:
+        log.parent.mkdir(parents=True, exist_ok=True)
+        log.write_text("")
+
+    def report(line):
+        print(line, file=sys.stderr, flush=True)
+        if log is not None:
+            with log.open("a") as file:
+                print(line, file=file)
+
+    return report
