@@ -178,6 +178,7 @@ def _prepare(ranks, options, report):
     from simcore.packing.checkpoints.key import checkpoint_code, packing_key
     from simcore.packing.file import code_version
     from simcore.packing.forecast_text import check_setup, setup_warnings
+    from simcore.packing.terminal import expect
     from simcore.scene.quantity import parse_quantity
     from simcore.scene.setup import set_up
     from simcore.scene.specification import read_specification
@@ -185,6 +186,7 @@ def _prepare(ranks, options, report):
     code_version()
     code = checkpoint_code() if options.checkpoints else ""
     specification = read_specification(options.specification)
+    expect(report, specification)
     interval = parse_quantity(options.checkpoint_interval, "s")
     set_threads(options.threads)
     setup = set_up(specification, load_grains)
@@ -326,18 +328,10 @@ def _check_writable(output):
 
 
 def _reporter(log):
-    """Return a function that prints a line to stderr and, if `log` is a path, to this file."""
-    if log is not None:
-        log.parent.mkdir(parents=True, exist_ok=True)
-        log.write_text("")
+    """Return a function that shows a line, see simcore.packing.terminal."""
+    from simcore.packing.terminal import reporter
 
-    def report(line):
-        print(line, file=sys.stderr, flush=True)
-        if log is not None:
-            with log.open("a") as file:
-                print(line, file=file)
-
-    return report
+    return reporter(log)
 
 
 if __name__ == "__main__":
