@@ -50,6 +50,9 @@ def _parser():
     pack.add_argument(
         "--checkpoint-interval", default="10 min", metavar="TIME", help="wall-clock time between checkpoints"
     )
+    pack.add_argument(
+        "--frames", metavar="TIME", help='write a series for ParaView, a frame every TIME of simulated time: "0.1 s"'
+    )
     pack.add_argument("--force", action="store_true", help="also pack a bed that is too low to evaluate its porosity")
     pack.set_defaults(run=_pack)
     compile_ = commands.add_parser("compile", help="compile the steps of packings ahead of time")
@@ -199,6 +202,12 @@ def _prepare(ranks, options, report):
         report(f"{setup.scene.name}: warning: {text}")
     key = packing_key(specification, setup) if options.checkpoints else ""
     keeper = CheckpointKeeper(options.checkpoints, key, code, interval, report, ranks)
+    if options.frames is not None:
+        from simcore.export.frames import FramesKeeper, read_interval
+
+        keeper = FramesKeeper(
+            keeper, options.output, read_interval(options.frames), setup, specification, report, ranks
+        )
     return specification, setup, keeper, warned
 
 

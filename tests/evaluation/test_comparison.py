@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.stats import ttest_ind
 
 from simcore.__main__ import main
 from simcore.evaluation import comparison
@@ -74,6 +75,16 @@ def test_groups_without_a_common_seed_are_compared_by_their_means(stand_in):
     # Welch: only the scatter over seeds has few degrees of freedom (one).
     freedom = (0.01**2 + 0.004**2) ** 2 / 0.01**4
     assert row.high - row.difference == pytest.approx(comparison.student.ppf(0.975, freedom) * row.std_error)
+
+
+def test_two_groups_of_several_seeds_have_the_freedom_of_welch(stand_in):
+    """Both scatter over two seeds, by 0.01 and 0.02; the formula is that of scipy's own test."""
+    a, b = (0.40, 0.42), (0.36, 0.40)
+    beds = {f"a{seed}": bed(seed=seed, n=n) for seed, n in zip((1, 2), a, strict=True)}
+    beds |= {f"b{seed}": bed(seed=seed, friction=0.3, n=n) for seed, n in zip((3, 4), b, strict=True)}
+    row = difference(compare(beds))
+    expected = ttest_ind(b, a, equal_var=False).confidence_interval(0.95)
+    assert (row.low, row.high) == pytest.approx((expected.low, expected.high))
 
 
 def test_one_packing_by_two_versions_of_the_code_makes_two_groups(stand_in):

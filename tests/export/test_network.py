@@ -29,6 +29,13 @@ def test_degrees_are_the_coordination_numbers(tmp_path):
     assert network.degree("floor") == (packing["contact_body"].values == -1).sum()
 
 
+def test_two_contacts_of_two_grains_are_two_edges(tmp_path):
+    packing = strew("sphere", contacts=[(0, 1), (0, 1)], images=[(0, 0), (1, 0)])
+    export(packing, tmp_path / "bed.graphml")
+    network = networkx.read_graphml(tmp_path / "bed.graphml", force_multigraph=True)
+    assert sorted(edge["image_x"] for edge in network.get_edge_data("0", "1").values()) == [0, 1]
+
+
 def test_nodes_and_edges_have_the_numbers_of_the_packing(tmp_path):
     packing = strew("ellipsoid", contacts=[(0, 1), (1, 2), (2, -1)], images=[(0, 1), (0, 0), (0, 0)])
     export(packing, tmp_path / "bed.graphml")
