@@ -110,10 +110,14 @@ class _Solids:
         points = self._corners(grain, np.zeros(3))
         corners = points[shape_part(self.packing, "face", self.shape[grain])]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        inside = np.ones([len(axis) for axis in centres], bool)
-        for normal, corner in zip(normals, corners[:, 0], strict=True):
-            inside &= normal[0] * x + normal[1] * y + normal[2] * z <= normal @ corner
-        return inside
+        # On each vertical line of voxels the grain is an interval: above the faces that look down and below those that
+        # look up. It is not on the line if the line is outside an upright face.
+        slack = np.sum(normals * corners[:, 0], axis=1) - normals[:, 0] * x - normals[:, 1] * y  # (nx, ny, faces)
+        down, up = normals[:, 2] < 0.0, normals[:, 2] > 0.0
+        low = (slack[..., down] / normals[down, 2]).max(axis=-1, keepdims=True)
+        high = (slack[..., up] / normals[up, 2]).min(axis=-1, keepdims=True)
+        beside = (slack[..., ~(down | up)] < 0.0).any(axis=-1, keepdims=True)
+        return (z >= low) & (z <= high) & ~beside
 
     def _corners(self, grain, centre):
         base = shape_part(self.packing, "vertex", self.shape[grain])

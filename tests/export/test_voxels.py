@@ -11,6 +11,7 @@ from simcore.export.surfaces import surface_areas
 from simcore.export.voxels import GRID_VARIANCE, voxels
 from simcore.grains.voxels import image_bodies
 from tests.helpers.packings import make_packing, sphere_lattice
+from tests.helpers.polyhedra import CUBE
 from tests.helpers.random_beds import HEIGHT, KINDS, WIDTH, strew
 
 
@@ -78,6 +79,14 @@ def test_a_lattice_has_its_porosity():
     assert grid.labels.shape == (120, 120, 120)
     single = 4.0 * np.sqrt(GRID_VARIANCE * np.pi * 1e-4 * 0.25e-3**4) / 1e-6
     assert grid.porosity == pytest.approx(1.0 - np.pi / 6.0, abs=single)
+
+
+def test_an_upright_cube_fills_its_voxels_and_no_other():
+    bed = make_packing([[0.010, 0.012, 0.006]], [[8e-3, 6e-3, 4e-3]], vertices=CUBE, width=WIDTH)
+    grid = voxels(bed, 1e-3)
+    expected = np.zeros_like(grid.labels)
+    expected[6:14, 9:15, 4:8] = 1
+    np.testing.assert_array_equal(grid.labels, expected)
 
 
 def test_the_grid_of_a_periodic_box_continues_on_its_other_side():
