@@ -89,6 +89,15 @@ def test_an_upright_cube_fills_its_voxels_and_no_other():
     np.testing.assert_array_equal(grid.labels, expected)
 
 
+def test_an_upright_prism_ends_at_its_sides():
+    """A cube that is turned by 45° about the vertical; its base is no box along the grid."""
+    turned = [[np.cos(np.pi / 8), 0.0, 0.0, np.sin(np.pi / 8)]]
+    bed = make_packing([[0.0151, 0.0152, 0.006]], [[1e-2, 1e-2, 4e-3]], turned, CUBE, width=WIDTH)
+    grid = voxels(bed, 1e-3)
+    x, y = np.meshgrid((np.arange(30) + 0.5) * 1e-3 - 0.0151, (np.arange(30) + 0.5) * 1e-3 - 0.0152, indexing="ij")
+    np.testing.assert_array_equal(grid.labels[:, :, 5] > 0, np.abs(x) + np.abs(y) <= 1e-2 / np.sqrt(2.0))
+
+
 def test_the_grid_of_a_periodic_box_continues_on_its_other_side():
     bed = make_packing([[0.001, 0.015, 0.004]], 3e-3, width=WIDTH)
     grid = voxels(bed, 0.7e-3)  # no divisor of the width
