@@ -22,6 +22,7 @@ Data flow in one direction: grains -> scene -> dem -> packing -> evaluation -> m
     evaluation/    results of a finished packing: porosity, slices, order over height, fabric
     reference/     the tables of Rettinger et al. (2022) and the committed rows
     models/        regression, cross-validation, porosity models, prediction
+    export/        files of a packing for other programs: surfaces, voxels, network of contacts
     campaign/      many packings: studies, their plan and cost, their tables, the committed rows
     report/        the page of a campaign and its figures
     verification/  comparison of parts of the code with closed forms

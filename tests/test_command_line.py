@@ -48,11 +48,11 @@ def test_pack_then_porosity(folder, capsys):
         "converged after",
     ):
         assert part in log, part
-    assert main(["porosity", str(output), "--cut", "0.002"]) == 0
+    assert main(["porosity", str(output), "--cut", "0.002", "--json"]) == 0
     bulk = json.loads(capsys.readouterr().out)
     assert 0.3 < bulk["n"] < 0.6
     assert bulk["n_std_error"] >= 0.0 or bulk["n_std_error"] != bulk["n_std_error"]
-    assert main(["porosity", str(output), "--cut", "2 mm"]) == 0
+    assert main(["porosity", str(output), "--cut", "2 mm", "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == bulk
     for cut, reason in (
         ("-0.01", "'-0.01' is not a length above 0; give one such as '8 mm'"),

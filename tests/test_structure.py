@@ -21,6 +21,7 @@ ORDER = (
     "packing",
     "reference",
     "models",
+    "export",
     "campaign",
     "verification",
     "report",

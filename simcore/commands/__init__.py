@@ -15,5 +15,9 @@ COMMANDS = (
     "porosity",
     "fabric",
     "predict",
+    "export",
+    "plot",
+    "compare",
+    "watch",
     "schema",
 )

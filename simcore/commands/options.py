@@ -1,7 +1,6 @@
 """Reading of options and paths that several commands have."""
 
 import math
-import sys
 from pathlib import Path
 
 
@@ -38,15 +37,7 @@ def check_writable(output: Path) -> None:
 
 
 def reporter(log: Path | None):
-    """Return a function that prints a line to stderr and, if `log` is a path, to this file."""
-    if log is not None:
-        log.parent.mkdir(parents=True, exist_ok=True)
-        log.write_text("")
+    """Return the function that shows a line, see simcore.packing.terminal.reporter. log: file that gets it as well."""
+    from simcore.packing import terminal
 
-    def report(line):
-        print(line, file=sys.stderr, flush=True)
-        if log is not None:
-            with log.open("a") as file:
-                print(line, file=file)
-
-    return report
+    return terminal.reporter(log)

@@ -20,6 +20,9 @@ def add(commands) -> None:
     parser.add_argument(
         "--checkpoint-interval", default="10 min", metavar="TIME", help="wall-clock time between checkpoints"
     )
+    parser.add_argument(
+        "--frames", metavar="TIME", help='write a series for ParaView, a frame every TIME of simulated time: "0.1 s"'
+    )
     parser.add_argument("--force", action="store_true", help="also pack a bed that is too low to evaluate its porosity")
     parser.set_defaults(run=run)
 
@@ -81,12 +84,14 @@ def _prepare(ranks, options, report):
     from simcore.packing.checkpoints.key import checkpoint_code, packing_key
     from simcore.packing.file import code_version
     from simcore.packing.single import prepare
+    from simcore.packing.terminal import expect
     from simcore.scene.quantity import parse_quantity
     from simcore.scene.specification import read_specification
 
     code_version()
     code = checkpoint_code() if options.checkpoints else ""
     specification = read_specification(options.specification)
+    expect(report, specification)
     interval = parse_quantity(options.checkpoint_interval, "s")
     setup, warned = prepare(specification, options.threads, options.force)
     ranks.on_first(lambda: check_writable(options.output))
@@ -94,6 +99,11 @@ def _prepare(ranks, options, report):
         report(f"{setup.scene.name}: warning: {text}")
     key = packing_key(specification, setup) if options.checkpoints else ""
     keeper = CheckpointKeeper(options.checkpoints, key, code, interval, report, ranks)
+    if options.frames is not None:
+        from simcore.export.frames import FramesKeeper, read_interval
+
+        frames = read_interval(options.frames)
+        keeper = FramesKeeper(keeper, options.output, frames, setup, specification, report, ranks)
     return specification, setup, keeper, warned
 
 

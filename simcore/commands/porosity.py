@@ -1,29 +1,35 @@
 """`scree porosity BED.nc`: bulk porosity of a packing with its sampling error."""
 
-import json
 from pathlib import Path
 
-from simcore.commands.options import length
+from simcore.commands.options import check_writable, length
 
 
 def add(commands) -> None:
     """Add the parser of this command."""
-    parser = commands.add_parser("porosity", help="bulk porosity of a packing with its sampling error, as JSON")
-    parser.add_argument("packing", type=Path, help="netCDF file of `pack`")
+    parser = commands.add_parser("porosity", help="bulk porosity of a packing with its sampling error")
+    parser.add_argument("packing", type=Path, metavar="BED.nc", help="netCDF file of `pack`")
     parser.add_argument(
         "--exact", action="store_true", help="slice the grains themselves instead of spheres of equal volume"
     )
     parser.add_argument("--cut", metavar="LENGTH", help='length left out at both ends of the bed: "8 mm", or metres')
+    parser.add_argument("--json", action="store_true", help="print JSON instead of a table; lengths are in metres")
+    parser.add_argument("--profile", type=Path, metavar="OUT.csv", help="file for n(z), by both methods of slicing")
     parser.set_defaults(run=run)
 
 
 def run(options) -> int:
-    """Print the porosity as JSON and return 0."""
+    """Print the porosity as a table or as JSON, write its profile if asked for, and return 0."""
     from simcore.evaluation.porosity import bulk_porosity
+    from simcore.evaluation.porosity_text import porosity_json, porosity_text, profile_table
     from simcore.packing.file import read_packing
 
     method, cut = "exact" if options.exact else "spheres", length("--cut", options.cut)
-    bulk = bulk_porosity(read_packing(options.packing), method=method, cut=cut)
-    scalars = {name: float(value) for name, value in bulk.data_vars.items() if value.ndim == 0}
-    print(json.dumps({"method": method, **scalars}, indent=1))
+    if options.profile is not None:
+        check_writable(options.profile)
+    packing = read_packing(options.packing)
+    bulk = bulk_porosity(packing, method=method, cut=cut)
+    if options.profile is not None:
+        profile_table(packing, bulk).to_csv(options.profile, index=False)
+    print(porosity_json(bulk) if options.json else porosity_text(bulk, packing))
     return 0

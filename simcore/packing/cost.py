@@ -85,6 +85,7 @@ class PackingCost(NamedTuple):
     longest_damping: int  # steps after which it fails
     cpu_seconds: float
     array_bytes: float
+    time_step: float  # [s]
 
     @property
     def steps(self) -> int:
@@ -133,6 +134,7 @@ def cost_of(scene: Scene, pour: Pour) -> PackingCost:
         longest_damping=longest,
         cpu_seconds=1e-6 * scene_step_cost(scene) * grain_steps,
         array_bytes=float(pour.grains) * GRAIN_MEMORY[WORDS[scene.kind]],
+        time_step=dt,
     )
 
 

@@ -54,7 +54,7 @@ def test_a_packing_longer_than_a_piece_is_one_by_itself():
 
 def test_the_hours_of_all_are_those_of_the_studies_in_it():
     steps = {"generating": 4, "shaking": 3, "damping": 3, "longest_damping": 9}
-    cost = PackingCost(grains=100, batches=1, **steps, cpu_seconds=1800.0, array_bytes=0.0)
+    cost = PackingCost(grains=100, batches=1, **steps, cpu_seconds=1800.0, array_bytes=0.0, time_step=1e-5)
     assert cost.steps == 10
     packings = pd.DataFrame({"study": ["a", "a", "other", "b"], "cost": [cost] * 4, "piece": [1, 2, 1, 1]})
     table = estimate_studies(packings, ["a", "b"]).set_index("study")

@@ -19,17 +19,25 @@ def profile_figure(profiles, bulk, title=""):
     """
     figure = Figure(figsize=(4.6, 5.2), layout="constrained")
     axes = figure.subplots()
-    low, high = float(bulk["z_lower"]), float(bulk["z_upper"])
-    axes.axhspan(low * MM, high * MM, color="0.92", zorder=0, label="evaluated interval")
+    draw_profile(axes, profiles, bulk)
+    axes.set_title(title)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.02 if not title else 1.08), frameon=False, fontsize="small")
+    return figure
+
+
+def draw_profile(axes, profiles, bulk=None):
+    """Draw porosity over height, and the evaluated interval unless bulk is None; arguments as in profile_figure."""
+    if bulk is not None:
+        low, high = float(bulk["z_lower"]), float(bulk["z_upper"])
+        axes.axhspan(low * MM, high * MM, color="0.92", zorder=0, label="evaluated interval")
     styles = [("black", "-", 1.4), ("#b3541e", "--", 1.2), ("0.5", "-.", 1.2), ("#2f6f8f", ":", 1.4)]
     for (label, profile), (color, style, width) in zip(profiles.items(), styles, strict=False):
         axes.plot(profile, profile["z"] * MM, style, color=color, lw=width, label=label)
-    n, error = float(bulk["n"]), float(bulk["n_std_error"])
-    axes.plot([n, n], [low * MM, high * MM], color="black", lw=0.8, label=f"bulk n = {n:.4f} ± {error:.4f}")
-    axes.axhline(float(bulk["bed_top"]) * MM, color="black", lw=0.8, ls=(0, (1, 3)), label="surface of the bed")
-    axes.set(xlim=(0, 1), ylim=(0, None), xlabel="porosity n [-]", ylabel="height above the floor z [mm]", title=title)
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.02 if not title else 1.08), frameon=False, fontsize="small")
-    return figure
+    if bulk is not None:
+        n, error = float(bulk["n"]), float(bulk["n_std_error"])
+        axes.plot([n, n], [low * MM, high * MM], color="black", lw=0.8, label=f"bulk n = {n:.4f} ± {error:.4f}")
+        axes.axhline(float(bulk["bed_top"]) * MM, color="black", lw=0.8, ls=(0, (1, 3)), label="surface of the bed")
+    axes.set(xlim=(0, 1), ylim=(0, None), xlabel="porosity n [-]", ylabel="height above the floor z [mm]")
 
 
 def packing_figure(packing, azimuth=-60.0, elevation=22.0, title="", pixels=900):

@@ -1,0 +1,157 @@
+"""Compares packings: porosity, contacts, sizes and forms, and the settings in which their specifications differ.
+
+Packings whose specifications differ only in the seed form a group. Groups are compared with the first one: by pairs of
+equal seed where there are such pairs, because beds of one seed have the same random numbers, so that part of their
+scatter cancels in the difference.
+"""
+
+import json
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t as student
+
+from simcore.evaluation.coordination import coordination_number
+from simcore.evaluation.interval import median_size
+from simcore.evaluation.porosity import bulk_porosity
+from simcore.scene.identity import deciding_but_seed, differing_keys
+
+QUANTITIES = ("n", "n_exact", "coordination")
+CODE = "(version of the code)"
+LEVEL = 0.95
+
+
+class Comparison(NamedTuple):
+    """The result of `compare`."""
+
+    packings: pd.DataFrame  # one row per packing
+    differences: pd.DataFrame  # one row per later group and quantity, against the first group
+    settings: pd.DataFrame  # one row per key in which groups differ, one column per group
+
+
+def compare(packings, cut=None) -> Comparison:
+    """Compare packings. packings: dict from a label to a Dataset of read_packing; cut [m]: as in bulk_porosity.
+
+    packings: label, group (A, B, ...), seed, grains, n and n_exact (slices of equal-volume spheres, and of the grains
+    themselves), coordination, each with *_std_error; D50 [m] by mass, mean FL and EL by number, bed_top [m].
+    differences: group, quantity, difference, std_error, low and high: its interval at the level of 95 %, pairs: number
+    of pairs of equal seed, 0 if the groups have none; the difference is then that of the means. The error is the
+    scatter over pairs or over seeds where a group has several, and the interval is Student's (Welch's for means).
+    Otherwise the error is the sampling error of the single packing, and the interval is normal. settings: empty
+    without specifications. ValueError with fewer than two packings, or if a bed cannot be evaluated.
+    """
+    if len(packings) < 2:
+        raise ValueError(f"compare: {len(packings)} packing is given; give at least two")
+    specifications = {label: json.loads(packing.attrs.get("scene", "{}")) for label, packing in packings.items()}
+    seeds = {label: int(packing.attrs.get("seed", -1)) for label, packing in packings.items()}
+    groups = _groups(specifications, seeds)
+    rows = []
+    for label, packing in packings.items():
+        try:
+            values = _evaluate(packing, cut)
+        except ValueError as error:
+            raise ValueError(f"{label}: {error}") from None
+        rows.append({"label": label, "group": groups[label], "seed": seeds[label], **values})
+    table = pd.DataFrame(rows)
+    firsts = {groups[label]: label for label in reversed(packings)}
+    firsts = {group: firsts[group] for group in sorted(firsts, key=lambda name: (len(name), name))}
+    # The commit behind the digest of the code does not matter.
+    codes = {group: str(packings[label].attrs.get("code_version", "")).split(" ")[0] for group, label in firsts.items()}
+    settings = _settings({group: specifications[label] for group, label in firsts.items()}, codes)
+    return Comparison(table, _differences(table, list(firsts)), settings)
+
+
+def _evaluate(packing, cut):
+    """Return the numbers of one packing, dict."""
+    bulk, exact = bulk_porosity(packing, "spheres", cut), bulk_porosity(packing, "exact", cut)
+    contacts = coordination_number(packing)
+    length, middle, short = (packing[name].values for name in "LIS")
+    return {
+        "grains": packing.sizes["grain"],
+        "n": float(bulk["n"]),
+        "n_std_error": float(bulk["n_std_error"]),
+        "n_exact": float(exact["n"]),
+        "n_exact_std_error": float(exact["n_std_error"]),
+        "coordination": float(contacts["coordination_number"]),
+        "coordination_std_error": float(contacts["coordination_number_std_error"]),
+        "D50": median_size(packing["D"].values, packing["volume"].values),
+        "FL": float((short / middle).mean()),
+        "EL": float((middle / length).mean()),
+        "bed_top": float(bulk["bed_top"]),
+    }
+
+
+def _groups(specifications, seeds):
+    """Return the name of each packing's group, dict by label; a seed that is repeated in a group starts another."""
+    members, names = {}, {}
+    for label, specification in specifications.items():
+        key = json.dumps(deciding_but_seed(specification), sort_keys=True) if specification else label
+        repeated = 0
+        while seeds[label] in members.setdefault((key, repeated), []):
+            repeated += 1
+        members[key, repeated].append(seeds[label])
+        names[label] = (key, repeated)
+    order = list(dict.fromkeys(names.values()))
+    return {label: _letter(order.index(key)) for label, key in names.items()}
+
+
+def _letter(number):
+    """Return A, B, ..., Z, AA, AB, ..."""
+    return (_letter(number // 26 - 1) if number >= 26 else "") + chr(ord("A") + number % 26)
+
+
+def _differences(table, groups):
+    rows = []
+    first = table[table.group == groups[0]].set_index("seed")
+    for group in groups[1:]:
+        other = table[table.group == group].set_index("seed")
+        common = [seed for seed in first.index if seed in other.index and seed >= 0]
+        for quantity in QUANTITIES:
+            if common:
+                a, b = first.loc[common], other.loc[common]
+                each = (b[quantity] - a[quantity]).to_numpy()
+                difference = each.mean()
+                if len(each) > 1:
+                    error, freedom = each.std(ddof=1) / np.sqrt(len(each)), len(each) - 1.0
+                else:
+                    error, freedom = _combine(_error_of_mean(a, quantity), _error_of_mean(b, quantity))
+            else:
+                difference = other[quantity].mean() - first[quantity].mean()
+                error, freedom = _combine(_error_of_mean(first, quantity), _error_of_mean(other, quantity))
+            half = student.ppf(0.5 + 0.5 * LEVEL, freedom) * error
+            rows.append((group, quantity, difference, error, difference - half, difference + half, len(common)))
+    return pd.DataFrame(rows, columns=["group", "quantity", "difference", "std_error", "low", "high", "pairs"])
+
+
+def _error_of_mean(rows, quantity):
+    """Return the standard error of the mean over the seeds of a group, or of its only packing, and its freedom."""
+    if len(rows) > 1:
+        return rows[quantity].std(ddof=1) / np.sqrt(len(rows)), len(rows) - 1.0
+    return rows[f"{quantity}_std_error"].iloc[0], np.inf
+
+
+def _combine(first, second):
+    """Return the standard error of the difference of two independent means, and its degrees of freedom (Welch)."""
+    (a, of_a), (b, of_b) = first, second
+    spread = a**4 / of_a + b**4 / of_b
+    return float(np.hypot(a, b)), (a**2 + b**2) ** 2 / spread if spread > 0.0 else np.inf
+
+
+def _settings(specifications, codes):
+    """Return the keys in which the groups' specifications differ, with their values; arguments: dicts by group."""
+    groups = list(specifications)
+    parts = {group: deciding_but_seed(specification) for group, specification in specifications.items()}
+    keys = sorted({key for group in groups[1:] for key in differing_keys(parts[groups[0]], parts[group])})
+    rows = {key: [_value(parts[group], key) for group in groups] for key in keys}
+    if len(set(codes.values())) > 1:
+        rows[CODE] = [codes[group] for group in groups]
+    return pd.DataFrame.from_dict(rows, orient="index", columns=groups).rename_axis("key")
+
+
+def _value(specification, key):
+    """Return the value of a key such as "sizes.case" as text, "-" where there is none."""
+    value = specification
+    for name in key.split("."):
+        value = value.get(name) if isinstance(value, dict) else None
+    return "-" if value is None else value if isinstance(value, str) else json.dumps(value)

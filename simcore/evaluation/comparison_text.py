@@ -1,0 +1,87 @@
+"""Formats a comparison of packings as tables for reading."""
+
+import numpy as np
+from tabulate import tabulate
+
+from simcore.evaluation.comparison import LEVEL
+
+NAMES = {
+    "n": "porosity n",
+    "n_exact": "porosity, the grains themselves sliced",
+    "coordination": "contacts per grain",
+}
+DECIMALS = {"n": 4, "n_exact": 4, "coordination": 2}
+
+
+def comparison_text(comparison) -> str:
+    """Return the tables of a simcore.evaluation.comparison.Comparison."""
+    rows = [
+        {
+            "packing": row.label,
+            "group": row.group,
+            "seed": row.seed if row.seed >= 0 else "-",
+            "grains": row.grains,
+            "n": _pair(row.n, row.n_std_error, 4),
+            "n, grains sliced": _pair(row.n_exact, row.n_exact_std_error, 4),
+            "contacts": _pair(row.coordination, row.coordination_std_error, 2),
+            "D50 [mm]": f"{1e3 * row.D50:.2f}",
+            "FL": f"{row.FL:.3f}",
+            "EL": f"{row.EL:.3f}",
+            "bed [mm]": f"{1e3 * row.bed_top:.1f}",
+        }
+        for row in comparison.packings.itertuples()
+    ]
+    several = len(set(comparison.packings.group)) > 1
+    parts = [_table(rows), "± is the standard error within the packing. FL and EL are means over the grains."]
+    if not several:
+        parts.append("All packings have the same settings but for the seed: there is one group.")
+        parts += _scatter(comparison.packings)
+        return "\n".join(parts)
+    rows = [
+        {
+            "difference": f"{row.group} − {comparison.packings.group.iloc[0]}",
+            "of": NAMES[row.quantity],
+            "is": _pair(row.difference, row.std_error, DECIMALS[row.quantity], "+"),
+            f"{100 * LEVEL:.0f} % interval": _interval(row.low, row.high, DECIMALS[row.quantity]),
+            "from": _source(row.pairs),
+        }
+        for row in comparison.differences.itertuples()
+    ]
+    parts += ["", _table(rows), "", *_settings(comparison.settings)]
+    return "\n".join(parts)
+
+
+def _scatter(packings):
+    """Return lines on the means over the seeds of one group."""
+    lines = [""]
+    for quantity, name in NAMES.items():
+        values = packings[quantity]
+        error = values.std(ddof=1) / np.sqrt(len(values))
+        lines.append(f"mean {name}: {_pair(values.mean(), error, DECIMALS[quantity])} (over {len(values)} seeds)")
+    return lines
+
+
+def _settings(settings):
+    if settings.empty:
+        return ["The files have no specification, or the same one: no setting is known in which the groups differ."]
+    rows = [{"setting": key, **row.to_dict()} for key, row in settings.iterrows()]
+    return [_table(rows), "Quantities are in SI units."]
+
+
+def _source(pairs):
+    if pairs == 0:
+        return "means of the groups; no seed is in both"
+    return f"{pairs} pairs of equal seed" if pairs > 1 else "1 pair of equal seed, errors within the packings"
+
+
+def _interval(low, high, decimals):
+    return "-" if np.isnan(low) else f"{low:+.{decimals}f} to {high:+.{decimals}f}".replace("-", "−")
+
+
+def _pair(value, error, decimals, sign=""):
+    text = f"{value:{sign}.{decimals}f}".replace("-", "−")
+    return text if np.isnan(error) else f"{text} ± {error:.{decimals}f}"
+
+
+def _table(rows):
+    return tabulate(rows, headers="keys", tablefmt="simple", disable_numparse=True)

@@ -1,0 +1,126 @@
+"""A packing while it runs, as a series for ParaView: a .vtp file for each frame, and a .pvd file that lists them.
+
+Frames use the interface of checkpoints (simcore.packing.keeping): the packing pauses between two steps, and its bodies
+are read. No step and no bit of the result depends on it.
+"""
+
+import math
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+from simcore.dem.state.parts import assemble
+from simcore.export.libraries import library
+from simcore.export.paraview import contacts_path, write_surfaces
+from simcore.packing.file import packing_dataset
+from simcore.packing.heartbeat import beat
+from simcore.packing.keeping import KEEP, Keeper
+from simcore.packing.observation import observe
+from simcore.packing.packed import Packed
+from simcore.scene.quantity import parse_quantity
+
+
+def read_interval(text: str) -> float:
+    """Return the interval [s] of the option --frames, such as "0.1 s". ValueError unless it is a time above 0."""
+    try:
+        interval = parse_quantity(text, "s")
+    except ValueError as error:
+        raise ValueError(f"--frames: {error}") from None
+    if not interval > 0.0:
+        raise ValueError(f"--frames: {text!r} is not a time above 0; give one such as '0.1 s'")
+    return interval
+
+
+class FramesKeeper(Keeper):
+    """Writes a frame every `interval` of simulated time, and leaves checkpoints to another keeper.
+
+    The packing pauses at the latest at each of its checks (convergence.interval), so that a frame is at the first pause
+    after its time is due; the .pvd file has the time of its state.
+    """
+
+    def __init__(self, keeper: Keeper, output: Path, interval: float, setup, specification, report, ranks):
+        """output: file of the packing, bed.nc; the frames are bed_frames/00000.vtp, ... and bed.pvd, bed_contacts.pvd.
+
+        interval [s]: of simulated time. setup, specification: of the packing. report(line): called if a frame cannot be
+        written, after which the packing goes on without frames. ValueError without pyvista.
+        """
+        library("pyvista", "--frames")
+        self.keeper, self.interval, self.setup, self.specification = keeper, interval, setup, specification
+        self.ranks, self.dt = ranks, setup.scene.numerics.time_step
+        self.folder, self.series = output.with_name(f"{output.stem}_frames"), output.with_suffix(".pvd")
+        self.next, self.frames, self.wished = 0.0, [], 0  # frames: (time [s], path)
+        self.report, self.failed = report, False
+
+    def __getattr__(self, name):
+        return getattr(self.keeper, name)  # what a keeper of checkpoints has besides the interface
+
+    def wish(self, step):
+        self.wished = self.keeper.wish(step) if self.keeper.wish else 0
+        return max(self.wished, KEEP if self._is_due(step) else 0)
+
+    def latest(self):
+        latest = self.keeper.latest()
+        if latest is not None:  # the frames before the checkpoint remain
+            time = latest[0]["step"] * self.dt
+            self.frames = [frame for frame in _read_series(self.series) if frame[0] <= time]
+            self.next = self._after(self.frames[-1][0]) if self.frames else 0.0
+        return latest
+
+    def keep(self, state, parts):
+        # Only the keeper of one rank may want a checkpoint, but all ranks must agree on it.
+        checkpoint = max(self.ranks.all([self.wished])) > 0
+        parts = list(parts)
+        if self._is_due(state["step"]):
+            time = state["step"] * self.dt
+            self.next = self._after(time)
+            if self.ranks.rank == 0 and not self.failed:
+                try:
+                    self._write(state, parts, time)
+                except OSError as error:  # a packing is worth more than its frames
+                    self.failed = True
+                    self.report(f"{self.setup.scene.name}: a frame cannot be written ({error}); there will be no more")
+        if checkpoint:
+            self.keeper.keep(state, iter(parts))
+
+    def _after(self, time):
+        """Return the next multiple of the interval [s]."""
+        return (math.floor(time / self.interval + 1e-9) + 1) * self.interval
+
+    def _is_due(self, step):
+        # Half a step is allowed for, since neither time is exact.
+        return (step + 0.5) * self.dt >= self.next
+
+    def _write(self, state, parts, time):
+        beat()
+        bodies, candidates = assemble(parts, range(state["inserted"]))
+        observed = observe(bodies, candidates)
+        packed = Packed(bodies, candidates, observed, state["step"], time, 0.0, [(time, state["phase"], observed)])
+        sample = self.setup.sample(range(len(bodies.mass)))
+        packing = packing_dataset(self.setup.scene, self.setup.bases, packed, sample, self.specification)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        path = self.folder / f"{len(self.frames):05d}.vtp"
+        write_surfaces(path, packing)
+        self.frames.append((time, path))
+        _write_series(self.series, self.frames)
+        _write_series(contacts_path(self.series), [(time, contacts_path(path)) for time, path in self.frames])
+        beat()
+
+
+def _write_series(path, frames):
+    """Write a .pvd file; frames: (time [s], path) of each."""
+    root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
+    collection = ElementTree.SubElement(root, "Collection")
+    for time, file in frames:
+        name = file.relative_to(path.parent).as_posix()
+        ElementTree.SubElement(collection, "DataSet", timestep=repr(float(time)), part="0", file=name)
+    ElementTree.indent(root)
+    part = path.with_name(path.name + ".part")
+    ElementTree.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)
+    part.replace(path)
+
+
+def _read_series(path):
+    """Return the frames of a .pvd file, list of (time [s], path); empty if there is no such file."""
+    if not path.exists():
+        return []
+    sets = ElementTree.parse(path).getroot().iter("DataSet")
+    return [(float(one.get("timestep")), path.parent / one.get("file")) for one in sets]
