@@ -12,4 +12,4 @@ set_threads(snakemake.params.threads)
 with open(snakemake.log[0], "w", encoding="utf-8") as log:
     count = compile_steps(snakemake.params.specifications, lambda text: print(text, file=log, flush=True))
 with open(snakemake.output.steps, "w", encoding="utf-8") as file:
-    print(f"{count} steps are compiled.", file=file)
+    print(f"Compiled steps: {count}", file=file)
