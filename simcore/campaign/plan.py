@@ -222,10 +222,14 @@ class Plan:
         longest = self.campaign["longest_job"]
         return minutes if longest is None else min(minutes, int(longest // 60.0))
 
-    def steps_to_compile(self):
-        """Return the specifications of the packings, without those that differ from another only in seed or amount."""
+    def compiled_with(self, study):
+        """Return the name under which a study's steps are compiled: "all" for all studies of `all`, else its own."""
+        return "all" if study in self.studies else study
+
+    def steps_to_compile(self, name):
+        """Return the specifications of a name of `compiled_with`, except those that differ only in seed or amount."""
         distinct = {}
-        for specification in self.packings.specification:
+        for specification in self.of(*(self.studies if name == "all" else [name])).specification:
             rest = {key: value for key, value in specification.items() if key not in ("name", "seed", "amount")}
             distinct.setdefault(json.dumps(rest, sort_keys=True), specification)
         return list(distinct.values())

@@ -111,8 +111,10 @@ def test_time_grows_up_to_that_of_the_longest_job():
 def test_packings_that_differ_in_seed_or_amount_are_compiled_once():
     plan = plan_of()
     assert len(plan.of("spheres")) == 4
-    names = [specification["shapes"]["kind"] for specification in plan.steps_to_compile()]
-    assert names.count("sphere") == 1
+    assert plan.compiled_with("spheres") == "spheres" and plan.compiled_with("single_form") == "all"
+    (specification,) = plan.steps_to_compile("spheres")
+    assert specification["shapes"]["kind"] == "sphere"
+    assert {s["shapes"]["kind"] for s in plan.steps_to_compile("all")} == {"polyhedron"}
 
 
 def test_pieces_hold_each_packing_once_and_the_first_seed_first():

@@ -73,9 +73,9 @@ def test_jobs_take_the_python_that_runs_snakemake(workplace):
 
 def test_steps_are_compiled_by_a_job_that_packings_wait_for(workplace):
     (workplace.folder / "spheres.yaml").write_text(CAMPAIGN)
-    first = ["--configfile", "spheres.yaml", "--config", "compile_first=true"]
+    first = ["--configfile", "spheres.yaml", "--config", "compile_first=True"]
     assert ("compiled_steps", None) in workplace.plan("spheres", *first)
     assert "compiled_steps" not in {rule for rule, _ in workplace.plan("spheres", *first[:2])}
-    status, said = workplace.run("results/compiled.txt", *first)
+    status, said = workplace.run("results/compiled/all.txt", *first)
     assert status == 0, said
-    assert (workplace.folder / "results/compiled.txt").read_text() == "Compiled steps: 1\n"
+    assert (workplace.folder / "results/compiled/all.txt").read_text() == "Compiled steps: 1\n"

@@ -83,8 +83,12 @@ def minutes(wildcards, attempt):
 
 # An input that packings wait for, but that does not make finished ones outdated.
 def compiled_steps(wildcards):
-    path = f"{plan.results}/compiled.txt"
+    path = f"{plan.results}/compiled/{plan.compiled_with(wildcards.study)}.txt"
     return [ancient(path)] if campaign["compile_first"] else []
+
+
+def specifications_to_compile(wildcards):
+    return plan.steps_to_compile(wildcards.studies)
 
 
 def mpiexec(wildcards):
@@ -118,3 +122,4 @@ wildcard_constraints:
     packing=r"[A-Za-z0-9_.+-]+",
     faces=r"\d+",
     grains=r"[A-Za-z0-9_.+-]+",
+    studies="|".join(["all", *all_studies]),

@@ -45,12 +45,12 @@ rule packing_specification:
 # Compiles each step once, so that the ranks and packings of a cluster do not all compile it; see compile_first.
 rule compiled_steps:
     output:
-        steps="<results>/compiled.txt",
+        steps="<results>/compiled/{studies}.txt",
     log:
-        "<results>/logs/compiled_steps.log",
+        "<results>/logs/compiled_steps/{studies}.log",
     threads: campaign["threads"]
     params:
-        specifications=plan.steps_to_compile() if campaign["compile_first"] else [],
+        specifications=specifications_to_compile,
         threads=campaign["threads"],
         code=digest("workflow/scripts/compiled_steps.py"),
     script:
