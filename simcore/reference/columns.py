@@ -6,6 +6,9 @@ committed rows are in results/reference. The names of the columns of both are de
 
 from typing import NamedTuple
 
+# Sieve curves of the measured gravels of Rettinger et al. (2022)
+R22_CASES = ("U1", "U3", "U5", "U7", "B30", "B50", "B70")
+
 
 class Column(NamedTuple):
     """A column of the tables of studies."""
@@ -75,6 +78,15 @@ COLUMNS = (
     Column("p_value", "", "probability of at least this correlation without a trend"),
     Column("relative_change", "", "change from the lower to the upper end of the bed, divided by the mean"),
     Column("relative_change_std_error", "", "standard error of the relative change"),
+    # Columns of the table of packing models on measured gravels, size_models_measured.csv
+    Column("model", "", "name of a packing model, a candidate or a river predictor"),
+    Column("K", "", "compaction index of a model that has one"),
+    Column("given", "", "what the model is given"),
+    Column("classes", "", "how a sieve class enters: one size, its geometric mean; or divided into narrow parts"),
+    *[Column(f"error_{case}", "", f"predicted minus measured porosity of {case}") for case in R22_CASES],
+    Column("rms_error", "", "root mean square of the errors of all gravels but U1"),
+    Column("slope_U7", "", "change of the porosity of U7 over the change of the one-class porosity, between forms"),
+    Column("slope_B50", "", "the same of B50"),
 )
 
 COLUMN_OF_KEY = {column.key: column.name for column in COLUMNS if column.key}
