@@ -15,6 +15,7 @@ DATA = (
     "config/accuracy.yaml",
     "config/config.yaml",
     "config/cases.tsv",
+    "config/curves.tsv",
     "results/reference/**/*.csv",
 )
 

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from simcore import compilation
+from simcore import compilation, paths
 from simcore.packing.checkpoints.key import checkpoint_code
 from simcore.paths import ROOT
 from simcore.provenance import digest
@@ -31,6 +31,8 @@ def sources(tmp_path, monkeypatch):
     shutil.copytree(ROOT / "config", tmp_path / "config")
     monkeypatch.setattr(compilation, "ROOT", tmp_path)
     monkeypatch.setattr(digest, "ROOT", tmp_path)
+    monkeypatch.setattr(paths, "ROOT", tmp_path)
+    monkeypatch.setattr(paths, "DATA", tmp_path)
 
     def changed(path, text="CHANGED = 1\n", code=compilation.source_digest.__wrapped__):
         digest.read_source.cache_clear()
@@ -66,7 +68,8 @@ def test_a_comment_refuses_no_checkpoint(sources, path):
 @pytest.fixture
 def project(tmp_path):
     """A small project with a kernel that inlines a leaf of another file; run() -> (value, hits, misses, files kept)."""
-    for path in ("__init__.py", "paths.py", "compilation.py", "provenance/__init__.py", "provenance/digest.py"):
+    provenance = ("provenance/__init__.py", "provenance/digest.py", "provenance/version.py")
+    for path in ("__init__.py", "paths.py", "compilation.py", *provenance):
         (tmp_path / "simcore" / path).parent.mkdir(exist_ok=True, parents=True)
         shutil.copy(ROOT / "simcore" / path, tmp_path / "simcore" / path)
     (tmp_path / "simcore/leaves.py").write_text(LEAVES)

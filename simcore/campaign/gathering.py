@@ -125,7 +125,8 @@ def rows_of(study, rows, evaluations, source):
     if name not in COLUMNS:
         varied = [column for column in rows[0]["varied"] if column not in ("seed", "case")]
         varied = [COMMITTED_NAMES.get(column, column) for column in varied]
-        return table[["case", *dict.fromkeys(varied), *(["grain"] if "grain" in table else []), "seed", *RESULT]]
+        grain = ["grain"] if "grain" in table else []
+        return table[["case", *dict.fromkeys([*varied, *grain]), "seed", *RESULT]]
     return table[_order(name)]
 
 

@@ -166,17 +166,21 @@ def _format_numbers(numbers):
 
 @dataclass(frozen=True)
 class Case:
-    """One row of the table of cases: its sieve curve and the generation spacing of Rettinger et al. (2022) [m]."""
+    """One row of a table of cases: its sieve curve, the spacing of its generation lattice [m], and its family.
+
+    family: curves that are left out together when models are compared; "" if the table has no such column.
+    """
 
     curve: SieveCurve
     generation_spacing: float
+    family: str = ""
 
 
-def read_cases(path):
+def read_cases(path, numbers_by="geometric_mean"):
     """Read a table of cases like config/cases.tsv and return a dict of name to Case.
 
-    Columns: `case`, one `a-b mm` per size class (mass fractions), and `generation_spacing [mm]`; other columns are
-    ignored. ValueError names the file and the fault in it.
+    Columns: `case`, one `a-b mm` per size class (mass fractions), `generation_spacing [mm]`, and optionally `family`;
+    other columns are ignored. numbers_by: of the SieveCurves. ValueError names the file and the fault in it.
     """
     path = Path(path)
     if not path.is_file():
@@ -199,8 +203,9 @@ def read_cases(path):
     try:
         return {
             row["case"]: Case(
-                SieveCurve(bounds, [float(row[c]) for c in classes], f"sieve curve {row['case']!r}", "geometric_mean"),
+                SieveCurve(bounds, [float(row[c]) for c in classes], f"sieve curve {row['case']!r}", numbers_by),
                 float(row["generation_spacing [mm]"]) * 1e-3,
+                row.get("family") or "",
             )
             for row in rows
         }

@@ -16,11 +16,16 @@ MAX_GRAINS = 10_000_000  # the maximum of amount.grains in the schema; here it l
 UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
 
 
-def size_curve(sizes, cases=CONFIG / "cases.tsv", grains=()):
+def all_cases():
+    """Return the cases of Rettinger et al. (2022), then those of the study of sizes and form, dict of name to Case."""
+    return read_cases(CONFIG / "cases.tsv") | read_cases(CONFIG / "curves.tsv", "mean_volume")
+
+
+def size_curve(sizes, grains=()):
     """Return the SieveCurve, BetaSizes or OwnSizes of the resolved group `sizes` of a specification.
 
-    cases: path of the table of cases. grains: list of Grain in the shape in which they are packed, needed for
-    `sizes.own`. ValueError if the case is unknown, or if `sizes.own` is set and there are no grains.
+    grains: list of Grain in the shape in which they are packed, needed for `sizes.own`. ValueError if the case is
+    unknown, or if `sizes.own` is set and there are no grains.
     """
     if sizes["own"]:
         if not grains:
@@ -31,15 +36,15 @@ def size_curve(sizes, cases=CONFIG / "cases.tsv", grains=()):
         return BetaSizes(group["radius"], group["spread"], group["alpha"], group["beta"])
     if sizes["case"] is None:
         return SieveCurve(np.array(sizes["bounds"]), np.array(sizes["mass_fractions"]), "sizes")
-    table = read_cases(cases)
+    table = all_cases()
     if sizes["case"] not in table:
         raise ValueError(f"sizes.case: '{sizes['case']}' is unknown; the cases are {', '.join(table)}")
     return table[sizes["case"]].curve
 
 
-def case_spacing(sizes, cases=CONFIG / "cases.tsv"):
+def case_spacing(sizes):
     """Return the generation spacing [m] of the case of the resolved group `sizes`, or None if it names no case."""
-    return None if sizes["case"] is None else read_cases(cases)[sizes["case"]].generation_spacing
+    return None if sizes["case"] is None else all_cases()[sizes["case"]].generation_spacing
 
 
 def lattice_spacing(spec, curve):

@@ -98,7 +98,17 @@ def test_boxes_of_deposits_are_four_long_axes_wide_and_leave_two_of_bulk(overlay
 
 def test_campaigns_do_not_write_over_each_other():
     folders = []
-    for name in ("config", "smoke", "workstation", "scans", "r22", "deposits", "deposits_large"):
+    for name in (
+        "config",
+        "smoke",
+        "workstation",
+        "scans",
+        "r22",
+        "deposits",
+        "deposits_large",
+        "wide",
+        "size_and_form",
+    ):
         raw = yaml.safe_load((CONFIG / f"{name}.yaml").read_text())
         folders.append(raw.get("pathvars", {}).get("results", "results"))
     assert len(set(folders)) == len(folders)

@@ -103,6 +103,24 @@ def test_validation_counts_runs_and_other_studies_keep_what_they_vary():
     assert list(table) == ["case", "shaking_s", "seed", "n", "n_error", "grains", "cpu_s"]
 
 
+def test_a_study_that_varies_forms_and_kinds_has_each_column_once(tmp_path):
+    """Beds of all forms, of one form and of spheres in one study, gathered one after the other."""
+    for shapes in ({}, {"choice": "one", "grain": "G02"}, {"kind": "sphere"}):
+        varied = {
+            "case": "R4_65",
+            "shape_kind": shapes.get("kind", "polyhedron"),
+            "grain": shapes.get("grain"),
+            "seed": 1,
+        }
+        table = rows_of(
+            "size_and_form", [{"packing": "p", "varied": varied}], [evaluated(specify(**shapes))], "synthetic"
+        )
+        gather(tmp_path, "size_and_form", table)
+    written = pd.read_csv(tmp_path / "size_and_form.csv")
+    assert ",".join(written) == "case,shape_kind,grain,seed,n,n_error,grains,cpu_s"
+    assert sorted(written.grain.fillna("").tolist()) == ["", "", "G02"]
+
+
 def test_accuracies_lie_beside_rows_that_no_campaign_has(tmp_path):
     path = tmp_path / "accuracy.csv"
     path.write_text("accuracy,case,seed,grains,n,cpu_s\nr22,U1,1,600,0.35,900.0\nof old,U1,1,600,0.34,90.0\n")

@@ -31,6 +31,7 @@ def checkpoint_code() -> str:
         "simcore/dem/ranks/many_ranks.py",
         "simcore/grains/sources.py",
         "config/cases.tsv",
+        "config/curves.tsv",
     )
     return f"{VERSION}+{source_digest()}+{packing}+numpy{np.__version__}"
 

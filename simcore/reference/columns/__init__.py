@@ -65,6 +65,7 @@ TABLES = {
     "ranks": (benchmarks.RANKS,),
     "scaling": (benchmarks.SCALING,),
     "settling": (benchmarks.SETTLING,),
+    "size_models_measured": (benchmarks.SIZE_MODELS,),
     "stability": (benchmarks.STABILITY,),
     "wide_cost": (benchmarks.WIDE_COST, COLUMNS),
     "verification*": (verification.OUTSIDE,),

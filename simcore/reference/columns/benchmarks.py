@@ -2,6 +2,9 @@
 
 from simcore.reference.columns.column import Column
 
+# Sieve curves of the measured gravels of Rettinger et al. (2022)
+R22_CASES = ("U1", "U3", "U5", "U7", "B30", "B50", "B70")
+
 _SHAPE = Column("shape", "", "shape of the grains")
 _GRAINS = Column("grains", "", "number of grains")
 _DIGEST = Column("digest", "", "digest of the code that was measured")
@@ -136,4 +139,14 @@ WIDE_COST = (
     Column("settings", "", "study of config/wide.yaml whose settings the packing has"),
     Column("shapes", "", "source of the grains"),
     Column("grain_steps", "", "grains times time steps"),
+)
+SIZE_MODELS = (
+    Column("model", "", "name of a packing model, a candidate or a river predictor"),
+    Column("K", "", "compaction index of a model that has one"),
+    Column("given", "", "what the model is given"),
+    Column("classes", "", "how a sieve class enters: one size, its geometric mean; or divided into narrow parts"),
+    *[Column(f"error_{case}", "", f"predicted minus measured porosity of {case}") for case in R22_CASES],
+    Column("rms_error", "", "root mean square of the errors of all gravels but U1"),
+    Column("slope_U7", "", "change of the porosity of U7 over the change of the one-class porosity, between forms"),
+    Column("slope_B50", "", "the same of B50"),
 )

@@ -1,0 +1,136 @@
+"""Packing models and river predictors on the seven measured gravels of Rettinger et al. (2022), nothing fitted.
+
+    python -m benchmarks.studies.size_models
+    python -m benchmarks.studies.size_models --write   # into results/reference/size_models_measured.csv
+
+A packing model gets the measured porosity of U1 as its one-class porosity and predicts the six others; a river
+predictor gets the sieve curve alone. A row is one model: its name, the compaction index K if it has one, what it is
+given, how a sieve class enters ("one size": its geometric mean, as the models are published; "divided": parts with mass
+uniform in log D, calibrated so that U1 has its porosity), predicted minus measured porosity of each gravel, and the
+root mean square of the errors of U3 to B70. K has three values, none of them chosen by these gravels, and the stretch
+of log size of the candidates is 1.
+
+slope_U7 and slope_B50 are the change of the porosity of that curve over the change of the one-class porosity, from 0.32
+to 0.38: how much of the effect of form a model carries over to wide curves. The last row has what the models of
+Rettinger et al. for beds of one form give over our 63 synthetic forms, by linear regression. A few seconds.
+"""
+
+import argparse
+
+import numpy as np
+import pandas as pd
+
+from simcore.grains.sieve import read_cases
+from simcore.models.packing_models.compressible import compressible
+from simcore.models.packing_models.empirical import PREDICTORS
+from simcore.models.packing_models.linear import filling, linear, occupying
+from simcore.models.packing_models.linear_mixture import linear_mixture
+from simcore.models.packing_models.rods import rods
+from simcore.models.size_and_form.candidates import predict
+from simcore.paths import CONFIG, REFERENCE
+from simcore.reference.committed_rows import read_single_forms
+from simcore.reference.r22_tables import read_r22_table
+
+BASE = "U1"
+WIDE = ("U7", "B50")
+LOOSE = (0.32, 0.38)  # one-class porosities of the slopes
+INDICES = (4.1, 4.75, 9.0)
+TABLE = "size_models_measured.csv"
+FLAT = (filling, occupying)
+
+
+def measured():
+    """Return the SieveCurves and the measured porosities of the gravels, two dicts by name."""
+    table = read_r22_table("table3_cases").set_index("case")["n_exp"]
+    cases = read_cases(CONFIG / "cases.tsv")
+    return {name: cases[name].curve for name in table.index}, table.to_dict()
+
+
+def one_size(model):
+    """Return predict(curve, one_class) of a published model, with the geometric mean as the size of a class."""
+
+    def porosity(curve, one_class):
+        held = curve.mass_fractions > 0
+        sizes = np.sqrt(curve.bounds[1:] * curve.bounds[:-1])[held]
+        return float(model(sizes, curve.mass_fractions[held], one_class))
+
+    return porosity
+
+
+def divided(candidate, **parameters):
+    """Return predict(curve, one_class) of a candidate without stretch, with mass uniform in log D in a class."""
+    values = {"m0": 1.0, "kappa": 0.0} | parameters
+    return lambda curve, one_class: predict(candidate, curve, one_class, values, law="mass")
+
+
+def packing_models():
+    """Return the rows of the packing models: (name, K or None, classes, predict)."""
+    return [
+        ("linear", None, "one size", one_size(linear)),
+        ("linear mixture", None, "one size", one_size(linear_mixture)),
+        *[("compressible", K, "one size", one_size(_at(compressible, K))) for K in INDICES],
+        *[
+            ("compressible with f and g of linear", K, "one size", one_size(_at(compressible, K, FLAT)))
+            for K in INDICES
+        ],
+        ("rods", None, "one size", one_size(rods)),
+        ("candidate L without stretch", None, "divided", divided("L")),
+        *[("candidate H without stretch", K, "divided", divided("H", K=K)) for K in INDICES],
+        ("candidate F without stretch", None, "divided", divided("F")),
+    ]
+
+
+def _at(model, K, functions=None):
+    options = {} if functions is None else {"functions": functions}
+    return lambda sizes, fractions, porosity: model(sizes, fractions, porosity, K, **options)
+
+
+def size_models_table():
+    """Return one row per model: model, K, given, classes, error_U1 to error_B70, rms_error (of U3 to B70), slopes."""
+    curves, porosities = measured()
+    rows = []
+    for model, K, classes, porosity in packing_models():
+        errors = {name: porosity(curves[name], porosities[BASE]) - n for name, n in porosities.items()}
+        row = {"model": model, "K": K, "given": f"curve and porosity of {BASE}", "classes": classes} | _named(errors)
+        for name in WIDE:
+            dense, loose = (porosity(curves[name], n1) for n1 in LOOSE)
+            row[f"slope_{name}"] = (loose - dense) / (LOOSE[1] - LOOSE[0])
+        rows.append(row)
+    for predictor in PREDICTORS:
+        errors = {name: predictor.porosity(curves[name]) - n for name, n in porosities.items()}
+        rows.append({"model": predictor.name, "given": "curve", "classes": "divided"} | _named(errors))
+    rows.append({"model": "single forms of Rettinger et al.", "given": "form", **single_form_slopes()})
+    return pd.DataFrame(rows).round(4)
+
+
+def single_form_slopes():
+    """Return the slopes of the published porosities of U7 and B50 against those of U1, over our 63 synthetic forms."""
+    forms = read_single_forms(REFERENCE / "single_form.csv")
+    forms = forms[(forms["source"] == "synthetic") & (forms["case"] == BASE)].drop_duplicates("grain")
+    published = read_r22_table("models").query("model == 'single_form'").set_index("case")
+    n = {
+        case: published.loc[case, "EQ_inv"] * forms.L / forms.S + published.loc[case, "EL_inv"] * forms.L / forms.I
+        for case in (BASE, *WIDE)
+    }
+    return {f"slope_{case}": np.polyfit(n[BASE], n[case], 1)[0] for case in WIDE}
+
+
+def _named(errors):
+    others = [error for name, error in errors.items() if name != BASE]
+    columns = {f"error_{name}": 0.0 if abs(error) < 5e-5 else error for name, error in errors.items()}
+    return columns | {"rms_error": np.sqrt(np.mean(np.square(others)))}
+
+
+def main(arguments=None) -> None:
+    """Print the table, or write it."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--write", action="store_true", help=f"write results/reference/{TABLE}")
+    table = size_models_table()
+    if parser.parse_args(arguments).write:
+        table.to_csv(REFERENCE / TABLE, index=False, lineterminator="\n", float_format="%.4g")
+    else:
+        print(table.to_string(index=False, float_format="%.4f", na_rep=""))
+
+
+if __name__ == "__main__":
+    main()

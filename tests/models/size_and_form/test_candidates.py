@@ -1,0 +1,185 @@
+"""The candidates for size and form: their limits, and what splitting a class, a form or a size changes."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from simcore.grains.sieve import SieveCurve, read_cases
+from simcore.models.packing_models.curves import LAWS, split
+from simcore.models.size_and_form.candidates import CANDIDATES, predict
+from simcore.models.size_and_form.one_class import check_one_class, one_class_porosity
+from simcore.models.size_and_form.stretch import REFERENCE_POROSITY, by_form, by_looseness
+from simcore.paths import CONFIG
+
+CASES = {name: case.curve for name, case in read_cases(CONFIG / "cases.tsv").items()}
+FORMS = (0.441, 0.682)
+BINARY = SieveCurve(np.array([2.8, 4, 16, 22.4]) * 1e-3, [0.3, 0.0, 0.7], "binary")
+WIDE_CLASSES = SieveCurve(np.array([2, 8, 32]) * 1e-3, [0.4, 0.6], "wide classes")
+CURVES = {**CASES, "binary": BINARY, "wide classes": WIDE_CLASSES}
+every_candidate = pytest.mark.parametrize("name", CANDIDATES)
+
+
+def porosity(name, curve, one_class=0.342, parameters=None, forms=FORMS, **options):
+    return predict(name, curve, one_class, parameters, forms, **options)
+
+
+def far_values(name):
+    """Parameters away from their starts, within their bounds."""
+    return {
+        key: parameter.start + 0.4 * (parameter.high - parameter.start)
+        for key, parameter in CANDIDATES[name].parameters.items()
+        if key not in ("c0", "m_EQ", "m_EL")
+    }
+
+
+@every_candidate
+@pytest.mark.parametrize("law", LAWS)
+def test_one_class_keeps_the_one_class_porosity(name, law):
+    for n1 in (0.25, 0.31, 0.342, 0.45, 0.55):
+        for parameters in ({}, far_values(name)):
+            assert porosity(name, CASES["U1"], n1, parameters, law=law) == pytest.approx(n1, abs=1e-9)
+    # A narrower class counts as one class.
+    narrow = SieveCurve([1e-3, 1.05e-3], [1.0])
+    assert porosity(name, narrow, law=law) == pytest.approx(0.342, abs=1e-9)
+
+
+@every_candidate
+@pytest.mark.parametrize("law", LAWS)
+def test_splitting_classes_changes_less_than_a_thousandth(name, law):
+    for curve in CURVES.values():
+        for n1, parameters in ((0.32, {}), (0.40, far_values(name))):
+            before = porosity(name, curve, n1, parameters, law=law)
+            for number in (2, 4, 8):
+                assert abs(porosity(name, split(curve, number, law), n1, parameters, law=law) - before) < 1e-3
+
+
+@every_candidate
+def test_scale_and_empty_classes_change_nothing(name):
+    for curve in CURVES.values():
+        before = porosity(name, curve)
+        larger = SieveCurve(37.0 * curve.bounds, curve.mass_fractions)
+        assert porosity(name, larger) == pytest.approx(before, abs=1e-6)  # rods: round-off in equal gaps
+        bounds = np.concatenate([[0.1 * curve.bounds[0]], curve.bounds, [9 * curve.bounds[-1]]])
+        padded = SieveCurve(bounds, np.concatenate([[0.0], curve.mass_fractions, [0.0]]))
+        assert porosity(name, padded) == pytest.approx(before, abs=1e-12)
+
+
+@every_candidate
+def test_every_curve_gives_a_porosity_up_to_the_one_class_porosity(name):
+    """Random curves of up to nine classes of 1.1 to 4; looser grains give looser beds."""
+    rng = np.random.default_rng(6)
+    for _ in range(15):
+        k = rng.integers(1, 10)
+        curve = SieveCurve(1e-3 * np.cumprod([1, *rng.uniform(1.1, 4, k)]), rng.dirichlet(0.5 * np.ones(k)))
+        n1 = np.array([[0.28], [0.33], [0.38], [0.45]])
+        n = porosity(name, curve, n1)
+        assert n.shape == (4,) and np.all(n > 0) and np.all(n <= n1[:, 0] + 1e-12)
+        assert np.all(np.diff(n) > -2e-4), (n, curve)  # rods: the noise of 8000
+
+
+@every_candidate
+def test_many_predictions_are_single_ones(name):
+    n1 = np.array([[0.31], [0.36]])
+    n = porosity(name, CASES["U7"], n1)
+    single = [porosity(name, CASES["U7"], float(value)) for value in n1[:, 0]]
+    np.testing.assert_allclose(n, single, atol=1e-12)
+
+
+@every_candidate
+def test_equal_forms_by_class_are_those_of_all_grains(name):
+    by_class = np.full((1, 7), 0.36)
+    forms = tuple(np.full((1, 7), value) for value in FORMS)
+    same = porosity(name, CASES["B50"], by_class, forms=forms)
+    np.testing.assert_allclose(same, porosity(name, CASES["B50"], 0.36), atol=1e-9)
+
+
+@every_candidate
+def test_form_by_class_lies_between_the_forms(name):
+    """Coarse grains of one form and fine ones of another, and the reverse."""
+    low, high = porosity(name, BINARY, 0.32), porosity(name, BINARY, 0.40)
+    for values in ([0.32, 0.36, 0.40], [0.40, 0.36, 0.32]):
+        mixed = float(porosity(name, BINARY, np.array([values]))[0])
+        assert low < mixed < high
+    # The class without mass does not count.
+    other = porosity(name, BINARY, np.array([[0.40, 0.25, 0.32]]))
+    assert float(other[0]) == pytest.approx(mixed, abs=1e-12)
+
+
+def slope(name, case, parameters):
+    low, high = (porosity(name, CASES[case], n1, parameters) for n1 in (0.32, 0.38))
+    return (high - low) / 0.06
+
+
+def test_stretch_and_damping_lower_the_effect_of_form():
+    """Section 2 of the notes: 0.97 and 0.88 for the linear model as published, 0.70 and 0.55 with kappa 0.7."""
+    published, stretched = {"m0": 1.0, "kappa": 0.0}, {"m0": 1.0, "kappa": 0.7}
+    np.testing.assert_allclose([slope("L", c, published) for c in ("U7", "B50")], [0.97, 0.88], atol=0.03)
+    np.testing.assert_allclose([slope("L", c, stretched) for c in ("U7", "B50")], [0.70, 0.55], atol=0.03)
+    for c in (0.0, 1.0, 1.5):
+        X = 1 - porosity("D_F", CASES["B50"], REFERENCE_POROSITY) / REFERENCE_POROSITY
+        assert slope("D_F", "B50", {"c": c}) == pytest.approx(1 - c * X, abs=1e-9)
+
+
+def test_stretch_takes_the_coarser_grain_of_a_pair():
+    """Loose coarse grains have wide pores; the looseness of fines in the pores of others does not count."""
+
+    def effect(coarse, fine):
+        n1 = np.array([[fine, 0.34, coarse]])
+        with_stretch, without = (porosity("L", BINARY, n1, {"kappa": kappa}) for kappa in (1.0, 0.0))
+        return float((with_stretch - without)[0])
+
+    assert effect(coarse=0.40, fine=REFERENCE_POROSITY) < -0.01
+    assert abs(effect(coarse=REFERENCE_POROSITY, fine=0.40)) < 4e-3  # of mixing within their own class
+
+
+def test_stretch_rules_at_the_reference():
+    assert by_looseness(REFERENCE_POROSITY, 0.93, 0.7) == pytest.approx(0.93)
+    assert by_looseness(0.40, 1.0, 1.0) == pytest.approx((0.40 / 0.60) / (0.342 / 0.658))
+    assert by_form(*FORMS, 1.1, 0.3, -0.2) == pytest.approx(1.1)
+    assert by_form(0.3, 0.682, 1.0, 0.1) == pytest.approx(1 + 0.1 * (1 / 0.3 - 1 / 0.441))
+    with pytest.raises(ValueError, match="not positive"):
+        by_form(0.1, 0.7, 1.0, -1.0)
+
+
+class Linear:
+    """A one-class model with the signature of PorosityModel.predict."""
+
+    def predict(self, features):
+        return 0.28 + 0.03 * features["mu_EQ_inv"] + 0.01 * features["relative_variance_EL"]
+
+
+def statistics(mu_EQ):
+    return pd.DataFrame({"mu_EQ": mu_EQ, "sigma_EQ": 0.1, "mu_EL": 0.7, "sigma_EL": 0.14})
+
+
+def test_one_class_porosity_of_all_grains_and_by_class():
+    expected = 0.28 + 0.03 / np.array([0.4, 0.5, 0.6]) + 0.01 * 0.2**2
+    assert one_class_porosity(Linear(), statistics([0.4]), BINARY) == pytest.approx(expected[0])
+    np.testing.assert_allclose(
+        one_class_porosity(Linear(), statistics([0.4, 0.5, 0.6]), BINARY),
+        expected[[0, 1, 2]] * [1, 0, 1] + np.array([0, expected[[0, 2]].mean(), 0]),
+    )
+    np.testing.assert_allclose(
+        one_class_porosity(Linear(), statistics([0.4, np.nan, 0.6]), BINARY)[[0, 2]], expected[[0, 2]]
+    )
+    with pytest.raises(ValueError, match="binary: 2 rows of form statistics do not fit 3 classes"):
+        one_class_porosity(Linear(), statistics([0.4, 0.5]), BINARY)
+    with pytest.raises(ValueError, match="class 3 has mass but no form statistics"):
+        one_class_porosity(Linear(), statistics([0.4, 0.5, np.nan]), BINARY)
+
+
+def test_what_cannot_be_predicted_is_refused():
+    for name in CANDIDATES:
+        with pytest.raises(ValueError, match="one-class porosity 0.65 is outside"):
+            porosity(name, BINARY, 0.65)
+    with pytest.raises(ValueError, match="candidate 'G' is unknown; the candidates are H, "):
+        porosity("G", BINARY)
+    with pytest.raises(ValueError, match="candidate L has no parameter 'K'"):
+        porosity("L", BINARY, parameters={"K": 4.0})
+    with pytest.raises(ValueError, match="2 values do not fit 3 classes"):
+        porosity("H", BINARY, np.array([[0.3, 0.4]]))
+    with pytest.raises(ValueError, match="needs the mean EQ and EL"):
+        predict("H_form", BINARY, 0.342)
+    with pytest.raises(ValueError, match="gives the porosity -"):
+        porosity("D_H", CASES["B50"], 0.342, {"c0": -3.0})
+    assert check_one_class(0.3) == 0.3
