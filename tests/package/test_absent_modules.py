@@ -65,7 +65,7 @@ def test_a_bed_is_packed_on_one_rank_and_evaluated(tmp_path):
     status, _, errors = without(tmp_path, *words)
     assert status == 0, errors
     assert "cannot be locked" in errors  # without fcntl there is no lock, and the log says so
-    status, said, errors = without(tmp_path, "porosity", "tiny.nc", "--cut", "2 mm")
+    status, said, errors = without(tmp_path, "porosity", "tiny.nc", "--cut", "2 mm", "--json")
     assert status == 0, errors
     assert 0.3 < json.loads(said)["n"] < 0.6
     status, _, errors = without(tmp_path, "fabric", "tiny.nc", "--cut", "2 mm")

@@ -120,7 +120,7 @@ def test_a_packing_is_explained_packed_and_evaluated(installed):
     installed("scree", "pack", "tiny.yaml", "tiny.nc", "--force")
     with xr.open_dataset(installed.folder / "tiny.nc", engine="netcdf4") as bed:
         assert bed.sizes["grain"] == 40
-    bulk = json.loads(installed("scree", "porosity", "tiny.nc", "--cut", "2 mm"))
+    bulk = json.loads(installed("scree", "porosity", "tiny.nc", "--cut", "2 mm", "--json"))
     assert 0.3 < bulk["n"] < 0.6
     code = "import simcore; print(simcore.read_packing('tiny.nc').sizes['grain'])"
     assert installed("python", "-c", code) == "40\n"
