@@ -6,7 +6,7 @@ It reads the tables results/reference/wide_*.csv and writes results/reference/wi
 prints one line for each sieve curve and each study that packs beds of `wide_quota` again: the number of pairs (same
 curve, same seed), the mean difference of the porosity with its standard error, whether the rule of config/wide.yaml
 accepts the setting, and the ratio of the CPU times. The rule asks for a mean difference of at most 0.003 in size with a
-standard error of at most 0.0015, over at least three seeds, as many as the rule of the study says.
+standard error of at most 0.0015, over three seeds, or over the number in SEEDS.
 """
 
 from pathlib import Path
@@ -38,7 +38,7 @@ def cost_table(tables: dict[str, pd.DataFrame], gathered: pd.DataFrame) -> pd.Da
             if len(entry) != 1:
                 raise ValueError(
                     f"gathered.csv has {len(entry)} packings of {study} that took {row['cpu_s']} s of CPU time; one is "
-                    f"needed for the row of seed {row['seed']}. Collect the study again: snakemake --cores 1 "
+                    f"needed for the row of seed {row['seed']}. To collect the study again, run: snakemake --cores 1 "
                     "--configfile config/wide.yaml -- collect"
                 )
             one = entry.iloc[0]
