@@ -13,6 +13,7 @@ import os
 from pathlib import Path
 
 import numba
+from filelock import FileLock
 from llvmlite import ir
 from numba import types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
@@ -89,6 +90,16 @@ class _Cache(FunctionCache):
     def __init__(self, py_func, options):
         super().__init__(py_func)
         self._options = tuple(sorted(options.items()))
+
+    def save_overload(self, sig, data):
+        """Save a compiled function while no other process saves one of this file.
+
+        numba reads the index, chooses a file that it does not name, and writes both. Two processes that do so at once
+        choose the same file, and one would later run the code of the other.
+        """
+        self._impl.locator.ensure_cache_path()
+        with FileLock(Path(self._cache_path) / "saving.lock"):
+            super().save_overload(sig, data)
 
     def _index_key(self, sig, codegen):
         return (*super()._index_key(sig, codegen), self._options)

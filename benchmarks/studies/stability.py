@@ -1,18 +1,23 @@
 """What is stable: small scenes over two settings each, and what becomes of every one of them.
 
-    python -m benchmarks.studies.stability [--map steps ...] > results/reference/stability.csv
+    python -m benchmarks.studies.stability > results/reference/stability.csv
+    python -m benchmarks.studies.stability --scheme campaigns > results/reference/stability_campaign.csv
     python -m benchmarks.studies.stability --figure results/reference/stability.csv docs/stability.png
+    python -m benchmarks.studies.stability --figure results/reference/stability_campaign.csv docs/stability_campaign.png
 
-Maps: steps per contact time against contact time, restitution and size ratio, in a bed that is packed as any other;
-contact time against how much heavier than itself a grain carries, and against the speed of an impact, at 40 steps.
+Maps of spheres with explicit dashpots: steps per contact time against contact time, restitution and size ratio, in a
+bed that is packed as any other; contact time against how much heavier than itself a grain carries, and against the
+speed of an impact, at 40 steps. Maps of the scheme that campaigns use (polyhedra of 100 faces, patches, implicit
+dashpots, a contact time of 0.2 ms): steps per contact time against size ratio, flatness and elongation.
 One CSV row a cell: map, x, y, outcome, largest overlap over the smaller grain's diameter where it was looked at, CPU
-seconds, and the message of what was refused or stopped. Outcomes:
+seconds, and the message of what was refused or stopped, or is not right. Outcomes:
 
-    stable   ended, and right: at rest where it lay 0.02 s of free motion later, or with the impact's closed form
-    soft     the same, but grains overlap by more than SOFT of the smaller one: what comes out shows the springs
-    refused  an error before the first step
-    stopped  an error while running
-    wrong    ended without an error, and is not right
+    stable     ended, and right: at rest where it lay 0.02 s of free motion later, or with the impact's closed form
+    vibrating  the same, but the floor's force alternates from step to step by more than ALTERNATING of the weight
+    soft       right, but grains overlap by more than SOFT of the smaller one: what comes out shows the springs
+    refused    an error before the first step
+    stopped    an error while running
+    wrong      ended without an error, and is not right
 """
 
 import argparse
@@ -29,8 +34,9 @@ import numpy as np
 SOFT, DEEP = 0.05, 0.5  # of the smaller grain's diameter; deeper than half of it, springs may push to the far side
 GRAVITY = 9.81
 REST = 5e-3  # [m/s]: the packing's own gate of rest
+ALTERNATING = 0.05  # of the weight, half the mean difference of the floor's force between a step and the next
+LOOKS = 20  # in the time FREE
 FREE = 0.02  # [s] of motion without shaking and damping, in which a bed at rest must stay
-LOOKS = 20  # in it
 BED = {
     "name": "cell",
     "domain": {"width": "18 mm", "height": "0.2 m"},
@@ -43,21 +49,41 @@ BED = {
     "damping": {"max_time": "0.5 s"},
     "numerics": {"contact_time": "1 ms", "progress_interval": "1000 s"},
 }
+# The scheme of the campaigns
+CAMPAIGN_BED = {
+    "name": "cell",
+    "accuracy": "standard",
+    "faces": 100,
+    "domain": {"width": "25 mm", "height": "0.4 m"},
+    "shapes": {"kind": "polyhedron", "choice": "random"},
+    "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0], "allow_few_top_grains": True},
+    "amount": {"grains": 60},
+    "generation": {"fill": "bed", "velocity_z": "-0.5 m/s"},
+    "shaking": {"duration": "0.2 s"},
+    "convergence": {"max_speed": f"{REST!r} m/s"},
+    "numerics": {"contact_time": "0.2 ms", "polyhedron_contact": "patch", "progress_interval": "1000 s"},
+}
+CAMPAIGN_STEPS = (4, 6, 8, 10, 12, 14, 20, 40)
 STEPS = (5, 6, 8, 12, 16, 20, 30, 40, 80)
 CONTACT_TIMES = (2e-6, 2e-5, 2e-4, 1e-3, 2e-3, 1e-2)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--map", nargs="+", choices=MAPS, default=list(MAPS), help="these only")
+    parser.add_argument("--scheme", choices=MAPS, default="explicit", help="whose maps are made")
+    names = [name for maps in MAPS.values() for name in maps]
+    parser.add_argument("--map", nargs="+", choices=names, help="these of the scheme only")
     parser.add_argument("--figure", nargs=2, metavar=("CSV", "PNG"), help="draw the maps of a file, run nothing")
     options = parser.parse_args()
     if options.figure:
         draw(*options.figure)
         return
     print("map,x,y,outcome,overlap,cpu_s,message")
-    for name in options.map:
-        cell, xs, ys = MAPS[name]
+    maps = MAPS[options.scheme]
+    for name in options.map or maps:
+        if name not in maps:
+            parser.error(f"the map {name!r} is not one of --scheme {options.scheme}")
+        cell, xs, ys = maps[name]
         for x in xs:
             for y in ys:
                 started = time.process_time()
@@ -67,16 +93,17 @@ def main():
                 print(f'{name},{x:g},{y:g},{outcome},{overlap:.3g},{cpu:.2f},"{message}"', flush=True)
 
 
-def packed_bed(changes):
-    """(outcome, overlap, message) of BED with `changes` laid over it, packed, and then left free."""
+def packed_bed(changes, bed=BED):
+    """(outcome, overlap, message) of a bed with `changes` laid over it, packed, and then left free."""
     from simcore.campaign.studies import merge
+    from simcore.grains.sources import load_grains
     from simcore.packing.packed import SHAKING, PackingError
     from simcore.packing.process import Process
     from simcore.scene.setup import set_up
     from simcore.scene.specification import resolve
 
     try:
-        setup = set_up(resolve(merge(BED, changes)), lambda group: [])
+        setup = set_up(resolve(merge(bed, changes)), load_grains)
         process = Process(setup.scene, setup.bases, setup.draw, lambda line: None)
     except ValueError as error:
         return "refused", np.nan, str(error)
@@ -87,26 +114,33 @@ def packed_bed(changes):
         still = dataclasses.replace(setup.scene.shaking, amplitude=0.0)
         # The compiled step stays that with shaking.
         process.stepper.scene = dataclasses.replace(setup.scene, shaking=still)
-        carried = []
-        for _ in range(LOOKS):
-            process.advance(round(FREE / LOOKS / process.dt), SHAKING)
-            process.evaluate()
-            carried.append(process.walls.force[process.walls.touching > 0, 2].sum())
+        carried = np.zeros((LOOKS, 2))
+        for look in range(LOOKS):
+            # A mode at its limit alternates from step to step, so two consecutive steps are looked at.
+            for phase, steps in enumerate((round(FREE / LOOKS / process.dt) - 1, 1)):
+                process.advance(steps, SHAKING)
+                process.evaluate()
+                carried[look, phase] = process.walls.force[process.walls.touching > 0, 2].sum()
     except PackingError as error:
         return "stopped", np.nan, str(error)
     smallest = 2.0 * process.bodies.radius.min()
     sunk = abs((process.bodies.position - lay)[:, 2].mean())
     weight = setup.scene.material.effective_gravity * process.bodies.mass.sum()
-    carried = np.mean(carried)  # over time: a grain that rolls a little and meets another presses for a moment
+    carried = carried / weight
+    alternating = 0.5 * np.abs(carried[:, 0] - carried[:, 1]).mean()
+    carried = carried.mean()  # over time: a grain that rolls a little and meets another presses for a moment
     reasons = []
     speed = np.sqrt((process.bodies.velocity**2).sum(axis=1).mean())  # of all: one that rolls away is no fault
     if speed > REST:
         reasons.append(f"it moves at {speed:.2g} m/s when left free, root mean square")
     if sunk > 0.01 * smallest:
         reasons.append(f"the bed's height changes by {sunk:.2g} m when left free")
-    if abs(carried / weight - 1.0) > 0.05:
-        reasons.append(f"the floor carries {carried / weight:.2f} of the weight")
-    return judge(max(deepest, deepest_overlap(process)), reasons)
+    if abs(carried - 1.0) > 0.05:
+        reasons.append(f"the floor carries {carried:.2f} of the weight")
+    judged = judge(max(deepest, deepest_overlap(process)), reasons)
+    if judged[0] in ("stable", "soft") and alternating > ALTERNATING:
+        return "vibrating", judged[1], f"the force of the floor alternates by {alternating:.2f} of the weight"
+    return judged
 
 
 def judge(overlap, reasons):
@@ -152,6 +186,34 @@ def steps_and_size_ratio(ratio, steps):
             "numerics": {"contact_time": "0.2 ms", "steps_per_contact_time": steps},
         }
     )
+
+
+def steps_and_size_ratio_of_pebbles(ratio, steps):
+    """Pebbles in the scheme of the campaigns: four small ones for each large one, by number."""
+    large, few = 8e-3, 1.001
+    small = large / ratio
+    fractions = [4.0 / (4.0 + ratio**3), 0.0, ratio**3 / (4.0 + ratio**3)]
+    bounds = [f"{bound!r} m" for bound in (small, few * small, large, few * large)]
+    if ratio == 1.0:
+        bounds, fractions = bounds[2:], [1.0]
+    changes = {"sizes": {"bounds": bounds, "mass_fractions": fractions}, "amount": {"grains": 100}}
+    return packed_bed({**changes, "numerics": {"steps_per_contact_time": steps}}, CAMPAIGN_BED)
+
+
+def steps_and_flatness(flatness, steps):
+    """Pebbles of one flatness S/I and of elongation 0.8, in the scheme of the campaigns."""
+    return _bed_of_form(flatness, 0.8, steps)
+
+
+def steps_and_elongation(elongation, steps):
+    """Pebbles of one elongation I/L and of flatness 0.6, in the scheme of the campaigns."""
+    return _bed_of_form(0.6, elongation, steps)
+
+
+def _bed_of_form(flatness, elongation, steps):
+    form = {"flatness": {"mean": flatness, "std": 0.0}, "elongation": {"mean": elongation, "std": 0.0}}
+    changes = {"shapes": {"choice": "form_distribution", **form}, "numerics": {"steps_per_contact_time": steps}}
+    return packed_bed(changes, CAMPAIGN_BED)
 
 
 def placed(contact_time, radius, position, velocity=0.0):
@@ -239,11 +301,18 @@ def impact_and_contact_time(speed, contact_time):
 
 
 MAPS = {
-    "steps and contact time": (steps_and_contact_time, CONTACT_TIMES[1:], STEPS),
-    "steps and restitution": (steps_and_restitution, (0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 1.0), STEPS),
-    "steps and size ratio": (steps_and_size_ratio, (1.0, 2.0, 4.0, 8.0, 16.0), STEPS),
-    "weight and contact time": (weight_and_contact_time, (1, 10, 100, 1e3, 1e4, 1e5, 1e6), CONTACT_TIMES),
-    "impact and contact time": (impact_and_contact_time, (0.1, 0.3, 1.0, 3.0, 10.0, 14.0, 30.0), CONTACT_TIMES),
+    "explicit": {
+        "steps and contact time": (steps_and_contact_time, CONTACT_TIMES[1:], STEPS),
+        "steps and restitution": (steps_and_restitution, (0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 1.0), STEPS),
+        "steps and size ratio": (steps_and_size_ratio, (1.0, 2.0, 4.0, 8.0, 16.0), STEPS),
+        "weight and contact time": (weight_and_contact_time, (1, 10, 100, 1e3, 1e4, 1e5, 1e6), CONTACT_TIMES),
+        "impact and contact time": (impact_and_contact_time, (0.1, 0.3, 1.0, 3.0, 10.0, 14.0, 30.0), CONTACT_TIMES),
+    },
+    "campaigns": {
+        "steps and size ratio of pebbles": (steps_and_size_ratio_of_pebbles, (1.0, 2.0, 4.0, 8.0), CAMPAIGN_STEPS),
+        "steps and flatness": (steps_and_flatness, (0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0), CAMPAIGN_STEPS),
+        "steps and elongation": (steps_and_elongation, (0.2, 0.3, 0.4, 0.6, 0.8, 1.0), CAMPAIGN_STEPS),
+    },
 }
 
 

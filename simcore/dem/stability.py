@@ -38,7 +38,8 @@ LOOKED_AT = 32  # number of bodies whose eigenvalues are computed; they are sele
 EXPECTED_CONTACTS, CAUTIOUS_CONTACTS = 9, 12
 # With the probability AT_CORNERS a contact of a polyhedron with at most POINTED corners is at a corner, otherwise
 # anywhere on its faces, because a corner of one of two polyhedra meets a face of the other. The corners of a polyhedron
-# with at least BLUNT corners differ little from its faces. Measurements: docs/accuracy.md, "Grains of few corners".
+# with at least BLUNT corners differ little from its faces. Measurements: docs/explanation/stability.md, "Grains of few
+# corners".
 AT_CORNERS, POINTED, BLUNT = 0.5, 8, 24
 SAMPLE = 200  # maximum number of grains whose form enters the estimate
 DIRECTIONS = 256  # points on the surface of an ellipsoid
@@ -64,29 +65,29 @@ class Stiffest(NamedTuple):
 class Estimate(NamedTuple):
     """Minimum steps per contact time of a scene, from the form of its grains and the contact law.
 
-    With fewer steps than `expected`, grains that have many contacts are likely to jitter: they gain energy until
-    contacts slip or open, and the bed may not come to rest. Between the two values, which include the 40 steps of
-    Rettinger et al. (2022), a mode may be unstable if a small grain is held by many neighbours that are heavier or move
-    against it. Such modes are rare and short, because few grains fit so well; friction and damping remove the energy
-    that they gain.
+    With fewer steps than `expected`, the stiffest grains are likely to vibrate: they gain energy until contacts slip or
+    open, and the bed may not come to rest. Between the two values, which include the 40 explicit steps of Rettinger et
+    al. (2022), a mode may be unstable if a small grain is held by many neighbours that are heavier or move against it.
+    Such modes are rare and short, because few grains fit so well; friction and damping remove the energy that they
+    gain.
     """
 
-    expected: float  # for EXPECTED_CONTACTS
-    cautious: float  # for CAUTIOUS_CONTACTS, more than fit around a grain
+    expected: float
+    cautious: float
 
 
 def contact_load(law: ContactLaw, dt: float, friction: bool = True, effective_contacts: float | None = None) -> Load:
     """Return the load of a contact at a time step [s]; no other function depends on how a dashpot enters the step.
 
-    law: the continuous one. effective_contacts: with an implicit dashpot, the effective contacts of the body; None with
-    an explicit one.
+    law: the continuous one. effective_contacts: with an implicit dashpot, the effective contacts of the body, or of
+    each of several bodies (n,), for which the loads are arrays; None with an explicit dashpot.
     """
     if effective_contacts is not None:
         law = implicit_law(law, dt)
     normal, across = (
         explicit_dashpot.py_func(law)
         if effective_contacts is None
-        else implicit_dashpot.py_func(law, max(effective_contacts, 1.0))
+        else implicit_dashpot.py_func(law, np.maximum(effective_contacts, 1.0))
     )
     spring, dashpot = law.stiffness * dt**2, 2.0 * normal * dt
     along = law.tangential * spring + 2.0 * across * dt if friction else 0.0
@@ -224,12 +225,13 @@ def _steps_of_row(bodies, grips, law, friction, row, effective_contacts, time):
 
 
 def estimate_steps(
-    law: ContactLaw, friction: bool, bases: list[Base], shape, scale, implicit: bool = False, time: float | None = None
+    law: ContactLaw, friction: bool, bases: list[Base], shape, scale, time: float | None = None
 ) -> Estimate:
     """Estimate the minimum steps per contact time of a bed of grains of shape (n,) and scale (n, 3).
 
-    The estimate is the largest over the forms of the grains. Contacts are equally probable on every part of the surface
-    of a grain. time: as in steps_needed.
+    With explicit dashpots; simcore.dem.random_contacts is for implicit ones. The estimate is the largest over the forms
+    of the grains, with EXPECTED_CONTACTS and CAUTIOUS_CONTACTS, which are more than fit around a grain. Contacts are
+    equally probable on every part of the surface of a grain. time: as in steps_needed.
     """
     sample = np.unique(np.linspace(0, len(shape) - 1, min(SAMPLE, len(shape))).astype(int))
     parts = [_mean_over_surface(bases[shape[i]], scale[i]) for i in sample]
@@ -241,9 +243,7 @@ def estimate_steps(
 
     return Estimate(
         *(
-            steps_needed(
-                law, friction, lambda load, count=count: count * load_at(load), count if implicit else None, time
-            )
+            steps_needed(law, friction, lambda load, count=count: count * load_at(load), time=time)
             for count in (EXPECTED_CONTACTS, CAUTIOUS_CONTACTS)
         )
     )
@@ -257,13 +257,13 @@ def _mean_over_surface(base, scale):
     """
     moments = base.second_moments * scale**2
     if not len(base.vertices):
-        return _mean_contact(*_ellipsoid_surface(scale), moments)
+        return _mean_contact(*ellipsoid_surface(scale), moments)
     corners = (base.vertices * scale)[base.faces]
     n = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(n, axis=1)
     n = n / area[:, None]
     at_faces = _mean_contact(corners.mean(axis=1), n, area, moments)
-    pointed = np.clip((BLUNT - len(base.vertices)) / (BLUNT - POINTED), 0.0, 1.0)
+    pointed = pointedness(base)
     if pointed == 0.0:
         return at_faces
     normals, areas = np.tile(n, (3, 1)), np.tile(area, 3)
@@ -277,7 +277,12 @@ def _mean_over_surface(base, scale):
     )
 
 
-def _ellipsoid_surface(scale):
+def pointedness(base: Base) -> float:
+    """Return the weight of contacts at corners: 1 for a polyhedron of at most POINTED corners, 0 from BLUNT corners."""
+    return float(np.clip((BLUNT - len(base.vertices)) / (BLUNT - POINTED), 0.0, 1.0))
+
+
+def ellipsoid_surface(scale):
     """Return points (n, 3), normals (n, 3) and weights (n,) on the surface of an ellipsoid."""
     k = np.arange(DIRECTIONS) + 0.5
     z, angle = 1.0 - 2.0 * k / DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * k
@@ -292,13 +297,20 @@ def _mean_contact(point, n, weight, moments):
 
     n (k, 3), weight (k,); moments (3,): mean second moments of the grain.
     """
-    weight = weight / weight.sum()
-    arm = 1.0 / np.sqrt(moments.sum() - moments)  # inverse root of the inertia per mass
-    eye = np.broadcast_to(np.eye(3), (len(n), 3, 3))
-    rows = np.concatenate([eye, np.cross(point[:, None, :], eye) * arm], axis=2)
+    weight, rows = weight / weight.sum(), contact_motion(point, moments)
     along = np.einsum("nk,nkj->nj", n, rows)
     normal = np.einsum("n,ni,nj->ij", weight, along, along)
     return normal, np.einsum("n,nki,nkj->ij", weight, rows, rows) - normal
+
+
+def contact_motion(point, moments):
+    """Return the motion (k, 3, 6) of points (k, 3) by each of the six motions of a grain, in units of its mass.
+
+    moments (3,): mean second moments of the grain.
+    """
+    arm = 1.0 / np.sqrt(moments.sum() - moments)  # inverse root of the inertia per mass
+    eye = np.broadcast_to(np.eye(3), (len(point), 3, 3))
+    return np.concatenate([eye, np.cross(point[:, None, :], eye) * arm], axis=2)
 
 
 class _Grips(NamedTuple):

@@ -8,6 +8,7 @@ from scipy.linalg import expm
 from simcore.dem.forces.hertz import linear_law
 from simcore.dem.forces.spring_dashpot import ContactLaw
 from simcore.dem.from_scene import compose, stiffening_advice
+from simcore.dem.random_contacts import estimate_implicit_steps
 from simcore.dem.stability import Estimate, contact_time, estimate_steps
 from simcore.scene.impact import fall_speed as speed_after
 from simcore.scene.impact import impact_depth, sphere_radius
@@ -53,12 +54,22 @@ def _estimate_stability(scene, bases, drawn) -> Estimate:
     composition = compose(scene)
     grains = composition.features.friction, bases, drawn.shape, drawn.scale
     law = composition.continuous_law
+    if scene.implicit:
+        estimate = estimate_implicit_steps(law, *grains, _number_of_grains(scene, bases, drawn))
+        return Estimate(*(max(steps, composition.least_steps) for steps in estimate))
     if scene.hertzian is None:
-        return estimate_steps(law, *grains, scene.implicit)
+        return estimate_steps(law, *grains)
     time, least = scene.numerics.contact_time, scene.hertzian.least_mass
     at_rest = linear_law(composition.law, least, least, overlap_at_rest(scene, bases, drawn))
     expected = max(estimate_steps(at_rest, *grains, time=time).expected, composition.least_steps)
     return Estimate(expected, max(estimate_steps(law, *grains, time=time).cautious, expected))
+
+
+def _number_of_grains(scene, bases, drawn) -> float:
+    """Return the number of grains of the packing; where their mass is given, the number follows from the mean grain."""
+    if scene.amount_grains is not None:
+        return scene.amount_grains
+    return max(scene.amount_mass / (scene.material.density * float(grain_volumes(bases, drawn).mean())), 1.0)
 
 
 def overlap_at_rest(scene: Scene, bases: list[Base], drawn) -> float:
@@ -120,8 +131,9 @@ def warnings(scene: Scene, expected: Expectation) -> list[str]:
     if needed.expected > steps:
         lines.append(
             f"{steps:g} steps per contact time are fewer than the {needed.expected:.1f} that a bed of such grains is "
-            f"expected to need. Grains with many contacts would vibrate and gain energy until the contacts slip or "
-            f"open, and the bed may not come to rest. Raise numerics.steps_per_contact_time."
+            f"expected to need. The stiffest grains would vibrate and gain energy until their contacts slip or open; "
+            f"the bed may not come to rest, or a grain may be thrown. Raise numerics.steps_per_contact_time to at "
+            f"least {np.ceil(needed.expected):.0f}."
         )
     if expected.impact_depth > DEEP_IMPACT * expected.half_thickness:
         lines.append(

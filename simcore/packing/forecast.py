@@ -2,7 +2,7 @@
 
 The height follows from the volume of the grains and the expected solid fraction. The evaluated part follows from the
 rule of simcore.evaluation.interval. The sampling error of the porosity follows from the number of large grains there.
-docs/accuracy.md compares the predictions with packings. This module needs no numba.
+docs/explanation/accuracy.md compares the predictions with packings. This module needs no numba.
 """
 
 from dataclasses import fields as fields_of
@@ -19,7 +19,7 @@ from simcore.scene.setup import Setup
 from simcore.scene.sizes import size_curve
 
 # Solid fraction of shaken beds: of one sieve class, and its increase with the standard deviation of the logarithm (base
-# 2) of the grains' sizes, by volume. Beds are expected within SOLID_RANGE of it: docs/accuracy.md, "Before a run".
+# 2) of the grains' sizes, by volume. Beds are expected within SOLID_RANGE of it: docs/explanation/accuracy.md.
 ONE_CLASS, BY_SPREAD, SOLID_RANGE = 0.64, 0.085, 0.12
 # Sampling error of the porosity over √(φ (1 − φ) v / V), with the volume V of the evaluated part, its solid fraction φ
 # and the volume-weighted mean volume v of its grains. ONE_FORM applies to grains of one form in a periodic box,

@@ -1,6 +1,6 @@
 """Checks of a running packing: each function returns a problem, or None if there is none.
 
-Every check covers all ranks and returns the same on each. docs/constants_packing.md justifies the limits.
+Every check covers all ranks and returns the same on each. docs/explanation/constants_packing.md justifies the limits.
 """
 
 from typing import NamedTuple
@@ -22,22 +22,30 @@ ROUNDING = 1e-9  # share of the kinetic, spring and height energy that may be ro
 
 
 class NotFinite(NamedTuple):
+    """A grain whose position or velocity is not finite."""
+
     grain: int
 
 
 class TooFast(NamedTuple):
+    """A grain that is faster than fall and shaking allow."""
+
     grain: int
     speed: float  # [m/s]
     limit: float  # [m/s], speed that fall and shaking cause
 
 
 class DeepImpact(NamedTuple):
+    """A grain that will sink deep into what it falls on."""
+
     grain: int
     speed: float  # [m/s]
     depth: float  # [m], overlap that the impact would cause
 
 
 class DeepOverlap(NamedTuple):
+    """The deepest overlap of two grains, or of a grain and a wall."""
+
     ratio: float  # overlap over the thinner grain's half thickness
     overlap: float  # [m]
     grain: int  # the thinner of the two
@@ -45,6 +53,8 @@ class DeepOverlap(NamedTuple):
 
 
 class EnergyGain(NamedTuple):
+    """Energy that fall, shaking and springs do not explain."""
+
     gained: float  # [J]
     allowed: float  # [J], that fall, shaking and springs explain
     time: float  # [s], since the previous check

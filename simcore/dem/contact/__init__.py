@@ -12,7 +12,7 @@ module first forms the relative position r, and uses tolerances relative to the 
     polyhedra             check of the remembered facet of the Minkowski difference
     polyhedron_ellipsoid  check of the remembered corner, edge or face, from the last normal
     inflated              polyhedra as the program of Rettinger et al. (2022) finds them
-    gap_memory            pairs apart: for what range of motion a gap is certain
+    remembered_gaps       pairs apart: for what range of motion a gap is certain
 
 `search/` finds a contact without a remembered one:
 

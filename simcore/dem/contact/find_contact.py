@@ -9,8 +9,8 @@ to the arrays that the force law reads (simcore.dem.forces.pressing).
 from simcore.compilation import leaf, routine
 from simcore.dem.contact.pair import pair_of
 from simcore.dem.contact.pairs import ellipsoid_potentials, ellipsoids, polyhedra, polyhedron_ellipsoid
-from simcore.dem.contact.pairs.gap_memory import remember_apart, still_apart
 from simcore.dem.contact.pairs.inflated import search_inflated
+from simcore.dem.contact.pairs.remembered_gaps import remember_apart, still_apart
 from simcore.dem.contact.pairs.spheres import touch
 from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, POLYHEDRON, is_polyhedron
 from simcore.dem.state.touches import forget_springs, partner_offset

@@ -36,7 +36,7 @@ class ContactLaw(NamedTuple):
     sliding: float = 0.0  # [1/s], rate of a friction without springs (simcore.dem.forces.viscous_friction)
 
 
-LEVER = 3.5  # 1 + m r² / I of a sphere. ASSUME: used for all grains. Why: docs/constants.md#lever
+LEVER = 3.5  # 1 + m r² / I of a sphere. ASSUME: used for all grains. Why: docs/explanation/constants.md#lever
 
 
 def contact_law(

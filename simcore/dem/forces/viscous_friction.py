@@ -32,7 +32,7 @@ def sliding_force(law, mass, limit, normal, velocity):
 
 
 @leaf
-def rub(touches, k, normal, velocity, law, mass, has):
+def add_viscous_friction(touches, k, normal, velocity, law, mass, has):
     """Add the viscous friction to the force [N] of row k of contacts or walls; return the friction."""
     pressed = read(touches.force, k)
     limit = np.inf
@@ -44,21 +44,23 @@ def rub(touches, k, normal, velocity, law, mass, has):
 
 
 @leaf
-def rub_contact(bodies, contacts, law, drive, p, has):
+def viscous_friction_at_contact(bodies, contacts, law, drive, p, has):
     """Add the viscous friction of touching contact p to its force and torques. has: features of the scene."""
     i, j = contacts.body_a[p], contacts.body_b[p]
     arm_a = read(contacts.point, p)
     arm_b = minus(arm_a, partner_offset(bodies, contacts, p, drive.width, has.periodic))
     mass = bodies.mass[i] * bodies.mass[j] / (bodies.mass[i] + bodies.mass[j])
     velocity = contact_velocity(bodies, i, j, arm_a, arm_b)
-    friction = rub(contacts, p, read(contacts.direction, p), velocity, law, mass, has)
+    friction = add_viscous_friction(contacts, p, read(contacts.direction, p), velocity, law, mass, has)
     write(contacts.torque_a, p, minus(read(contacts.torque_a, p), cross(arm_a, friction)))
     write(contacts.torque_b, p, plus(read(contacts.torque_b, p), cross(arm_b, friction)))
 
 
 @leaf
-def rub_wall(bodies, walls, law, w, has):
+def viscous_friction_at_wall(bodies, walls, law, w, has):
     """Add the viscous friction of touching wall w to its force and torque. has: features of the scene."""
     i, arm = walls.body[w], read(walls.point, w)
-    friction = rub(walls, w, read(walls.normal, w), wall_velocity(bodies, i, arm), law, bodies.mass[i], has)
+    friction = add_viscous_friction(
+        walls, w, read(walls.normal, w), wall_velocity(bodies, i, arm), law, bodies.mass[i], has
+    )
     write(walls.torque, w, plus(read(walls.torque, w), cross(arm, friction)))

@@ -66,21 +66,25 @@ class ManyRanks(OneRank):
     # -- decisions ------------------------------------------------------------------------------------------
 
     def maximum(self, values):
+        """Return the largest of each value (n,) over all ranks."""
         values = np.asarray(values, float)
         result = np.empty_like(values)
         self.comm.Allreduce(values, result, op=MPI.MAX)
         return result
 
     def add(self, counts):
+        """Return the sum of each count (n,) over all ranks."""
         counts = np.asarray(counts, np.int64)
         result = np.empty_like(counts)
         self.comm.Allreduce(counts, result, op=MPI.SUM)
         return result
 
     def first(self, candidate, n_keys):
+        """Return the candidate of all ranks whose first n_keys entries are largest."""
         return max(self.comm.allgather(candidate), key=lambda of_rank: of_rank[:n_keys])
 
     def all(self, values):
+        """Return the values of all ranks in one list, in the order of the ranks."""
         return [value for of_rank in self.comm.allgather(values) for value in of_rank]
 
     # -- distribution of the bodies -------------------------------------------------------------------------

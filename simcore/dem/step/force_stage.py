@@ -9,7 +9,7 @@ from numba import prange
 from simcore.compilation import loops
 from simcore.dem.forces.hertz import contact_law_at, wall_law_at
 from simcore.dem.forces.pressing import press_contact, press_wall
-from simcore.dem.forces.viscous_friction import rub_contact, rub_wall
+from simcore.dem.forces.viscous_friction import viscous_friction_at_contact, viscous_friction_at_wall
 
 
 @loops
@@ -29,11 +29,11 @@ def press_hertzian_contacts(bodies, contacts, law, drive, has):
 
 
 @loops
-def rub_contacts(bodies, contacts, law, drive, has):
+def viscous_friction_at_contacts(bodies, contacts, law, drive, has):
     """Add friction without springs to the forces of touching contacts."""
     for p in prange(len(contacts.body_a)):
         if contacts.touching[p] != 0:
-            rub_contact(bodies, contacts, law, drive, p, has)
+            viscous_friction_at_contact(bodies, contacts, law, drive, p, has)
 
 
 @loops
@@ -53,8 +53,8 @@ def press_hertzian_walls(bodies, walls, law, drive, has):
 
 
 @loops
-def rub_walls(bodies, walls, law, has):
+def viscous_friction_at_walls(bodies, walls, law, has):
     """Add friction without springs to the forces of touching walls."""
     for w in prange(len(walls.body)):
         if walls.touching[w] != 0:
-            rub_wall(bodies, walls, law, w, has)
+            viscous_friction_at_wall(bodies, walls, law, w, has)

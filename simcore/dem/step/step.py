@@ -38,8 +38,8 @@ from simcore.dem.step.force_stage import (
     press_hertzian_contacts,
     press_hertzian_walls,
     press_walls,
-    rub_contacts,
-    rub_walls,
+    viscous_friction_at_contacts,
+    viscous_friction_at_walls,
 )
 from simcore.dem.step.motion_stage import move_bodies, move_spheres
 
@@ -118,13 +118,13 @@ def _make_advance(has: Features, several_threads: bool):
             else:
                 press_contacts(bodies, contacts, law, drive, has)
             if sliding:
-                rub_contacts(bodies, contacts, law, drive, has)
+                viscous_friction_at_contacts(bodies, contacts, law, drive, has)
             if walled and hertz:
                 press_hertzian_walls(bodies, walls, law, drive, has)
             elif walled:
                 press_walls(bodies, walls, law, drive, has)
             if walled and sliding:
-                rub_walls(bodies, walls, law, has)
+                viscous_friction_at_walls(bodies, walls, law, has)
             if timed:
                 since = count_cycles(clock, 1, since)
 

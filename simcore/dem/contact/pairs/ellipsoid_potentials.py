@@ -29,7 +29,7 @@ Separation. For λ > 0, det(λA + B) of the 4 × 4 forms has the sign of λ rᵀ
 positive for some λ, it has two distinct positive roots, and the pair is apart (Wang et al. 2001). Divided by 1 + λ it
 is the function of Perram and Wertheim of λ / (1 + λ) minus one, which is concave, so that its maximum decides. If the
 maximum is positive, q = (M_a + λ M_b)⁻¹ r is normal to a separating plane, and the gap along q is certain. That plane
-is remembered and tried first, and the pair is not checked until the bodies can have closed the gap (`gap_memory`).
+is remembered and tried first, and the pair is not checked until the bodies can have closed the gap (`remembered_gaps`).
 
 The walls press at the deepest point of a body with either construction, because a plane has no centre.
 """
@@ -41,7 +41,7 @@ import numpy as np
 from simcore.compilation import leaf, routine
 from simcore.dem.contact.pair import exchanged
 from simcore.dem.contact.pairs.ellipsoids import search_contact as search_common_normal
-from simcore.dem.contact.pairs.gap_memory import STILL_GAP, remember_apart
+from simcore.dem.contact.pairs.remembered_gaps import STILL_GAP, remember_apart
 from simcore.dem.contact.search.deep_overlap import start_normal
 from simcore.dem.contact.search.ellipsoid_climb import gap_along, image, support_height
 from simcore.dem.vectors import (

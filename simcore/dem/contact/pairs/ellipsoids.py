@@ -10,7 +10,7 @@ may have several local minima, so that a pair without a remembered contact is se
 import numpy as np
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact.pairs.gap_memory import STILL_GAP, remember_apart
+from simcore.dem.contact.pairs.remembered_gaps import STILL_GAP, remember_apart
 from simcore.dem.contact.search.deep_overlap import climb_from, least_of_ellipsoids, rolling_radius, start_normal
 from simcore.dem.contact.search.ellipsoid_climb import TOLERANCE, climb_normal, surface_point
 from simcore.dem.vectors import ZERO, Contact, plus_scaled, read

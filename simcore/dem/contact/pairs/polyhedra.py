@@ -14,7 +14,7 @@ import numpy as np
 from numba import types
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact.pairs.gap_memory import STILL_GAP, remember_apart, still_apart
+from simcore.dem.contact.pairs.remembered_gaps import STILL_GAP, remember_apart, still_apart
 from simcore.dem.contact.search.pair_frame import Facet
 from simcore.dem.contact.search.polyhedra import search_pair, world_difference, world_support
 from simcore.dem.contact.search.scratch import scratch
@@ -46,7 +46,7 @@ CHECK_TOLERANCE = 1e-11  # of the pair's size; wider than that of the search, so
 INSIDE_TOLERANCE = 1e-9  # barycentric
 GAP_SLACK = 0.1  # a step needs a certain gap only; its last tenth is not worth further iterations
 # Distance in units of the overlap: if the projection of the origin is farther from the sides, the facet is the nearest
-# one (docs/constants_contact.md).
+# one (docs/explanation/constants_contact.md).
 CERTAIN_REACH = 2.0
 
 INVALID, APART, OVERLAPPING, UNCERTAIN = 0, 1, 2, 3

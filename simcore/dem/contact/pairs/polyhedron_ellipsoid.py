@@ -21,7 +21,7 @@ import numpy as np
 
 from simcore.compilation import leaf, routine
 from simcore.dem.contact.pair import exchanged
-from simcore.dem.contact.pairs.gap_memory import STILL_GAP, remember_apart
+from simcore.dem.contact.pairs.remembered_gaps import STILL_GAP, remember_apart
 from simcore.dem.contact.search.deep_overlap import least_of_mixed, rolling_radius
 from simcore.dem.contact.search.ellipsoid_climb import Summit, image, solved, surface_point
 from simcore.dem.contact.search.polyhedron_ellipsoid_climb import Feature, climb_feature, gap_and_vertex
@@ -52,7 +52,8 @@ ENOUGH_GAP = 0.02  # of the pair's size: a step needs no accurate value of a wid
 BESIDE = 1e-11
 CHECK_TOLERANCE = 1e-12  # of the pair's size: by how much another vertex may reach farther; rounding is about 1e-15
 INSIDE_TOLERANCE = 1e-9  # barycentric
-ITERATIONS = 5  # maximum number of Newton steps, after which the climb takes over (docs/constants_contact.md)
+# Maximum number of Newton steps, after which the climb takes over (docs/explanation/constants_contact.md)
+ITERATIONS = 5
 
 
 @routine

@@ -31,8 +31,9 @@ from simcore.dem.contact.patch.workspace import (
 )
 from simcore.dem.vectors import Vec, cross, dot, length, minus, over, plus, read, scaled
 
-TIE = 1e-14  # of the pair's size: planes that cut a are moved out by it, those that cut b in. docs/constants.md#tie
-BOUND_SLACK = 1e-10  # of the pair's size: planes within it beyond the bound are kept. docs/constants.md#bound_slack
+# Shares of the pair's size; docs/explanation/constants.md gives the reasons.
+TIE = 1e-14  # planes that cut a are moved out by it, those that cut b in
+BOUND_SLACK = 1e-10  # planes within it beyond the bound are kept
 
 
 class Side(NamedTuple):

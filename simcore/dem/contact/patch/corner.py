@@ -20,7 +20,7 @@ from simcore.dem.contact.patch.moments import NO_MOMENTS, Point, cone, cone_side
 from simcore.dem.contact.patch.workspace import write_bound
 from simcore.dem.vectors import dot, minus, read
 
-# Maximum distance of a bound, in lengths of an edge or of a face beside it. Why: docs/constants.md#farthest
+# Maximum distance of a bound, in lengths of an edge or of a face beside it. Why: docs/explanation/constants.md#farthest
 FARTHEST = 1e3
 
 

@@ -28,7 +28,7 @@ from simcore.dem.contact.patch.moments import NO_MOMENTS, Point, shortcut, write
 from simcore.dem.shapes.polyhedra import vertex_of
 from simcore.dem.vectors import plus, plus_scaled, read, write
 
-PATCH_DEPTH = 1e-4  # of the pair's size: the largest depth of a patch. Why: docs/constants.md#patch_depth
+PATCH_DEPTH = 1e-4  # of the pair's size: the largest depth of a patch. Why: docs/explanation/constants.md#patch_depth
 
 
 @leaf

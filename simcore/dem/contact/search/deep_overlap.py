@@ -39,7 +39,7 @@ from simcore.dem.vectors import (
     write,
 )
 
-MAX_VERTICES = 320  # a capacity (docs/constants_contact.md#capacities-and-bounds-of-iterations)
+MAX_VERTICES = 320  # a capacity (docs/explanation/constants_contact.md#capacities-and-bounds-of-iterations)
 ROLLING = 0.99  # of the rolling radius, so that a sphere minus the ball is not empty
 CERTAIN = 2e-9  # of the pair's size: accepted distance between the bounds
 

@@ -17,7 +17,7 @@ from simcore.dem.contact.search.polytope import (
 from simcore.dem.contact.search.simplex import along, copy_point, edge_of, put_support
 from simcore.dem.vectors import Vec, cross, dot, length, minus, negative, over, read, sideways
 
-MAX_VERTICES = 128  # a capacity (docs/constants_contact.md#capacities-and-bounds-of-iterations)
+MAX_VERTICES = 128  # a capacity (docs/explanation/constants_contact.md#capacities-and-bounds-of-iterations)
 TOLERANCE = 1e-12  # of the pair's size: how far M may extend beyond a face that is accepted as a facet of M
 FLAT = 1e-9  # of the size³: a tetrahedron of less volume is not used as a start
 

@@ -20,7 +20,8 @@ from simcore.dem.contact.search.simplex import (
 )
 from simcore.dem.vectors import Vec, cross, dot, length, minus_scaled, negative, over, read, squared
 
-# An upper bound that is not reached in practice (docs/constants_contact.md#capacities-and-bounds-of-iterations)
+# An upper bound that is not reached in practice:
+# docs/explanation/constants_contact.md#capacities-and-bounds-of-iterations
 GJK_ITERATIONS = 128
 NEAR = 1e-3  # of the pair's size: below it, directions follow from the features of the simplex, not its nearest point
 GAP_TOLERANCE = 1e-13  # of the pair's size: accepted difference of the nearest point's distance and the certain gap

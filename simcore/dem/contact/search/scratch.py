@@ -1,7 +1,7 @@
 """Scratch arrays on the stack, for compiled functions without reference counting, which may not allocate.
 
 A search needs about ten small arrays. Their allocation would cost more than the arithmetic, and a function that
-allocates counts references on all of its arrays (measurements: docs/constants_contact.md#scratch-arrays).
+allocates counts references on all of its arrays (measurements: docs/explanation/constants_contact.md#scratch-arrays).
 """
 
 import numpy as np
