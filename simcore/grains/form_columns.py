@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass
 
 AXES, RATIOS = ("L", "I", "S"), ("FL", "EL")
+TWO_AXES = ("L", "I")  # of grains seen from above, such as in a photo
 MEANS = ("mean_FL", "std_FL", "mean_EL", "std_EL")
 SAMPLE = "sample"
 NEEDED = (
@@ -17,10 +18,11 @@ _UNIT = (
 # "L", "L_mm", "L mm", "L/mm", "L, mm", "L in mm", "L [mm]", "L (mm)" and R's "L..mm." are one column.
 _WITH_UNIT = rf"(?:\s*\[\s*({_UNIT})\s*\]|\s*\(\s*({_UNIT})\s*\)|\s*[/,]\s*({_UNIT})|(?:\s+in)?[\s_.-]+({_UNIT})\.?)?"
 _AXIS_WORD = r"(?:[\s_-]*(?:axis|axes|diameter|dimension|length|side))?"
+# Dmax, Dmed and Dmin are the axes in exports of G3Point (Steer et al. 2022).
 _AXIS_NAMES = {
-    "L": r"L|a|longest|long|major",
-    "I": r"I|b|intermediate|medium|middle",
-    "S": r"S|c|shortest|short|minor",
+    "L": r"L|a|longest|long|major|Dmax",
+    "I": r"I|b|intermediate|medium|middle|Dmed",
+    "S": r"S|c|shortest|short|minor|Dmin",
 }
 _NO_UNIT = r"(?:\s*[\[(]\s*[-–1]?\s*[\])])?"
 _RATIO_NAMES = {
@@ -38,14 +40,15 @@ _COUNTS = (
     rf"(?:counts?|{_RUNNING}|grains|frequency|freq\.?|häufigkeit|(?:count|number|no\.?|n|anzahl){_OF_GRAINS})"
     rf"(?:{_NO_UNIT}|{_PERCENT})"
 )
+_MINOR = rf"minor{_AXIS_WORD}{_WITH_UNIT}"
 
 
 @dataclass(frozen=True)
 class FormColumns:
     """The columns of a table that are read, as positions from 0.
 
-    kind: AXES, RATIOS or MEANS. forms: position of each name of the kind. counts: position of the column with the
-    number of grains in each row, or None. sample: position of the column with the name of the sample, or None.
+    kind: AXES, RATIOS, MEANS or TWO_AXES. forms: position of each name of the kind. counts: position of the column
+    with the number of grains in each row, or None. sample: position of the column with the name of the sample, or None.
     """
 
     kind: tuple
@@ -59,19 +62,20 @@ class FormColumns:
         return {*self.forms.values(), self.counts, self.sample} - {None}
 
 
-def recognise_columns(path, header, sample=None):
+def recognise_columns(path, header, sample=None, two_axes=False):
     """Return the FormColumns of a table.
 
     header: list of the names of the columns. sample: name of the column of samples; with None it is "sample", if the
-    table has such a column. ValueError, which names the file `path`, if the columns of a form are missing, if two
-    columns have the same meaning, or if the units of the axes differ.
+    table has such a column. two_axes: whether the longest and the middle axis suffice. ValueError, which names the file
+    `path`, if the columns of a form are missing, if two columns have the same meaning, or if the units of the axes
+    differ.
     """
     names = _recognise_forms(path, header)
-    kind = next((kind for kind in (AXES, RATIOS, MEANS) if set(kind) <= set(names)), None)
+    kind = _kind(names, two_axes)
     if kind is None:
         raise ValueError(f"{path}: {_what_is_missing(header, names)}; {NEEDED}")
     forms = {name: _only(path, header, names[name], name) for name in kind}
-    if kind == AXES:
+    if kind in (AXES, TWO_AXES):
         _check_units(path, {axis: _unit(header[position]) for axis, position in forms.items()})
     by = _find_sample(path, header, sample, set(forms.values()))
     counts = [i for i, name in enumerate(header) if i != by and i not in forms.values() and _matches(_COUNTS, name)]
@@ -80,26 +84,69 @@ def recognise_columns(path, header, sample=None):
     return FormColumns(kind, forms, _only(path, header, counts, "the number of grains") if counts else None, by)
 
 
+def has_two_axes(path, header):
+    """Return whether a table with these names of columns has the longest and the middle axis, but no form.
+
+    ValueError as in recognise_columns if a form is in percent.
+    """
+    return _kind(_recognise_forms(path, header), two_axes=True) == TWO_AXES
+
+
+def _kind(names, two_axes):
+    """Return the kind of a table whose recognised columns are `names`, or None."""
+    kinds = (AXES, RATIOS, MEANS, TWO_AXES) if two_axes else (AXES, RATIOS, MEANS)
+    return next((kind for kind in kinds if set(kind) <= set(names)), None)
+
+
 def may_number_rows(name):
     """Return whether a column of this name may number the rows instead of counting grains."""
     return _matches(_RUNNING, name)
 
 
-def _recognise_forms(path, header):
-    """Return the positions of the columns that match each name of AXES, RATIOS and MEANS, dict of lists."""
+def form_patterns():
+    """Return the regular expression of the names of each meaning of AXES, RATIOS and MEANS, dict of str."""
     patterns = {axis: rf"(?:{names}){_AXIS_WORD}{_WITH_UNIT}" for axis, names in _AXIS_NAMES.items()}
     patterns |= {ratio: f"(?:{names}){_NO_UNIT}" for ratio, names in _RATIO_NAMES.items()}
     for statistic, words in _STATISTICS.items():
         for ratio in RATIOS:
             gap = r"[\s_.-]*"
             patterns[f"{statistic}_{ratio}"] = f"(?:(?:{words}){gap}{ratio}|{ratio}{gap}(?:{words})){_NO_UNIT}"
+    return patterns
+
+
+def all_patterns():
+    """Return the regular expressions of the names of columns, for a reader in another language, as plain data.
+
+    forms: of each meaning; percent: of those of RATIOS and MEANS in percent, which are refused; minor, counts, running:
+    of a minor axis, a number of grains, and a number that may also count the rows. Case does not matter, and a whole
+    name must match. The groups of an axis are its units.
+    """
+    forms = form_patterns()
+    percent = {meaning: _in_percent(pattern) for meaning, pattern in forms.items() if meaning not in AXES}
+    return {"forms": forms, "percent": percent, "minor": _MINOR, "counts": _COUNTS, "running": _RUNNING}
+
+
+def _in_percent(pattern):
+    return pattern.removesuffix(_NO_UNIT) + _PERCENT
+
+
+def _recognise_forms(path, header):
+    """Return the positions of the columns that match each name of AXES, RATIOS and MEANS, dict of lists."""
+    patterns = form_patterns()
     names = {}
     for position, name in enumerate(header):
         for meaning, pattern in patterns.items():
             if _matches(pattern, name):
                 names.setdefault(meaning, []).append(position)
-            elif meaning not in AXES and _matches(pattern.removesuffix(_NO_UNIT) + _PERCENT, name):
+            elif meaning not in AXES and _matches(_in_percent(pattern), name):
                 raise ValueError(f"{path}: the column {name} is in percent; give {meaning} as a fraction, 0.65 not 65")
+    if "S" in names and "I" not in names and all(_matches(_MINOR, header[i]) for i in names["S"]):
+        names["I"] = names.pop("S")  # without a middle axis, major and minor are those of an ellipse in a photo
+    # Programs for photos give each axis in pixels and in a length.
+    for axis in set(AXES) & set(names):
+        of_length = [i for i in names[axis] if (_unit(header[i]) or "px")[:2] not in ("px", "pi")]
+        if len(of_length) == 1 and all(_unit(header[i]) for i in names[axis]):
+            names[axis] = of_length
     return names
 
 
@@ -143,8 +190,9 @@ def _find_sample(path, header, sample, forms):
 
 def _check_units(path, units):
     if len(set(units.values())) > 1:
-        mixed = ", ".join(f"{axis} in {units[axis] or 'no unit'}" for axis in AXES)
-        raise ValueError(f"{path}: the header mixes units ({mixed}); give all three axes in one unit")
+        mixed = ", ".join(f"{axis} in {units[axis] or 'no unit'}" for axis in units)
+        axes = "all three axes" if len(units) == len(AXES) else "both axes"
+        raise ValueError(f"{path}: the header mixes units ({mixed}); give {axes} in one unit")
 
 
 def _unit(name):

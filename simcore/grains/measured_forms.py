@@ -5,6 +5,9 @@ The columns determine the meaning of a row:
     L, I, S                                a grain: its axes, longest first, in any one unit (also a, b, c; long, ...)
     FL, EL                                 a grain: flatness S/I and elongation I/L (also under the names S/I and I/L)
     mean_FL, std_FL, mean_EL, std_EL       a sample (also with mu_ and sigma_)
+    L, I                                   a grain of which S is unknown, only in read_two_axes
+
+Exports of G3Point and PebbleCounts are such tables: of three axes (Dmax, Dmed, Dmin) and of two (a, b).
 
 The column `sample`, or another column that the caller names, gives the sample of each row. A column of counts (count,
 n, number, ...) gives the number of grains that a row represents.
@@ -13,23 +16,22 @@ n, number, ...) gives the number of grains that a row represents.
 import logging
 import re
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
 
-from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, may_number_rows, recognise_columns
+from simcore.grains.cell_numbers import NUMBER, read_number
+from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, has_two_axes, may_number_rows, recognise_columns
 from simcore.grains.statistics import equancy_statistics
 from simcore.grains.summary_rows import find_summary_rows
 from simcore.grains.table_file import read_table
 
 log = logging.getLogger(__name__)
 
-_LONGEST = 100.0  # maximum L/S, that of FL = EL = 0.1, the minimum in Rettinger et al. (2022)
-_MAX_GRAINS = 1e12  # maximum of a count in one row
+LONGEST = 100.0  # maximum L/S, that of FL = EL = 0.1, the minimum in Rettinger et al. (2022)
+MAX_GRAINS = 1e12  # maximum of a count in one row
 ALIKE = 1e-9  # relative deviation; measured grains differ by more, copies of one row only by rounding
-_SHOWN = 5  # maximum number of values that a notice lists
-_NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity)", re.IGNORECASE)
+SHOWN = 5  # maximum number of values that a notice lists
 # 1,234 may mean 1234 or 1.234.
 _AMBIGUOUS = re.compile(r"[1-9]\d{0,2}[.,]\d{3}")
 
@@ -77,10 +79,70 @@ def read_measured(path, column=None):
     Rows that summarise others, such as Mean or Total, and columns that are not needed are left out, with a notice.
     ValueError names the file, the row as a spreadsheet counts it, and the remedy.
     """
+    return samples_of_table(_read_table(path), column)
+
+
+def samples_of_table(table, column=None):
+    """Return (samples, notices) as read_measured does, from a TextTable with a header."""
+    path = table.path
+    rows = _read_rows(path, table, recognise_columns(path, table.header, column))
+    kind, counts = rows.columns.kind, rows.counts
+    if kind == MEANS:
+        samples = [_from_means(name, entries) for name, entries in rows.groups.items()]
+    else:
+        check = _check_axes if kind == AXES else _check_ratios
+        samples = [_from_grains(path, name, entries, check, counts) for name, entries in rows.groups.items()]
+    return samples, rows.notices
+
+
+@dataclass(frozen=True)
+class TwoAxisSample:
+    """Statistics of a sample of grains of which only two axes are measured: grains as in Sample, and those of EL."""
+
+    name: str
+    grains: int
+    mu_EL: float
+    sigma_EL: float
+
+
+def read_two_axes(path, column=None):
+    """Read a table of grains of which only L and I are measured, such as in a photo taken from above.
+
+    Returns (samples, notices), with a list of TwoAxisSample, or None if the table has other columns. path and column:
+    as in read_measured, as are the errors.
+    """
+    table = _read_table(path)
+    if not has_two_axes(path, table.header):
+        return None
+    rows = _read_rows(path, table, recognise_columns(path, table.header, column, two_axes=True))
+    samples = []
+    for name, entries in rows.groups.items():
+        EL = np.array([_check_two_axes(where, values) for where, values, _ in entries])
+        weights, grains = _weigh(path, name, entries, rows.counts)
+        mean, std = _mean_and_std(EL, weights)
+        samples.append(TwoAxisSample(name, grains, float(mean), float(std if std > ALIKE * mean else 0.0)))
+    return samples, rows.notices
+
+
+def _read_table(path):
     table = read_table(path)
     if not table.header:
         raise ValueError(f"{path}: the file is empty; {NEEDED}")
-    columns = recognise_columns(path, table.header, column)
+    return table
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Rows of a table of forms: the FormColumns, (where, numbers, row) by sample, _Counts or None, and notices."""
+
+    columns: object
+    groups: dict
+    counts: object
+    notices: list
+
+
+def _read_rows(path, table, columns):
+    """Return the _Rows of a TextTable."""
     cells, notices = _leave_out_summaries(path, table.cells, columns)
     if cells.empty:
         raise ValueError(f"{path}: there are no rows below the header; {NEEDED}")
@@ -91,13 +153,8 @@ def read_measured(path, column=None):
         values = _read_forms(where, table.header, texts, columns)
         name = _name_of(where, table.header, texts, columns, row, Path(path).stem)
         groups.setdefault(name, []).append((where, values, row))
-    if columns.kind == MEANS:
-        samples = [_from_means(name, entries) for name, entries in groups.items()]
-    else:
-        check = _check_axes if columns.kind == AXES else _check_ratios
-        samples = [_from_grains(path, name, entries, check, counts) for name, entries in groups.items()]
     notices = [*table.notices, *notices, *count_notices, *_describe_unused(table.header, cells, columns)]
-    return samples, [f"{path}: {notice}" for notice in notices]
+    return _Rows(columns, groups, counts, [f"{path}: {notice}" for notice in notices])
 
 
 def _leave_out_summaries(path, cells, columns):
@@ -120,7 +177,7 @@ def _read_forms(where, header, texts, columns):
             f"{where}: the row has {width} fields, but the header has {len(header)}; add or remove fields, and write "
             "decimals with a point if commas separate the fields"
         )
-    return [_number(where, name, texts[position]) for name, position in columns.forms.items()]
+    return [read_number(where, name, texts[position]) for name, position in columns.forms.items()]
 
 
 def _name_of(where, header, texts, columns, row, stem):
@@ -155,8 +212,8 @@ def _read_counts(path, header, cells, columns):
         where = f"{path}, row {row}"
         if _AMBIGUOUS.fullmatch(text) and not marks == {mark for mark in ".," if mark in text}:
             raise ValueError(f"{where}: {name} is {text}; write it without a separator of thousands")
-        weights[row] = _number(where, name, text)
-        if not 0 <= weights[row] <= _MAX_GRAINS:
+        weights[row] = read_number(where, name, text)
+        if not 0 <= weights[row] <= MAX_GRAINS:
             raise ValueError(f"{where}: {name} = {weights[row]:g}; a number of grains must be between 0 and 1e12")
     values = list(weights.values())
     if len(values) > 1 and may_number_rows(name) and all(b - a == 1 for a, b in zip(values, values[1:], strict=False)):
@@ -175,7 +232,7 @@ def _describe_unused(header, cells, columns):
     may_name_samples = columns.sample is None and columns.kind != MEANS
     for position in list(unused) if may_name_samples else []:
         values = [text for text in dict.fromkeys(cells[position]) if text]
-        if 1 < len(values) < len(cells) and not all(_NUMBER.fullmatch(text) for text in values) and header[position]:
+        if 1 < len(values) < len(cells) and not all(NUMBER.fullmatch(text) for text in values) and header[position]:
             notices.append(
                 f"the column {unused.pop(position)} has repeated values ({_join_first(values)}) and is not used, so "
                 f"all grains are one sample; if its values are samples, give --sample '{header[position]}'"
@@ -186,26 +243,9 @@ def _describe_unused(header, cells, columns):
 
 
 def _join_first(texts):
-    """Return the first _SHOWN texts separated by commas, and the number of further ones."""
-    shown = ", ".join(texts[:_SHOWN])
-    return shown if len(texts) <= _SHOWN else f"{shown} and {len(texts) - _SHOWN} more"
-
-
-def _number(where, name, text):
-    plain = text.replace("\u2212", "-")
-    if plain.rstrip().endswith("%"):
-        raise ValueError(f"{where}: {name} is '{text}'; give a fraction, 0.65 instead of 65 %")
-    if "." in plain and "," in plain or plain.count(",") > 1 or plain.count(".") > 1:
-        raise ValueError(
-            f"{where}: {name} is '{text}'; a number is needed, without separators of thousands; write its unit, if "
-            "any, in the header"
-        )
-    if not _NUMBER.fullmatch(plain):
-        raise ValueError(f"{where}: {name} is '{text}'; a number is needed; write its unit, if any, in the header")
-    value = float(plain.replace(",", "."))
-    if not isfinite(value):
-        raise ValueError(f"{where}: {name} is {text}; a finite number is needed; remove the row if it is unknown")
-    return value
+    """Return the first SHOWN texts separated by commas, and the number of further ones."""
+    shown = ", ".join(texts[:SHOWN])
+    return shown if len(texts) <= SHOWN else f"{shown} and {len(texts) - SHOWN} more"
 
 
 def _check_axes(where, values):
@@ -218,11 +258,23 @@ def _check_axes(where, values):
         raise ValueError(
             f"{where}: L = {L:g}, I = {I:g}, S = {S:g}; L >= I >= S is needed: sort the axes, and give all in one unit"
         )
-    if L > _LONGEST * S:
+    if L > LONGEST * S:
         raise ValueError(
             f"{where}: L = {L:g} is {L / S:.4g} times S = {S:g}, more than for any gravel; give all axes in one unit"
         )
     return min(S / I, 1.0), min(I / L, 1.0)
+
+
+def _check_two_axes(where, values):
+    """Return EL of a grain with these two axes; ValueError if they are not axes of a grain."""
+    L, I = values
+    if I <= 0:
+        raise ValueError(f"{where}: I = {I:g} is not positive; L >= I > 0 is needed")
+    if L < I * (1 - 1e-12):
+        raise ValueError(f"{where}: L = {L:g}, I = {I:g}; L >= I is needed: sort the axes, and give both in one unit")
+    if L > LONGEST * I:
+        raise ValueError(f"{where}: L = {L:g} is {L / I:.4g} times I = {I:g}, more than for any gravel; correct them")
+    return min(I / L, 1.0)
 
 
 def _check_ratios(where, values):
@@ -232,9 +284,9 @@ def _check_ratios(where, values):
                 f"{where}: {name} = {value:g} is not in (0, 1]; FL is S/I and EL is I/L; do not give their inverses or "
                 "percent"
             )
-    if values[0] * values[1] * _LONGEST < 1:
+    if values[0] * values[1] * LONGEST < 1:
         raise ValueError(
-            f"{where}: FL = {values[0]:g}, EL = {values[1]:g} give L/S above {_LONGEST:g}, more than for any "
+            f"{where}: FL = {values[0]:g}, EL = {values[1]:g} give L/S above {LONGEST:g}, more than for any "
             "gravel; correct or remove the row"
         )
     return values
@@ -243,12 +295,7 @@ def _check_ratios(where, values):
 def _from_grains(path, name, entries, check, counts):
     """Return the Sample of a group of rows (where, values, row); check(where, values) returns FL and EL of a row."""
     FL, EL = np.array([check(where, values) for where, values, _ in entries], float).T
-    weights, grains = None, len(FL)
-    if counts is not None:
-        weights = np.array([counts.weights[row] for *_, row in entries])
-        if not weights.sum() > 0:
-            raise ValueError(f"{path}: the numbers of grains of sample {name} are all 0; correct or remove its rows")
-        grains = int(weights.sum()) if counts.whole else int((weights > 0).sum())
+    weights, grains = _weigh(path, name, entries, counts)
     statistics = {}
     for feature, values in (("FL", FL), ("EL", EL), ("EQ", FL * EL)):
         mean, std = _mean_and_std(values, weights)
@@ -256,6 +303,16 @@ def _from_grains(path, name, entries, check, counts):
         # ALIKE it is rounding.
         statistics |= {f"mu_{feature}": float(mean), f"sigma_{feature}": float(std if std > ALIKE * mean else 0.0)}
     return Sample(name=name, grains=grains, **statistics)
+
+
+def _weigh(path, name, entries, counts):
+    """Return the weights of a group of rows, or None if all count alike, and the number of its grains."""
+    if counts is None:
+        return None, len(entries)
+    weights = np.array([counts.weights[row] for *_, row in entries])
+    if not weights.sum() > 0:
+        raise ValueError(f"{path}: the numbers of grains of sample {name} are all 0; correct or remove its rows")
+    return weights, int(weights.sum()) if counts.whole else int((weights > 0).sum())
 
 
 def _mean_and_std(values, weights):

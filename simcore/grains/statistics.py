@@ -40,4 +40,5 @@ def equancy_statistics(mu_FL, sigma_FL, mu_EL, sigma_EL):
     """
     mu_EQ = mu_EL * mu_FL
     variance = (mu_EL**2 + sigma_EL**2) * (mu_FL**2 + sigma_FL**2) - mu_EQ**2
-    return mu_EQ, np.sqrt(variance)
+    # If nothing varies, the difference is rounding and may be below 0.
+    return mu_EQ, np.sqrt(np.maximum(variance, 0.0))

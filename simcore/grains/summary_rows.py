@@ -36,10 +36,19 @@ def find_summary_rows(cells):
     return dict(sorted(labels.items()))
 
 
+def label_patterns():
+    """Return the regular expressions of labels, dict of "strong" and "weak"; a whole text must match, in any case."""
+    return {"strong": _pattern(_STRONG), "weak": _pattern(_WEAK)}
+
+
 def _beside(words, i):
     """Return the texts of the rows before and after row i."""
     return words[max(i - 1, 0) : i] + words[i + 1 : i + 2]
 
 
 def _is_label(words, text):
-    return re.fullmatch(f"{_BEFORE}(?:{words}){_AFTER}", text, re.IGNORECASE) is not None
+    return re.fullmatch(_pattern(words), text, re.IGNORECASE) is not None
+
+
+def _pattern(words):
+    return f"{_BEFORE}(?:{words}){_AFTER}"

@@ -1,4 +1,4 @@
-"""Reads a table from a text file or an Excel workbook as text, with any common encoding and separator."""
+"""Reads a table from a text file or a workbook as text, with any common encoding and separator."""
 
 import io
 import re
@@ -8,7 +8,13 @@ from pathlib import Path
 
 import pandas as pd
 
-_WORKBOOKS = (".xlsx", ".xlsm")
+_WORKBOOKS = (".xlsx", ".xlsm", ".ods")
+# Kind of workbook, library that reads it, and pandas' name of the library.
+_EXCEL = ("Excel workbook", "openpyxl>=3.1,<4", "openpyxl")
+_OPEN_DOCUMENT = ("OpenDocument sheet", "odfpy>=1.4,<2", "odf")
+_OPEN_DOCUMENT_MARK = b"application/vnd.oasis.opendocument.spreadsheet"
+# PebbleCounts (Purinton and Bookhagen 2019) writes its settings first; the table of grains follows the second line.
+_PEBBLECOUNTS, _PEBBLES = "PebbleCounts Parameters", "Pebble Details"
 _ZIP, _OLD_EXCEL = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 # UTF-32 precedes UTF-16, because its byte order mark begins with that of UTF-16.
 _MARKS = (
@@ -43,8 +49,9 @@ def read_table(path):
 
     Text may be UTF-8, UTF-16 or UTF-32 (this one only with a byte order mark). Other text is read as Windows-1252
     (Latin-1), with a notice. Columns are separated by semicolons, tabs, bars, commas or, without any of these, white
-    space; Excel's first line `sep=` overrides this. In an Excel workbook (.xlsx) the first sheet that is not empty is
-    read. ValueError if the file does not exist or is not a table, or if a row has more cells than the header.
+    space; Excel's first line `sep=` overrides this. In a workbook (.xlsx, .ods) the first sheet that is not empty is
+    read. The settings at the beginning of an export of PebbleCounts are left out. ValueError if the file does not exist
+    or is not a table, or if a row has more cells than the header.
     """
     path = Path(path)
     if path.is_dir():
@@ -56,7 +63,8 @@ def read_table(path):
     if data.startswith(_OLD_EXCEL):
         raise ValueError(f"{path}: this is an Excel file of the old kind (.xls); save it as .xlsx or as CSV (UTF-8)")
     if data.startswith(_ZIP) or path.suffix.lower() in _WORKBOOKS:
-        cells, notices = _read_workbook(path, data)
+        open_document = _OPEN_DOCUMENT_MARK in data[:200] or path.suffix.lower() == ".ods"
+        cells, notices = _read_workbook(path, data, *(_OPEN_DOCUMENT if open_document else _EXCEL))
     else:
         cells, notices = _read_text(path, data)
     return _split_header(path, cells, notices)
@@ -65,7 +73,7 @@ def read_table(path):
 def _read_text(path, data):
     """Return all cells of a text file, DataFrame of str, and notices."""
     text, notices = _decode(path, data)
-    lines = text.split("\n")
+    lines = _leave_out_settings(text.split("\n"))
     # The line of `sep=` becomes empty instead of being removed, so that rows are counted as in an editor.
     start = next((i for i, line in enumerate(lines) if line.strip()), len(lines))
     declared = _EXCEL_SEPARATOR.fullmatch(lines[start].strip(" ")) if start < len(lines) else None
@@ -92,6 +100,15 @@ def _read_text(path, data):
     except pd.errors.ParserError:
         raise ValueError(f'{path}: a quotation mark (") is not closed; close it or remove it') from None
     return cells, notices
+
+
+def _leave_out_settings(lines):
+    """Return lines, in which the settings of an export of PebbleCounts are empty lines."""
+    first = next((i for i, line in enumerate(lines) if line.strip()), 0)
+    starts = [i for i, line in enumerate(lines) if line.strip(" ,") == _PEBBLES]
+    if lines[first].strip(" ,") != _PEBBLECOUNTS or not starts:
+        return lines
+    return [""] * (starts[0] + 1) + lines[starts[0] + 1 :]
 
 
 def _decode(path, data):
@@ -126,22 +143,23 @@ def _find_separator(text):
     return next((mark for mark in _SEPARATORS if mark in bare), _SPACES if len(bare.split()) > 1 else ",")
 
 
-def _read_workbook(path, data):
-    """Return all cells of the first sheet that is not empty, DataFrame of str, and notices."""
+def _read_workbook(path, data, kind, library, engine):
+    """Return all cells of the first sheet that is not empty, DataFrame of str, and notices.
+
+    kind: of workbook, for messages; library: its requirement for pip; engine: pandas' name of it.
+    """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about styles and the like, which do not affect the values
-            sheets = pd.read_excel(io.BytesIO(data), sheet_name=None, header=None, dtype=object, engine="openpyxl")
+            sheets = pd.read_excel(io.BytesIO(data), sheet_name=None, header=None, dtype=object, engine=engine)
     except ImportError:
         raise ValueError(
-            f"{path}: Excel workbooks are read with openpyxl, which is not installed; install it "
-            f"(python -m pip install 'openpyxl>=3.1,<4'), or {SAVE_AS}"
+            f"{path}: {kind}s are read with {library.partition('>')[0]}, which is not installed; install it "
+            f"(python -m pip install '{library}'), or {SAVE_AS}"
         ) from None
     except Exception as error:  # a damaged archive can raise any exception
         reason = " ".join(str(error).split())
-        raise ValueError(
-            f"{path}: the file cannot be read as an Excel workbook ({reason}); save it again, or as CSV"
-        ) from None
+        raise ValueError(f"{path}: the file cannot be read as an {kind} ({reason}); save it again, or as CSV") from None
     filled = {name: sheet for name, sheet in sheets.items() if sheet.notna().any(axis=None)}
     if not filled:
         return pd.DataFrame(dtype=str), []
@@ -168,6 +186,11 @@ def _split_header(path, cells, notices):
     kept = [position for position in range(width) if names[position] or (cells[position] != "").any()]
     cells = cells[kept].set_axis(range(len(kept)), axis=1)
     return TextTable(path, [names[position] for position in kept], cells, notices)
+
+
+def plain_words(text):
+    """Return the words of a column's name in lower case, without punctuation and numbers, as a set."""
+    return set(re.findall(r"[^\W\d_]+", text.lower()))
 
 
 def _width(texts):

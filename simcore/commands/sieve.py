@@ -1,0 +1,91 @@
+"""`scree sieve CURVE.csv`: percentiles and statistics of a measured sieve curve, its plot, and a packing of it."""
+
+import sys
+from pathlib import Path
+
+
+def add(commands) -> None:
+    """Add the parser of this command."""
+    parser = commands.add_parser(
+        "sieve",
+        help="statistics of a sieve curve, its plot, and the specification that packs it",
+        description="Percentiles, mean, sorting, skewness, kurtosis, Cu and Cc of a sieve curve, with the words of "
+        "Blott and Pye (2001).",
+    )
+    parser.add_argument(
+        "curve",
+        type=Path,
+        metavar="CURVE.csv",
+        help="table as text, .xlsx or .ods: a row per sieve and `pan`; openings [mm], [µm] or phi; mass [g], retained "
+        "[%%], passing [%%] or cumulative retained [%%]",
+    )
+    parser.add_argument("--finest", metavar="SIZE", help='size of the finest grains in the pan, such as "0.02 mm"')
+    parser.add_argument(
+        "--coarsest", metavar="SIZE", help='size of the coarsest grains on the coarsest sieve, such as "90 mm"'
+    )
+    parser.add_argument("--plot", type=Path, metavar="OUT.png", help="figure to write; also .pdf or .svg")
+    parser.add_argument(
+        "--specification", type=Path, metavar="OUT.yaml", help="specification to write, for `explain` and `pack`"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.set_defaults(run=run)
+
+
+def run(options) -> int:
+    """Print the statistics, write what is asked for, and return 0."""
+    from simcore.grains.sieve_statistics import sieve_statistics
+    from simcore.grains.sieve_table import read_sieve_table
+    from simcore.grains.sieve_text import describe_sieve, sieve_json
+
+    finest, coarsest = read_size("--finest", options.finest), read_size("--coarsest", options.coarsest)
+    table, notices = read_sieve_table(options.curve, coarsest)
+    try:
+        table = table.closed(finest, coarsest)
+        specification = _specification(options, table, notices) if options.specification else None
+    except ValueError as error:
+        raise ValueError(f"{options.curve}: {error}") from None
+    statistics = sieve_statistics(table)
+    if options.plot is not None:
+        _plot(options, table)
+    if specification is not None:
+        options.specification.write_text(specification, encoding="utf-8")
+    for notice in [] if options.json else notices:
+        print(f"simcore sieve: {notice}", file=sys.stderr)
+    if options.json:
+        print(sieve_json(options.curve, table, statistics, notices))
+    else:
+        print(describe_sieve(options.curve, table, statistics))
+    return 0
+
+
+def _specification(options, table, notices):
+    """Return the text of the specification; its notices are added to the list."""
+    from simcore.packing.sieve_specification import sieve_specification
+
+    text, further = sieve_specification(table.curve(), options.curve)
+    notices += further
+    return text
+
+
+def _plot(options, table):
+    from simcore.report.figures.saving import save_figure
+    from simcore.report.figures.sieve import sieve_figure
+
+    if options.plot.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise ValueError(f"--plot: {options.plot} must end in .png, .pdf or .svg")
+    save_figure(sieve_figure(table, options.curve.stem), options.plot)
+
+
+def read_size(option, text):
+    """Return the size [m] of an option, or None if it is not given; ValueError unless it is a length above 0."""
+    from simcore.scene.quantity import parse_quantity
+
+    if text is None:
+        return None
+    try:
+        size = parse_quantity(text, "m")
+    except ValueError as error:
+        raise ValueError(f"{option}: {error}") from None
+    if not size > 0.0:
+        raise ValueError(f"{option}: {text!r} is not a length above 0; give one such as '90 mm'")
+    return size

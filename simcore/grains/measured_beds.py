@@ -1,0 +1,168 @@
+"""Reads a table of beds whose porosity was measured, one bed per row.
+
+A row has the form of its grains, as in simcore.grains.measured_forms (mean_FL, std_FL, mean_EL, std_EL, or FL, EL of
+one form, or L, I, S of one form), and:
+
+    n           measured porosity, a fraction, or per cent if the header has %; also under the name porosity
+    n_error     standard error of the measured porosity in the same unit, optional
+    case        sieve curve of the bed, such as U1 or one-class, optional
+"""
+
+import re
+from dataclasses import dataclass, replace
+
+from simcore.grains.cell_numbers import read_number
+from simcore.grains.form_columns import SAMPLE
+from simcore.grains.measured_forms import Sample, samples_of_table
+from simcore.grains.table_file import read_table
+
+_PERCENT = r"(?:[\s_,]*[\[(]?\s*(?:%|percent|per cent)\s*[\])]?)"
+_FRACTION = r"(?:\s*[\[(]\s*[-–1]?\s*[\])])?"
+_COLUMNS = {
+    "n": r"(?:n|porosity)(?:[\s_]+measured)?",
+    "n_error": r"(?:n|porosity)[\s_]+(?:(?:std|standard)[\s_]+)?(?:error|uncertainty)",
+    "case": r"case",
+}
+NEEDED = (
+    "give a row per bed with the column n, its measured porosity, and the form of its grains: mean_FL, std_FL, "
+    "mean_EL, std_EL, or FL, EL, or L, I, S"
+)
+
+
+@dataclass(frozen=True)
+class MeasuredBed:
+    """A bed of measured porosity n.
+
+    sample: Sample with the form of its grains. n_error: standard error of n, nan if unknown. case: sieve curve.
+    """
+
+    sample: Sample
+    n: float
+    n_error: float
+    case: str
+
+
+def read_measured_beds(path, case=None, column=None):
+    """Read a table and return (beds, notices): a list of MeasuredBed in the order of the rows, and a list of sentences.
+
+    path: a text file or a workbook, see simcore.grains.table_file. case: sieve curve of all beds, for a table without
+    the column case. column: name of the column with the names of the beds; with None it is "sample", if there is such a
+    column. Rows of one name are repeats with the same form. ValueError names the file, the row as a spreadsheet counts
+    it, and the remedy.
+    """
+    table = read_table(path)
+    if not table.header or table.cells.empty:
+        raise ValueError(f"{table.path}: there are no rows below a header; {NEEDED}")
+    positions, percent = _recognise(table.path, table.header)
+    _check_case(table.path, positions, case)
+    forms, names, given = _name_rows(_without(table, positions.values()), column)
+    samples, notices = samples_of_table(forms, column)
+    rows = {name: row for row, name in names.items()}
+    beds = []
+    for sample in samples:
+        texts, where = table.cells.loc[rows[sample.name]], f"{table.path}, row {rows[sample.name]}"
+        n, n_error = _read_porosity(where, texts, positions, percent)
+        beds.append(MeasuredBed(sample, n, n_error, _read_case(where, texts, positions, case)))
+    _check_repeats(table.path, beds, rows, given)
+    if percent and all(bed.n < 0.01 for bed in beds):
+        raise ValueError(
+            f"{table.path}: the header of n has %, but all porosities are below 1 %; remove % if they are fractions"
+        )
+    return beds, notices
+
+
+def _recognise(path, header):
+    """Return the positions of n, n_error and case (those that exist), and whether the porosities are in per cent."""
+    positions, percent = {}, {}
+    for meaning, pattern in _COLUMNS.items():
+        for position, name in enumerate(header):
+            in_percent = re.fullmatch(pattern + _PERCENT, name, re.IGNORECASE) is not None
+            if not in_percent and not re.fullmatch(pattern + _FRACTION, name, re.IGNORECASE):
+                continue
+            if meaning in positions:
+                raise ValueError(
+                    f"{path}: the columns {header[positions[meaning]]} and {name} are both {meaning}; remove one"
+                )
+            positions[meaning], percent[meaning] = position, in_percent
+    if "n" not in positions:
+        columns = ", ".join(name or "(no name)" for name in header)
+        raise ValueError(f"{path}: the column n is missing beside {columns}; {NEEDED}")
+    if percent.get("n_error", percent["n"]) != percent["n"]:
+        raise ValueError(
+            f"{path}: one of the columns {header[positions['n']]} and {header[positions['n_error']]} is in %, the "
+            "other is not; give both in one unit"
+        )
+    return positions, percent["n"]
+
+
+def _check_case(path, positions, case):
+    """Raise a ValueError unless the case is given exactly once."""
+    if case is None and "case" not in positions:
+        raise ValueError(
+            f"{path}: the sieve curve of the beds is not given; add --case, such as --case one-class for any single "
+            "sieve class, or a column case"
+        )
+    if case is not None and "case" in positions:
+        raise ValueError(f"{path}: the table has a column case; leave out --case, or remove the column")
+
+
+def _without(table, left_out):
+    """Return the TextTable without the columns at the positions `left_out`."""
+    kept = [position for position in range(len(table.header)) if position not in set(left_out)]
+    cells = table.cells[kept].set_axis(range(len(kept)), axis=1)
+    return replace(table, header=[table.header[position] for position in kept], cells=cells)
+
+
+def _name_rows(table, column):
+    """Return the TextTable with a different name in each row, these names, and the names as given, dicts by row."""
+    wanted = (SAMPLE if column is None else " ".join(column.split())).lower()
+    position = next((i for i, name in enumerate(table.header) if name.lower() == wanted), None)
+    if position is None and column is not None:
+        return table, {}, {}  # samples_of_table raises the error
+    given = {row: f"row {row}" for row in table.cells.index} if position is None else table.cells[position].to_dict()
+    names, used = {}, set()
+    for row, name in given.items():
+        names[row] = f"{name} (row {row})" if name in used else name
+        used.add(name)
+    if position is None:
+        table, position = replace(table, header=[*table.header, SAMPLE]), len(table.header)
+    cells = table.cells.copy()
+    cells[position] = list(names.values())
+    return replace(table, cells=cells), names, given
+
+
+def _check_repeats(path, beds, rows, given):
+    """Raise a ValueError if two beds were given the same name and have different forms."""
+    first_beds = {}
+    for bed in beds:
+        row = rows[bed.sample.name]
+        other = first_beds.setdefault(given[row], bed)
+        if replace(other.sample, name="") != replace(bed.sample, name=""):
+            raise ValueError(
+                f"{path}, row {row}: {given[row]} is also the name of row {rows[other.sample.name]}, which has another "
+                "form, but each row is one bed. Rename one; if the rows are grains of one bed, give their means and "
+                "deviations in one row instead"
+            )
+
+
+def _read_porosity(where, texts, positions, percent):
+    """Return the porosity in a row and its standard error, nan if the table has none, as fractions."""
+    scale, unit = (100.0, " %") if percent else (1.0, "")
+    n = read_number(where, "n", texts[positions["n"]])
+    if not 0 < n < scale:
+        remedy = "correct it" if percent else "give a fraction, or write n [%] in the header if it is in per cent"
+        raise ValueError(f"{where}: n = {n:g}{unit} is not between 0 and {scale:g}{unit}; {remedy}")
+    if "n_error" not in positions:
+        return n / scale, float("nan")
+    n_error = read_number(where, "n_error", texts[positions["n_error"]])
+    if not 0 <= n_error < scale:
+        raise ValueError(f"{where}: n_error = {n_error:g}{unit} is not between 0 and {scale:g}{unit}; correct it")
+    return n / scale, n_error / scale
+
+
+def _read_case(where, texts, positions, case):
+    if "case" not in positions:
+        return case
+    if not texts[positions["case"]]:
+        raise ValueError(f"{where}: case is empty; name the sieve curve in every row")
+    return texts[positions["case"]]

@@ -1,0 +1,142 @@
+"""Recognises the columns of a table of a sieve curve by their names: the openings, and the amounts on the sieves."""
+
+import re
+from dataclasses import dataclass
+
+from simcore.grains.table_file import plain_words
+
+NEEDED = (
+    "give a column of sieve openings, such as `opening [mm]` or `phi`, and one of amounts, such as `mass [g]`, "
+    "`retained [%]` or `passing [%]`"
+)
+# Lengths in metres; phi is -log2 of the opening in mm.
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "in": 0.0254}
+PHI = "phi"
+PERCENT, FRACTION = "%", "1"
+MASSES = {"mg": 1e-6, "g": 1e-3, "kg": 1.0, "t": 1000.0, "lb": 0.45359237}
+RETAINED, PASSING, CUMULATIVE = "retained", "passing", "cumulative retained"
+
+_SPELLINGS = {
+    "um": "µm", "μm": "µm", "micron": "µm", "microns": "µm", "micrometer": "µm", "micrometre": "µm",
+    "millimeter": "mm", "millimetre": "mm", "inch": "in", "inches": "in", "φ": PHI, "Φ": PHI, "ϕ": PHI, "phi": PHI,
+    "percent": PERCENT, "pct": PERCENT, "wt%": PERCENT, "mass%": PERCENT, "gram": "g", "grams": "g", "lbs": "lb",
+    "-": FRACTION,
+}  # fmt: skip
+_OPENING_WORDS = {
+    "opening", "openings", "aperture", "mesh", "size", "sieve", "sieves", "diameter", "d", "grainsize", "maschenweite",
+    "siebweite", "korngröße", "tamis", PHI,
+}  # fmt: skip
+_PASSING_WORDS = {"passing", "passes", "finer", "undersize", "durchgang", "passant"}
+_COARSER_WORDS = {"coarser", "oversize"}
+_SUMMED_WORDS = {"cumulative", "cumulated", "cum", "cumul", "summe"}
+_RETAINED_WORDS = {
+    "retained", "mass", "masses", "weight", "weights", "fraction", "fractions", "rückstand", "masse", "gewicht",
+    "refus", "percent", "wt",
+}  # fmt: skip
+_BRACKETS = re.compile(r"\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
+# A unit without brackets: "opening_mm", "mass g", "size, mm".
+_TRAILING = re.compile(
+    r"[\s_,/.-]+(?:in\s+)?(mm|cm|m|µm|um|μm|microns?|inch(?:es)?|phi|φ|g|kg|mg|lbs?|%)\.?$", re.IGNORECASE
+)
+
+
+@dataclass(frozen=True)
+class AmountColumn:
+    """A column of amounts: its position, its meaning (RETAINED, PASSING or CUMULATIVE) and its unit, or None."""
+
+    position: int
+    meaning: str
+    unit: str | None
+
+
+@dataclass(frozen=True)
+class SieveColumns:
+    """The columns that are read: position and unit (None if the cells have it) of the openings; the amounts."""
+
+    opening: int
+    unit: str | None
+    amounts: list
+
+
+def recognise_sieve_columns(path, header):
+    """Return the SieveColumns of a table with these names of columns.
+
+    ValueError, which names the file `path`, if a needed column is missing, if two have the same meaning, or if a unit
+    is unknown or of the wrong kind.
+    """
+    openings, amounts = [], []
+    for position, name in enumerate(header):
+        words, unit = _split(path, name)
+        meaning = _meaning(path, name, words, unit)
+        if meaning == "opening":
+            openings.append((position, unit))
+        elif meaning is not None:
+            amounts.append(AmountColumn(position, meaning, unit))
+    columns = ", ".join(name or "(no name)" for name in header)
+    if not openings:
+        raise ValueError(f"{path}: none of the columns ({columns}) has sieve openings; {NEEDED}")
+    if not amounts:
+        raise ValueError(f"{path}: none of the columns ({columns}) has amounts; {NEEDED}")
+    if len(openings) > 1:
+        names = " and ".join(header[position] for position, _ in openings[:2])
+        raise ValueError(f"{path}: the columns {names} are both sieve openings; remove one")
+    kinds = [(column.meaning, column.unit in MASSES) for column in amounts]
+    for i, kind in enumerate(kinds):
+        if kind in kinds[:i]:
+            names = f"{header[amounts[kinds.index(kind)].position]} and {header[amounts[i].position]}"
+            raise ValueError(f"{path}: the columns {names} are both the amount {amounts[i].meaning}; remove one")
+    return SieveColumns(*openings[0], amounts)
+
+
+def known_unit(text):
+    """Return a unit in the spelling of this module, or None if it is unknown."""
+    unit = _SPELLINGS.get(text, _SPELLINGS.get(text.lower(), text.lower()))
+    return unit if unit in {*LENGTHS, *MASSES, PHI, PERCENT, FRACTION} else None
+
+
+def _split(path, name):
+    """Return the words of a column's name without its unit, and the unit or None."""
+    text = name.lower()
+    bare = known_unit(text)
+    if bare == PHI:
+        return {PHI}, PHI
+    if bare in LENGTHS:
+        return {"opening"}, bare
+    if bare in MASSES or bare == PERCENT:
+        return {"retained"}, bare
+    match = _BRACKETS.search(name) or _TRAILING.search(name)
+    unit = known_unit(match[1]) if match else None
+    words = plain_words(text[: match.start()] if match else text)
+    if match and unit is None and match[1] and words & {*_OPENING_WORDS, *_RETAINED_WORDS, *_PASSING_WORDS}:
+        raise ValueError(
+            f"{path}: the column {name} has the unknown unit '{match[1]}'; sieve openings are in "
+            f"{', '.join([*LENGTHS, PHI])}, amounts in {', '.join(MASSES)} or %"
+        )
+    if unit is None and (words & {"percent", "pct"} or "%" in text):
+        unit = PERCENT
+    if unit is None and words & {"fraction", "fractions"}:
+        unit = FRACTION
+    return words, unit
+
+
+def _meaning(path, name, words, unit):
+    """Return "opening", the meaning of an amount, or None for a column that is not needed."""
+    if words & _PASSING_WORDS:
+        meaning = PASSING
+    elif words & _COARSER_WORDS or words & _SUMMED_WORDS and words & _RETAINED_WORDS - {"percent"}:
+        meaning = CUMULATIVE
+    elif words & _SUMMED_WORDS:
+        raise ValueError(f"{path}: the column {name} may be passing or retained; name it `passing [%]` or "
+                         "`cumulative retained [%]`")  # fmt: skip
+    elif words & _RETAINED_WORDS:
+        meaning = RETAINED
+    elif words & _OPENING_WORDS:
+        meaning = "opening"
+    else:
+        return None
+    of_length = unit in LENGTHS or unit == PHI
+    if meaning == "opening" and unit is not None and not of_length:
+        raise ValueError(f"{path}: the column {name} is in {unit}, but sieve openings are a length; correct its name")
+    if meaning != "opening" and of_length:
+        raise ValueError(f"{path}: the column {name} is in {unit}, but amounts are masses or percent; correct its name")
+    return meaning

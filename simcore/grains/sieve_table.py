@@ -1,0 +1,334 @@
+"""Reads a sieve curve from a table: openings in mm or phi, and masses or percent, retained or passing.
+
+A row is a sieve. The amount retained on it lies between its opening and that of the next coarser sieve. A row `pan` has
+what passes the finest sieve. The rows may run from coarse to fine or from fine to coarse.
+"""
+
+import re
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from simcore.grains.cell_numbers import read_number
+from simcore.grains.sieve import SieveCurve
+from simcore.grains.sieve_columns import (
+    CUMULATIVE,
+    FRACTION,
+    LENGTHS,
+    MASSES,
+    NEEDED,
+    PASSING,
+    PERCENT,
+    PHI,
+    RETAINED,
+    known_unit,
+    recognise_sieve_columns,
+)
+from simcore.grains.summary_rows import find_summary_rows
+from simcore.grains.table_file import read_table
+
+SMALL_END = 0.01  # open ends with at most this share of the mass get a bound by assumption
+ROUNDING = 0.005  # deviation of a sum from 1 that rounded percentages explain; it is removed, with a notice
+AGREEMENT = 0.01  # two columns of one table agree if their shares passing differ by at most this
+_PAN = re.compile(r"pan|receiver|bottom|base|tray|boden|bodenschale|schale|fond|rest|< ?\S.*", re.IGNORECASE)
+_WITH_UNIT = re.compile(r"(.*?)\s*([a-zA-Zµμφϕ]+)\.?")
+
+
+@dataclass(frozen=True, eq=False)
+class SieveTable:
+    """A measured sieve curve.
+
+    openings: ascending (k,) [m]. passing: share of the mass that passes each (k,). mass: total [kg], or None.
+    """
+
+    openings: np.ndarray
+    passing: np.ndarray
+    mass: float | None = None
+
+    @property
+    def below(self):
+        """Share of the mass that passes the finest sieve; the size of these grains is not bounded below."""
+        return float(self.passing[0])
+
+    @property
+    def above(self):
+        """Share of the mass retained on the coarsest sieve; the size of these grains is not bounded above."""
+        return float(1.0 - self.passing[-1])
+
+    def closed(self, finest=None, coarsest=None):
+        """Return the table with bounds [m] of the grains that pass the finest, or stay on the coarsest sieve.
+
+        ValueError if a bound is on the wrong side of the sieves. A bound of an end that has no grains is ignored.
+        """
+        table = self
+        if finest is not None and self.below > 0.0:
+            if not 0.0 < finest < self.openings[0]:
+                raise ValueError(
+                    f"the size of the finest grains, {finest * 1e3:g} mm, is not below the finest sieve, "
+                    f"{self.openings[0] * 1e3:g} mm"
+                )
+            table = replace(table, openings=np.r_[finest, table.openings], passing=np.r_[0.0, table.passing])
+        if coarsest is not None and self.above > 0.0:
+            if not coarsest > self.openings[-1]:
+                raise ValueError(
+                    f"the size of the coarsest grains, {coarsest * 1e3:g} mm, is not above the coarsest sieve, "
+                    f"{self.openings[-1] * 1e3:g} mm"
+                )
+            table = replace(table, openings=np.r_[table.openings, coarsest], passing=np.r_[table.passing, 1.0])
+        return table
+
+    def with_small_ends_closed(self):
+        """Return (SieveTable with bounds at both ends, notices); the same table if an open end has over SMALL_END.
+
+        Each notice is a clause, such as "the 0.4% in the pan are coarser than 2 mm".
+        # ASSUME: an open class with little mass is as wide, in phi, as its neighbour.
+        """
+        openings, passing, notices = self.openings, self.passing, []
+        if max(self.below, self.above) > SMALL_END:
+            return self, []
+        if self.below > 0.0:
+            openings, passing = np.r_[openings[0] ** 2 / openings[1], openings], np.r_[0.0, passing]
+            notices.append(f"the {self.below:.1%} in the pan are coarser than {openings[0] * 1e3:.3g} mm")
+        if self.above > 0.0:
+            openings, passing = np.r_[openings, openings[-1] ** 2 / openings[-2]], np.r_[passing, 1.0]
+            notices.append(f"the {self.above:.1%} on the coarsest sieve are finer than {openings[-1] * 1e3:.3g} mm")
+        return replace(self, openings=openings, passing=passing), notices
+
+    def curve(self, name="sieve curve"):
+        """Return the SieveCurve of the classes from the finest to the coarsest class that has mass.
+
+        ValueError if an end is open, that is, has mass but no bound.
+        """
+        if self.below > 0.0:
+            raise ValueError(
+                f"{self.below:.1%} of the mass pass the finest sieve, {self.openings[0] * 1e3:g} mm; give the size of "
+                "the finest of these grains with --finest"
+            )
+        if self.above > 0.0:
+            raise ValueError(
+                f"{self.above:.1%} of the mass stay on the coarsest sieve, {self.openings[-1] * 1e3:g} mm; give the "
+                "size of the coarsest of these grains with --coarsest"
+            )
+        shares = np.diff(self.passing)
+        used = np.flatnonzero(shares > 0.0)
+        first, last = used[0], used[-1] + 1
+        shares = shares[first:last] / shares[first:last].sum()
+        return SieveCurve(self.openings[first : last + 1], shares, name)
+
+
+def read_sieve_table(path, coarsest=None):
+    """Read the table at `path` and return (SieveTable, notices); notices: sentences on how it was read.
+
+    path: text or a workbook, see simcore.grains.table_file. coarsest: size of the coarsest grains [m]; with it, the
+    share passing the coarsest sieve may be less than 1 in a column of passing percent. ValueError names the file, the
+    row and the remedy.
+    """
+    text = read_table(path)
+    if not text.header:
+        raise ValueError(f"{path}: the file is empty; {NEEDED}")
+    columns = recognise_sieve_columns(path, text.header)
+    cells, notices = _leave_out_totals(path, text.cells, columns, list(text.notices))
+    if cells.empty:
+        raise ValueError(f"{path}: there are no rows below the header; {NEEDED}")
+    rows, openings, pan = _read_openings(path, text.header, cells, columns)
+    results = []
+    for column in columns.amounts:
+        name = text.header[column.position]
+        values = {row: _read_amount(f"{path}, row {row}", name, cells.loc[row, column.position], row == pan)
+                  for row in cells.index}  # fmt: skip
+        results.append((name, _passing(path, name, column, (rows, openings, pan), values, coarsest, notices)))
+    name, table = results[0]
+    for other, further in results[1:]:
+        difference = np.abs(further.passing - table.passing).max()
+        if difference > AGREEMENT:
+            raise ValueError(
+                f"{path}: the columns {name} and {other} give shares passing that differ by {100 * difference:.1f} % "
+                "of the mass; correct or remove one"
+            )
+        notices.append(f"the columns {name} and {other} agree; {name} is used")
+    _check_classes(path, table)
+    used = {columns.opening, *(column.position for column in columns.amounts)}
+    unused = [text.header[i] or f"(column {i + 1}, no name)" for i in cells if i not in used]
+    if unused:
+        notices.append(f"columns that are not used: {', '.join(unused)}")
+    return table, [f"{path}: {notice}" for notice in notices]
+
+
+def _check_classes(path, table):
+    """Raise ValueError if fewer than two classes have mass: all statistics would follow from the interpolation."""
+    shares = np.diff(table.passing, prepend=0.0, append=1.0)
+    if np.count_nonzero(shares > 0.0) >= 2:
+        return
+    sieves = [f"{D * 1e3:g} mm" for D in table.openings]
+    used = int(np.argmax(shares))
+    if used in (0, len(sieves)):
+        raise ValueError(
+            f"{path}: all of the mass {f'passes {sieves[0]}' if used == 0 else f'stays on {sieves[-1]}'}; at least two "
+            "size classes with mass are needed, so add sieves there"
+        )
+    raise ValueError(
+        f"{path}: all of the mass is between {sieves[used - 1]} and {sieves[used]}; at least two size classes with "
+        "mass are needed. To pack a single class, write "
+        f"`sizes: {{bounds: [{sieves[used - 1]}, {sieves[used]}], mass_fractions: [1]}}` in a specification"
+    )
+
+
+def _leave_out_totals(path, cells, columns, notices):
+    labels = find_summary_rows(cells[[columns.opening]])
+    if labels:
+        rows = ", ".join(f"row {row} ({label})" for row, label in labels.items())
+        notices.append(f"{rows} summarises others and is left out")
+    return cells.drop(index=list(labels)), notices
+
+
+def _read_openings(path, header, cells, columns):
+    """Return the rows of sieves from fine to coarse, their openings [m], ascending, and the row of the pan or None."""
+    name, pans, openings = header[columns.opening], [], {}
+    for row, text in cells[columns.opening].items():
+        where = f"{path}, row {row}"
+        opening = None if _PAN.fullmatch(text) else _opening(path, where, name, text, columns.unit)
+        if opening is None or opening == 0.0:
+            pans.append(row)
+        else:
+            openings[row] = opening
+    if len(pans) > 1:
+        raise ValueError(f"{path}, row {pans[1]}: this is a second pan, after row {pans[0]}; remove one")
+    if len(openings) < 2:
+        raise ValueError(
+            f"{path}: the table has {len(openings) or 'no'} sieve{'s' * (not openings)}; at least two are needed"
+        )
+    rows, values = list(openings), np.array(list(openings.values()))
+    steps = np.diff(values)
+    if not (np.all(steps > 0) or np.all(steps < 0)):
+        wrong = int(np.flatnonzero(np.sign(steps) != np.sign(values[-1] - values[0]))[0]) + 1
+        raise ValueError(
+            f"{path}, row {rows[wrong]}: the opening {values[wrong] * 1e3:g} mm follows "
+            f"{values[wrong - 1] * 1e3:g} mm; order the sieves from coarse to fine or from fine to coarse, each once"
+        )
+    order = slice(None) if values[0] < values[-1] else slice(None, None, -1)
+    return rows[order], values[order], pans[0] if pans else None
+
+
+def _opening(path, where, name, text, unit):
+    """Return the opening in a cell [m]; 0 only for a length of 0, which is the pan."""
+    if unit is None:
+        match = _WITH_UNIT.fullmatch(text)
+        unit = known_unit(match[2]) if match else None
+        if match and unit is None:
+            raise ValueError(f"{where}: {name} is '{text}'; its unit is unknown; use {', '.join([*LENGTHS, PHI])}")
+        if unit is None:
+            raise ValueError(
+                f"{path}: the unit of the column {name} is missing, and units are never guessed; write it in the "
+                f"header, such as `{name} [mm]` or `{name} [phi]`"
+            )
+        text = match[1]
+    if re.match(r"(?:no|nr|#)", text, re.IGNORECASE):
+        raise ValueError(f"{where}: {name} is '{text}', a number of a sieve; give its opening instead, in mm")
+    value = read_number(where, name, text)
+    if unit == PHI:
+        if abs(value) > 20:
+            raise ValueError(f"{where}: {name} = {value:g} phi is no sieve; phi is -log2 of the opening in mm")
+        return 2.0**-value * 1e-3
+    if unit not in LENGTHS:
+        raise ValueError(f"{where}: {name} is in {unit}, which is not a length; use {', '.join([*LENGTHS, PHI])}")
+    if value < 0:
+        raise ValueError(f"{where}: the opening {name} = {value:g} {unit} is negative; write [phi] if it is in phi")
+    return value * LENGTHS[unit]
+
+
+def _read_amount(where, name, text, of_pan):
+    """Return the amount in a cell; nan if it is the empty cell of a pan."""
+    if not text and of_pan:
+        return np.nan
+    if not text:
+        raise ValueError(f"{where}: {name} is empty; give the amount of every sieve, 0 if there is nothing on it")
+    value = read_number(where, name, text.rstrip("% "))
+    if value < 0:
+        raise ValueError(f"{where}: {name} = {value:g} is negative; correct it")
+    return value
+
+
+def _passing(path, name, column, sieves, values, coarsest, notices):
+    """Return the SieveTable of one column of amounts. sieves: (rows, openings, row of the pan or None)."""
+    rows, openings, pan = sieves
+    amounts = np.array([values[row] for row in rows])
+    in_pan = values[pan] if pan is not None else np.nan
+    whole = {PERCENT: 100.0, FRACTION: 1.0}.get(column.unit)
+    if column.meaning == RETAINED:
+        return _from_retained(path, name, openings, (amounts, np.nan_to_num(in_pan)), column.unit, notices)
+    if column.unit in MASSES:
+        whole = None
+        if column.meaning == CUMULATIVE and np.isfinite(in_pan):
+            whole = in_pan
+        elif column.meaning == PASSING:
+            whole = amounts[-1]
+        if not whole:
+            raise ValueError(f"{path}: {name} is a mass, but its total is unknown; give it in percent, or add the pan")
+    if whole is None:
+        whole = 1.0 if amounts.max() <= 1.0 else 100.0
+        notices.append(f"the column {name} is taken as {'a fraction' if whole == 1.0 else 'percent'}")
+    shares = amounts / whole
+    over = np.flatnonzero(shares > 1.0 + ROUNDING)
+    if len(over):
+        raise ValueError(
+            f"{path}, row {rows[over[0]]}: {name} = {amounts[over[0]]:g} is more than the whole; correct it"
+        )
+    end = in_pan / whole
+    if column.meaning == CUMULATIVE and np.isfinite(end) and abs(end - 1.0) > ROUNDING:
+        raise ValueError(f"{path}, row {pan}: {name} of the pan is {in_pan:g}; it must end at the whole; correct it")
+    if column.meaning == PASSING and np.isfinite(end) and end > ROUNDING:
+        raise ValueError(f"{path}, row {pan}: {name} of the pan is {in_pan:g}, but nothing passes it; give 0")
+    _check_direction(path, name, rows, amounts, column.meaning)
+    passing = shares if column.meaning == PASSING else 1.0 - shares
+    if 0.0 < abs(passing[-1] - 1.0) <= ROUNDING:
+        notices.append(f"{name} ends at {100 * passing[-1]:.4g} % instead of 100 %; it is divided by its end")
+        passing = passing / passing[-1]
+    elif passing[-1] < 1.0 and coarsest is None:
+        raise ValueError(
+            f"{path}, row {rows[-1]}: only {100 * passing[-1]:.4g} % pass the coarsest sieve, not 100 %; add the sieve "
+            "that all grains pass, or give their largest size with --coarsest"
+        )
+    return SieveTable(
+        openings, np.clip(passing, 0.0, 1.0), whole * MASSES[column.unit] if column.unit in MASSES else None
+    )
+
+
+def _from_retained(path, name, openings, amounts, unit, notices):
+    """Return the SieveTable of the amounts retained on the sieves and in the pan."""
+    retained, in_pan = amounts
+    total = float(retained.sum() + in_pan)
+    if total <= 0.0:
+        raise ValueError(f"{path}: all amounts in {name} are 0; give those of the sieves that retained grains")
+    whole = {PERCENT: 100.0, FRACTION: 1.0}.get(unit)
+    if whole is not None and abs(total / whole - 1.0) > ROUNDING:
+        raise ValueError(
+            f"{path}: {name} sums to {total:.4g}, not to {whole:g}; add what is missing, such as a row `pan`, or "
+            "correct the values; cumulative values need a name such as `passing [%]` or `cumulative retained [%]`"
+        )
+    if whole is not None and abs(total / whole - 1.0) > 1e-9:
+        notices.append(f"{name} sums to {total:.6g} instead of {whole:g}; it is divided by its sum")
+    if unit is None:
+        notices.append(f"the column {name} has no unit; its values are taken relative to their sum, {total:.6g}")
+    passing = (in_pan + np.r_[0.0, np.cumsum(retained)[:-1]]) / total
+    if retained[-1] == 0.0:
+        passing[-1] = 1.0  # without the round-off of the sum
+    return SieveTable(openings, passing, total * MASSES[unit] if unit in MASSES else None)
+
+
+def _check_direction(path, name, rows, amounts, meaning):
+    """Raise ValueError unless amounts, from fine to coarse, rise (passing) or fall (cumulative retained)."""
+    steps = np.diff(amounts) * (1 if meaning == PASSING else -1)
+    if np.all(steps >= 0):
+        return
+    if np.all(steps <= 0):
+        other = "cumulative retained" if meaning == PASSING else "passing"
+        raise ValueError(
+            f"{path}: {name} {'falls' if meaning == PASSING else 'rises'} from fine to coarse sieves, the wrong way; "
+            f"is it `{other}`?"
+        )
+    wrong = int(np.flatnonzero(steps < 0)[0])
+    raise ValueError(
+        f"{path}, row {rows[wrong + 1]}: {name} = {amounts[wrong + 1]:g} beside {amounts[wrong]:g} on the next finer "
+        f"sieve (row {rows[wrong]}); what is {meaning} cannot {'fall' if meaning == PASSING else 'rise'} from fine to "
+        "coarse; correct it"
+    )

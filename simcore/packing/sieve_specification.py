@@ -1,0 +1,103 @@
+"""Writes the specification of a packing of a measured sieve curve."""
+
+import re
+
+import numpy as np
+
+from simcore.packing.forecast import BY_SPREAD, ONE_CLASS
+
+DENSITY = 2650.0  # [kg/m³], of quartz; the default of material.density
+# Width and height of the bed in the largest sieve size, of which at least 5 and 6 are advised
+# (examples/sieve_and_form.yaml), and height of the domain in that of the bed.
+WIDTH, HEIGHT, DOMAIN = 5.0, 10.0, 2.5
+# The mass contains at least this number of grains of the coarsest class, of which 5 are required.
+LARGEST_GRAINS = 8
+MANY = 100_000  # grains above which a packing takes days on one core
+
+
+def sieve_specification(curve, source, sample=None):
+    """Return (YAML text of a specification that packs this SieveCurve, notices). source: file that the curve is from.
+
+    The text is accepted by `explain` and `pack`. sample: simcore.grains.measured_forms.Sample with the form of the
+    grains; None: synthetic pebbles, because a sieve curve says nothing about form. ValueError if the curve has too many
+    grains for any packing.
+    """
+    largest = curve.largest
+    width = np.ceil(WIDTH * largest * 1e3) / 1e3
+    numbers = curve.number_fractions()
+    volumes = curve.mass_fractions / curve.mass_fractions.sum()
+    centres = np.log2(np.sqrt(curve.bounds[1:] * curve.bounds[:-1]))
+    spread = np.sqrt(volumes @ (centres - volumes @ centres) ** 2)
+    solid = ONE_CLASS + BY_SPREAD * spread
+    grain = DENSITY * np.pi / 6 * curve.mean(3)  # mean mass by number
+    mass = max(DENSITY * solid * width**2 * HEIGHT * largest, LARGEST_GRAINS * grain / numbers[-1])
+    grains = mass / grain
+    if grains > 5e6:
+        raise ValueError(
+            f"a packing of this curve with five grains of its coarsest class has {grains:.2g} grains, more than can be "
+            f"packed; leave out the finest classes, such as those below {curve.largest * 1e3 / 16:.3g} mm"
+        )
+    bed = mass / (DENSITY * solid * width**2)
+    name = re.sub(r"[^A-Za-z0-9_.+-]+", "_", source.stem).strip("_.+-") or "sieve"
+    bounds = ", ".join(f"{D * 1e3:.6g} mm" for D in curve.bounds)
+    shares = ", ".join(f"{share:.6f}" for share in _rounded(curve.mass_fractions))
+    draw = ", draw: quota" if len(curve.mass_fractions) > 1 else ""
+    height = np.ceil(DOMAIN * bed * 100) / 100
+    contact_time = _contact_time(curve.least, height)
+    notices = []
+    if grains > MANY:
+        notices.append(
+            f"the packing has {grains:.2g} grains, most of them fine; `explain` prints its cost, which is less without "
+            "the finest classes"
+        )
+    text = f"""# Packs the sieve curve of {source.name}. See what it costs:  scree explain THIS_FILE
+name: {name}
+seed: 1
+sizes:
+  bounds: [{bounds}]
+  mass_fractions: [{shares}]
+  {draw.removeprefix(", ") or "draw: random"}
+{_shapes(sample)}
+# Width and height of the bed are {WIDTH:g} and {bed / largest:.0f} times the largest sieve opening.
+domain: {{type: periodic, width: {width * 1e3:g} mm, height: {height:g} m}}
+amount: {{mass: {mass:.3g} kg}}
+accuracy: standard
+# A shorter contact time makes contacts stiffer, so that falling grains do not sink into the finest ones.
+numerics: {{contact_time: {contact_time * 1e3:.3g} ms}}
+"""
+    return text, notices
+
+
+_SYNTHETIC = """# A sieve curve says nothing about form: these are synthetic pebbles. If you have measured flatness
+# S/I and elongation I/L, write their means and deviations here, as in examples/sieve_and_form.yaml.
+shapes: {kind: polyhedron, choice: random}"""
+
+
+def _shapes(sample):
+    """Return the lines on the form of the grains."""
+    if sample is None:
+        return _SYNTHETIC
+    return f"""# Flatness S/I and elongation I/L as measured.
+shapes:
+  kind: polyhedron
+  choice: form_distribution
+  flatness: {{mean: {sample.mu_FL:.4f}, std: {sample.sigma_FL:.4f}}}
+  elongation: {{mean: {sample.mu_EL:.4f}, std: {sample.sigma_EL:.4f}}}"""
+
+
+def _contact_time(finest, height):
+    """Return a contact time [s] at which no impact is deeper than a quarter of the thinnest of the finest grains.
+
+    finest: sieve size of the finest grains [m]; height of the fall [m]. With the settings of `standard` an impact at
+    the speed v is about 0.14 v times the contact time deep, and the thinnest pebble is 0.4 of its sieve size thick.
+    """
+    longest = 0.25 * 0.4 * finest / (0.14 * np.sqrt(2 * 9.81 * height))
+    digit = 10.0 ** (np.floor(np.log10(longest)) - 1)
+    return min(2e-3, float(np.floor(longest / digit) * digit))
+
+
+def _rounded(shares):
+    """Return shares rounded to 1e-6 whose sum is 1; the largest takes up the difference."""
+    rounded = np.round(shares, 6)
+    rounded[np.argmax(rounded)] += 1.0 - rounded.sum()
+    return rounded

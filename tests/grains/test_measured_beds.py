@@ -1,0 +1,89 @@
+"""Tables of measured beds: what is read, and what is refused with its place and remedy."""
+
+import math
+
+import pytest
+
+from simcore.grains.measured_beds import read_measured_beds
+
+MEANS = "sample,mean_FL,std_FL,mean_EL,std_EL,n,n_error,case\n"
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read_text(text, case=None, column=None):
+        (tmp_path / "beds.csv").write_text(text, encoding="utf-8")
+        return read_measured_beds(tmp_path / "beds.csv", case, column)
+
+    return read_text
+
+
+def test_a_row_is_a_bed(read):
+    beds, notices = read(MEANS + "A,0.6,0.15,0.7,0.1,0.36,0.004,U1\nB,0.5,0.1,0.7,0.1,0.29,0.003,U7\n")
+    assert [(bed.sample.name, bed.n, bed.n_error, bed.case) for bed in beds] == [
+        ("A", 0.36, 0.004, "U1"),
+        ("B", 0.29, 0.003, "U7"),
+    ]
+    assert (beds[0].sample.mu_FL, beds[0].sample.sigma_EL, beds[0].sample.grains) == (0.6, 0.1, 0)
+    assert notices == []
+
+
+def test_forms_of_one_grain_and_percent_are_the_same_bed(read):
+    axes, _ = read("L [mm];I [mm];S [mm];porosity [%];porosity error (%)\n40;28;14;36,5;0,4\n40;20;18;40;0,5\n", "U1")
+    ratios, _ = read("FL,EL,n,n_std_error\n0.5,0.7,0.365,0.004\n0.9,0.5,0.40,0.005\n", "U1")
+    for a, b in zip(axes, ratios, strict=True):
+        assert a.sample.one_form and a.sample.mu_EQ == pytest.approx(b.sample.mu_EQ)
+        assert (a.n, a.n_error) == (pytest.approx(b.n), pytest.approx(b.n_error))
+        assert a.sample.name == b.sample.name and a.case == "U1"
+    assert [bed.sample.name for bed in axes] == ["row 2", "row 3"]
+    without, _ = read("FL,EL,n\n0.5,0.7,0.365\n", "one-class")
+    assert math.isnan(without[0].n_error) and without[0].case == "one-class"
+
+
+def test_summaries_and_other_columns_are_left_out_with_a_notice(read):
+    beds, notices = read("bed,FL,EL,D50,n\nA,0.5,0.7,9,0.36\nMean,0.6,0.7,9,0.37\nB,0.6,0.7,9,0.38\n", "U1", "bed")
+    assert [(bed.sample.name, bed.n) for bed in beds] == [("A", 0.36), ("B", 0.38)]
+    assert [text.split(": ", 1)[1] for text in notices] == [
+        "row 3 (Mean) summarises others and is left out",
+        "columns that are not used: D50",
+    ]
+
+
+def test_rows_of_one_name_are_repeats_or_refused(read):
+    beds, _ = read("sample,FL,EL,n\nA,0.5,0.7,0.36\nA,0.5,0.7,0.37\n", "U1")
+    assert [(bed.sample.name, bed.n) for bed in beds] == [("A", 0.36), ("A (row 3)", 0.37)]
+    with pytest.raises(ValueError, match=r"row 4: A is also the name of row 2, which has another form, but each row"):
+        read("sample,FL,EL,n\nA,0.5,0.7,0.36\nB,0.5,0.7,0.36\nA,0.6,0.7,0.36\n", "U1")
+
+
+@pytest.mark.parametrize(
+    ("text", "case", "message"),
+    [
+        ("", "U1", "there are no rows below a header; give a row per bed"),
+        ("FL,EL,n\n", "U1", "there are no rows below a header"),
+        ("FL,EL\n0.5,0.7\n", "U1", "the column n is missing beside FL, EL; give a row per bed with the column n"),
+        ("FL,EL,n\n0.5,0.7,0.36\n", None, "the sieve curve of the beds is not given; add --case"),
+        ("FL,EL,n,case\n0.5,0.7,0.36,U1\n", "U1", "the table has a column case; leave out --case"),
+        ("FL,EL,n,case\n0.5,0.7,0.36,\n", None, "row 2: case is empty; name the sieve curve in every row"),
+        ("FL,EL,n\n0.5,0.7,36\n", "U1", r"row 2: n = 36 is not between 0 and 1; give a fraction, or write n \[%\]"),
+        ("FL,EL,n\n0.5,0.7,0\n", "U1", "row 2: n = 0 is not between 0 and 1"),
+        ("FL,EL,n\n0.5,0.7,1\n", "U1", "row 2: n = 1 is not between 0 and 1"),
+        ("FL,EL,n [%]\n0.5,0.7,120\n", "U1", "row 2: n = 120 % is not between 0 and 100 %; correct it"),
+        ("FL,EL,n [%]\n0.5,0.7,0.36\n", "U1", "all porosities are below 1 %; remove % if they are fractions"),
+        ("FL,EL,n,n_error\n0.5,0.7,0.36,-1\n", "U1", "row 2: n_error = -1 is not between 0 and 1"),
+        ("FL,EL,n,n_error\n0.5,0.7,0.36,\n", "U1", "row 2: n_error is ''; a number is needed"),
+        ("FL,EL,n [%],n_error\n0.5,0.7,36,0.4\n", "U1", r"columns n \[%\] and n_error is in %, the other is not"),
+        ("FL,EL,n,porosity\n0.5,0.7,0.36,0.36\n", "U1", "the columns n and porosity are both n; remove one"),
+        ("FL,n\n0.5,0.36\n", "U1", "the column EL is missing beside FL"),
+        ("FL,EL,n\n0.5,1.7,0.36\n", "U1", r"row 2: EL = 1.7 is not in \(0, 1\]"),
+        ("FL,EL,n\n0.5,0.7,loose\n", "U1", "row 2: n is 'loose'; a number is needed"),
+    ],
+)
+def test_what_is_wrong_is_named(read, text, case, message):
+    with pytest.raises(ValueError, match=f"beds.csv(:|, ).*{message}"):
+        read(text, case)
+
+
+def test_a_column_of_names_that_does_not_exist_is_refused(read):
+    with pytest.raises(ValueError, match="there is no column river to distinguish the samples"):
+        read("FL,EL,n\n0.5,0.7,0.36\n", "U1", "river")

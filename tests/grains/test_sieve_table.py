@@ -1,0 +1,191 @@
+"""Tables of sieve curves: what is read from which columns, what is corrected with a notice, and what is refused."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from simcore.grains.sieve_table import read_sieve_table
+
+OPENINGS = [2, 4, 8, 16]  # mm
+PASSING = [0.1, 0.4, 0.8, 1.0]
+MASSES = "opening [mm],mass [g]\n16,0\n8,20\n4,40\n2,30\npan,10\n"
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read_text(text, **options):
+        (tmp_path / "curve.csv").write_text(text, encoding="utf-8")
+        table, notices = read_sieve_table(tmp_path / "curve.csv", **options)
+        return table, [notice.removeprefix(f"{tmp_path}/curve.csv: ") for notice in notices]
+
+    return read_text
+
+
+def assert_expected(table):
+    np.testing.assert_allclose(table.openings, np.array(OPENINGS) * 1e-3, rtol=1e-12)
+    np.testing.assert_allclose(table.passing, PASSING, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        MASSES,
+        "mass [g],opening [mm]\n10,pan\n30,2\n40,4\n20,8\n0,16\n",  # from fine to coarse
+        "phi,weight (kg)\n-4,0\n-3,0.02\n-2,0.04\n-1,0.03\npan,0.01\n",
+        "Sieve size (µm);Retained (%)\n16000;0\n8000;20,0\n4000;40,0\n2000;30,0\nPan;10,0\n",
+        "size\tpercent retained\n1.6 cm\t0 %\n8 mm\t20 %\n4 mm\t40 %\n2000 um\t30 %\npan\t10 %\n",
+        "D_mm,% passing\n16,100\n8,80\n4,40\n2,10\n",
+        "D_mm,% passing\n16,100\n8,80\n4,40\n2,10\npan,\n",
+        "opening [phi],finer [%]\n-1,10\n-2,40\n-3,80\n-4,100\n",
+        "mesh [in],cumulative retained [%]\n0.62992126,0\n0.31496063,20\n0.157480315,60\n0.0787401575,90\npan,100\n",
+        "opening [mm],cum. mass retained [g]\n16,0\n8,20\n4,60\n2,90\npan,100\n",
+        "opening [mm],mass fraction\n16,0\n8,0.2\n4,0.4\n2,0.3\n0,0.1\n",
+        "mm,g\n16,0\n8,20\n4,40\n2,30\n< 2,10\nTotal,100\n",
+        "opening [mm],mass [g],passing [%]\n16,0,100\n8,20,80\n4,40,40\n2,30,10\npan,10,0\n",
+    ],
+)
+def test_a_curve_is_the_same_however_it_is_written(read, text):
+    table, _ = read(text)
+    np.testing.assert_allclose(table.openings, np.array(OPENINGS) * 1e-3, rtol=1e-7)
+    np.testing.assert_allclose(table.passing, PASSING, atol=1e-9)
+    assert table.below == pytest.approx(0.1) and table.above == 0.0
+
+
+def test_a_workbook_and_a_byte_order_mark_are_read(tmp_path):
+    frame = pd.DataFrame({"opening [mm]": [16, 8, 4, 2, "pan"], "mass [g]": [0, 20, 40, 30, 10]})
+    frame.to_excel(tmp_path / "curve.xlsx", index=False)
+    assert_expected(read_sieve_table(tmp_path / "curve.xlsx")[0])
+    (tmp_path / "curve.csv").write_text(MASSES, encoding="utf-8-sig")
+    assert_expected(read_sieve_table(tmp_path / "curve.csv")[0])
+
+
+def test_a_class_exercise_of_the_literature_has_its_printed_percentages(read):
+    """J. Anderson, Georgia Perimeter College: Example of Sieve Analysis Data Calculations, upper sand, GA 88."""
+    table, _ = read("phi,weight [g]\n-1,2.95\n0,4.95\n1,13.36\n2,9.55\n3,2.13\n4,0.46\npan,0.02\n")
+    retained = 100 * np.diff(np.r_[table.passing, 1.0])[::-1]
+    assert [f"{share:.2f}" for share in retained] == ["8.83", "14.81", "39.98", "28.58", "6.37", "1.38"]
+    assert [f"{share:.2f}" for share in np.cumsum(retained)] == ["8.83", "23.64", "63.61", "92.19", "98.56", "99.94"]
+    assert table.mass == pytest.approx(33.42e-3)
+
+
+def test_harmless_faults_are_corrected_with_a_notice(read):
+    for text, notice in (
+        ("opening [mm],retained [%]\n16,0\n8,20\n4,40\n2,30.3\npan,10\n", "sums to 100.3 instead of 100"),
+        ("opening [mm],passing [%]\n16,99.8\n8,80\n4,40\n2,10\n", "ends at 99.8 % instead of 100 %"),
+        ("opening [mm],passing\n16,1\n8,.8\n4,.4\n2,.1\n", "the column passing is taken as a fraction"),
+        (
+            "opening [mm],retained\n16,0\n8,2\n4,4\n2,3\npan,1\n",
+            "no unit; its values are taken relative to their sum, 10",
+        ),
+        (MASSES + "Sum,100\n", r"row 7 (Sum) summarises others and is left out"),
+        (
+            "opening [mm],mass [g],passing [%]\n16,0,100\n8,20,80\n4,40,40\n2,30,10\npan,10,0\n",
+            "agree; mass [g] is used",
+        ),
+        ("opening [mm],mass [g],remark\n16,0,a\n8,20,\n4,40,\n2,30,\npan,10,b\n", "columns that are not used: remark"),
+    ):
+        table, notices = read(text)
+        assert any(notice in text for text in notices), (notice, notices)
+        np.testing.assert_allclose(table.passing, PASSING, atol=0.005)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "the file is empty; give a column of sieve openings"),
+        ("opening [mm],mass [g]\n", "there are no rows below the header"),
+        ("a,b\n1,2\n", r"none of the columns \(a, b\) has sieve openings"),
+        ("opening [mm],colour\n1,2\n", "has amounts; give a column of sieve openings"),
+        ("opening [mm],D [mm],mass [g]\n1,1,2\n", r"opening \[mm\] and D \[mm\] are both sieve openings; remove one"),
+        ("opening [mm],mass [g],weight [kg]\n1,2,3\n", r"mass \[g\] and weight \[kg\] are both the amount retained"),
+        (
+            "opening [furlong],mass [g]\n1,2\n",
+            r"opening \[furlong\] has the unknown unit 'furlong'; .* m, cm, mm, µm, in",
+        ),
+        ("opening [g],mass [g]\n1,2\n", "is in g, but sieve openings are a length"),
+        ("opening [mm],mass [mm]\n1,2\n", "is in mm, but amounts are masses or percent"),
+        ("opening,mass [g]\n16,0\n8,20\n", "the unit of the column opening is missing, and units are never guessed"),
+        ("opening,mass [g]\n16 ells,0\n8 mm,20\n", "row 2: opening is '16 ells'; its unit is unknown"),
+        ("opening [mm],cumulative [%]\n16,0\n8,20\n", "may be passing or retained"),
+        ("opening [mm],mass [g]\n16,0\n4,20\n8,30\n", "row 4: the opening 8 mm follows 4 mm; order the sieves"),
+        ("opening [mm],mass [g]\n16,0\n8,20\n8,30\n", "row 4: the opening 8 mm follows 8 mm; .* each once"),
+        ("opening [mm],mass [g]\n16,0\npan,20\npan,30\n", "row 4: this is a second pan, after row 3"),
+        ("opening [mm],mass [g]\n16,0\npan,20\n", "the table has 1 sieve; at least two are needed"),
+        ("opening [mm],mass [g]\n16,0\n8,-20\n4,30\n", r"row 3: mass \[g\] = -20 is negative"),
+        ("opening [mm],mass [g]\n16,0\n8,\n4,30\n", r"row 3: mass \[g\] is empty; give the amount of every sieve"),
+        ("opening [mm],mass [g]\n16,0\n8,0\n", r"all amounts in mass \[g\] are 0"),
+        ("opening [mm],mass [g]\n16,0\n8,much\n", r"row 3: mass \[g\] is 'much'; a number is needed"),
+        ("opening [mm],mass [g]\nNo. 4,0\n8,1\n", "row 2: .*a number of a sieve; give its opening instead, in mm"),
+        ("opening [mm],mass [g]\n16,0\n-8,20\n", r"= -8 mm is negative; write \[phi\] if it is in phi"),
+        ("opening [phi],mass [g]\n16000,0\n8000,20\n", "16000 phi is no sieve"),
+        ("opening [mm],retained [%]\n16,0\n8,20\n4,40\n", r"retained \[%\] sums to 60, not to 100; .* a row `pan`"),
+        (
+            "opening [mm],retained [%]\n16,100\n8,80\n4,40\n",
+            "sums to 220, not to 100; .* cumulative values need a name",
+        ),
+        (
+            "opening [mm],passing [%]\n16,95\n8,20\n",
+            "row 2: only 95 % pass the coarsest sieve, not 100 %; add the sieve",
+        ),
+        (
+            "opening [mm],passing [%]\n16,0\n8,20\n4,100\n",
+            "falls from fine to coarse sieves, the wrong way; is it `cumul",
+        ),
+        ("opening [mm],cumulative retained [%]\n16,100\n8,20\n4,0\n", "rises from fine to coarse .* is it `passing`"),
+        (
+            "opening [mm],passing [%]\n16,100\n8,20\n4,30\n",
+            r"row 3: passing \[%\] = 20 beside 30 on the next finer sieve",
+        ),
+        ("opening [mm],passing [%]\n16,120\n8,20\n", r"row 2: passing \[%\] = 120 is more than the whole"),
+        (
+            "opening [mm],passing [%]\n16,100\n8,20\npan,20\n",
+            r"row 4: passing \[%\] of the pan is 20, but nothing passes",
+        ),
+        ("opening [mm],mass [g],passing [%]\n16,0,100\n8,20,70\n4,80,0\n", "shares passing that differ by 10.0 %"),
+    ],
+)
+def test_each_fault_has_one_line_that_says_what_to_do(read, text, message):
+    with pytest.raises(ValueError, match=message) as error:
+        read(text)
+    assert "curve.csv" in str(error.value) and "\n" not in str(error.value)
+
+
+def test_open_ends_are_closed_by_the_sizes_given(read):
+    table, _ = read("opening [mm],mass [g]\n8,20\n4,40\n2,30\npan,10\n")
+    assert (table.below, table.above) == (pytest.approx(0.1), pytest.approx(0.2))
+    closed = table.closed(1e-3, 12e-3)
+    np.testing.assert_allclose(closed.openings, [1e-3, 2e-3, 4e-3, 8e-3, 12e-3])
+    np.testing.assert_allclose(closed.curve().mass_fractions, [0.1, 0.3, 0.4, 0.2])
+    for arguments, message in (
+        ((2e-3, None), "the finest grains, 2 mm, is not below the finest sieve, 2 mm"),
+        ((None, 8e-3), "the coarsest grains, 8 mm, is not above the coarsest sieve, 8 mm"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            table.closed(*arguments)
+    with pytest.raises(ValueError, match="10.0% of the mass pass the finest sieve, 2 mm; give .* --finest"):
+        table.curve()
+    with pytest.raises(ValueError, match="20.0% of the mass stay on the coarsest sieve, 8 mm; give .* --coarsest"):
+        table.closed(1e-3).curve()
+    table, _ = read("opening [mm],passing [%]\n8,80\n4,40\n2,0\n", coarsest=12e-3)
+    np.testing.assert_allclose(table.closed(None, 12e-3).curve().mass_fractions, [0.4, 0.4, 0.2])
+
+
+def test_classes_without_mass_at_the_ends_are_left_out_of_the_curve(read):
+    table, _ = read("opening [mm],mass [g]\n32,0\n16,0\n8,20\n4,40\n2,0\n1,0\n")
+    np.testing.assert_allclose(table.curve().bounds, [4e-3, 8e-3, 16e-3])
+
+
+@pytest.mark.parametrize(
+    "text, fault",
+    [
+        ("size [mm],mass [g]\n8,50\n", "the table has 1 sieve; at least two are needed"),
+        ("size [mm],mass [g]\npan,50\n", "the table has no sieves; at least two are needed"),
+        ("size [mm],passing [%]\n8,100\n4,0\n", "all of the mass is between 4 mm and 8 mm; at least two size classes"),
+        ("size [mm],mass [g]\n8,0\n4,0\npan,9\n", "all of the mass passes 4 mm; at least two size classes"),
+        ("size [mm],mass [g]\n8,5\n4,0\n", "all of the mass stays on 8 mm; at least two size classes"),
+    ],
+)
+def test_fewer_than_two_classes_are_refused(tmp_path, text, fault):
+    (tmp_path / "c.csv").write_text(text)
+    with pytest.raises(ValueError, match="c.csv: " + fault):
+        read_sieve_table(tmp_path / "c.csv")

@@ -1,0 +1,90 @@
+"""`sieve`: what it prints and writes, and that the specification which it writes is accepted."""
+
+import json
+
+import pytest
+import yaml
+
+from simcore.__main__ import main
+from simcore.packing.forecast_text import check_setup, setup_warnings
+
+CURVE = "opening [mm];mass [g]\n11,2;0\n8;1120\n5,6;760\n4;420\npan;10\n"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "field.csv").write_text(CURVE)
+    return tmp_path
+
+
+def test_statistics_plot_and_specification(folder, capsys):
+    curve, plot, specification = (str(folder / name) for name in ("field.csv", "curve.png", "field.yaml"))
+    arguments = ["sieve", curve, "--plot", plot, "--specification", specification, "--finest", "2.8 mm"]
+    assert main(arguments) == 0
+    text = capsys.readouterr().out
+    for part in ("5 sieves from 2.8 to 11.2 mm, 2.31 kg", "D50", "fine gravel, well sorted", "Cu = D60/D10 ="):
+        assert part in text
+    assert (folder / "curve.png").read_bytes().startswith(b"\x89PNG")
+    written = yaml.safe_load((folder / "field.yaml").read_text())
+    assert written["sizes"]["bounds"] == ["2.8 mm", "4 mm", "5.6 mm", "8 mm", "11.2 mm"]
+    assert written["sizes"]["mass_fractions"] == pytest.approx(
+        [10 / 2310, 420 / 2310, 760 / 2310, 1120 / 2310], abs=1e-6
+    )
+    assert main(["explain", specification]) == 0
+    explained = capsys.readouterr().out
+    assert explained.startswith("field: ") and "8 to 11.2 mm" in explained
+    assert "Warning" not in explained
+
+
+@pytest.mark.parametrize("classes", [1, 3, 6])
+def test_a_packing_of_any_curve_is_high_enough_and_has_no_warning(folder, classes):
+    from simcore.grains.sieve import SieveCurve
+    from simcore.grains.sources import load_grains
+    from simcore.packing.sieve_specification import sieve_specification
+    from simcore.scene.setup import set_up
+    from simcore.scene.specification import read_specification
+
+    bounds = [4e-3 * 2 ** (i / 2) for i in range(classes + 1)]
+    text, notices = sieve_specification(SieveCurve(bounds, [1 / classes] * classes), folder / "my curve.csv")
+    (folder / "spec.yaml").write_text(text)
+    setup = set_up(read_specification(folder / "spec.yaml"), load_grains)
+    check_setup(setup)
+    assert setup_warnings(setup) == [] and notices == []
+    assert setup.scene.name == "my_curve"
+
+
+def test_a_curve_with_too_many_grains_is_refused(folder):
+    from simcore.grains.sieve import SieveCurve
+    from simcore.packing.sieve_specification import sieve_specification
+
+    with pytest.raises(
+        ValueError, match="more than can be packed; leave out the finest classes, such as those below 4"
+    ):
+        sieve_specification(SieveCurve([1e-4, 2e-4, 64e-3], [0.5, 0.5]), folder / "mud.csv")
+
+
+def test_json_has_the_same_numbers(folder, capsys):
+    assert main(["sieve", str(folder / "field.csv"), "--json"]) == 0
+    told = capsys.readouterr()
+    content = json.loads(told.out)
+    assert content["mass_kg"] == pytest.approx(2.31) and told.err == ""
+    assert content["percentiles_mm"]["D50"] == pytest.approx(5.6 * (8 / 5.6) ** ((1155 - 430) / 760))
+    assert content["folk_ward_phi"]["words"][0] == "fine gravel"
+    assert "assume that the 0.4% in the pan are coarser than 2.86 mm" in content["notices"][0]
+
+
+def test_wrong_input_ends_with_one_line_and_leaves_no_file(folder, capsys):
+    curve, specification = str(folder / "field.csv"), str(folder / "field.yaml")
+    for arguments, message in (
+        ([curve, "--specification", specification], "0.4% of the mass pass the finest sieve, 4 mm; give the size of"),
+        ([curve, "--finest", "4 kg"], "--finest: '4 kg' is a mass; a length is needed"),
+        ([curve, "--coarsest", "0 mm"], "--coarsest: '0 mm' is not a length above 0"),
+        ([curve, "--finest", "4 mm"], "the finest grains, 4 mm, is not below the finest sieve"),
+        ([curve, "--plot", str(folder / "a.txt")], "must end in .png, .pdf or .svg"),
+        ([str(folder / "none.csv")], "there is no such file"),
+    ):
+        assert main(["sieve", *arguments]) == 2
+        told = capsys.readouterr()
+        assert told.err.startswith("simcore sieve: ") and message in told.err
+        assert told.err.count("\n") == 1 and told.out == ""
+    assert [path.name for path in folder.iterdir()] == ["field.csv"]
