@@ -25,6 +25,7 @@ from simcore.models.packing_models.compressible import compressible
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.linear import filling, linear, occupying
 from simcore.models.packing_models.linear_mixture import linear_mixture
+from simcore.models.packing_models.literature import one_size
 from simcore.models.packing_models.rods import rods
 from simcore.models.size_and_form.candidates import predict
 from simcore.paths import CONFIG, REFERENCE
@@ -44,17 +45,6 @@ def measured():
     table = read_r22_table("table3_cases").set_index("case")["n_exp"]
     cases = read_cases(CONFIG / "cases.tsv")
     return {name: cases[name].curve for name in table.index}, table.to_dict()
-
-
-def one_size(model):
-    """Return predict(curve, one_class) of a published model, with the geometric mean as the size of a class."""
-
-    def porosity(curve, one_class):
-        held = curve.mass_fractions > 0
-        sizes = np.sqrt(curve.bounds[1:] * curve.bounds[:-1])[held]
-        return float(model(sizes, curve.mass_fractions[held], one_class))
-
-    return porosity
 
 
 def divided(candidate, **parameters):

@@ -15,40 +15,77 @@ def add(commands) -> None:
     parser.add_argument(
         "forms",
         type=Path,
+        nargs="?",
         metavar="FORMS.csv",
-        help="table as text or .xlsx. One row per grain: columns L, I, S or FL, EL, and optionally count, the number "
-        "of such grains; or one row per sample: columns mean_FL, std_FL, mean_EL, std_EL",
+        help="table as text, .xlsx or .ods. One row per grain: columns L, I, S or FL, EL, and optionally count, the "
+        "number of such grains; or one row per sample: columns mean_FL, std_FL, mean_EL, std_EL. With --sieve it may "
+        "be left out: the form is then that of the Rhine's gravel",
     )
+    sizes = parser.add_mutually_exclusive_group(required=True)
+    sizes.add_argument("--case", help="sieve curve U1, U7, ..., or one-class: any single sieve class, by that of U1")
+    sizes.add_argument(
+        "--sieve", type=Path, metavar="CURVE.csv", help="a sieve curve of your own, a table as for `sieve`"
+    )
+    parser.add_argument("--finest", metavar="SIZE", help='with --sieve: size of the finest grains, such as "0.02 mm"')
+    parser.add_argument("--coarsest", metavar="SIZE", help='with --sieve: size of the coarsest grains, such as "90 mm"')
     parser.add_argument(
-        "--case",
-        required=True,
-        help="sieve curve U1, U7, ..., or one-class: any single sieve class, with the model of U1",
+        "--pack", type=Path, metavar="OUT.yaml", help="with --sieve: specification to write of a bed that checks it"
     )
     parser.add_argument(
         "--sample", metavar="COLUMN", help='column with the name of the sample; default: "sample", if it exists'
     )
-    parser.add_argument("--models", type=Path, metavar="FOLDER", help="folder results/models of your own campaign")
+    parser.add_argument(
+        "--models",
+        type=Path,
+        metavar="PATH",
+        help="folder results/models of your own campaign, or the file of a model that `fit` wrote",
+    )
     parser.add_argument("--source", help="use only the committed packings of one form with grains of this source")
     parser.add_argument("--level", type=float, default=0.95, help="level of the prediction interval (0.95)")
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--csv", action="store_const", dest="form", const="csv", help="one row per sample and model")
-    form.add_argument("--json", action="store_const", dest="form", const="json")
+    form.add_argument(
+        "--json",
+        action="store_const",
+        dest="form",
+        const="json",
+        help="JSON, with the models, their data and all notices",
+    )
     parser.set_defaults(run=run, form="text")
 
 
 def run(options) -> int:
     """Print the predictions and return 0."""
+    common = {
+        "models": options.models,
+        "source": options.source,
+        "column": options.sample,
+        "level": options.level,
+        "form": options.form,
+        "notify": lambda notice: print(f"simcore predict: {notice}", file=sys.stderr),
+    }
+    if options.sieve is not None:
+        print(_of_curve(options, common))
+        return 0
     from simcore.models.prediction_text import predict_file
 
-    text = predict_file(
-        options.forms,
-        options.case,
-        models=options.models,
-        source=options.source,
-        column=options.sample,
-        level=options.level,
-        form=options.form,
-        notify=lambda notice: print(f"simcore predict: {notice}", file=sys.stderr),
-    )
-    print(text)
+    for option in ("finest", "coarsest", "pack"):
+        if getattr(options, option) is not None:
+            raise ValueError(f"--{option} needs a sieve curve; give --sieve CURVE.csv instead of --case")
+    if options.forms is None:
+        raise ValueError("give the table of measured grains, FORMS.csv, or a sieve curve with --sieve CURVE.csv")
+    print(predict_file(options.forms, options.case, **common))
     return 0
+
+
+def _of_curve(options, common):
+    from simcore.commands.sieve import read_size
+    from simcore.models.size_and_form.bed_prediction_text import predict_curve_file
+    from simcore.packing.predicted_specification import write_specification
+
+    ends = {name: read_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")}
+    text = predict_curve_file(options.sieve, options.forms, **ends, **common)
+    if options.pack is not None:
+        for notice in write_specification(options.pack, options.sieve, options.forms, options.sample, **ends):
+            common["notify"](notice)
+    return text

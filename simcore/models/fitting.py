@@ -1,12 +1,13 @@
 """Fit porosity models to the committed packings, or read those of a campaign."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
 import xarray as xr
 
 from simcore.models.files import read_models
+from simcore.models.measured_file import read_measured_models
 from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import fewest_samples, fit_and_validate
 from simcore.models.single_form import SINGLE_FORM
@@ -20,11 +21,14 @@ from simcore.reference.committed_rows import fitted_forms, read_mixtures, read_s
 class FittedModels:
     """Fitted models and the rows that they were fitted to.
 
-    models: dict from (name, case) to PorosityModel; behind: dict from the same keys to a description of these rows.
+    models: dict from (name, case) to PorosityModel; behind: dict from the same keys to a description of these rows;
+    only_kind: dict from some of these keys to "one form" or "a distribution of form", for a model that is evaluated for
+    both kinds of bed and was fitted to one kind only.
     """
 
     models: dict
     behind: dict
+    only_kind: dict = field(default_factory=dict)
 
     def cases(self):
         """Return the cases for which there is a model, sorted."""
@@ -99,20 +103,26 @@ def _describe_rows(key, model, single, mixture):
     return rows if name == "single_form" else f"{rows}, cross-validated on left-out mean forms"
 
 
-def read_campaign_models(folder):
-    """Read the models from the netCDF files in a campaign's folder results/models: FittedModels.
+def read_campaign_models(path):
+    """Read FittedModels from a campaign's folder results/models, from one of its netCDF files, or from a file of `fit`.
 
-    ValueError if the folder has no model.
+    ValueError if there is no model.
     """
+    path = Path(path)
+    if path.is_file() and path.suffix != ".nc":
+        return FittedModels(*read_measured_models(path))
     models, behind = {}, {}
-    files = [Path(folder) / f"{name}.nc" for name in ("single_form", "form_mixture", "unified")]
-    for path in filter(Path.exists, files):
-        with xr.open_dataset(path, engine="netcdf4") as dataset:
+    files = [path / f"{name}.nc" for name in ("single_form", "form_mixture", "unified")]
+    for file in [path] if path.is_file() else filter(Path.exists, files):
+        with xr.open_dataset(file, engine="netcdf4") as dataset:
             mark = ", test only" if dataset.attrs.get("test_only") else ""
-        for key, model in read_models(path).items():
-            if key[0] == path.stem:
-                models[key], behind[key] = model, f"{model.n_samples} beds{mark}: {path}"
+        for key, model in read_models(file).items():
+            if key[0] == file.stem:
+                models[key], behind[key] = model, f"{model.n_samples} beds{mark}: {file}"
     if not models:
-        names = ", ".join(path.name for path in files)
-        raise ValueError(f"{folder}: there is no model in {names}; give the folder results/models of a campaign")
+        names = ", ".join(file.name for file in files)
+        raise ValueError(
+            f"{path}: there is no model in {names}; give the folder results/models of a campaign, or the file of a "
+            "model that `fit` wrote"
+        )
     return FittedModels(models, behind)

@@ -4,9 +4,13 @@ from typing import NamedTuple
 
 import pandas as pd
 
+from simcore.grains.forms_by_class import class_column, read_classes
 from simcore.grains.measured_forms import read_measured
+from simcore.grains.sieve import SieveCurve
 from simcore.models.fitting import FittedModels, fit_reference_models, read_campaign_models
 from simcore.models.prediction import predict_samples
+from simcore.models.size_and_form.bed_prediction import predict_curve, read_curve, read_forms
+from simcore.models.size_and_form.forms_by_class import predict_by_class
 
 
 class MeasuredPrediction(NamedTuple):
@@ -20,27 +24,55 @@ class MeasuredPrediction(NamedTuple):
 def predict_measured(path, case, models=None, source=None, column=None, level=0.95) -> MeasuredPrediction:
     """Predict the porosity of each sample of the table of measured grains at `path`.
 
-    case, level: as in predict_samples. models: folder results/models of a campaign; None: models fitted to the
-    committed packings, only to those of grains from `source` if given. column: column with the names of the samples.
+    case, level: as in predict_samples. models: folder results/models of a campaign, or a file that `fit` wrote; None:
+    models fitted to the committed packings, only to those of grains from `source` if given. column: column with the
+    names of the samples.
     ValueError if the table or an argument is wrong, or if no model can be evaluated for a sample.
     """
-    if not 0 < level < 1:
-        raise ValueError(f"level {level:g}: give a number between 0 and 1, such as 0.95")
-    if models is not None and source is not None:
-        raise ValueError(
-            "--source selects committed packings, but a campaign's models (--models) are already fitted; give only one"
-        )
+    check_level(level)
     samples, notices = read_measured(path, column)
-    fitted = fit_reference_models(source=source) if models is None else read_campaign_models(models)
+    fitted = models_for(models, source)
     return MeasuredPrediction(predict_samples(samples, case, fitted, level), fitted, notices)
 
 
-def predict(path, case, *, models=None, source=None, column=None, level=0.95) -> pd.DataFrame:
-    """Return the porosity of each sample of a table of measured grains, one row per sample and model.
+def check_level(level) -> None:
+    """Raise ValueError unless `level` can be the probability of an interval."""
+    if not 0 < level < 1:
+        raise ValueError(f"level {level:g}: give a number between 0 and 1, such as 0.95")
 
-    path: table with one row per grain, columns L, I, S or FL, EL, or one row per sample, columns mean_FL, std_FL,
-    mean_EL, std_EL. case: sieve curve "U1", "U7", ..., or "one-class" for any single sieve class. Columns of the
-    result: name of the sample, n, lower and upper [1], `preferred` for the recommended one of our models, and those
-    described at `predict_samples`. Further arguments and errors: as in `predict_measured`.
+
+def models_for(models=None, source=None) -> FittedModels:
+    """Return the models of a campaign's folder or of a file of `fit`, or those of the committed packings.
+
+    source: only those of grains from this source. ValueError if both are given, or if there is no model.
     """
-    return predict_measured(path, case, models, source, column, level).table
+    if models is not None and source is not None:
+        raise ValueError(
+            "--source selects committed packings, but the models of --models are already fitted; give only one"
+        )
+    return fit_reference_models(source=source) if models is None else read_campaign_models(models)
+
+
+def predict(forms=None, case=None, *, curve=None, models=None, source=None, column=None, level=0.95) -> pd.DataFrame:
+    """Return the porosity of each sample of a table of measured grains.
+
+    forms: path of a table with one row per grain, columns L, I, S or FL, EL, or one row per sample, columns mean_FL,
+    std_FL, mean_EL, std_EL. Give either the case or the curve. case: sieve curve "U1", "U7", ..., or "one-class" for
+    any single sieve class; the result has one row per sample and model, with its name, n, lower and upper [1],
+    `preferred` for the recommended one of our models, and the columns described at `predict_samples`. curve: path of a
+    table with a sieve curve, or a SieveCurve; the result has one row per sample, with the columns of
+    simcore.models.size_and_form.bed_prediction.predict_curve, and without `forms` the form is the Rhine's. With a
+    column `class` in `forms` the result has one row. Further arguments and errors: as in `predict_measured`.
+    """
+    if (case is None) == (curve is None):
+        raise ValueError('give either the case, such as "U7" or "one-class", or the curve, the path of a sieve curve')
+    if curve is None:
+        if forms is None:
+            raise ValueError("give the path of the table of measured grains")
+        return predict_measured(forms, case, models, source, column, level).table
+    check_level(level)
+    sizes = curve if isinstance(curve, SieveCurve) else read_curve(curve)[0]
+    fitted, by_class = models_for(models, source), class_column(forms) if column is None else None
+    if by_class is not None:
+        return predict_by_class(sizes, read_classes(forms, by_class)[0], fitted, level)
+    return predict_curve(sizes, read_forms(forms, column)[0], fitted, level)

@@ -11,6 +11,7 @@ import pandas as pd
 
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.fitted_range import FAR, RangedValue
+from simcore.models.measured_file import MEASURED
 from simcore.models.unified import STATISTICS, unified_features
 from simcore.paths import R22_TABLES
 from simcore.reference.r22_tables import read_r22_table
@@ -24,7 +25,7 @@ R22_MIXTURES = {"mu": (0.4, 0.8), "sigma": (0.1, 0.2)}
 # smallest one: with 1/sigma, their model for distributions could give any porosity.
 NEARLY_ONE_FORM = 0.5
 # A porosity closer to 0 or 1 than this would be printed as 0 or 1.
-_SMALLEST_PRINTED = 5e-4
+SMALLEST_PRINTED = 5e-4
 PREDICTION = ["by", "model", "preferred", "n", "lower", "upper", "outside", "distance", "refused"]
 
 
@@ -33,12 +34,13 @@ def model_case(case):
     return _OF_ONE_CLASS if case == ONE_CLASS else case
 
 
-def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES):
+def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, require=True):
     """Predict the porosity of each sample by each suitable model: DataFrame with one row per sample and model.
 
     samples: list of simcore.grains.measured_forms.Sample. case: case of the models, or ONE_CLASS for grains of any
     single sieve class: porosity depends only on ratios of sizes, so U1's models are used. fitted: FittedModels. level:
-    probability of the prediction intervals. r22_tables: folder of the tables of Rettinger et al. (2022).
+    probability of the prediction intervals. r22_tables: folder of the tables of Rettinger et al. (2022). require:
+    whether at least one model must be evaluated for each sample.
 
     Columns: the fields of Sample, taken_as ("one form" or "a distribution"), and those of PREDICTION: by ("ours", or
     "r22" for Rettinger et al.), model, preferred (the recommended one of our models), n, lower, upper (nan for
@@ -53,15 +55,13 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES):
     evaluated for one of the samples.
     """
     case = model_case(case)
-    published = read_r22_table("models", r22_tables).query("case == @case").set_index("model")
+    published = published_models(case, r22_tables)
     if case not in fitted.cases() and published.empty:
         cases = sorted({*fitted.cases(), *read_r22_table("models", r22_tables)["case"]})
         raise ValueError(f"case {case}: there is no model for it; choose one of {', '.join(cases)}, {ONE_CLASS}")
     tables = []
     for sample in samples:
-        features = _features(sample)
-        ours = _prefer(sample, _predict_ours(sample, features, case, fitted, level), case, fitted)
-        rows = [*ours, *_predict_r22(sample, features, published, r22_tables)]
+        rows = predict_sample(sample, case, fitted, published, level, r22_tables)
         if not rows:
             raise ValueError(
                 f"case {case}, sample {sample.name}: no model, ours or that of Rettinger et al., was fitted to beds of "
@@ -70,9 +70,44 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES):
             )
         statistics = {**vars(sample), "taken_as": "one form" if sample.one_form else "a distribution"}
         tables.append(pd.DataFrame(rows, columns=PREDICTION).assign(**statistics))
-    _require_answers(tables, case)
+    if require:
+        _require_answers(tables, case)
     table = pd.concat(tables, ignore_index=True)
     return table[["taken_as", *(name for name in table if name not in ("taken_as", *PREDICTION)), *PREDICTION]]
+
+
+def predict_preferred(sample, case, fitted, level=0.95):
+    """Return the row of the preferred of our models for one sample, dict with the keys PREDICTION.
+
+    Arguments: as in predict_samples. If none of our models is evaluated, n, lower and upper are nan, and `refused` has
+    the reasons. ValueError if there is no model for the case.
+    """
+    case = model_case(case)
+    if case not in fitted.cases():
+        raise ValueError(
+            f"case {case}: we have no model for it; choose one of {', '.join(fitted.cases())}, {ONE_CLASS}"
+        )
+    rows = _prefer(sample, _predict_ours(sample, sample_features([sample]), case, fitted, level), case, fitted)
+    for row in rows:
+        if row["preferred"]:
+            return row
+    reasons = "; ".join(row["refused"] for row in rows) or f"no model was fitted to such grains in beds of {case}"
+    return dict.fromkeys(("n", "lower", "upper"), np.nan) | {"outside": "", "refused": reasons}
+
+
+def published_models(case, r22_tables=R22_TABLES):
+    """Return the models of Rettinger et al. (2022) of a case, DataFrame by name of the model; it may be empty."""
+    return read_r22_table("models", r22_tables).query("case == @case").set_index("model")
+
+
+def predict_sample(sample, case, fitted, published, level=0.95, r22_tables=R22_TABLES):
+    """Return one dict of PREDICTION per suitable model, a list that is empty if there is no model for the sample.
+
+    case: as returned by model_case; published: as from published_models; the others: as in predict_samples.
+    """
+    features = sample_features([sample])
+    ours = _prefer(sample, _predict_ours(sample, features, case, fitted, level), case, fitted)
+    return [*ours, *_predict_r22(sample, features, published, r22_tables)]
 
 
 def _require_answers(tables, case):
@@ -90,25 +125,35 @@ def _require_answers(tables, case):
 
 
 def describe_model(by, name):
-    """Return a model's name for people: ours, or Rettinger et al., and the name."""
+    """Return a model's name for people: ours, or Rettinger et al., and the name; "your fit" if `fit` wrote it."""
+    if name == MEASURED:
+        return "your fit"
     return f"{'Rettinger et al.' if by == 'r22' else by} {name}"
 
 
-def _features(sample):
-    """Return all features of the models, a table of one row; 1/sigma is infinite for one form."""
-    statistics = pd.DataFrame([{name: getattr(sample, name) for name in STATISTICS}])
+def sample_features(samples):
+    """Return all features of the models, a table with one row per Sample; 1/sigma is infinite for one form."""
+    statistics = pd.DataFrame([{name: getattr(sample, name) for name in STATISTICS} for sample in samples])
     features = unified_features(statistics)
     return features.assign(EQ_inv=features.mu_EQ_inv, EL_inv=features.mu_EL_inv)
+
+
+def kind_of_bed(sample):
+    """Return "one form" or "a distribution of form", whichever the grains of a Sample have."""
+    return "one form" if sample.one_form else "a distribution of form"
 
 
 def _predict_ours(sample, features, case, fitted, level):
     """Return the rows of our models."""
     rows = []
-    for name in ("single_form" if sample.one_form else "form_mixture", "unified"):
+    kind = kind_of_bed(sample)
+    for name in ("single_form" if sample.one_form else "form_mixture", "unified", MEASURED):
         model = fitted.models.get((name, case))
         if model is not None:
             n, lower, upper = (float(value[0]) for value in model.predict_interval(features, level))
-            rows.append(_row("ours", name, n, lower, upper, model.outside(features)[0], digits=4))
+            only = fitted.only_kind.get((name, case), kind)
+            remark = "" if only == kind else f"it was fitted only to beds with {only}"
+            rows.append(_row("ours", name, n, lower, upper, model.outside(features)[0], digits=4, remark=remark))
     return rows
 
 
@@ -134,12 +179,22 @@ def _predict_r22(sample, features, published, folder):
     slopes = published.loc[name].drop(["intercept", "case", "equation_arxiv"]).dropna().astype(float)
     values = features[slopes.index].iloc[0]
     n = published.loc[name, "intercept"] + float(values.to_numpy() @ slopes.to_numpy())
-    ranges = _r22_form_range(folder) if name == "single_form" else _r22_mixture_range()
-    quantities = [RangedValue(key, getattr(sample, key), *limits) for key, limits in ranges.items()]
-    quantities += [RangedValue(key, values[key], *limits) for key, limits in _feature_ranges(ranges, values.index)]
+    ranges = r22_ranges(name, values.index, folder)
+    quantities = [
+        RangedValue(key, values[key] if key in values else getattr(sample, key), *limits) for key, limits in ranges
+    ]
     outside = [quantity for quantity in quantities if quantity.distance > 0]
     remark = f"sigma_FL and sigma_EL are below {least:g}: taken for one form" if nearly_one_form else ""
     return [_row("r22", name, n, np.nan, np.nan, outside, digits=3, remark=remark)]
+
+
+def r22_ranges(name, features, folder=R22_TABLES):
+    """Return the fitted range of a model of Rettinger et al., [(name, (low, high))]: of statistics, then features.
+
+    name: "single_form" or "form_mixture"; features: names of the model's features.
+    """
+    ranges = _r22_form_range(folder) if name == "single_form" else _r22_mixture_range()
+    return [*ranges.items(), *_feature_ranges(ranges, features)]
 
 
 def _r22_form_range(folder):
@@ -209,4 +264,4 @@ def _describe_farthest(quantity, digits):
 
 
 def _is_porosity(value):
-    return _SMALLEST_PRINTED <= value <= 1 - _SMALLEST_PRINTED
+    return SMALLEST_PRINTED <= value <= 1 - SMALLEST_PRINTED

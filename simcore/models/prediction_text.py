@@ -4,9 +4,12 @@ import json
 
 import numpy as np
 
+from simcore.grains.measured_forms import read_two_axes
+from simcore.grains.text_columns import text_columns
 from simcore.models.fitted_range import FAR, NEAR
-from simcore.models.measured_prediction import predict_measured
+from simcore.models.measured_prediction import check_level, models_for, predict_measured
 from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case
+from simcore.models.two_axes import predict_two_axes, two_axes_text
 from simcore.reference.r22_tables import read_r22_table
 
 FEW_GRAINS = 30  # fewer grains do not determine the spread of form well
@@ -16,8 +19,17 @@ def predict_file(path, case, models=None, source=None, column=None, level=0.95, 
     """Return what `python -m simcore predict` prints for the table of measured grains at `path`.
 
     Arguments and errors: as in `predict_measured`. form: "text", "csv" or "json". notify: function that is called with
-    each notice on how the table was read; JSON output contains the notices too.
+    each notice on how the table was read; JSON output contains the notices too. For a table with two axes only, the
+    text has a range over the third axis (simcore.models.two_axes).
     """
+    check_level(level)
+    two_axes = read_two_axes(path, column)
+    if two_axes is not None:
+        samples, notices = two_axes
+        for notice in notices if notify is not None else []:
+            notify(notice)
+        ranges = predict_two_axes(samples, case, models_for(models, source), level)
+        return two_axes_text(ranges, case, notices, level, form)
     table, fitted, notices = predict_measured(path, case, models, source, column, level)
     for notice in notices if notify is not None else []:
         notify(notice)
@@ -97,8 +109,7 @@ def _samples_in_columns(table):
                 _cell(r22),
             ]
         )
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    return ["  ".join(text.ljust(w) for text, w in zip(row, widths, strict=True)).rstrip() for row in cells]
+    return text_columns(cells)
 
 
 def _cell(rows):

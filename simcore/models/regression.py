@@ -126,7 +126,8 @@ class PorosityModel:
     bootstrap. covariance (m+1, m+1): of the coefficients. scatter: standard deviation of the samples about the model,
     corrected for the degrees of freedom of the model; rmse: root mean square residual over the samples of the fit.
     minimum, maximum (m,): of each feature over these samples. mean_absolute_error, median_absolute_error:
-    cross-validated errors, nan without cross-validation.
+    cross-validated errors, nan without cross-validation. degrees_of_freedom: of the scatter; None: n_samples minus the
+    number of coefficients, unless some of these were not fitted to the samples (simcore.models.correction).
     """
 
     name: str
@@ -147,6 +148,7 @@ class PorosityModel:
     n_samples: int
     mean_absolute_error: float = np.nan
     median_absolute_error: float = np.nan
+    degrees_of_freedom: int | None = None
 
     @property
     def terms(self):
@@ -159,7 +161,7 @@ class PorosityModel:
         This is the formula without checks: simcore.models.prediction.predict_samples also checks the fitted range and
         that the porosity is in (0, 1).
         """
-        return self._design(features) @ np.array(self.coefficients)
+        return self.design(features) @ np.array(self.coefficients)
 
     def predict_interval(self, features, level=0.95):
         """Return (porosity, lower, upper), each (n,), with the prediction interval of probability `level`.
@@ -169,16 +171,17 @@ class PorosityModel:
         from the samples of the fit, and the scatter about the model. Farther outside the fitted range it is widened by
         the rule of simcore.models.fitted_range.
         """
-        design = self._design(features)
+        design = self.design(features)
         porosity = design @ np.array(self.coefficients)
         variance = self.scatter**2 + np.einsum("ni,ij,nj->n", design, np.array(self.covariance), design)
-        half = student.ppf(0.5 + 0.5 * level, self.n_samples - len(self.coefficients)) * np.sqrt(variance)
+        freedom = self.degrees_of_freedom or self.n_samples - len(self.coefficients)
+        half = student.ppf(0.5 + 0.5 * level, freedom) * np.sqrt(variance)
         half = half * widening(self.distance_outside(features))
         return porosity, porosity - half, porosity + half
 
     def distance_outside(self, features):
         """Return the distance (n,) of each row of a feature table from the fitted range, as defined in fitted_range."""
-        values = self._design(features)[:, 1:]
+        values = self.design(features)[:, 1:]
         return distance_outside(values, self.minimum, self.maximum).max(axis=1, initial=0.0)
 
     def outside(self, features):
@@ -188,11 +191,12 @@ class PorosityModel:
                 RangedValue(*fields)
                 for fields in zip(self.features, map(float, row), self.minimum, self.maximum, strict=True)
             ]
-            for row in self._design(features)[:, 1:]
+            for row in self.design(features)[:, 1:]
         ]
         return [[value for value in row if value.distance > 0] for row in rows]
 
-    def _design(self, features):
+    def design(self, features):
+        """Return the matrix (n, m+1) that multiplies the coefficients, for a feature table; ValueError if one lacks."""
         missing = [name for name in self.features if name not in features]
         if missing:
             raise ValueError(f"model {self.name}: the table lacks its feature {', '.join(missing)}; add the column")

@@ -5,5 +5,5 @@
     skeletons.py   packing models of a sieve curve that give the one-class porosity for one class
     candidates.py  the candidates, their parameters, and the prediction
 
-docs/size_and_form_plan.md states the rules by which a candidate is chosen.
+docs/appendices/size_and_form_plan.md states the rules by which a candidate is chosen.
 """

@@ -6,7 +6,8 @@
     D   the effect of form is damped in proportion to what sizes do to the mean form:
         n = N + (n1 - n_ref) (1 - c X) + c0 X,  X = 1 - N / n_ref, with N the skeleton at the mean form
 
-Each gives the one-class porosity n1 exactly for U1. docs/size_and_form_plan.md has the rules by which one is chosen.
+Each gives the one-class porosity n1 exactly for U1. docs/appendices/size_and_form_plan.md has the rules by which one is
+chosen.
 """
 
 from collections.abc import Callable

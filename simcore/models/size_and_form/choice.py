@@ -1,4 +1,4 @@
-"""Score of the candidates on packed beds, and the rule by which one is chosen (docs/size_and_form_plan.md).
+"""Score of the candidates on packed beds, and the rule by which one is chosen (docs/appendices/size_and_form_plan.md).
 
 Every bed is predicted by fits in which its group was left out: the family of its sieve curve, or its form. A model of
 the literature has no fitted parameter; it is scored on the same beds. Weights are 1 / (σ² + τ²) with the sampling error

@@ -1,0 +1,70 @@
+"""`scree fit MEASURED.csv`: measured porosities compared with our models, and a model corrected or fitted to them."""
+
+import sys
+from pathlib import Path
+
+
+def add(commands) -> None:
+    """Add the parser of this command."""
+    parser = commands.add_parser(
+        "fit",
+        help="compare measured porosities with our models, and correct or fit a model to them",
+        description="Bias and scatter of our models on beds whose porosity you measured, and the simplest model that "
+        "predicts them: an offset or a rescaling of ours, or a model of your own. An offset needs 3 beds of different "
+        "form, a rescaling 6, and features 3 per coefficient.",
+    )
+    parser.add_argument(
+        "measured",
+        type=Path,
+        metavar="MEASURED.csv",
+        help="table as text, .xlsx or .ods, one row per bed: columns n (porosity, or n [%%]), optionally n_error and "
+        "case, and mean_FL, std_FL, mean_EL, std_EL, or FL, EL or L, I, S of one form",
+    )
+    parser.add_argument(
+        "--case", help="sieve curve of all beds, without a column case: U1, ..., or one-class: any single sieve class"
+    )
+    parser.add_argument(
+        "--features",
+        default="single_form",
+        metavar="SET",
+        help="features of a model of your own: single_form (1/EQ and 1/EL, the default), single_form_EQ, form_mixture "
+        "or unified",
+    )
+    parser.add_argument(
+        "--sample", metavar="COLUMN", help='column with the names of the beds; default: "sample", if it exists'
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="MODEL.json", help="file to write, for `predict --models MODEL.json`"
+    )
+    parser.add_argument(
+        "--models",
+        type=Path,
+        metavar="PATH",
+        help="other models to compare and correct: folder results/models of a campaign, or the file of an earlier fit",
+    )
+    parser.add_argument("--source", help="use only the committed packings of one form with grains of this source")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.set_defaults(run=run)
+
+
+def run(options) -> int:
+    """Print the comparison and the models, write the file if it is asked for, and return 0."""
+    from simcore.models.measured_fit import fit
+    from simcore.models.measured_fit_text import describe_fit, fit_as_json
+
+    result = fit(
+        options.measured,
+        case=options.case,
+        features=options.features,
+        models=options.models,
+        source=options.source,
+        column=options.sample,
+        out=options.out,
+    )
+    if options.json:
+        print(fit_as_json(result, options.measured))
+        return 0
+    for notice in result.notices:
+        print(f"simcore fit: {notice}", file=sys.stderr)
+    print(describe_fit(result, options.measured, options.out))
+    return 0

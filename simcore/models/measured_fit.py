@@ -1,0 +1,360 @@
+"""Compare measured porosities with the models, and correct or fit a model to them.
+
+Three kinds of model are fitted to the beds of a case, where these are enough. Beds are rows of different form; rows of
+the same form are repeats, and their mean is one bed.
+
+    kind         model                                        beds needed
+    offset       our model plus a constant                    3
+    rescaling    a constant plus our model times a factor     6
+    features     linear in a named set of features            3 per coefficient, the intercept included
+
+Each bed is left out once and predicted from the others. The chosen model is the simplest, in this order, of which the
+mean absolute error is at most the smallest one plus its standard error. These rules were fixed before any measured
+table was read.
+"""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from simcore.grains.measured_beds import read_measured_beds
+from simcore.models.correction import CORRECTIONS, correct_model, regressors
+from simcore.models.measured_file import MEASURED, write_measured_models
+from simcore.models.measured_prediction import models_for
+from simcore.models.mixtures import MIXTURE
+from simcore.models.prediction import (
+    describe_model,
+    kind_of_bed,
+    model_case,
+    predict_sample,
+    published_models,
+    sample_features,
+)
+from simcore.models.regression import PorosityModel
+from simcore.models.regression import fit as fit_features
+from simcore.models.single_form import SINGLE_FORM
+from simcore.models.unified import UNIFIED
+
+BEDS_NEEDED = {"offset": 3, "rescaling": 6}
+BEDS_PER_COEFFICIENT = 3
+FEATURE_SETS = {
+    "single_form_EQ": SINGLE_FORM[:1],
+    "single_form": SINGLE_FORM,
+    "form_mixture": MIXTURE,
+    "unified": UNIFIED,
+}
+AGREEMENT = ["by", "model", "beds", "bias", "bias_error", "scatter", "inside"]
+# A bed with a leverage above this determines a coefficient alone, so that it cannot be predicted from the others.
+_ALONE = 1.0 - 1e-9
+_SAME = "all measured porosities are the same"
+
+
+class Candidate(NamedTuple):
+    """A model of one kind.
+
+    kind: "offset", "rescaling" or "features". needed: number of beds. model: PorosityModel, or None with the `reason`
+    why it is not fitted. coefficients: DataFrame of the fitted ones, columns term, value, std_error, lower, upper (95 %
+    confidence interval). error, error_se: mean absolute error over beds left out, and its standard error.
+    """
+
+    kind: str
+    needed: int
+    model: PorosityModel | None
+    coefficients: pd.DataFrame | None
+    error: float
+    error_se: float
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class CaseFit:
+    """The fit to the beds of one case.
+
+    beds: DataFrame with one row per bed: name, n, n_error (nan if unknown), repeats, and all features of the models.
+    only_kind: "one form" or "a distribution of form" if all beds are of this kind, else None. repeat_scatter: standard
+    deviation of repeats about their means, nan without repeats. agreement: DataFrame with the columns AGREEMENT, one
+    row per model: number of beds for which it is evaluated, bias (mean of predicted minus measured porosity) with its
+    standard error, scatter (standard deviation about the bias), and number of beds inside its 95 % prediction interval
+    (nan for Rettinger et al., who publish none). base, base_model: name of our model that is corrected, and the
+    PorosityModel itself; "" and None if there is none, for the reason base_reason. base_error: its mean absolute error
+    without a correction. features: name of the set. candidates: a Candidate of each kind; chosen: one of them.
+    """
+
+    case: str
+    beds: pd.DataFrame
+    only_kind: str | None
+    repeat_scatter: float
+    agreement: pd.DataFrame
+    base: str
+    base_model: PorosityModel | None
+    base_error: float
+    base_reason: str
+    features: str
+    candidates: tuple
+    chosen: Candidate
+
+    @property
+    def model(self):
+        """The chosen PorosityModel."""
+        return self.chosen.model
+
+    def describe(self):
+        """Return what was fitted to which beds, for the file of the model."""
+        fitted = (
+            f"{self.chosen.kind} of {self.base}"
+            if self.chosen.kind in CORRECTIONS
+            else f"fit of {', '.join(self.model.features)}"
+        )
+        return f"{fitted}, {len(self.beds)} measured beds"
+
+
+class MeasuredFit(NamedTuple):
+    """The fits to a table: a list of CaseFit, sentences on cases that are left out, and notices on how it was read."""
+
+    cases: list
+    left_out: list
+    notices: list
+
+    @property
+    def table(self):
+        """DataFrame with a row per case and kind of model: error over beds left out, chosen, reason if not fitted."""
+        return pd.DataFrame(
+            [
+                {"case": case.case, "kind": item.kind, "beds": len(case.beds), "needed": item.needed}
+                | {"error": item.error, "error_se": item.error_se, "chosen": item is case.chosen, "reason": item.reason}
+                for case in self.cases
+                for item in case.candidates
+            ]
+        )
+
+
+def fit(path, *, case=None, features="single_form", models=None, source=None, column=None, out=None) -> MeasuredFit:
+    """Compare the measured beds of a table with the models, and correct or fit a model to them.
+
+    path: table with a row per bed: measured porosity n, optionally n_error and case, and the form of the grains, as in
+    simcore.grains.measured_beds. case: sieve curve, if there is no column case; "one-class" for any single sieve class.
+    features: key of FEATURE_SETS. models: folder results/models of a campaign, or a file of an earlier fit, instead of
+    the models of the committed packings; source: only those of grains from this source. column: with the names of the
+    beds. out: file for the chosen models, for `predict(..., models=out)`.
+    ValueError if the table or an argument is wrong, or if there are too few beds for any model.
+    """
+    _check_features(features)
+    beds, notices = read_measured_beds(path, case, column)
+    fitted = models_for(models, source)
+    by_case, cases, left_out = {}, [], []
+    for bed in beds:
+        by_case.setdefault(model_case(bed.case), []).append(bed)
+    for name, of_case in by_case.items():
+        try:
+            cases.append(fit_case(of_case, name, fitted, features))
+        except ValueError as error:
+            left_out.append(str(error))
+    if not cases:
+        raise ValueError(f"{path}: {'; '.join(left_out)}")
+    if out is not None:
+        write_measured_models(out, [(item.model, item.describe(), item.only_kind) for item in cases])
+    return MeasuredFit(cases, left_out, notices)
+
+
+def _check_features(features):
+    if features not in FEATURE_SETS:
+        raise ValueError(f"--features {features}: there is no such set of features; choose {', '.join(FEATURE_SETS)}")
+
+
+def fit_case(measured, case, fitted, features="single_form"):
+    """Return the CaseFit of the beds of one case.
+
+    measured: list of MeasuredBed; case: as returned by model_case; fitted: FittedModels; features: key of FEATURE_SETS.
+    ValueError if there are too few beds for any of the models.
+    """
+    samples, beds, repeat_scatter = average_repeats(measured)
+    if len(beds) < min(BEDS_NEEDED.values()):
+        rows = f"{len(measured)} {'row' if len(measured) == 1 else 'rows'}"
+        forms = f"{len(beds)} {'form' if len(beds) == 1 else 'different forms'}"
+        raise ValueError(
+            f"case {case}: {rows} with {forms}; the simplest model, an offset, needs {BEDS_NEEDED['offset']} beds of "
+            "different form; measure more beds"
+        )
+    predictions = _predict(samples, case, fitted)
+    base, reason = _find_base(predictions, samples, case, fitted)
+    base_model = fitted.models[base, case] if base else None
+    candidates = fit_candidates(base_model, beds, case, features, reason)
+    if not any(item.model for item in candidates):
+        reasons = "; ".join(dict.fromkeys(item.reason for item in candidates))
+        raise ValueError(f"case {case}: no model can be fitted to its {len(beds)} beds: {reasons}")
+    kinds = {kind_of_bed(sample) for sample in samples}
+    return CaseFit(
+        case=case,
+        beds=beds,
+        only_kind=kinds.pop() if len(kinds) == 1 else None,
+        repeat_scatter=repeat_scatter,
+        agreement=_compare(predictions, beds.n.to_numpy()),
+        base=base,
+        base_model=base_model,
+        base_error=float(np.abs(base_model.predict(beds) - beds.n).mean()) if base else np.nan,
+        base_reason=reason,
+        features=features,
+        candidates=tuple(candidates),
+        chosen=choose(candidates),
+    )
+
+
+def average_repeats(measured):
+    """Return samples, beds and the standard deviation of repeats: rows of one form become one bed with their mean.
+
+    measured: list of MeasuredBed. samples: list of Sample; beds: DataFrame as in CaseFit, one row per sample.
+    """
+    groups = {}
+    for bed in measured:
+        form = bed.sample
+        key = tuple(f"{value:.8g}" for value in (form.mu_FL, form.sigma_FL, form.mu_EL, form.sigma_EL))
+        groups.setdefault(key, []).append(bed)
+    rows, squares, freedom = [], 0.0, 0
+    for group in groups.values():
+        n, errors = np.array([(bed.n, bed.n_error) for bed in group]).T
+        squares, freedom = squares + np.sum((n - n.mean()) ** 2), freedom + len(n) - 1
+        rows.append((group[0].sample.name, n.mean(), np.sqrt(np.sum(errors**2)) / len(n), len(n)))
+    samples = [group[0].sample for group in groups.values()]
+    beds = pd.DataFrame(rows, columns=["name", "n", "n_error", "repeats"]).join(sample_features(samples))
+    return samples, beds, float(np.sqrt(squares / freedom)) if freedom else np.nan
+
+
+def _predict(samples, case, fitted):
+    """Return the predictions of all models: dict from (by, model) to a list of rows of PREDICTION, or None in it."""
+    published, predictions = published_models(case), {}
+    for i, sample in enumerate(samples):
+        for row in predict_sample(sample, case, fitted, published):
+            predictions.setdefault((row["by"], row["model"]), [None] * len(samples))[i] = row
+    return predictions
+
+
+def _compare(predictions, n):
+    """Return the agreement of the models with the measured porosities n (k,), DataFrame with the columns AGREEMENT."""
+    table = []
+    for (by, model), rows in predictions.items():
+        used = [i for i, row in enumerate(rows) if row is not None and np.isfinite(row["n"])]
+        if not used:
+            continue
+        difference = np.array([rows[i]["n"] for i in used]) - n[used]
+        scatter = difference.std(ddof=1) if len(used) > 1 else np.nan
+        inside = sum(rows[i]["lower"] <= n[i] <= rows[i]["upper"] for i in used) if by == "ours" else np.nan
+        error = scatter / np.sqrt(len(used))
+        table.append((by, model, len(used), difference.mean(), error, scatter, inside))
+    return pd.DataFrame(table, columns=AGREEMENT)
+
+
+def _find_base(predictions, samples, case, fitted):
+    """Return the name of our model that is corrected, or "" with the reason.
+
+    It is evaluated for all beds; of several, it is preferred for most beds, or else has the smaller error.
+    """
+    ours = {model: rows for (by, model), rows in predictions.items() if by == "ours"}
+    if not ours:
+        return "", f"there is no model of ours for case {case} and beds of this kind to correct"
+    suitable = {}
+    reasons = []
+    for model, rows in ours.items():
+        missing = [i for i, row in enumerate(rows) if row is None or row["refused"]]
+        if not missing:
+            suitable[model] = -sum(row["preferred"] for row in rows), fitted.models[model, case].mean_absolute_error
+        else:
+            row = rows[missing[0]]
+            why = row["refused"] if row else "the model is for beds of another kind"
+            reasons.append(f"{describe_model('ours', model)} is not evaluated for {samples[missing[0]].name}: {why}")
+    if suitable:
+        return min(suitable, key=suitable.get), ""
+    return "", f"none of our models is evaluated for all beds ({'; '.join(reasons)})"
+
+
+def fit_candidates(base, beds, case, features="single_form", reason=""):
+    """Return a Candidate of each kind, the simplest first.
+
+    base: PorosityModel to correct, or None for the `reason`. beds: DataFrame with n, name and the features, one row per
+    bed; case: of the models; features: key of FEATURE_SETS.
+    """
+    candidates = [_fit_correction(kind, base, beds, case, reason) for kind in CORRECTIONS]
+    return [*candidates, _fit_features(FEATURE_SETS[features], beds, case)]
+
+
+def _fit_correction(kind, base, beds, case, reason):
+    """Return the Candidate of a correction of the PorosityModel `base`, which is None for the `reason`."""
+    needed = BEDS_NEEDED[kind]
+    if base is None:
+        return _not_fitted(kind, needed, reason)
+    if len(beds) < needed:
+        return _not_fitted(kind, needed, _too_few(f"{'an' if kind == 'offset' else 'a'} {kind}", needed, len(beds)))
+    if kind == "rescaling" and np.ptp(beds.n) == 0:
+        return _not_fitted(kind, needed, _SAME)
+    columns, added = regressors(kind, base.predict(beds))
+    errors = left_out_errors(columns, beds.n - added)
+    if errors is None:
+        return _not_fitted(kind, needed, "our model predicts nearly the same porosity for all beds, or for all but one")
+    model, result = correct_model(base, kind, beds, beds.n, MEASURED, case)
+    lower, upper = result.conf_int(0.05).T
+    terms = [kind] if kind == "offset" else ["constant", "factor"]
+    columns = zip(terms, result.params, result.bse, lower, upper, strict=True)
+    return _candidate(kind, needed, model, columns, errors)
+
+
+def _fit_features(names, beds, case):
+    """Return the Candidate that is linear in the features `names`."""
+    needed = BEDS_PER_COEFFICIENT * (len(names) + 1)
+    if len(beds) < needed:
+        return _not_fitted("features", needed, _too_few(f"a fit of {len(names)} features", needed, len(beds)))
+    if np.ptp(beds.n) == 0:
+        return _not_fitted("features", needed, _SAME)
+    X = beds[list(names)]
+    for name in names:
+        if not np.isfinite(X[name]).all():
+            bed = beds.name[~np.isfinite(X[name])].iloc[0]
+            return _not_fitted("features", needed, f"{name} is not finite for {bed}; choose other features")
+    errors = left_out_errors(np.column_stack([np.ones(len(X)), X]), beds.n)
+    if errors is None:
+        reason = f"the beds do not differ enough to separate {', '.join(names)}, or one bed alone separates them"
+        return _not_fitted("features", needed, reason)
+    model = fit_features(X, beds.n, MEASURED, case)
+    columns = zip(model.terms, model.coefficients, model.std_errors, model.lower, model.upper, strict=True)
+    return _candidate("features", needed, model, columns, errors)
+
+
+def _candidate(kind, needed, model, columns, errors):
+    """Return the Candidate with the cross-validated errors (n,) of its model."""
+    table = pd.DataFrame(columns, columns=["term", "value", "std_error", "lower", "upper"])
+    size = np.abs(errors)
+    model = replace(model, mean_absolute_error=float(size.mean()), median_absolute_error=float(np.median(size)))
+    return Candidate(kind, needed, model, table, size.mean(), size.std(ddof=1) / np.sqrt(len(size)))
+
+
+def _not_fitted(kind, needed, reason):
+    return Candidate(kind, needed, None, None, np.nan, np.nan, reason)
+
+
+def _too_few(what, needed, beds):
+    return f"{what} needs {needed} beds of different form, and there are {beds}"
+
+
+def left_out_errors(columns, y):
+    """Return the errors (n,) of predicting each of y (n,) by least squares on the others; columns (n, k).
+
+    They are the residuals divided by 1 minus the leverage, which is exact. None if the columns do not determine the
+    coefficients without one of the rows.
+    """
+    y = np.asarray(y, float)
+    largest = np.abs(columns).max(axis=0)
+    columns = columns / np.where(largest > 0, largest, 1.0)
+    if np.linalg.matrix_rank(columns, tol=1e-9 * np.sqrt(len(y))) < columns.shape[1]:
+        return None
+    Q, _ = np.linalg.qr(columns)
+    leverage = np.einsum("ij,ij->i", Q, Q)
+    if leverage.max() > _ALONE:
+        return None
+    return (y - Q @ (Q.T @ y)) / (1.0 - leverage)
+
+
+def choose(candidates):
+    """Return the simplest Candidate whose error is at most the smallest one plus its standard error."""
+    fitted = [item for item in candidates if item.model is not None]
+    best = min(fitted, key=lambda item: item.error)
+    return next(item for item in fitted if item.error <= best.error + best.error_se)

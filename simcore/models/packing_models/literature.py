@@ -1,0 +1,30 @@
+"""The packing models as they are published: the geometric mean of a class is the size of all its grains."""
+
+import numpy as np
+
+from simcore.models.packing_models.compressible import compressible
+from simcore.models.packing_models.linear import linear
+from simcore.models.packing_models.linear_mixture import linear_mixture
+from simcore.models.packing_models.rods import rods
+
+COMPACTION = 4.75  # compaction index of a bed that is compacted by vibration, de Larrard
+
+
+def one_size(model):
+    """Return porosity(curve, one_class) -> float of a packing model of sizes, fractions and one-class porosities."""
+
+    def porosity(curve, one_class):
+        held = curve.mass_fractions > 0
+        sizes = np.sqrt(curve.bounds[1:] * curve.bounds[:-1])[held]
+        return float(model(sizes, curve.mass_fractions[held], one_class))
+
+    return porosity
+
+
+# Porosity of a SieveCurve from its one-class porosity, dict by name; no parameter is fitted.
+LITERATURE = {
+    "linear": one_size(linear),
+    "linear mixture": one_size(linear_mixture),
+    f"compressible, K = {COMPACTION}": one_size(lambda *classes: compressible(*classes, COMPACTION)),
+    "rods": one_size(rods),
+}

@@ -1,0 +1,151 @@
+"""Predict the porosity of beds from a sieve curve and the forms of the grains, without packing them."""
+
+from functools import cache
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t as student
+
+from simcore.grains.measured_forms import Sample, read_measured
+from simcore.grains.sieve import SieveCurve
+from simcore.grains.sieve_table import read_sieve_table
+from simcore.grains.statistics import equancy_statistics
+from simcore.models.packing_models.empirical import PREDICTORS
+from simcore.models.packing_models.literature import LITERATURE
+from simcore.models.prediction import ONE_CLASS, predict_preferred
+from simcore.models.size_and_form.one_class import LARGEST, LEAST
+from simcore.models.size_and_form.sized_model import SizedModel, unfitted_model
+from simcore.paths import REFERENCE
+from simcore.reference.r22_tables import read_r22_table
+
+COLUMNS = [
+    "sample", "grains", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL",
+    "n", "lower", "upper", "n_not_shaken", "n_one_class", "one_class_lower", "one_class_upper", "outside", "refused",
+]  # fmt: skip
+MORE_MASS = 0.01  # of one class, for the sensitivity to the curve
+UNKNOWN_FORMS = "the Rhine's mean form"
+
+
+def read_curve(path, finest=None, coarsest=None):
+    """Return (SieveCurve, notices) of the table at `path`; finest, coarsest [m]: as in SieveTable.closed."""
+    table, notices = read_sieve_table(path, coarsest)
+    try:
+        table, assumed = table.closed(finest, coarsest).with_small_ends_closed()
+        return table.curve(Path(path).stem), [*notices, *(f"{path}: it is assumed that {text}" for text in assumed)]
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+@cache
+def rhine_sample() -> Sample:
+    """Return the form statistics of the Rhine's grains in Table 2 of Rettinger et al. (2022)."""
+    row = read_r22_table("table2_form_statistics").iloc[0]
+    form = [float(row[name]) for name in ("mu_FL", "sigma_FL", "mu_EL", "sigma_EL")]
+    return Sample(UNKNOWN_FORMS, 0, *form, *map(float, equancy_statistics(*form)))
+
+
+def read_forms(path, column=None):
+    """Return (samples, notices) of a table of measured grains, or the Rhine's mean form if `path` is None."""
+    if path is None:
+        return [rhine_sample()], [f"no table of grains is given: the form is {UNKNOWN_FORMS}"]
+    return read_measured(path, column)
+
+
+def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None = None) -> pd.DataFrame:
+    """Return one row per sample with COLUMNS: the porosity of a bed with this SieveCurve.
+
+    samples: list of simcore.grains.measured_forms.Sample. fitted: FittedModels with models of beds of one class. level:
+    probability of the interval. model: SizedModel; None: the current one. n, lower, upper: porosity and its prediction
+    interval; n_not_shaken: porosity if the bed is placed and not shaken (`loosest`); n_one_class and its interval: of a
+    bed of one sieve class of these grains. outside: what lies outside the fitted ranges. If there is no prediction, the
+    numbers are nan and `refused` gives the reason.
+
+    The interval adds three independent errors: of the one-class porosity, of the step from one class to the curve,
+    which is proportional to the decrease of porosity, and of how much of the effect of form the step carries over.
+    """
+    model = model or unfitted_model()
+    *rows, of_rhine = (predict_preferred(sample, ONE_CLASS, fitted, level) for sample in [*samples, rhine_sample()])
+    n1 = np.array([row[key] for row in rows for key in ("n", "lower", "upper")], float).reshape(-1, 3)
+    usable = np.isfinite(n1[:, 0]) & (n1[:, 0] >= LEAST) & (n1[:, 0] <= LARGEST)
+    n, half = np.full((2, len(samples)), np.nan)
+    if usable.any():
+        one_class = np.clip(n1[usable], LEAST, LARGEST)
+        ends = model.predict(curve, one_class.reshape(-1, 1)).reshape(-1, 3).T
+        n[usable], half[usable] = ends[0], interval(curve, ends, n1[usable, 0], of_rhine["n"], model, level)
+    table = []
+    for i, (sample, row) in enumerate(zip(samples, rows, strict=True)):
+        refused = "" if usable[i] else row["refused"] or f"its one-class porosity is outside {LEAST:g} to {LARGEST:g}"
+        form = [sample.name, sample.grains, sample.mu_FL, sample.sigma_FL, sample.mu_EL, sample.sigma_EL]
+        table.append(bed_row(form, n1[i], n[i], half[i], row["outside"], refused, curve, model))
+    return pd.DataFrame(table, columns=COLUMNS)
+
+
+def interval(curve, ends, one_class, of_rhine, model, level):
+    """Return the half width (s,) of the prediction interval of s beds.
+
+    ends (3, s): porosity of the beds, and at the lower and the upper end of their one-class porosity. one_class (s,):
+    that porosity. of_rhine: that of the Rhine's grains, with which the step from one class to a curve was measured.
+    """
+    n, low, high = ends
+    of_form = model.form_error * (1.0 - model.predict(curve, of_rhine) / of_rhine) * np.abs(one_class - of_rhine)
+    of_sizes = student.ppf(0.5 + 0.5 * level, model.freedom) * model.error * (one_class - n)
+    return np.sqrt((0.5 * (high - low)) ** 2 + of_sizes**2 + of_form**2)
+
+
+def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):
+    """Return the values of COLUMNS of one bed.
+
+    form: the first six of them. one_class (3,): one-class porosity with its interval. half: half width of the interval
+    of n. outside, refused: of the forms; what lies outside in the SieveCurve is added.
+    """
+    wide = "" if curve is None else _outside_of_curve(curve, model)
+    if np.isfinite(n) and not 0.0 < n - half < n + half < 1.0:
+        refused, n = "its prediction interval reaches outside (0, 1)", np.nan
+    numbers = [n, n - half, n + half, n + loosest(), *one_class]
+    return [*form, *numbers, "; ".join(filter(None, [outside, wide])), refused]
+
+
+def _outside_of_curve(curve, model):
+    ratio = curve.largest / curve.least
+    if ratio <= model.widest * (1.0 + 1e-9):
+        return ""
+    return f"the sieve curve is {ratio:.3g} : 1 wide, errors are known up to {model.widest:.3g} : 1"
+
+
+@cache
+def loosest(folder=REFERENCE) -> float:
+    """Return by how much beds are looser that are not shaken: the largest difference over the committed sieve curves.
+
+    It is the porosity after 0 s of shaking less that after the longest time, in shaking_cylinder.csv.
+    """
+    rows = pd.read_csv(Path(folder) / "shaking_cylinder.csv").sort_values("shaking_s")
+    differences = rows.groupby(["case", "seed"])["n"].agg(lambda n: n.iloc[0] - n.iloc[-1])
+    return float(differences.max())
+
+
+def sensitivity(curve, one_class, model: SizedModel | None = None) -> np.ndarray:
+    """Return the change of porosity (k,) if the mass of one class of the SieveCurve grows by 1 % of the whole.
+
+    The masses of the other classes stay, so that all shares are divided by 1.01. one_class: one-class porosity.
+    """
+    model = model or unfitted_model()
+    base = model.predict(curve, float(one_class))
+    changed = []
+    for index in range(len(curve.mass_fractions)):
+        fractions = curve.mass_fractions.copy()
+        fractions[index] += MORE_MASS
+        more = SieveCurve(curve.bounds, fractions / fractions.sum(), curve.name, curve.numbers_by)
+        changed.append(model.predict(more, float(one_class)) - base)
+    return np.array(changed)
+
+
+def other_predictors(curve, one_class) -> pd.DataFrame:
+    """Return the porosity by models of others: columns model, given ("curve" or with the one-class porosity) and n."""
+    from_curve = ((predictor.name, "curve", predictor.porosity(curve)) for predictor in PREDICTORS)
+    packing = (
+        (f"packing model: {name}", "curve and one-class porosity", porosity(curve, float(one_class)))
+        for name, porosity in LITERATURE.items()
+    )
+    return pd.DataFrame(chain(packing, from_curve), columns=["model", "given", "n"])

@@ -1,0 +1,145 @@
+"""Write the porosity of beds with a sieve curve as text for people, as CSV or as JSON."""
+
+import json
+
+import numpy as np
+
+from simcore.grains.forms_by_class import class_column, read_classes
+from simcore.grains.text_columns import text_columns
+from simcore.models.measured_prediction import check_level, models_for
+from simcore.models.size_and_form.bed_prediction import (
+    other_predictors,
+    predict_curve,
+    read_curve,
+    read_forms,
+    sensitivity,
+)
+from simcore.models.size_and_form.forms_by_class import predict_by_class
+from simcore.models.size_and_form.sized_model import unfitted_model
+
+
+def predict_curve_file(
+    path, forms=None, *, models=None, source=None, column=None, level=0.95, finest=None, coarsest=None,
+    form="text", notify=None,
+):  # fmt: skip
+    """Return what `predict --sieve` prints for the sieve curve at `path` and the table of grains at `forms`.
+
+    forms: None for the Rhine's mean form; with a column `class` each sieve class has its own form. finest, coarsest
+    [m]: sizes of the grains in the pan and on the coarsest sieve. models, source, column, level: as in
+    simcore.models.measured_prediction.predict_measured. form: "text", "csv" or "json". notify: called with each notice
+    on how the tables were read. ValueError names the file and the remedy.
+    """
+    check_level(level)
+    curve, notices = read_curve(path, finest, coarsest)
+    by_class = class_column(forms) if column is None else None
+    samples, of_forms = read_forms(forms, column) if by_class is None else read_classes(forms, by_class)
+    notices = [*notices, *of_forms]
+    for notice in notices if notify is not None else []:
+        notify(notice)
+    predict = predict_curve if by_class is None else predict_by_class
+    table = predict(curve, samples, models_for(models, source), level)
+    _require_one(table, path)
+    if form == "csv":
+        return table.to_csv(index=False).rstrip("\n")
+    if form == "json":
+        return _json(table, curve, level, notices)
+    return describe(table, curve, path, level)
+
+
+def describe(table, curve, path, level=0.95) -> str:
+    """Return the text on a table of predict_curve for the SieveCurve that was read from `path`."""
+    lines = [
+        f"Porosity of beds with the sieve curve of {path}, with {100 * level:g} % prediction intervals",
+        "",
+        *_samples(table),
+        "",
+        "The porosity is that of a bed that is shaken until it settles no more. A bed that is placed and not shaken",
+        "has up to the value in the column `not shaken`.",
+    ]
+    first = table[table["refused"] == ""].iloc[0]
+    change = 1e4 * sensitivity(curve, first["n_one_class"])
+    lines += [
+        "",
+        f"How the curve acts, for {first['sample']}: one sieve class of these grains has the porosity "
+        f"{first['n_one_class']:.3f}, and the",
+        f"sizes take {first['n_one_class'] - first['n']:.3f} of it. If the mass of one class grows by 1 % of the "
+        "whole, the porosity changes by:",
+        "",
+        *text_columns([["class [mm]", "mass [%]", "change [0.0001]"], *_classes(curve, change)], "lrr"),
+        "",
+        f"Other models, for {first['sample']}",
+        *text_columns(
+            [
+                [row.model, f"{row.n:.3f}", f"from {row.given}"]
+                for row in other_predictors(curve, first["n_one_class"]).itertuples()
+            ],
+        ),
+        "",
+        f"Model of size and form: candidate {unfitted_model().candidate}; {unfitted_model().behind}",
+    ]
+    outside = table[(table["outside"] != "") & (table["refused"] == "")]
+    if len(outside):
+        lines += ["", "* outside the fitted range", *(f"  {row.sample}: {row.outside}" for row in outside.itertuples())]
+    refused = table[table["refused"] != ""]
+    if len(refused):
+        lines += ["", "- not evaluated", *(f"  {row.sample}: {row.refused}" for row in refused.itertuples())]
+    return "\n".join(lines)
+
+
+def _require_one(table, path):
+    if (table["refused"] != "").all():
+        row = table.iloc[0]
+        raise ValueError(
+            f"{path}: the porosity cannot be predicted for any sample; {row['sample']}: {row['refused']}. Correct the "
+            "table of grains, or pack a bed of them (scree pack)"
+        )
+
+
+def _samples(table):
+    rows = [["sample", "grains", "FL", "EL", "porosity", "not shaken", "one class"]]
+    for row in table.itertuples():
+        form = [f"{row.mu_FL:.3f} ± {row.sigma_FL:.3f}", f"{row.mu_EL:.3f} ± {row.sigma_EL:.3f}"]
+        numbers = ["-", "-", "-"]
+        if not row.refused:
+            mark = "*" if row.outside else ""
+            numbers = [
+                f"{row.n:.3f}{mark} ({row.lower:.3f} to {row.upper:.3f})",
+                f"{row.n_not_shaken:.3f}",
+                f"{row.n_one_class:.3f} ({row.one_class_lower:.3f} to {row.one_class_upper:.3f})",
+            ]
+        rows.append([str(row.sample), str(row.grains or "-"), *form, *numbers])
+    return text_columns(rows)
+
+
+def _classes(curve, change):
+    bounds = 1e3 * curve.bounds
+    return [
+        [f"{low:g} to {high:g}", f"{100 * share:.1f}", f"{value:+.1f}"]
+        for low, high, share, value in zip(bounds[:-1], bounds[1:], curve.mass_fractions, change, strict=True)
+    ][::-1]
+
+
+def _json(table, curve, level, notices):
+    samples = []
+    for row in table.to_dict("records"):
+        plain = {key: _plain(value) for key, value in row.items()}
+        if not row["refused"]:
+            plain["other_models"] = other_predictors(curve, row["n_one_class"]).to_dict("records")
+            plain["sensitivity"] = list(sensitivity(curve, row["n_one_class"]))
+        samples.append(plain)
+    model = unfitted_model()
+    content = {
+        "curve": {"bounds_mm": list(1e3 * curve.bounds), "mass_fractions": list(curve.mass_fractions)},
+        "level": level,
+        "model": {"candidate": model.candidate, "parameters": model.parameters, "behind": model.behind},
+        "notices": list(notices),
+        "samples": samples,
+    }
+    return json.dumps(content, indent=1, allow_nan=False)
+
+
+def _plain(value):
+    if isinstance(value, str):
+        return value
+    value = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -1,0 +1,118 @@
+"""Packed beds for the fit of size and form: sieve curves, one-class porosities, porosities and their errors.
+
+The table has one row per bed (results/reference/size_and_form.csv, columns in simcore.campaign.composition_columns):
+the realised sieve curve and form statistics, by volume, of the evaluated part. Beds of U1 are the bases, which give the
+one-class porosity n1. Beds of one form have the n1 of the base of that form. Beds of all forms have that of the unified
+model at their realised statistics, shifted by the mean difference between the bases and that model.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from simcore.grains.sieve import SieveCurve
+from simcore.models.unified import unified_features
+
+BASE, ALL_FORMS, SPHERE = "U1", "all", "sphere"
+# A bed is kept out of the fit if a share of coarse grains differs by more than this beyond its standard error.
+LARGEST_DIFFERENCE = 0.03
+# Rules of simcore.evaluation.composition, in which both are explained.
+FLOOR_ERRORS, FLOOR_FACTOR = 3.0, 1.5
+
+
+class Beds(NamedTuple):
+    """Beds with wide sieve curves, n of them. All arrays have the shape (n,)."""
+
+    names: np.ndarray
+    curves: tuple  # SieveCurve of each
+    one_class: np.ndarray  # porosity n1 of a bed of one class of such grains
+    mu_EQ: np.ndarray
+    mu_EL: np.ndarray
+    n: np.ndarray  # packed porosity
+    error: np.ndarray  # its sampling error
+    family: np.ndarray  # of the sieve curve
+    form: np.ndarray  # name of the single form, or ALL_FORMS
+
+    def select(self, chosen):
+        """Return the beds for which the array (n,) of bool is true."""
+        arrays = [np.asarray(field)[chosen] for field in self if field is not self.curves]
+        curves = tuple(curve for curve, kept in zip(self.curves, chosen, strict=True) if kept)
+        return Beds(arrays[0], curves, *arrays[1:])
+
+
+def flags(table) -> pd.Series:
+    """Return for each row why its bed is kept out of the fit, "" for a bed that is used.
+
+    The rule is that of docs/appendices/size_and_form_plan.md.
+    """
+    halves = _beyond(table, "coarse_lower", "coarse_upper")
+    parts = _beyond(table, "coarse_bed", "coarse_evaluated")
+    floor, inside = table["fine_floor"], table["fine_evaluated"]
+    errors = np.hypot(table["fine_floor_error"], table["fine_evaluated_error"])
+    fines = (floor - inside > FLOOR_ERRORS * errors) & (floor > FLOOR_FACTOR * inside)
+    reasons = {"sizes separate over height": halves, "coarse grains lie outside": parts, "fines on the floor": fines}
+    texts = pd.Series("", table.index)
+    for reason, found in reasons.items():
+        texts[found] = texts[found].where(texts[found] == "", texts[found] + "; ") + reason
+    return texts
+
+
+def _beyond(table, first, second):
+    errors = np.hypot(table[f"{first}_error"], table[f"{second}_error"])
+    return (table[first] - table[second]).abs() > LARGEST_DIFFERENCE + errors
+
+
+def form_labels(table) -> pd.Series:
+    """Return the form of each bed: SPHERE, the name of the single form, or ALL_FORMS."""
+    grain = table["grain"].fillna("").astype(str)
+    return grain.mask(grain == "", ALL_FORMS).mask(table["representation"] == SPHERE, SPHERE)
+
+
+def curve_of(row, name) -> SieveCurve:
+    """Return the realised SieveCurve of a row, from its columns share_A-Bmm."""
+    shares = {key: float(row[key]) for key in row.index if key.startswith("share_")}
+    bounds = [tuple(float(end) for end in key.removeprefix("share_").removesuffix("mm").split("-")) for key in shares]
+    fractions = np.array(list(shares.values()))
+    edges = 1e-3 * np.array([low for low, _ in bounds] + [bounds[-1][1]])
+    return SieveCurve(edges, fractions / fractions.sum(), name)
+
+
+def read_beds(table, unified, families) -> Beds:
+    """Return the wide beds of real forms that are not flagged.
+
+    table: DataFrame of size_and_form.csv. unified: PorosityModel of beds of one class, with the features of
+    simcore.models.unified. families: dict from case to the family of its curve. ValueError if the base of a form is
+    missing.
+    """
+    table = table.assign(form=form_labels(table), flag=flags(table))
+    real = table[table["form"] != SPHERE]
+    bases = real[real["case"] == BASE]
+    if bases.empty:
+        raise ValueError(f"size_and_form.csv has no bed of {BASE} yet, which gives the one-class porosity; pack it")
+    shift = float((bases["n"] - _of_statistics(unified, bases)).mean())
+    one_class = bases.groupby("form")[["n", "n_error"]].apply(_weighted_mean)
+    wide = real[(real["case"] != BASE) & (real["flag"] == "")].reset_index(drop=True)
+    missing = sorted(set(wide["form"]) - {ALL_FORMS} - set(one_class.index))
+    if missing:
+        raise ValueError(f"size_and_form.csv has no bed of {BASE} with the form {missing[0]}, but wide beds; pack it")
+    n1 = np.where(
+        wide["form"] == ALL_FORMS,
+        _of_statistics(unified, wide) + shift,
+        one_class.reindex(wide["form"]).to_numpy(),
+    )
+    names = [f"{row.case} {row.form} {row.seed}" for row in wide.itertuples()]
+    curves = tuple(curve_of(row, name) for (_, row), name in zip(wide.iterrows(), names, strict=True))
+    numbers = [wide[column].to_numpy(float) for column in ("mu_EQ_evaluated", "mu_EL_evaluated", "n", "n_error")]
+    labels = [wide["case"].map(families).to_numpy(str), wide["form"].to_numpy(str)]
+    return Beds(np.array(names), curves, n1, *numbers, *labels)
+
+
+def _of_statistics(unified, rows):
+    statistics = rows[[f"{kind}_{ratio}_evaluated" for ratio in ("EQ", "EL") for kind in ("mu", "sigma")]]
+    statistics = statistics.rename(columns=lambda name: name.removesuffix("_evaluated"))
+    return unified.predict(unified_features(statistics))
+
+
+def _weighted_mean(rows):
+    return float(np.average(rows["n"], weights=rows["n_error"] ** -2.0))

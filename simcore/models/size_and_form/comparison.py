@@ -1,0 +1,73 @@
+"""Comparison of the candidates and of the models of the literature on the same packed beds, and the chosen one.
+
+Every bed is predicted by fits without its family of curves, and by fits without its form. The models of the literature
+get the same one-class porosities. docs/appendices/size_and_form_plan.md states the rules.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from simcore.models.packing_models.literature import LITERATURE
+from simcore.models.size_and_form.candidates import CANDIDATES
+from simcore.models.size_and_form.choice import choose, score
+from simcore.models.size_and_form.fit import Fit, fit_candidate, predict_left_out, scatter_between_beds
+
+# The order of preference among candidates with equally many parameters (docs/appendices/size_and_form_plan.md).
+PREFERENCE = ("L", "F", "H", "L_free", "D_F", "H_free", "H_form", "D_H")
+
+
+class Comparison(NamedTuple):
+    """Result of `compare`."""
+
+    table: pd.DataFrame  # one row per candidate or model of the literature
+    fits: dict  # name of a candidate -> Fit to all beds
+    by_family: dict  # name -> predictions (n,) of the beds by fits without their family
+    chosen: str
+    scatter: float  # τ
+
+
+def compare(beds, names=PREFERENCE, scatter=None) -> Comparison:
+    """Compare the candidates `names` and the literature on Beds; scatter: τ, None: by restricted maximum likelihood.
+
+    Columns of the table: model, parameters (number of fitted ones), chosen; for groups = family and form:
+    error_by_<groups> (weighted mean absolute error over left-out beds), excess_by_<groups> and
+    excess_std_error_by_<groups> (over that of the best); bias and rms_error over the beds by left-out families, and
+    fitted (parameters of the fit to all beds with standard errors, as text). ValueError if the beds have fewer than two
+    families or forms.
+    """
+    scatter = scatter_between_beds(beds) if scatter is None else scatter
+    weights = 1.0 / (beds.error**2 + scatter**2)
+    fits: dict[str, Fit] = {name: fit_candidate(name, beds, scatter) for name in names}
+    of_literature = {
+        name: np.array([porosity(curve, n1) for curve, n1 in zip(beds.curves, beds.one_class, strict=True)])
+        for name, porosity in LITERATURE.items()
+    }
+    predictions, scores = {}, {}
+    for kind in ("family", "form"):
+        groups = getattr(beds, kind)
+        predictions[kind] = {name: predict_left_out(name, beds, groups, scatter) for name in names} | of_literature
+        errors = {name: predicted - beds.n for name, predicted in predictions[kind].items()}
+        scores[kind] = score(errors, weights, groups)
+    numbers = {name: len(CANDIDATES[name].parameters) for name in names} | dict.fromkeys(LITERATURE, 0)
+    chosen = choose(scores["family"], scores["form"], numbers)
+    rows = []
+    for name, number in numbers.items():
+        row = {"model": name, "parameters": number, "chosen": "yes" if name == chosen else ""}
+        for kind, of_kind in scores.items():
+            row[f"error_by_{kind}"], row[f"excess_by_{kind}"], row[f"excess_std_error_by_{kind}"] = of_kind[name]
+        difference = predictions["family"][name] - beds.n
+        row["bias"] = float(np.average(difference, weights=weights))
+        row["rms_error"] = float(np.sqrt(np.average(difference**2, weights=weights)))
+        rows.append(row | {"fitted": _describe(fits[name]) if name in fits else ""})
+    return Comparison(pd.DataFrame(rows), fits, predictions["family"], chosen, scatter)
+
+
+def _describe(fit):
+    errors = fit.std_errors()
+    texts = []
+    for key, value in fit.parameters.items():
+        bound = " (at its bound)" if key in fit.at_bound else ""
+        texts.append(f"{key} = {value:.3f} ± {errors[key]:.3f}{bound}")
+    return ", ".join(texts)

@@ -1,0 +1,67 @@
+"""Porosity of beds whose grains have another form in each sieve class."""
+
+import numpy as np
+import pandas as pd
+
+from simcore.models.packing_models.classes import porosity_of_volume, specific_volume
+from simcore.models.prediction import ONE_CLASS, predict_preferred
+from simcore.models.size_and_form.bed_prediction import COLUMNS, bed_row, interval, rhine_sample
+from simcore.models.size_and_form.sized_model import SizedModel, unfitted_model
+
+BY_CLASS = "forms by sieve class"
+
+
+def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | None = None) -> pd.DataFrame:
+    """Return one row with the columns of predict_curve: the porosity of a bed with this SieveCurve.
+
+    classes: as from simcore.grains.forms_by_class.read_classes; each class of the curve that has mass must lie within
+    one of them. The errors of the one-class porosities of the classes are taken as equal in sign, because one model
+    gives them. Form statistics of the row are by mass; n_one_class is the porosity that the classes would give if they
+    did not interact. ValueError if a class has no forms; a form that is too far outside the fitted range is a refusal,
+    as in predict_curve.
+    """
+    model = model or unfitted_model()
+    held = np.flatnonzero(curve.mass_fractions > 0)
+    samples = [_sample_of(curve, index, classes) for index in held]
+    rows = [predict_preferred(sample, ONE_CLASS, fitted, level) for sample in samples]
+    shares = curve.mass_fractions[held]
+    refused = "; ".join(
+        dict.fromkeys(f"{s.name}: {row['refused']}" for s, row in zip(samples, rows, strict=True) if row["refused"])
+    )
+    outside = "; ".join(
+        dict.fromkeys(f"{s.name}: {row['outside']}" for s, row in zip(samples, rows, strict=True) if row["outside"])
+    )
+    form = [BY_CLASS, sum(sample.grains for sample in dict.fromkeys(samples)), *_moments(samples, shares)]
+    if refused:
+        return pd.DataFrame([bed_row(form, np.full(3, np.nan), np.nan, np.nan, outside, refused)], columns=COLUMNS)
+    n1 = np.array([[row[key] for row in rows] for key in ("n", "lower", "upper")])
+    mean = porosity_of_volume(specific_volume(n1) @ shares)
+    of_rhine = predict_preferred(rhine_sample(), ONE_CLASS, fitted, level)["n"]
+    # Classes without mass get the value of the first one; it has no effect.
+    values = np.repeat(n1[:, :1], len(curve.mass_fractions), axis=1)
+    values[:, held] = n1
+    n, low, high = model.predict(curve, values)
+    half = interval(curve, np.array([[n, low, high]]).T, mean[:1], of_rhine, model, level)[0]
+    return pd.DataFrame([bed_row(form, mean, n, half, outside, "", curve, model)], columns=COLUMNS)
+
+
+def _sample_of(curve, index, classes):
+    low, high = curve.bounds[index : index + 2]
+    for (lower, upper), sample in classes.items():
+        if lower <= low * (1 + 1e-6) and high <= upper * (1 + 1e-6):
+            return sample
+    raise ValueError(
+        f"{curve.name}: the class {low * 1e3:g} to {high * 1e3:g} mm has mass, but lies in none of the classes of the "
+        "table of forms; add its forms, or remove the column of classes"
+    )
+
+
+def _moments(samples, shares):
+    """Return mean and standard deviation of FL and of EL over the classes, by mass."""
+    moments = []
+    for name in ("FL", "EL"):
+        mu = np.array([getattr(sample, f"mu_{name}") for sample in samples])
+        sigma = np.array([getattr(sample, f"sigma_{name}") for sample in samples])
+        mean = shares @ mu
+        moments += [mean, np.sqrt(shares @ (sigma**2 + (mu - mean) ** 2))]
+    return moments

@@ -1,0 +1,205 @@
+"""The porosity of beds from a sieve curve and forms: limits, the interval, and what is refused."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import t as student
+
+import simcore
+from benchmarks.studies.size_and_form_validation import known_table
+from simcore.__main__ import main
+from simcore.grains.measured_forms import Sample
+from simcore.grains.sieve import SieveCurve
+from simcore.grains.statistics import equancy_statistics
+from simcore.models.fitting import fit_reference_models
+from simcore.models.packing_models.curves import split
+from simcore.models.prediction import ONE_CLASS, predict_samples
+from simcore.models.size_and_form.bed_prediction import (
+    loosest,
+    other_predictors,
+    predict_curve,
+    rhine_sample,
+    sensitivity,
+)
+from simcore.models.size_and_form.sized_model import unfitted_model
+from simcore.paths import REFERENCE, ROOT
+from simcore.scene.sizes import all_cases
+from simcore.scene.specification import read_specification
+
+EXAMPLES = ROOT / "examples"
+CURVE = EXAMPLES / "sieve_curve.csv"
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    return fit_reference_models()
+
+
+def sample(name="s", mu_FL=0.6, sigma_FL=0.15, mu_EL=0.7, sigma_EL=0.13):
+    form = (mu_FL, sigma_FL, mu_EL, sigma_EL)
+    return Sample(name, 40, *form, *map(float, equancy_statistics(*form)))
+
+
+def random_curves(count, seed=0):
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        k = int(rng.integers(2, 9))
+        bounds = 1e-3 * np.cumprod(rng.uniform(1.1, 1.9, k + 1))
+        yield SieveCurve(bounds, rng.dirichlet(np.full(k, 0.7)), "random")
+
+
+def test_one_sieve_class_has_the_prediction_and_the_interval_of_one_class(fitted):
+    row = predict_curve(all_cases()["U1"].curve, [sample()], fitted).iloc[0]
+    one = predict_samples([sample()], ONE_CLASS, fitted).query("preferred").iloc[0]
+    np.testing.assert_allclose([row.n, row.lower, row.upper], [one.n, one.lower, one.upper], atol=1e-9)
+    assert (row.n_one_class, row.one_class_lower, row.one_class_upper) == (one.n, one.lower, one.upper)
+
+
+def test_the_stated_error_is_that_on_the_known_beds():
+    """Six measured gravels and our packings of them, each from the U1 of its own set."""
+    table = pd.read_csv(REFERENCE / "size_and_form_known.csv")
+    table = table[table["set"].isin(["measured", "packed"])]
+    model = unfitted_model()
+    errors = [model.predict(all_cases()[bed.case].curve, bed.n_one_class) - bed.n for bed in table.itertuples()]
+    np.testing.assert_allclose(errors, table["error_size and form"], atol=2e-4)
+    decreases = table["n_one_class"] - table["n"]
+    expected = np.sqrt(np.mean(np.square(errors)) / np.mean(np.square(decreases)))
+    assert model.error == pytest.approx(expected, rel=0.01)
+    assert model.freedom == 12 and model.widest == pytest.approx(11.25)
+    # No other candidate without fitted parameters has a smaller error over these beds.
+    candidates = ["error_size and form", "error_L", "error_F", "error_H, K = 4.75", "error_H, K = 9"]
+    assert np.square(table[candidates]).mean().idxmin() == "error_size and form"
+
+
+def test_the_table_of_known_beds_is_that_of_today():
+    """If this fails: python -m benchmarks.studies.size_and_form_validation --write."""
+    committed = pd.read_csv(REFERENCE / "size_and_form_known.csv")
+    pd.testing.assert_frame_equal(committed, known_table(), atol=1.5e-4)
+    gravels = pd.read_csv(REFERENCE / "size_models_measured.csv").set_index(["model", "K"])
+    assert committed[committed["set"] == "measured"]["error_size and form"].tolist() == pytest.approx(
+        gravels.loc[("candidate H without stretch", 4.1), "error_U3":"error_B70"].tolist(), abs=1.5e-4
+    )
+
+
+def test_the_interval_adds_its_three_errors(fitted):
+    curve, model = all_cases()["B50"].curve, unfitted_model()
+    row = predict_curve(curve, [sample(mu_FL=0.45)], fitted).iloc[0]
+    of_rhine = predict_samples([rhine_sample()], ONE_CLASS, fitted).query("preferred").n.iloc[0]
+    through = [model.predict(curve, end) for end in (row.one_class_lower, row.one_class_upper, of_rhine)]
+    parts = [
+        0.5 * (through[1] - through[0]),
+        student.ppf(0.975, model.freedom) * model.error * (row.n_one_class - row.n),
+        model.form_error * (1 - through[2] / of_rhine) * (row.n_one_class - of_rhine),
+    ]
+    assert row.upper - row.n == pytest.approx(np.sqrt(np.sum(np.square(parts))))
+    assert row.n - row.lower == pytest.approx(row.upper - row.n)
+    narrow = predict_curve(curve, [sample(mu_FL=0.45)], fitted, level=0.5).iloc[0]
+    assert narrow.upper - narrow.lower < 0.7 * (row.upper - row.lower)
+
+
+def test_the_effect_of_form_is_known_to_be_carried_over_too_far():
+    """The published models carry 0.69 (U7) and 0.51 (B50) of it, this model 0.99 and 0.92."""
+    wide = np.array([unfitted_model().predict(all_cases()[case].curve, 0.342) for case in ("U7", "B50")])
+    decreases = 1 - wide / 0.342
+    expected = np.array([0.9857 - 0.6911, 0.9167 - 0.5116]) / decreases
+    assert unfitted_model().form_error == pytest.approx(expected.mean(), abs=1e-9)
+
+
+def test_random_curves_have_a_porosity_below_that_of_one_class(fitted):
+    for curve in random_curves(100):
+        row = predict_curve(curve, [sample()], fitted).iloc[0]
+        assert row.refused == "" and 0 < row.lower < row.n <= row.n_one_class + 1e-12
+        assert row.n_not_shaken == pytest.approx(row.n + loosest())
+        assert ("wide, errors are known" in row.outside) == (curve.largest / curve.least > 11.25 * (1 + 1e-9))
+
+
+def test_splitting_a_class_changes_next_to_nothing(fitted):
+    for curve in random_curves(10, seed=1):
+        whole = predict_curve(curve, [sample()], fitted).n[0]
+        for number in (2, 4, 8):
+            parts = predict_curve(split(curve, number, "mass"), [sample()], fitted).n[0]
+            assert parts == pytest.approx(whole, abs=1e-3)
+
+
+def test_a_form_far_outside_is_refused_and_the_others_stay(fitted):
+    table = predict_curve(all_cases()["U5"].curve, [sample(), sample("thin", mu_FL=0.05, sigma_FL=0.01)], fitted)
+    assert table.refused[0] == "" and "mu_EQ_inv" in table.refused[1]
+    assert table.loc[1, ["n", "lower", "upper", "n_not_shaken"]].isna().all()
+
+
+def test_sensitivity_is_the_change_by_one_percent_more_of_a_class():
+    curve = all_cases()["B50"].curve
+    changes = sensitivity(curve, 0.36)
+    masses = curve.mass_fractions + np.eye(len(changes))[2] * 0.01
+    more = SieveCurve(curve.bounds, masses / masses.sum(), "more")
+    model = unfitted_model()
+    assert changes[2] == pytest.approx(model.predict(more, 0.36) - model.predict(curve, 0.36))
+    # More of every class in proportion changes nothing.
+    assert abs(changes @ curve.mass_fractions) < 2e-5 < np.abs(changes).max()
+
+
+def test_other_models_are_evaluated_for_the_same_curve():
+    table = other_predictors(all_cases()["U7"].curve, 0.371).set_index("model")["n"]
+    # Table 3 has 0.315; the deviations are in results/reference/size_models_measured.csv.
+    expected = pd.read_csv(REFERENCE / "size_models_measured.csv").set_index(["model", "K"])["error_U7"]
+    assert table["packing model: linear"] - 0.315 == pytest.approx(expected["linear"].iloc[0], abs=6e-5)
+    assert table["Frings 2011"] - 0.315 == pytest.approx(expected["Frings 2011"].iloc[0], abs=6e-5)
+
+
+def test_the_command_prints_porosity_and_what_the_curve_does(capsys):
+    assert main(["predict", str(EXAMPLES / "table2.csv"), "--sieve", str(CURVE)]) == 0
+    captured = capsys.readouterr()
+    text = captured.out.splitlines()
+    assert text[0] == f"Porosity of beds with the sieve curve of {CURVE}, with 95 % prediction intervals"
+    assert text[2].split() == ["sample", "grains", "FL", "EL", "porosity", "not", "shaken", "one", "class"]
+    assert sum(" to " in line and "±" in line for line in text) == 9
+    assert "it is assumed that the 0.4% in the pan are coarser than 1.96 mm" in captured.err
+
+
+def test_csv_and_json_have_the_numbers_of_the_function(capsys):
+    arguments = ["predict", str(EXAMPLES / "table2.csv"), "--sieve", str(CURVE)]
+    main([*arguments, "--csv"])
+    lines = capsys.readouterr().out.splitlines()
+    main([*arguments, "--json"])
+    content = json.loads(capsys.readouterr().out)
+    table = simcore.predict(forms=EXAMPLES / "table2.csv", curve=CURVE)
+    assert lines[0].split(",") == list(table) and len(lines) == 1 + len(table) == 10
+    assert [each["n"] for each in content["samples"]] == pytest.approx(list(table.n), abs=1e-12)
+    assert float(lines[1].split(",")[lines[0].split(",").index("n")]) == pytest.approx(table.n[0])
+    assert content["model"]["candidate"] == "H" and len(content["samples"][0]["sensitivity"]) == 6
+
+
+def test_without_a_table_the_form_is_that_of_the_rhine(capsys):
+    main(["predict", "--sieve", str(CURVE)])
+    captured = capsys.readouterr()
+    assert "no table of grains is given: the form is the Rhine's mean form" in captured.err
+    assert "0.647 ± 0.175  0.682 ± 0.139" in captured.out
+
+
+def test_pack_writes_the_bed_that_checks_the_prediction(tmp_path, capsys):
+    forms = tmp_path / "forms.csv"
+    forms.write_text("mean_FL,std_FL,mean_EL,std_EL\n0.6,0.15,0.7,0.12\n")
+    main(["predict", str(forms), "--sieve", str(CURVE), "--pack", str(tmp_path / "bed.yaml")])
+    specification = read_specification(tmp_path / "bed.yaml")
+    assert specification["shapes"]["flatness"] == {"mean": 0.6, "std": 0.15} | {
+        key: value for key, value in specification["shapes"]["flatness"].items() if key not in ("mean", "std")
+    }
+    assert specification["shapes"]["elongation"]["std"] == 0.12 and specification["sizes"]["draw"] == "quota"
+    assert sum(specification["sizes"]["mass_fractions"]) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    "arguments, fault",
+    [
+        (["--case", "U7"], "give the table of measured grains, FORMS.csv, or a sieve curve with --sieve"),
+        (["--case", "U7", "--finest", "2 mm"], "--finest needs a sieve curve; give --sieve CURVE.csv instead of"),
+        (["--sieve", str(CURVE), "--level", "95"], "level 95: give a number between 0 and 1"),
+        (["--sieve", str(CURVE), "--finest", "90 mm"], "90 mm, is not below the finest sieve, 2.8 mm"),
+        ([str(EXAMPLES / "table2.csv"), "--sieve", str(CURVE), "--pack", "x.yaml"], "there are 9 samples, but --pack"),
+    ],
+)
+def test_wrong_arguments_have_one_clear_error(arguments, fault, capsys):
+    assert main(["predict", *arguments]) != 0
+    assert fault in capsys.readouterr().err

@@ -1,0 +1,148 @@
+"""Fit of the candidates to beds that a known candidate made, and the rows from which beds are read."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from simcore.campaign.composition_columns import FRACTION
+from simcore.grains.sieve import SieveCurve
+from simcore.models.regression import fit
+from simcore.models.size_and_form.beds import ALL_FORMS, BASE, Beds, curve_of, flags, read_beds
+from simcore.models.size_and_form.candidates import CANDIDATES
+from simcore.models.size_and_form.comparison import PREFERENCE, compare
+from simcore.models.size_and_form.fit import fit_candidate, predict_beds, predict_left_out, scatter_between_beds
+from simcore.models.unified import UNIFIED, unified_features
+from simcore.scene.sizes import all_cases
+
+CURVES = ("R2_70", "R4_70", "R4_50", "U5", "LN100", "B50", "FR250", "GAP")
+TRUE = {"m0": 1.1, "kappa": 0.5}
+ERROR = 0.002
+
+
+def made_beds(seed=1, scatter=0.0, parameters=None, name="L"):
+    """Beds of all curves of CURVES and three one-class porosities by a candidate, with errors of ERROR."""
+    rng = np.random.default_rng(seed)
+    names, n1 = np.tile(CURVES, 3), np.repeat([0.33, 0.36, 0.40], len(CURVES))
+    curves = tuple(all_cases()[name].curve for name in names)
+    size = len(names)
+    EQ = 0.441 - 0.8 * (n1 - 0.36) + rng.normal(0, 0.02, size)
+    family = np.array([all_cases()[name].family for name in names])
+    form = np.repeat(["a", "b", "c"], len(CURVES))
+    beds = Beds(names, curves, n1, EQ, np.full(size, 0.68), np.zeros(size), np.full(size, ERROR), family, form)
+    exact = predict_beds(name, beds, parameters or TRUE)
+    return beds._replace(n=exact + rng.normal(0, np.hypot(ERROR, scatter), size))
+
+
+def test_parameters_of_a_known_model_come_back():
+    beds = made_beds()
+    found = fit_candidate("L", beds, 0.0)
+    for key, error in found.std_errors().items():
+        assert 0 < error < 0.2
+        assert abs(found.parameters[key] - TRUE[key]) < 3 * error
+    np.testing.assert_allclose(found.predicted, predict_beds("L", beds, found.parameters), atol=1e-12)
+    assert found.at_bound == ()
+
+
+def test_standard_errors_agree_with_the_scatter_over_draws():
+    fits = [fit_candidate("L", made_beds(seed), 0.0) for seed in range(12)]
+    for key in TRUE:
+        scatter = np.std([found.parameters[key] for found in fits], ddof=1)
+        assert 0.5 < scatter / fits[0].std_errors()[key] < 1.7
+
+
+def test_a_parameter_at_its_bound_is_named():
+    assert fit_candidate("L", made_beds(parameters={"m0": 1.38, "kappa": 1.999}), 0.0).at_bound == ("kappa",)
+
+
+def test_scatter_between_beds_is_found():
+    found = [scatter_between_beds(made_beds(seed, scatter=0.004), "L") for seed in range(3)]
+    assert np.mean(found) == pytest.approx(0.004, abs=0.0015)
+    assert scatter_between_beds(made_beds(3), "L") < 0.0015
+
+
+def test_left_out_beds_are_not_seen():
+    """A family whose porosities are far off does not change its own prediction."""
+    beds = made_beds()
+    off = beds.family == "log_normal"
+    disturbed = beds._replace(n=beds.n + np.where(off, 0.05, 0.0))
+    before, after = (predict_left_out("L", each, each.family, 0.0) for each in (beds, disturbed))
+    np.testing.assert_allclose(before[off], after[off], atol=1e-7)
+    assert np.abs(before[~off] - after[~off]).max() > 1e-3
+
+
+def test_the_model_that_made_the_beds_is_chosen():
+    result = compare(made_beds(), names=("L", "F"), scatter=0.0)
+    assert result.chosen == "L" and list(result.table["model"][result.table["chosen"] == "yes"]) == ["L"]
+    errors = result.table.set_index("model")["error_by_family"]
+    assert errors["L"] < 1.3 * ERROR and errors["F"] > 2 * ERROR and errors["rods"] > 2 * ERROR
+    assert result.table["excess_by_family"].min() == 0.0
+    assert set(PREFERENCE) == set(CANDIDATES)
+
+
+def test_fewer_beds_than_parameters_are_refused():
+    beds = made_beds()
+    few = np.arange(len(beds.n)) < 1
+    with pytest.raises(ValueError, match="candidate L: 1 beds are too few for 2 parameters"):
+        fit_candidate("L", beds.select(few), 0.0)
+
+
+@pytest.fixture(scope="module")
+def unified():
+    rng = np.random.default_rng(0)
+    features = unified_features(
+        pd.DataFrame(rng.uniform(0.1, 0.8, (30, 4)), columns=["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"])
+    )[list(UNIFIED)]
+    return fit(features, 0.2 + 0.05 * features["mu_EQ_inv"], "unified", "U1")
+
+
+def row(case="U7", grain="", n=0.3, **changes):
+    curve = all_cases()[case].curve
+    shares = {
+        f"{FRACTION}{1e3 * low:.6g}-{1e3 * high:.6g}mm": share
+        for low, high, share in zip(curve.bounds[:-1], curve.bounds[1:], curve.mass_fractions, strict=True)
+    }
+    zeros = {f"{name}{end}": 0.0 for name in ("coarse_lower", "coarse_upper") for end in ("_error",)}
+    form = {"mu_EQ": 0.5, "sigma_EQ": 0.0 if grain else 0.1, "mu_EL": 0.7, "sigma_EL": 0.0 if grain else 0.1}
+    return {
+        "case": case, "grain": grain, "representation": "polyhedron", "seed": 1, "n": n, "n_error": 0.003,
+        "coarse_lower": 0.5, "coarse_upper": 0.5, "coarse_bed": 0.5, "coarse_bed_error": 0.0, "coarse_evaluated": 0.5,
+        "coarse_evaluated_error": 0.01, "fine_floor": 0.1, "fine_floor_error": 0.01, "fine_evaluated": 0.1,
+        "fine_evaluated_error": 0.01, **zeros, **shares, **{f"{key}_evaluated": value for key, value in form.items()},
+        **changes,
+    }  # fmt: skip
+
+
+def test_beds_have_the_porosity_of_their_base(unified):
+    rows = [row(BASE, n=0.31), row(BASE, "G01", n=0.36), row(BASE, "G01", n=0.35, seed=2), row(grain="G01"), row()]
+    rows += [row(representation="sphere"), row(BASE, representation="sphere"), row(coarse_upper=0.6)]
+    beds = read_beds(pd.DataFrame(rows), unified, {name: case.family for name, case in all_cases().items()})
+    assert beds.form.tolist() == ["G01", ALL_FORMS] and beds.family.tolist() == ["log_normal"] * 2
+    # By the unified model all bases have 0.3, so that it is shifted by the mean of 0.01, 0.06 and 0.05.
+    np.testing.assert_allclose(beds.one_class, [0.355, 0.34], atol=1e-9)
+    np.testing.assert_allclose(beds.curves[0].mass_fractions, all_cases()["U7"].curve.mass_fractions, atol=1e-9)
+    np.testing.assert_allclose(beds.curves[0].bounds, all_cases()["U7"].curve.bounds)
+
+
+def test_a_form_without_its_base_is_refused(unified):
+    table = pd.DataFrame([row(BASE), row(grain="G01")])
+    with pytest.raises(ValueError, match="no bed of U1 with the form G01"):
+        read_beds(table, unified, {"U7": "log_normal"})
+    with pytest.raises(ValueError, match="no bed of U1 yet"):
+        read_beds(pd.DataFrame([row()]), unified, {"U7": "log_normal"})
+
+
+def test_flags_follow_the_rule():
+    rows = [
+        row(),
+        row(coarse_upper=0.529), row(coarse_upper=0.531), row(coarse_upper=0.54, coarse_upper_error=0.02),
+        row(coarse_bed=0.541), row(coarse_bed=0.539),
+        row(fine_floor=0.16, fine_floor_error=0.001), row(fine_floor=0.14, fine_floor_error=0.001),
+    ]  # fmt: skip
+    halves, parts, floor = "sizes separate over height", "coarse grains lie outside", "fines on the floor"
+    assert list(flags(pd.DataFrame(rows))) == ["", "", halves, "", parts, "", floor, ""]
+
+
+def test_curves_keep_their_realised_shares():
+    curve = SieveCurve([1e-3, 2e-3, 4e-3], [0.25, 0.75])
+    table = pd.DataFrame([{"share_1-2mm": 0.2, "share_2-4mm": 0.6}])
+    np.testing.assert_allclose(curve_of(table.iloc[0], "c").mass_fractions, curve.mass_fractions)

@@ -1,0 +1,114 @@
+"""Beds in which each sieve class has its own form."""
+
+import numpy as np
+import pytest
+
+import simcore
+from simcore.__main__ import main
+from simcore.grains.forms_by_class import class_column, read_classes
+from simcore.grains.sieve import SieveCurve
+from simcore.models.fitting import fit_reference_models
+from simcore.models.packing_models.curves import split
+from simcore.models.size_and_form.bed_prediction import predict_curve
+from simcore.models.size_and_form.forms_by_class import BY_CLASS, predict_by_class
+from simcore.models.size_and_form.sized_model import unfitted_model
+from simcore.paths import ROOT
+
+CURVE = SieveCurve([2e-3, 4e-3, 8e-3, 16e-3], [0.3, 0.3, 0.4], "three classes")
+FLAT, ROUND = "0.45,0.15,0.6,0.13", "0.7,0.15,0.75,0.13"
+HEADER = "class,mean_FL,std_FL,mean_EL,std_EL"
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    return fit_reference_models()
+
+
+@pytest.fixture
+def table(tmp_path):
+    def write(*rows, header=HEADER):
+        path = tmp_path / "forms.csv"
+        path.write_text("\n".join([header, *rows]) + "\n")
+        return path
+
+    return write
+
+
+def classes_of(path):
+    return read_classes(path, class_column(path))[0]
+
+
+def test_equal_forms_give_the_prediction_for_all_grains(fitted, table):
+    classes = classes_of(table(f"2-4 mm,{FLAT}", f"4 to 16 mm,{FLAT}"))
+    found = predict_by_class(CURVE, classes, fitted).iloc[0]
+    expected = predict_curve(CURVE, [next(iter(classes.values()))], fitted).iloc[0]
+    assert found["sample"] == BY_CLASS
+    for name in ("n", "lower", "upper", "n_one_class", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL", "n_not_shaken"):
+        assert found[name] == pytest.approx(expected[name], abs=1e-9)
+
+
+def test_each_class_has_the_one_class_porosity_of_its_form(fitted, table):
+    found = predict_by_class(CURVE, classes_of(table(f"2-4 mm,{FLAT}", f"4-16 mm,{ROUND}")), fitted).iloc[0]
+    flat, round_ = (
+        predict_by_class(CURVE, classes_of(table(f"2-16 mm,{form}")), fitted).iloc[0] for form in (FLAT, ROUND)
+    )
+    n1 = [flat.n_one_class, round_.n_one_class, round_.n_one_class]
+    assert found.n == pytest.approx(unfitted_model().predict(CURVE, np.array([n1]))[0], abs=1e-9)
+    assert round_.n < found.n < flat.n
+    assert 1 / (1 - found.n_one_class) == pytest.approx(CURVE.mass_fractions @ (1 / (1 - np.array(n1))))
+    assert found.mu_FL == pytest.approx(0.3 * 0.45 + 0.7 * 0.7)
+    between = 0.3 * 0.7 * 0.25**2
+    assert found.sigma_FL == pytest.approx(np.sqrt(0.15**2 + between))
+
+
+def test_splitting_a_class_of_the_curve_changes_next_to_nothing(fitted, table):
+    classes = classes_of(table(f"2-4 mm,{FLAT}", f"4-16 mm,{ROUND}"))
+    whole = predict_by_class(CURVE, classes, fitted).n[0]
+    assert predict_by_class(split(CURVE, 4, "mass"), classes, fitted).n[0] == pytest.approx(whole, abs=1e-3)
+
+
+def test_units_may_stand_in_the_header_and_axes_in_the_rows(table):
+    rows = ["8-16,20,15,10", "8-16,22,15,11", '"2,5-8",9,6,4']
+    classes = classes_of(table(*rows, header="Size class [mm],L,I,S"))
+    assert list(classes) == [(2.5e-3, 8e-3), (8e-3, 16e-3)]
+    assert [sample.grains for sample in classes.values()] == [1, 2]
+
+
+def test_a_table_without_classes_has_no_such_column(table):
+    assert class_column(table(FLAT, header=HEADER.removeprefix("class,"))) is None
+    assert class_column(None) is None
+
+
+@pytest.mark.parametrize(
+    "rows, fault",
+    [
+        ([f"coarse,{FLAT}"], "class is 'coarse', which is no sieve class; write it as '8-11.2 mm'"),
+        ([f"2-16,{FLAT}"], "class is '2-16' without a unit; write it as '2-16 mm'"),
+        ([f"2-16 furlong,{FLAT}"], "its unit 'furlong' is unknown, use m, cm, mm"),
+        ([f"16-2 mm,{FLAT}"], "give the smaller size first"),
+        ([f"2-8 mm,{FLAT}", f"4-16 mm,{ROUND}"], "classes 2 to 8 mm and 4 to 16 mm overlap"),
+    ],
+)
+def test_wrong_classes_have_one_clear_error(table, rows, fault):
+    with pytest.raises(ValueError, match=fault):
+        classes_of(table(*rows))
+
+
+def test_a_class_without_forms_is_refused(fitted, table):
+    with pytest.raises(ValueError, match="the class 2 to 4 mm has mass, but lies in none of the classes"):
+        predict_by_class(CURVE, classes_of(table(f"4-16 mm,{ROUND}")), fitted)
+
+
+def test_a_form_far_outside_is_a_refusal_that_names_its_class(fitted, table):
+    row = predict_by_class(CURVE, classes_of(table(f"2-4 mm,{FLAT}", "4-16 mm,0.05,0.01,0.6,0.1")), fitted).iloc[0]
+    assert row.refused.startswith("4-16 mm: ") and "mu_EQ_inv = " in row.refused and np.isnan(row.n)
+
+
+def test_the_command_and_the_function_use_the_classes(table, capsys):
+    path, curve = table(f"1.9-5.6 mm,{FLAT}", f"5.6-16 mm,{ROUND}"), ROOT / "examples" / "sieve_curve.csv"
+    assert main(["predict", str(path), "--sieve", str(curve), "--csv"]) == 0
+    line = capsys.readouterr().out.splitlines()[1]
+    n = simcore.predict(path, curve=curve).n[0]
+    assert line.startswith(BY_CLASS) and f"{n:.10f}"[:8] in line
+    assert main(["predict", str(path), "--sieve", str(curve), "--pack", "x.yaml"]) != 0
+    assert "a specification has one form for all; leave out --pack" in capsys.readouterr().err
