@@ -1,0 +1,61 @@
+"""`scree pores BED.nc`: surface, tortuosity, permeability and pore sizes of a packing."""
+
+from pathlib import Path
+
+from simcore.commands.options import check_writable, length
+
+
+def add(commands) -> None:
+    """Add the parser of this command."""
+    parser = commands.add_parser(
+        "pores",
+        help="surface, tortuosity, permeability, hydraulic conductivity and pore sizes of a packing",
+        description="Surface of the grains, permeability and hydraulic conductivity by Kozeny and Carman, tortuosity "
+        "by diffusion on voxels. With the extra `pores` also the distribution of pore sizes and the permeability of a "
+        "pore network. Voxels of two sizes give the error of resolution.",
+    )
+    parser.add_argument("packing", type=Path, metavar="BED.nc", help="netCDF file of `pack`")
+    parser.add_argument("--cut", metavar="LENGTH", help='length left out at both ends of the bed: "8 mm", or metres')
+    parser.add_argument(
+        "--voxel",
+        metavar="LENGTH",
+        help='edge of the fine voxels: "0.2 mm"; default: a fortieth of the median sieve size, larger for large beds',
+    )
+    parser.add_argument(
+        "--no-voxels", action="store_true", help="print only what follows from porosity and surface, in seconds"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON in SI units instead of text")
+    parser.add_argument(
+        "--plot", type=Path, metavar="OUT.png", help="figure of the pore sizes; also .pdf or .svg; needs `pores`"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options) -> int:
+    """Print the properties of the pore space, draw the pore sizes if asked for, and return 0."""
+    from simcore.packing.file import read_packing
+    from simcore.pores.pores import bulk_pores, missing_libraries, voxel_pores
+    from simcore.pores.pores_text import INSTALL, pores_json, pores_text
+
+    cut, voxel, missing = length("--cut", options.cut), length("--voxel", options.voxel), missing_libraries()
+    if options.no_voxels and (voxel is not None or options.plot is not None):
+        raise ValueError("--no-voxels: --voxel and --plot have no effect with it; leave it out, or them")
+    if options.plot is not None:
+        if missing:
+            raise ValueError(f"--plot: pore sizes need {' and '.join(missing)}; install the extra: {INSTALL}")
+        if options.plot.suffix.lower() not in (".png", ".pdf", ".svg"):
+            raise ValueError(f"--plot: {options.plot} must end in .png, .pdf or .svg")
+        check_writable(options.plot)
+    packing = read_packing(options.packing)
+    results = bulk_pores(packing, cut)
+    if not options.no_voxels:
+        low, high = results["z_lower"], results["z_upper"]
+        on_voxels, sizes = voxel_pores(packing, low, high, voxel, network=not missing)
+        results |= on_voxels
+        if options.plot is not None:
+            from simcore.report.figures.pores import pore_size_figure
+            from simcore.report.figures.saving import save_figure
+
+            save_figure(pore_size_figure(*sizes, results["voxel_fine"], options.packing.stem), options.plot)
+    print(pores_json(results) if options.json else pores_text(results, missing if not options.no_voxels else ()))
+    return 0

@@ -1,0 +1,57 @@
+"""Voxels of the evaluated part of a bed: porosity, layers, the cylinder's wall, and sizes."""
+
+import numpy as np
+import pytest
+
+from simcore.evaluation.porosity import bulk_porosity
+from simcore.pores import image
+from simcore.pores.image import pore_image, voxel_sizes
+from tests.helpers.packings import make_packing, sphere_lattice
+
+
+def lattice(domain="periodic"):
+    centres, width = sphere_lattice("sc", 3, 6)
+    if domain == "cylinder":
+        centres = centres - [1.0, 1.0, 0.0]
+        centres = centres[np.hypot(centres[:, 0], centres[:, 1]) < 1.2]
+    return make_packing(0.01 * centres, 0.005, width=0.01 * width, domain=domain)
+
+
+def test_porosity_is_that_of_the_bulk():
+    bed = lattice()
+    bulk = bulk_porosity(bed, method="exact", cut=0.01)
+    low, high = float(bulk["z_lower"]), float(bulk["z_upper"])
+    found = pore_image(bed, low, high, 0.25e-3)
+    assert found.height == pytest.approx(high - low, abs=0.25e-3)
+    assert found.porosity == pytest.approx(float(bulk["n"]), abs=0.005)
+    assert found.periodic and found.inside.shape == found.pores.shape
+
+
+def test_outside_a_cylinder_there_are_no_pores():
+    """Five columns of spheres in a cylinder: the porosity of its whole section, to the missing rim of 0.5 %."""
+    found = pore_image(lattice("cylinder"), 0.01, 0.03, 0.2e-3)
+    exact = 1.0 - 5.0 * (np.pi / 6.0) / (np.pi * 1.5**2)
+    assert not found.periodic
+    assert found.porosity == pytest.approx(exact, rel=0.005)
+
+
+def test_a_margin_adds_layers_that_do_not_count():
+    plain = pore_image(lattice(), 0.02, 0.03, 0.5e-3)
+    wide = pore_image(lattice(), 0.02, 0.03, 0.5e-3, margin=0.01)
+    assert wide.pores.shape[2] == plain.pores.shape[2] + 40
+    np.testing.assert_array_equal(wide.inside, plain.inside)
+    assert wide.porosity == plain.porosity
+
+
+def test_sizes_are_a_fortieth_and_larger_for_large_beds(monkeypatch):
+    bed = lattice()
+    assert voxel_sizes(bed, 0.01, 0.03) == pytest.approx((0.01 / 20, 0.01 / 40))
+    assert voxel_sizes(bed, 0.01, 0.03, 1e-4) == (2e-4, 1e-4)
+    monkeypatch.setattr(image, "MOST_VOXELS", 18_000)
+    coarse, fine = voxel_sizes(bed, 0.01, 0.03)
+    assert fine == pytest.approx(1e-3) and coarse == 2.0 * fine
+
+
+def test_too_thin_slabs_are_refused():
+    with pytest.raises(ValueError, match="fewer than two layers"):
+        pore_image(lattice(), 0.02, 0.0205, 0.5e-3)
