@@ -1,0 +1,147 @@
+"""What the page needs from the fitted models and the published tables, as plain data for JSON."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t as student
+
+from simcore.grains import measured_forms
+from simcore.grains.form_columns import MEANS, NEEDED, all_patterns
+from simcore.grains.sieve import SieveCurve, read_cases
+from simcore.grains.summary_rows import label_patterns
+from simcore.models import prediction
+from simcore.models.fitted_range import FAR, NEAR, WIDENING
+from simcore.models.formulas import SYMBOLS
+from simcore.models.packing_models.empirical import PREDICTORS
+from simcore.models.prediction_text import FEW_GRAINS
+from simcore.packing.sieve_specification import sieve_specification
+from simcore.paths import CONFIG, R22_TABLES, REFERENCE
+from simcore.provenance.version import VERSION
+from simcore.reference.r22_tables import read_r22_table
+
+LEVELS = (0.5, 0.8, 0.9, 0.95, 0.99)  # probabilities of the prediction intervals that the page offers
+COMPACTION = 4.1  # index K of the compressible packing model, of poured grains (de Larrard 1999)
+# The page puts the form of the sample here.
+SHAPES = "@SHAPES@"
+
+
+def page_data(fitted, r22_tables=R22_TABLES):
+    """Return all that the page needs to predict as `predict` does, dict of plain values.
+
+    fitted: FittedModels. r22_tables: folder of the tables of Rettinger et al. (2022).
+    """
+    published = _published(r22_tables)
+    cases = sorted({*fitted.cases(), *published})
+    curves = read_cases(CONFIG / "cases.tsv")
+    return {
+        "version": VERSION,
+        "one_class": {"name": prediction.ONE_CLASS, "case": prediction.model_case(prediction.ONE_CLASS)},
+        "cases": [_case(name, curves.get(name)) for name in cases],
+        "fitted_cases": fitted.cases(),
+        "levels": list(LEVELS),
+        "models": [_model(name, model, fitted.behind[name, case]) for (name, case), model in fitted.models.items()],
+        "r22": published,
+        "symbols": SYMBOLS,
+        "shapes": SHAPES,
+        "rule": {"near": NEAR, "far": FAR, "widening": WIDENING},
+        "nearly_one_form": prediction.NEARLY_ONE_FORM * prediction.R22_MIXTURES["sigma"][0],
+        "smallest_porosity": prediction.SMALLEST_PRINTED,
+        "reading": _reading(),
+        "literature": _measured_errors(),
+        "flatness": read_r22_table("table2_form_statistics", r22_tables)[["mu_FL", "sigma_FL"]].to_numpy().tolist(),
+    }
+
+
+def _measured_errors():
+    """Return the compaction index of the compressible packing model, and the errors of predictors on measured gravels.
+
+    rms: root mean square error over the gravels U3 to B70 of Rettinger et al., by name
+    (`python -m benchmarks.studies.size_models`).
+    """
+    table = pd.read_csv(REFERENCE / "size_models_measured.csv")
+    published = table[(table["classes"] == "one size") & (table["K"].isna() | (table["K"] == COMPACTION))]
+    rows = pd.concat([published, table[table["given"] == "curve"]])
+    return {"K": COMPACTION, "rms": dict(zip(rows["model"], rows["rms_error"].astype(float), strict=True))}
+
+
+def _reading():
+    """Return what the reader of tables needs."""
+    return {
+        "patterns": all_patterns(),
+        "labels": label_patterns(),
+        "longest": measured_forms.LONGEST,
+        "max_grains": measured_forms.MAX_GRAINS,
+        "alike": measured_forms.ALIKE,
+        "shown": measured_forms.SHOWN,
+        "few_grains": FEW_GRAINS,
+        "needed": NEEDED,
+        "means": list(MEANS),
+    }
+
+
+def _model(name, model, behind):
+    """Return a PorosityModel with Student's t at each of LEVELS."""
+    freedom = model.n_samples - len(model.coefficients)
+    keys = ("case", "features", "coefficients", "covariance", "scatter", "minimum", "maximum", "n_samples")
+    return {
+        "model": name,
+        **{key: getattr(model, key) for key in keys},
+        "error": model.mean_absolute_error,
+        "behind": behind,
+        "quantiles": {f"{level:g}": float(student.ppf(0.5 + 0.5 * level, freedom)) for level in LEVELS},
+    }
+
+
+def _published(folder):
+    """Return the models of Rettinger et al., dict from case to a list of models."""
+    models = {}
+    for _, row in read_r22_table("models", folder).iterrows():
+        slopes = row.drop(["model", "case", "intercept", "equation_arxiv"]).dropna().astype(float)
+        ranges = prediction.r22_ranges(row["model"], slopes.index, folder)
+        models.setdefault(row["case"], []).append(
+            {
+                "model": row["model"],
+                "equation": int(row["equation_arxiv"]),
+                "intercept": float(row["intercept"]),
+                "features": list(slopes.index),
+                "slopes": slopes.tolist(),
+                "ranges": [[key, *map(float, limits)] for key, limits in ranges],
+            }
+        )
+    return models
+
+
+def _case(name, case):
+    """Return a case: its sieve curve, its specification, and the predictors that need nothing else.
+
+    A case of a campaign that config/cases.tsv does not list (None) has only its name.
+    """
+    if case is None:
+        return {"name": name, "bounds": [], "mass_fractions": [], "specification": "", "predictors": []}
+    curve = _without_empty_ends(case.curve)
+    text, _ = sieve_specification(curve, Path(name))
+    # The comment on synthetic pebbles has no place where the form is measured.
+    text = re.sub(r"(?m)^# A sieve curve says.*\n^# I/L, write.*\n", "", text)
+    text = re.sub(r"(?m)^shapes: .*$", SHAPES, text)
+    text = text.replace(
+        f"# Packs the sieve curve of {name}.", f"# Packs the sieve curve {name} with the measured form."
+    )
+    return {
+        "name": name,
+        "bounds": [1e3 * float(bound) for bound in curve.bounds],
+        "mass_fractions": curve.mass_fractions.tolist(),
+        "specification": text,
+        "predictors": [
+            {"name": predictor.name, "range": predictor.range, "n": float(predictor.porosity(curve))}
+            for predictor in PREDICTORS
+        ],
+    }
+
+
+def _without_empty_ends(curve):
+    """Return a SieveCurve without the classes that are finer or coarser than all grains."""
+    filled = np.flatnonzero(curve.mass_fractions)
+    first, last = filled[0], filled[-1] + 1
+    return SieveCurve(curve.bounds[first : last + 1], curve.mass_fractions[first:last], curve.name)

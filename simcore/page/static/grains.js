@@ -1,0 +1,246 @@
+// Samples of measured grains from a table, as simcore.grains.measured_forms reads them.
+const Grains = (() => {
+  const { InputError, NUMBER, general } = Numbers;
+  const { AXES, RATIOS, MEANS, TWO_AXES } = Columns;
+  const { labels, longest, max_grains: maxGrains, alike, shown, needed } = DATA.reading;
+  const AMBIGUOUS = /^[1-9]\d{0,2}[.,]\d{3}$/;
+  const LABELS = { strong: new RegExp(`^(?:${labels.strong})$`, "iu"), weak: new RegExp(`^(?:${labels.weak})$`, "iu") };
+
+  // Returns {samples, notices, kind, columns}. A sample has a name, its number of grains (0: only statistics), mu_FL,
+  // sigma_FL, ..., sigma_EQ, and the forms [FL, EL] of its rows; with two axes only, it has no FL and no EQ.
+  function read(name, text, sample = "", notices = []) {
+    const table = Table.read(name, text, notices);
+    if (!table.header.length) throw new InputError(`${name}: the file is empty; ${needed}`);
+    const columns = Columns.recognise(name, table.header, sample);
+    const [rows, summaries] = leaveOutSummaries(name, table, columns);
+    if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${needed}`);
+    const [counts, countNotices] = readCounts(name, table.header, rows, columns);
+    const groups = new Map();
+    for (const { row, cells } of rows) {
+      const where = `${name}, row ${row}`;
+      const values = readForms(where, table.header, cells, columns);
+      const group = nameOf(where, table.header, cells, columns, row, name);
+      if (!groups.has(group)) groups.set(group, []);
+      groups.get(group).push({ where, values, row });
+    }
+    const samples = [...groups].map(([group, entries]) => {
+      if (columns.kind === MEANS) return fromMeans(group, entries);
+      return fromGrains(name, group, entries, columns.kind, counts);
+    });
+    const unused = describeUnused(table.header, rows, columns);
+    const all = [...table.notices, ...summaries, ...countNotices, ...unused].map((notice) => `${name}: ${notice}`);
+    return { samples, notices: all, kind: columns.kind, header: table.header };
+  }
+
+  function leaveOutSummaries(name, { header, rows }, columns) {
+    const found = new Map();
+    header.forEach((_, position) => {
+      if (columns.forms.includes(position) || position === columns.counts) return;
+      const words = rows.map(({ cells }) => cells[position].toLowerCase());
+      const isStrong = (word, i) => LABELS.strong.test(word) && word !== words[i - 1] && word !== words[i + 1];
+      const places = new Set(words.flatMap((word, i) => (isStrong(word, i) ? [i] : [])));
+      const weak = places.size ? words.flatMap((word, i) => (LABELS.weak.test(word) ? [i] : [])) : [];
+      for (let before = -1; before !== places.size; ) {
+        before = places.size;
+        const joined = weak.filter((i) => !places.has(i) && (places.has(i - 1) || places.has(i + 1)));
+        joined.forEach((i) => places.add(i));
+      }
+      places.forEach((i) => found.has(i) || found.set(i, rows[i].cells[position]));
+    });
+    if (!found.size) return [rows, []];
+    const order = [...found].sort(([a], [b]) => a - b);
+    const listed = order.map(([i, label]) => `row ${rows[i].row} (${label})`).join(", ");
+    if (found.size === rows.length) {
+      throw new InputError(`${name}: all rows summarise others (${listed}); give the grains themselves, one row each`);
+    }
+    const verb = found.size > 1 ? "summarise others and are" : "summarises others and is";
+    return [rows.filter((_, i) => !found.has(i)), [`${listed} ${verb} left out`]];
+  }
+
+  function readForms(where, header, cells, columns) {
+    const width = cells.reduce((most, text, i) => (text ? i + 1 : most), 0);
+    if (Math.max(...columns.forms) >= width) {
+      throw new InputError(
+        `${where}: the row has ${width} fields, but the header has ${header.length}; add or remove fields, and write ` +
+          "decimals with a point if commas separate the fields"
+      );
+    }
+    return columns.forms.map((position, i) => Numbers.read(where, columns.kind[i], cells[position]));
+  }
+
+  function nameOf(where, header, cells, columns, row, name) {
+    if (columns.sample < 0) return columns.kind === MEANS ? `row ${row}` : name.replace(/(?<=.)\.[^.]+$/, "");
+    if (!cells[columns.sample]) {
+      throw new InputError(`${where}: ${header[columns.sample]} is empty; name the sample in every row`);
+    }
+    return cells[columns.sample];
+  }
+
+  // Returns [{weights, whole} or null, notices]; weights by the number of the row.
+  function readCounts(name, header, rows, columns) {
+    if (columns.counts < 0) return [null, []];
+    const title = header[columns.counts];
+    const marksOf = (text) => [".", ","].filter((mark) => text.includes(mark));
+    const used = rows.flatMap(({ cells }) => [...columns.forms, columns.counts].map((position) => cells[position]));
+    const marks = new Set(used.filter((text) => !AMBIGUOUS.test(text)).flatMap(marksOf));
+    const weights = new Map();
+    for (const { row, cells } of rows) {
+      const [where, text] = [`${name}, row ${row}`, cells[columns.counts]];
+      const own = marksOf(text);
+      if (AMBIGUOUS.test(text) && !(marks.size === own.length && own.every((mark) => marks.has(mark)))) {
+        throw new InputError(`${where}: ${title} is ${text}; write it without a separator of thousands`);
+      }
+      const value = Numbers.read(where, title, text);
+      if (!(value >= 0 && value <= maxGrains)) {
+        throw new InputError(`${where}: ${title} = ${general(value)}; a number of grains must be between 0 and 1e12`);
+      }
+      weights.set(row, value);
+    }
+    const values = [...weights.values()];
+    if (values.length > 1 && Columns.mayNumberRows(title) && values.every((v, i) => !i || v - values[i - 1] === 1)) {
+      return [null, [`the column ${title} numbers the rows, so it is not used as a number of grains`]];
+    }
+    if (values.every(Number.isInteger) && !/%|percent/.test(title)) {
+      const total = values.reduce((sum, value) => sum + value, 0).toFixed(0);
+      return [{ weights, whole: true }, [`the column ${title} is the number of grains of each row, ${total} in all`]];
+    }
+    const notice = `the column ${title} is the weight of each row; the number of grains is unknown`;
+    return [{ weights, whole: false }, [notice]];
+  }
+
+  function describeUnused(header, rows, columns) {
+    const used = new Set([...columns.forms, columns.counts, columns.sample]);
+    const unused = new Map(header.flatMap((t, i) => (used.has(i) ? [] : [[i, t || `(column ${i + 1}, no name)`]])));
+    const notices = [];
+    if (columns.sample < 0 && columns.kind !== MEANS) {
+      for (const [position, title] of [...unused]) {
+        const values = [...new Set(rows.map(({ cells }) => cells[position]))].filter((text) => text);
+        const names = values.length > 1 && values.length < rows.length && !values.every((text) => NUMBER.test(text));
+        if (!names || !header[position]) continue;
+        unused.delete(position);
+        const some = values.slice(0, shown).join(", ");
+        const list = values.length <= shown ? some : `${some} and ${values.length - shown} more`;
+        notices.push(
+          `the column ${title} has repeated values (${list}) and is not used, so all grains are one sample; if its ` +
+            "values are samples, choose it below the table"
+        );
+      }
+    }
+    if (unused.size) notices.push(`columns that are not used: ${[...unused.values()].join(", ")}`);
+    return notices;
+  }
+
+  // Returns [FL, EL] of a row; FL is null with two axes only.
+  function formOf(where, values, kind) {
+    if (kind === AXES) return ofAxes(where, values);
+    if (kind === TWO_AXES) return [null, ofTwoAxes(where, values)];
+    RATIOS.forEach((title, i) => {
+      if (!(values[i] > 0 && values[i] <= 1)) {
+        throw new InputError(
+          `${where}: ${title} = ${general(values[i])} is not in (0, 1]; FL is S/I and EL is I/L; do not give their ` +
+            "inverses or percent"
+        );
+      }
+    });
+    if (values[0] * values[1] * longest < 1) {
+      throw new InputError(
+        `${where}: FL = ${general(values[0])}, EL = ${general(values[1])} give L/S above ${general(longest)}, more ` +
+          "than for any gravel; correct or remove the row"
+      );
+    }
+    return values;
+  }
+
+  function ofAxes(where, [L, I, S]) {
+    const slack = 1 - 1e-12;
+    const listed = `L = ${general(L)}, I = ${general(I)}, S = ${general(S)}`;
+    if (S <= 0) throw new InputError(`${where}: S = ${general(S)} is not positive; L >= I >= S > 0 is needed`);
+    if (I < S * slack || L < I * slack) {
+      throw new InputError(`${where}: ${listed}; L >= I >= S is needed: sort the axes, and give all in one unit`);
+    }
+    if (L > longest * S) {
+      throw new InputError(
+        `${where}: L = ${general(L)} is ${general(L / S, 4)} times S = ${general(S)}, more than for any gravel; give ` +
+          "all axes in one unit"
+      );
+    }
+    return [Math.min(S / I, 1), Math.min(I / L, 1)];
+  }
+
+  function ofTwoAxes(where, [L, I]) {
+    if (I <= 0) throw new InputError(`${where}: I = ${general(I)} is not positive; L >= I > 0 is needed`);
+    if (L < I * (1 - 1e-12)) {
+      throw new InputError(
+        `${where}: L = ${general(L)}, I = ${general(I)}; L >= I is needed: sort the axes, and give both in one unit`
+      );
+    }
+    if (L > longest * I) {
+      throw new InputError(
+        `${where}: L = ${general(L)} is ${general(L / I, 4)} times I = ${general(I)}, more than for any gravel; ` +
+          "correct them"
+      );
+    }
+    return Math.min(I / L, 1);
+  }
+
+  function fromGrains(name, group, entries, kind, counts) {
+    const forms = entries.map(({ where, values }) => formOf(where, values, kind));
+    const weights = counts ? entries.map(({ row }) => counts.weights.get(row)) : forms.map(() => 1);
+    const total = sum(weights);
+    if (counts && !(total > 0)) {
+      throw new InputError(`${name}: the numbers of grains of sample ${group} are all 0; correct or remove its rows`);
+    }
+    const positive = weights.filter((weight) => weight > 0).length;
+    const sample = { name: group, grains: counts ? (counts.whole ? total : positive) : forms.length, forms };
+    const features = { FL: ([FL]) => FL, EL: ([, EL]) => EL, EQ: ([FL, EL]) => FL * EL };
+    for (const key of kind === TWO_AXES ? ["EL"] : ["FL", "EL", "EQ"]) {
+      const values = forms.map(features[key]);
+      const mean = sum(values.map((value, i) => weights[i] * value)) / total;
+      const std = Math.sqrt(sum(values.map((value, i) => weights[i] * (value - mean) ** 2)) / total);
+      sample[`mu_${key}`] = mean;
+      sample[`sigma_${key}`] = std > alike * mean ? std : 0;
+    }
+    return sample;
+  }
+
+  function fromMeans(group, entries) {
+    if (entries.length > 1) {
+      throw new InputError(
+        `${entries[1].where}: sample ${group} occurs twice, but each row of means and deviations is one sample; ` +
+          "rename or remove one"
+      );
+    }
+    const [{ where, values }] = entries;
+    const [mu_FL, sigma_FL, mu_EL, sigma_EL] = values;
+    for (const [key, mu, sigma] of [["FL", mu_FL, sigma_FL], ["EL", mu_EL, sigma_EL]]) {
+      if (!(mu > 0 && mu <= 1)) {
+        throw new InputError(
+          `${where}: mean_${key} = ${general(mu)} is not in (0, 1]; FL is S/I and EL is I/L, not percent`
+        );
+      }
+      const widest = Math.sqrt(mu * (1 - mu));
+      if (!(sigma >= 0 && sigma <= widest)) {
+        throw new InputError(
+          `${where}: std_${key} = ${general(sigma)}; with a mean of ${general(mu)} it is between 0 and ` +
+            `${general(widest, 3)}; give the standard deviation, not the variance or a percentage`
+        );
+      }
+    }
+    return { name: group, grains: 0, forms: [], ...withEquancy(mu_FL, sigma_FL, mu_EL, sigma_EL) };
+  }
+
+  // Returns the statistics with those of EQ = FL EL; FL and EL are assumed to be independent.
+  function withEquancy(mu_FL, sigma_FL, mu_EL, sigma_EL) {
+    const mu_EQ = mu_EL * mu_FL;
+    const variance = (mu_EL ** 2 + sigma_EL ** 2) * (mu_FL ** 2 + sigma_FL ** 2) - mu_EQ ** 2;
+    // If nothing varies, the difference of squares is rounding.
+    return { mu_FL, sigma_FL, mu_EL, sigma_EL, mu_EQ, sigma_EQ: sigma_FL || sigma_EL ? Math.sqrt(variance) : 0 };
+  }
+
+  const isOneForm = (sample) =>
+    sample.sigma_FL <= alike * sample.mu_FL && sample.sigma_EL <= alike * sample.mu_EL;
+
+  const sum = (values) => values.reduce((total, value) => total + value, 0);
+
+  return { read, isOneForm, withEquancy };
+})();

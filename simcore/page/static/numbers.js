@@ -1,0 +1,56 @@
+// Numbers: reading the cells of a table, and writing values as Python's format "g" does.
+const Numbers = (() => {
+  const NUMBER = /^(?:[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity))$/i;
+
+  class InputError extends Error {}
+
+  // Returns the finite number in the text of a cell; `where` and `name` are for the message.
+  function read(where, name, text) {
+    const plain = text.replaceAll("\u2212", "-");
+    if (plain.trimEnd().endsWith("%")) {
+      throw new InputError(`${where}: ${name} is '${text}'; give a fraction, 0.65 instead of 65 %`);
+    }
+    const commas = plain.split(",").length - 1;
+    const points = plain.split(".").length - 1;
+    if ((commas && points) || commas > 1 || points > 1) {
+      throw new InputError(
+        `${where}: ${name} is '${text}'; a number is needed, without separators of thousands; write its unit, if any, ` +
+          "in the header"
+      );
+    }
+    if (!NUMBER.test(plain)) {
+      throw new InputError(
+        `${where}: ${name} is '${text}'; a number is needed; write its unit, if any, in the header`
+      );
+    }
+    const value = Number(plain.replace(",", "."));
+    if (!Number.isFinite(value)) {
+      throw new InputError(
+        `${where}: ${name} is ${text}; a finite number is needed; remove the row if it is unknown`
+      );
+    }
+    return value;
+  }
+
+  // Writes a value with at most this number of digits, without zeros at the end.
+  function general(value, digits = 6) {
+    if (Number.isNaN(value)) return "nan";
+    if (!Number.isFinite(value)) return value > 0 ? "inf" : "-inf";
+    if (value === 0) return "0";
+    if (isEvenTie(value, digits)) value *= 1 - 2 ** -40;
+    const [mantissa, power] = value.toExponential(digits - 1).split("e");
+    const exponent = Number(power);
+    const trim = (text) => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
+    if (exponent >= -4 && exponent < digits) return trim(value.toFixed(digits - 1 - exponent));
+    return `${trim(mantissa)}e${exponent < 0 ? "-" : "+"}${String(Math.abs(exponent)).padStart(2, "0")}`;
+  }
+
+  // Whether a value is exactly between two numbers of so many digits, the smaller of which is even. Python rounds to the
+  // even one, and JavaScript away from zero.
+  function isEvenTie(value, digits) {
+    const all = Math.abs(value).toExponential(100).replace(/e.*|\./g, "");
+    return /^50*$/.test(all.slice(digits)) && Number(all[digits - 1]) % 2 === 0;
+  }
+
+  return { NUMBER, InputError, read, general };
+})();

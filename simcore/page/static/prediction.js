@@ -1,0 +1,145 @@
+// Predicts the porosity of samples, as simcore.models.prediction does; further models are added to PREDICTORS.
+const Prediction = (() => {
+  const { general } = Numbers;
+  const { near, far, widening } = DATA.rule;
+
+  // Each takes (sample, features, case, level) and returns the rows of the models that suit the sample.
+  const PREDICTORS = [predictOurs, predictR22];
+
+  // Returns the case whose models are used for the chosen one.
+  const modelCase = (choice) => (choice === DATA.one_class.name ? DATA.one_class.case : choice);
+
+  // Returns the rows of one sample: {by, model, preferred, n, lower, upper, outside, distance, refused, quantities};
+  // numbers are NaN where a model is not evaluated. quantities: [{name, value, low, high}] of the model's range.
+  function predict(sample, choice, level) {
+    const features = featuresOf(sample);
+    return PREDICTORS.flatMap((predictor) => predictor(sample, features, modelCase(choice), level));
+  }
+
+  // Returns the range of the porosity over the flatness of published samples, for a sample with two axes only.
+  function predictTwoAxes(sample, choice, level) {
+    const best = DATA.flatness.flatMap(([mu, sigma]) => {
+      const assumed = Grains.withEquancy(mu, sigma, sample.mu_EL, sample.sigma_EL);
+      const rows = predict({ ...sample, ...assumed }, choice, level).filter((row) => !Number.isNaN(row.n));
+      const chosen = rows.find((row) => row.preferred) ?? rows[0];
+      return chosen ? [{ ...chosen, flatness: mu }] : [];
+    });
+    if (!best.length) return null;
+    const pick = (key) => best.map((row) => row[key]);
+    return {
+      n_low: Math.min(...pick("n")),
+      n_high: Math.max(...pick("n")),
+      lower: Math.min(...pick("lower")),
+      upper: Math.max(...pick("upper")),
+      flatness_low: Math.min(...pick("flatness")),
+      flatness_high: Math.max(...pick("flatness")),
+    };
+  }
+
+  function featuresOf(sample) {
+    const features = {};
+    for (const key of ["EQ", "EL"]) {
+      const [mu, sigma] = [sample[`mu_${key}`], sample[`sigma_${key}`]];
+      features[`mu_${key}_inv`] = features[`${key}_inv`] = 1 / mu;
+      features[`sigma_${key}_inv`] = 1 / sigma;
+      features[`relative_variance_${key}`] = (sigma / mu) ** 2;
+    }
+    return features;
+  }
+
+  function predictOurs(sample, features, name, level) {
+    const suited = [Grains.isOneForm(sample) ? "single_form" : "form_mixture", "unified"];
+    const models = suited.flatMap((kind) => DATA.models.filter((m) => m.model === kind && m.case === name));
+    const rows = models.map((model) => {
+      const [n, half] = evaluate(model, features, level);
+      const quantities = model.features.map((feature, i) =>
+        ranged(feature, features[feature], model.minimum[i], model.maximum[i])
+      );
+      const distance = Math.max(0, ...quantities.map((quantity) => quantity.distance));
+      const widened = half * (1 + widening * Math.max(Math.min(distance, 1e300) - near, 0));
+      return { ...row("ours", model.model, n, n - widened, n + widened, quantities, 4), error: model.error };
+    });
+    return prefer(sample, rows);
+  }
+
+  // Returns the porosity and the half-width of the prediction interval by least squares.
+  function evaluate(model, features, level) {
+    const design = [1, ...model.features.map((feature) => features[feature])];
+    const n = dot(design, model.coefficients);
+    const variance = model.scatter ** 2 + dot(design, model.covariance.map((line) => dot(line, design)));
+    return [n, model.quantiles[general(level)] * Math.sqrt(variance)];
+  }
+
+  function prefer(sample, rows) {
+    const evaluated = rows.filter((candidate) => !Number.isNaN(candidate.n));
+    if (!evaluated.length) return rows;
+    let chosen = evaluated[0];
+    if (!Grains.isOneForm(sample)) {
+      const within = evaluated.filter((candidate) => !candidate.outside);
+      const inside = within.length ? within : evaluated.slice(-1);
+      chosen = inside.reduce((best, candidate) => (candidate.error < best.error ? candidate : best));
+    }
+    chosen.preferred = true;
+    return rows;
+  }
+
+  function predictR22(sample, features, name) {
+    const least = DATA.nearly_one_form;
+    const oneForm = Grains.isOneForm(sample);
+    const nearly = !oneForm && Math.max(sample.sigma_FL, sample.sigma_EL) < least;
+    const kind = oneForm || nearly ? "single_form" : "form_mixture";
+    const model = (DATA.r22[name] ?? []).find((candidate) => candidate.model === kind);
+    if (!model) return [];
+    const n = model.intercept + dot(model.features.map((feature) => features[feature]), model.slopes);
+    const quantities = model.ranges.map(([key, low, high]) => ranged(key, features[key] ?? sample[key], low, high));
+    const remark = `sigma_FL and sigma_EL are below ${general(least)}: taken for one form`;
+    return [row("r22", kind, n, NaN, NaN, quantities, 3, nearly ? [remark] : [])];
+  }
+
+  function ranged(name, value, low, high) {
+    return { name, value, low, high, distance: distanceOutside(value, low, high) };
+  }
+
+  // Distance of a value from a range, in widths of the range; 0 inside.
+  function distanceOutside(value, low, high) {
+    if (Number.isNaN(value)) return Infinity;
+    const slack = 1e-9 * Math.max(Math.abs(low), Math.abs(high));
+    const beyond = Math.max(low - value, value - high);
+    return beyond > slack ? beyond / (high - low) : 0;
+  }
+
+  function row(by, model, n, lower, upper, quantities, digits, remarks = []) {
+    const outside = quantities.filter((quantity) => quantity.distance > 0);
+    const distance = Math.max(0, ...outside.map((quantity) => quantity.distance));
+    const texts = outside.map(
+      ({ name, value, low, high }) =>
+        `${name} = ${general(value, 4)}, fitted from ${general(low, digits)} to ${general(high, digits)}`
+    );
+    let refused = "";
+    if (distance > far) refused = describeFarthest(outside, digits);
+    else if (!isPorosity(n)) refused = "its formula gives a porosity outside (0, 1)";
+    else if (![lower, upper].every((value) => Number.isNaN(value) || isPorosity(value))) {
+      refused = "its prediction interval reaches outside (0, 1)";
+    }
+    if (refused) n = lower = upper = NaN;
+    return {
+      by, model, preferred: false, n, lower, upper, outside: [...remarks, ...texts].join("; "), distance, refused,
+      quantities,
+    };
+  }
+
+  function describeFarthest(outside, digits) {
+    const farthest = outside.reduce((worst, quantity) => (quantity.distance > worst.distance ? quantity : worst));
+    const { name, value, low, high } = farthest;
+    const reach = far * (high - low);
+    const limit = value > high ? `above ${general(high + reach, digits)}` : `below ${general(low - reach, digits)}`;
+    return (
+      `${name} = ${general(value, 4)} is ${limit}, fitted from ${general(low, digits)} to ${general(high, digits)}`
+    );
+  }
+
+  const isPorosity = (value) => value >= DATA.smallest_porosity && value <= 1 - DATA.smallest_porosity;
+  const dot = (a, b) => a.reduce((total, value, i) => total + value * b[i], 0);
+
+  return { PREDICTORS, modelCase, predict, predictTwoAxes };
+})();

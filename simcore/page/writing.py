@@ -1,0 +1,43 @@
+"""Writes the page: a template, a style, scripts and the data of the models in one file."""
+
+import json
+from importlib.resources import files
+from pathlib import Path
+
+from jinja2 import Environment, StrictUndefined
+
+from simcore.page.data import page_data
+
+# In the order in which they are loaded; each one uses only those before it.
+SCRIPTS = ("numbers", "table", "columns", "grains", "prediction", "packing", "outputs", "drawings", "page")
+
+
+def write_page(path, fitted):
+    """Write the page of these FittedModels to `path`, as UTF-8; its folder is made if it does not exist."""
+    path = Path(path)
+    if path.is_dir():
+        raise ValueError(f"{path}: this is a folder; give the name of the page to write, such as porosity.html")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(page_text(page_data(fitted)), encoding="utf-8")
+
+
+def page_text(data):
+    """Return the page as HTML; data: result of page_data."""
+    # Not autoescaped: scripts and style are this package's own, and the data are escaped by _json.
+    environment = Environment(undefined=StrictUndefined, autoescape=False, keep_trailing_newline=True)
+    return environment.from_string(_read("page.html")).render(
+        style=_read("page.css"),
+        scripts=[_read(f"{name}.js") for name in SCRIPTS],
+        data=_json(data),
+        version=data["version"],
+    )
+
+
+def _json(data):
+    """Return JSON that can be inside <script>: without the characters that could end it."""
+    text = json.dumps(data, allow_nan=False, ensure_ascii=True)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _read(name):
+    return (files("simcore.page") / "static" / name).read_text(encoding="utf-8")

@@ -1,0 +1,59 @@
+"""The page, written once, and a headless Chromium that shows it."""
+
+import shutil
+import warnings
+
+import pytest
+
+from simcore.models.fitting import fit_reference_models
+from simcore.page.writing import write_page
+
+
+@pytest.fixture(scope="package")
+def fitted():
+    return fit_reference_models()
+
+
+@pytest.fixture(scope="package")
+def page_file(fitted, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "deep" / "porosity.html"
+    write_page(path, fitted)
+    return path
+
+
+@pytest.fixture(scope="package")
+def browser():
+    """Chromium without a network; skips with a warning where it is not installed."""
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        program = None
+    if program is None:
+        reason = "the page is not tested in a browser: install chromium (apt-get install chromium) and playwright (pip)"
+        warnings.warn(reason, stacklevel=1)
+        pytest.skip(reason)
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def open_page(browser, page_file):
+    """A function that opens the page offline, with the part of an address after #; a failed script fails the test."""
+    contexts, errors = [], []
+
+    def open_at(fragment="", width=1400):
+        context = browser.new_context(viewport={"width": width, "height": 900}, locale="en-GB", offline=True)
+        context.set_default_timeout(120_000)  # a machine with other work takes long to draw
+        contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.goto(page_file.as_uri() + fragment)
+        return page
+
+    yield open_at
+    for context in contexts:
+        context.close()
+    assert errors == []
