@@ -1,0 +1,24 @@
+"""The how-to pages run as they are printed, and print what they show."""
+
+import pytest
+
+from simcore.paths import ROOT
+from tests.helpers.page_blocks import PageRun, blocks_of
+
+RUN = sorted(
+    page
+    for page in (ROOT / "docs/how_to").glob("*.md")
+    if any(block.language in ("bash", "python") for block in blocks_of(page.read_text(encoding="utf-8")))
+)
+
+
+@pytest.mark.parametrize("page", RUN, ids=lambda page: page.stem)
+def test_a_page_runs_and_prints_what_it_shows(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    PageRun(tmp_path).run(page.read_text(encoding="utf-8"))
+
+
+def test_ten_errors_are_explained():
+    page = (ROOT / "docs/how_to/errors.md").read_text(encoding="utf-8")
+    assert page.count("\n## ") == 10
+    assert sum(block.mark == "fails" for block in blocks_of(page)) >= 10
