@@ -1,6 +1,6 @@
 # `make` sets up an environment and runs the default campaign. `make check` sets it up, checks the style and runs some
 # tests of each package within two minutes. `make test` runs the tests. `make verify` runs every extreme case, also
-# those that take too long for the tests.
+# those that take too long for the tests. `make docs` builds the documentation site and fails on a dead link.
 VENV ?= .venv
 PYTHON ?= python3
 CORES ?= all
@@ -17,6 +17,7 @@ QUICK_TESTS := $(addprefix tests/,test_structure.py test_command_line.py \
   $(addprefix evaluation/,test_slicing.py test_porosity.py) \
   reference \
   $(addprefix models/,test_regression.py test_formulas.py) \
+  $(addprefix pores/,test_surface.py test_kozeny_carman.py) \
   $(addprefix campaign/,test_plan.py test_study_tables.py) \
   $(addprefix report/,test_sections.py test_page.py) \
   verification/test_work_precision_tables.py provenance)
@@ -29,7 +30,7 @@ endif
 bin := $(abspath $(VENV))/bin
 installed := $(VENV)/.installed
 
-.PHONY: all environment check test verify
+.PHONY: all environment check test verify docs
 
 # PATH is set because snakemake would find the system's python if the environment is not activated. Steps are compiled
 # first, so that packings which start together do not compile the same step.
@@ -53,6 +54,10 @@ test: environment
 verify: environment
 	PATH="$(bin):$$PATH" python -m pytest tests/physics/extremes -m "extremes or not extremes" $(PYTEST_ARGS)
 	PATH="$(bin):$$PATH" python -m pytest tests/dem -m extremes $(PYTEST_ARGS)
+
+docs: environment
+	NO_MKDOCS_2_WARNING=1 PATH="$(bin):$$PATH" mkdocs build
+	@echo "Site: results/site/index.html; for its search, run: python3 -m http.server --directory results/site"
 
 environment: $(installed)
 

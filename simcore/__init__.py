@@ -8,7 +8,9 @@
     simcore.porosity_profile(bed)               porosity over height
     simcore.fabric(bed)                         solid fraction, coordination number and directions of the bulk
     simcore.coordination_number(bed)            of all grains, and the contacts of each
-    simcore.predict("forms.csv", "one-class")   porosity of measured grains, without packing them
+    simcore.predict("forms.csv", "one-class")   porosity of measured grains, without packing them; also with a sieve
+                                                curve, predict("forms.csv", curve="curve.csv")
+    simcore.fit("measured.csv", case="U1")      models compared with measured porosities, and corrected or fitted
     simcore.query(shape, pose, shape, pose)     distance of two shapes: sphere, ellipsoid, convex
 
 These names are imported when they are first used, so that `import simcore` is fast.
@@ -23,8 +25,10 @@ Data flow in one direction: grains -> scene -> dem -> packing -> evaluation -> m
     reference/     the tables of Rettinger et al. (2022) and the committed rows
     models/        regression, cross-validation, porosity models, prediction
     export/        files of a packing for other programs: surfaces, voxels, network of contacts
+    pores/         pore space of a packing: surface, tortuosity, permeability, pore sizes
     campaign/      many packings: studies, their plan and cost, their tables, the committed rows
     report/        the page of a campaign and its figures
+    page/          the page that predicts porosity in a browser
     verification/  comparison of parts of the code with closed forms
     commands/      the commands of the command line
     provenance/    version of the code, machine, CPU time
@@ -48,6 +52,7 @@ _PUBLIC = {
     "fabric": ("simcore.evaluation.fabric", "fabric"),
     "coordination_number": ("simcore.evaluation.coordination", "coordination_number"),
     "predict": ("simcore.models.measured_prediction", "predict"),
+    "fit": ("simcore.models.measured_fit", "fit"),
     "query": ("simcore.dem.contact.query", "query"),
     "query_many": ("simcore.dem.contact.query", "query_many"),
     "sphere": ("simcore.dem.shapes.polyhedra", "sphere"),

@@ -10,6 +10,8 @@ from simcore.commands import COMMANDS
 # Package that only some commands need: the extra of pyproject.toml that installs it.
 EXTRAS = {
     "mpi4py": "mpi",
+    "porespy": "pores",
+    "openpnm": "pores",
 }
 BROKEN_PIPE = 141  # 128 + SIGPIPE
 
@@ -19,7 +21,9 @@ def main(arguments=None) -> int:
 
     The status is 141, as in a shell, if the reader of the output closes it early, such as `| head`.
     """
-    options = _parser().parse_args(arguments)
+    called = os.path.basename(sys.argv[0])
+    prog = "scree" if called in ("scree", "scree.exe") else "python -m simcore"
+    options = command_parser(prog).parse_args(arguments)
     # Numba reads its number of threads when it is imported, and the variable must not change afterwards.
     if getattr(options, "threads", None) and "numba" not in sys.modules:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(max(options.threads, 1)))
@@ -46,9 +50,8 @@ def main(arguments=None) -> int:
         return 2
 
 
-def _parser():
-    called = os.path.basename(sys.argv[0])
-    prog = "scree" if called in ("scree", "scree.exe") else "python -m simcore"
+def command_parser(prog: str) -> argparse.ArgumentParser:
+    """Return the parser of all commands. prog: how the program was called, for its messages."""
     parser = argparse.ArgumentParser(prog=prog, description="Porosity of gravel beds from the form of the grains.")
     parser.add_argument("--version", action=_Version, help="print the version and a digest of the code, and exit")
     parser.add_argument(

@@ -1,14 +1,18 @@
 """What compiled code is known by: changes of the code that is compiled, or compiled in, and of nothing else."""
 
+import contextlib
 import os
 import re
 import shutil
 import subprocess
 import sys
+import threading
+from types import SimpleNamespace
 
 import pytest
 
 from simcore import compilation, paths
+from simcore.dem.step import motion
 from simcore.packing.checkpoints.key import checkpoint_code
 from simcore.paths import ROOT
 from simcore.provenance import digest
@@ -183,3 +187,37 @@ def test_what_only_compiled_code_calls_can_be_called_from_python_too():
 def test_too_many_threads_are_refused():
     with pytest.raises(ValueError, match="change --threads"):
         compilation.set_threads(10_000)
+
+
+def test_two_writers_of_one_file_do_not_share_a_place(tmp_path, monkeypatch):
+    """Both read the index before either writes it, unless a lock keeps them apart; then one would load the other's."""
+    monkeypatch.setenv("SCREE_CACHE", str(tmp_path))
+    meeting = threading.Barrier(2)
+
+    def cache_of(key):
+        cache = compilation._Cache(motion._cos_sin.py_func, {})
+        monkeypatch.setattr(cache, "_index_key", lambda sig, codegen: key)
+        monkeypatch.setattr(cache, "_impl", SimpleNamespace(
+            locator=cache._impl.locator, check_cachable=lambda data: True, reduce=lambda data: data.code,
+        ))  # fmt: skip
+        read = cache._cache_file._load_index
+
+        def read_and_wait():
+            index = read()
+            with contextlib.suppress(threading.BrokenBarrierError):
+                meeting.wait(1.0)
+            return index
+
+        monkeypatch.setattr(cache._cache_file, "_load_index", read_and_wait)
+        return cache
+
+    caches = {key: cache_of(key) for key in ("one", "two")}
+    threads = [
+        threading.Thread(target=cache.save_overload, args=(None, SimpleNamespace(codegen=None, code=key)))
+        for key, cache in caches.items()
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert {key: cache._cache_file.load(key) for key, cache in caches.items()} == {"one": "one", "two": "two"}

@@ -22,9 +22,11 @@ ORDER = (
     "reference",
     "models",
     "export",
+    "pores",
     "campaign",
     "verification",
     "report",
+    "page",
     "commands",
     "__main__",
 )

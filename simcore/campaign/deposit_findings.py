@@ -32,6 +32,8 @@ def findings(rows):
 
 
 class Maximum(NamedTuple):
+    """Maximum of a curve over a ratio of axes: where it is, how high it is, and their standard errors."""
+
     ratio: float
     ratio_error: float
     value: float

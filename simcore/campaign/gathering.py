@@ -13,6 +13,7 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
+from simcore.campaign.composition_columns import composition_columns
 from simcore.campaign.cost_table import r22_hours
 from simcore.campaign.study_tables import tabulate
 from simcore.campaign.trend_tables import tabulate_trends
@@ -34,6 +35,7 @@ COLUMNS = {
     "deposits": (["study", "packing"], []),
     "accuracy": (["accuracy", "case", "seed"], []),
     "difference_long_stones": (["source", "case", "faces", "seed"], []),
+    "size_and_form": (["case", "grain", "representation", "width_m", "mass_kg", "seed"], []),
     "trends": (["source", "study", "packing", "quantity"], []),
 }
 # Order of the columns in tables where the seed follows the columns of the form, or where a column is left out.
@@ -42,6 +44,8 @@ ORDER = {
     "form_mixture": [*COLUMNS["form_mixture"][0][:-1], *COLUMNS["form_mixture"][1], "seed", *RESULT],
 }
 LEDGER = ["study", "source", "packing", "settings", "cpu_s", "grain_steps", "code"]
+# Tables whose rows also have the columns of simcore.campaign.composition_columns.
+COMPOSED = {"size_and_form"}
 # Studies whose name begins with a key share that table; any other study has its own table.
 TABLES = {"single_form": "single_form", "equivalent_ellipsoids": "single_form", "form_mixtures": "form_mixture"}
 DECIMALS = {"n": 6, "n_error": 6, "cpu_s": 1} | dict.fromkeys("LIS", 7)
@@ -127,6 +131,10 @@ def rows_of(study, rows, evaluations, source):
         varied = [COMMITTED_NAMES.get(column, column) for column in varied]
         grain = ["grain"] if "grain" in table else []
         return table[["case", *dict.fromkeys([*varied, *grain]), "seed", *RESULT]]
+    if name in COMPOSED:
+        composed = pd.DataFrame([composition_columns(data) for data in evaluations])
+        # Beds of all forms have no grain; a table that lacks the column takes no rows of single forms later.
+        return pd.concat([table.reindex(columns=_order(name)).reset_index(drop=True), composed], axis=1)
     return table[_order(name)]
 
 

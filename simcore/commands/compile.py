@@ -7,7 +7,12 @@ from simcore.commands.options import reporter
 
 def add(commands) -> None:
     """Add the parser of this command."""
-    parser = commands.add_parser("compile", help="compile the steps of packings ahead of time")
+    parser = commands.add_parser(
+        "compile",
+        help="compile the steps of packings ahead of time",
+        description="Compile the time steps of packings, so that packings which start together do not compile the same "
+        "step. Compiled code is stored in the folder that the variable SCREE_CACHE names, or in ~/.cache/scree.",
+    )
     parser.add_argument(
         "specifications",
         type=Path,

@@ -5,7 +5,13 @@ from pathlib import Path
 
 def add(commands) -> None:
     """Add the parser of this command."""
-    parser = commands.add_parser("explain", help="print what a packing computes and costs, without running it")
+    parser = commands.add_parser(
+        "explain",
+        help="print what a packing computes and costs, without running it",
+        description="Print the grains of a packing, the bed that it will have, the sampling error of its porosity, "
+        "what its step computes and leaves out, its time and memory, and the margin of its time step. Nothing is "
+        "packed.",
+    )
     parser.add_argument("specification", type=Path, help="YAML file, see config/packing.schema.yaml")
     parser.set_defaults(run=run)
 

@@ -9,7 +9,12 @@ from simcore.commands.options import check_writable
 
 def add(commands) -> None:
     """Add the parser of this command."""
-    parser = commands.add_parser("launch", help="run one packing on several ranks under a watchdog")
+    parser = commands.add_parser(
+        "launch",
+        help="run one packing on several ranks under a watchdog",
+        description="Run one packing on several MPI ranks. If a rank ends or becomes silent, all ranks are ended with "
+        "one line. With a folder of checkpoints the same command continues the packing from its last checkpoint.",
+    )
     add_launch_options(parser)
     parser.set_defaults(run=run)
 
@@ -23,6 +28,7 @@ def add_launch_options(parser) -> None:
     parser.add_argument("--checkpoints", type=Path, metavar="FOLDER", help="as for pack")
     parser.add_argument("--checkpoint-interval", metavar="TIME", help="as for pack")
     parser.add_argument("--log", type=Path, help="as for pack")
+    parser.add_argument("--frames", metavar="TIME", help="as for pack")
     parser.add_argument("--force", action="store_true", help="as for pack")
     parser.add_argument("--silence", default="10 min", help="longest time between heartbeats, else all is ended")
     parser.add_argument("--startup", default="30 min", help="longest time to the first heartbeat, after compiling")

@@ -11,7 +11,12 @@ INTERRUPTED = 75  # EX_TEMPFAIL: the same command resumes the packing
 
 def add(commands) -> None:
     """Add the parser of this command."""
-    parser = commands.add_parser("pack", help="run one packing")
+    parser = commands.add_parser(
+        "pack",
+        help="run one packing",
+        description="Pack the grains of a specification and write the packing as a netCDF file. If the packing fails, "
+        "no file is written, and the message names the grain, the step and the setting to change.",
+    )
     parser.add_argument("specification", type=Path, help="YAML file, see config/packing.schema.yaml")
     parser.add_argument("output", type=Path, help="netCDF file to write")
     parser.add_argument("--threads", type=int, default=1, help="number of threads; it does not change the result")

@@ -13,6 +13,8 @@ def add(commands) -> None:
     parser = commands.add_parser(
         "plot",
         help="draw a packing, its porosity over height, the sizes and the axes of its grains in one figure",
+        description="Draw one figure of a packing: its grains, the porosity over height, the sieve sizes, and roses of "
+        "the directions of the long axes.",
     )
     parser.add_argument("packing", type=Path, metavar="BED.nc", help="netCDF file of `pack`")
     parser.add_argument(

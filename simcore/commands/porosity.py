@@ -7,7 +7,12 @@ from simcore.commands.options import check_writable, length
 
 def add(commands) -> None:
     """Add the parser of this command."""
-    parser = commands.add_parser("porosity", help="bulk porosity of a packing with its sampling error")
+    parser = commands.add_parser(
+        "porosity",
+        help="bulk porosity of a packing with its sampling error",
+        description="Print the porosity of a packing between its floor and its surface, with its sampling error and "
+        "the part of the bed that is evaluated.",
+    )
     parser.add_argument("packing", type=Path, metavar="BED.nc", help="netCDF file of `pack`")
     parser.add_argument(
         "--exact", action="store_true", help="slice the grains themselves instead of spheres of equal volume"

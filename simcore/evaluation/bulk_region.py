@@ -19,6 +19,8 @@ SLICES_PER_GRAIN = 8
 
 
 class Bulk(NamedTuple):
+    """The part of a bed that is evaluated."""
+
     grains: np.ndarray  # (n,) bool, the grains whose centre is in the bulk
     porosity: xr.Dataset  # of simcore.evaluation.porosity.bulk_porosity, exact slices, between z_lower and z_upper
 

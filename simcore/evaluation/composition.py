@@ -30,7 +30,8 @@ def composition(packing, z_lower, z_upper, method="spheres"):
     sieve_fraction (part, weight, sieve_class): shares of the classes of the sieve curve, where the packing has one.
     form_mean, form_std (part, weight, ratio): mean and standard deviation of FL, EL and EQ. part: the whole bed, or its
     evaluated part; weight: by volume or by number. coarse_share, coarse_share_std_error (half): share of the volume in
-    the lower and the upper half of the evaluated part that belongs to coarse grains. fine_share,
+    the lower and the upper half of the evaluated part that belongs to coarse grains. coarse_share_of_part,
+    coarse_share_of_part_std_error (part): the same of the whole bed and of its evaluated part. fine_share,
     fine_share_std_error (zone): share of fine grains in the layer below the evaluated part, nan where there is none,
     and in the evaluated part. ValueError where no grain reaches into the evaluated part.
     """
@@ -50,7 +51,9 @@ def composition(packing, z_lower, z_upper, method="spheres"):
     fine = size <= _size_at(size, volume, FINE)
     halves = [_share(coarse, lower), _share(coarse, upper)]
     zones = [_share(fine, below), _share(fine, evaluated)]
+    parts = [_share(coarse, weights[part][0]) for part in PARTS]
     data = _forms(packing, weights) | _pair("coarse", "half", halves) | _pair("fine", "zone", zones)
+    data |= _pair("coarse", "part", parts, "_of_part")
     if "sieve_bounds" in packing:
         data |= _sieve_fractions(packing, weights)
     coordinates = {"part": list(PARTS), "weight": list(WEIGHTS), "ratio": ["FL", "EL", "EQ"]}
@@ -99,12 +102,16 @@ def _in_errors(difference, errors):
     return float(difference / error) if error > 0.0 else 0.0
 
 
-def _pair(name, dimension, shares):
+def _pair(name, dimension, shares, ending=""):
     values, errors = np.transpose(shares)
     text = f"share of {name} grains by volume"
     return {
-        f"{name}_share": (dimension, values, {"units": "1", "long_name": text}),
-        f"{name}_share_std_error": (dimension, errors, {"units": "1", "long_name": f"standard error of the {text}"}),
+        f"{name}_share{ending}": (dimension, values, {"units": "1", "long_name": text}),
+        f"{name}_share{ending}_std_error": (
+            dimension,
+            errors,
+            {"units": "1", "long_name": f"standard error of the {text}"},
+        ),
     }
 
 

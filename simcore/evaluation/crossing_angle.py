@@ -13,6 +13,8 @@ from simcore.evaluation.axis_statistics import MAGIC_ANGLE
 
 
 class Crossing(NamedTuple):
+    """Angle to the vertical at which the densities of directions of several forms cross."""
+
     angle: float  # [rad], nan where the curves do not cross
     std_error: float  # [rad]
     slopes: np.ndarray  # (l,), change of <P_l> with <P_2>; the first is 1

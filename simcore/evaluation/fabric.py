@@ -71,8 +71,9 @@ def fabric(packing, cut=None, bearing_contacts=BEARING_CONTACTS, n_bins=N_BINS):
 
     Scalars: solid_fraction; coordination_number, also _without_rattlers; rattler_fraction.
     Over `direction` (contact normals, long and short axes of grains): density per solid angle over `angle` [rad], 1 if
-    isotropic; legendre, means of P2, P4, P6 over `order`; tensor <u ⊗ u> and its eigenvalues, anisotropy, determinant;
-    azimuth_resultant with azimuth_p_value over `fold`. They are nan for a kind of axis that no grain has.
+    isotropic; legendre, means of P2, P4, P6 over `order`; tensor, the mean of u ⊗ u over unit vectors u, and its
+    eigenvalues, anisotropy, determinant; azimuth_resultant with azimuth_p_value over `fold`. They are nan for a kind of
+    axis that no grain has.
     Over `radius`: contact_radius_density, see simcore.evaluation.contact_radius.
 
     *_std_error and p-values are from this packing alone and assume that contacts and grains are independent, which is

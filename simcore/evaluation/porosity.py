@@ -94,9 +94,10 @@ def evaluation_interval(packing, profile, cut=None):
 def bulk_porosity(packing, method="spheres", cut=None, slice_height=1e-3):
     """Return the mean porosity over the evaluation interval with its sampling error, Dataset of scalars.
 
-    packing: Dataset of read_packing; method, slice_height [m] as in porosity_profile; cut [m] as in
-    evaluation_interval. n is the mean of n(z) over the interval, exact even if z- or z+ is inside a slice. n_std_error
-    is the expected scatter over seeds (simcore.evaluation.sampling_error), not the bias of method or model.
+    packing: Dataset of read_packing; method, slice_height [m] as in porosity_profile; cut [m]: height that is left out
+    at floor and surface, or a pair of heights; None: the rule of simcore.evaluation.interval.end_cuts. n is the mean of
+    n(z) over the interval, exact even if an end is inside a slice. n_std_error is the expected scatter over seeds
+    (simcore.evaluation.sampling_error), not the bias of method or model.
     """
     profile = porosity_profile(packing, slice_height, method)
     z_lower, z_upper = evaluation_interval(packing, profile, cut)

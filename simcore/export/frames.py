@@ -54,10 +54,12 @@ class FramesKeeper(Keeper):
         return getattr(self.keeper, name)  # what a keeper of checkpoints has besides the interface
 
     def wish(self, step):
+        """Return what the inner keeper wants, or KEEP if a frame is due."""
         self.wished = self.keeper.wish(step) if self.keeper.wish else 0
         return max(self.wished, KEEP if self._is_due(step) else 0)
 
     def latest(self):
+        """Return the latest checkpoint of the inner keeper, and drop the frames after it."""
         latest = self.keeper.latest()
         if latest is not None:  # the frames before the checkpoint remain
             time = latest[0]["step"] * self.dt
@@ -66,6 +68,7 @@ class FramesKeeper(Keeper):
         return latest
 
     def keep(self, state, parts):
+        """Write a frame if one is due, and let the inner keeper store the state if it wants to."""
         # Only the keeper of one rank may want a checkpoint, but all ranks must agree on it.
         checkpoint = max(self.ranks.all([self.wished])) > 0
         parts = list(parts)

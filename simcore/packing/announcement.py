@@ -3,7 +3,7 @@
 from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
 from simcore.dem.state.features import Features
 
-# CPU time [s] with an empty cache on the reference machine, rounded up: docs/cost.md.
+# CPU time [s] with an empty cache on the reference machine, rounded up: docs/reference/cost.md.
 SECONDS = {SPHERE: 10, ELLIPSOID: 15, POLYHEDRON: 50, MIXED: 60}
 WORDS = {
     SPHERE: "spheres",

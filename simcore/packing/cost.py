@@ -21,7 +21,8 @@ from simcore.scene.sizes import size_curve
 # CPU time per grain and step [µs] on one thread, at the contact time and time step of Rettinger et al. (2022), by kind
 # of grain and by whether contacts are patches. The value for patches comes from the packings of preset `r22` in
 # results/reference/accuracy.csv (1.1 to 1.7 on three machines), the others from
-# `python -m benchmarks.speed.throughput --shape ...` (docs/cost.md; ellipsoids: 0.55 and 0.76 on two machines).
+# `python -m benchmarks.speed.throughput --shape ...` (docs/reference/cost.md; ellipsoids: 0.55 and 0.76 on two
+# machines).
 STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.65, ("polyhedron", False): 1.0, ("polyhedron", True): 1.4}
 # CPU time per grain and step [µs] that is added if each contact is searched anew, as in the program of Rettinger et al.
 # (numerics.polyhedron_contact: inflated): a search takes 6 to 8 µs (`python -m benchmarks.studies.inflated`), and the

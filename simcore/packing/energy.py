@@ -26,6 +26,7 @@ class Energy(NamedTuple):
 
     @property
     def total(self) -> float:
+        """Sum of all energies [J]."""
         return float(self.motion.sum() + self.height.sum() + self.springs.sum())
 
 

@@ -111,7 +111,11 @@ def explain(setup: Setup) -> str:
 def _stability_lines(scene: Scene, expected: Expectation) -> list[str]:
     steps, needed = scene.numerics.steps_per_contact_time, expected.stability
     least = compose(scene).least_steps
-    verdict = "more than the estimate for twelve contacts on a grain"
+    verdict = "more than the cautious estimate"
+    of_expected, of_cautious = "nine contacts spread over the stiffest grain", "twelve"
+    if scene.implicit:
+        of_expected = "the stiffest grain in random contacts"
+        of_cautious = "neighbours that move against it"
     if steps < needed.cautious:
         verdict = "as many as a bed is expected to need, and fewer than the cautious estimate"
     if steps < needed.expected:
@@ -121,9 +125,8 @@ def _stability_lines(scene: Scene, expected: Expectation) -> list[str]:
         *_sliding_lines(scene),
         f"Stability   {steps:g} steps per contact time are {verdict}",
         f"            refused   below {least:.2f}",
-        f"            expected  {needed.expected:.1f}, for nine contacts spread over the stiffest grain (margin "
-        f"{steps / needed.expected:.2f})",
-        f"            cautious  {needed.cautious:.1f}, for twelve (margin {steps / needed.cautious:.2f})",
+        f"            expected  {needed.expected:.1f}, for {of_expected} (margin {steps / needed.expected:.2f})",
+        f"            cautious  {needed.cautious:.1f}, for {of_cautious} (margin {steps / needed.cautious:.2f})",
         "            No number is certain before a run; the run reports the grain that needs the most steps",
     ]
 

@@ -205,10 +205,10 @@ def _sieve_variables(curve, sample):
 def _shape_variables(bases):
     vertices, faces = [base.vertices for base in bases], [base.faces for base in bases]
     starts = {}
-    for name, arrays in (("vertex", vertices), ("face", faces)):
+    for name, plural, arrays in (("vertex", "vertices", vertices), ("face", "faces", faces)):
         counts = np.array([len(array) for array in arrays])
         starts[f"shape_{name}_start"] = ("shape", np.cumsum(counts) - counts, _one(f"first {name} of the base shape"))
-        starts[f"shape_{name}_count"] = ("shape", counts, _one(f"number of {name}s of the base shape"))
+        starts[f"shape_{name}_count"] = ("shape", counts, _one(f"number of {plural} of the base shape"))
     kinds = ["convex" if len(array) else "sphere" for array in vertices]
     return starts | {
         "shape_name": ("shape", [base.name for base in bases]),

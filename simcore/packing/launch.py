@@ -99,7 +99,7 @@ def launch_packing(options, program: list[str]) -> int:
         except ValueError as error:
             raise ValueError(f"--{name}: {error}") from None
     command = [*program, "pack", str(options.specification), str(options.output), "--threads", str(options.threads)]
-    for name in ("checkpoints", "checkpoint_interval", "log"):
+    for name in ("checkpoints", "checkpoint_interval", "log", "frames"):
         if getattr(options, name) is not None:
             command += [f"--{name.replace('_', '-')}", str(getattr(options, name))]
     if options.force:

@@ -7,7 +7,7 @@ import numpy as np
 from simcore.dem.from_scene import stiffening_advice
 from simcore.packing.run_checks import PINCHING, DeepImpact, DeepOverlap, EnergyGain, NotFinite, TooFast
 
-# Steps that a bed needs over the steps that its stiffest grain needs by itself: docs/constants_packing.md.
+# Steps that a bed needs over the steps that its stiffest grain needs by itself: docs/explanation/constants_packing.md.
 BED_STEP_FACTORS = (1.2, 1.35)
 
 

@@ -1,6 +1,6 @@
 """Margins of the neighbour list: how far a body may move before candidate pairs are listed anew.
 
-The constants are justified in docs/constants_packing.md.
+The constants are justified in docs/explanation/constants_packing.md.
 """
 
 import numpy as np

@@ -44,8 +44,10 @@ class Packed(NamedTuple):
 
     @property
     def contacts(self):
+        """Contacts between grains, of the candidate pairs."""
         return self.candidates.contacts
 
     @property
     def walls(self):
+        """Contacts with walls, of the candidate pairs."""
         return self.candidates.walls

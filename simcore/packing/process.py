@@ -74,18 +74,22 @@ class Process:
 
     @property
     def contacts(self):
+        """Contacts between grains, of the candidate pairs."""
         return self.candidates.contacts
 
     @property
     def walls(self):
+        """Contacts with walls, of the candidate pairs."""
         return self.candidates.walls
 
     @property
     def step(self) -> int:
+        """Number of time steps so far."""
         return self.state.step
 
     @property
     def checks(self) -> list:
+        """Time, phase and Observation of each check so far."""
         return self.state.checks
 
     def run(self):

@@ -13,6 +13,7 @@ class Progress:
         self.last_step = 0
 
     def phase(self, text):
+        """Report the begin of a phase."""
         self.report(f"{self.scene.name}: {text}")
 
     def line(self, phase, step, dt, n_bodies, observed, end):

@@ -4,7 +4,7 @@ Rule "still": every grain is at rest, held by static friction. Rule "settled" is
 friction has no static spring. Such a bed is settled when the motion of fall and impact has died out (the kinetic energy
 of a mean grain is a small share of m g d, the energy to climb over another grain), and when its solid fraction changes
 by less than a given share within a given time. The solid fraction of a given mass is proportional to the inverse of its
-mean height. docs/constants_packing.md explains why the rule is not a fixed time.
+mean height. docs/explanation/constants_packing.md explains why the rule is not a fixed time.
 """
 
 from typing import NamedTuple

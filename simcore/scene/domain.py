@@ -18,10 +18,12 @@ class Domain:
 
     @property
     def periodic(self) -> bool:
+        """Whether the domain is a box that is periodic in x and y."""
         return self.type == "periodic"
 
     @property
     def area(self) -> float:
+        """Area of the floor [m²]."""
         return self.width**2 if self.periodic else 0.25 * np.pi * self.width**2
 
 

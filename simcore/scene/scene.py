@@ -21,6 +21,8 @@ GRAINS = 1000  # number of the first grains of a packing that represent all in t
 
 @dataclass(frozen=True)
 class Material:
+    """Grains, fluid and contact law; config/packing.schema.yaml describes each field."""
+
     density: float
     fluid_density: float
     gravity: float
@@ -60,6 +62,8 @@ class Generation:
 
 @dataclass(frozen=True)
 class Shaking:
+    """Horizontal shaking; config/packing.schema.yaml describes each field."""
+
     amplitude: float
     period: float
     duration: float
@@ -77,12 +81,16 @@ class Shaking:
 
 @dataclass(frozen=True)
 class Damping:
+    """Damping after the shaking; config/packing.schema.yaml describes each field."""
+
     factor: float
     max_time: float
 
 
 @dataclass(frozen=True)
 class Convergence:
+    """Criteria of rest; config/packing.schema.yaml describes each field."""
+
     interval: float
     height_change: float
     max_speed: float
@@ -95,6 +103,8 @@ class Convergence:
 
 @dataclass(frozen=True)
 class Numerics:
+    """Numerical settings; config/packing.schema.yaml describes each field."""
+
     contact_time: float
     steps_per_contact_time: float
     dashpot: str
@@ -105,6 +115,7 @@ class Numerics:
 
     @property
     def time_step(self) -> float:
+        """Time step [s]."""
         return self.contact_time / self.steps_per_contact_time
 
 

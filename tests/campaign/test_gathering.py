@@ -11,6 +11,7 @@ from simcore.campaign.trend_tables import summarise_trends
 from simcore.evaluation.evaluate import evaluate
 from simcore.grains.sources import source_name
 from simcore.models.fitting import fit_reference_models
+from simcore.reference.columns import find_column
 from simcore.scene.identity import result_digest
 from simcore.scene.specification import resolve
 from tests.helpers.packings import make_packing
@@ -65,6 +66,37 @@ def test_single_forms_have_the_columns_of_their_table(tmp_path):
     assert first.n == pytest.approx(float(beds[1].n), abs=5e-7)
 
 
+def test_beds_of_size_and_form_have_the_composition_of_their_evaluated_part(tmp_path):
+    varied = {"case": "U1", "width_m": 0.05, "mass_kg": 0.5, "seed": 1}
+    rows = [{"packing": name, "varied": varied} for name in ("all", "one")]
+    specifications = [specify(), specify(choice="one", grain="G01")]
+    beds = [
+        evaluated(specification).assign(sieve_bounds=(("sieve_class", "bound"), [[5.6e-3, 8e-3], [8e-3, 11.2e-3]]))
+        for specification in specifications
+    ]
+    fractions = np.array([[[0.5, 0.5], [0.6, 0.4]], [[0.3, 0.7], [0.45, 0.55]]])
+    beds = [bed.assign(sieve_fraction=(("part", "weight", "sieve_class"), fractions)) for bed in beds]
+    for row, bed in zip(rows, beds, strict=True):
+        gather(tmp_path, "size_and_form", rows_of("size_and_form", [row], [bed.assign_attrs(time=2.5)], "synthetic"))
+    written = pd.read_csv(tmp_path / "size_and_form.csv", keep_default_na=False)
+    assert sorted(written["grain"]) == ["", "G01"]
+    row = written.iloc[0]
+    assert (row["share_5.6-8mm"], row["share_8-11.2mm"], row["time_s"]) == (0.3, 0.7, 2.5)
+    assert row["mu_EQ_evaluated"] == pytest.approx(7 / 11, abs=1e-6) and row["sigma_EQ_evaluated"] == 0.0
+    assert row["coarse_lower"] == pytest.approx(float(beds[0]["coarse_share"].sel(half="lower")), abs=1e-6)
+    assert row["fine_floor_error"] == pytest.approx(
+        float(beds[0]["fine_share_std_error"].sel(zone="floor")), abs=1e-6, nan_ok=True
+    )
+    assert all(find_column("size_and_form", name) for name in written)
+
+
+def test_an_evaluation_without_composition_is_refused():
+    row = {"packing": "p", "varied": {"case": "U1", "width_m": 0.05, "mass_kg": 0.5, "seed": 1}}
+    bed = evaluated(specify()).drop_vars("coarse_share_of_part").assign(sieve_fraction=0.0)
+    with pytest.raises(ValueError, match="has no coarse_share_of_part; delete the file of its porosity"):
+        rows_of("size_and_form", [row], [bed], "synthetic")
+
+
 def test_mixtures_have_nominal_and_found_statistics(tmp_path):
     varied = {"case": "U1", "mean_FL": 0.4, "mean_EL": 0.6, "std_FL": 0.1, "std_EL": 0.2, "seed": 2}
     form = {"flatness": {"mean": 0.4, "std": 0.1}, "elongation": {"mean": 0.6, "std": 0.2}}
@@ -113,10 +145,10 @@ def test_a_study_that_varies_forms_and_kinds_has_each_column_once(tmp_path):
             "seed": 1,
         }
         table = rows_of(
-            "size_and_form", [{"packing": "p", "varied": varied}], [evaluated(specify(**shapes))], "synthetic"
+            "forms_and_kinds", [{"packing": "p", "varied": varied}], [evaluated(specify(**shapes))], "synthetic"
         )
-        gather(tmp_path, "size_and_form", table)
-    written = pd.read_csv(tmp_path / "size_and_form.csv")
+        gather(tmp_path, "forms_and_kinds", table)
+    written = pd.read_csv(tmp_path / "forms_and_kinds.csv")
     assert ",".join(written) == "case,shape_kind,grain,seed,n,n_error,grains,cpu_s"
     assert sorted(written.grain.fillna("").tolist()) == ["", "", "G02"]
 

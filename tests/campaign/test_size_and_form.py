@@ -1,4 +1,4 @@
-"""The beds of the study size_and_form meet what docs/size_and_form_plan.md says of them."""
+"""The beds of the study size_and_form meet what docs/appendices/size_and_form_plan.md says of them."""
 
 import pytest
 

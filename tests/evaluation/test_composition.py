@@ -79,6 +79,15 @@ def test_fine_grains_on_the_floor_are_warned_of():
     assert any(line.startswith("Fine grains gather on the floor: they are ") for line in lines)
 
 
+def test_shares_of_coarse_grains_of_the_bed_and_of_its_evaluated_part():
+    """Large spheres above small ones: the share in the evaluated part follows from the volumes it contains."""
+    radius, z = np.r_[np.full(10, 0.02), np.full(80, 0.01)], np.r_[np.full(10, 0.5), np.full(80, 0.1)]
+    result = composition(bed(radius, z), 0.0, 1.0)
+    np.testing.assert_allclose(result["coarse_share_of_part"], [0.5, 0.5])
+    result = composition(bed(radius, z), 0.3, 1.0)
+    np.testing.assert_allclose(result["coarse_share_of_part"], [0.5, 1.0])
+
+
 def test_grains_of_one_size_have_nothing_to_separate():
     rng = np.random.default_rng(3)
     result = composition(bed(np.full(100, 0.01), rng.uniform(0, 1, 100)), 0.2, 0.8)

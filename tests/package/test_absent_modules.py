@@ -56,6 +56,13 @@ def test_grains_are_predicted(tmp_path):
     assert "Rhine" in said
 
 
+def test_measured_porosities_are_fitted(tmp_path):
+    words = ("fit", ROOT / "examples/measured.csv", "--case", "one-class", "--out", "model.json")
+    status, said, errors = without(tmp_path, *words)
+    assert status == 0, errors
+    assert "The chosen model is the offset" in said and (tmp_path / "model.json").exists()
+
+
 def test_a_bed_is_packed_on_one_rank_and_evaluated(tmp_path):
     (tmp_path / "tiny.yaml").write_text(SPECIFICATION)
     status, said, errors = without(tmp_path, "explain", "tiny.yaml")

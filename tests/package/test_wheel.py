@@ -96,6 +96,7 @@ def test_all_data_are_in_the_wheel_and_nothing_but_the_package(wheel):
     for name in (*rows, "config/packing.schema.yaml", "config/accuracy.yaml", "config/cases.tsv"):
         assert f"simcore/data/{name}" in names
     assert "simcore/grains/scan_ranges.csv" in names
+    assert {"simcore/page/static/page.html", "simcore/page/static/prediction.js"} <= names
 
 
 def test_porosities_of_table_2_are_those_of_the_clone(installed):
@@ -112,6 +113,17 @@ def test_porosities_of_table_2_are_those_of_the_clone(installed):
     )
     assert predicted == in_clone.stdout
     assert len(json.loads(predicted)["samples"]) == 9
+
+
+def test_a_model_is_fitted_to_measured_porosities_and_predict_takes_it(installed):
+    for name in ("measured.csv", "table2.csv"):
+        shutil.copy(ROOT / "examples" / name, installed.folder)
+    said = installed("scree", "fit", "measured.csv", "--case", "one-class", "--out", "model.json")
+    assert "The chosen model is the offset of our model unified" in said
+    predicted = json.loads(
+        installed("scree", "predict", "--case", "U1", "table2.csv", "--models", "model.json", "--json")
+    )
+    assert [model["model"] for model in predicted["models"]] == ["measured"]
 
 
 def test_a_packing_is_explained_packed_and_evaluated(installed):

@@ -48,8 +48,8 @@ def test_campaigns_are_accepted(path):
     assert errors(content, "config") == []
 
 
-def test_the_campaign_of_the_readme_is_accepted():
-    text = (ROOT / "README.md").read_text(encoding="utf-8").split("```yaml\n")[1].split("```")[0]
+def test_the_campaign_of_the_page_on_own_grains_is_accepted():
+    text = (ROOT / "docs/how_to/own_grains.md").read_text(encoding="utf-8").split("```yaml\n")[1].split("```")[0]
     assert errors(yaml.safe_load(text), "config") == []
 
 

@@ -91,7 +91,7 @@ def test_the_committed_table_has_these_cases_bands_and_sources():
 
 def test_the_page_lists_each_case_with_its_measured_value():
     committed = pd.read_csv(REFERENCE / "verification_packings.csv")
-    page = (ROOT / "docs" / "verification.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "verification.md").read_text(encoding="utf-8")
     for row in committed.itertuples():
         (line,) = [line for line in page.splitlines() if line.startswith(f"| `{row.name}` ")]
         cells = [cell.strip() for cell in line.strip("|").split("|")]

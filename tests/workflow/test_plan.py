@@ -224,8 +224,8 @@ def test_a_study_has_grain_sets_of_its_own(workplace):
     assert {job.output[0].split("/")[2].rpartition("_")[0] for job in again if job.rule == "grain_set"} == {"scans_a"}
 
 
-def test_the_readme_shows_a_config_with_own_grains_and_sieve_curve(workplace):
-    example = (ROOT / "README.md").read_text().split("```yaml\n")[1].split("```")[0]
+def test_a_page_shows_a_config_with_own_grains_and_sieve_curve(workplace):
+    example = (ROOT / "docs/how_to/own_grains.md").read_text().split("```yaml\n")[1].split("```")[0]
     assert len(example.splitlines()) <= 10
     (workplace.folder / "mine.yaml").write_text(example)
     (workplace.folder / "my_scans").mkdir()

@@ -134,8 +134,8 @@ rule differences:
         "../scripts/differences.py"
 
 
-# Packings whose result is published or follows from a closed form: docs/verification.md. Their runs, bands and sources
-# are in simcore/verification/outside.
+# Packings whose result is published or follows from a closed form: docs/reference/verification.md. Their runs, bands and
+# sources are in simcore/verification/outside.
 wildcard_constraints:
     outside="|".join(outside_packings.PACKED + outside_packings.ELASTIC_RUNS),
 

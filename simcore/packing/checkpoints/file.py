@@ -299,6 +299,7 @@ class Sections(Sequence):
         return array.astype(array.dtype.newbyteorder("="), copy=False)
 
     def close(self) -> None:
+        """Close the file."""
         self._file.close()
 
     def __enter__(self):

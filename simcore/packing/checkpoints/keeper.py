@@ -30,6 +30,7 @@ class CheckpointKeeper(Keeper):
         self.stopped = True
 
     def wish(self, step) -> int:
+        """Return KEEP if a checkpoint is due, KEEP_AND_STOP after a signal, otherwise 0."""
         if self.ranks.rank == 0:
             beat()
         if self.stopped:
@@ -38,6 +39,7 @@ class CheckpointKeeper(Keeper):
         return KEEP if due else 0
 
     def latest(self):
+        """Return the state and sections of the newest valid checkpoint, or None."""
         if not self.keeps:
             return None
         latest = self.ranks.on_first(self.store.latest if self.store else None, CheckpointError)
@@ -49,6 +51,7 @@ class CheckpointKeeper(Keeper):
         return header, lambda: sections
 
     def keep(self, state, parts):
+        """Write a checkpoint on rank 0; if this fails, report why and go on."""
         spent = self.cpu_seconds()
         parts = _with_beats(parts)
         if self.ranks.rank > 0:

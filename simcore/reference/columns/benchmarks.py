@@ -81,12 +81,12 @@ SETTLING = (
 _OF_AXIS = "given in the meaning"
 STABILITY = (
     Column("map", "", "scene and the two settings that are varied"),
-    Column("x", _OF_AXIS, "contact time [s], restitution, size or weight ratio, or speed of the impact [m/s]"),
-    Column("y", _OF_AXIS, "time steps per contact time, or contact time [s]"),
-    Column("outcome", "", "stable, soft, refused, stopped or wrong (benchmarks/studies/stability.py)"),
+    Column("x", _OF_AXIS, "second setting of the map; a contact time is in s, the speed of an impact in m/s"),
+    Column("y", _OF_AXIS, "time steps per contact time, or contact time in s"),
+    Column("outcome", "", "stable, vibrating, soft, refused, stopped or wrong (benchmarks/studies/stability.py)"),
     Column("overlap", "", "largest overlap over the diameter of the smaller grain"),
     Column("cpu_s", "s", "CPU time of the scene"),
-    Column("message", "", "error of a scene that was refused or stopped"),
+    Column("message", "", "error of a scene that was refused or stopped, or what is not right in one that ended"),
 )
 BED_SIZE = (
     Column("width_mm", "mm", "width of the periodic box"),

@@ -22,6 +22,8 @@ MODELS = (
     Column("samples", "", "number of samples of the fit; packings that differ only in their seed are one"),
     Column("r22_coefficient", "", "coefficient of Rettinger et al. (2022)"),
     Column("packed_by", "", "this campaign, or committed rows"),
+    Column("with_term", "", "second coefficient of a covariance"),
+    Column("covariance", "", "covariance of the coefficients of term and with_term"),
     # Correlations
     Column("feature", "", "feature of form; _inv: its inverse"),
     Column("r", "", "Pearson's correlation of the feature with porosity"),
@@ -53,6 +55,13 @@ MODELS = (
     Column("mean_difference", "", "mean difference in porosity of polyhedra to their ellipsoids"),
     Column("forms", "", "number of forms that are compared"),
     Column("r22_rms_difference", "", "rms_difference of Rettinger et al."),
+)
+# Beds of known porosity, predicted from their sieve curve
+KNOWN_BEDS = (
+    Column("set", "", "measured, packed, packed by r22 (Rettinger et al.), or published (their models)"),
+    Column("n_one_class", "", "porosity of U1 of the same set, from which the bed is predicted"),
+    Column("predicted", "", "porosity by the model of size and form"),
+    Column("error_*", "", "predicted minus known porosity by a model"),
 )
 # Packings to which no model was fitted
 APPLICATION = (

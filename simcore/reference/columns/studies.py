@@ -101,6 +101,16 @@ COLUMNS = (
     Column("isotropic", "rad", "mean angle to the vertical if directions are isotropic"),
 )
 
+# Rows with the composition of the evaluated part (simcore.campaign.composition_columns)
+COMPOSITION = (
+    Column("share_*", "", "share of this sieve class in the evaluated part, by volume"),
+    Column("mu_*", "", "mean of flatness, elongation or equancy over the evaluated part, by volume"),
+    Column("sigma_*", "", "its standard deviation"),
+    Column("coarse_*", "", "share by volume of the coarse grains, the coarser half of the bed; _error: standard error"),
+    Column("fine_*", "", "share by volume of the fine grains, the finest tenth of the bed; _error: standard error"),
+    Column("time_s", "s", "simulated time, from the first grain to rest; the bed was shaken during most of it"),
+)
+
 # Table of features: statistics over the grains of a packing (simcore.grains.statistics)
 FEATURES = (
     Column("sample", "", "settings without the seed, equal for packings that differ only in their seed"),

@@ -8,8 +8,9 @@ from matplotlib.patches import Patch
 # Lightness falls from stable to wrong, and all outcomes but the first have a letter, so that maps can be read in grey.
 OUTCOMES = {
     "stable": ("#f4efe2", "", "stable and correct"),
-    "soft": ("#d9c88f", "~", "correct, but grains overlap by more than a twentieth of the smaller one"),
-    "refused": ("#8fa9b1", "r", "refused before the run"),
+    "vibrating": ("#e2d3ae", "v", "at rest on average, but forces alternate from step to step"),
+    "soft": ("#c9b46c", "~", "correct, but grains overlap by more than a twentieth of the smaller one"),
+    "refused": ("#7f9aa2", "r", "refused before the run"),
     "stopped": ("#56757f", "s", "stopped with an error"),
     "wrong": ("#7a1f12", "W", "silently wrong"),
 }
@@ -20,6 +21,9 @@ LABELS = {
     "size ratio": "size ratio [-]",
     "weight": "mass carried, relative to own mass [-]",
     "impact": "impact speed [m/s]",
+    "size ratio of pebbles": "largest over smallest size of the pebbles [-]",
+    "flatness": "flatness $S/I$ [-]",
+    "elongation": "elongation $I/L$ [-]",
 }
 
 

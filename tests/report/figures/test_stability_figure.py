@@ -39,5 +39,5 @@ def test_it_reads_in_grey():
 
 
 def test_an_unknown_outcome_is_refused(cells):
-    with pytest.raises(ValueError, match="outcome 'fine' is not one of stable, soft"):
+    with pytest.raises(ValueError, match="outcome 'fine' is not one of stable, vibrating, soft"):
         stability_figure(cells.assign(outcome="fine"))

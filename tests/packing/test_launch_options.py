@@ -1,0 +1,23 @@
+"""The options of `launch` that it passes on to `pack`."""
+
+import pytest
+
+import simcore.packing.launch as launching
+from simcore.__main__ import main
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        [],
+        ["--frames", "0.1 s"],
+        ["--checkpoints", "kept", "--checkpoint-interval", "1 s", "--log", "log.txt", "--force"],
+    ],
+)
+def test_options_of_pack_are_passed_on(tmp_path, monkeypatch, options):
+    commands = []
+    monkeypatch.setattr(launching, "launch", lambda command, output, **_: commands.append(command) or 0)
+    specification, output = str(tmp_path / "spec.yaml"), str(tmp_path / "bed.nc")
+    assert main(["launch", specification, output, *options]) == 0
+    (command,) = commands
+    assert command[-5 - len(options) :] == ["pack", specification, output, "--threads", "1", *options]
