@@ -13,7 +13,6 @@ import os
 from pathlib import Path
 
 import numba
-from filelock import FileLock
 from llvmlite import ir
 from numba import types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
@@ -97,6 +96,8 @@ class _Cache(FunctionCache):
         numba reads the index, chooses a file that it does not name, and writes both. Two processes that do so at once
         choose the same file, and one would later run the code of the other.
         """
+        from filelock import FileLock  # here, because a command that compiles nothing needs no locks of files
+
         self._impl.locator.ensure_cache_path()
         with FileLock(Path(self._cache_path) / "saving.lock"):
             super().save_overload(sig, data)
