@@ -27,7 +27,7 @@ class Composition:
     stiffest_law: ContactLaw  # linear law of the stiffest expected contacts
     least_steps: float  # per contact time; with fewer, a grain pinched between two others is unstable
     # Factor on springs and dashpots relative to continuous_law, see stability.stiffest_body; None: all factors are 1.
-    firmness: Callable | None
+    stiffness_factor: Callable | None
 
 
 @functools.lru_cache
@@ -41,7 +41,7 @@ def compose(scene: Scene) -> Composition:
         continuous_law=continuous,
         stiffest_law=continuous if hertz else law,
         least_steps=_least_steps(scene, continuous),
-        firmness=_firmness(law, continuous.stiffness) if hertz else None,
+        stiffness_factor=_stiffness_factor(law, continuous.stiffness) if hertz else None,
     )
     _check_steps(scene, composition.least_steps)
     return composition
@@ -92,8 +92,8 @@ def _least_steps(scene: Scene, law: ContactLaw) -> float:
     return scene.numerics.contact_time / longest_stable_step(law, False)
 
 
-def _firmness(law: HertzLaw, unit: float) -> Callable:
-    """Return the function firmness of Composition. unit [1/s²]: stiffness of the continuous law."""
+def _stiffness_factor(law: HertzLaw, unit: float) -> Callable:
+    """Return the function stiffness_factor of Composition. unit [1/s²]: stiffness of the continuous law."""
     return lambda mass, partner, overlap: linear_law(law, mass, partner, overlap).stiffness / unit
 
 

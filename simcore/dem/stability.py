@@ -28,7 +28,7 @@ from simcore.dem.state.bodies import Bodies
 from simcore.dem.state.contacts import CandidatePairs
 
 LARGEST_LOAD = 4.0  # eigenvalue at which a mode alternates undamped
-LOOKED_AT = 32  # number of bodies whose eigenvalues are computed; they are selected by the sums of eigenvalues
+BODIES_EXAMINED = 32  # number of bodies whose eigenvalues are computed; they are selected by the sums of eigenvalues
 # Number of contacts, each as stiff as one with a wall, spread over the surface of the stiffest grain. Twelve equal
 # spheres fit around a sphere, and each counts half of that. Heavier neighbours count more but fewer fit (six at 2.4
 # times the size, four at 4.4), so that the sum for a sphere among fixed neighbours is at most about six.
@@ -164,22 +164,22 @@ def stiffest_body(
     load: Load,
     certain: bool = True,
     ranks=ONE_RANK,
-    firmness=None,
+    stiffness_factor=None,
 ) -> Stiffest:
     """Find the body (its id) with the largest load in its present contacts; body −1 if nothing touches.
 
     width [m]: of the periodic box. certain: True: neighbours are fixed, and the load is a lower bound for that of the
-    whole bed; False: the shares of the contacts make it an upper bound. Only the LOOKED_AT bodies with the largest sums
-    of eigenvalues, that is with many contacts or long lever arms, are evaluated.
-    firmness(mass, mass of the partner, overlap), each (k,) -> (k,): factor on the springs and dashpots of contacts
-    relative to `load`; the mass of a wall is inf. None: the factor is 1.
+    whole bed; False: shares of the contacts make it an upper bound. Only the BODIES_EXAMINED bodies with the largest
+    sums of eigenvalues, that is with many contacts or long lever arms, are evaluated.
+    stiffness_factor(mass, mass of the partner, overlap), each (k,) -> (k,): factor on the springs and dashpots of
+    contacts relative to `load`; the mass of a wall is inf. None: the factor is 1.
     """
-    grips = _grips(bodies, candidates, width, certain, firmness)
+    grips = _grips(bodies, candidates, width, certain, stiffness_factor)
     traces, contacts = _traces(bodies, grips, load), np.bincount(grips.body, minlength=len(bodies.mass))
     held = bodies.own[contacts[bodies.own] > 0]
-    rows = held[np.argsort(-traces[held], kind="stable")[:LOOKED_AT]]
+    rows = held[np.argsort(-traces[held], kind="stable")[:BODIES_EXAMINED]]
     # The selection is made over all ranks, so that it does not depend on how the bodies are distributed.
-    best = sorted(ranks.all([(-traces[row], bodies.id[row]) for row in rows]))[:LOOKED_AT]
+    best = sorted(ranks.all([(-traces[row], bodies.id[row]) for row in rows]))[:BODIES_EXAMINED]
     ids = {id_ for _, id_ in best}
     rows = np.array([row for row in rows if bodies.id[row] in ids], np.int64)
     loads = np.linalg.eigvalsh(_matrices(bodies, grips, load, rows))[:, -1]
@@ -198,7 +198,7 @@ def body_steps(
     certain: bool = True,
     effective_contacts: float | None = None,
     ranks=ONE_RANK,
-    firmness=None,
+    stiffness_factor=None,
     time: float | None = None,
 ) -> float:
     """Return the minimum steps per contact time of one body (its id) in its present contacts; see `stiffest_body`.
@@ -208,7 +208,7 @@ def body_steps(
     rows = np.flatnonzero(bodies.id[bodies.own] == body)
     needed = []
     for row in bodies.own[rows]:
-        grips = _grips(bodies, candidates, width, certain, firmness)
+        grips = _grips(bodies, candidates, width, certain, stiffness_factor)
         needed.append(_steps_of_row(bodies, grips, law, friction, row, effective_contacts, time))
     return float(ranks.maximum([max(needed, default=0.0)])[0])
 
@@ -320,11 +320,13 @@ class _Grips(NamedTuple):
     share: np.ndarray  # (k,) of the load of the contact, in units of the mass of the body
     normal: np.ndarray  # (k, 3), unit vectors
     arm: np.ndarray  # (k, 3) [m], from the centre of the body to the contact point
-    firmness: np.ndarray  # (k,) factor on springs and dashpots relative to the load; not on the viscous friction
+    stiffness_factor: (
+        np.ndarray
+    )  # (k,) factor on springs and dashpots relative to the load; not on the viscous friction
     spread: np.ndarray  # (k, 6) [m²], or (0, 6)
 
 
-def _grips(bodies, candidates, width, certain, firmness=None):
+def _grips(bodies, candidates, width, certain, stiffness_factor=None):
     """Return the grips of all touching contacts and walls; arguments as in stiffest_body."""
     contacts, walls = candidates
     p, w = np.flatnonzero(contacts.touching), np.flatnonzero(walls.touching)
@@ -336,17 +338,17 @@ def _grips(bodies, candidates, width, certain, firmness=None):
     share_a, share_b = 1.0 / (1.0 + ratio), ratio / (1.0 + ratio)
     if not certain:
         share_a, share_b = share_a * (1.0 + np.sqrt(ratio)), share_b * (1.0 + np.sqrt(1.0 / ratio))
-    firm, firm_wall = np.ones(len(p)), np.ones(len(w))
-    if firmness is not None:
-        firm = firmness(bodies.mass[a], bodies.mass[b], contacts.overlap[p])
-        firm_wall = firmness(bodies.mass[walls.body[w]], np.full(len(w), np.inf), walls.overlap[w])
+    factor, wall_factor = np.ones(len(p)), np.ones(len(w))
+    if stiffness_factor is not None:
+        factor = stiffness_factor(bodies.mass[a], bodies.mass[b], contacts.overlap[p])
+        wall_factor = stiffness_factor(bodies.mass[walls.body[w]], np.full(len(w), np.inf), walls.overlap[w])
     patches = len(contacts.spread) > 0 or len(walls.spread) > 0
     return _Grips(
         np.concatenate([a, b, walls.body[w]]),
         np.concatenate([share_a, share_b, np.ones(len(w))]),
         np.concatenate([contacts.direction[p], contacts.direction[p], walls.normal[w]]),
         np.concatenate([contacts.point[p], contacts.point[p] - offset, walls.point[w]]),
-        np.concatenate([firm, firm, firm_wall]),
+        np.concatenate([factor, factor, wall_factor]),
         np.concatenate([contacts.spread[p], contacts.spread[p], walls.spread[w]]) if patches else np.zeros((0, 6)),
     )
 
@@ -370,14 +372,14 @@ def _matrices(bodies, grips, load, selected):
     n = grips.normal[kept]
     along = np.einsum("kx,ky->kxy", n, n)
     across = np.eye(3) - along
-    firm = grips.firmness[kept, None, None]
-    added = _quadratic(rows, firm * (load.normal * along + load.tangential * across) + load.sliding * across)
+    factor = grips.stiffness_factor[kept, None, None]
+    added = _quadratic(rows, factor * (load.normal * along + load.tangential * across) + load.sliding * across)
     if len(grips.spread):
         moments = grips.spread[kept][:, [[0, 3, 4], [3, 1, 5], [4, 5, 2]]]
         moment = np.trace(moments, axis1=1, axis2=2)[:, None, None]
         # A rotation about u moves the patch by (u × x) · n. Its moments are tr C − C in the plane and tr C about n.
         rocking = load.rocking * (moment * across - moments) + load.tangential * moment * along
-        added += _quadratic(turns, firm * rocking)
+        added += _quadratic(turns, factor * rocking)
     matrices = np.zeros((len(selected), 6, 6))
     np.add.at(matrices, place[body], grips.share[kept, None, None] * added)
     return matrices
@@ -393,6 +395,6 @@ def _traces(bodies, grips, load):
     body = grips.body
     moments = bodies.inertia.sum(axis=1) / 3.0
     arms = (grips.arm**2).sum(axis=1) * bodies.mass[body] / moments[body]
-    across = grips.firmness * load.tangential + load.sliding
-    total = grips.firmness * load.normal + 2.0 * across
+    across = grips.stiffness_factor * load.tangential + load.sliding
+    total = grips.stiffness_factor * load.normal + 2.0 * across
     return np.bincount(body, grips.share * (total + across * 2.0 * arms), minlength=len(bodies.mass))

@@ -19,6 +19,7 @@ from simcore.provenance.version import VERSION
 from simcore.scene.scene import Scene
 from simcore.scene.shapes import Base
 
+RENAMED = {"mass_fraction_asked": "mass_fraction_specified"}  # variables of files of Scree 0.1
 FLOOR_PARTNER, CYLINDER_PARTNER = -1, -2  # numbers of the second body if a contact is with a wall
 
 
@@ -129,7 +130,7 @@ def read_packing(path) -> xr.Dataset:
         raise ValueError(
             f"{path} is not a packing: {', '.join(sorted(missing))} missing. Give a file that `simcore pack` wrote."
         )
-    return packing
+    return packing.rename({old: new for old, new in RENAMED.items() if old in packing})
 
 
 def _is_in_use(path):
@@ -197,7 +198,7 @@ def _sieve_variables(curve, sample):
     bounds = np.column_stack([curve.bounds[:-1], curve.bounds[1:]])
     return {
         "sieve_bounds": (("sieve_class", "bound"), bounds, _m("lower and upper sieve size of the class")),
-        "mass_fraction_asked": ("sieve_class", curve.mass_fractions, _one(specified)),
+        "mass_fraction_specified": ("sieve_class", curve.mass_fractions, _one(specified)),
         "mass_fraction_drawn": ("sieve_class", class_fractions(curve, sample.D, sample.volume), _one(drawn)),
     }
 

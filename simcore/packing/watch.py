@@ -112,20 +112,22 @@ class Watch:
 
     def _note_stiffest(self, watch_state, bodies, candidates, dt, step):
         """Store the grain whose contacts need the shortest time step; warn once if the time step is longer."""
-        scene, law, firmness = self.scene, self.composition.continuous_law, self.composition.firmness
+        scene, law, stiffness_factor = self.scene, self.composition.continuous_law, self.composition.stiffness_factor
         friction, implicit = self.composition.features.friction, self.composition.features.implicit
         # With an implicit dashpot, bodies are ranked as if each had one contact.
         load = contact_load(law, dt, friction, 1.0 if implicit else None)
-        stiffest = stiffest_body(bodies, candidates, self.width, load, ranks=self.ranks, firmness=firmness)
+        stiffest = stiffest_body(
+            bodies, candidates, self.width, load, ranks=self.ranks, stiffness_factor=stiffness_factor
+        )
         if stiffest.load <= watch_state.load:
             return
         watch_state.load, watch_state.stiffest, watch_state.contacts = stiffest.load, stiffest.body, stiffest.contacts
         effective_contacts = stiffest.contacts if implicit else None
         # The linear law derived from law hertz may be overdamped and then has no contact time.
-        time = None if firmness is None else scene.numerics.contact_time
+        time = None if stiffness_factor is None else scene.numerics.contact_time
         watch_state.needed = body_steps(
             bodies, candidates, self.width, law, friction, stiffest.body,
-            effective_contacts=effective_contacts, ranks=self.ranks, firmness=firmness, time=time,
+            effective_contacts=effective_contacts, ranks=self.ranks, stiffness_factor=stiffness_factor, time=time,
         )  # fmt: skip
         if watch_state.needed > scene.numerics.steps_per_contact_time and not watch_state.warned_of_steps:
             watch_state.warned_of_steps = True

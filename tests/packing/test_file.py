@@ -118,12 +118,12 @@ def test_a_file_that_another_program_writes_to_is_not_called_truncated(made, tmp
 def test_the_file_has_the_specified_and_the_drawn_sieve_fractions(made):
     """The curve of `made` has one class; here a packing of two, by hand and without a step."""
     packed, dataset = made
-    assert dataset["mass_fraction_drawn"].values == dataset["mass_fraction_asked"].values == 1.0
+    assert dataset["mass_fraction_drawn"].values == dataset["mass_fraction_specified"].values == 1.0
     setup = set_up_few_spheres(sizes={"bounds": ["4 mm", "6 mm", "9 mm"], "mass_fractions": [0.4, 0.6]})
     sample = setup.sample(np.arange(40))
     two = packing_dataset(setup.scene, setup.bases, packed, sample, {}, setup.curve)
     np.testing.assert_array_equal(two["sieve_bounds"], [[4e-3, 6e-3], [6e-3, 9e-3]])
-    np.testing.assert_array_equal(two["mass_fraction_asked"], [0.4, 0.6])
+    np.testing.assert_array_equal(two["mass_fraction_specified"], [0.4, 0.6])
     fine = sample.volume[sample.D < 6e-3].sum() / sample.volume.sum()
     np.testing.assert_allclose(two["mass_fraction_drawn"], [fine, 1.0 - fine], rtol=1e-12)
     assert abs(fine - 0.4) > 1e-6  # forty grains

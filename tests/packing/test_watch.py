@@ -193,17 +193,17 @@ def test_a_deep_impact_is_foreseen():
     )
 
 
-def test_the_stiffest_grain_of_a_bed_is_among_those_looked_at(settled):
+def test_the_stiffest_grain_of_a_bed_is_among_those_examined(settled):
     """All forty instead of the 32 with the largest sums."""
     from simcore.dem import stability
 
     load = contact_load(compose(settled.scene).law, settled.dt)
     found = stiffest_body(settled.bodies, settled.candidates, settled.stepper.box.width, load)
-    looked_at, stability.LOOKED_AT = stability.LOOKED_AT, 1000
+    examined, stability.BODIES_EXAMINED = stability.BODIES_EXAMINED, 1000
     try:
         assert stiffest_body(settled.bodies, settled.candidates, settled.stepper.box.width, load) == found
     finally:
-        stability.LOOKED_AT = looked_at
+        stability.BODIES_EXAMINED = examined
 
 
 def pressed(radius, overlap):

@@ -45,9 +45,9 @@ def draw_sizes(axes, packing):
     order = np.argsort(size)
     passing = np.cumsum(volume[order]) / volume.sum()
     axes.step(MM * size[order], 100.0 * passing, where="post", color=SLATE, label="grains of the packing")
-    if "mass_fraction_asked" in packing:
+    if "mass_fraction_specified" in packing:
         bounds = packing["sieve_bounds"].values
-        share = np.append(0.0, np.cumsum(packing["mass_fraction_asked"].values))
+        share = np.append(0.0, np.cumsum(packing["mass_fraction_specified"].values))
         axes.plot(
             MM * np.append(bounds[:, 0], bounds[-1, 1]), 100.0 * share, "--", color=RUST, marker="o", mfc="white",
             label="specified sieve curve",

@@ -169,20 +169,20 @@ def test_its_contacts_remember_nothing_and_push_within_coulombs_limit(deposit):
 
 
 def test_the_watch_samples_the_stiffness_there_is(deposit):
-    """Far less than if all contacts were as firm as the deepest expected one."""
+    """Far less than if all contacts were as stiff as the deepest expected one."""
     running, _ = deposit
     made, composition = running.scene, compose(running.scene)
-    law, firmness = composition.continuous_law, composition.firmness
+    law, stiffness_factor = composition.continuous_law, composition.stiffness_factor
     load = contact_load(law, running.dt, False)
     width = running.stepper.box.width
-    found = stiffest_body(running.bodies, running.candidates, width, load, firmness=firmness)
+    found = stiffest_body(running.bodies, running.candidates, width, load, stiffness_factor=stiffness_factor)
     alike = stiffest_body(running.bodies, running.candidates, width, load)
     assert 0.0 < found.load < alike.load
-    # Half of the firmness of springs and dashpots is half of the load, but for what slides.
+    # Half of the factor on springs and dashpots is half of the load, but for what slides.
     held = load._replace(sliding=0.0)
     whole, half = (
         stiffest_body(
-            running.bodies, running.candidates, width, held, firmness=lambda m, *_, share=share: share + 0.0 * m
+            running.bodies, running.candidates, width, held, stiffness_factor=lambda m, *_, share=share: share + 0.0 * m
         )
         for share in (1.0, 0.5)
     )
@@ -196,7 +196,7 @@ def test_the_watch_samples_the_stiffness_there_is(deposit):
         law,
         False,
         found.body,
-        firmness=firmness,
+        stiffness_factor=stiffness_factor,
         time=time,
     )
     assert 0.0 < steps < made.numerics.steps_per_contact_time
