@@ -36,6 +36,7 @@ COLUMNS = {
     "accuracy": (["accuracy", "case", "seed"], []),
     "difference_long_stones": (["source", "case", "faces", "seed"], []),
     "size_and_form": (["case", "grain", "representation", "width_m", "mass_kg", "seed"], []),
+    "form_by_size": (["study", "case", "seed"], []),
     "trends": (["source", "study", "packing", "quantity"], []),
 }
 # Order of the columns in tables where the seed follows the columns of the form, or where a column is left out.
@@ -45,9 +46,10 @@ ORDER = {
 }
 LEDGER = ["study", "source", "packing", "settings", "cpu_s", "grain_steps", "code"]
 # Tables whose rows also have the columns of simcore.campaign.composition_columns.
-COMPOSED = {"size_and_form"}
+COMPOSED = {"size_and_form", "form_by_size"}
 # Studies whose name begins with a key share that table; any other study has its own table.
 TABLES = {"single_form": "single_form", "equivalent_ellipsoids": "single_form", "form_mixtures": "form_mixture"}
+TABLES |= {"flat_coarse_grains": "form_by_size", "flat_fine_grains": "form_by_size"}
 DECIMALS = {"n": 6, "n_error": 6, "cpu_s": 1} | dict.fromkeys("LIS", 7)
 DECIMALS |= dict.fromkeys(["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"], 6)
 

@@ -1,7 +1,9 @@
 """Studies: tables of packings. A study is the cartesian product of its varied settings, over its fixed settings."""
 
 import copy
+import hashlib
 import itertools
+import json
 import re
 
 import pandas as pd
@@ -208,6 +210,9 @@ def specification_text(specification, form, names):
 
 
 def _slug(value):
+    """Return a value as part of a file name; a digest (8 hex digits) of a list of groups, whose text is too long."""
+    if isinstance(value, list) and any(isinstance(item, dict) for item in value):
+        return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:8]
     return re.sub(r"[^A-Za-z0-9_.+-]", "", str(value))
 
 
@@ -247,7 +252,9 @@ def _put(raw, path, value, where):
 
 def _value(spec, path):
     value = _get(spec, path)
-    return " ".join(value) if isinstance(value, list) else value
+    if not isinstance(value, list):
+        return value
+    return " ".join(value) if all(isinstance(item, str) for item in value) else json.dumps(value)
 
 
 def _get(spec, path):

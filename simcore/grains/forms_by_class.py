@@ -39,6 +39,21 @@ def read_classes(path, column):
     return classes, notices
 
 
+def sample_of_class(curve, index, classes):
+    """Return the Sample of the class `index` of a SieveCurve, from the classes of read_classes.
+
+    ValueError if the class of the curve lies in none of them.
+    """
+    low, high = curve.bounds[index : index + 2]
+    for (lower, upper), sample in classes.items():
+        if lower <= low * (1 + 1e-6) and high <= upper * (1 + 1e-6):
+            return sample
+    raise ValueError(
+        f"{curve.name}: the class {low * 1e3:g} to {high * 1e3:g} mm has mass, but lies in none of the classes of the "
+        "table of forms; add its forms, or remove the column of classes"
+    )
+
+
 def _bounds(path, column, label, unit):
     match = _LABEL.fullmatch(label.strip())
     if not match:

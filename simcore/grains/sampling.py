@@ -2,6 +2,7 @@
 """Draws the size, form and shape of every grain of a packing from random numbers that depend on the grain's id."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ndtr, ndtri
@@ -13,10 +14,21 @@ from simcore.grains.quota import ELONGATION, FLATNESS, NUMBERS_PER_GRAIN, SHAPE,
 # Rettinger et al. (2022) draw flatness S/I and elongation I/L from normals, again until they are in this interval.
 FORM_RANGE = (0.1, 1.0)
 MAX_RATIO = 10.0  # maximum of L/I and of I/S: flatness and elongation are at least 0.1
+CHOICES = ("one", "random", "form", "form_distribution", "form_by_size", "ratios")
 # This stream decides which grains of kind "mixed" are ellipsoids. As it is separate, the sizes and forms are those that
 # polyhedra alone would get.
 _KIND_STREAM = 2
 _QUOTA_STREAM = 4  # of the numbers that shuffle the strata of a draw by quota; 3 is that of random places
+
+
+class FormsBelow(NamedTuple):
+    """Distributions of form of the grains with sieve sizes below `below` [m]; inf for all coarser grains."""
+
+    below: float
+    flatness: float  # mean before redrawing
+    flatness_std: float
+    elongation: float
+    elongation_std: float
 
 
 @dataclass(frozen=True)
@@ -31,6 +43,8 @@ class ShapeChoice:
     - "form": all grains have the given `flatness` and `elongation`; only for ellipsoids.
     - "form_distribution": flatness and elongation are independent normals with means `flatness` and `elongation` and
       the two standard deviations, redrawn until they are in FORM_RANGE.
+    - "form_by_size": the same, with the means and standard deviations of the first element of `by_size` whose `below`
+      exceeds the grain's sieve size.
     - "ratios": eta = L/I and zeta = I/S are independent normals with means `eta` and `zeta` and the two standard
       deviations, redrawn until they are in [1, MAX_RATIO]; with a deviation of 0 they are constant; only for
       ellipsoids.
@@ -48,14 +62,13 @@ class ShapeChoice:
     zeta: float | None = None
     eta_std: float = 0.0
     zeta_std: float = 0.0
+    by_size: tuple[FormsBelow, ...] = ()
 
     def __post_init__(self):
         if self.kind not in ("polyhedron", "ellipsoid", "sphere", "mixed"):
             raise ValueError(f"shapes: kind {self.kind!r} is unknown; use polyhedron, ellipsoid, sphere or mixed")
-        if self.choice not in ("one", "random", "form", "form_distribution", "ratios"):
-            raise ValueError(
-                f"shapes: choice {self.choice!r} is unknown; use one, random, form, form_distribution or ratios"
-            )
+        if self.choice not in CHOICES:
+            raise ValueError(f"shapes: choice {self.choice!r} is unknown; use one of {', '.join(CHOICES)}")
         share = self.ellipsoid_share
         if self.kind == "mixed" and (share is None or not 0.0 <= share <= 1.0):
             raise ValueError(f"shapes: kind mixed needs `ellipsoid_share` from 0 to 1; it is {share}")
@@ -81,13 +94,30 @@ class ShapeChoice:
                 if not std >= 0:
                     raise ValueError(f"shapes: {key}_std is {std}; it must not be negative")
         if self.choice in ("form", "form_distribution"):
-            low, high = FORM_RANGE
-            for key in ("flatness", "elongation"):
-                value, std = getattr(self, key), getattr(self, f"{key}_std")
-                if value is None or not low <= value <= high:
-                    raise ValueError(f"shapes: {key} is {value}; give a value from {low} to {high}")
-                if self.choice == "form_distribution" and (std is None or not std >= 0):
-                    raise ValueError(f"shapes: {key}_std is {std}; give a value that is not negative")
+            _check_forms("shapes", self, self.choice == "form_distribution")
+        if self.choice == "form_by_size":
+            _check_sizes([forms.below for forms in self.by_size])
+            for number, forms in enumerate(self.by_size):
+                _check_forms(f"shapes.by_size[{number}]", forms, True)
+
+
+def _check_forms(where, forms, distributed):
+    """Raise ValueError if the flatness or the elongation of `forms` is not in FORM_RANGE, or a deviation is wrong."""
+    low, high = FORM_RANGE
+    for key in ("flatness", "elongation"):
+        value, std = getattr(forms, key), getattr(forms, f"{key}_std")
+        if value is None or not low <= value <= high:
+            raise ValueError(f"{where}: {key} is {value}; give a value from {low} to {high}")
+        if distributed and (std is None or not std >= 0):
+            raise ValueError(f"{where}: {key}_std is {std}; give a value that is not negative")
+
+
+def _check_sizes(below):
+    """Raise ValueError if the limits of `by_size` do not increase, or if the last one is not inf."""
+    if not below or np.isfinite(below[-1]):
+        raise ValueError("shapes.by_size: the last element is for all coarser grains; leave out its `below`")
+    if not all(a < b for a, b in zip(below, below[1:], strict=False)):
+        raise ValueError("shapes.by_size: every element but the last needs `below`; order them from fine to coarse")
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +186,7 @@ def sample_grains(grain_ids, seed, curve, shapes, grains, quota=None):
     """
     uniforms = grain_uniforms(grain_ids, seed) if quota is None else quota[grain_ids]
     D = _sizes(curve, uniforms)
-    flatness, elongation, index = _forms(shapes, grains, uniforms)
+    flatness, elongation, index = _forms(shapes, grains, uniforms, D)
     if curve.of_volume:
         D = sieve_size_of_volume(D, flatness, elongation)
     L, I, S = axes_from_form(D, flatness, elongation)
@@ -165,7 +195,10 @@ def sample_grains(grain_ids, seed, curve, shapes, grains, quota=None):
         return GrainSample(np.zeros(len(D), int), axes / 2, L, I, S, D, np.pi / 6 * L * I * S)
     base_axes = np.array([(g.S, g.I, g.L) for g in grains])[index]
     scale = axes / base_axes
-    if shapes.choice != "form_distribution":  # the form is unchanged: one factor avoids round-off between the axes
+    if shapes.choice not in (
+        "form_distribution",
+        "form_by_size",
+    ):  # the form is unchanged: one factor avoids round-off between the axes
         scale = np.repeat((D / np.array([g.sieve_size for g in grains])[index])[:, None], 3, axis=1)
     volume = np.array([g.volume for g in grains])[index] * scale.prod(axis=1)
     if shapes.kind == "mixed":
@@ -176,8 +209,8 @@ def sample_grains(grain_ids, seed, curve, shapes, grains, quota=None):
     return GrainSample(index, scale, L, I, S, D, volume)
 
 
-def _forms(shapes, grains, uniforms):
-    """Return flatness, elongation and index in the grain set for each grain, three arrays (n,)."""
+def _forms(shapes, grains, uniforms, D):
+    """Return flatness, elongation and index in the grain set for each grain, three arrays (n,). D: sizes (n,) [m]."""
     n = len(uniforms)
     index = np.zeros(n, int)
     if shapes.kind == "sphere":
@@ -209,9 +242,26 @@ def _forms(shapes, grains, uniforms):
             _truncated_normal(uniforms[:, ELONGATION], shapes.elongation, shapes.elongation_std),
             index,
         )
+    if shapes.choice == "form_by_size":
+        row = np.searchsorted([forms.below for forms in shapes.by_size], D, side="right")
+        means = np.array(shapes.by_size)[row, 1:]
+        return (
+            _truncated_normals(uniforms[:, FLATNESS], means[:, 0], means[:, 1]),
+            _truncated_normals(uniforms[:, ELONGATION], means[:, 2], means[:, 3]),
+            index,
+        )
     flatness = np.array([grain.flatness for grain in grains])
     elongation = np.array([grain.elongation for grain in grains])
     return flatness[index], elongation[index], index
+
+
+def _truncated_normals(uniforms, mean, std):
+    """Draw from `_truncated_normal`, with a mean and a standard deviation for each number, (n,) each."""
+    drawn = np.empty(len(uniforms))
+    for pair in set(zip(mean, std, strict=True)):
+        rows = (mean == pair[0]) & (std == pair[1])
+        drawn[rows] = _truncated_normal(uniforms[rows], *pair)
+    return drawn
 
 
 def _truncated_normal(uniforms, mean, std, bounds=FORM_RANGE):

@@ -106,7 +106,7 @@ def typical_grains(specification: dict) -> Grains:
         total = mass / specification["material"]["density"]
     volume = sizes**3 * (total / pour.grains / np.mean(sizes**3))
     shapes = specification["shapes"]
-    one_form = shapes["kind"] == "sphere" or shapes["choice"] not in ("random", "form_distribution")
+    one_form = shapes["kind"] == "sphere" or shapes["choice"] not in ("random", "form_distribution", "form_by_size")
     return Grains(sizes, volume, total, curve.largest, one_form)
 
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from simcore.grains.forms_by_class import class_column
+from simcore.grains.forms_by_class import class_column, read_classes
 from simcore.grains.measured_forms import read_measured
 from simcore.grains.sieve_table import read_sieve_table
 from simcore.packing.sieve_specification import sieve_specification
@@ -12,16 +12,13 @@ def write_specification(path, curve, forms=None, column=None, finest=None, coars
     """Write to `path` the specification of a bed with the sieve curve and the forms of the files; return the notices.
 
     curve, forms, column, finest, coarsest: as in predict_curve_file; without forms, the grains are synthetic pebbles of
-    the Rhine's forms. ValueError if `forms` has several samples.
+    the Rhine's forms. ValueError if `forms` has several samples, or no forms for a sieve class that has mass.
     """
     table, _ = read_sieve_table(curve, coarsest)
-    sample = None
-    if forms is not None:
-        if column is None and class_column(forms) is not None:
-            raise ValueError(
-                f"{forms}: forms differ between sieve classes, but a specification has one form for all; leave out "
-                "--pack"
-            )
+    sample = classes = None
+    if forms is not None and column is None and class_column(forms) is not None:
+        classes, _ = read_classes(forms, class_column(forms))
+    elif forms is not None:
         samples, _ = read_measured(forms, column)
         if len(samples) > 1:
             raise ValueError(
@@ -29,6 +26,6 @@ def write_specification(path, curve, forms=None, column=None, finest=None, coars
             )
         sample = samples[0]
     table, _ = table.closed(finest, coarsest).with_small_ends_closed()
-    text, notices = sieve_specification(table.curve(), Path(curve), sample)
+    text, notices = sieve_specification(table.curve(), Path(curve), sample, classes)
     Path(path).write_text(text, encoding="utf-8")
     return notices

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 
+from simcore.grains.forms_by_class import sample_of_class
 from simcore.packing.forecast import BY_SPREAD, ONE_CLASS
 
 DENSITY = 2650.0  # [kg/m³], of quartz; the default of material.density
@@ -15,12 +16,13 @@ LARGEST_GRAINS = 8
 MANY = 100_000  # grains above which a packing takes days on one core
 
 
-def sieve_specification(curve, source, sample=None):
+def sieve_specification(curve, source, sample=None, classes=None):
     """Return (YAML text of a specification that packs this SieveCurve, notices). source: file that the curve is from.
 
     The text is accepted by `explain` and `pack`. sample: simcore.grains.measured_forms.Sample with the form of the
-    grains; None: synthetic pebbles, because a sieve curve says nothing about form. ValueError if the curve has too many
-    grains for any packing.
+    grains, or classes: forms by sieve class, as from simcore.grains.forms_by_class.read_classes; None: synthetic
+    pebbles, because a sieve curve says nothing about form. ValueError if the curve has too many grains for any packing,
+    or if a class with mass has no forms.
     """
     largest = curve.largest
     width = np.ceil(WIDTH * largest * 1e3) / 1e3
@@ -57,7 +59,7 @@ sizes:
   bounds: [{bounds}]
   mass_fractions: [{shares}]
   {draw.removeprefix(", ") or "draw: random"}
-{_shapes(sample)}
+{_shapes(sample) if classes is None else _shapes_by_size(curve, classes)}
 # Width and height of the bed are {WIDTH:g} and {bed / largest:.0f} times the largest sieve opening.
 domain: {{type: periodic, width: {width * 1e3:g} mm, height: {height:g} m}}
 amount: {{mass: {mass:.3g} kg}}
@@ -81,8 +83,29 @@ def _shapes(sample):
 shapes:
   kind: polyhedron
   choice: form_distribution
-  flatness: {{mean: {sample.mu_FL:.4f}, std: {sample.sigma_FL:.4f}}}
-  elongation: {{mean: {sample.mu_EL:.4f}, std: {sample.sigma_EL:.4f}}}"""
+  flatness: {_distribution(sample, "FL")}
+  elongation: {_distribution(sample, "EL")}"""
+
+
+def _shapes_by_size(curve, classes):
+    """Return the lines on the form of the grains if it differs between sieve classes."""
+    samples = [sample_of_class(curve, index, classes) for index in np.flatnonzero(curve.mass_fractions > 0)]
+    limits = curve.bounds[1:][curve.mass_fractions > 0]
+    # A class with the forms of the next coarser one needs no element of its own.
+    ends = [k for k in range(len(samples)) if k + 1 == len(samples) or samples[k] != samples[k + 1]]
+    if len(ends) == 1:
+        return _shapes(samples[0])
+    lines = ["# Flatness S/I and elongation I/L as measured, by sieve size.", "shapes:", "  kind: polyhedron"]
+    lines += ["  choice: form_by_size", "  by_size:"]
+    for k in ends:
+        below = "" if k == ends[-1] else f"below: {limits[k] * 1e3:.6g} mm, "
+        flatness, elongation = (_distribution(samples[k], ratio) for ratio in ("FL", "EL"))
+        lines.append(f"    - {{{below}flatness: {flatness}, elongation: {elongation}}}")
+    return "\n".join(lines)
+
+
+def _distribution(sample, ratio):
+    return f"{{mean: {getattr(sample, f'mu_{ratio}'):.4f}, std: {getattr(sample, f'sigma_{ratio}'):.4f}}}"
 
 
 def _contact_time(finest, height):

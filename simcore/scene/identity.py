@@ -28,6 +28,7 @@ ADDED = {
     ("grains", "bodies"): "one",
     ("sizes", "own"): False,
     ("sizes", "draw"): "random",
+    ("shapes", "by_size"): None,
     ("generation", "solid_fraction"): 0.2,
 }
 # Keys and values that were renamed after rows had been committed. Digests use the former names, as those rows do.

@@ -7,7 +7,7 @@ import numpy as np
 from simcore.grains.beta_sizes import BetaSizes
 from simcore.grains.mesh import decimate
 from simcore.grains.own_sizes import OwnSizes
-from simcore.grains.sampling import ShapeChoice, grain_uniforms, quota_uniforms, sample_grains
+from simcore.grains.sampling import FormsBelow, ShapeChoice, grain_uniforms, quota_uniforms, sample_grains
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sources import grain_warnings, needs_grains, size_note
 from simcore.scene.domain import Domain
@@ -52,6 +52,11 @@ def set_up(specification: dict, load_grains) -> Setup:
     if choice.kind != "polyhedron":
         bases.append(unit_sphere())
     curve = size_curve(specification["sizes"], grains=grains)
+    if choice.choice == "form_by_size" and not isinstance(curve, SieveCurve):
+        raise ValueError(
+            "shapes.choice: form_by_size needs sieve sizes; give a sieve curve in `sizes`, by `case`, or by `bounds` "
+            "and `mass_fractions`"
+        )
     check_amount(specification, curve)
     seed, quota, number = specification["seed"], None, specification["amount"]["grains"]
     if specification["sizes"]["draw"] == "quota":
@@ -140,7 +145,15 @@ def shape_choice(shapes: dict) -> ShapeChoice:
             settings |= {key: value["mean"], f"{key}_std": value["std"]}
         else:
             settings[key] = value
+    if shapes["by_size"] is not None:
+        settings["by_size"] = tuple(_forms_below(group) for group in shapes["by_size"])
     return ShapeChoice(**settings)
+
+
+def _forms_below(group):
+    """Return the FormsBelow of an element of the resolved list shapes.by_size."""
+    below = np.inf if group["below"] is None else group["below"]
+    return FormsBelow(below, *(group[key][part] for key in ("flatness", "elongation") for part in ("mean", "std")))
 
 
 def _check_height(scene, sample):

@@ -249,6 +249,8 @@ def _explain(error):
         return f"{value!r} is not a choice; choose one of {_join_names(bound)}"
     if rule == "pattern":
         return f"{value!r} is wrong; {_describe_needed(schema)}"
+    if rule == "minItems":
+        return f"{len(value)} elements are too few; at least {bound} are needed"
     return error.message
 
 

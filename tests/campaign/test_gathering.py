@@ -90,6 +90,17 @@ def test_beds_of_size_and_form_have_the_composition_of_their_evaluated_part(tmp_
     assert all(find_column("size_and_form", name) for name in written)
 
 
+def test_beds_with_form_by_size_share_a_table(tmp_path):
+    bed = evaluated(specify()).assign(sieve_bounds=(("sieve_class", "bound"), [[5.6e-3, 8e-3]])).assign_attrs(time=2.5)
+    bed = bed.assign(sieve_fraction=(("part", "weight", "sieve_class"), np.ones((2, 2, 1))))
+    for study in ("flat_coarse_grains", "flat_fine_grains"):
+        row = {"packing": "seed_1", "varied": {"seed": 1}}
+        gather(tmp_path, study, rows_of(study, [row], [bed], "synthetic"))
+    written = pd.read_csv(tmp_path / "form_by_size.csv")
+    assert written["study"].tolist() == ["flat_coarse_grains", "flat_fine_grains"]
+    assert all(find_column("form_by_size", name) for name in written)
+
+
 def test_an_evaluation_without_composition_is_refused():
     row = {"packing": "p", "varied": {"case": "U1", "width_m": 0.05, "mass_kg": 0.5, "seed": 1}}
     bed = evaluated(specify()).drop_vars("coarse_share_of_part").assign(sieve_fraction=0.0)

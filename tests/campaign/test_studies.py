@@ -49,6 +49,15 @@ def test_settings_of_a_group_vary_together():
     ]
 
 
+def test_lists_of_groups_vary_with_short_names_and_their_text():
+    forms = {"flatness": FORMS, "elongation": FORMS}
+    lists = [[{"below": "8 mm", **forms}, forms], [{"below": "9 mm", **forms}, forms]]
+    fixes = {**STUDY["fixes"], "sizes": {"case": "U7"}, "shapes": {"choice": "form_by_size"}}
+    table = expand(campaign(fixes=fixes, varies={"shapes.by_size": lists}))
+    assert table.packing.is_unique and max(map(len, table.packing)) < 30
+    assert ['"below": 0.009' in row["varied"]["by_size"] for row in table.row] == [False, True]
+
+
 def test_groups_that_set_different_keys_are_named_by_all_of_them():
     """Else a mean over the seeds would take them for one."""
     groups = [{"faces": 300}, {"shapes.kind": "ellipsoid"}, {"generation.fill": "r22"}]

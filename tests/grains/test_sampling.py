@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from simcore.grains.mesh import make_grain
-from simcore.grains.sampling import FORM_RANGE, ShapeChoice, grain_uniforms, sample_grains, sample_sizes
+from simcore.grains.sampling import FORM_RANGE, FormsBelow, ShapeChoice, grain_uniforms, sample_grains, sample_sizes
 from simcore.grains.sieve import SieveCurve
 
 CURVE = SieveCurve([4e-3, 8e-3, 11.2e-3, 16e-3], [0.2, 0.5, 0.3])
@@ -147,6 +147,36 @@ def test_unknown_grain_and_empty_set_are_refused(grains):
         sample_grains([0], 1, CURVE, ShapeChoice("polyhedron", "one", grain="G99"), grains)
     with pytest.raises(ValueError, match="it is empty"):
         sample_grains([0], 1, CURVE, ShapeChoice(), [])
+
+
+def test_forms_by_size_are_the_distributions_of_each_range_of_size(grains):
+    fine, coarse = FormsBelow(8e-3, 0.8, 0.05, 0.7, 0.1), FormsBelow(np.inf, 0.4, 0.1, 0.5, 0.0)
+    by_size = sample_grains(IDS, 3, CURVE, ShapeChoice("polyhedron", "form_by_size", by_size=(fine, coarse)), grains)
+    is_fine = by_size.D < 8e-3
+    assert 0.1 < is_fine.mean() < 0.9
+    for forms, chosen in ((fine, is_fine), (coarse, ~is_fine)):
+        values = dict(zip(("flatness", "flatness_std", "elongation", "elongation_std"), forms[1:], strict=True))
+        alone = sample_grains(IDS, 3, CURVE, ShapeChoice("polyhedron", "form_distribution", **values), grains)
+        np.testing.assert_array_equal(by_size.scale[chosen], alone.scale[chosen])
+
+
+@pytest.mark.parametrize(
+    "below, reason",
+    [
+        ((8e-3, 16e-3), "the last element is for all coarser grains"),
+        ((8e-3, 4e-3, np.inf), "order them from fine to coarse"),
+        ((), "the last element is for all coarser grains"),
+    ],
+)
+def test_wrong_ranges_of_size_are_refused(below, reason):
+    with pytest.raises(ValueError, match=reason):
+        ShapeChoice(choice="form_by_size", by_size=tuple(FormsBelow(end, 0.5, 0.1, 0.5, 0.1) for end in below))
+
+
+def test_a_wrong_form_of_a_range_of_size_is_named():
+    forms = (FormsBelow(8e-3, 0.5, 0.1, 0.5, 0.1), FormsBelow(np.inf, 0.5, 0.1, 1.5, 0.1))
+    with pytest.raises(ValueError, match=r"shapes.by_size\[1\]: elongation is 1.5; give a value from 0.1 to 1.0"):
+        ShapeChoice(choice="form_by_size", by_size=forms)
 
 
 def test_ratios_of_axes_are_given_ones_or_normals_above_one():

@@ -17,6 +17,13 @@ MIXTURE = {
     "flatness": {"mean": 0.6, "std": 0.1},
     "elongation": {"mean": 0.7, "std": 0.1},
 }
+BY_SIZE = {
+    "choice": "form_by_size",
+    "by_size": [
+        {"below": "7 mm", **{key: MIXTURE[key] for key in ("flatness", "elongation")}},
+        {"flatness": {"mean": 0.5, "std": 0.1}, "elongation": {"mean": 0.6, "std": 0.1}},
+    ],
+}
 RATIOS = {"kind": "ellipsoid", "choice": "ratios", "eta": 1.6, "zeta": {"mean": 1.2, "std": 0.1}}
 FILES = {"grains": {"source": "scans", "unit": "mm"}}
 BETA = {"sizes": {"case": None, "beta": {"radius": "3 mm", "spread": 0.2}}}
@@ -41,6 +48,7 @@ CASES = {
     "shapes.grain": ({"shapes": {"grain": "G01"}}, {}, {"shapes": {"choice": "one"}}),
     "shapes.flatness": ({"shapes": {"flatness": MIXTURE["flatness"]}}, {}, {"shapes": MIXTURE}),
     "shapes.elongation": ({"shapes": {"elongation": MIXTURE["elongation"]}}, ELLIPSOIDS, {"shapes": MIXTURE}),
+    "shapes.by_size": ({"shapes": {"by_size": BY_SIZE["by_size"]}}, {"shapes": MIXTURE}, {"shapes": BY_SIZE}),
     "shapes.eta": ({"shapes": {"eta": 1.6}}, {"shapes": MIXTURE}, {"shapes": RATIOS}),
     "shapes.zeta": ({"shapes": {"zeta": 1.6}}, {}, {"shapes": RATIOS}),
     "sizes.beta.alpha": ({"sizes": {"beta": {"alpha": 2}}}, merge(BETA, {"sizes": {"beta": {"spread": 0}}}), BETA),

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 
+from simcore.grains.forms_by_class import sample_of_class
 from simcore.models.packing_models.classes import porosity_of_volume, specific_volume
 from simcore.models.prediction import ONE_CLASS, predict_preferred
 from simcore.models.size_and_form.bed_prediction import COLUMNS, bed_row, interval, rhine_sample
@@ -22,7 +23,7 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
     """
     model = model or unfitted_model()
     held = np.flatnonzero(curve.mass_fractions > 0)
-    samples = [_sample_of(curve, index, classes) for index in held]
+    samples = [sample_of_class(curve, index, classes) for index in held]
     rows = [predict_preferred(sample, ONE_CLASS, fitted, level) for sample in samples]
     shares = curve.mass_fractions[held]
     refused = "; ".join(
@@ -43,17 +44,6 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
     n, low, high = model.predict(curve, values)
     half = interval(curve, np.array([[n, low, high]]).T, mean[:1], of_rhine, model, level)[0]
     return pd.DataFrame([bed_row(form, mean, n, half, outside, "", curve, model)], columns=COLUMNS)
-
-
-def _sample_of(curve, index, classes):
-    low, high = curve.bounds[index : index + 2]
-    for (lower, upper), sample in classes.items():
-        if lower <= low * (1 + 1e-6) and high <= upper * (1 + 1e-6):
-            return sample
-    raise ValueError(
-        f"{curve.name}: the class {low * 1e3:g} to {high * 1e3:g} mm has mass, but lies in none of the classes of the "
-        "table of forms; add its forms, or remove the column of classes"
-    )
 
 
 def _moments(samples, shares):

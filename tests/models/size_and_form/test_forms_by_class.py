@@ -1,11 +1,14 @@
 """Beds in which each sieve class has its own form."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import simcore
 from simcore.__main__ import main
 from simcore.grains.forms_by_class import class_column, read_classes
+from simcore.grains.sampling import sample_grains
 from simcore.grains.sieve import SieveCurve
 from simcore.models.fitting import fit_reference_models
 from simcore.models.packing_models.curves import split
@@ -13,6 +16,9 @@ from simcore.models.size_and_form.bed_prediction import predict_curve
 from simcore.models.size_and_form.forms_by_class import BY_CLASS, predict_by_class
 from simcore.models.size_and_form.sized_model import unfitted_model
 from simcore.paths import ROOT
+from simcore.scene.setup import shape_choice
+from simcore.scene.sizes import size_curve
+from simcore.scene.specification import read_specification
 
 CURVE = SieveCurve([2e-3, 4e-3, 8e-3, 16e-3], [0.3, 0.3, 0.4], "three classes")
 FLAT, ROUND = "0.45,0.15,0.6,0.13", "0.7,0.15,0.75,0.13"
@@ -110,5 +116,19 @@ def test_the_command_and_the_function_use_the_classes(table, capsys):
     line = capsys.readouterr().out.splitlines()[1]
     n = simcore.predict(path, curve=curve).n[0]
     assert line.startswith(BY_CLASS) and f"{n:.10f}"[:8] in line
-    assert main(["predict", str(path), "--sieve", str(curve), "--pack", "x.yaml"]) != 0
-    assert "a specification has one form for all; leave out --pack" in capsys.readouterr().err
+
+
+def test_pack_writes_the_forms_of_each_class(table, tmp_path):
+    path, curve = table(f"1.9-5.6 mm,{FLAT}", f"5.6-16 mm,{ROUND}"), ROOT / "examples" / "sieve_curve.csv"
+    assert main(["predict", str(path), "--sieve", str(curve), "--pack", str(tmp_path / "bed.yaml")]) == 0
+    specification = read_specification(tmp_path / "bed.yaml")
+    fine, coarse = specification["shapes"]["by_size"]
+    assert fine["below"] == pytest.approx(5.6e-3) and coarse["below"] is None
+    flat, round_ = (float(text.split(",")[0]) for text in (FLAT, ROUND))
+    assert (fine["flatness"]["mean"], coarse["flatness"]["mean"]) == (flat, round_)
+    choice = shape_choice(specification["shapes"])
+    sizes = specification["sizes"]
+    drawn = sample_grains(np.arange(4000), 1, size_curve(sizes), replace(choice, kind="ellipsoid"), [])
+    flatness, is_fine = drawn.S / drawn.I, drawn.D < 5.6e-3
+    assert flatness[is_fine].mean() == pytest.approx(flat, abs=0.02)
+    assert flatness[~is_fine].mean() == pytest.approx(round_, abs=0.03)
