@@ -95,7 +95,7 @@ def test_beds_with_form_by_size_share_a_table(tmp_path):
     bed = bed.assign(sieve_fraction=(("part", "weight", "sieve_class"), np.ones((2, 2, 1))))
     for study in ("flat_coarse_grains", "flat_fine_grains"):
         row = {"packing": "seed_1", "varied": {"seed": 1}}
-        gather(tmp_path, study, rows_of(study, [row], [bed], "synthetic"))
+        gather(tmp_path, table_of(study), rows_of(study, [row], [bed], "synthetic"))
     written = pd.read_csv(tmp_path / "form_by_size.csv")
     assert written["study"].tolist() == ["flat_coarse_grains", "flat_fine_grains"]
     assert all(find_column("form_by_size", name) for name in written)
