@@ -1,6 +1,6 @@
 """All generated pages of the documentation site."""
 
-from docs.generate import columns, commands, python_names, results, settings
+from docs.generate import columns, commands, papers, python_names, results, settings
 
 
 def pages():
@@ -13,4 +13,5 @@ def pages():
         "reference/python.md": python_names.page(),
         "reference/columns.md": columns.page(),
         "reference/results.md": results.page(),
+        "reference/papers.md": papers.page(),
     }

@@ -1,0 +1,239 @@
+"""Page of the two papers: where each of their tables and figures is here, its size, and the difference.
+
+papers.yaml lists the tables and figures. Sizes and differences are computed from the committed rows.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from docs.generate.markdown import table
+from simcore.campaign.deposit_findings import findings
+from simcore.campaign.deposits import read_deposits
+from simcore.grains.form import FORM_FACTORS
+from simcore.grains.sieve import read_cases
+from simcore.paths import CONFIG, REFERENCE
+from simcore.reference.committed_rows import fitted_forms, read_mixtures
+from simcore.reference.r22_tables import read_r22_table
+
+LISTED = Path(__file__).with_name("papers.yaml")
+_HEAD = """# The two papers, table by table
+
+Scree reproduces Rettinger et al. (2022) and Baram and Lind (arXiv:1110.2792). This page lists their tables and figures:
+where each is here, how large our version is, and how far the results are apart. Differences are ours minus theirs; ±
+is the standard error of both together. The numbers follow from the committed tables in `results/reference/`. [What the
+campaigns find](findings.md) explains them.
+"""
+_TITLES = {"r22": "Rettinger et al. (2022)", "baram_lind": "Baram and Lind"}
+MEAN_FORM = {"FL": 0.647, "EL": 0.682}  # of the Rhine's gravel
+ROUNDING = 5e-4 / np.sqrt(3)  # standard deviation of rounding to three decimals
+
+
+def listed():
+    """Return the tables and figures: dict from the paper to a list of dicts with item, shows, here, and compared."""
+    return yaml.safe_load(LISTED.read_text(encoding="utf-8"))
+
+
+def page():
+    """Return the page of the two papers."""
+    parts = [_HEAD]
+    for paper, entries in listed().items():
+        rows = []
+        for entry in entries:
+            size, difference = _not_packed(entry["study"]) if "study" in entry else COMPARED[entry["compared"]]()
+            rows.append([entry["item"], entry["shows"], entry["here"], size, difference])
+        parts += [f"## {_TITLES[paper]}", table(["there", "what it shows", "here", "size here", "difference"], rows)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _rows(name):
+    return pd.read_csv(REFERENCE / f"{name}.csv")
+
+
+def _apart(difference, error):
+    """Describe a difference with its standard error."""
+    return f"{difference:+.4f} ± {error:.4f}".replace("-", "−") + f" ({abs(difference) / error:.1f} standard errors)"
+
+
+def _signed(value, digits=4):
+    return f"{value:+.{digits}f}".replace("-", "−")
+
+
+def _not_packed(study):
+    planned = _rows("collected").set_index("study").loc[study]
+    return f"{planned.packings} of {planned.planned} packings", "not packed yet"
+
+
+def _factors():
+    return f"all {len(FORM_FACTORS)}", "none: they are definitions"
+
+
+def _forms():
+    ours, theirs = _rows("grains/statistics"), read_r22_table("table2_form_statistics").iloc[0]
+    ours = ours.iloc[0]
+    texts = [f"mean {ratio} {_signed(ours[f'mu_{ratio}'] - theirs[f'mu_{ratio}'], 3)}" for ratio in ("FL", "EL")]
+    return f"{ours.n_samples} synthetic grains", ", ".join(texts) + ", because they are made to have these statistics"
+
+
+def _curves():
+    return f"all {len(read_cases(CONFIG / 'cases.tsv'))}", "none: they are given"
+
+
+def _shaking_cylinder():
+    ours = _rows("shaking_cylinder")
+    theirs = read_r22_table("table5_shaking_cylinder").rename(columns={"t_s": "shaking_s"})
+    both = ours.merge(theirs, on=["case", "shaking_s"])
+    texts = []
+    for case, rows in both.groupby("case", sort=False):
+        apart = rows["n_x"] - rows["n_y"]
+        errors = np.hypot(rows["n_error"], rows["n_std"])
+        texts.append(
+            f"{case} {_signed(apart.min(), 3)} to {_signed(apart.max(), 3)} (up to {(apart / errors).max():.1f} "
+            "standard errors)"
+        )
+    return f"{len(ours)} packings of half the mass, 1 seed of 3", "; ".join(texts)
+
+
+def _validation():
+    ours, theirs = _rows("validation"), read_r22_table("table6_validation").set_index("case")
+    n = ours.groupby("case")["n"].mean()
+    error = ours.groupby("case")["n_error"].agg(lambda errors: np.sqrt((errors**2).sum()) / len(errors))
+    apart = (n - theirs["mean"]).dropna()
+    of_both = np.hypot(error, theirs["std"] / np.sqrt(2))
+    z = (apart / of_both).abs()
+    experiment = read_cases(CONFIG / "cases.tsv")
+    measured = read_r22_table("table3_cases").set_index("case")["n_exp"].reindex(n.index)
+    close = int(((n / measured - 1).abs() <= 0.05).sum())
+    return (
+        f"{len(ours)} of {3 * len(experiment)} packings",
+        f"{_signed(apart.min(), 3)} ({apart.idxmin()}) to {_signed(apart.max(), 3)} ({apart.idxmax()}); "
+        f"{int((z <= 2).sum())} of {len(z)} within two standard errors; {close} within 5 % of the experiment",
+    )
+
+
+def _single(case):
+    forms = fitted_forms(_rows("single_form"))
+    rows = forms[(forms["case"] == case) & (forms["source"] == "synthetic") & (forms["representation"] == "polyhedron")]
+    covariance = _rows("models/covariance").query("model == 'single_form' and case == @case")
+    matrix = covariance.pivot(index="term", columns="with_term", values="covariance")
+    FL, EL = MEAN_FORM.values()
+    terms = pd.Series({"intercept": 1.0, "EQ_inv": 1 / (FL * EL), "EL_inv": 1 / EL})
+    of_form = terms[matrix.index].to_numpy()
+    error = float(np.sqrt(of_form @ matrix[matrix.index].to_numpy() @ of_form))
+    mean = _rows("models/single_form_mean_form").query("case == @case and source == 'synthetic'").iloc[0]
+    size = f"{rows['grain'].nunique()} of 63 forms, {len(rows)} packings of {rows['grains'].median():.0f} grains"
+    return size, f"at the mean form {_apart(mean.n - mean.r22_n, np.hypot(error, ROUNDING))}"
+
+
+def _correlation():
+    ours = _rows("models/single_form_correlations").query("feature == 'EQ_inv'").dropna(subset="r22_r")
+    texts = [f"{row.case}, {row.source}: {_signed(row.r - row.r22_r, 3)}" for row in ours.itertuples()]
+    return "as Eqs. 17 to 19", "; ".join(texts)
+
+
+def _second_feature():
+    ours = _rows("models/single_form_second_features").query("case == 'U1' and source == 'synthetic'")
+    error = ours.set_index("feature")["mean_absolute_error"]
+    theirs = read_r22_table("table9_second_factor_mae").set_index("case").loc["U1"] * 1e-3
+    return "as Eq. 17", (
+        f"with EL⁻¹ error {error['EL_inv']:.4f} (theirs {theirs['EL_inv']:.4f}); the best is {error.idxmin()} with "
+        f"{error.min():.4f} (theirs {theirs.idxmin()} with {theirs.min():.4f})".replace("_inv", "⁻¹")
+    )
+
+
+def _ellipsoids():
+    row = _rows("models/shape_kinds").iloc[0]
+    return f"{row.case}, {row.forms} forms, 1 seed; U7 and B50 are not packed", (
+        f"ellipsoids and grains differ by {row.rms_difference:.4f} (root mean square), theirs by "
+        f"{row.r22_rms_difference:.4f}"
+    )
+
+
+def _spheres():
+    row = _rows("near_spheres").query("shape_kind == 'sphere'").iloc[0]
+    return f"{row.grains} grains, 1 seed", f"{_apart(row.n - 0.36, np.hypot(row.n_error, 10 * ROUNDING))}"
+
+
+def _mixtures():
+    rows = read_mixtures(REFERENCE / "form_mixture.csv").query("case == 'U1'")
+    grains = _rows("form_mixture")["grains"].median()
+    model = read_r22_table("models").query("model == 'form_mixture' and case == 'U1'").iloc[0]
+    predicted = model["intercept"] + sum(
+        model[f"{name}_inv"] / rows[name]
+        for name in ("mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL")
+        if np.isfinite(model[f"{name}_inv"])
+    )
+    apart = (rows["n"] - predicted).groupby(rows["sample"]).mean()
+    size = f"{len(apart)} of 52 sets, {len(rows)} packings of {grains:.0f} grains"
+    return size, (
+        f"packings minus their model: mean {_signed(apart.mean())} ± {apart.sem():.4f}, root mean square "
+        f"{np.sqrt((apart**2).mean()):.4f}, at most {_signed(apart[apart.abs().idxmax()])}"
+    )
+
+
+def _mixtures_U7():
+    packed = _rows("form_mixture").query("case == 'U7'")
+    return f"{len(packed)} of 52 sets", "not packed yet" if packed.empty else "see the table"
+
+
+def _feature_sets():
+    rows = _rows("models/form_mixture_feature_sets").query("case == 'U1'")
+    number = rows[[name for name in rows if name.endswith("_inv")]].sum(axis=1)
+    first, last = rows[number == 1].iloc[0], rows[number == 4].iloc[0]
+    return "as Eq. 23", (
+        f"with µ_EQ⁻¹ alone error {first.mean_absolute_error:.4f} (theirs {first.r22_error:.4f}); with all four "
+        f"{last.mean_absolute_error:.4f} ({last.r22_error:.4f})"
+    )
+
+
+def _application():
+    rows = _rows("application").query("case == 'U1'")
+    theirs = read_r22_table("table11_application").set_index("case").loc["U1"]
+    texts = []
+    for choice, name, words in (
+        ("form_distribution", "continuous", "forms drawn from a distribution"),
+        ("random", "discrete", "grains drawn one by one"),
+    ):
+        n = rows[rows["choice"] == choice]["n"]
+        texts.append(f"{words} {_apart(n.mean() - theirs[f'{name}_simulated'], np.hypot(n.sem(), ROUNDING))}")
+    return f"U1, {len(rows)} packings; U7 is not packed", "; ".join(texts)
+
+
+def _densest():
+    rows = read_deposits(REFERENCE / "deposits.csv")
+    row = findings(rows)["maxima"].query("of == 'solid_fraction' and family == 'diagonal'").iloc[0]
+    return f"{len(rows)} deposits of {rows['grains'].min()} to {rows['grains'].max()} grains", (
+        f"η = ζ at the maximum {row.ratio:.3f} ± {row.ratio_error:.3f} instead of 1.6"
+    )
+
+
+def _crossings():
+    rows = _rows("deposit_crossings").set_index("direction")
+    contact, axis = (np.degrees(rows.loc[name, ["angle", "std_error"]]) for name in ("contact_normal", "long_axis"))
+    return f"{rows['forms'].max()} forms", (
+        f"contacts {contact.iloc[0]:.1f}° ± {contact.iloc[1]:.1f}°, long axes {axis.iloc[0]:.1f}° ± {axis.iloc[1]:.1f}°"
+    )
+
+
+COMPARED = {
+    "factors": _factors,
+    "forms": _forms,
+    "curves": _curves,
+    "shaking_cylinder": _shaking_cylinder,
+    "validation": _validation,
+    "single_U1": lambda: _single("U1"),
+    "single_U7": lambda: _single("U7"),
+    "single_B50": lambda: _single("B50"),
+    "correlation": _correlation,
+    "second_feature": _second_feature,
+    "ellipsoids": _ellipsoids,
+    "spheres": _spheres,
+    "mixtures": _mixtures,
+    "mixtures_U7": _mixtures_U7,
+    "feature_sets": _feature_sets,
+    "application": _application,
+    "densest": _densest,
+    "crossings": _crossings,
+}
