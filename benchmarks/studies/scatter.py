@@ -3,7 +3,8 @@
     python -m benchmarks.studies.scatter
     python -m benchmarks.studies.scatter --draws
 
-It reads results/reference/wide_random.csv and wide_quota.csv and applies the rule that config/wide.yaml states. A line
+It reads results/reference/wide_random.csv, wide_quota.csv and wide_spheres.csv (the check of the sampling error on
+spheres) and applies the rules that config/wide.yaml states. A line
 is one sieve curve and draw: the number of seeds, the mean porosity, the standard deviation over the seeds with its 95 %
 confidence limits, the root mean square of the stated errors, chi-squared of the scatter over the stated errors with its
 95 % limits, and the ratio of the variances by quota and by random draw with the lower 5 % limit of the F distribution.
@@ -30,6 +31,7 @@ from simcore.scene.specification import resolve
 CONFIDENCE = 0.95
 BETTER = 0.05  # a ratio of variances below this quantile of the F distribution is less scatter
 DRAWS = {"random": "wide_random.csv", "quota": "wide_quota.csv"}
+SPHERES = "wide_spheres.csv"  # both draws
 
 
 def scatter(rows: pd.DataFrame) -> dict:
@@ -51,6 +53,16 @@ def scatter(rows: pd.DataFrame) -> dict:
         "chi2_lower": low,
         "chi2_upper": high,
     }
+
+
+def read_tables(folder=REFERENCE) -> dict:
+    """Return the rows of the packings by draw, DataFrames; spheres count as a sieve curve of their own."""
+    tables = {draw: [pd.read_csv(folder / name)] for draw, name in DRAWS.items() if (folder / name).exists()}
+    if (folder / SPHERES).exists():
+        spheres = pd.read_csv(folder / SPHERES)
+        for draw, rows in spheres.assign(case=spheres["case"] + " spheres").groupby("draw"):
+            tables.setdefault(draw, []).append(rows)
+    return {draw: pd.concat(parts, ignore_index=True) for draw, parts in tables.items()}
 
 
 def scatter_table(tables: dict) -> pd.DataFrame:
@@ -107,8 +119,7 @@ def main(arguments=None) -> None:
     if parser.parse_args(arguments).draws:
         table = coarsest_classes(planned([f"wide_{draw}" for draw in DRAWS]))
     else:
-        tables = {draw: pd.read_csv(REFERENCE / name) for draw, name in DRAWS.items() if (REFERENCE / name).exists()}
-        table = scatter_table(tables)
+        table = scatter_table(read_tables())
     print(table.to_string(index=False, float_format="%.4f", na_rep=""))
 
 

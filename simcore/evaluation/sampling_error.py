@@ -11,7 +11,14 @@ By the symmetry of the domain, modes that vary horizontally have the expected va
 and radius, so that floor, wall and compaction with depth have no influence. In the periodic box, whose floor and
 surface are cut away, modes that vary only with height are used as well, except the first, because a linear change of
 porosity with depth would contribute to it.
+
+Blocks with more coarse grains are denser. If sizes are drawn at random, the whole bed varies likewise. If they are
+drawn by quota, every bed has the same grain sizes, so that only the exchange of sizes between its evaluated part and
+the rest varies. The part of a contrast that the sizes of the grains explain, by linear regression on the logarithm of
+the sieve size, then counts with the share of the bed that is not evaluated.
 """
+
+import json
 
 import numpy as np
 from scipy.special import jnp_zeros, jv, spherical_jn
@@ -46,23 +53,46 @@ def sampling_error(packing, z_lower, z_upper, method="spheres"):
     volumes = slab_volumes(packing, edges, method, per_grain=True)
     phase = (0.5 * (edges[1:] + edges[:-1]) - z_lower) / height
     x, y = packing["position"].values[:, :2].T
-    squares, wave_numbers = [], []
+    log_size = np.log2(packing["D"].values)
+    log_size = log_size - np.average(log_size, weights=inside)
+    contrasts, of_size, wave_numbers = [], [], []
     for wave_number, horizontal, vertical in modes:
         k = _wave_number(shape, width, horizontal)
         ball = _ball_average(0.5 * k * diameter)
         along_z = volumes @ (np.sqrt(2.0) * np.cos(np.pi * vertical * phase)) if vertical else inside
         for values in _mode_values(shape, width, horizontal, x, y):
-            squares.append(np.sum(values * ball * along_z) ** 2)
+            volumes_in_mode = values * ball * along_z
+            contrasts.append(np.sum(volumes_in_mode))
+            of_size.append(np.sum(volumes_in_mode * log_size))
             wave_numbers.append(wave_number)
-    variance = np.mean(squares) / (area * height) ** 2
+    square = np.mean(np.square(contrasts))
+    if _draws_by_quota(packing):
+        left = _not_explained(np.array(contrasts), np.array(of_size))
+        evaluated = inside.sum() / packing["volume"].values.sum()
+        square = left + (1.0 - evaluated) * max(square - left, 0.0)
+    variance = square / (area * height) ** 2
     solid_fraction = inside.sum() / (area * height)
     integral_range = variance * area * height / (solid_fraction * (1.0 - solid_fraction))
     return {
         "n_std_error": float(np.sqrt(variance)),
-        "n_contrasts": len(squares),
+        "n_contrasts": len(contrasts),
         "block_size": float(np.pi / max(wave_numbers)),
         "correlation_length": float(np.cbrt(integral_range)),
     }
+
+
+def _draws_by_quota(packing):
+    """Return whether the sizes of a packing were drawn by quota."""
+    scene = json.loads(packing.attrs.get("scene", "{}"))
+    return scene.get("sizes", {}).get("draw") == "quota"
+
+
+def _not_explained(contrasts, of_size):
+    """Return the mean square of the contrasts (m,) that is left after regression on the contrasts of size (m,)."""
+    scale = of_size @ of_size
+    slope = of_size @ contrasts / scale if scale > 0.0 else 0.0
+    left = contrasts - slope * of_size
+    return left @ left / (len(left) - (1 if scale > 0.0 else 0))
 
 
 def _all_modes(shape, width, height, k_max):

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from scipy.stats import f
 
-from benchmarks.studies.scatter import scatter, scatter_table
+from benchmarks.studies.scatter import read_tables, scatter, scatter_table
 
 
 def rows(n, error=0.01, case="U5"):
@@ -41,3 +41,12 @@ def test_variances_are_compared_for_curves_with_both_draws_alone():
     assert table.loc[("U5", "quota"), "variance_ratio"] == pytest.approx(0.25)
     assert table.loc[("U5", "quota"), "limit"] == pytest.approx(f.ppf(0.05, 2, 2))
     assert table["variance_ratio"].count() == 1
+
+
+def test_spheres_of_both_draws_are_a_curve_of_their_own(tmp_path):
+    rows([0.30, 0.31]).to_csv(tmp_path / "wide_quota.csv", index=False)
+    spheres = rows([0.33, 0.34, 0.32, 0.36]).assign(draw=["quota", "quota", "random", "random"])
+    spheres.to_csv(tmp_path / "wide_spheres.csv", index=False)
+    table = scatter_table(read_tables(tmp_path)).set_index(["case", "draw"])
+    assert set(table.index) == {("U5", "quota"), ("U5 spheres", "quota"), ("U5 spheres", "random")}
+    assert table.loc[("U5 spheres", "quota"), "variance_ratio"] == pytest.approx(0.0625)
