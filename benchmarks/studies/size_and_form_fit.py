@@ -3,11 +3,11 @@
     python -m benchmarks.studies.size_and_form_fit            # prints the comparison
     python -m benchmarks.studies.size_and_form_fit --write    # and writes it to results/reference
 
-It reads results/reference/size_and_form.csv and follows docs/appendices/size_and_form_plan.md: beds that are flagged
-are left out and named, all candidates are fitted, and every bed is predicted by fits without its family of curves and
-without its form. Tables: size_and_form_candidates.csv, one row per model; size_and_form_beds.csv, one row per bed with
-its one-class porosity and its prediction by each model without its family. Minutes of CPU time. ValueError while there
-are too few beds: two families of curves and two forms are needed.
+It reads results/reference/size_and_form.csv and base_time.csv, and follows docs/appendices/size_and_form_plan.md: beds
+that are flagged are left out and named, all candidates are fitted, and every bed is predicted by fits without its
+family of curves and without its form. Tables: size_and_form_candidates.csv, one row per model; size_and_form_beds.csv,
+one row per bed with its one-class porosity and its prediction by each model without its family. Minutes of CPU time.
+ValueError while there are too few beds: two families of curves and two forms are needed.
 """
 
 import argparse
@@ -21,6 +21,7 @@ from simcore.paths import REFERENCE
 from simcore.scene.sizes import all_cases
 
 ROWS = REFERENCE / "size_and_form.csv"
+BASE_TIME = REFERENCE / "base_time.csv"
 
 
 def read_rows():
@@ -39,7 +40,8 @@ def usable_beds(rows):
         names = of_reason["case"] + " " + form_labels(of_reason)
         print(f"left out, {reason}: {', '.join(names)}")
     families = {name: case.family for name, case in all_cases().items()}
-    return read_beds(rows, fit_reference_models().models["unified", "U1"], families)
+    longer = pd.read_csv(BASE_TIME) if BASE_TIME.exists() else None
+    return read_beds(rows, fit_reference_models().models["unified", "U1"], families, longer)
 
 
 def beds_table(beds, comparison):

@@ -3,7 +3,8 @@
 The table has one row per bed (results/reference/size_and_form.csv, columns in simcore.campaign.composition_columns):
 the realised sieve curve and form statistics, by volume, of the evaluated part. Beds of U1 are the bases, which give the
 one-class porosity n1. Beds of one form have the n1 of the base of that form. Beds of all forms have that of the unified
-model at their realised statistics, shifted by the mean difference between the bases and that model.
+model at their realised statistics, shifted by the mean difference between the bases and that model. Porosity is linear
+in the logarithm of the whole time of shaking, so that n1 is that at the time of each bed.
 """
 
 from typing import NamedTuple
@@ -14,6 +15,7 @@ import pandas as pd
 from simcore.grains.sieve import SieveCurve
 from simcore.models.unified import unified_features
 
+FIRST_TIME = 1.5  # [s], time of shaking to which the bases are referred; it cancels
 BASE, ALL_FORMS, SPHERE = "U1", "all", "sphere"
 # A bed is kept out of the fit if a share of coarse grains differs by more than this beyond its standard error.
 LARGEST_DIFFERENCE = 0.03
@@ -78,18 +80,35 @@ def curve_of(row, name) -> SieveCurve:
     return SieveCurve(edges, fractions / fractions.sum(), name)
 
 
-def read_beds(table, unified, families) -> Beds:
+def slope_of_time(bases, longer) -> float:
+    """Return by how much the one-class porosity changes when the time of shaking grows by a factor of e.
+
+    bases, longer: rows of bases with `form`, n, n_error and time_s; those of `longer` are beds of the same forms that
+    were shaken longer. The slope is the mean over the forms of `longer`, weighted by the errors of the differences.
+    """
+    mean = bases.groupby("form")[["n", "n_error", "time_s"]].mean().reindex(longer["form"])
+    logs = np.log(longer["time_s"].to_numpy() / mean["time_s"].to_numpy())
+    slopes = (longer["n"].to_numpy() - mean["n"].to_numpy()) / logs
+    errors = np.hypot(longer["n_error"].to_numpy(), mean["n_error"].to_numpy()) / np.abs(logs)
+    return float(np.average(slopes, weights=errors**-2.0))
+
+
+def read_beds(table, unified, families, longer=None) -> Beds:
     """Return the wide beds of real forms that are not flagged.
 
     table: DataFrame of size_and_form.csv. unified: PorosityModel of beds of one class, with the features of
-    simcore.models.unified. families: dict from case to the family of its curve. ValueError if the base of a form is
-    missing.
+    simcore.models.unified. families: dict from case to the family of its curve. longer: DataFrame of base_time.csv,
+    bases that were shaken longer; None: the time of shaking counts as having no effect. ValueError if the base of a
+    form is missing.
     """
     table = table.assign(form=form_labels(table), flag=flags(table))
     real = table[table["form"] != SPHERE]
     bases = real[real["case"] == BASE]
     if bases.empty:
         raise ValueError(f"size_and_form.csv has no bed of {BASE} yet, which gives the one-class porosity; pack it")
+    slope = 0.0 if longer is None else slope_of_time(bases, longer.assign(form=form_labels(longer)))
+    # Bases as they would be after FIRST_TIME
+    bases = bases.assign(n=bases["n"] - slope * np.log(bases["time_s"] / FIRST_TIME))
     shift = float((bases["n"] - _of_statistics(unified, bases)).mean())
     one_class = bases.groupby("form")[["n", "n_error"]].apply(_weighted_mean)
     wide = real[(real["case"] != BASE) & (real["flag"] == "")].reset_index(drop=True)
@@ -101,6 +120,7 @@ def read_beds(table, unified, families) -> Beds:
         _of_statistics(unified, wide) + shift,
         one_class.reindex(wide["form"]).to_numpy(),
     )
+    n1 = n1 + slope * np.log(wide["time_s"].to_numpy(float) / FIRST_TIME)
     names = [f"{row.case} {row.form} {row.seed}" for row in wide.itertuples()]
     curves = tuple(curve_of(row, name) for (_, row), name in zip(wide.iterrows(), names, strict=True))
     numbers = [wide[column].to_numpy(float) for column in ("mu_EQ_evaluated", "mu_EL_evaluated", "n", "n_error")]

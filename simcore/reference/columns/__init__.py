@@ -65,6 +65,7 @@ TABLES = {
     "ranks": (benchmarks.RANKS,),
     "scaling": (benchmarks.SCALING,),
     "settling": (benchmarks.SETTLING,),
+    "base_time": (studies.COMPOSITION, COLUMNS),
     "form_by_size": (studies.COMPOSITION, COLUMNS),
     "size_and_form": (studies.COMPOSITION, COLUMNS),
     "size_and_form_known": (models.KNOWN_BEDS, COLUMNS),

@@ -7,7 +7,7 @@ import pytest
 from simcore.campaign.composition_columns import FRACTION
 from simcore.grains.sieve import SieveCurve
 from simcore.models.regression import fit
-from simcore.models.size_and_form.beds import ALL_FORMS, BASE, Beds, curve_of, flags, read_beds
+from simcore.models.size_and_form.beds import ALL_FORMS, BASE, Beds, curve_of, flags, read_beds, slope_of_time
 from simcore.models.size_and_form.candidates import CANDIDATES
 from simcore.models.size_and_form.comparison import PREFERENCE, compare
 from simcore.models.size_and_form.fit import fit_candidate, predict_beds, predict_left_out, scatter_between_beds
@@ -105,6 +105,7 @@ def row(case="U7", grain="", n=0.3, **changes):
     form = {"mu_EQ": 0.5, "sigma_EQ": 0.0 if grain else 0.1, "mu_EL": 0.7, "sigma_EL": 0.0 if grain else 0.1}
     return {
         "case": case, "grain": grain, "representation": "polyhedron", "seed": 1, "n": n, "n_error": 0.003,
+        "time_s": 1.5,
         "coarse_lower": 0.5, "coarse_upper": 0.5, "coarse_bed": 0.5, "coarse_bed_error": 0.0, "coarse_evaluated": 0.5,
         "coarse_evaluated_error": 0.01, "fine_floor": 0.1, "fine_floor_error": 0.01, "fine_evaluated": 0.1,
         "fine_evaluated_error": 0.01, **zeros, **shares, **{f"{key}_evaluated": value for key, value in form.items()},
@@ -121,6 +122,27 @@ def test_beds_have_the_porosity_of_their_base(unified):
     np.testing.assert_allclose(beds.one_class, [0.355, 0.34], atol=1e-9)
     np.testing.assert_allclose(beds.curves[0].mass_fractions, all_cases()["U7"].curve.mass_fractions, atol=1e-9)
     np.testing.assert_allclose(beds.curves[0].bounds, all_cases()["U7"].curve.bounds)
+
+
+def test_one_class_porosity_is_that_at_the_time_of_shaking_of_the_bed(unified):
+    rows = [row(BASE, n=0.31), row(BASE, "G01", n=0.36, time_s=1.0), row(grain="G01", time_s=3.0), row(time_s=6.0)]
+    # Two bases that agree with a slope of -0.01, the second with half the weight of its error.
+    longer = pd.DataFrame([
+        row(BASE, n=0.31 - 0.01 * np.log(4.0), time_s=6.0),
+        row(BASE, "G01", n=0.36 - 0.01 * np.log(4.0), time_s=4.0, n_error=0.006),
+    ])  # fmt: skip
+    families = {name: case.family for name, case in all_cases().items()}
+    beds = read_beds(pd.DataFrame(rows), unified, families, longer)
+    at_first = np.array([0.31, 0.36 - 0.01 * np.log(1.5)])  # of both bases
+    shift = np.mean(at_first - 0.3)
+    expected = [at_first[1] - 0.01 * np.log(2.0), 0.3 + shift - 0.01 * np.log(4.0)]
+    np.testing.assert_allclose(beds.one_class, expected, atol=1e-9)
+
+
+def test_slopes_of_time_are_weighted_by_their_errors():
+    bases = pd.DataFrame({"form": ["all", "G01"], "n": [0.3, 0.4], "n_error": 0.0, "time_s": 1.0})
+    longer = pd.DataFrame({"form": ["all", "G01"], "n": [0.29, 0.36], "n_error": [1e-3, 2e-3], "time_s": np.e})
+    assert slope_of_time(bases, longer) == pytest.approx((-0.01 * 4 - 0.04) / 5)
 
 
 def test_a_form_without_its_base_is_refused(unified):
