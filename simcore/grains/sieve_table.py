@@ -6,6 +6,7 @@ what passes the finest sieve. The rows may run from coarse to fine or from fine 
 
 import re
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -115,6 +116,16 @@ class SieveTable:
         first, last = used[0], used[-1] + 1
         shares = shares[first:last] / shares[first:last].sum()
         return SieveCurve(self.openings[first : last + 1], shares, name)
+
+
+def read_curve(path, finest=None, coarsest=None):
+    """Return (SieveCurve, notices) of the table at `path`; finest, coarsest [m]: as in SieveTable.closed."""
+    table, notices = read_sieve_table(path, coarsest)
+    try:
+        table, assumed = table.closed(finest, coarsest).with_small_ends_closed()
+        return table.curve(Path(path).stem), [*notices, *(f"{path}: it is assumed that {text}" for text in assumed)]
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
 
 
 def read_sieve_table(path, coarsest=None):

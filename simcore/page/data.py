@@ -33,6 +33,11 @@ def page_data(fitted, r22_tables=R22_TABLES):
 
     fitted: FittedModels. r22_tables: folder of the tables of Rettinger et al. (2022).
     """
+    if fitted.curve is not None:
+        raise ValueError(
+            f"scree page: {fitted.curve.behind}: the page does not evaluate corrections to measured beds with sieve "
+            "curves; write it without --models, and use `scree predict --sieve --models`"
+        )
     published = _published(r22_tables)
     cases = sorted({*fitted.cases(), *published})
     curves = read_cases(CONFIG / "cases.tsv")

@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 
 from simcore.grains.measured_forms import read_measured
+from simcore.grains.sieve_table import read_curve
 from simcore.models.size_and_form.bed_prediction import (
     other_predictors,
     predict_curve,
-    read_curve,
     rhine_sample,
     sensitivity,
 )
