@@ -5,6 +5,7 @@ from dataclasses import asdict
 import pandas as pd
 from scipy.stats import t as student
 
+from simcore.grains.forms_by_class import class_patterns
 from simcore.grains.sieve_table import table_rules
 from simcore.models.packing_models.curves import WIDEST
 from simcore.models.packing_models.empirical import PREDICTORS
@@ -13,6 +14,7 @@ from simcore.models.packing_models.rods import LARGEST_FACTOR, RODS, SMALLEST_FA
 from simcore.models.size_and_form import skeletons
 from simcore.models.size_and_form.bed_prediction import COLUMNS, MORE_MASS, loosest, rhine_sample
 from simcore.models.size_and_form.candidates import CANDIDATES, FIXED_Q
+from simcore.models.size_and_form.forms_by_class import BY_CLASS
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
 from simcore.models.size_and_form.sized_model import unfitted_model
 from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
@@ -40,7 +42,9 @@ def curve_data(levels, model=None):
     has no port of its candidate.
     """
     model = model or unfitted_model()
+    class_name, class_label = class_patterns()
     return {
+        "classes": {"name": class_name, "label": class_label, "by_class": BY_CLASS},
         "model": model_data(model, levels),
         "reference": {
             "bounds": [1e3 * float(bound) for bound in skeletons.REFERENCE.bounds],

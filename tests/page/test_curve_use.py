@@ -98,11 +98,19 @@ def test_the_specification_is_accepted(open_page, tmp_path, table):
     assert len(specification["sizes"]["mass_fractions"]) == 3
 
 
+def test_each_sieve_class_may_have_its_form(open_page):
+    page = open_curve(open_page, table="class;FL;EL\n2-8 mm;0,6;0,7\n8-16 mm;0,4;0,7\n")
+    assert porosity(page) > porosity(open_curve(open_page, table="FL;EL\n0,6;0,7\n"))
+    assert "candidate" in page.locator("#formula").inner_text()
+    assert page.get_by_role("button", name="Specification that packs it").is_disabled()
+
+
 @pytest.mark.parametrize(
     "table, message",
     [
         ("L,I\n40,30\n", "the column S is missing beside L, I"),
-        ("class,FL,EL\n4-8 mm,0.6,0.7\n8-16 mm,0.5,0.7\n", "the page takes one form for all"),
+        ("class,FL,EL\n4-8 mm,0.6,0.7\n8-16 mm,0.5,0.7\n", "the class 2 to 4 mm has mass, but lies in none"),
+        ("class,FL,EL\n2-8 mm,0.6,0.7\n4-16 mm,0.5,0.7\n", "the classes 2 to 8 mm and 4 to 16 mm overlap"),
     ],
 )
 def test_grains_that_do_not_suit_a_curve_are_refused(open_page, table, message):

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from simcore.grains.forms_by_class import class_column, read_classes
 from simcore.grains.measured_forms import read_measured
 from simcore.grains.sieve_table import read_curve
 from simcore.models.size_and_form.bed_prediction import (
@@ -17,6 +18,7 @@ from simcore.models.size_and_form.bed_prediction import (
 )
 from simcore.models.size_and_form.bed_prediction_text import predict_curve_file
 from simcore.models.size_and_form.candidates import CANDIDATES, predict
+from simcore.models.size_and_form.forms_by_class import predict_by_class
 from simcore.models.size_and_form.sized_model import unfitted_model
 from simcore.packing.predicted_specification import write_specification
 from simcore.page.curve_data import PORTED, model_data
@@ -165,6 +167,42 @@ def read_random_curve(rng, k):
 
     bounds = np.exp(np.cumsum(np.r_[rng.uniform(-7, -5), rng.uniform(0.2, 0.8, k)]))
     return SieveCurve(bounds, rng.dirichlet(np.ones(k)))
+
+
+BY_CLASS = """
+([sieves, tables, level]) => tables.map((table) => {
+  const curve = SieveTable.curve("curve.csv", SieveTable.read("curve.csv", sieves));
+  const column = Bed.classColumn("table.csv", table);
+  const classes = Bed.readClasses("table.csv", column, Grains.read("table.csv", table, column).samples);
+  const { sample, bed } = Bed.predictByClass(curve, classes, level);
+  const values = { ...bed, ...sample, oneClass: undefined, forms: undefined };
+  return Object.fromEntries(Object.entries(values).map(([k, v]) => [k, typeof v === "number" ? String(v) : v]));
+})
+"""
+
+
+def test_a_form_for_each_sieve_class(open_page, fitted, tmp_path):
+    rng, tables, path = np.random.default_rng(8), [], tmp_path / "table.csv"
+    sieves = "opening [mm];mass [g]\n31.5;0\n16;80\n8;300\n4;250\n2;120\n"
+    (tmp_path / "curve.csv").write_text(sieves)
+    curve, _ = read_curve(tmp_path / "curve.csv")
+    for _ in range(20):
+        header, labels = (
+            ("class", ["2-8 mm", "8-16 mm", "1.6 cm - 40 mm"]),
+            ("size class [mm]", ["0.5-16", "16..64"]),
+        )[rng.integers(2)]
+        rows = [f"{rng.choice(labels)};{FL:.4f};{EL:.4f}" for FL, EL in rng.uniform(0.35, 0.95, (12, 2))]
+        rows += [f"{label};0.6;0.7" for label in labels]
+        tables.append(f"{header};FL;EL\n" + "\n".join(rows) + "\n")
+    answers = open_page().evaluate(BY_CLASS, [sieves, tables, 0.9])
+    for table, answer in zip(tables, answers, strict=True):
+        path.write_text(table)
+        row = predict_by_class(curve, read_classes(path, class_column(path))[0], fitted, 0.9).iloc[0]
+        assert (answer["name"], float(answer["grains"])) == (row["sample"], row.grains)
+        assert (answer["outside"], answer["refused"]) == (row.outside, row.refused)
+        keys = [*NUMBERS, "mu_FL", "sigma_FL", "mu_EL", "sigma_EL"]
+        got = [float(answer[key]) for key in keys]
+        assert got == pytest.approx(row[keys].astype(float).tolist(), abs=TOLERANCE, nan_ok=True)
 
 
 def test_a_candidate_without_a_port_is_refused():

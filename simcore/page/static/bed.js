@@ -2,6 +2,8 @@
 const Bed = (() => {
   const { InputError, general } = Numbers;
   const { one_class: range, rhine, loosest, model, more_mass: moreMass, compaction } = DATA.curve;
+  const CLASSES = DATA.curve.classes;
+  const [CLASS_NAME, CLASS_LABEL] = [CLASSES.name, CLASSES.label].map((pattern) => new RegExp(`^(?:${pattern})$`, "iu"));
   const RHINE = { ...rhine, forms: [] };
 
   // Returns the preferred row of one sieve class of a sample's grains; without one, numbers are NaN and `refused` says why.
@@ -20,6 +22,111 @@ const Bed = (() => {
     return { n: NaN, lower: NaN, upper: NaN, outside: "", refused: refused || none, quantities: [] };
   }
 
+  // Returns the name of the column of sieve classes in a table of grains, or "".
+  function classColumn(name, text) {
+    return Table.read(name, text).header.find((title) => CLASS_NAME.test(title)) ?? "";
+  }
+
+  // Returns [{low, high [mm], sample}] of samples that are named by their sieve class; column: its name.
+  function readClasses(name, column, samples) {
+    const unit = CLASS_NAME.exec(column)[1];
+    const classes = samples.map((sample) => ({ ...boundsOf(name, column, sample.name, unit), sample }));
+    classes.sort((a, b) => a.low - b.low || a.high - b.high);
+    classes.slice(1).forEach((coarser, i) => {
+      const finer = classes[i];
+      if (!(coarser.low < finer.high * (1 - 1e-9))) return;
+      const [first, second] = [finer, coarser].map(({ low, high }) => `${general(low)} to ${general(high)} mm`);
+      throw new InputError(`${name}: the classes ${first} and ${second} overlap; correct the column ${column}`);
+    });
+    return classes;
+  }
+
+  function boundsOf(name, column, label, unitOfColumn) {
+    const match = CLASS_LABEL.exec(label.trim());
+    const is = `${name}: ${column} is '${label}'`;
+    if (!match) throw new InputError(`${is}, which is no sieve class; write it as '8-11.2 mm'`);
+    const [, low, lowUnit, high, given] = match;
+    const highUnit = given || unitOfColumn;
+    if (!highUnit) throw new InputError(`${is} without a unit; write it as '${label} mm'`);
+    const [lower, upper] = [[low, lowUnit || highUnit], [high, highUnit]].map(([text, unit]) => {
+      const known = SieveColumns.knownUnit(unit);
+      if (!SieveColumns.isLength(known)) {
+        const lengths = Object.keys(DATA.curve.reading.lengths).join(", ");
+        throw new InputError(`${is}; its unit '${unit}' is unknown, use ${lengths}`);
+      }
+      const value = Numbers.read(`${name}, ${column} '${label}'`, "size", text);
+      return known === "mm" ? value : value * DATA.curve.reading.lengths[known] * 1e3;
+    });
+    if (!(lower > 0 && lower < upper)) {
+      throw new InputError(`${is}; give the smaller size first, and sizes above 0`);
+    }
+    return { low: lower, high: upper };
+  }
+
+  // Returns {sample, bed} of grains that have another form in each sieve class, as simcore.models.size_and_form has it.
+  function predictByClass(curve, classes, level) {
+    const held = curve.mass_fractions.flatMap((share, i) => (share > 0 ? [i] : []));
+    const samples = held.map((i) => sampleOf(curve, i, classes));
+    const rows = samples.map((sample) => oneClassOf(sample, level));
+    const shares = held.map((i) => curve.mass_fractions[i]);
+    const remarks = (key) =>
+      [...new Set(rows.flatMap((row, i) => (row[key] ? [`${samples[i].name}: ${row[key]}`] : [])))].join("; ");
+    const grains = Packing.sum([...new Set(samples)].map((sample) => sample.grains));
+    const sample = {
+      name: CLASSES.by_class, grains, forms: classes.flatMap(({ sample: { forms } }) => forms),
+      ...moments(samples, shares),
+    };
+    const refused = remarks("refused");
+    if (refused) return { sample, bed: refusal(remarks("outside"), refused) };
+    const [mean, ...limits] = ["n", "lower", "upper"].map((key) => {
+      return 1 - 1 / Packing.sum(rows.map((row, i) => shares[i] / (1 - row[key])));
+    });
+    const ends = ["n", "lower", "upper"].map((key) => {
+      const values = curve.mass_fractions.map(() => rows[0][key]);
+      held.forEach((i, k) => (values[i] = rows[k][key]));
+      return Skeletons.predict(curve, values.map(checked));
+    });
+    const oneClass = { n: mean, lower: limits[0], upper: limits[1], outside: remarks("outside"), quantities: [] };
+    return { sample, bed: bedOf(curve, ends[0], halfWidth(curve, ends, mean, level), oneClass, "") };
+  }
+
+  function sampleOf(curve, index, classes) {
+    const [low, high] = curve.bounds.slice(index, index + 2);
+    const found = classes.find((entry) => entry.low <= low * (1 + 1e-6) && high <= entry.high * (1 + 1e-6));
+    if (found) return found.sample;
+    throw new InputError(
+      `${curve.name}: the class ${general(low)} to ${general(high)} mm has mass, but lies in none of the classes of the ` +
+        "table of forms; add its forms, or remove the column of classes"
+    );
+  }
+
+  // Mean and standard deviation of FL and EL over the classes, by mass.
+  function moments(samples, shares) {
+    const values = {};
+    for (const key of ["FL", "EL"]) {
+      const mean = Packing.sum(samples.map((sample, i) => shares[i] * sample[`mu_${key}`]));
+      const squares = samples.map(
+        (sample, i) => shares[i] * (sample[`sigma_${key}`] ** 2 + (sample[`mu_${key}`] - mean) ** 2)
+      );
+      values[`mu_${key}`] = mean;
+      values[`sigma_${key}`] = Math.sqrt(Packing.sum(squares));
+    }
+    return values;
+  }
+
+  function checked(value) {
+    if (value >= range.least && value <= range.largest) return value;
+    throw new InputError(
+      `one-class porosity ${general(value, 4)} is outside ${general(range.least)} to ${general(range.largest)}, where no ` +
+        "bed of one class of grains was packed; correct the form statistics"
+    );
+  }
+
+  const refusal = (outside, refused) => ({
+    n: NaN, lower: NaN, upper: NaN, n_not_shaken: NaN, n_one_class: NaN, one_class_lower: NaN, one_class_upper: NaN,
+    outside, refused, oneClass: { n: NaN, quantities: [] },
+  });
+
   // Returns the porosity of a bed, {n, lower, upper, n_not_shaken, n_one_class, ..., outside, refused, oneClass}.
   function predict(curve, sample, level) {
     const oneClass = oneClassOf(sample, level);
@@ -32,7 +139,10 @@ const Bed = (() => {
       half = halfWidth(curve, ends, oneClass.n, level);
     }
     const limits = `its one-class porosity is outside ${general(range.least)} to ${general(range.largest)}`;
-    let refused = usable ? "" : oneClass.refused || limits;
+    return bedOf(curve, n, half, oneClass, usable ? "" : oneClass.refused || limits);
+  }
+
+  function bedOf(curve, n, half, oneClass, refused) {
     if (Number.isFinite(n) && !(n - half > 0 && half > 0 && n + half < 1)) {
       refused = "its prediction interval reaches outside (0, 1)";
       n = NaN;
@@ -131,5 +241,5 @@ const Bed = (() => {
     (curve) => 0.245 + 0.0864 / (0.1 * median(curve)) ** 0.21,
   ];
 
-  return { RHINE, predict, sensitivity, others, quantile };
+  return { RHINE, classColumn, readClasses, predict, predictByClass, sensitivity, others, quantile };
 })();

@@ -5,6 +5,7 @@ const BedOutput = (() => {
   const { model, rhine, columns } = DATA.curve;
   const PER_CLASS = 1e4; // changes of porosity are shown in units of 0.0001
 
+  const marked = (text) => text.replace(/(\d)\.(\d)/g, `$1${byId("mark").value}$2`);
   const interval = ({ lower, upper }) => `${number(lower)} to ${number(upper)}`;
 
   // Returns the paragraphs with the answer.
@@ -34,7 +35,7 @@ const BedOutput = (() => {
       const packing = given !== "curve";
       const [title, ...constants] = name.replace("packing model: ", "").split(", ");
       const text = packing ? [`${title} packing model`, ...constants].join(", ") : `${title}, sieve curve only`;
-      const label = `${text}: ${number(n)}`;
+      const label = `${marked(text)}: ${number(n)}`;
       return { n, lower: NaN, upper: NaN, label, kind: packing ? "packing" : "empirical" };
     });
     return [ours, states(bed.n), ...others];
@@ -100,7 +101,7 @@ const BedOutput = (() => {
     return [columns, ...rows].map((line) => line.join(separator)).join("\n") + "\n";
   }
 
-  const errors = () => Object.entries(DATA.curve.rms).map(([name, rms]) => `${name} ${number(rms)}`);
+  const errors = () => Object.entries(DATA.curve.rms).map(([name, rms]) => `${marked(name)} ${number(rms)}`);
 
   // The line below the chart, which is far from the results on a phone.
   function brief(bed) {

@@ -3,17 +3,16 @@ const Grains = (() => {
   const { InputError, NUMBER, general } = Numbers;
   const { AXES, RATIOS, MEANS, TWO_AXES } = Columns;
   const { longest, max_grains: maxGrains, alike, shown, needed } = DATA.reading;
-  const CLASSES = /^(?:(?:size|sieve)[ _-]*)?class(?:\s*[[(]\w+[\])])?$/i;
   const AMBIGUOUS = /^[1-9]\d{0,2}[.,]\d{3}$/;
 
   // Returns {samples, notices, kind, columns}. A sample has a name, its number of grains (0: only statistics), mu_FL,
   // sigma_FL, ..., sigma_EQ, and the forms [FL, EL] of its rows; with two axes only, it has no FL and no EQ.
-  // forBed: whether a bed with a sieve curve is predicted, which needs three axes and one form for all classes.
+  // forBed: whether a bed with a sieve curve is predicted, which needs three axes.
   function read(name, text, sample = "", notices = [], forBed = false) {
     const table = Table.read(name, text, notices);
     if (!table.header.length) throw new InputError(`${name}: the file is empty; ${needed}`);
     const columns = Columns.recognise(name, table.header, sample);
-    if (forBed) checkForBed(name, table.header, columns, sample);
+    if (forBed) checkForBed(name, table.header, columns);
     const [rows, summaries] = leaveOutSummaries(name, table, columns);
     if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${needed}`);
     const [counts, countNotices] = readCounts(name, table.header, rows, columns);
@@ -34,16 +33,10 @@ const Grains = (() => {
     return { samples, notices: all, kind: columns.kind, header: table.header };
   }
 
-  function checkForBed(name, header, columns, sample) {
+  function checkForBed(name, header, columns) {
     if (columns.kind === TWO_AXES) {
       throw new InputError(`${name}: the column S is missing beside ${header.join(", ")}; ${needed}`);
     }
-    const position = sample ? -1 : header.findIndex((title) => CLASSES.test(title));
-    if (position < 0) return;
-    throw new InputError(
-      `${name}: the column ${header[position]} gives the form of each sieve class, but the page takes one form for all; ` +
-        "remove the column, or use `scree predict --sieve`"
-    );
   }
 
   function leaveOutSummaries(name, { header, rows }, columns) {

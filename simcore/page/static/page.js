@@ -45,11 +45,13 @@ const Page = (() => {
 
   function evaluateTable(state) {
     const [name, level] = [state.name || PASTED, Number(state.level)];
-    const read = Grains.read(name, state.table, state.sample, notesOnFile, isOwn());
+    const byClass = isOwn() && !state.sample ? Bed.classColumn(name, state.table) : "";
+    const read = Grains.read(name, state.table, state.sample || byClass, notesOnFile, isOwn());
     offerColumns(read.header, state.sample);
     byId("notices").replaceChildren(...read.notices.map((notice) => node("li", notice)));
     if (isOwn()) {
       if (!curve) return [];
+      if (byClass) return [Bed.predictByClass(curve, Bed.readClasses(name, byClass, read.samples), level)];
       return read.samples.map((sample) => ({ sample, bed: Bed.predict(curve, sample, level) }));
     }
     return read.samples.map((sample) =>
@@ -126,20 +128,21 @@ const Page = (() => {
   }
 
   function showBed(sample, bed) {
+    const oneForm = bed.oneClass.quantities.length > 0; // not one for each sieve class
     const lines = BedOutput.lines(bed, curve);
     const label = `Porosity by each model: ${lines.map((line) => line.label).join("; ")}`;
     byId("answer").replaceChildren(...BedOutput.answer(bed, Number(byId("level").value)));
     byId("predictions").replaceChildren(...(lines.length ? [Drawings.intervals(lines, number, label)] : []));
     byId("literature").hidden = !lines.length;
     byId("brief").textContent = BedOutput.brief(bed);
-    byId("zingg").replaceChildren(Drawings.zingg(sample, bed.oneClass, number));
+    byId("zingg").replaceChildren(Drawings.zingg(sample, oneForm ? bed.oneClass : null, number));
     const known = !Number.isNaN(bed.n_one_class);
     byId("place-part").hidden = byId("formula-part").hidden = !known;
     byId("place").replaceChildren(...(known ? [...placeInRange(bed.oneClass), ...placeInRange({ quantities: [BedOutput.width(curve)] })] : []));
     byId("classes").replaceChildren(...(bed.refused ? [] : BedOutput.classRows(bed, curve)));
-    byId("formula").replaceChildren(...(known ? [...formulaOf(bed.oneClass, DATA.one_class.name), ...formulaOfSizes()] : []));
+    byId("formula").replaceChildren(...(known ? [...(oneForm ? formulaOf(bed.oneClass, DATA.one_class.name) : []), ...formulaOfSizes()] : []));
     byId("caveats").replaceChildren(...caveats(sample, true).map((text) => node("li", text)));
-    byId("specification").disabled = false;
+    byId("specification").disabled = sample.mu_EQ === undefined; // one form for all classes
   }
 
   function answer(sample, best, rows) {
