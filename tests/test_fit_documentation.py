@@ -8,15 +8,26 @@ import pandas as pd
 from simcore.__main__ import main
 from simcore.grains.measured_beds import read_measured_beds
 from simcore.paths import REFERENCE, ROOT
+from simcore.reference.r22_tables import read_r22_table
 
 
 def test_the_example_is_what_the_command_prints(capsys, monkeypatch):
     monkeypatch.chdir(ROOT)
     text = (ROOT / "docs" / "how_to" / "fit_a_table.md").read_text(encoding="utf-8")
-    command, output = re.findall(r"^```(?:text)?\n(.*?)\n```", text, re.DOTALL | re.MULTILINE)
-    assert main(command.removeprefix("scree ").split()) == 0
-    told = capsys.readouterr()
-    assert told.out.rstrip("\n") == output and told.err == ""
+    blocks = re.findall(r"^```(?:text)?\n(.*?)\n```", text, re.DOTALL | re.MULTILINE)
+    assert len(blocks) == 4
+    for command, output in zip(blocks[::2], blocks[1::2], strict=True):
+        assert main(command.removeprefix("scree ").split()) == 0
+        told = capsys.readouterr()
+        assert told.out.rstrip("\n") == output and told.err == ""
+
+
+def test_the_table_of_gravels_is_that_of_the_paper():
+    rows = pd.read_csv(ROOT / "examples" / "measured_curves.csv").set_index("sieve")
+    cases, forms = read_r22_table("table3_cases").set_index("case"), read_r22_table("table2_form_statistics").iloc[0]
+    assert rows.n.to_dict() == cases.n_exp.to_dict() and rows.n_error.to_dict() == cases.n_exp_std.to_dict()
+    for column, name in (("mean_FL", "mu_FL"), ("std_FL", "sigma_FL"), ("mean_EL", "mu_EL"), ("std_EL", "sigma_EL")):
+        assert (rows[column] == forms[name]).all()
 
 
 def test_the_table_of_the_example_is_that_of_committed_packings():

@@ -17,10 +17,17 @@ def add(commands) -> None:
         "measured",
         type=Path,
         metavar="MEASURED.csv",
-        help="table as text, .xlsx or .ods, one row per bed: columns n (porosity, or n [%%]), optionally n_error and "
-        "case, and mean_FL, std_FL, mean_EL, std_EL, or FL, EL or L, I, S of one form",
+        help="table as text, .xlsx or .ods, one row per bed: columns n (porosity, or n [%%]), optionally n_error, "
+        "case or sieve (file of its sieve curve), and mean_FL, std_FL, mean_EL, std_EL, or FL, EL or L, I, S of one "
+        "form",
     )
-    parser.add_argument(
+    sizes = parser.add_mutually_exclusive_group()
+    sizes.add_argument(
+        "--sieve", type=Path, metavar="CURVE.csv", help="sieve curve of all beds, without a column sieve or case"
+    )
+    parser.add_argument("--finest", metavar="SIZE", help='with sieve curves: size of the finest grains, "0.02 mm"')
+    parser.add_argument("--coarsest", metavar="SIZE", help='with sieve curves: size of the coarsest grains, "90 mm"')
+    sizes.add_argument(
         "--case", help="sieve curve of all beds, without a column case: U1, ..., or one-class: any single sieve class"
     )
     parser.add_argument(
@@ -49,12 +56,15 @@ def add(commands) -> None:
 
 def run(options) -> int:
     """Print the comparison and the models, write the file if it is asked for, and return 0."""
+    from simcore.commands.sieve import read_size
     from simcore.models.measured_fit import fit
     from simcore.models.measured_fit_text import describe_fit, fit_as_json
 
     result = fit(
         options.measured,
         case=options.case,
+        sieve=options.sieve,
+        **{name: read_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")},
         features=options.features,
         models=options.models,
         source=options.source,

@@ -8,7 +8,8 @@ def add(commands) -> None:
     parser = commands.add_parser(
         "page",
         help="a page that predicts porosity in a browser, also offline and on a phone",
-        description="One HTML file with the models of `predict`: paste a table of grains and see the porosity.",
+        description="One HTML file with the models of `predict`: paste a table of grains or a sieve curve, "
+        "and see the porosity.",
     )
     parser.add_argument("output", type=Path, metavar="OUT.html", help="page to write")
     parser.add_argument("--models", type=Path, metavar="FOLDER", help="folder results/models of your own campaign")

@@ -14,6 +14,11 @@ _NAME = re.compile(r"(?:(?:size|sieve)[ _-]*)?class(?:\s*[\[(](\w+)[\])])?", re.
 _LABEL = re.compile(r"([\d.,]+)\s*([a-zµ]*)\s*(?:-|–|to|\.\.)\s*([\d.,]+)\s*([a-zµ]*)", re.IGNORECASE)
 
 
+def class_patterns():
+    """Return the regular expressions of the name of the column and of its cells; whole texts match, in any case."""
+    return _NAME.pattern, _LABEL.pattern
+
+
 def class_column(path):
     """Return the name of the column of sieve classes of the table at `path`, or None if it has none."""
     if path is None:

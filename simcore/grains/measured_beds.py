@@ -6,14 +6,18 @@ one form, or L, I, S of one form), and:
     n           measured porosity, a fraction, or per cent if the header has %; also under the name porosity
     n_error     standard error of the measured porosity in the same unit, optional
     case        sieve curve of the bed, such as U1 or one-class, optional
+    sieve       file with the table of the bed's sieve curve, beside this table, or the name of a listed curve, optional
 """
 
 import re
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from simcore.grains.cell_numbers import read_number
 from simcore.grains.form_columns import SAMPLE
 from simcore.grains.measured_forms import Sample, samples_of_table
+from simcore.grains.sieve import SieveCurve
+from simcore.grains.sieve_table import read_curve
 from simcore.grains.table_file import read_table
 
 _PERCENT = r"(?:[\s_,]*[\[(]?\s*(?:%|percent|per cent)\s*[\])]?)"
@@ -22,6 +26,7 @@ _COLUMNS = {
     "n": r"(?:n|porosity)(?:[\s_]+measured)?",
     "n_error": r"(?:n|porosity)[\s_]+(?:(?:std|standard)[\s_]+)?(?:error|uncertainty)",
     "case": r"case",
+    "sieve": r"(?:sieve|sieves|sieve[\s_]+curve|curve)(?:[\s_]+file)?",
 }
 NEEDED = (
     "give a row per bed with the column n, its measured porosity, and the form of its grains: mean_FL, std_FL, "
@@ -33,28 +38,61 @@ NEEDED = (
 class MeasuredBed:
     """A bed of measured porosity n.
 
-    sample: Sample with the form of its grains. n_error: standard error of n, nan if unknown. case: sieve curve.
+    sample: Sample with the form of its grains. n_error: standard error of n, nan if unknown. case: name of the sieve
+    curve. curve: SieveCurve, or None if only the name of a case is given.
     """
 
     sample: Sample
     n: float
     n_error: float
     case: str
+    curve: SieveCurve | None = None
 
 
-def read_measured_beds(path, case=None, column=None):
+class CurveReader:
+    """Reads sieve curves, each file once.
+
+    listed: dict of name to SieveCurve. finest, coarsest [m]: as in simcore.grains.sieve_table.read_curve.
+    """
+
+    def __init__(self, listed=None, finest=None, coarsest=None):
+        self.listed, self.ends = listed or {}, (finest, coarsest)
+        self._read = {}
+
+    def read(self, where, text, folder=None):
+        """Return (SieveCurve, notices): a listed one, or that of a file in `folder`; where: file and row."""
+        if text in self.listed:
+            return replace(self.listed[text], name=text), []
+        path = Path(text) if folder is None else Path(folder) / text
+        if not path.is_file():
+            names = f", nor one of the listed curves {', '.join(self.listed)}" if self.listed else ""
+            raise ValueError(
+                f"{where}: the sieve curve {text} is no file ({path}){names}; give the name of a file beside the table"
+            )
+        if path in self._read:
+            return self._read[path], []
+        try:
+            self._read[path], notices = read_curve(path, *self.ends)
+        except ValueError as error:
+            raise ValueError(f"{where}: {error}") from None
+        return self._read[path], notices
+
+
+def read_measured_beds(path, case=None, column=None, sieve=None, curves=None):
     """Read a table and return (beds, notices): a list of MeasuredBed in the order of the rows, and a list of sentences.
 
     path: a text file or a workbook, see simcore.grains.table_file. case: sieve curve of all beds, for a table without
-    the column case. column: name of the column with the names of the beds; with None it is "sample", if there is such a
-    column. Rows of one name are repeats with the same form. ValueError names the file, the row as a spreadsheet counts
-    it, and the remedy.
+    the columns case and sieve. sieve: path of the sieve curve of all beds instead. curves: CurveReader. column:
+    name of the column with the names of the beds; with None it is "sample", if there is such a column. Rows of one name
+    are repeats with the same form. ValueError names the file, the row as a spreadsheet counts it, and the remedy.
     """
     table = read_table(path)
     if not table.header or table.cells.empty:
         raise ValueError(f"{table.path}: there are no rows below a header; {NEEDED}")
     positions, percent = _recognise(table.path, table.header)
-    _check_case(table.path, positions, case)
+    curves = curves or CurveReader()
+    _check_case(table.path, positions, case, sieve)
+    of_all = None if sieve is None else curves.read("--sieve", str(sieve))
     forms, names, given = _name_rows(_without(table, positions.values()), column)
     samples, notices = samples_of_table(forms, column)
     rows = {name: row for row, name in names.items()}
@@ -62,7 +100,15 @@ def read_measured_beds(path, case=None, column=None):
     for sample in samples:
         texts, where = table.cells.loc[rows[sample.name]], f"{table.path}, row {rows[sample.name]}"
         n, n_error = _read_porosity(where, texts, positions, percent)
-        beds.append(MeasuredBed(sample, n, n_error, _read_case(where, texts, positions, case)))
+        of_bed, curve = _read_case(where, texts, positions, case), None
+        if of_all is not None:
+            curve, more = of_all
+            of_all = curve, []
+        elif "sieve" in positions and not of_bed:
+            of_bed = texts[positions["sieve"]]
+            curve, more = curves.read(where, of_bed, Path(table.path).parent)
+        notices += more if curve is not None else []
+        beds.append(MeasuredBed(sample, n, n_error, of_bed, curve))
     _check_repeats(table.path, beds, rows, given)
     if percent and all(bed.n < 0.01 for bed in beds):
         raise ValueError(
@@ -95,15 +141,20 @@ def _recognise(path, header):
     return positions, percent["n"]
 
 
-def _check_case(path, positions, case):
-    """Raise a ValueError unless the case is given exactly once."""
-    if case is None and "case" not in positions:
+def _check_case(path, positions, case, sieve):
+    """Raise a ValueError unless the sieve curve is given exactly once."""
+    if case is not None and sieve is not None:
+        raise ValueError("--case and --sieve are both the sieve curve of all beds; give one")
+    options = {"--case": case, "--sieve": sieve}
+    given = next((option for option, value in options.items() if value is not None), None)
+    columns = [name for name in ("case", "sieve") if name in positions]
+    if given is None and not columns:
         raise ValueError(
             f"{path}: the sieve curve of the beds is not given; add --case, such as --case one-class for any single "
-            "sieve class, or a column case"
+            "sieve class, a column case, --sieve CURVE.csv, or a column sieve with a file in each row"
         )
-    if case is not None and "case" in positions:
-        raise ValueError(f"{path}: the table has a column case; leave out --case, or remove the column")
+    if given is not None and columns:
+        raise ValueError(f"{path}: the table has a column {columns[0]}; leave out {given}, or remove the column")
 
 
 def _without(table, left_out):
@@ -161,8 +212,14 @@ def _read_porosity(where, texts, positions, percent):
 
 
 def _read_case(where, texts, positions, case):
-    if "case" not in positions:
-        return case
-    if not texts[positions["case"]]:
-        raise ValueError(f"{where}: case is empty; name the sieve curve in every row")
-    return texts[positions["case"]]
+    """Return the case of a row, "" if it has a sieve curve instead."""
+    columns = [name for name in ("case", "sieve") if name in positions]
+    if not columns:
+        return case or ""
+    filled = [name for name in columns if texts[positions[name]]]
+    if not filled:
+        raise ValueError(f"{where}: {' and '.join(columns)} {'is' if len(columns) == 1 else 'are'} empty; name the "
+                         "sieve curve in every row")  # fmt: skip
+    if len(filled) > 1:
+        raise ValueError(f"{where}: case and sieve are both given; each row has one sieve curve, so remove one")
+    return texts[positions["case"]] if filled == ["case"] else ""

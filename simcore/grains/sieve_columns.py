@@ -94,6 +94,22 @@ def known_unit(text):
     return unit if unit in {*LENGTHS, *MASSES, PHI, PERCENT, FRACTION} else None
 
 
+def reading_rules():
+    """Return the words, units and patterns by which columns are recognised, as plain values for another language."""
+    words = {
+        "opening": _OPENING_WORDS, "passing": _PASSING_WORDS, "coarser": _COARSER_WORDS, "summed": _SUMMED_WORDS,
+        "retained": _RETAINED_WORDS,
+    }  # fmt: skip
+    return {
+        "words": {key: sorted(values) for key, values in words.items()},
+        "spellings": _SPELLINGS,
+        "lengths": LENGTHS,
+        "masses": MASSES,
+        "patterns": {"brackets": _BRACKETS.pattern, "trailing": _TRAILING.pattern},
+        "needed": NEEDED,
+    }
+
+
 def _split(path, name):
     """Return the words of a column's name without its unit, and the unit or None."""
     text = name.lower()

@@ -6,6 +6,7 @@ what passes the finest sieve. The rows may run from coarse to fine or from fine 
 
 import re
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from simcore.grains.sieve_columns import (
     PHI,
     RETAINED,
     known_unit,
+    reading_rules,
     recognise_sieve_columns,
 )
 from simcore.grains.summary_rows import find_summary_rows
@@ -116,6 +118,16 @@ class SieveTable:
         return SieveCurve(self.openings[first : last + 1], shares, name)
 
 
+def read_curve(path, finest=None, coarsest=None):
+    """Return (SieveCurve, notices) of the table at `path`; finest, coarsest [m]: as in SieveTable.closed."""
+    table, notices = read_sieve_table(path, coarsest)
+    try:
+        table, assumed = table.closed(finest, coarsest).with_small_ends_closed()
+        return table.curve(Path(path).stem), [*notices, *(f"{path}: it is assumed that {text}" for text in assumed)]
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
 def read_sieve_table(path, coarsest=None):
     """Read the table at `path` and return (SieveTable, notices); notices: sentences on how it was read.
 
@@ -152,6 +164,19 @@ def read_sieve_table(path, coarsest=None):
     if unused:
         notices.append(f"columns that are not used: {', '.join(unused)}")
     return table, [f"{path}: {notice}" for notice in notices]
+
+
+def table_rules():
+    """Return all that a reader of such tables in another language needs, as plain values: dict of words and numbers."""
+    patterns = {"pan": _PAN.pattern, "with_unit": _WITH_UNIT.pattern}
+    rules = reading_rules()
+    return {
+        **rules,
+        "patterns": {**rules["patterns"], **patterns},
+        "small_end": SMALL_END,
+        "rounding": ROUNDING,
+        "agreement": AGREEMENT,
+    }
 
 
 def _check_classes(path, table):
@@ -310,8 +335,8 @@ def _from_retained(path, name, openings, amounts, unit, notices):
     if unit is None:
         notices.append(f"the column {name} has no unit; its values are taken relative to their sum, {total:.6g}")
     passing = (in_pan + np.r_[0.0, np.cumsum(retained)[:-1]]) / total
-    if retained[-1] == 0.0:
-        passing[-1] = 1.0  # without the round-off of the sum
+    # Without the round-off of the sum, which would be a class of its own.
+    passing[np.cumsum(retained[::-1])[::-1] == 0.0] = 1.0
     return SieveTable(openings, passing, total * MASSES[unit] if unit in MASSES else None)
 
 

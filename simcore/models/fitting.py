@@ -7,10 +7,11 @@ import pandas as pd
 import xarray as xr
 
 from simcore.models.files import read_models
-from simcore.models.measured_file import read_measured_models
+from simcore.models.measured_file import not_written_by_fit, read_curve_models, read_measured_models
 from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import fewest_samples, fit_and_validate
 from simcore.models.single_form import SINGLE_FORM
+from simcore.models.size_and_form.curve_correction import read_correction
 from simcore.models.tables import over_seeds
 from simcore.models.unified import fit_unified, unified_features
 from simcore.paths import REFERENCE, project_name
@@ -23,12 +24,14 @@ class FittedModels:
 
     models: dict from (name, case) to PorosityModel; behind: dict from the same keys to a description of these rows;
     only_kind: dict from some of these keys to "one form" or "a distribution of form", for a model that is evaluated for
-    both kinds of bed and was fitted to one kind only.
+    both kinds of bed and was fitted to one kind only. curve: CurveCorrection of the model of size and form to measured
+    beds with sieve curves, or None.
     """
 
     models: dict
     behind: dict
     only_kind: dict = field(default_factory=dict)
+    curve: object = None
 
     def cases(self):
         """Return the cases for which there is a model, sorted."""
@@ -110,7 +113,7 @@ def read_campaign_models(path):
     """
     path = Path(path)
     if path.is_file() and path.suffix != ".nc":
-        return FittedModels(*read_measured_models(path))
+        return FittedModels(*read_measured_models(path), _read_curve_correction(path))
     models, behind = {}, {}
     files = [path / f"{name}.nc" for name in ("single_form", "form_mixture", "unified")]
     for file in [path] if path.is_file() else filter(Path.exists, files):
@@ -126,3 +129,15 @@ def read_campaign_models(path):
             "model that `fit` wrote"
         )
     return FittedModels(models, behind)
+
+
+def _read_curve_correction(path):
+    """Return the CurveCorrection in a file of `fit`, or None."""
+    content = read_curve_models(path)
+    if content is None:
+        return None
+    values, *of_one_class = content
+    try:
+        return read_correction(values, FittedModels(*of_one_class))
+    except (ValueError, KeyError, TypeError):
+        raise ValueError(not_written_by_fit(path)) from None

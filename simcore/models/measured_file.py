@@ -12,18 +12,69 @@ _FORMAT = "scree models of measured beds, 1"
 _TUPLES = ("features", "coefficients", "std_errors", "lower", "upper", "bootstrap_lower", "bootstrap_upper")
 
 
-def write_measured_models(path, models):
+def write_measured_models(path, models, curve=None):
     """Write models to the file at `path`.
 
     models: list of (PorosityModel, description, only_kind), one per case; the description says what was fitted to which
-    beds; only_kind: "one form" or "a distribution of form" if all beds are of this kind, else None.
+    beds; only_kind: "one form" or "a distribution of form" if all beds are of this kind, else None. curve:
+    CurveCorrection of the model of size and form, or None; its one-class models are written with it.
     """
     content = [
         {"fitted": description, "only_kind": only_kind, **_without_nan(model.to_dict())}
         for model, description, only_kind in models
     ]
-    text = json.dumps({"format": _FORMAT, "models": content}, indent=1, allow_nan=False)
+    content = {"format": _FORMAT, "models": content}
+    if curve is not None:
+        content["curve"] = {"correction": _without_nan(curve.to_dict()), "one_class": _entries(curve.one_class)}
+    text = json.dumps(content, indent=1, allow_nan=False)
     Path(path).write_text(text + "\n", encoding="utf-8")
+
+
+def _entries(fitted):
+    """Return the entries of FittedModels with their own names."""
+    return [
+        {"behind": fitted.behind.get(key, ""), "only_kind": fitted.only_kind.get(key), **_without_nan(model.to_dict())}
+        for key, model in fitted.models.items()
+    ]
+
+
+def read_curve_models(path):
+    """Return the correction of the model of size and form in a file of write_measured_models, or None.
+
+    It is a tuple: plain values of the CurveCorrection, and dicts of its one-class models as in read_measured_models.
+    ValueError if the file is not of this kind.
+    """
+    content = _read(path).get("curve")
+    if content is None:
+        return None
+    models, behind, only_kind = {}, {}, {}
+    try:
+        for entry in content["one_class"]:
+            model = _read_model(entry)
+            key = (model.name, model.case)
+            models[key], behind[key] = model, entry["behind"]
+            if entry["only_kind"] is not None:
+                only_kind[key] = entry["only_kind"]
+        values = {key: _with_nan(value) for key, value in content["correction"].items()}
+        values["behind"] = f"{values['behind']}: {path}"
+        return values, models, behind, only_kind
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise ValueError(not_written_by_fit(path)) from None
+
+
+def _read(path):
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        if content["format"] != _FORMAT:
+            raise ValueError
+        return content
+    except (ValueError, KeyError, TypeError):
+        raise ValueError(not_written_by_fit(path)) from None
+
+
+def not_written_by_fit(path):
+    """Return the message on a file that is not of this kind."""
+    return f"{path}: this is not a file of models that `fit` wrote; write it again with --out"
 
 
 def read_measured_models(path):
@@ -33,10 +84,8 @@ def read_measured_models(path):
     beds are of one kind, to this kind. ValueError if the file is not of this kind.
     """
     models, behind, only_kind = {}, {}, {}
+    content = _read(path)
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
-        if content["format"] != _FORMAT:
-            raise ValueError
         for entry in content["models"]:
             model = _read_model(entry)
             key = (MEASURED, model.case)
@@ -44,7 +93,7 @@ def read_measured_models(path):
             if entry["only_kind"] is not None:
                 only_kind[key] = entry["only_kind"]
     except (ValueError, KeyError, TypeError, AttributeError):
-        raise ValueError(f"{path}: this is not a file of models that `fit` wrote; write it again with --out") from None
+        raise ValueError(not_written_by_fit(path)) from None
     return models, behind, only_kind
 
 

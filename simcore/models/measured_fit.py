@@ -13,14 +13,29 @@ mean absolute error is at most the smallest one plus its standard error. These r
 table was read.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from simcore.grains.measured_beds import read_measured_beds
+from simcore.grains.measured_beds import CurveReader, read_measured_beds
 from simcore.models.correction import CORRECTIONS, correct_model, regressors
+from simcore.models.measured_candidates import (
+    BEDS_NEEDED,
+    NO_SPREAD,
+    SAME,
+    Candidate,
+    choose,
+    fitted_candidate,
+    group_repeats,
+    left_out_errors,
+    means_of_repeats,
+    not_fitted,
+    rows_of_coefficients,
+    too_few,
+)
+from simcore.models.measured_curves import CurveFit, fit_curves
 from simcore.models.measured_file import MEASURED, write_measured_models
 from simcore.models.measured_prediction import models_for
 from simcore.models.mixtures import MIXTURE
@@ -36,8 +51,8 @@ from simcore.models.regression import PorosityModel
 from simcore.models.regression import fit as fit_features
 from simcore.models.single_form import SINGLE_FORM
 from simcore.models.unified import UNIFIED
+from simcore.scene.sizes import all_cases
 
-BEDS_NEEDED = {"offset": 3, "rescaling": 6}
 BEDS_PER_COEFFICIENT = 3
 FEATURE_SETS = {
     "single_form_EQ": SINGLE_FORM[:1],
@@ -46,26 +61,6 @@ FEATURE_SETS = {
     "unified": UNIFIED,
 }
 AGREEMENT = ["by", "model", "beds", "bias", "bias_error", "scatter", "inside"]
-# A bed with a leverage above this determines a coefficient alone, so that it cannot be predicted from the others.
-_ALONE = 1.0 - 1e-9
-_SAME = "all measured porosities are the same"
-
-
-class Candidate(NamedTuple):
-    """A model of one kind.
-
-    kind: "offset", "rescaling" or "features". needed: number of beds. model: PorosityModel, or None with the `reason`
-    why it is not fitted. coefficients: DataFrame of the fitted ones, columns term, value, std_error, lower, upper (95 %
-    confidence interval). error, error_se: mean absolute error over beds left out, and its standard error.
-    """
-
-    kind: str
-    needed: int
-    model: PorosityModel | None
-    coefficients: pd.DataFrame | None
-    error: float
-    error_se: float
-    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -111,51 +106,75 @@ class CaseFit:
 
 
 class MeasuredFit(NamedTuple):
-    """The fits to a table: a list of CaseFit, sentences on cases that are left out, and notices on how it was read."""
+    """The fits to a table.
+
+    cases: list of CaseFit. left_out: sentences on cases that are left out. notices: on how the table was read. curves:
+    CurveFit of the rows with sieve curves, or None.
+    """
 
     cases: list
     left_out: list
     notices: list
+    curves: CurveFit | None = None
 
     @property
     def table(self):
-        """DataFrame with a row per case and kind of model: error over beds left out, chosen, reason if not fitted."""
+        """DataFrame with a row per case and kind of model: error over beds left out, chosen, reason if not fitted.
+
+        The case of rows with sieve curves is "sieve curves".
+        """
+        fits = [(case.case, case) for case in self.cases]
+        fits += [("sieve curves", self.curves)] if self.curves is not None else []
         return pd.DataFrame(
             [
-                {"case": case.case, "kind": item.kind, "beds": len(case.beds), "needed": item.needed}
+                {"case": name, "kind": item.kind, "beds": len(case.beds), "needed": item.needed}
                 | {"error": item.error, "error_se": item.error_se, "chosen": item is case.chosen, "reason": item.reason}
-                for case in self.cases
+                for name, case in fits
                 for item in case.candidates
             ]
         )
 
 
-def fit(path, *, case=None, features="single_form", models=None, source=None, column=None, out=None) -> MeasuredFit:
+def fit(
+    path, *, case=None, sieve=None, features="single_form", models=None, source=None, column=None, finest=None,
+    coarsest=None, out=None,
+) -> MeasuredFit:  # fmt: skip
     """Compare the measured beds of a table with the models, and correct or fit a model to them.
 
-    path: table with a row per bed: measured porosity n, optionally n_error and case, and the form of the grains, as in
-    simcore.grains.measured_beds. case: sieve curve, if there is no column case; "one-class" for any single sieve class.
-    features: key of FEATURE_SETS. models: folder results/models of a campaign, or a file of an earlier fit, instead of
-    the models of the committed packings; source: only those of grains from this source. column: with the names of the
-    beds. out: file for the chosen models, for `predict(..., models=out)`.
+    path: table with a row per bed: measured porosity n, optionally n_error, case or sieve, and the form of the grains,
+    as in simcore.grains.measured_beds. case: sieve curve, if there is no such column; "one-class" for any single sieve
+    class. sieve: path of a table with the sieve curve of all beds instead; beds with such a curve are compared with the
+    model of size and form. features: key of FEATURE_SETS. models: folder results/models of a campaign, or a file of an
+    earlier fit, instead of the models of the committed packings; source: only those of grains from this source. column:
+    with the names of the beds. finest, coarsest [m]: as in simcore.grains.sieve_table.read_curve. out: file for the
+    chosen models, for `predict(..., models=out)`.
     ValueError if the table or an argument is wrong, or if there are too few beds for any model.
     """
     _check_features(features)
-    beds, notices = read_measured_beds(path, case, column)
+    curves = CurveReader({name: of_case.curve for name, of_case in all_cases().items()}, finest, coarsest)
+    beds, notices = read_measured_beds(path, case, column, sieve, curves)
     fitted = models_for(models, source)
     by_case, cases, left_out = {}, [], []
     for bed in beds:
-        by_case.setdefault(model_case(bed.case), []).append(bed)
+        if bed.curve is None:
+            by_case.setdefault(model_case(bed.case), []).append(bed)
     for name, of_case in by_case.items():
         try:
             cases.append(fit_case(of_case, name, fitted, features))
         except ValueError as error:
             left_out.append(str(error))
-    if not cases:
+    of_curves = None
+    if with_curve := [bed for bed in beds if bed.curve is not None]:
+        try:
+            of_curves = fit_curves(with_curve, fitted)
+        except ValueError as error:
+            left_out.append(str(error))
+    if not cases and of_curves is None:
         raise ValueError(f"{path}: {'; '.join(left_out)}")
     if out is not None:
-        write_measured_models(out, [(item.model, item.describe(), item.only_kind) for item in cases])
-    return MeasuredFit(cases, left_out, notices)
+        written = [(item.model, item.describe(), item.only_kind) for item in cases]
+        write_measured_models(out, written, of_curves and of_curves.model)
+    return MeasuredFit(cases, left_out, notices, of_curves)
 
 
 def _check_features(features):
@@ -206,19 +225,10 @@ def average_repeats(measured):
 
     measured: list of MeasuredBed. samples: list of Sample; beds: DataFrame as in CaseFit, one row per sample.
     """
-    groups = {}
-    for bed in measured:
-        form = bed.sample
-        key = tuple(f"{value:.8g}" for value in (form.mu_FL, form.sigma_FL, form.mu_EL, form.sigma_EL))
-        groups.setdefault(key, []).append(bed)
-    rows, squares, freedom = [], 0.0, 0
-    for group in groups.values():
-        n, errors = np.array([(bed.n, bed.n_error) for bed in group]).T
-        squares, freedom = squares + np.sum((n - n.mean()) ** 2), freedom + len(n) - 1
-        rows.append((group[0].sample.name, n.mean(), np.sqrt(np.sum(errors**2)) / len(n), len(n)))
-    samples = [group[0].sample for group in groups.values()]
-    beds = pd.DataFrame(rows, columns=["name", "n", "n_error", "repeats"]).join(sample_features(samples))
-    return samples, beds, float(np.sqrt(squares / freedom)) if freedom else np.nan
+    groups = group_repeats(measured)
+    beds, scatter = means_of_repeats(groups)
+    samples = [group[0].sample for group in groups]
+    return samples, beds.join(sample_features(samples)), scatter
 
 
 def _predict(samples, case, fitted):
@@ -282,79 +292,35 @@ def _fit_correction(kind, base, beds, case, reason):
     """Return the Candidate of a correction of the PorosityModel `base`, which is None for the `reason`."""
     needed = BEDS_NEEDED[kind]
     if base is None:
-        return _not_fitted(kind, needed, reason)
+        return not_fitted(kind, needed, reason)
     if len(beds) < needed:
-        return _not_fitted(kind, needed, _too_few(f"{'an' if kind == 'offset' else 'a'} {kind}", needed, len(beds)))
+        return not_fitted(kind, needed, too_few(f"{'an' if kind == 'offset' else 'a'} {kind}", needed, len(beds)))
     if kind == "rescaling" and np.ptp(beds.n) == 0:
-        return _not_fitted(kind, needed, _SAME)
+        return not_fitted(kind, needed, SAME)
     columns, added = regressors(kind, base.predict(beds))
     errors = left_out_errors(columns, beds.n - added)
     if errors is None:
-        return _not_fitted(kind, needed, "our model predicts nearly the same porosity for all beds, or for all but one")
+        return not_fitted(kind, needed, NO_SPREAD)
     model, result = correct_model(base, kind, beds, beds.n, MEASURED, case)
-    lower, upper = result.conf_int(0.05).T
-    terms = [kind] if kind == "offset" else ["constant", "factor"]
-    columns = zip(terms, result.params, result.bse, lower, upper, strict=True)
-    return _candidate(kind, needed, model, columns, errors)
+    return fitted_candidate(kind, needed, model, rows_of_coefficients(kind, result), errors)
 
 
 def _fit_features(names, beds, case):
     """Return the Candidate that is linear in the features `names`."""
     needed = BEDS_PER_COEFFICIENT * (len(names) + 1)
     if len(beds) < needed:
-        return _not_fitted("features", needed, _too_few(f"a fit of {len(names)} features", needed, len(beds)))
+        return not_fitted("features", needed, too_few(f"a fit of {len(names)} features", needed, len(beds)))
     if np.ptp(beds.n) == 0:
-        return _not_fitted("features", needed, _SAME)
+        return not_fitted("features", needed, SAME)
     X = beds[list(names)]
     for name in names:
         if not np.isfinite(X[name]).all():
             bed = beds.name[~np.isfinite(X[name])].iloc[0]
-            return _not_fitted("features", needed, f"{name} is not finite for {bed}; choose other features")
+            return not_fitted("features", needed, f"{name} is not finite for {bed}; choose other features")
     errors = left_out_errors(np.column_stack([np.ones(len(X)), X]), beds.n)
     if errors is None:
         reason = f"the beds do not differ enough to separate {', '.join(names)}, or one bed alone separates them"
-        return _not_fitted("features", needed, reason)
+        return not_fitted("features", needed, reason)
     model = fit_features(X, beds.n, MEASURED, case)
     columns = zip(model.terms, model.coefficients, model.std_errors, model.lower, model.upper, strict=True)
-    return _candidate("features", needed, model, columns, errors)
-
-
-def _candidate(kind, needed, model, columns, errors):
-    """Return the Candidate with the cross-validated errors (n,) of its model."""
-    table = pd.DataFrame(columns, columns=["term", "value", "std_error", "lower", "upper"])
-    size = np.abs(errors)
-    model = replace(model, mean_absolute_error=float(size.mean()), median_absolute_error=float(np.median(size)))
-    return Candidate(kind, needed, model, table, size.mean(), size.std(ddof=1) / np.sqrt(len(size)))
-
-
-def _not_fitted(kind, needed, reason):
-    return Candidate(kind, needed, None, None, np.nan, np.nan, reason)
-
-
-def _too_few(what, needed, beds):
-    return f"{what} needs {needed} beds of different form, and there are {beds}"
-
-
-def left_out_errors(columns, y):
-    """Return the errors (n,) of predicting each of y (n,) by least squares on the others; columns (n, k).
-
-    They are the residuals divided by 1 minus the leverage, which is exact. None if the columns do not determine the
-    coefficients without one of the rows.
-    """
-    y = np.asarray(y, float)
-    largest = np.abs(columns).max(axis=0)
-    columns = columns / np.where(largest > 0, largest, 1.0)
-    if np.linalg.matrix_rank(columns, tol=1e-9 * np.sqrt(len(y))) < columns.shape[1]:
-        return None
-    Q, _ = np.linalg.qr(columns)
-    leverage = np.einsum("ij,ij->i", Q, Q)
-    if leverage.max() > _ALONE:
-        return None
-    return (y - Q @ (Q.T @ y)) / (1.0 - leverage)
-
-
-def choose(candidates):
-    """Return the simplest Candidate whose error is at most the smallest one plus its standard error."""
-    fitted = [item for item in candidates if item.model is not None]
-    best = min(fitted, key=lambda item: item.error)
-    return next(item for item in fitted if item.error <= best.error + best.error_se)
+    return fitted_candidate("features", needed, model, columns, errors)

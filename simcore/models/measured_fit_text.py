@@ -2,20 +2,30 @@
 
 import json
 import math
-import textwrap
 
 import numpy as np
 
 from simcore.grains.text_columns import text_columns
 from simcore.models.correction import CORRECTIONS
+from simcore.models.measured_candidates import BEDS_NEEDED
+from simcore.models.measured_curves_text import curves_as_plain, describe_curves
 from simcore.models.measured_file import MEASURED
-from simcore.models.measured_fit import BEDS_NEEDED
+from simcore.models.measured_text_parts import (
+    describe_errors,
+    number,
+    plain,
+    plain_candidate,
+    records,
+    sentences_on_reasons,
+    table_of_candidates,
+    table_of_coefficients,
+    wrap,
+)
 from simcore.models.prediction import describe_model
 from simcore.models.regression import CORRELATED
 
 # Names in sentences: EQ = S/L is the equancy and EL = I/L the elongation of the mean form.
 _AXES = (("mu_EQ_inv", "1/EQ"), ("mu_EL_inv", "1/EL"))
-_WIDTH = 116
 
 
 def describe_fit(result, path, out=None):
@@ -23,14 +33,21 @@ def describe_fit(result, path, out=None):
     lines = []
     for case in result.cases:
         lines += [*_describe_case(case, path), ""]
+    if result.curves is not None:
+        lines += describe_curves(result.curves, path)
     for sentence in result.left_out:
-        lines += [_wrap(f"Left out: {sentence}."), ""]
+        lines += [wrap(f"Left out: {sentence}."), ""]
     cases = [case.case for case in result.cases]
     if out is None:
         lines.append("No model is written; give --out MODEL.json to use it in `predict`.")
-    else:
+    elif cases:
         written = f"model of case {cases[0]} is" if len(cases) == 1 else f"models of the cases {', '.join(cases)} are"
         lines.append(f"The {written} written. Use it: scree predict FORMS.csv --case {cases[0]} --models {out}")
+    if out is not None and result.curves is not None:
+        lines.append(
+            "The correction for sieve curves is written. Use it: scree predict FORMS.csv --sieve CURVE.csv "
+            f"--models {out}"
+        )
     return "\n".join(_flatten(lines))
 
 
@@ -49,26 +66,31 @@ def _describe_case(case, path):
     lines = [f"Measured porosities of {path}: {len(beds)} beds{of_rows}, case {case.case}", ""]
     lines += _describe_agreement(case)
     lines += ["Models, with the mean absolute error of predicting each bed from the others", ""]
-    lines += [*_table_of_candidates(case), "", *_table_of_coefficients(case), ""]
-    lines += [_wrap(_describe_choice(case)), "", "What these beds show, and what they do not show", ""]
-    return lines + [_wrap(sentence, "- ") for sentence in sentences(case)]
+    lines += [
+        *table_of_candidates(case, f"{describe_model('ours', case.base)} as it is"),
+        "",
+        *table_of_coefficients(case),
+        "",
+    ]
+    lines += [wrap(_describe_choice(case)), "", "What these beds show, and what they do not show", ""]
+    return lines + [wrap(sentence, "- ") for sentence in sentences(case)]
 
 
 def _describe_agreement(case):
     """Return the lines on the models as they are, before any correction."""
     if case.agreement.empty:
-        return [_wrap(f"No model, ours or that of Rettinger et al., is evaluated for beds of case {case.case}."), ""]
+        return [wrap(f"No model, ours or that of Rettinger et al., is evaluated for beds of case {case.case}."), ""]
     cells = [["model as it is", "beds", "bias", "± error", "scatter", "in interval"]]
     for row in case.agreement.itertuples():
         inside = "-" if math.isnan(row.inside) else f"{row.inside:.0f}"
-        numbers = [f"{row.bias:+.4f}", _number(row.bias_error), _number(row.scatter)]
+        numbers = [f"{row.bias:+.4f}", number(row.bias_error), number(row.scatter)]
         cells.append([describe_model(row.by, row.model), str(row.beds), *numbers, inside])
     text = (
         "The bias is the mean of predicted minus measured porosity, and the scatter is the standard deviation of "
         "single beds about it. The last column counts the beds inside the 95 % prediction interval."
     )
-    lines = [*text_columns(cells), "", _wrap(text), ""]
-    return [*lines, _wrap(_describe_bias(case)), ""] if case.base else lines
+    lines = [*text_columns(cells), "", wrap(text), ""]
+    return [*lines, wrap(_describe_bias(case)), ""] if case.base else lines
 
 
 def _describe_bias(case):
@@ -79,26 +101,6 @@ def _describe_bias(case):
     if offset is not None and offset.lower.iloc[0] <= 0 <= offset.upper.iloc[0]:
         return f"{text}, which these beds do not distinguish from 0 with 95 % confidence."
     return f"{text}."
-
-
-def _table_of_candidates(case):
-    cells = [["model", "coefficients", "beds needed", "error", "± error", ""]]
-    if case.base:
-        cells.append([f"{describe_model('ours', case.base)} as it is", "0", "-", f"{case.base_error:.4f}", "", ""])
-    for item in case.candidates:
-        count = "-" if item.model is None else str(len(item.coefficients))
-        mark = "chosen" if item is case.chosen else "not fitted" if item.reason else ""
-        cells.append([item.kind, count, str(item.needed), _number(item.error), _number(item.error_se), mark])
-    return text_columns(cells)
-
-
-def _table_of_coefficients(case):
-    cells = [["model", "coefficient", "value", "± error", "95 % confidence interval"]]
-    for item in case.candidates:
-        for row in item.coefficients.itertuples() if item.model else []:
-            interval = f"{row.lower:.4f} to {row.upper:.4f}"
-            cells.append([item.kind, row.term, f"{row.value:.4f}", f"{row.std_error:.4f}", interval])
-    return text_columns(cells)
 
 
 def _describe_choice(case):
@@ -138,12 +140,8 @@ def sentences(case):
         texts.append(f"The correlation between 1/EQ and 1/EL is {r:.2f}{means}.")
     else:
         texts.append("1/EQ or 1/EL is the same for all beds, so its effect cannot be measured with them.")
-    reasons = {}
-    for item in case.candidates:
-        if item.reason:
-            reasons.setdefault(item.reason, []).append(item.kind)
-    texts += [f"Not fitted: {' and '.join(kinds)}, because {reason}." for reason, kinds in reasons.items()]
-    texts += [*_describe_terms(case), *_describe_errors(case)]
+    texts += sentences_on_reasons(case)
+    texts += [*_describe_terms(case), *describe_errors(case)]
     if case.only_kind is not None:
         other = "one form" if case.only_kind != "one form" else "a distribution of form"
         texts.append(f"Each bed has {case.only_kind}; these data do not show the error for beds with {other}.")
@@ -193,26 +191,8 @@ def _describe_terms(case):
     return texts
 
 
-def _describe_errors(case):
-    """Return sentences on how the errors of the porosities and the repeats compare with the scatter."""
-    texts, scatter = [], case.chosen.model.scatter
-    errors = case.beds.n_error
-    if errors.notna().all():
-        given = float(np.sqrt(np.mean(errors**2)))
-        means = (
-            f"they explain {100 * (given / scatter) ** 2:.0f} % of the variance about the chosen model"
-            if given < scatter
-            else "they are as large as the scatter about the chosen model, so the data show no other scatter"
-        )
-        texts.append(f"The measurement errors that you give are {given:.4f} (root mean square); {means}.")
-    else:
-        texts.append("Without a column n_error, measurement errors and errors of the model cannot be separated.")
-    if not math.isnan(case.repeat_scatter):
-        texts.append(
-            f"Repeats of the same form scatter by {case.repeat_scatter:.4f}. Their mean counts as one bed, so the "
-            "interval is for the mean of as many repeats."
-        )
-    return texts
+def _coefficients(model):
+    return dict(zip(model.terms, model.coefficients, strict=True)) if model else None
 
 
 def fit_as_json(result, path):
@@ -220,13 +200,15 @@ def fit_as_json(result, path):
     cases = [
         {
             "case": case.case,
-            "beds": _records(case.beds[["name", "n", "n_error", "repeats", *(name for name, _ in _AXES)]]),
-            "agreement": _records(case.agreement),
+            "beds": records(case.beds[["name", "n", "n_error", "repeats", *(name for name, _ in _AXES)]]),
+            "agreement": records(case.agreement),
             "corrected": case.base or None,
             "features": case.features,
-            "error_as_it_is": _plain(case.base_error),
-            "candidates": [_plain_candidate(item, item is case.chosen) for item in case.candidates],
-            "repeat_scatter": _plain(case.repeat_scatter),
+            "error_as_it_is": plain(case.base_error),
+            "candidates": [
+                plain_candidate(item, item is case.chosen, _coefficients(item.model)) for item in case.candidates
+            ],
+            "repeat_scatter": plain(case.repeat_scatter),
             "sentences": sentences(case),
         }
         for case in result.cases
@@ -237,40 +219,6 @@ def fit_as_json(result, path):
         "notices": list(result.notices),
         "left_out": list(result.left_out),
         "cases": cases,
+        "curves": curves_as_plain(result.curves) if result.curves is not None else None,
     }
     return json.dumps(content, indent=1, allow_nan=False)
-
-
-def _plain_candidate(item, chosen):
-    model = item.model
-    return {
-        "kind": item.kind,
-        "beds_needed": item.needed,
-        "chosen": chosen,
-        "reason": item.reason or None,
-        "error": _plain(item.error),
-        "error_se": _plain(item.error_se),
-        "fitted": _records(item.coefficients) if model else [],
-        "model": dict(zip(model.terms, model.coefficients, strict=True)) if model else None,
-        "scatter": model.scatter if model else None,
-    }
-
-
-def _records(table):
-    return [{key: _plain(value) for key, value in row.items()} for row in table.to_dict("records")]
-
-
-def _plain(value):
-    value = value.item() if isinstance(value, np.generic) else value
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _number(value):
-    return "-" if math.isnan(value) else f"{value:.4f}"
-
-
-def _wrap(text, first=""):
-    """Return the lines of a sentence; further lines are indented like the text after `first`."""
-    return textwrap.wrap(
-        first + text, _WIDTH, subsequent_indent=" " * len(first), break_long_words=False, break_on_hyphens=False
-    )

@@ -7,9 +7,10 @@ import pandas as pd
 from simcore.grains.forms_by_class import class_column, read_classes
 from simcore.grains.measured_forms import read_measured
 from simcore.grains.sieve import SieveCurve
+from simcore.grains.sieve_table import read_curve
 from simcore.models.fitting import FittedModels, fit_reference_models, read_campaign_models
 from simcore.models.prediction import predict_samples
-from simcore.models.size_and_form.bed_prediction import predict_curve, read_curve, read_forms
+from simcore.models.size_and_form.bed_prediction import predict_curve, read_forms
 from simcore.models.size_and_form.forms_by_class import predict_by_class
 
 
@@ -31,7 +32,7 @@ def predict_measured(path, case, models=None, source=None, column=None, level=0.
     """
     check_level(level)
     samples, notices = read_measured(path, column)
-    fitted = models_for(models, source)
+    fitted = models_for_cases(models, source)
     return MeasuredPrediction(predict_samples(samples, case, fitted, level), fitted, notices)
 
 
@@ -51,6 +52,17 @@ def models_for(models=None, source=None) -> FittedModels:
             "--source selects committed packings, but the models of --models are already fitted; give only one"
         )
     return fit_reference_models(source=source) if models is None else read_campaign_models(models)
+
+
+def models_for_cases(models=None, source=None) -> FittedModels:
+    """Return the models as `models_for`; ValueError if they are for beds with sieve curves only."""
+    fitted = models_for(models, source)
+    if fitted.curve is not None and not fitted.models:
+        raise ValueError(
+            f"{models}: this model was fitted to beds with sieve curves; give a sieve curve with --sieve CURVE.csv "
+            "instead of --case"
+        )
+    return fitted
 
 
 def predict(forms=None, case=None, *, curve=None, models=None, source=None, column=None, level=0.95) -> pd.DataFrame:

@@ -7,7 +7,7 @@ import numpy as np
 from simcore.grains.measured_forms import read_two_axes
 from simcore.grains.text_columns import text_columns
 from simcore.models.fitted_range import FAR, NEAR
-from simcore.models.measured_prediction import check_level, models_for, predict_measured
+from simcore.models.measured_prediction import check_level, models_for_cases, predict_measured
 from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case
 from simcore.models.two_axes import predict_two_axes, two_axes_text
 from simcore.reference.r22_tables import read_r22_table
@@ -28,7 +28,7 @@ def predict_file(path, case, models=None, source=None, column=None, level=0.95, 
         samples, notices = two_axes
         for notice in notices if notify is not None else []:
             notify(notice)
-        ranges = predict_two_axes(samples, case, models_for(models, source), level)
+        ranges = predict_two_axes(samples, case, models_for_cases(models, source), level)
         return two_axes_text(ranges, case, notices, level, form)
     table, fitted, notices = predict_measured(path, case, models, source, column, level)
     for notice in notices if notify is not None else []:

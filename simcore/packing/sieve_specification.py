@@ -14,6 +14,7 @@ WIDTH, HEIGHT, DOMAIN = 5.0, 10.0, 2.5
 # The mass contains at least this number of grains of the coarsest class, of which 5 are required.
 LARGEST_GRAINS = 8
 MANY = 100_000  # grains above which a packing takes days on one core
+TOO_MANY = 5e6  # grains above which no specification is written
 
 
 def sieve_specification(curve, source, sample=None, classes=None):
@@ -34,7 +35,7 @@ def sieve_specification(curve, source, sample=None, classes=None):
     grain = DENSITY * np.pi / 6 * curve.mean(3)  # mean mass by number
     mass = max(DENSITY * solid * width**2 * HEIGHT * largest, LARGEST_GRAINS * grain / numbers[-1])
     grains = mass / grain
-    if grains > 5e6:
+    if grains > TOO_MANY:
         raise ValueError(
             f"a packing of this curve with five grains of its coarsest class has {grains:.2g} grains, more than can be "
             f"packed; leave out the finest classes, such as those below {curve.largest * 1e3 / 16:.3g} mm"

@@ -17,6 +17,7 @@ from simcore.models.formulas import SYMBOLS
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.prediction_text import FEW_GRAINS
 from simcore.packing.sieve_specification import sieve_specification
+from simcore.page.curve_data import curve_data
 from simcore.paths import CONFIG, R22_TABLES, REFERENCE
 from simcore.provenance.version import VERSION
 from simcore.reference.r22_tables import read_r22_table
@@ -32,6 +33,11 @@ def page_data(fitted, r22_tables=R22_TABLES):
 
     fitted: FittedModels. r22_tables: folder of the tables of Rettinger et al. (2022).
     """
+    if fitted.curve is not None:
+        raise ValueError(
+            f"scree page: {fitted.curve.behind}: the page does not evaluate corrections to measured beds with sieve "
+            "curves; write it without --models, and use `scree predict --sieve --models`"
+        )
     published = _published(r22_tables)
     cases = sorted({*fitted.cases(), *published})
     curves = read_cases(CONFIG / "cases.tsv")
@@ -50,6 +56,7 @@ def page_data(fitted, r22_tables=R22_TABLES):
         "smallest_porosity": prediction.SMALLEST_PRINTED,
         "reading": _reading(),
         "literature": _measured_errors(),
+        "curve": curve_data(LEVELS),
         "flatness": read_r22_table("table2_form_statistics", r22_tables)[["mu_FL", "sigma_FL"]].to_numpy().tolist(),
     }
 

@@ -9,7 +9,11 @@ from jinja2 import Environment, StrictUndefined
 from simcore.page.data import page_data
 
 # In the order in which they are loaded; each one uses only those before it.
-SCRIPTS = ("numbers", "table", "columns", "grains", "prediction", "packing", "outputs", "drawings", "page")
+SCRIPTS = (
+    "elements", "numbers", "table", "summaries", "columns", "grains", "sieve_columns", "sieve_table",
+    "prediction", "packing", "skeletons", "bed", "bed_specification", "outputs", "drawings",
+    "curve_chart", "curve_input", "bed_output", "page",
+)  # fmt: skip
 
 
 def write_page(path, fitted):

@@ -6,6 +6,7 @@ import pytest
 
 from simcore.scene.specification import read_specification
 
+SIEVES = "Siebweite [mm];Masse [g]\n16;0\n8;400,5\n4;200\n2;50\n"
 GERMAN = "L [mm];I [mm];S [mm]\n42,5;31;18\n38;29,5;24\n55;30;21\n"
 
 
@@ -57,9 +58,9 @@ def test_it_is_used_by_keyboard_alone(open_page):
 
 
 def test_each_control_and_drawing_has_a_name_for_screen_readers(open_page):
-    page = open_page(fragment(table=GERMAN, case="U1"))
+    page = open_page(fragment(table=GERMAN, case="own", sieves=SIEVES))
     unnamed = page.evaluate("""
-      [...document.querySelectorAll("input:not([type=hidden]), select, textarea, button, svg")]
+      [...document.querySelectorAll("input:not([type=hidden]), select, textarea, button, svg, [role=slider]")]
         .filter((node) => !(node.labels?.length || node.getAttribute("aria-label") || node.innerText?.trim()))
         .map((node) => node.outerHTML.slice(0, 80))""")
     assert unnamed == []
@@ -120,6 +121,7 @@ def test_the_specification_packs_the_sample(open_page, tmp_path, case, table):
 
 
 @pytest.mark.parametrize("width", [320, 400, 1400])
-def test_nothing_is_wider_than_the_screen(open_page, width):
-    page = open_page(fragment(table=GERMAN, case="U1"), width)
+@pytest.mark.parametrize("sizes", [{"case": "U1"}, {"case": "own", "sieves": SIEVES}])
+def test_nothing_is_wider_than_the_screen(open_page, width, sizes):
+    page = open_page(fragment(table=GERMAN, **sizes), width)
     assert page.evaluate("document.documentElement.scrollWidth") <= width

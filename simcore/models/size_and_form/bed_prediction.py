@@ -10,7 +10,6 @@ from scipy.stats import t as student
 
 from simcore.grains.measured_forms import Sample, read_measured
 from simcore.grains.sieve import SieveCurve
-from simcore.grains.sieve_table import read_sieve_table
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import LITERATURE
@@ -28,16 +27,6 @@ MORE_MASS = 0.01  # of one class, for the sensitivity to the curve
 UNKNOWN_FORMS = "the Rhine's mean form"
 
 
-def read_curve(path, finest=None, coarsest=None):
-    """Return (SieveCurve, notices) of the table at `path`; finest, coarsest [m]: as in SieveTable.closed."""
-    table, notices = read_sieve_table(path, coarsest)
-    try:
-        table, assumed = table.closed(finest, coarsest).with_small_ends_closed()
-        return table.curve(Path(path).stem), [*notices, *(f"{path}: it is assumed that {text}" for text in assumed)]
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-
-
 @cache
 def rhine_sample() -> Sample:
     """Return the form statistics of the Rhine's grains in Table 2 of Rettinger et al. (2022)."""
@@ -53,19 +42,28 @@ def read_forms(path, column=None):
     return read_measured(path, column)
 
 
+def sized_model(fitted) -> SizedModel:
+    """Return the model of size and form of FittedModels: that of the file of `fit`, or the current one."""
+    return fitted.curve.sized if fitted.curve else unfitted_model()
+
+
 def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None = None) -> pd.DataFrame:
     """Return one row per sample with COLUMNS: the porosity of a bed with this SieveCurve.
 
     samples: list of simcore.grains.measured_forms.Sample. fitted: FittedModels with models of beds of one class. level:
-    probability of the interval. model: SizedModel; None: the current one. n, lower, upper: porosity and its prediction
+    probability of the interval. model: SizedModel; None: that of `fitted` with its correction to measured beds, or the
+    current one. n, lower, upper: porosity and its prediction
     interval; n_not_shaken: porosity if the bed is placed and not shaken (`loosest`); n_one_class and its interval: of a
     bed of one sieve class of these grains. outside: what lies outside the fitted ranges. If there is no prediction, the
     numbers are nan and `refused` gives the reason.
 
     The interval adds three independent errors: of the one-class porosity, of the step from one class to the curve,
-    which is proportional to the decrease of porosity, and of how much of the effect of form the step carries over.
+    which is proportional to the decrease of porosity, and of how much of the effect of form the step carries over. With
+    a correction, the interval is that of CurveCorrection, and n_not_shaken is nan, because the state of the packing is
+    that of the measured beds.
     """
-    model = model or unfitted_model()
+    correction = fitted.curve if model is None else None
+    model, fitted = model or sized_model(fitted), one_class_models(fitted)
     *rows, of_rhine = (predict_preferred(sample, ONE_CLASS, fitted, level) for sample in [*samples, rhine_sample()])
     n1 = np.array([row[key] for row in rows for key in ("n", "lower", "upper")], float).reshape(-1, 3)
     usable = np.isfinite(n1[:, 0]) & (n1[:, 0] >= LEAST) & (n1[:, 0] <= LARGEST)
@@ -74,12 +72,23 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
         one_class = np.clip(n1[usable], LEAST, LARGEST)
         ends = model.predict(curve, one_class.reshape(-1, 1)).reshape(-1, 3).T
         n[usable], half[usable] = ends[0], interval(curve, ends, n1[usable, 0], of_rhine["n"], model, level)
+        if correction is not None:
+            parts = error_parts(curve, ends[0], n1[usable, 0], of_rhine["n"], model)
+            like = correction.unlike([sample for sample, used in zip(samples, usable, strict=True) if used])
+            of_one_class = 0.5 * (ends[2] - ends[1]) * like
+            n[usable], half[usable] = correction.apply(ends[0], *parts, of_one_class, level)
     table = []
     for i, (sample, row) in enumerate(zip(samples, rows, strict=True)):
         refused = "" if usable[i] else row["refused"] or f"its one-class porosity is outside {LEAST:g} to {LARGEST:g}"
         form = [sample.name, sample.grains, sample.mu_FL, sample.sigma_FL, sample.mu_EL, sample.sigma_EL]
         table.append(bed_row(form, n1[i], n[i], half[i], row["outside"], refused, curve, model))
-    return pd.DataFrame(table, columns=COLUMNS)
+    table = pd.DataFrame(table, columns=COLUMNS)
+    return table if correction is None else table.assign(n_not_shaken=np.nan)
+
+
+def one_class_models(fitted):
+    """Return the FittedModels that give the one-class porosity: those of the correction, if there is one."""
+    return fitted.curve.one_class if fitted.curve else fitted
 
 
 def interval(curve, ends, one_class, of_rhine, model, level):
@@ -89,9 +98,18 @@ def interval(curve, ends, one_class, of_rhine, model, level):
     that porosity. of_rhine: that of the Rhine's grains, with which the step from one class to a curve was measured.
     """
     n, low, high = ends
-    of_form = model.form_error * (1.0 - model.predict(curve, of_rhine) / of_rhine) * np.abs(one_class - of_rhine)
-    of_sizes = student.ppf(0.5 + 0.5 * level, model.freedom) * model.error * (one_class - n)
+    of_sizes, of_form = error_parts(curve, n, one_class, of_rhine, model)
+    of_sizes = student.ppf(0.5 + 0.5 * level, model.freedom) * of_sizes
     return np.sqrt((0.5 * (high - low)) ** 2 + of_sizes**2 + of_form**2)
+
+
+def error_parts(curve, n, one_class, of_rhine, model):
+    """Return two errors (s,) of the porosities n (s,) of beds: of the step to the curve, and of the effect of form.
+
+    The first is a standard error, the second the largest one. Other arguments: as for `interval`.
+    """
+    decrease = 1.0 - model.predict(curve, of_rhine) / of_rhine
+    return model.error * (one_class - n), model.form_error * decrease * (one_class - of_rhine)
 
 
 def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):

@@ -5,17 +5,20 @@ import json
 import numpy as np
 
 from simcore.grains.forms_by_class import class_column, read_classes
+from simcore.grains.sieve_table import read_curve
 from simcore.grains.text_columns import text_columns
+from simcore.models.fitting import FittedModels
 from simcore.models.measured_prediction import check_level, models_for
 from simcore.models.size_and_form.bed_prediction import (
     other_predictors,
     predict_curve,
-    read_curve,
     read_forms,
     sensitivity,
+    sized_model,
 )
 from simcore.models.size_and_form.forms_by_class import predict_by_class
-from simcore.models.size_and_form.sized_model import unfitted_model
+
+NO_MODELS = FittedModels({}, {})
 
 
 def predict_curve_file(
@@ -37,33 +40,37 @@ def predict_curve_file(
     for notice in notices if notify is not None else []:
         notify(notice)
     predict = predict_curve if by_class is None else predict_by_class
-    table = predict(curve, samples, models_for(models, source), level)
+    fitted = models_for(models, source)
+    table = predict(curve, samples, fitted, level)
     _require_one(table, path)
     if form == "csv":
         return table.to_csv(index=False).rstrip("\n")
     if form == "json":
-        return _json(table, curve, level, notices)
-    return describe(table, curve, path, level)
+        return _json(table, curve, level, notices, fitted)
+    return describe(table, curve, path, level, fitted)
 
 
-def describe(table, curve, path, level=0.95) -> str:
-    """Return the text on a table of predict_curve for the SieveCurve that was read from `path`."""
+def describe(table, curve, path, level=0.95, fitted=NO_MODELS) -> str:
+    """Return the text on a table of predict_curve for the SieveCurve that was read from `path`.
+
+    fitted: FittedModels, of which the correction to measured beds is described.
+    """
+    model = sized_model(fitted)
     lines = [
         f"Porosity of beds with the sieve curve of {path}, with {100 * level:g} % prediction intervals",
         "",
         *_samples(table),
         "",
-        "The porosity is that of a bed that is shaken until it settles no more. A bed that is placed and not shaken",
-        "has up to the value in the column `not shaken`.",
+        *_state(fitted.curve),
     ]
     first = table[table["refused"] == ""].iloc[0]
-    change = 1e4 * sensitivity(curve, first["n_one_class"])
+    change = 1e4 * _sensitivity(curve, first["n_one_class"], fitted)
+    step = first["n_one_class"] - model.predict(curve, first["n_one_class"])
     lines += [
         "",
         f"How the curve acts, for {first['sample']}: one sieve class of these grains has the porosity "
         f"{first['n_one_class']:.3f}, and the",
-        f"sizes take {first['n_one_class'] - first['n']:.3f} of it. If the mass of one class grows by 1 % of the "
-        "whole, the porosity changes by:",
+        f"sizes take {step:.3f} of it. If the mass of one class grows by 1 % of the whole, the porosity changes by:",
         "",
         *text_columns([["class [mm]", "mass [%]", "change [0.0001]"], *_classes(curve, change)], "lrr"),
         "",
@@ -75,7 +82,8 @@ def describe(table, curve, path, level=0.95) -> str:
             ],
         ),
         "",
-        f"Model of size and form: candidate {unfitted_model().candidate}; {unfitted_model().behind}",
+        f"Model of size and form: candidate {model.candidate}; {model.behind}",
+        *([f"Correction: {fitted.curve.behind}"] if fitted.curve else []),
     ]
     outside = table[(table["outside"] != "") & (table["refused"] == "")]
     if len(outside):
@@ -84,6 +92,24 @@ def describe(table, curve, path, level=0.95) -> str:
     if len(refused):
         lines += ["", "- not evaluated", *(f"  {row.sample}: {row.refused}" for row in refused.itertuples())]
     return "\n".join(lines)
+
+
+def _state(correction):
+    """Return the lines on the state of the packing."""
+    if correction is not None:
+        return [
+            "The porosity is that of beds that are made and measured like those to which the model was corrected; the",
+            "one-class porosity and the other models are without the correction.",
+        ]
+    return [
+        "The porosity is that of a bed that is shaken until it settles no more. A bed that is placed and not shaken",
+        "has up to the value in the column `not shaken`.",
+    ]
+
+
+def _sensitivity(curve, one_class, fitted):
+    factor = fitted.curve.factor if fitted.curve else 1.0
+    return factor * sensitivity(curve, one_class, sized_model(fitted))
 
 
 def _require_one(table, path):
@@ -104,7 +130,7 @@ def _samples(table):
             mark = "*" if row.outside else ""
             numbers = [
                 f"{row.n:.3f}{mark} ({row.lower:.3f} to {row.upper:.3f})",
-                f"{row.n_not_shaken:.3f}",
+                "-" if np.isnan(row.n_not_shaken) else f"{row.n_not_shaken:.3f}",
                 f"{row.n_one_class:.3f} ({row.one_class_lower:.3f} to {row.one_class_upper:.3f})",
             ]
         rows.append([str(row.sample), str(row.grains or "-"), *form, *numbers])
@@ -119,19 +145,21 @@ def _classes(curve, change):
     ][::-1]
 
 
-def _json(table, curve, level, notices):
-    samples = []
+def _json(table, curve, level, notices, fitted):
+    samples, model, correction = [], sized_model(fitted), fitted.curve
     for row in table.to_dict("records"):
         plain = {key: _plain(value) for key, value in row.items()}
         if not row["refused"]:
             plain["other_models"] = other_predictors(curve, row["n_one_class"]).to_dict("records")
-            plain["sensitivity"] = list(sensitivity(curve, row["n_one_class"]))
+            plain["sensitivity"] = list(_sensitivity(curve, row["n_one_class"], fitted))
         samples.append(plain)
-    model = unfitted_model()
     content = {
         "curve": {"bounds_mm": list(1e3 * curve.bounds), "mass_fractions": list(curve.mass_fractions)},
         "level": level,
         "model": {"candidate": model.candidate, "parameters": model.parameters, "behind": model.behind},
+        "correction": {"kind": correction.kind, "coefficients": correction.coefficients, "behind": correction.behind}
+        if correction
+        else None,
         "notices": list(notices),
         "samples": samples,
     }

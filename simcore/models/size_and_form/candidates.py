@@ -48,7 +48,7 @@ _M0, _KAPPA = {"m0": Parameter(1.0, 0.7, 1.4)}, {"kappa": Parameter(0.6, -0.5, 2
 _BY_FORM = {"m_EQ": Parameter(0.1, -1.0, 1.0), "m_EL": Parameter(0.0, -1.0, 1.0)}
 _FUNCTIONS = {"p": Parameter(2.7, 1.5, 4.0), "s": Parameter(2.0, 1.3, 4.0)}
 _DAMPING = {"c": Parameter(1.5, 0.0, 3.0), "c0": Parameter(0.0, -0.3, 0.3)}
-_Q = 2.1  # of f in power_functions, kept fixed
+FIXED_Q = 2.1  # of f in power_functions, kept fixed
 
 
 def _stretch(one_class, forms, m0=1.0, kappa=0.0, m_EQ=None, m_EL=None):
@@ -60,7 +60,7 @@ def _stretch(one_class, forms, m0=1.0, kappa=0.0, m_EQ=None, m_EL=None):
 
 
 def _functions(p=None, s=None):
-    return {} if p is None and s is None else {"functions": power_functions(p or 2.7, _Q, s or 2.0)}
+    return {} if p is None and s is None else {"functions": power_functions(p or 2.7, FIXED_Q, s or 2.0)}
 
 
 def _h(curve, one_class, forms=None, law="number", *, K=4.0, p=None, s=None, **stretch):

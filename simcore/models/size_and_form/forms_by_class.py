@@ -6,8 +6,16 @@ import pandas as pd
 from simcore.grains.forms_by_class import sample_of_class
 from simcore.models.packing_models.classes import porosity_of_volume, specific_volume
 from simcore.models.prediction import ONE_CLASS, predict_preferred
-from simcore.models.size_and_form.bed_prediction import COLUMNS, bed_row, interval, rhine_sample
-from simcore.models.size_and_form.sized_model import SizedModel, unfitted_model
+from simcore.models.size_and_form.bed_prediction import (
+    COLUMNS,
+    bed_row,
+    error_parts,
+    interval,
+    one_class_models,
+    rhine_sample,
+    sized_model,
+)
+from simcore.models.size_and_form.sized_model import SizedModel
 
 BY_CLASS = "forms by sieve class"
 
@@ -21,7 +29,8 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
     did not interact. ValueError if a class has no forms; a form that is too far outside the fitted range is a refusal,
     as in predict_curve.
     """
-    model = model or unfitted_model()
+    correction = fitted.curve if model is None else None
+    model, fitted = model or sized_model(fitted), one_class_models(fitted)
     held = np.flatnonzero(curve.mass_fractions > 0)
     samples = [sample_of_class(curve, index, classes) for index in held]
     rows = [predict_preferred(sample, ONE_CLASS, fitted, level) for sample in samples]
@@ -43,7 +52,12 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
     values[:, held] = n1
     n, low, high = model.predict(curve, values)
     half = interval(curve, np.array([[n, low, high]]).T, mean[:1], of_rhine, model, level)[0]
-    return pd.DataFrame([bed_row(form, mean, n, half, outside, "", curve, model)], columns=COLUMNS)
+    if correction is not None:
+        parts = error_parts(curve, np.array([n]), mean[:1], of_rhine, model)
+        of_one_class = 0.5 * (high - low) * correction.unlike(samples).max()
+        (n,), (half,) = correction.apply([n], *parts, of_one_class, level)
+    table = pd.DataFrame([bed_row(form, mean, n, half, outside, "", curve, model)], columns=COLUMNS)
+    return table if correction is None else table.assign(n_not_shaken=np.nan)
 
 
 def _moments(samples, shares):

@@ -61,7 +61,7 @@ def rods_skeleton(curve, one_class, stretch=1.0, law="number", number=RODS):
     porosity = np.empty(shape)
     for index in np.ndindex(shape):
         V, exponent = np.broadcast_to(volume, shape)[index], np.broadcast_to(m, shape)[index]
-        factor = np.exp(np.interp(1 - 1 / V, *_factors(number)))
+        factor = np.exp(np.interp(1 - 1 / V, *rods_factors(number)))
         mixed = solid_fraction(rod_lengths(sizes**exponent, fractions, number), factor)
         one = solid_fraction(rod_lengths(reference_sizes**exponent, reference_fractions, number), factor)
         # The last factor corrects what the table of f and the stretch of one class leave, and is close to 1.
@@ -100,7 +100,7 @@ def _by_class(curve, values):
 
 
 @lru_cache(maxsize=4)
-def _factors(number):
+def rods_factors(number=RODS):
     """Return one-class porosities and the logarithms of the factor of the rods for them, without stretch."""
     sizes, fractions, _ = parts(REFERENCE)
     lengths = rod_lengths(sizes, fractions, number)

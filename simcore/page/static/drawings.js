@@ -120,5 +120,5 @@ const Drawings = (() => {
     return drawing;
   }
 
-  return { zingg, intervals };
+  return { element, zingg, intervals };
 })();

@@ -2,16 +2,17 @@
 const Grains = (() => {
   const { InputError, NUMBER, general } = Numbers;
   const { AXES, RATIOS, MEANS, TWO_AXES } = Columns;
-  const { labels, longest, max_grains: maxGrains, alike, shown, needed } = DATA.reading;
+  const { longest, max_grains: maxGrains, alike, shown, needed } = DATA.reading;
   const AMBIGUOUS = /^[1-9]\d{0,2}[.,]\d{3}$/;
-  const LABELS = { strong: new RegExp(`^(?:${labels.strong})$`, "iu"), weak: new RegExp(`^(?:${labels.weak})$`, "iu") };
 
   // Returns {samples, notices, kind, columns}. A sample has a name, its number of grains (0: only statistics), mu_FL,
   // sigma_FL, ..., sigma_EQ, and the forms [FL, EL] of its rows; with two axes only, it has no FL and no EQ.
-  function read(name, text, sample = "", notices = []) {
+  // forBed: whether a bed with a sieve curve is predicted, which needs three axes.
+  function read(name, text, sample = "", notices = [], forBed = false) {
     const table = Table.read(name, text, notices);
     if (!table.header.length) throw new InputError(`${name}: the file is empty; ${needed}`);
     const columns = Columns.recognise(name, table.header, sample);
+    if (forBed) checkForBed(name, table.header, columns);
     const [rows, summaries] = leaveOutSummaries(name, table, columns);
     if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${needed}`);
     const [counts, countNotices] = readCounts(name, table.header, rows, columns);
@@ -32,29 +33,23 @@ const Grains = (() => {
     return { samples, notices: all, kind: columns.kind, header: table.header };
   }
 
+  function checkForBed(name, header, columns) {
+    if (columns.kind === TWO_AXES) {
+      throw new InputError(`${name}: the column S is missing beside ${header.join(", ")}; ${needed}`);
+    }
+  }
+
   function leaveOutSummaries(name, { header, rows }, columns) {
-    const found = new Map();
-    header.forEach((_, position) => {
-      if (columns.forms.includes(position) || position === columns.counts) return;
-      const words = rows.map(({ cells }) => cells[position].toLowerCase());
-      const isStrong = (word, i) => LABELS.strong.test(word) && word !== words[i - 1] && word !== words[i + 1];
-      const places = new Set(words.flatMap((word, i) => (isStrong(word, i) ? [i] : [])));
-      const weak = places.size ? words.flatMap((word, i) => (LABELS.weak.test(word) ? [i] : [])) : [];
-      for (let before = -1; before !== places.size; ) {
-        before = places.size;
-        const joined = weak.filter((i) => !places.has(i) && (places.has(i - 1) || places.has(i + 1)));
-        joined.forEach((i) => places.add(i));
-      }
-      places.forEach((i) => found.has(i) || found.set(i, rows[i].cells[position]));
-    });
-    if (!found.size) return [rows, []];
-    const order = [...found].sort(([a], [b]) => a - b);
-    const listed = order.map(([i, label]) => `row ${rows[i].row} (${label})`).join(", ");
-    if (found.size === rows.length) {
+    const isLabel = (position) => !columns.forms.includes(position) && position !== columns.counts;
+    const found = Summaries.find(rows, [...header.keys()].filter(isLabel));
+    if (!found.length) return [rows, []];
+    const listed = found.map(([i, label]) => `row ${rows[i].row} (${label})`).join(", ");
+    if (found.length === rows.length) {
       throw new InputError(`${name}: all rows summarise others (${listed}); give the grains themselves, one row each`);
     }
-    const verb = found.size > 1 ? "summarise others and are" : "summarises others and is";
-    return [rows.filter((_, i) => !found.has(i)), [`${listed} ${verb} left out`]];
+    const places = new Set(found.map(([i]) => i));
+    const verb = found.length > 1 ? "summarise others and are" : "summarises others and is";
+    return [rows.filter((_, i) => !places.has(i)), [`${listed} ${verb} left out`]];
   }
 
   function readForms(where, header, cells, columns) {

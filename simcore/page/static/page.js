@@ -1,52 +1,64 @@
 // The page itself: reads the fields, predicts, and shows the results. The fields are the only state.
 const Page = (() => {
-  const byId = (id) => document.getElementById(id);
-  const FIELDS = { case: "case", level: "level", mark: "mark", sample: "column", table: "table", name: "name" };
+  const { byId, number, node, download } = Elements;
+  const OWN = "own"; // the choice of a sieve curve that the user gives
+  const FIELDS = {
+    case: "case", level: "level", mark: "mark", sample: "column", table: "table", name: "name",
+    sieves: "sieves", curve: "sieves-name", finest: "finest", coarsest: "coarsest",
+  };
+  const OF_CURVE = ["sieves", "curve", "finest", "coarsest"];
   const PASTED = "table";
   const EXAMPLES = {
     grains: "L [mm];I [mm];S [mm]\n42;31;18\n38;29;24\n55;30;21\n33;27;15\n47;36;29\n40;34;16\n36;22;17\n51;39;27\n",
     means: "sample,mean_FL,std_FL,mean_EL,std_EL\nRhine,0.647,0.175,0.682,0.139\nLune,0.555,0.178,0.728,0.150\n",
   };
   let results = [];
+  let curve = null; // the sieve curve that the user gives
   let notesOnFile = [];
-
-  const number = (value, digits = 3) => value.toFixed(digits).replace(".", byId("mark").value);
-
-  function node(name, text, kind) {
-    const made = document.createElement(name);
-    if (text !== undefined) made.textContent = text;
-    if (kind) made.className = kind;
-    return made;
-  }
 
   function readFields() {
     return Object.fromEntries(Object.entries(FIELDS).map(([key, id]) => [key, byId(id).value]));
   }
 
+  const isOwn = () => byId("case").value === OWN;
+
   function evaluate() {
     const state = readFields();
-    const text = state.table;
     byId("error").textContent = "";
     byId("notices").replaceChildren();
+    byId("own").hidden = !isOwn();
     results = [];
-    if (text.trim()) {
-      try {
-        const read = Grains.read(state.name || PASTED, text, state.sample, notesOnFile);
-        offerColumns(read.header, state.sample);
-        byId("notices").replaceChildren(...read.notices.map((notice) => node("li", notice)));
-        const twoAxes = read.kind === Columns.TWO_AXES;
-        results = read.samples.map((sample) =>
-          twoAxes
-            ? { sample, range: Prediction.predictTwoAxes(sample, state.case, Number(state.level)) }
-            : { sample, rows: Prediction.predict(sample, state.case, Number(state.level)) }
-        );
-      } catch (error) {
-        if (!(error instanceof Numbers.InputError)) throw error;
-        byId("error").textContent = `${error.message}.`;
+    curve = isOwn() ? CurveInput.read() : null;
+    try {
+      if (state.table.trim()) results = evaluateTable(state);
+      else if (curve) {
+        byId("notices").replaceChildren(node("li", BedOutput.noForms));
+        results = [{ sample: Bed.RHINE, bed: Bed.predict(curve, Bed.RHINE, Number(state.level)) }];
       }
+    } catch (error) {
+      if (!(error instanceof Numbers.InputError)) throw error;
+      byId("error").textContent = `${error.message}.`;
     }
     keepInAddress(state);
     show();
+  }
+
+  function evaluateTable(state) {
+    const [name, level] = [state.name || PASTED, Number(state.level)];
+    const byClass = isOwn() && !state.sample ? Bed.classColumn(name, state.table) : "";
+    const read = Grains.read(name, state.table, state.sample || byClass, notesOnFile, isOwn());
+    offerColumns(read.header, state.sample);
+    byId("notices").replaceChildren(...read.notices.map((notice) => node("li", notice)));
+    if (isOwn()) {
+      if (!curve) return [];
+      if (byClass) return [Bed.predictByClass(curve, Bed.readClasses(name, byClass, read.samples), level)];
+      return read.samples.map((sample) => ({ sample, bed: Bed.predict(curve, sample, level) }));
+    }
+    return read.samples.map((sample) =>
+      read.kind === Columns.TWO_AXES
+        ? { sample, range: Prediction.predictTwoAxes(sample, state.case, level) }
+        : { sample, rows: Prediction.predict(sample, state.case, level) }
+    );
   }
 
   function offerColumns(header, chosen) {
@@ -56,14 +68,21 @@ const Page = (() => {
   }
 
   function keepInAddress(state) {
-    const address = Outputs.fragment(state.table.trim() ? state : { ...state, table: "", name: "", sample: "" });
+    const kept = { ...state };
+    const unused = [...(state.table.trim() ? [] : ["table", "name", "sample"]), ...(isOwn() ? [] : OF_CURVE)];
+    unused.forEach((key) => delete kept[key]);
+    const address = Outputs.fragment(kept);
     history.replaceState(null, "", address);
     byId("long").hidden = address.length <= Outputs.LONG_LINK;
   }
 
   function show() {
     byId("results").hidden = !results.length;
-    byId("empty").hidden = Boolean(results.length) || Boolean(byId("error").textContent);
+    byId("brief").textContent = "";
+    byId("empty").hidden = Boolean(results.length) || ["error", "curve-error"].some((id) => byId(id).textContent);
+    byId("empty").textContent = isOwn()
+      ? "Paste or draw a sieve curve; a table of grains is optional."
+      : "Paste a table, or choose an example.";
     if (!results.length) return;
     const chosen = byId("chosen").value;
     byId("chosen").replaceChildren(...results.map(({ sample }) => new Option(sample.name, sample.name)));
@@ -80,33 +99,50 @@ const Page = (() => {
   const interval = (row) =>
     Number.isNaN(row.lower) ? "no interval published" : `${number(row.lower)} to ${number(row.upper)}`;
 
-  function overviewRow({ sample, rows, range }) {
-    const line = node("tr");
+  function overviewRow({ sample, rows, range, bed }) {
     const best = rows && preferredOf(rows);
     const statistic = (key) =>
       sample[`mu_${key}`] === undefined ? "–" : `${number(sample[`mu_${key}`])} ± ${number(sample[`sigma_${key}`])}`;
-    const name = node("th", sample.name);
-    name.scope = "row";
     let cells = ["not evaluated", "–"];
     if (best) cells = [number(best.n) + (best.outside ? "*" : ""), interval(best)];
     if (range) cells = [`${number(range.n_low)} to ${number(range.n_high)}`, interval(range)];
-    line.append(name, ...[...cells, sample.grains || "–", statistic("FL"), statistic("EL")].map((t) => node("td", t)));
-    return line;
+    if (bed && !bed.refused) cells = [number(bed.n) + (bed.outside ? "*" : ""), interval(bed)];
+    return Elements.row(sample.name, [...cells, sample.grains || "–", statistic("FL"), statistic("EL")]);
   }
 
   function showSample() {
     const result = results.find(({ sample }) => sample.name === byId("chosen").value) ?? results[0];
-    const { sample, rows, range } = result;
+    const { sample, rows, range, bed } = result;
+    byId("sizes-part").hidden = !bed || Boolean(bed.refused);
+    if (bed) return showBed(sample, bed);
     const best = rows ? preferredOf(rows) : null;
     byId("answer").replaceChildren(...(range === undefined ? answer(sample, best, rows) : answerRange(range)));
     byId("predictions").replaceChildren(...drawPredictions(sample, rows ?? []));
     byId("zingg").replaceChildren(Drawings.zingg(sample, best, number));
     byId("place").replaceChildren(...(best ? placeInRange(best) : []));
     byId("place-part").hidden = !best;
-    byId("formula").replaceChildren(...(rows ?? []).flatMap(formulaOf));
+    byId("formula").replaceChildren(...(rows ?? []).flatMap((row) => formulaOf(row)));
     byId("formula-part").hidden = !rows?.length;
     byId("caveats").replaceChildren(...caveats(sample).map((text) => node("li", text)));
     byId("specification").disabled = !Outputs.specification(sample, byId("case").value);
+  }
+
+  function showBed(sample, bed) {
+    const oneForm = bed.oneClass.quantities.length > 0; // not one for each sieve class
+    const lines = BedOutput.lines(bed, curve);
+    const label = `Porosity by each model: ${lines.map((line) => line.label).join("; ")}`;
+    byId("answer").replaceChildren(...BedOutput.answer(bed, Number(byId("level").value)));
+    byId("predictions").replaceChildren(...(lines.length ? [Drawings.intervals(lines, number, label)] : []));
+    byId("literature").hidden = !lines.length;
+    byId("brief").textContent = BedOutput.brief(bed);
+    byId("zingg").replaceChildren(Drawings.zingg(sample, oneForm ? bed.oneClass : null, number));
+    const known = !Number.isNaN(bed.n_one_class);
+    byId("place-part").hidden = byId("formula-part").hidden = !known;
+    byId("place").replaceChildren(...(known ? [...placeInRange(bed.oneClass), ...placeInRange({ quantities: [BedOutput.width(curve)] })] : []));
+    byId("classes").replaceChildren(...(bed.refused ? [] : BedOutput.classRows(bed, curve)));
+    byId("formula").replaceChildren(...(known ? [...(oneForm ? formulaOf(bed.oneClass, DATA.one_class.name) : []), ...formulaOfSizes()] : []));
+    byId("caveats").replaceChildren(...caveats(sample, true).map((text) => node("li", text)));
+    byId("specification").disabled = sample.mu_EQ === undefined; // one form for all classes
   }
 
   function answer(sample, best, rows) {
@@ -154,7 +190,8 @@ const Page = (() => {
       return { ...row, kind, label: `${modelName(row)}: ${values}` };
     });
     const literature = byId("case").value === DATA.one_class.name ? [] : literatureOf(byId("case").value, sample);
-    const all = [...lines, ...literature];
+    const best = preferredOf(rows);
+    const all = [...lines, ...(best && isWide(byId("case").value) ? [BedOutput.states(best.n)] : []), ...literature];
     const refused = rows
       .filter((row) => row.refused)
       .map((row) => node("p", `${modelName(row)} is not evaluated: ${row.refused}.`, "outside"));
@@ -163,6 +200,8 @@ const Page = (() => {
     const label = `Porosity by each model: ${all.map((row) => row.label).join("; ")}`;
     return [Drawings.intervals(all, number, label), ...refused];
   }
+
+  const isWide = (name) => DATA.cases.some((entry) => entry.name === name && entry.mass_fractions.length > 1);
 
   // Packing models with the one-class porosity of our models, and predictors that take the sieve curve alone.
   function literatureOf(name, sample) {
@@ -185,34 +224,41 @@ const Page = (() => {
   }
 
   function describeErrors() {
-    const texts = Object.entries(DATA.literature.rms)
+    const ofCases = Object.entries(DATA.literature.rms)
       .filter(([name]) => name === "linear" || name === "compressible" || /\d|Komura/.test(name))
       .map(([name, rms]) => `${name} ${number(rms)}`);
+    const texts = isOwn() ? BedOutput.errors() : ofCases;
     return `Their root mean square errors on six measured gravels are: ${texts.join(", ")}.`;
   }
 
   function placeInRange(row) {
     return row.quantities.map(({ name, value, low, high, distance }) => {
-      const line = node("tr");
-      const title = node("th", DATA.symbols[name] ?? name);
-      title.scope = "row";
       const inside = distance === 0 ? "inside" : `outside by ${number(distance, 2)} of the range's width`;
-      line.append(title, ...[value, low, high].map((v) => node("td", number(v))), node("td", inside));
-      if (distance > 0) line.className = "outside";
-      return line;
+      const cells = [...[value, low, high].map((v) => number(v)), inside];
+      return Elements.row(DATA.symbols[name] ?? name, cells, distance > 0 ? "outside" : "");
     });
   }
 
-  function formulaOf(row) {
-    const { text, source } = Outputs.formula(row, byId("case").value);
-    const mark = byId("mark").value;
-    return [node("dt", modelName(row)), node("dd", text.replace(/(\d)\.(\d)/g, `$1${mark}$2`), "formula"), node("dd", source)];
+  function formulaOf(row, choice = byId("case").value) {
+    const { text, source } = Outputs.formula(row, choice);
+    return describeFormula(choice === byId("case").value ? modelName(row) : `one sieve class: ${modelName(row)}`, text, source);
   }
 
-  function caveats(sample) {
+  const formulaOfSizes = () => describeFormula(...BedOutput.formula());
+
+  function describeFormula(title, text, source) {
+    const mark = byId("mark").value;
+    return [node("dt", title), node("dd", text.replace(/(\d)\.(\d)/g, `$1${mark}$2`), "formula"), node("dd", source)];
+  }
+
+  function caveats(sample, ofCurve = false) {
     const few = DATA.reading.few_grains;
     const texts = [];
-    if (!sample.grains) texts.push("Only means and deviations are given, so FL and EL are assumed to be independent.");
+    if (ofCurve) {
+      texts.push("The grains do not stick to each other, and water has neither sorted the bed into layers nor washed out its fines.");
+    }
+    if (sample === Bed.RHINE) texts.push(`The grains are not measured; their form is taken as ${sample.name}.`);
+    else if (!sample.grains) texts.push("Only means and deviations are given, so FL and EL are assumed to be independent.");
     if (sample.grains > 1 && sample.grains < few) {
       texts.push(`Fewer than ${few} grains do not determine the spread of form well.`);
     }
@@ -223,34 +269,37 @@ const Page = (() => {
     return texts;
   }
 
-  function download(name, text, type) {
-    const link = node("a");
-    link.href = URL.createObjectURL(new Blob([text], { type }));
-    link.download = name;
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-  }
-
   function current() {
     return results.find(({ sample }) => sample.name === byId("chosen").value) ?? results[0];
   }
 
-  async function openFile(file) {
+  // set(text, name, notices): what is done with the text of the file. place: of the message on a fault.
+  async function openFile(file, set = setTable, place = "error") {
     try {
       const { text, notices } = Table.decode(file.name, new Uint8Array(await file.arrayBuffer()));
-      notesOnFile = notices;
-      byId("table").value = text;
-      byId("name").value = file.name;
-      byId("column").value = "";
-      evaluate();
+      set(text, file.name, notices);
     } catch (error) {
       if (!(error instanceof Numbers.InputError)) throw error;
-      byId("error").textContent = `${error.message}.`;
+      byId(place).textContent = `${error.message}.`;
     }
   }
 
-  function setTable(text, name) {
-    notesOnFile = [];
+  function specification(sample) {
+    if (!isOwn()) return Outputs.specification(sample, byId("case").value);
+    const source = byId("sieves-name").value || "sieve curve";
+    return BedSpecification.write(curve, source, sample === Bed.RHINE ? null : sample);
+  }
+
+  function setCurve(text, name, notices = []) {
+    byId("case").value = OWN;
+    CurveInput.set(text, name, notices);
+    evaluate();
+  }
+
+  const openCurve = (file) => openFile(file, setCurve, "curve-error");
+
+  function setTable(text, name, notices = []) {
+    notesOnFile = notices;
     byId("name").value = name;
     byId("table").value = text;
     byId("column").value = "";
@@ -264,8 +313,8 @@ const Page = (() => {
     for (const key of ["case", "level"]) {
       if ([...byId(key).options].some((option) => option.value === state[key])) byId(key).value = state[key];
     }
-    byId("table").value = state.table ?? "";
-    byId("name").value = state.name ?? "";
+    for (const key of ["table", "name", "finest", "coarsest"]) byId(FIELDS[key]).value = state[key] ?? "";
+    CurveInput.set(state.sieves ?? "", state.curve ?? "");
     byId("column").replaceChildren(new Option("automatic", ""));
     if (state.sample) {
       byId("column").append(new Option(state.sample, state.sample));
@@ -280,7 +329,8 @@ const Page = (() => {
       return kept.length ? `${Numbers.general(bounds[kept[0]])} to ${Numbers.general(bounds[kept.at(-1) + 1])} mm` : "";
     };
     const cases = DATA.cases.map((entry) => new Option(`${entry.name}, ${sizes(entry)}`, entry.name));
-    byId("case").replaceChildren(new Option("any single sieve class", DATA.one_class.name), ...cases);
+    const own = new Option("your own: paste or draw it", OWN);
+    byId("case").replaceChildren(new Option("any single sieve class", DATA.one_class.name), own, ...cases);
     byId("level").replaceChildren(...DATA.levels.map((level) => new Option(`${100 * level} %`, String(level))));
     byId("level").value = "0.95";
   }
@@ -292,17 +342,27 @@ const Page = (() => {
       evaluate();
     });
     for (const id of ["case", "level", "mark", "column"]) byId(id).addEventListener("change", evaluate);
+    CurveInput.listen(evaluate);
+    byId("curve-file").addEventListener("change", ({ target }) => target.files[0] && openCurve(target.files[0]));
     byId("chosen").addEventListener("change", showSample);
     byId("file").addEventListener("change", ({ target }) => target.files[0] && openFile(target.files[0]));
+    for (const id of ["file", "curve-file"]) byId(id).addEventListener("click", ({ target }) => (target.value = ""));
     for (const key of Object.keys(EXAMPLES)) byId(`example-${key}`).addEventListener("click", () => setTable(EXAMPLES[key], ""));
     byId("clear").addEventListener("click", () => setTable("", ""));
     byId("csv").addEventListener("click", () => {
       const mark = byId("mark").value;
+      const text = (isOwn() ? BedOutput : Outputs).csv(results, mark);
       // Excel recognises UTF-8 by the byte order mark only.
-      download("porosity.csv", (mark === "," ? "\ufeff" : "") + Outputs.csv(results, mark), "text/csv");
+      download("porosity.csv", (mark === "," ? "\ufeff" : "") + text, "text/csv");
     });
     byId("specification").addEventListener("click", () => {
-      download("packing.yaml", Outputs.specification(current().sample, byId("case").value), "text/yaml");
+      byId("copied").textContent = "";
+      try {
+        download("packing.yaml", specification(current().sample), "text/yaml");
+      } catch (error) {
+        if (!(error instanceof Numbers.InputError)) throw error;
+        byId("copied").textContent = `No specification is written: ${error.message}.`;
+      }
     });
     byId("link").addEventListener("click", async () => {
       let text = "The link is copied.";
@@ -313,17 +373,21 @@ const Page = (() => {
       }
       byId("copied").textContent = text;
     });
+    const part = (event) => byId(byId("own").contains(event.target) ? "own" : "input");
+    const endDrop = () => ["own", "input"].forEach((id) => byId(id).classList.remove("dropping"));
     document.addEventListener("dragover", (event) => {
       event.preventDefault();
-      byId("input").classList.add("dropping");
+      endDrop();
+      part(event).classList.add("dropping");
     });
-    document.addEventListener("dragleave", () => byId("input").classList.remove("dropping"));
+    document.addEventListener("dragleave", endDrop);
     document.addEventListener("drop", (event) => {
       event.preventDefault();
-      byId("input").classList.remove("dropping");
+      endDrop();
+      const ofCurve = part(event) === byId("own");
       const [file] = event.dataTransfer.files;
-      if (file) openFile(file);
-      else setTable(event.dataTransfer.getData("text/plain"), "");
+      if (file) ofCurve ? openCurve(file) : openFile(file);
+      else (ofCurve ? setCurve : setTable)(event.dataTransfer.getData("text/plain"), "");
     });
     window.addEventListener("hashchange", fromAddress);
   }

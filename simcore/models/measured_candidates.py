@@ -1,0 +1,108 @@
+"""Candidates for a model of measured beds: which are fitted, how they are tested, and which one is chosen.
+
+Each bed is left out once and predicted from the others. The chosen model is the simplest of which the mean absolute
+error is at most the smallest one plus its standard error.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+BEDS_NEEDED = {"offset": 3, "rescaling": 6}
+# A bed with a leverage above this determines a coefficient alone, so that it cannot be predicted from the others.
+_ALONE = 1.0 - 1e-9
+SAME = "all measured porosities are the same"
+NO_SPREAD = "our model predicts nearly the same porosity for all beds, or for all but one"
+
+
+class Candidate(NamedTuple):
+    """A model of one kind.
+
+    kind: "offset", "rescaling" or "features". needed: number of beds. model: PorosityModel or CurveCorrection, or None
+    with the `reason` why it is not fitted. coefficients: DataFrame of the fitted ones, columns term, value, std_error,
+    lower, upper (95 % confidence interval). error, error_se: mean absolute error over beds left out, and its standard
+    error.
+    """
+
+    kind: str
+    needed: int
+    model: object
+    coefficients: pd.DataFrame | None
+    error: float
+    error_se: float
+    reason: str = ""
+
+
+def fitted_candidate(kind, needed, model, columns, errors):
+    """Return the Candidate with the cross-validated errors (n,); columns: rows of its coefficients."""
+    table = pd.DataFrame(columns, columns=["term", "value", "std_error", "lower", "upper"])
+    size = np.abs(errors)
+    mean, median = float(size.mean()), float(np.median(size))
+    model = replace(model, mean_absolute_error=mean, median_absolute_error=median)
+    return Candidate(kind, needed, model, table, size.mean(), size.std(ddof=1) / np.sqrt(len(size)))
+
+
+def not_fitted(kind, needed, reason):
+    """Return the Candidate of a model that is not fitted."""
+    return Candidate(kind, needed, None, None, np.nan, np.nan, reason)
+
+
+def too_few(what, needed, beds, differ="form"):
+    """Return the reason that a model needs more beds."""
+    return f"{what} needs {needed} beds of different {differ}, and there are {beds}"
+
+
+def rows_of_coefficients(kind, result):
+    """Return the rows of the coefficients of a correction; result: OLS results of statsmodels."""
+    lower, upper = result.conf_int(0.05).T
+    terms = [kind] if kind == "offset" else ["constant", "factor"]
+    return zip(terms, result.params, result.bse, lower, upper, strict=True)
+
+
+def group_repeats(measured):
+    """Return lists of MeasuredBed with the same form and, if they have one, the same sieve curve."""
+    groups = {}
+    for bed in measured:
+        form, curve = bed.sample, bed.curve
+        values = (form.mu_FL, form.sigma_FL, form.mu_EL, form.sigma_EL)
+        values += () if curve is None else (*curve.bounds, *curve.mass_fractions)
+        groups.setdefault(tuple(f"{value:.8g}" for value in values), []).append(bed)
+    return list(groups.values())
+
+
+def means_of_repeats(groups):
+    """Return beds, a DataFrame with name, n, n_error and repeats per group, and the standard deviation of repeats."""
+    rows, squares, freedom = [], 0.0, 0
+    for group in groups:
+        n, errors = np.array([(bed.n, bed.n_error) for bed in group]).T
+        squares, freedom = squares + np.sum((n - n.mean()) ** 2), freedom + len(n) - 1
+        rows.append((group[0].sample.name, n.mean(), np.sqrt(np.sum(errors**2)) / len(n), len(n)))
+    beds = pd.DataFrame(rows, columns=["name", "n", "n_error", "repeats"])
+    return beds, float(np.sqrt(squares / freedom)) if freedom else np.nan
+
+
+def left_out_errors(columns, y):
+    """Return the errors (n,) of predicting each of y (n,) by least squares on the others; columns (n, k).
+
+    They are the residuals divided by 1 minus the leverage, which is exact. None if the columns do not determine the
+    coefficients without one of the rows.
+    """
+    y = np.asarray(y, float)
+    largest = np.abs(columns).max(axis=0)
+    columns = columns / np.where(largest > 0, largest, 1.0)
+    if np.linalg.matrix_rank(columns, tol=1e-9 * np.sqrt(len(y))) < columns.shape[1]:
+        return None
+    Q, _ = np.linalg.qr(columns)
+    leverage = np.einsum("ij,ij->i", Q, Q)
+    if leverage.max() > _ALONE:
+        return None
+    return (y - Q @ (Q.T @ y)) / (1.0 - leverage)
+
+
+def choose(candidates):
+    """Return the simplest Candidate whose error is at most the smallest one plus its standard error."""
+    fitted = [item for item in candidates if item.model is not None]
+    best = min(fitted, key=lambda item: item.error)
+    return next(item for item in fitted if item.error <= best.error + best.error_se)

@@ -1,0 +1,102 @@
+"""Tables, sentences and plain values that the text on fits to measured beds shares."""
+
+import math
+import textwrap
+
+import numpy as np
+
+from simcore.grains.text_columns import text_columns
+
+WIDTH = 116
+
+
+def table_of_candidates(case, as_it_is):
+    """Return the lines on the candidates of a CaseFit or CurveFit; as_it_is: name of the model without a correction."""
+    cells = [["model", "coefficients", "beds needed", "error", "± error", ""]]
+    if case.base:
+        cells.append([as_it_is, "0", "-", f"{case.base_error:.4f}", "", ""])
+    for item in case.candidates:
+        count = "-" if item.model is None else str(len(item.coefficients))
+        mark = "chosen" if item is case.chosen else "not fitted" if item.reason else ""
+        cells.append([item.kind, count, str(item.needed), number(item.error), number(item.error_se), mark])
+    return text_columns(cells)
+
+
+def table_of_coefficients(case):
+    """Return the lines on the fitted coefficients."""
+    cells = [["model", "coefficient", "value", "± error", "95 % confidence interval"]]
+    for item in case.candidates:
+        for row in item.coefficients.itertuples() if item.model else []:
+            interval = f"{row.lower:.4f} to {row.upper:.4f}"
+            cells.append([item.kind, row.term, f"{row.value:.4f}", f"{row.std_error:.4f}", interval])
+    return text_columns(cells)
+
+
+def sentences_on_reasons(case):
+    """Return sentences on the candidates that are not fitted."""
+    reasons = {}
+    for item in case.candidates:
+        if item.reason:
+            reasons.setdefault(item.reason, []).append(item.kind)
+    return [f"Not fitted: {' and '.join(kinds)}, because {reason}." for reason, kinds in reasons.items()]
+
+
+def describe_errors(case):
+    """Return sentences on how the errors of the porosities and the repeats compare with the scatter."""
+    texts, scatter = [], case.chosen.model.scatter
+    errors = case.beds.n_error
+    if errors.notna().all():
+        given = float(np.sqrt(np.mean(errors**2)))
+        means = (
+            f"they explain {100 * (given / scatter) ** 2:.0f} % of the variance about the chosen model"
+            if given < scatter
+            else "they are as large as the scatter about the chosen model, so the data show no other scatter"
+        )
+        texts.append(f"The measurement errors that you give are {given:.4f} (root mean square); {means}.")
+    else:
+        texts.append("Without a column n_error, measurement errors and errors of the model cannot be separated.")
+    if not math.isnan(case.repeat_scatter):
+        texts.append(
+            f"Repeats of the same form scatter by {case.repeat_scatter:.4f}. Their mean counts as one bed, so the "
+            "interval is for the mean of as many repeats."
+        )
+    return texts
+
+
+def plain_candidate(item, chosen, coefficients):
+    """Return a Candidate as plain values; coefficients: dict of those of its model, or None."""
+    model = item.model
+    return {
+        "kind": item.kind,
+        "beds_needed": item.needed,
+        "chosen": chosen,
+        "reason": item.reason or None,
+        "error": plain(item.error),
+        "error_se": plain(item.error_se),
+        "fitted": records(item.coefficients) if model else [],
+        "model": coefficients,
+        "scatter": model.scatter if model else None,
+    }
+
+
+def records(table):
+    """Return the rows of a DataFrame as plain values."""
+    return [{key: plain(value) for key, value in row.items()} for row in table.to_dict("records")]
+
+
+def plain(value):
+    """Return a value for JSON: None in place of a number that is not finite."""
+    value = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def number(value):
+    """Return a number with four decimals, or a dash."""
+    return "-" if math.isnan(value) else f"{value:.4f}"
+
+
+def wrap(text, first=""):
+    """Return the lines of a sentence; further lines are indented like the text after `first`."""
+    return textwrap.wrap(
+        first + text, WIDTH, subsequent_indent=" " * len(first), break_long_words=False, break_on_hyphens=False
+    )

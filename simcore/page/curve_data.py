@@ -1,0 +1,112 @@
+"""What the page needs to predict the porosity of a sieve curve that its user gives, as plain data for JSON."""
+
+from dataclasses import asdict
+
+import pandas as pd
+from scipy.stats import t as student
+
+from simcore.grains.forms_by_class import class_patterns
+from simcore.grains.sieve_table import table_rules
+from simcore.models.packing_models.curves import WIDEST
+from simcore.models.packing_models.empirical import PREDICTORS
+from simcore.models.packing_models.literature import COMPACTION, LITERATURE
+from simcore.models.packing_models.rods import LARGEST_FACTOR, RODS, SMALLEST_FACTOR
+from simcore.models.size_and_form import skeletons
+from simcore.models.size_and_form.bed_prediction import COLUMNS, MORE_MASS, loosest, rhine_sample
+from simcore.models.size_and_form.candidates import CANDIDATES, FIXED_Q
+from simcore.models.size_and_form.forms_by_class import BY_CLASS
+from simcore.models.size_and_form.one_class import LARGEST, LEAST
+from simcore.models.size_and_form.sized_model import unfitted_model
+from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
+from simcore.packing import sieve_specification
+from simcore.packing.forecast import BY_SPREAD, ONE_CLASS
+from simcore.paths import REFERENCE
+
+COMPRESSIBLE, LINEAR, RODS_ON_A_LINE = "compressible", "linear", "rods"
+# Candidates that simcore/page/static/skeletons.js evaluates: skeleton, and whether the effect of form is damped.
+PORTED = {
+    "H": (COMPRESSIBLE, False),
+    "H_free": (COMPRESSIBLE, False),
+    "L": (LINEAR, False),
+    "L_free": (LINEAR, False),
+    "F": (RODS_ON_A_LINE, False),
+    "D_H": (COMPRESSIBLE, True),
+    "D_F": (RODS_ON_A_LINE, True),
+}
+
+
+def curve_data(levels, model=None):
+    """Return the model of size and form and what it needs, dict of plain values.
+
+    levels: probabilities of the prediction intervals. model: SizedModel; None: the current one. ValueError if the page
+    has no port of its candidate.
+    """
+    model = model or unfitted_model()
+    class_name, class_label = class_patterns()
+    return {
+        "classes": {"name": class_name, "label": class_label, "by_class": BY_CLASS},
+        "model": model_data(model, levels),
+        "reference": {
+            "bounds": [1e3 * float(bound) for bound in skeletons.REFERENCE.bounds],
+            "mass_fractions": skeletons.REFERENCE.mass_fractions.tolist(),
+            "porosity": REFERENCE_POROSITY,
+        },
+        "one_class": {"least": LEAST, "largest": LARGEST},
+        "parts": WIDEST,
+        "fixed_q": FIXED_Q,
+        "rods": {"number": RODS, "smallest": SMALLEST_FACTOR, "largest": LARGEST_FACTOR},
+        "compaction": COMPACTION,
+        "more_mass": MORE_MASS,
+        "loosest": loosest(),
+        "rhine": asdict(rhine_sample()),
+        "columns": COLUMNS,
+        "predictors": [predictor.name for predictor in PREDICTORS],
+        "rms": _measured_errors(),
+        "reading": table_rules(),
+        "specification": {
+            "density": sieve_specification.DENSITY,
+            "width": sieve_specification.WIDTH,
+            "height": sieve_specification.HEIGHT,
+            "domain": sieve_specification.DOMAIN,
+            "largest_grains": sieve_specification.LARGEST_GRAINS,
+            "many": sieve_specification.MANY,
+            "too_many": sieve_specification.TOO_MANY,
+            "solid": ONE_CLASS,
+            "by_spread": BY_SPREAD,
+        },
+    }
+
+
+def _measured_errors():
+    """Return the root mean square error of LITERATURE and PREDICTORS on six measured gravels, dict by name."""
+    rows = pd.read_csv(REFERENCE / "size_models_measured.csv").query("classes == 'one size' or given == 'curve'")
+    names = rows["model"] + rows["K"].map(lambda K: "" if pd.isna(K) else f", K = {K:g}")
+    errors = dict(zip(names, rows["rms_error"].astype(float), strict=True))
+    return {name: errors[name] for name in [*LITERATURE, *(predictor.name for predictor in PREDICTORS)]}
+
+
+def model_data(model, levels):
+    """Return a SizedModel with Student's t at each of the levels; ValueError if its candidate has no port."""
+    if model.candidate not in PORTED:
+        raise ValueError(
+            f"scree page: the model of size and form is candidate {model.candidate}, which simcore/page/static/"
+            f"skeletons.js does not evaluate; add it there and to PORTED, or choose one of {', '.join(PORTED)}"
+        )
+    skeleton, damped = PORTED[model.candidate]
+    candidate = CANDIDATES[model.candidate]
+    start = {key: parameter.start for key, parameter in candidate.parameters.items()}
+    nodes, logs = skeletons.rods_factors() if skeleton == RODS_ON_A_LINE else ((), ())
+    return {
+        "candidate": model.candidate,
+        "title": candidate.title,
+        "skeleton": skeleton,
+        "damped": damped,
+        "parameters": start | model.parameters,
+        "factors": [list(map(float, nodes)), list(map(float, logs))],
+        "law": model.law,
+        "error": model.error,
+        "form_error": model.form_error,
+        "widest": model.widest,
+        "behind": model.behind,
+        "quantiles": {f"{level:g}": float(student.ppf(0.5 + 0.5 * level, model.freedom)) for level in levels},
+    }

@@ -1,0 +1,245 @@
+// Porosity of beds with a sieve curve that the user gives, as simcore.models.size_and_form.bed_prediction has it.
+const Bed = (() => {
+  const { InputError, general } = Numbers;
+  const { one_class: range, rhine, loosest, model, more_mass: moreMass, compaction } = DATA.curve;
+  const CLASSES = DATA.curve.classes;
+  const [CLASS_NAME, CLASS_LABEL] = [CLASSES.name, CLASSES.label].map((pattern) => new RegExp(`^(?:${pattern})$`, "iu"));
+  const RHINE = { ...rhine, forms: [] };
+
+  // Returns the preferred row of one sieve class of a sample's grains; without one, numbers are NaN and `refused` says why.
+  function oneClassOf(sample, level) {
+    if (!DATA.fitted_cases.includes(DATA.one_class.case)) {
+      throw new InputError(
+        `a sieve curve needs a model of one sieve class, ${DATA.one_class.case}, which this page does not have; choose ` +
+          "one of the named sieve curves"
+      );
+    }
+    const rows = Prediction.predict(sample, DATA.one_class.name, level).filter(({ by }) => by === "ours");
+    const preferred = rows.find((row) => row.preferred);
+    if (preferred) return preferred;
+    const refused = rows.map((row) => row.refused).join("; ");
+    const none = `no model was fitted to such grains in beds of ${DATA.one_class.case}`;
+    return { n: NaN, lower: NaN, upper: NaN, outside: "", refused: refused || none, quantities: [] };
+  }
+
+  // Returns the name of the column of sieve classes in a table of grains, or "".
+  function classColumn(name, text) {
+    return Table.read(name, text).header.find((title) => CLASS_NAME.test(title)) ?? "";
+  }
+
+  // Returns [{low, high [mm], sample}] of samples that are named by their sieve class; column: its name.
+  function readClasses(name, column, samples) {
+    const unit = CLASS_NAME.exec(column)[1];
+    const classes = samples.map((sample) => ({ ...boundsOf(name, column, sample.name, unit), sample }));
+    classes.sort((a, b) => a.low - b.low || a.high - b.high);
+    classes.slice(1).forEach((coarser, i) => {
+      const finer = classes[i];
+      if (!(coarser.low < finer.high * (1 - 1e-9))) return;
+      const [first, second] = [finer, coarser].map(({ low, high }) => `${general(low)} to ${general(high)} mm`);
+      throw new InputError(`${name}: the classes ${first} and ${second} overlap; correct the column ${column}`);
+    });
+    return classes;
+  }
+
+  function boundsOf(name, column, label, unitOfColumn) {
+    const match = CLASS_LABEL.exec(label.trim());
+    const is = `${name}: ${column} is '${label}'`;
+    if (!match) throw new InputError(`${is}, which is no sieve class; write it as '8-11.2 mm'`);
+    const [, low, lowUnit, high, given] = match;
+    const highUnit = given || unitOfColumn;
+    if (!highUnit) throw new InputError(`${is} without a unit; write it as '${label} mm'`);
+    const [lower, upper] = [[low, lowUnit || highUnit], [high, highUnit]].map(([text, unit]) => {
+      const known = SieveColumns.knownUnit(unit);
+      if (!SieveColumns.isLength(known)) {
+        const lengths = Object.keys(DATA.curve.reading.lengths).join(", ");
+        throw new InputError(`${is}; its unit '${unit}' is unknown, use ${lengths}`);
+      }
+      const value = Numbers.read(`${name}, ${column} '${label}'`, "size", text);
+      return known === "mm" ? value : value * DATA.curve.reading.lengths[known] * 1e3;
+    });
+    if (!(lower > 0 && lower < upper)) {
+      throw new InputError(`${is}; give the smaller size first, and sizes above 0`);
+    }
+    return { low: lower, high: upper };
+  }
+
+  // Returns {sample, bed} of grains that have another form in each sieve class, as simcore.models.size_and_form has it.
+  function predictByClass(curve, classes, level) {
+    const held = curve.mass_fractions.flatMap((share, i) => (share > 0 ? [i] : []));
+    const samples = held.map((i) => sampleOf(curve, i, classes));
+    const rows = samples.map((sample) => oneClassOf(sample, level));
+    const shares = held.map((i) => curve.mass_fractions[i]);
+    const remarks = (key) =>
+      [...new Set(rows.flatMap((row, i) => (row[key] ? [`${samples[i].name}: ${row[key]}`] : [])))].join("; ");
+    const grains = Packing.sum([...new Set(samples)].map((sample) => sample.grains));
+    const sample = {
+      name: CLASSES.by_class, grains, forms: classes.flatMap(({ sample: { forms } }) => forms),
+      ...moments(samples, shares),
+    };
+    const refused = remarks("refused");
+    if (refused) return { sample, bed: refusal(remarks("outside"), refused) };
+    const [mean, ...limits] = ["n", "lower", "upper"].map((key) => {
+      return 1 - 1 / Packing.sum(rows.map((row, i) => shares[i] / (1 - row[key])));
+    });
+    const ends = ["n", "lower", "upper"].map((key) => {
+      const values = curve.mass_fractions.map(() => rows[0][key]);
+      held.forEach((i, k) => (values[i] = rows[k][key]));
+      return Skeletons.predict(curve, values.map(checked));
+    });
+    const oneClass = { n: mean, lower: limits[0], upper: limits[1], outside: remarks("outside"), quantities: [] };
+    return { sample, bed: bedOf(curve, ends[0], halfWidth(curve, ends, mean, level), oneClass, "") };
+  }
+
+  function sampleOf(curve, index, classes) {
+    const [low, high] = curve.bounds.slice(index, index + 2);
+    const found = classes.find((entry) => entry.low <= low * (1 + 1e-6) && high <= entry.high * (1 + 1e-6));
+    if (found) return found.sample;
+    throw new InputError(
+      `${curve.name}: the class ${general(low)} to ${general(high)} mm has mass, but lies in none of the classes of the ` +
+        "table of forms; add its forms, or remove the column of classes"
+    );
+  }
+
+  // Mean and standard deviation of FL and EL over the classes, by mass.
+  function moments(samples, shares) {
+    const values = {};
+    for (const key of ["FL", "EL"]) {
+      const mean = Packing.sum(samples.map((sample, i) => shares[i] * sample[`mu_${key}`]));
+      const squares = samples.map(
+        (sample, i) => shares[i] * (sample[`sigma_${key}`] ** 2 + (sample[`mu_${key}`] - mean) ** 2)
+      );
+      values[`mu_${key}`] = mean;
+      values[`sigma_${key}`] = Math.sqrt(Packing.sum(squares));
+    }
+    return values;
+  }
+
+  function checked(value) {
+    if (value >= range.least && value <= range.largest) return value;
+    throw new InputError(
+      `one-class porosity ${general(value, 4)} is outside ${general(range.least)} to ${general(range.largest)}, where no ` +
+        "bed of one class of grains was packed; correct the form statistics"
+    );
+  }
+
+  const refusal = (outside, refused) => ({
+    n: NaN, lower: NaN, upper: NaN, n_not_shaken: NaN, n_one_class: NaN, one_class_lower: NaN, one_class_upper: NaN,
+    outside, refused, oneClass: { n: NaN, quantities: [] },
+  });
+
+  // Returns the porosity of a bed, {n, lower, upper, n_not_shaken, n_one_class, ..., outside, refused, oneClass}.
+  function predict(curve, sample, level) {
+    const oneClass = oneClassOf(sample, level);
+    const usable = oneClass.n >= range.least && oneClass.n <= range.largest;
+    let [n, half] = [NaN, NaN];
+    if (usable) {
+      const clipped = [oneClass.n, oneClass.lower, oneClass.upper].map(within);
+      const ends = clipped.map((value) => Skeletons.predict(curve, value));
+      n = ends[0];
+      half = halfWidth(curve, ends, oneClass.n, level);
+    }
+    const limits = `its one-class porosity is outside ${general(range.least)} to ${general(range.largest)}`;
+    return bedOf(curve, n, half, oneClass, usable ? "" : oneClass.refused || limits);
+  }
+
+  function bedOf(curve, n, half, oneClass, refused) {
+    if (Number.isFinite(n) && !(n - half > 0 && half > 0 && n + half < 1)) {
+      refused = "its prediction interval reaches outside (0, 1)";
+      n = NaN;
+    }
+    return {
+      n, lower: n - half, upper: n + half, n_not_shaken: n + loosest,
+      n_one_class: oneClass.n, one_class_lower: oneClass.lower, one_class_upper: oneClass.upper,
+      outside: [oneClass.outside, tooWide(curve)].filter((text) => text).join("; "), refused, oneClass,
+    };
+  }
+
+  const within = (value) => Math.min(Math.max(value, range.least), range.largest);
+
+  // Adds the errors of the one-class porosity, of the step to the curve, and of how much of the form's effect is kept.
+  function halfWidth(curve, [n, low, high], oneClass, level) {
+    const ofRhine = oneClassOf(RHINE, level).n;
+    const decrease = 1 - Skeletons.predict(curve, ofRhine) / ofRhine;
+    const ofForm = model.form_error * decrease * Math.abs(oneClass - ofRhine);
+    const ofSizes = model.quantiles[general(level)] * model.error * (oneClass - n);
+    return Math.sqrt((0.5 * (high - low)) ** 2 + ofSizes ** 2 + ofForm ** 2);
+  }
+
+  function tooWide(curve) {
+    const ratio = curve.bounds.at(-1) / curve.bounds[0];
+    if (ratio <= model.widest * (1 + 1e-9)) return "";
+    return `the sieve curve is ${general(ratio, 3)} : 1 wide, errors are known up to ${general(model.widest, 3)} : 1`;
+  }
+
+  // Returns the change of porosity if the mass of each class grows by 1 % of the whole.
+  function sensitivity(curve, oneClass) {
+    const base = Skeletons.predict(curve, oneClass);
+    return curve.mass_fractions.map((_, index) => {
+      const more = curve.mass_fractions.map((share, i) => (share + (i === index ? moreMass : 0)) / (1 + moreMass));
+      return Skeletons.predict({ ...curve, mass_fractions: more }, oneClass) - base;
+    });
+  }
+
+  // Returns the porosity by models of others, [{model, given, n}]; oneClass: one-class porosity, NaN if there is none.
+  function others(curve, oneClass) {
+    const classes = Packing.classes(curve);
+    const models = [
+      ["linear", Packing.linear],
+      ["linear mixture", Packing.linearMixture],
+      [`compressible, K = ${general(compaction)}`, (y, s, n) => Packing.compressible(y, s, n, compaction)],
+      ["rods", Packing.rods],
+    ];
+    const packing = models.map(([name, porosity]) => ({
+      model: `packing model: ${name}`,
+      given: "curve and one-class porosity",
+      n: Number.isNaN(oneClass) ? NaN : porosity(...classes, oneClass),
+    }));
+    const empirical = EMPIRICAL.map((porosity, i) => ({
+      model: DATA.curve.predictors[i], given: "curve", n: porosity(curve),
+    }));
+    return [...packing, ...empirical];
+  }
+
+  // Share of the mass finer than a size, and size below which a share is; mass is uniform in log D within a class.
+  function passing({ bounds, mass_fractions: shares }, size) {
+    const position = bounds.findIndex((bound) => bound >= size);
+    if (position === 0) return 0;
+    if (position < 0) return 1;
+    const below = Packing.sum(shares.slice(0, position - 1));
+    const [low, high] = [bounds[position - 1], bounds[position]];
+    return below + shares[position - 1] * (Math.log(size / low) / Math.log(high / low));
+  }
+
+  function quantile({ bounds, mass_fractions: shares }, share) {
+    const total = Packing.sum(shares);
+    let cumulative = 0;
+    for (let i = 0; ; i += 1) {
+      cumulative += shares[i];
+      if (shares[i] > 0 && (cumulative >= share * total - 1e-12 || i === shares.length - 1)) {
+        const within = 1 - (cumulative - share * total) / shares[i];
+        return bounds[i] * (bounds[i + 1] / bounds[i]) ** within;
+      }
+    }
+  }
+
+  // Standard deviation of log2 D by mass.
+  function deviation({ bounds, mass_fractions: shares }) {
+    const logs = bounds.map(Math.log2);
+    const centres = shares.map((_, i) => 0.5 * (logs[i] + logs[i + 1]));
+    const widths = shares.map((_, i) => logs[i + 1] - logs[i]);
+    const mean = Packing.sum(shares.map((share, i) => share * centres[i]));
+    return Math.sqrt(Packing.sum(shares.map((share, i) => share * ((centres[i] - mean) ** 2 + widths[i] ** 2 / 12))));
+  }
+
+  // Predictors of river engineering from the curve alone, in the order of simcore.models.packing_models.empirical.
+  const median = (curve) => quantile(curve, 0.5);
+  const EMPIRICAL = [
+    (curve) => 0.353 - 0.068 * deviation(curve) + 0.146 * passing(curve, 0.5),
+    (curve) => 0.621 * Math.exp(-0.457 * 2 ** deviation(curve)),
+    (curve) => -0.0333 + 0.4665 / median(curve) ** 0.21,
+    (curve) => 0.13 + 0.21 / (median(curve) + 0.002) ** 0.21,
+    (curve) => 0.245 + 0.0864 / (0.1 * median(curve)) ** 0.21,
+  ];
+
+  return { RHINE, classColumn, readClasses, predict, predictByClass, sensitivity, others, quantile };
+})();

@@ -1,0 +1,88 @@
+// The specification of a packing of a sieve curve, as simcore.packing.sieve_specification writes it.
+const BedSpecification = (() => {
+  const { InputError, general } = Numbers;
+  const rule = DATA.curve.specification;
+  const { sum } = Packing;
+
+  // Returns YAML. curve: with bounds in mm. source: what it is called. sample: null for synthetic pebbles.
+  function write(curve, source, sample) {
+    const bounds = curve.bounds.map((bound) => bound / 1e3); // [m]
+    const shares = curve.mass_fractions;
+    const largest = bounds.at(-1);
+    const width = Math.ceil(rule.width * largest * 1e3) / 1e3;
+    const volumes = shares.map((_, i) => classMean(bounds[i], bounds[i + 1], 3));
+    const numbers = shares.map((share, i) => share / volumes[i]);
+    const total = sum(numbers);
+    const centres = shares.map((_, i) => Math.log2(Math.sqrt(bounds[i] * bounds[i + 1])));
+    const mean = sum(shares.map((share, i) => share * centres[i]));
+    const spread = Math.sqrt(sum(shares.map((share, i) => share * (centres[i] - mean) ** 2)));
+    const solid = rule.solid + rule.by_spread * spread;
+    const grain = rule.density * (Math.PI / 6) * sum(numbers.map((number, i) => (number / total) * volumes[i]));
+    const mass = Math.max(
+      rule.density * solid * width ** 2 * rule.height * largest, (rule.largest_grains * grain) / (numbers.at(-1) / total)
+    );
+    const grains = mass / grain;
+    if (grains > rule.too_many) {
+      throw new InputError(
+        `a packing of this curve with five grains of its coarsest class has ${general(grains, 2)} grains, more than can ` +
+          `be packed; leave out the finest classes, such as those below ${general((largest * 1e3) / 16, 3)} mm`
+      );
+    }
+    const bed = mass / (rule.density * solid * width ** 2);
+    const stem = source.replace(/(?<=.)\.[^.]+$/, "").replace(/[^A-Za-z0-9_.+-]+/g, "_").replace(/^[_.+-]+|[_.+-]+$/g, "");
+    const height = Math.ceil(rule.domain * bed * 100) / 100;
+    return `# Packs the sieve curve of ${source}. See what it costs:  scree explain THIS_FILE
+name: ${stem || "sieve"}
+seed: 1
+sizes:
+  bounds: [${bounds.map((bound) => `${general(bound * 1e3, 6)} mm`).join(", ")}]
+  mass_fractions: [${rounded(shares).map((share) => share.toFixed(6)).join(", ")}]
+  draw: ${shares.length > 1 ? "quota" : "random"}
+${shapes(sample)}
+# Width and height of the bed are ${general(rule.width)} and ${(bed / largest).toFixed(0)} times the largest sieve opening.
+domain: {type: periodic, width: ${general(width * 1e3)} mm, height: ${general(height)} m}
+amount: {mass: ${general(mass, 3)} kg}
+accuracy: standard
+# A shorter contact time makes contacts stiffer, so that falling grains do not sink into the finest ones.
+numerics: {contact_time: ${general(contactTime(bounds[0], height) * 1e3, 3)} ms}
+`;
+  }
+
+  function shapes(sample) {
+    if (sample === null) {
+      return `# A sieve curve says nothing about form: these are synthetic pebbles. If you have measured flatness
+# S/I and elongation I/L, write their means and deviations here, as in examples/sieve_and_form.yaml.
+shapes: {kind: polyhedron, choice: random}`;
+    }
+    const normal = (key) => `{mean: ${sample[`mu_${key}`].toFixed(4)}, std: ${sample[`sigma_${key}`].toFixed(4)}}`;
+    return `# Flatness S/I and elongation I/L as measured.
+shapes:
+  kind: polyhedron
+  choice: form_distribution
+  flatness: ${normal("FL")}
+  elongation: ${normal("EL")}`;
+  }
+
+  // Mean of D^power over sizes that are uniform in log D.
+  function classMean(low, high, power) {
+    const half = 0.5 * power * Math.log(high / low);
+    return (Math.sqrt(low * high) ** power * Math.sinh(half)) / half;
+  }
+
+  // A contact time [s] at which no impact is deeper than a quarter of the thinnest of the finest grains.
+  function contactTime(finest, height) {
+    const longest = (0.25 * 0.4 * finest) / (0.14 * Math.sqrt(2 * 9.81 * height));
+    const digit = 10 ** (Math.floor(Math.log10(longest)) - 1);
+    return Math.min(2e-3, Math.floor(longest / digit) * digit);
+  }
+
+  // Shares rounded to 1e-6 whose sum is 1; the largest takes up the difference.
+  function rounded(shares) {
+    const values = shares.map((share) => Math.round(share * 1e6) / 1e6);
+    const top = values.indexOf(Math.max(...values));
+    values[top] += 1 - sum(values);
+    return values;
+  }
+
+  return { write };
+})();

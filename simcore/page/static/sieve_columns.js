@@ -1,0 +1,105 @@
+// Recognises the columns of a table of a sieve curve by their names, as simcore.grains.sieve_columns does.
+const SieveColumns = (() => {
+  const { InputError } = Numbers;
+  const { words: lists, spellings, lengths, masses, patterns, needed } = DATA.curve.reading;
+  const WORDS = Object.fromEntries(Object.entries(lists).map(([key, values]) => [key, new Set(values)]));
+  const BRACKETS = new RegExp(patterns.brackets, "u");
+  const TRAILING = new RegExp(patterns.trailing, "iu");
+  const [PHI, PERCENT, FRACTION] = ["phi", "%", "1"];
+  const [RETAINED, PASSING, CUMULATIVE] = ["retained", "passing", "cumulative retained"];
+  const UNITS = new Set([...Object.keys(lengths), ...Object.keys(masses), PHI, PERCENT, FRACTION]);
+  const OPENING_UNITS = [...Object.keys(lengths), PHI].join(", ");
+
+  const isLength = (unit) => unit !== null && unit in lengths;
+  const isMass = (unit) => unit !== null && unit in masses;
+  const have = (words, key) => [...words].some((word) => WORDS[key].has(word));
+
+  // Returns {opening, unit, amounts}: position and unit (null: the cells have it) of the openings, and the columns of
+  // amounts as {position, meaning, unit}.
+  function recognise(name, header) {
+    const [openings, amounts] = [[], []];
+    header.forEach((title, position) => {
+      const [words, unit] = split(name, title);
+      const meaning = meaningOf(name, title, words, unit);
+      if (meaning === "opening") openings.push({ position, unit });
+      else if (meaning !== null) amounts.push({ position, meaning, unit });
+    });
+    const columns = header.map((title) => title || "(no name)").join(", ");
+    if (!openings.length) throw new InputError(`${name}: none of the columns (${columns}) has sieve openings; ${needed}`);
+    if (!amounts.length) throw new InputError(`${name}: none of the columns (${columns}) has amounts; ${needed}`);
+    if (openings.length > 1) {
+      const both = openings.slice(0, 2).map(({ position }) => header[position]).join(" and ");
+      throw new InputError(`${name}: the columns ${both} are both sieve openings; remove one`);
+    }
+    const kinds = amounts.map(({ meaning, unit }) => `${meaning} ${isMass(unit)}`);
+    kinds.forEach((kind, i) => {
+      const before = kinds.indexOf(kind);
+      if (before === i) return;
+      const both = [before, i].map((k) => header[amounts[k].position]).join(" and ");
+      throw new InputError(`${name}: the columns ${both} are both the amount ${amounts[i].meaning}; remove one`);
+    });
+    return { opening: openings[0].position, unit: openings[0].unit, amounts };
+  }
+
+  // Returns a unit in one spelling, or null if it is unknown.
+  function knownUnit(text) {
+    const lower = text.toLowerCase();
+    const unit = spellings[text] ?? spellings[lower] ?? lower;
+    return UNITS.has(unit) ? unit : null;
+  }
+
+  const plainWords = (text) => new Set(text.toLowerCase().match(/[\p{L}\p{Nl}\p{No}]+/gu) ?? []);
+
+  function split(name, title) {
+    const text = title.toLowerCase();
+    const bare = knownUnit(text);
+    if (bare === PHI) return [new Set([PHI]), PHI];
+    if (isLength(bare)) return [new Set(["opening"]), bare];
+    if (isMass(bare) || bare === PERCENT) return [new Set(["retained"]), bare];
+    const match = BRACKETS.exec(title) ?? TRAILING.exec(title);
+    let unit = match ? knownUnit(match[1]) : null;
+    const words = plainWords(match ? text.slice(0, match.index) : text);
+    if (match && unit === null && match[1] && ["opening", "retained", "passing"].some((key) => have(words, key))) {
+      throw new InputError(
+        `${name}: the column ${title} has the unknown unit '${match[1]}'; sieve openings are in ${OPENING_UNITS}, ` +
+          `amounts in ${Object.keys(masses).join(", ")} or %`
+      );
+    }
+    if (unit === null && (words.has("percent") || words.has("pct") || text.includes("%"))) unit = PERCENT;
+    if (unit === null && (words.has("fraction") || words.has("fractions"))) unit = FRACTION;
+    return [words, unit];
+  }
+
+  function meaningOf(name, title, words, unit) {
+    const summed = have(words, "summed");
+    const retained = have(words, "retained");
+    let meaning;
+    if (have(words, "passing")) meaning = PASSING;
+    else if (have(words, "coarser")) meaning = CUMULATIVE;
+    else if (summed && have([...words].filter((word) => word !== "percent"), "retained")) meaning = CUMULATIVE;
+    else if (summed) {
+      throw new InputError(
+        `${name}: the column ${title} may be passing or retained; name it \`passing [%]\` or \`cumulative retained [%]\``
+      );
+    } else if (retained) meaning = RETAINED;
+    else if (have(words, "opening")) meaning = "opening";
+    else return null;
+    const ofLength = isLength(unit) || unit === PHI;
+    if (meaning === "opening" && unit !== null && !ofLength) {
+      throw new InputError(
+        `${name}: the column ${title} is in ${unit}, but sieve openings are a length; correct its name`
+      );
+    }
+    if (meaning !== "opening" && ofLength) {
+      throw new InputError(
+        `${name}: the column ${title} is in ${unit}, but amounts are masses or percent; correct its name`
+      );
+    }
+    return meaning;
+  }
+
+  return {
+    PHI, PERCENT, FRACTION, RETAINED, PASSING, CUMULATIVE, OPENING_UNITS,
+    isLength, isMass, knownUnit, recognise,
+  };
+})();

@@ -1,0 +1,338 @@
+// Reads a sieve curve from a table, as simcore.grains.sieve_table does. Openings are in mm here.
+const SieveTable = (() => {
+  const { InputError, general } = Numbers;
+  const { PHI, PERCENT, FRACTION, RETAINED, PASSING, CUMULATIVE, OPENING_UNITS } = SieveColumns;
+  const rules = DATA.curve.reading;
+  const PAN = new RegExp(`^(?:${rules.patterns.pan})$`, "iu");
+  const WITH_UNIT = new RegExp(`^(?:${rules.patterns.with_unit})$`, "u");
+  const WHOLE = { [PERCENT]: 100, [FRACTION]: 1 };
+
+  const percent = (share) => `${(100 * share).toFixed(1)}%`;
+  const sum = (values) => values.reduce((total, value) => total + value, 0);
+
+  // Returns {openings, passing, notices}: ascending openings [mm] and the share of the mass that passes each. coarsest:
+  // size of the coarsest grains [mm] or null.
+  function read(name, text, coarsest = null, notes = []) {
+    const table = Table.read(name, text, [...notes]);
+    if (!table.header.length) throw new InputError(`${name}: the file is empty; ${rules.needed}`);
+    const columns = SieveColumns.recognise(name, table.header);
+    const notices = [...table.notices];
+    const rows = leaveOutTotals(table.rows, columns, notices);
+    if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${rules.needed}`);
+    const sieves = readOpenings(name, table.header, rows, columns);
+    const results = columns.amounts.map((column) => {
+      const title = table.header[column.position];
+      const values = new Map(
+        rows.map(({ row, cells }) => {
+          const where = `${name}, row ${row}`;
+          return [row, readAmount(where, title, cells[column.position], row === sieves.pan)];
+        })
+      );
+      return { title, passing: passingOf({ name, title, column, sieves, values, coarsest, notices }) };
+    });
+    const [{ title, passing }, ...others] = results;
+    for (const other of others) {
+      const difference = Math.max(...other.passing.map((share, i) => Math.abs(share - passing[i])));
+      if (difference > rules.agreement) {
+        throw new InputError(
+          `${name}: the columns ${title} and ${other.title} give shares passing that differ by ` +
+            `${(100 * difference).toFixed(1)} % of the mass; correct or remove one`
+        );
+      }
+      notices.push(`the columns ${title} and ${other.title} agree; ${title} is used`);
+    }
+    checkClasses(name, sieves.openings, passing);
+    const used = new Set([columns.opening, ...columns.amounts.map(({ position }) => position)]);
+    const unused = table.header.flatMap((t, i) => (used.has(i) ? [] : [t || `(column ${i + 1}, no name)`]));
+    if (unused.length) notices.push(`columns that are not used: ${unused.join(", ")}`);
+    return { openings: sieves.openings, passing, notices: notices.map((notice) => `${name}: ${notice}`) };
+  }
+
+  function leaveOutTotals(rows, columns, notices) {
+    const found = Summaries.find(rows, [columns.opening]);
+    if (!found.length) return rows;
+    const listed = found.map(([i, label]) => `row ${rows[i].row} (${label})`).join(", ");
+    notices.push(`${listed} summarises others and is left out`);
+    const places = new Set(found.map(([i]) => i));
+    return rows.filter((_, i) => !places.has(i));
+  }
+
+  // Returns {rows, openings, pan}: from fine to coarse; pan: the row of the pan, or null.
+  function readOpenings(name, header, rows, columns) {
+    const title = header[columns.opening];
+    const [pans, sieves] = [[], []];
+    for (const { row, cells } of rows) {
+      const text = cells[columns.opening];
+      const size = PAN.test(text) ? 0 : opening(name, `${name}, row ${row}`, title, text, columns.unit);
+      if (size === 0) pans.push(row);
+      else sieves.push({ row, size });
+    }
+    if (pans.length > 1) {
+      throw new InputError(`${name}, row ${pans[1]}: this is a second pan, after row ${pans[0]}; remove one`);
+    }
+    if (sieves.length < 2) {
+      const number = sieves.length ? "1 sieve" : "no sieves";
+      throw new InputError(`${name}: the table has ${number}; at least two are needed`);
+    }
+    const ascending = sieves.at(-1).size - sieves[0].size;
+    const wrong = sieves.findIndex(({ size }, i) => i && Math.sign(size - sieves[i - 1].size) !== Math.sign(ascending));
+    const steps = sieves.slice(1).map(({ size }, i) => Math.sign(size - sieves[i].size));
+    if (!(steps.every((step) => step > 0) || steps.every((step) => step < 0))) {
+      const [before, after] = [sieves[wrong - 1], sieves[wrong]];
+      throw new InputError(
+        `${name}, row ${after.row}: the opening ${general(after.size)} mm follows ${general(before.size)} mm; order ` +
+          "the sieves from coarse to fine or from fine to coarse, each once"
+      );
+    }
+    if (ascending < 0) sieves.reverse();
+    return { rows: sieves.map(({ row }) => row), openings: sieves.map(({ size }) => size), pan: pans[0] ?? null };
+  }
+
+  // Returns the opening in a cell [mm]; 0 only for a length of 0, which is the pan.
+  function opening(name, where, title, text, unitOfColumn) {
+    let unit = unitOfColumn;
+    if (unit === null) {
+      const match = WITH_UNIT.exec(text);
+      unit = match ? SieveColumns.knownUnit(match[2]) : null;
+      if (match && unit === null) {
+        throw new InputError(`${where}: ${title} is '${text}'; its unit is unknown; use ${OPENING_UNITS}`);
+      }
+      if (unit === null) {
+        throw new InputError(
+          `${name}: the unit of the column ${title} is missing, and units are never guessed; write it in the header, ` +
+            `such as \`${title} [mm]\` or \`${title} [phi]\``
+        );
+      }
+      text = match[1];
+    }
+    if (/^(?:no|nr|#)/i.test(text)) {
+      throw new InputError(`${where}: ${title} is '${text}', a number of a sieve; give its opening instead, in mm`);
+    }
+    const value = Numbers.read(where, title, text);
+    if (unit === PHI) {
+      if (Math.abs(value) > 20) {
+        throw new InputError(
+          `${where}: ${title} = ${general(value)} phi is no sieve; phi is -log2 of the opening in mm`
+        );
+      }
+      return 2 ** -value;
+    }
+    if (!SieveColumns.isLength(unit)) {
+      throw new InputError(`${where}: ${title} is in ${unit}, which is not a length; use ${OPENING_UNITS}`);
+    }
+    if (value < 0) {
+      throw new InputError(
+        `${where}: the opening ${title} = ${general(value)} ${unit} is negative; write [phi] if it is in phi`
+      );
+    }
+    return unit === "mm" ? value : value * rules.lengths[unit] * 1e3;
+  }
+
+  // Returns the amount in a cell; NaN if it is the empty cell of a pan.
+  function readAmount(where, title, text, ofPan) {
+    if (!text && ofPan) return NaN;
+    if (!text) {
+      throw new InputError(
+        `${where}: ${title} is empty; give the amount of every sieve, 0 if there is nothing on it`
+      );
+    }
+    const value = Numbers.read(where, title, text.replace(/[% ]+$/, ""));
+    if (value < 0) throw new InputError(`${where}: ${title} = ${general(value)} is negative; correct it`);
+    return value;
+  }
+
+  // Returns the shares passing of one column of amounts.
+  function passingOf(input) {
+    const { name, title, column, sieves, values, coarsest, notices } = input;
+    const { rows, pan } = sieves;
+    const amounts = rows.map((row) => values.get(row));
+    const inPan = pan === null ? NaN : values.get(pan);
+    if (column.meaning === RETAINED) return fromRetained(input, amounts, Number.isNaN(inPan) ? 0 : inPan);
+    let whole = WHOLE[column.unit] ?? null;
+    if (SieveColumns.isMass(column.unit)) {
+      if (column.meaning === CUMULATIVE && Number.isFinite(inPan)) whole = inPan;
+      else if (column.meaning === PASSING) whole = amounts.at(-1);
+      if (!whole) {
+        throw new InputError(
+          `${name}: ${title} is a mass, but its total is unknown; give it in percent, or add the pan`
+        );
+      }
+    }
+    if (whole === null) {
+      whole = Math.max(...amounts) <= 1 ? 1 : 100;
+      notices.push(`the column ${title} is taken as ${whole === 1 ? "a fraction" : "percent"}`);
+    }
+    const shares = amounts.map((amount) => amount / whole);
+    const over = shares.findIndex((share) => share > 1 + rules.rounding);
+    if (over >= 0) {
+      throw new InputError(
+        `${name}, row ${rows[over]}: ${title} = ${general(amounts[over])} is more than the whole; correct it`
+      );
+    }
+    const end = inPan / whole;
+    if (column.meaning === CUMULATIVE && Number.isFinite(end) && Math.abs(end - 1) > rules.rounding) {
+      throw new InputError(
+        `${name}, row ${pan}: ${title} of the pan is ${general(inPan)}; it must end at the whole; correct it`
+      );
+    }
+    if (column.meaning === PASSING && Number.isFinite(end) && end > rules.rounding) {
+      throw new InputError(
+        `${name}, row ${pan}: ${title} of the pan is ${general(inPan)}, but nothing passes it; give 0`
+      );
+    }
+    checkDirection(name, title, rows, amounts, column.meaning);
+    let passing = column.meaning === PASSING ? shares : shares.map((share) => 1 - share);
+    const last = passing.at(-1);
+    if (Math.abs(last - 1) > 0 && Math.abs(last - 1) <= rules.rounding) {
+      notices.push(`${title} ends at ${general(100 * last, 4)} % instead of 100 %; it is divided by its end`);
+      passing = passing.map((share) => share / last);
+    } else if (last < 1 && coarsest === null) {
+      throw new InputError(
+        `${name}, row ${rows.at(-1)}: only ${general(100 * last, 4)} % pass the coarsest sieve, not 100 %; add the ` +
+          "sieve that all grains pass, or give their largest size in the field Coarsest grains"
+      );
+    }
+    return passing.map((share) => Math.min(Math.max(share, 0), 1));
+  }
+
+  function fromRetained({ name, title, column, notices }, retained, inPan) {
+    const total = sum(retained) + inPan;
+    if (!(total > 0)) {
+      throw new InputError(
+        `${name}: all amounts in ${title} are 0; give those of the sieves that retained grains`
+      );
+    }
+    const whole = WHOLE[column.unit];
+    if (whole !== undefined && Math.abs(total / whole - 1) > rules.rounding) {
+      throw new InputError(
+        `${name}: ${title} sums to ${general(total, 4)}, not to ${general(whole)}; add what is missing, such as a row ` +
+          "`pan`, or correct the values; cumulative values need a name such as `passing [%]` or `cumulative retained [%]`"
+      );
+    }
+    if (whole !== undefined && Math.abs(total / whole - 1) > 1e-9) {
+      notices.push(`${title} sums to ${general(total)} instead of ${general(whole)}; it is divided by its sum`);
+    }
+    if (column.unit === null) {
+      notices.push(`the column ${title} has no unit; its values are taken relative to their sum, ${general(total)}`);
+    }
+    let below = 0;
+    const passing = retained.map((amount) => {
+      const share = (inPan + below) / total;
+      below += amount;
+      return share;
+    });
+    // Without the round-off of the sum, which would be a class of its own.
+    for (let i = retained.length - 1; i >= 0 && retained[i] === 0; i -= 1) passing[i] = 1;
+    return passing;
+  }
+
+  // Amounts, from fine to coarse, rise (passing) or fall (cumulative retained).
+  function checkDirection(name, title, rows, amounts, meaning) {
+    const sign = meaning === PASSING ? 1 : -1;
+    const steps = amounts.slice(1).map((amount, i) => sign * (amount - amounts[i]));
+    if (steps.every((step) => step >= 0)) return;
+    if (steps.every((step) => step <= 0)) {
+      const other = meaning === PASSING ? CUMULATIVE : PASSING;
+      throw new InputError(
+        `${name}: ${title} ${meaning === PASSING ? "falls" : "rises"} from fine to coarse sieves, the wrong way; is it ` +
+          `\`${other}\`?`
+      );
+    }
+    const wrong = steps.findIndex((step) => step < 0);
+    throw new InputError(
+      `${name}, row ${rows[wrong + 1]}: ${title} = ${general(amounts[wrong + 1])} beside ${general(amounts[wrong])} on ` +
+        `the next finer sieve (row ${rows[wrong]}); what is ${meaning} cannot ` +
+        `${meaning === PASSING ? "fall" : "rise"} from fine to coarse; correct it`
+    );
+  }
+
+  // At least two classes have mass, or all would follow from the interpolation.
+  function checkClasses(name, openings, passing) {
+    const shares = [...passing, 1].map((share, i) => share - (i ? passing[i - 1] : 0));
+    if (shares.filter((share) => share > 0).length >= 2) return;
+    const sieves = openings.map((size) => `${general(size)} mm`);
+    const used = shares.indexOf(Math.max(...shares));
+    if (used === 0 || used === sieves.length) {
+      const place = used === 0 ? `passes ${sieves[0]}` : `stays on ${sieves.at(-1)}`;
+      throw new InputError(
+        `${name}: all of the mass ${place}; at least two size classes with mass are needed, so add sieves there`
+      );
+    }
+    const [low, high] = [sieves[used - 1], sieves[used]];
+    throw new InputError(
+      `${name}: all of the mass is between ${low} and ${high}; at least two size classes with mass are needed. To pack ` +
+        `a single class, write \`sizes: {bounds: [${low}, ${high}], mass_fractions: [1]}\` in a specification`
+    );
+  }
+
+  // Returns {name, bounds [mm], mass_fractions, notices} of the classes with mass. finest, coarsest [mm]: sizes of the
+  // grains that pass the finest, or stay on the coarsest sieve, or null.
+  function curve(name, table, finest = null, coarsest = null) {
+    const closed = close(name, table, finest, coarsest);
+    const { openings, passing, notices } = closeSmallEnds(name, closed);
+    const [below, above] = [passing[0], 1 - passing.at(-1)];
+    if (below > 0) {
+      throw new InputError(
+        `${name}: ${percent(below)} of the mass pass the finest sieve, ${general(openings[0])} mm; give the size of ` +
+          "the finest of these grains in the field Finest grains"
+      );
+    }
+    if (above > 0) {
+      throw new InputError(
+        `${name}: ${percent(above)} of the mass stay on the coarsest sieve, ${general(openings.at(-1))} mm; give the ` +
+          "size of the coarsest of these grains in the field Coarsest grains"
+      );
+    }
+    const shares = passing.slice(1).map((share, i) => share - passing[i]);
+    const used = shares.flatMap((share, i) => (share > 0 ? [i] : []));
+    const [first, last] = [used[0], used.at(-1) + 1];
+    const kept = shares.slice(first, last);
+    const total = sum(kept);
+    return {
+      name: name.replace(/^.*[/\\]/, "").replace(/(?<=.)\.[^.]+$/, ""),
+      bounds: openings.slice(first, last + 1),
+      mass_fractions: kept.map((share) => share / total),
+      notices,
+    };
+  }
+
+  function close(name, { openings, passing }, finest, coarsest) {
+    if (finest !== null && passing[0] > 0) {
+      if (!(finest > 0 && finest < openings[0])) {
+        throw new InputError(
+          `${name}: the size of the finest grains, ${general(finest)} mm, is not below the finest sieve, ` +
+            `${general(openings[0])} mm`
+        );
+      }
+      [openings, passing] = [[finest, ...openings], [0, ...passing]];
+    }
+    if (coarsest !== null && passing.at(-1) < 1) {
+      if (!(coarsest > openings.at(-1))) {
+        throw new InputError(
+          `${name}: the size of the coarsest grains, ${general(coarsest)} mm, is not above the coarsest sieve, ` +
+            `${general(openings.at(-1))} mm`
+        );
+      }
+      [openings, passing] = [[...openings, coarsest], [...passing, 1]];
+    }
+    return { openings, passing };
+  }
+
+  // An open class with little mass is as wide, in phi, as its neighbour.
+  function closeSmallEnds(name, { openings, passing }) {
+    const [below, above, notices] = [passing[0], 1 - passing.at(-1), []];
+    if (Math.max(below, above) > rules.small_end) return { openings, passing, notices };
+    const assume = (text) => notices.push(`${name}: it is assumed that ${text}`);
+    if (below > 0) {
+      [openings, passing] = [[openings[0] ** 2 / openings[1], ...openings], [0, ...passing]];
+      assume(`the ${percent(below)} in the pan are coarser than ${general(openings[0], 3)} mm`);
+    }
+    if (above > 0) {
+      [openings, passing] = [[...openings, openings.at(-1) ** 2 / openings.at(-2)], [...passing, 1]];
+      assume(`the ${percent(above)} on the coarsest sieve are finer than ${general(openings.at(-1), 3)} mm`);
+    }
+    return { openings, passing, notices };
+  }
+
+  return { read, curve };
+})();

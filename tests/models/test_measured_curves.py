@@ -1,0 +1,230 @@
+"""Fits to measured beds with sieve curves: known truths come back, files keep them, wrong input is named."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import norm
+
+import simcore
+from simcore.__main__ import main
+from simcore.grains.measured_beds import CurveReader, MeasuredBed, read_measured_beds
+from simcore.grains.measured_forms import Sample
+from simcore.grains.statistics import equancy_statistics
+from simcore.models.fitting import fit_reference_models, read_campaign_models
+from simcore.models.measured_curves import CORRECTED, OURS, fit_curves
+from simcore.models.measured_fit_text import describe_fit
+from simcore.models.prediction import predict_samples
+from simcore.models.size_and_form.bed_prediction import predict_curve
+from simcore.models.size_and_form.curve_correction import correct_curves
+from simcore.page.data import page_data
+from simcore.paths import ROOT
+from simcore.scene.sizes import all_cases
+
+EXAMPLE = ROOT / "examples" / "measured_curves.csv"
+NAMES = ("U3", "U5", "U7", "B30", "B50", "B70")
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    return fit_reference_models()
+
+
+def sample_of(FL, EL, name="bed"):
+    form = (FL, 0.15, EL, 0.12)
+    return Sample(name, 0, *form, *map(float, equancy_statistics(*form)))
+
+
+def beds_of(truth, number, fitted, seed=1, scatter=1e-6):
+    """Return MeasuredBeds whose porosity is truth(that of the model), of different forms and sieve curves."""
+    rng = np.random.default_rng(seed)
+    beds = []
+    for i in range(number):
+        curve, sample = all_cases()[NAMES[i % 6]].curve, sample_of(*rng.uniform(0.55, 0.8, 2), f"bed {i}")
+        n = predict_curve(curve, [sample], fitted).n.item()
+        beds.append(MeasuredBed(sample, truth(n) + scatter * rng.normal(), np.nan, NAMES[i % 6], curve))
+    return beds
+
+
+@pytest.mark.parametrize(
+    ("truth", "number", "kind", "coefficients"),
+    [
+        (lambda n: n + 0.013, 4, "offset", [0.013]),
+        (lambda n: n + 0.013, 8, "offset", [0.013]),
+        (lambda n: 0.05 + 0.85 * n, 8, "rescaling", [0.05, 0.85]),
+    ],
+)
+def test_the_truth_is_chosen_and_recovered(fitted, truth, number, kind, coefficients):
+    result = fit_curves(beds_of(truth, number, fitted), fitted)
+    assert result.chosen.kind == kind
+    np.testing.assert_allclose(result.model.coefficients, coefficients, atol=1e-4)
+    np.testing.assert_allclose(result.chosen.coefficients.value, coefficients, atol=1e-4)
+    new = [sample_of(0.62, 0.7)]
+    curve = all_cases()["B50"].curve
+    with_model = type(fitted)({}, {}, curve=result.model)
+    before, after = (predict_curve(curve, new, models) for models in (fitted, with_model))
+    assert after.n.item() == pytest.approx(truth(before.n.item()), abs=1e-5)
+    assert np.isnan(after.n_not_shaken.item()) and after.n_one_class.item() == before.n_one_class.item()
+
+
+def test_bias_scatter_and_the_literature_are_reported(fitted):
+    added = np.array([0.01, 0.02, 0.015, 0.005, 0.012, 0.018])
+    beds = beds_of(lambda n: n, 6, fitted, scatter=0.0)
+    beds = [MeasuredBed(b.sample, b.n + extra, np.nan, b.case, b.curve) for b, extra in zip(beds, added, strict=True)]
+    table = fit_curves(beds, fitted).agreement.set_index("model")
+    row = table.loc[OURS]
+    assert (row.bias, row.scatter) == (pytest.approx(-added.mean()), pytest.approx(added.std(ddof=1)))
+    assert row.bias_error == pytest.approx(added.std(ddof=1) / np.sqrt(6))
+    assert {"linear", "rods", "Frings 2011", "Komura"} <= set(table.index) and table.inside.notna().sum() == 1
+
+
+def test_too_few_beds_and_repeats(fitted):
+    beds = beds_of(lambda n: n + 0.01, 3, fitted)
+    assert (
+        fit_curves(beds, fitted).candidates[1].reason.startswith("a rescaling needs 6 beds of different form or sieve")
+    )
+    assert len(fit_curves(2 * beds, fitted).beds) == 3
+    with pytest.raises(ValueError, match="4 rows with a sieve curve with 2 different beds; .* needs 3 beds"):
+        fit_curves(2 * beds[:2], fitted)
+    same_form = [MeasuredBed(beds[0].sample, bed.n, np.nan, bed.case, bed.curve) for bed in beds]
+    assert len(fit_curves(same_form, fitted).beds) == 3, "beds of one form with different curves are different beds"
+
+
+def test_a_bed_that_is_not_evaluated_is_named(fitted):
+    beds = beds_of(lambda n: n, 3, fitted)
+    far = MeasuredBed(sample_of(0.16, 0.2, "flat"), 0.5, np.nan, "U7", all_cases()["U7"].curve)
+    with pytest.raises(
+        ValueError, match="flat, sieve curve .*U7.*: the model is not evaluated: .*; correct the row or"
+    ):
+        fit_curves([*beds, far], fitted)
+
+
+@pytest.mark.parametrize("forms", [1, 3])
+def test_the_interval_for_another_form_contains_it_as_often_as_stated(fitted, forms):
+    """The error of the one-class porosity is one number per form: without its part the interval would miss it.
+
+    The probability of one of 300 draws varies by less than a binomial one, whose standard error is 0.0126.
+    """
+    rng, scatter = np.random.default_rng(3), 0.003
+    beds = beds_of(lambda n: n, 9, fitted, scatter=0.0)
+    beds = [replace(bed, sample=beds[i % forms].sample) for i, bed in enumerate(beds)]
+    model = fit_curves(beds, fitted).model
+    new = sample_of(0.45, 0.62)
+    assert model.unlike([beds[0].sample, new]).tolist() == [0.0, pytest.approx(np.sqrt(2 / forms))]
+    assert len(model.forms) == forms
+    half, nothing = 0.012, np.zeros(9)  # of the one-class porosity; the other errors are left out
+    predicted = np.linspace(0.25, 0.35, 9)
+    constants = {"forms": model.forms, "form_model": model.form_model, "one_class": None, "sized": model.sized}
+    chances = {"with": [], "without": []}
+    for _ in range(300):
+        of_form = half / 1.96 * rng.normal(size=forms)
+        n = predicted + of_form[np.arange(9) % forms] + scatter * rng.normal(size=9)
+        drawn, _ = correct_curves("offset", predicted, n, (nothing, nothing), **constants)
+        spread = np.hypot(half / 1.96, scatter)
+        for name, of_one_class in (("with", half * model.unlike([new])), ("without", [0.0])):
+            (at,), (width,) = drawn.apply([0.3], [0.0], [0.0], of_one_class)
+            ends = norm.cdf((np.array([at - width, at + width]) - 0.3) / spread)
+            chances[name].append(ends[1] - ends[0])
+    assert np.mean(chances["with"]) > 0.95 - 4 * 0.0126 > np.mean(chances["without"])
+
+
+def test_predict_takes_the_file_that_fit_wrote(tmp_path, capsys):
+    path = tmp_path / "model.json"
+    result = simcore.fit(EXAMPLE, out=path)
+    assert result.cases == [] and result.table.query("chosen").case.tolist() == ["sieve curves"]
+    assert result.curves.agreement.bias.iloc[0] == pytest.approx(-0.0157, abs=5e-4)
+    curve = ROOT / "examples" / "sieve_curve.csv"
+    before, after = (simcore.predict(curve=curve, models=models) for models in (None, path))
+    assert after.n.item() - before.n.item() == pytest.approx(result.curves.model.coefficients[0], abs=1e-12)
+    read = read_campaign_models(path)
+    assert read.curve.sized == result.curves.model.sized and read.curve.covariance == result.curves.model.covariance
+    assert main(["predict", "--sieve", str(curve), "--models", str(path)]) == 0
+    text = capsys.readouterr().out
+    assert "Correction: offset of the model of size and form, 7 measured beds" in text
+    assert "made and measured like those" in text and "nan" not in text
+    assert main(["predict", "--sieve", str(curve), "--models", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["correction"]["kind"] == "offset"
+    again = simcore.fit(EXAMPLE, models=path).curves
+    assert again.agreement.set_index("model").bias[CORRECTED] == pytest.approx(0, abs=1e-9)
+    assert "ours, size and form, corrected" in describe_fit(result._replace(curves=again), EXAMPLE)
+    assert main(["fit", str(EXAMPLE), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["curves"]["candidates"][0]["chosen"]
+
+
+def test_the_file_is_refused_where_it_has_no_meaning(tmp_path, capsys):
+    path = tmp_path / "model.json"
+    simcore.fit(EXAMPLE, out=path)
+    forms = str(ROOT / "examples" / "forty_grains.csv")
+    assert main(["predict", forms, "--case", "U7", "--models", str(path)]) != 0
+    assert "fitted to beds with sieve curves; give a sieve curve with --sieve" in capsys.readouterr().err
+    with pytest.raises(ValueError, match="the page does not evaluate corrections"):
+        page_data(read_campaign_models(path))
+    content = json.loads(path.read_text())
+    for change in ("kind", "of_form", "form_model"):
+        broken = json.loads(json.dumps(content))
+        broken["curve"]["correction"][change] = ["unknown", "U1"]
+        path.write_text(json.dumps(broken))
+        with pytest.raises(ValueError, match="is not a file of models that `fit` wrote"):
+            read_campaign_models(path)
+
+
+def test_cases_and_curves_in_one_table_are_fitted_separately(tmp_path, fitted):
+    rows = pd.read_csv(EXAMPLE)
+    U1 = rows.iloc[[0]].drop(columns="sieve")
+    forms = pd.DataFrame({"mean_FL": [0.5, 0.6, 0.7], "mean_EL": [0.7, 0.65, 0.75]})
+    cases = pd.concat([U1.assign(case="U1", sample=f"c {i}", **form) for i, form in forms.iterrows()])
+    pd.concat([rows, cases]).to_csv(tmp_path / "beds.csv", index=False)
+    result = simcore.fit(tmp_path / "beds.csv", out=tmp_path / "model.json")
+    assert [case.case for case in result.cases] == ["U1"] and len(result.curves.beds) == 7
+    models = read_campaign_models(tmp_path / "model.json")
+    sample = sample_of(0.6, 0.7)
+    assert (predict_samples([sample], "U1", models).query("by == 'ours'").model == "measured").all()
+    in_curve = predict_curve(all_cases()["U7"].curve, [sample], models).n_one_class.item()
+    assert in_curve == predict_curve(all_cases()["U7"].curve, [sample], fitted).n_one_class.item()
+
+
+@pytest.fixture
+def write(tmp_path):
+    (tmp_path / "fine.csv").write_text("opening [mm];mass [g]\n8;0\n4;50,5\n2;40\npan;10\n")
+    (tmp_path / "good.csv").write_text("opening [mm];passing [%]\n8;100\n4;50,5\n2;0\n")
+
+    def write_text(text):
+        (tmp_path / "beds.csv").write_text(text)
+        return tmp_path / "beds.csv"
+
+    return write_text
+
+
+def test_a_row_has_a_file_or_a_listed_curve(write):
+    path = write("FL,EL,n,sieve\n0.6,0.7,0.35,good.csv\n0.6,0.7,0.3,U7\n")
+    beds, notices = read_measured_beds(path, curves=CurveReader({"U7": all_cases()["U7"].curve}))
+    assert [bed.curve.name for bed in beds] == ["good", "U7"] and [bed.case for bed in beds] == ["good.csv", "U7"]
+    np.testing.assert_allclose(beds[0].curve.mass_fractions, [0.505, 0.495])
+    path = write("FL,EL,n\n0.6,0.7,0.35\n0.6,0.7,0.3\n")
+    beds, _ = read_measured_beds(path, sieve=path.parent / "good.csv")
+    assert beds[0].curve is beds[1].curve
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "message"),
+    [
+        ("FL,EL,n,sieve\n0.6,0.7,0.3,none.csv\n", {}, r"beds.csv, row 2: the sieve curve none.csv is no file \(.*none"),
+        ("FL,EL,n,sieve\n0.6,0.7,0.3,\n", {}, "beds.csv, row 2: sieve is empty; name the sieve curve"),
+        (
+            "FL,EL,n,sieve\n0.6,0.7,0.3,fine.csv\n",
+            {},
+            "row 2: .*fine.csv: 10.0% of the mass pass the finest .* --finest",
+        ),
+        ("FL,EL,n,sieve\n0.6,0.7,0.3,beds.csv\n", {}, "row 2: .*beds.csv: none of the columns .* has amounts"),
+        ("FL,EL,n,sieve,case\n0.6,0.7,0.3,good.csv,U1\n", {}, "row 2: case and sieve are both given; each row has one"),
+        ("FL,EL,n,sieve,case\n0.6,0.7,0.3,,\n", {}, "row 2: case and sieve are empty"),
+        ("FL,EL,n,sieve\n0.6,0.7,0.3,good.csv\n", {"case": "U1"}, "has a column sieve; leave out --case"),
+        ("FL,EL,n\n0.6,0.7,0.3\n", {"case": "U1", "sieve": "good.csv"}, "--case and --sieve are both"),
+        ("FL,EL,n\n0.6,0.7,0.3\n", {"sieve": "gone.csv"}, "--sieve: the sieve curve gone.csv is no file"),
+    ],
+)
+def test_what_is_wrong_is_named(write, text, options, message):
+    with pytest.raises(ValueError, match=message):
+        read_measured_beds(write(text), **options)
