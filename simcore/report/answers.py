@@ -9,7 +9,8 @@ from simcore.evaluation.rounding import rounded
 from simcore.grains.sieve import read_cases
 from simcore.models.formulas import BEDS, formulas
 from simcore.paths import CONFIG
-from simcore.report.page import bullets, folded, paragraph, rows_table, table
+from simcore.report.page import bullets, folded, paragraph, rows_table
+from simcore.report.tables import read_table
 from simcore.report.words import formula_markup
 
 # Forms of which the page gives the porosity: words, flatness S/I and elongation I/L.
@@ -34,7 +35,8 @@ FORMULAS = (
 )
 BIASES = (
     "Effects on the porosity of settings, size of the bed, duration of shaking and insertion height, measured on "
-    "separate packings. They may not be added, because they can depend on each other."
+    "separate packings. They may not be added, because they can depend on each other. draft, standard and r22 are "
+    "presets of numerical settings; those of r22 are as in Rettinger et al."
 )
 # Columns by which settings of one study are the same in two campaigns
 _KEYS = (
@@ -142,7 +144,8 @@ def how_sure(tables):
     sentences = [*_left_out(tables), *_published_models(tables), *unseen(tables), *_sampling(tables)]
     parts.append(bullets([*sentences, *LIMITS]))
     if "biases" in tables:
-        shown = table(tables["biases"], BIASES)
+        rows = read_table(tables["biases"]).drop(columns=["source", "inserted"], errors="ignore")
+        shown = rows_table(rows, BIASES, "committed/biases", path=str(tables["biases"]))
         parts.append(folded("Effects of the settings on the porosity", [shown]))
     return parts
 

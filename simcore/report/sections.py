@@ -8,6 +8,7 @@ from simcore.reference.columns.headings import find_heading
 from simcore.report.answers import answer, by_stem, how_sure, unseen
 from simcore.report.outcomes import outcome, shows_more
 from simcore.report.page import Section, bullets, folded, page, paragraph, picture, rows_table, table
+from simcore.report.words import value_in_words
 
 TITLE = "Scree: porosity of gravel from the form of its grains"
 LEAD = (
@@ -221,4 +222,4 @@ def _model_caption(folder, name):
     if caption is None:
         return ""
     source = wanted.removeprefix(caption).strip("_")
-    return read_caption(folder, caption) + (f" Grains: {source}." if source else "")
+    return read_caption(folder, caption) + (f" Grains: {value_in_words('source', source)}." if source else "")

@@ -1,5 +1,6 @@
 """Tables as a page shows them: headings in words, numbers rounded to their errors, meanings of the columns."""
 
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,7 +11,7 @@ from markupsafe import Markup
 from simcore.evaluation.rounding import error_decimals, rounded
 from simcore.grains.form import FORM_FACTORS
 from simcore.reference.columns import find_column
-from simcore.reference.columns.headings import ERRORS, find_heading
+from simcore.reference.columns.headings import ERRORS, HEADINGS, find_heading
 from simcore.reference.r22_tables import read_r22_table
 from simcore.report.words import value_in_words
 
@@ -51,18 +52,7 @@ DETAILS = (
     *(f"{name}_change_percent_largest" for name in ("volume", "flatness", "elongation", "sphericity")),
 )
 # Columns of results, which are shown even if all rows have the same value
-_RESULTS = {
-    "n",
-    "n_exact",
-    "r22_n",
-    "difference",
-    "z",
-    "experiment_n",
-    "coefficient",
-    "formula",
-    "samples",
-    "mean_absolute_error",
-}
+_RESULTS = {"n", "n_exact", "r22_n", "difference", "z", "experiment_n", "coefficient", "formula", "samples"}
 _SMALLEST_SHARE = 5e-4  # components that explain less of the variance are rounding errors
 
 
@@ -114,6 +104,7 @@ def show_table(rows, name, details=DETAILS):
         names.remove("study")
     same = [column for column in names if len(rows) > 1 and _is_constant(rows[column], column)]
     shown = [column for column in names if column not in same]
+    same = [column for column in same if rows[column].iloc[0] != 0.0]  # standard deviations of beds of one form
     behind = [column for column in shown if column in details]
     if len(behind) < len(shown):
         shown = [column for column in shown if column not in behind] + behind
@@ -165,7 +156,13 @@ def _column(rows, name, table, has_error, is_detail):
     if has_error:
         error = find_column(table, ERRORS.get(name, ""))
         meaning += f"; after ±: {error.meaning if error else 'its standard error'}"
-    return ShownColumn(name, heading.words, unit, meaning, _is_text(rows[name]), is_detail)
+    return ShownColumn(name, heading.words, unit, _without_names(meaning), _is_text(rows[name]), is_detail)
+
+
+def _without_names(meaning):
+    """Return the meaning of a column with the headings of other columns instead of their names."""
+    named = re.sub(r"\b\w+_\w+\b", lambda match: find_heading(match[0]).words, meaning)
+    return re.sub(r"\bn\b", "the porosity", named)
 
 
 def _title(column):
@@ -220,7 +217,8 @@ def _key(value):
 def _factors(rows):
     """Return the abbreviations of form factors in a table with their meanings."""
     texts = " ".join(str(value) for name in ("feature", "features", "term") if name in rows for value in rows[name])
-    found = [name for name in FORM_FACTORS if name in rows or name in texts.replace("_", " ").replace("/", " ").split()]
+    named = {name for name in rows if name not in HEADINGS} | set(texts.replace("_", " ").replace("/", " ").split())
+    found = [name for name in FORM_FACTORS if name in named]
     if not found:
         return []
     described = read_r22_table("form_factors").set_index("abbreviation")

@@ -45,7 +45,14 @@ def test_a_number_is_rounded_to_its_error_and_both_are_in_one_cell():
     assert [column.name for column in shown.columns] == ["case", "n"]
     assert texts(shown, "n") == ["0.398 ± 0.005", "0.376"]
     assert [row[1].key for row in shown.rows] == ["0.39843", "0.3761"], "columns are sorted by all digits"
-    assert "after ±: sampling error of n" in shown.columns[1].meaning
+    assert "after ±: sampling error of the porosity" in shown.columns[1].meaning
+
+
+def test_meanings_have_headings_instead_of_names():
+    rows = pd.DataFrame({"difference": [0.1, 0.2], "unified_abs_error": [0.1, 0.2]})
+    meanings = [column.meaning for column in show_table(rows, "models/application").columns]
+    assert meanings[0] == "the porosity minus porosity, Rettinger et al."
+    assert meanings[1] == "absolute difference of porosity, unified model to simulated"
 
 
 def test_the_error_of_a_difference_follows_from_z():
@@ -84,10 +91,10 @@ def test_details_come_last_and_are_hidden_at_first():
 
 
 def test_rounding_noise_is_no_component_and_large_numbers_are_short():
-    rows = pd.DataFrame({"component": ["PC1", "PC13"], "explained": [0.56643, 4e-33], "FL": [0.3172, 1e-14]})
+    rows = pd.DataFrame({"component": ["PC1", "PC13"], "explained": [0.56643, 4e-33], "ASF": [0.3172, 1e-14]})
     shown = show_table(rows, "grains/principal_components")
     assert [row[0].text for row in shown.rows] == ["PC1"] and texts(shown, "explained") == ["56.6"]
-    assert shown.factors[0] == ("FL", "flatness, S/I")
+    assert shown.factors == [("ASF", "Aschenbrenner shape factor, L*S/I^2")] and texts(shown, "ASF") == ["+0.32"]
     assert texts(show_table(pd.DataFrame({"grain_steps": [5.56545e7]}), "campaign/cost"), "grain_steps") == ["5.57·10⁷"]
 
 
