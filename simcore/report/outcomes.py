@@ -124,11 +124,13 @@ def _forms(table):
     for values, rows in table.groupby(keys, sort=False) if keys else [((), table)]:
         low, high = rows.loc[rows["n"].idxmin()], rows.loc[rows["n"].idxmax()]
         names = ", ".join(value_in_words(name, value) for name, value in zip(keys, values, strict=True))
+        ratio, what = ("L/S", "forms") if "grain" in table else ("mean L/S", "distributions of form")
         text = (
-            f"the porosity rises from {rounded(low['n'], low['n_std_error'])} (mean L/S = {1.0 / low['EQ']:.1f}) to "
-            f"{rounded(high['n'], high['n_std_error'])} (mean L/S = {1.0 / high['EQ']:.1f}) over {len(rows)} settings."
+            f"the porosity rises from {rounded(low['n'], low['n_std_error'])} ({ratio} = {1.0 / low['EQ']:.1f}) to "
+            f"{rounded(high['n'], high['n_std_error'])} ({ratio} = {1.0 / high['EQ']:.1f}) over {len(rows)} {what}."
         )
-        sentences.append(f"{names}: {text}" if names else text[0].upper() + text[1:])
+        text = f"{names}: {text}" if names else text
+        sentences.append(text[0].upper() + text[1:])
     return sentences
 
 

@@ -48,7 +48,7 @@ def test_forms_have_the_range_of_each_source_and_the_difference_to_the_published
     rows = table(grain=["a", "b"] * 2, source=["scans"] * 2 + ["synthetic"] * 2, n=[0.3, 0.4, 0.31, 0.39])
     rows = rows.assign(EQ=[0.8, 0.25] * 2, difference=[0.01, -0.01, 0.01, -0.01])
     scans, _, difference = outcome(rows)
-    assert scans.startswith("scanned grains: the porosity rises from 0.300 ± 0.004 (mean L/S = 1.2) to 0.400")
+    assert scans.startswith("Scanned grains: the porosity rises from 0.300 ± 0.004 (L/S = 1.2) to 0.400")
     assert "4 settings differ by 0.000 on average and by 0.010 root mean square" in difference
 
 
