@@ -54,7 +54,7 @@ def campaign_page(files, titles, biases, captions, questions=None, test_only=Fal
         parts = _check_parts(files, titles, committed)
         sections = [
             *first[:-1],  # without the cost, which comes at the end
-            Section(CHECK_HEADING, [*parts, *answer(models), *_model_parts(files, captions)]),
+            Section(CHECK_HEADING, [*parts, *_own_answer(models), *_model_parts(files, captions)]),
             *(section._replace(heading=OWN_STUDIES + section.heading) for section in studies.values()),
             *_grain_sections(files, captions),
             _cost_section(files, captions, first[-1].parts if first[-1].heading == COST_HEADING else []),
@@ -78,6 +78,14 @@ def _own_sections(files, models, studies, captions):
             *(section for study, section in studies.items() if study not in EVIDENCE),
             _cost_section(files, captions, []),
         ]
+    )
+
+
+def _own_answer(models):
+    """Return the answer by this campaign's own packings, after a sentence that names them."""
+    parts = answer(models)
+    return (
+        [paragraph("By the models that are fitted to the packings of this campaign:", "text"), *parts] if parts else []
     )
 
 

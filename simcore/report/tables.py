@@ -48,6 +48,8 @@ DETAILS = (
     "kept",
     "samples",
     "not_normal",
+    "code",
+    "machine",
     *(f"shapiro_{letter}_{name}" for letter in "Wp" for name in ("FL", "EL")),
     *(f"{name}_change_percent_largest" for name in ("volume", "flatness", "elongation", "sphericity")),
 )

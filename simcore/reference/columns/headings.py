@@ -118,6 +118,8 @@ HEADINGS = {
     "cpu_us_per_grain_step": Heading("CPU time per grain and step", 2),
     "r22_cpu_h": Heading(f"CPU time, {_R22}", 1),
     "planned": Heading("planned", 0),
+    "code": Heading("version of the code"),
+    "machine": Heading("machine"),
     "cpu_h_left_estimated": Heading("CPU time left, estimated", 1),
     # Biases
     "of": Heading("cause"),

@@ -50,15 +50,16 @@ def form_histograms(table, r22=None):
             grains * norm.pdf(x, values.mean(), values.std(ddof=1)),
             "k",
             lw=1.2,
-            label="normal, this set",
+            label="normal distribution, this set",
         )
         if r22 is not None:
             density = norm.pdf(x, r22[f"mu_{factor}"], r22[f"sigma_{factor}"])
-            axes.plot(x, grains * density, "--", color="#b3541e", lw=1.6, label="normal, Rettinger et al.")
+            axes.plot(x, grains * density, "--", color="#b3541e", lw=1.6, label="normal distribution, Rettinger et al.")
         axes.set_title(f"mean {values.mean():.3f}, std {values.std(ddof=1):.3f}", fontsize="medium")
         axes.set(xlabel=f"{name} {factor} [-]", xlim=(0.2, 1))
     figure.axes[0].set_ylabel("number of grains [-]")
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)
+    handles = figure.axes[0].get_legend_handles_labels()
+    figure.legend(*handles, loc="outside lower center", ncols=3, frameon=False, fontsize="small")
     return figure
 
 

@@ -19,7 +19,7 @@ def profile_figure(profiles, bulk, title=""):
 
     profiles: dict from a label to a DataArray n(z) [z in m], at most four; bulk: Dataset as from bulk_porosity.
     """
-    figure = Figure(figsize=(6.6, 4.4), layout="constrained")
+    figure = Figure(figsize=(5.2, 4.0), layout="constrained")
     axes = figure.subplots()
     draw_profile(axes, profiles, bulk)
     axes.set_title(title)
@@ -53,7 +53,7 @@ def packing_figure(packing, azimuth=-60.0, elevation=22.0, title="", pixels=900)
     norm = size_norm(measure(packing))
     draw_packing(axes, packing, norm, azimuth, elevation, pixels, measure)
     width, height = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
-    figure.set_size_inches(5.4 * width / max(width, height) + 1.2, 5.4 * height / max(width, height) + 0.4)
+    figure.set_size_inches(4.4 * width / max(width, height) + 1.0, 4.4 * height / max(width, height) + 0.4)
     axes.set_title(title)
     bar = figure.colorbar(ScalarMappable(norm, STONES), ax=axes, shrink=0.6, pad=0.02)
     bar.set_label(label)
