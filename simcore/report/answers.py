@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from simcore.campaign.biases import SIZE
 from simcore.evaluation.rounding import rounded
 from simcore.grains.sieve import read_cases
 from simcore.models.formulas import BEDS, formulas
@@ -225,10 +226,11 @@ def _sampling(tables):
     ]
 
 
-def check(own, committed, titles):
+def check(own, committed, titles, committed_biases=None):
     """Return the parts that compare the packings of this campaign with committed ones of the same settings.
 
     own, committed: dicts from names of studies to the paths of their tables. titles: titles of the studies by name.
+    committed_biases: path of the table of biases, for the effect of the size of the bed, or None.
     """
     rows = []
     for study, path in own.items():
@@ -252,7 +254,22 @@ def check(own, committed, titles):
         f"Studies that have settings in common with the committed campaign: {len(rows)}. The mean porosity differs by "
         f"more than three standard errors in {clear} of them."
     )
-    return [paragraph(sentence, "outcome"), rows_table(pd.DataFrame(rows), caption, "report/check")]
+    parts = [paragraph(sentence, "outcome"), rows_table(pd.DataFrame(rows), caption, "report/check")]
+    return [*parts, *_effect_of_size(committed_biases)]
+
+
+def _effect_of_size(path):
+    """Return a paragraph on the measured effect of small beds, in a list that is empty without a table of biases."""
+    rows = pd.DataFrame({"of": []}) if path is None else pd.read_csv(path)
+    rows = rows[rows["of"] == SIZE]
+    if rows.empty:
+        return []
+    listed = "; ".join(
+        f"{row.setting} {rounded(row.difference, row.difference_std_error, sign='+')}" for row in rows.itertuples()
+    )
+    against = rows["against"].iloc[0]
+    text = f"Measured effect of the size of the bed, compared with {against} and for single forms: {listed}."
+    return [paragraph(text, "text")]
 
 
 def _same_settings(own, committed):

@@ -139,7 +139,7 @@ def _check_parts(files, titles, committed):
     """Return the comparison of this campaign's packings with committed ones."""
     tables = by_stem(Path(committed).glob("*.csv"))
     paired = {study: tables[OF_A_STUDY.get(study, study)] for study in titles if OF_A_STUDY.get(study, study) in tables}
-    return check(by_stem(files.tables), paired, titles)
+    return check(by_stem(files.tables), paired, titles, tables.get("biases"))
 
 
 def _shown(show, paths, captions):

@@ -104,6 +104,8 @@ def show_table(rows, name, details=DETAILS):
     names = [column for column in rows if column not in set(ERRORS.values()) & _used(rows)]
     if "study" in names and rows["study"].nunique() == 1:
         names.remove("study")
+    if {"flatness", "elongation"} <= set(names):  # the specified form of all grains
+        names = [column for column in names if column not in ("FL", "EL")]
     same = [column for column in names if len(rows) > 1 and _is_constant(rows[column], column)]
     shown = [column for column in names if column not in same]
     same = [column for column in same if rows[column].iloc[0] != 0.0]  # standard deviations of beds of one form

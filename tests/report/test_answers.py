@@ -72,3 +72,7 @@ def test_own_packings_are_compared_with_committed_ones_of_the_same_settings(tabl
     assert [cell.text for cell in row] == ["Forms", "2", "0.350", "0.360", "−0.010 ± 0.004", "−2.8"]
     assert "settings in common with the committed campaign: 1. The mean" in sentence["text"]
     assert check({"forms": paths[0]}, {}, {"forms": "Forms"}) == []
+    sizes = {"of": "size of the bed", "setting": "300 grains in 45 mm", "against": "1200 grains in 63 mm"}
+    biases = tables["write"]("biases", [sizes | {"difference": -0.0126, "difference_std_error": 0.0017}])
+    *_, effect = check({"forms": paths[0]}, {"forms": paths[1]}, {"forms": "Forms"}, biases)
+    assert "1200 grains in 63 mm and for single forms: 300 grains in 45 mm −0.0126 ± 0.0017." in effect["text"]

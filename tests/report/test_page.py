@@ -1,9 +1,11 @@
 """The page of tables and pictures."""
 
 import base64
+import io
 import re
 
 import matplotlib
+import numpy as np
 import pandas as pd
 
 matplotlib.use("Agg")
@@ -11,6 +13,7 @@ from importlib.resources import files
 
 import pytest
 from matplotlib.figure import Figure
+from PIL import Image
 
 from simcore.provenance.digest import ROOT
 from simcore.report.page import LIBRARY, ROWS_SHOWN, folded, is_picture, page, paragraph, picture, rows_table, table
@@ -31,6 +34,15 @@ def test_a_picture_is_in_the_page_in_its_own_size_with_its_caption(tmp_path):
     assert 'style="width: 480px"' in html
     assert '<button type="button" class="enlarge" aria-label="Enlarge figure 1">' in html
     assert is_picture(part) and not is_picture(paragraph("text"))
+
+
+def test_a_large_picture_has_fewer_colours_and_the_same_size(tmp_path):
+    figure = Figure(figsize=(4, 4))
+    figure.subplots().imshow(np.random.default_rng(1).uniform(size=(200, 200)))
+    figure.savefig(tmp_path / "noise.png", dpi=150)
+    content = base64.b64decode(picture(tmp_path / "noise.png")["data"])
+    assert len(content) < 0.7 * (tmp_path / "noise.png").stat().st_size
+    assert Image.open(io.BytesIO(content)).size == (600, 600)
 
 
 def test_a_table_shows_rounded_numbers_and_no_note(tmp_path):
