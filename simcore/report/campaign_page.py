@@ -27,6 +27,7 @@ from simcore.report.sections import (
 
 TEST_ONLY = "Test only: these packings are far too small for valid results."
 STUDY_PICTURES = ("study_picture", "study_profile")  # captions of the figures of a study's first packing
+FIRST_PACKING = "First packing: picture, and porosity over the height"
 CHECK_HEADING, OWN_STUDIES = "Check: what this campaign packed itself", "This campaign: "
 LARGEST = (
     "This page begins with the largest committed campaign, from its tables in results/reference. Below it are the "
@@ -46,7 +47,7 @@ def campaign_page(files, titles, biases, captions, questions=None, test_only=Fal
     """
     banner, committed = TEST_ONLY if test_only else "", next(iter(files.committed), None)
     models = _named_models(files.models)
-    studies = _studies(files, models, (titles, questions or {}, biases), captions, _remarks(committed))
+    studies = _studies(files, models, (titles, questions or {}, biases), captions, committed)
     own = _own_sections(files, models, studies, captions)
     sections = own
     if committed is not None:
@@ -95,13 +96,19 @@ def _named_models(paths):
     return models | ({"application_predictions": models["application"]} if "application" in models else {})
 
 
-def _studies(files, models, texts, captions, remarks):
-    """Return the sections of the studies by name; texts: titles, questions and effects of settings, dicts by name."""
+def _studies(files, models, texts, captions, committed):
+    """Return the sections of the studies by name.
+
+    texts: titles, questions and effects of settings, dicts by name. committed: folder of committed rows with which the
+    page begins, or None; the packings of the campaign are then a check, and their pictures are folded.
+    """
+    remarks, is_check = _remarks(committed), committed is not None
     titles, questions, biases = texts
     by_study = zip(files.tables, files.packings, files.study_figures, files.pictures, files.profiles, strict=True)
     sections = {}
     for path, packings, figure, *pictures in by_study:
         study = Path(path).stem
+        shown = [picture(*named) for named in _with_captions(pictures, captions)]
         sections[study] = study_section(
             titles[study],
             path,
@@ -109,7 +116,7 @@ def _studies(files, models, texts, captions, remarks):
             biases[study],
             figure=picture(figure, read_caption(captions, "study_porosities")),
             warnings=packing_warnings(packings),
-            pictures=[picture(*shown) for shown in _with_captions(pictures, captions)],
+            pictures=shown if not is_check else [folded(FIRST_PACKING, shown)],
             first=unseen(models) if study == "application" else (),
             remarks=remarks.get(study, ()),
         )

@@ -55,6 +55,7 @@ DETAILS = (
 )
 # Columns of results, which are shown even if all rows have the same value
 _RESULTS = {"n", "n_exact", "r22_n", "difference", "z", "experiment_n", "coefficient", "formula", "samples"}
+_COUNTS = ("grains", "samples")
 _SMALLEST_SHARE = 5e-4  # components that explain less of the variance are rounding errors
 
 
@@ -106,7 +107,10 @@ def show_table(rows, name, details=DETAILS):
         names.remove("study")
     if {"flatness", "elongation"} <= set(names):  # the specified form of all grains
         names = [column for column in names if column not in ("FL", "EL")]
+    if {"n", "runs"} <= set(names) and not {"grain", "mean_FL", "choice"} & set(names):
+        details = (*details, "FL", "EL", "EQ")  # the study does not vary the form
     same = [column for column in names if len(rows) > 1 and _is_constant(rows[column], column)]
+    same = [column for column in same if column not in details or column in _COUNTS]
     shown = [column for column in names if column not in same]
     same = [column for column in same if rows[column].iloc[0] != 0.0]  # standard deviations of beds of one form
     behind = [column for column in shown if column in details]

@@ -107,4 +107,5 @@ def test_the_largest_committed_campaign_comes_first_and_then_its_check(files):
     assert said(whole)[-3:] == ["<figure", "table of cost", "table of collected"]
     # The settings that both have in common differ by more than the errors.
     assert ">−0.024 ± 0.010</td>" in whole
+    assert whole.count("First packing: picture, and porosity over the height") == 2
     assert "table of committed" in whole and "table of committed" not in bare
