@@ -212,6 +212,18 @@ def unseen(tables):
     ]
 
 
+def replaced_by_ellipsoids(tables):
+    """Return a sentence on grains that are replaced by their ellipsoids, in a list; it is empty without that table."""
+    if "shape_kinds" not in tables:
+        return []
+    return [
+        f"{row.case}: the porosity of polyhedra minus that of their ellipsoids is "
+        f"{rounded(row.mean_difference, decimals=4, sign='+')} on average and {row.rms_difference:.4f} root mean square "
+        f"over {row.forms} forms."
+        for row in pd.read_csv(tables["shape_kinds"]).itertuples()
+    ]
+
+
 def _sampling(tables):
     """Return a sentence on the typical sampling error of the packings of one form."""
     path = tables.get("single_form_porosities")

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from simcore.paths import R22_TABLES
-from simcore.report.answers import answer, by_stem, check, how_sure, unseen
+from simcore.report.answers import answer, by_stem, check, how_sure, replaced_by_ellipsoids, unseen
 from simcore.report.page import Section, folded, is_picture, page, paragraph, picture, table
 from simcore.report.sections import (
     ANSWER,
@@ -27,6 +27,10 @@ from simcore.report.sections import (
 
 TEST_ONLY = "Test only: these packings are far too small for valid results."
 STUDY_PICTURES = ("study_picture", "study_profile")  # captions of the figures of a study's first packing
+GRAINS = (
+    "The grains of which the packings are made, compared with measured gravels and scanned grains. Form factors are "
+    "functions of the axes L, I and S; their definitions are at the end of this section."
+)
 FIRST_PACKING = "First packing: picture, and porosity over the height"
 CHECK_HEADING, OWN_STUDIES = "Check: what this campaign packed itself", "This campaign: "
 LARGEST = (
@@ -102,6 +106,7 @@ def _studies(files, models, texts, captions, committed):
     texts: titles, questions and effects of settings, dicts by name. committed: folder of committed rows with which the
     page begins, or None; the packings of the campaign are then a check, and their pictures are folded.
     """
+    first = {"application": unseen(models), "equivalent_ellipsoids": replaced_by_ellipsoids(models)}
     remarks, is_check = _remarks(committed), committed is not None
     titles, questions, biases = texts
     by_study = zip(files.tables, files.packings, files.study_figures, files.pictures, files.profiles, strict=True)
@@ -117,7 +122,7 @@ def _studies(files, models, texts, captions, committed):
             figure=picture(figure, read_caption(captions, "study_porosities")),
             warnings=packing_warnings(packings),
             pictures=shown if not is_check else [folded(FIRST_PACKING, shown)],
-            first=unseen(models) if study == "application" else (),
+            first=first.get(study, ()),
             remarks=remarks.get(study, ()),
         )
     return sections
@@ -163,6 +168,7 @@ def _model_parts(files, captions):
 def _grain_sections(files, captions):
     parts = [*_shown(picture, files.grain_figures, captions), *_shown(table, files.grain_tables, captions)]
     if parts:
+        parts.insert(0, paragraph(GRAINS, "text"))
         definitions = table(R22_TABLES / "form_factors.csv", "Form factors of a grain.", name="r22/form_factors")
         parts.append(folded("Definitions of the form factors", [definitions]))
     return [Section("Grains", parts)] if parts else []

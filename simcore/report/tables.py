@@ -107,8 +107,8 @@ def show_table(rows, name, details=DETAILS):
         names.remove("study")
     if {"flatness", "elongation"} <= set(names):  # the specified form of all grains
         names = [column for column in names if column not in ("FL", "EL")]
-    if {"n", "runs"} <= set(names) and not {"grain", "mean_FL", "choice"} & set(names):
-        details = (*details, "FL", "EL", "EQ")  # the study does not vary the form
+    if {"n", "runs"} <= set(names) and not {"grain", "choice"} & set(names):
+        details = (*details, "FL", "EL", "EQ")  # the study does not vary the form, or specifies it
     same = [column for column in names if len(rows) > 1 and _is_constant(rows[column], column)]
     same = [column for column in same if column not in details or column in _COUNTS]
     shown = [column for column in names if column not in same]

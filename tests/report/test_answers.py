@@ -4,7 +4,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.report.answers import answer, check, describe_case, how_sure, one_form_models, predict_form
+from simcore.report.answers import (
+    answer,
+    check,
+    describe_case,
+    how_sure,
+    one_form_models,
+    predict_form,
+    replaced_by_ellipsoids,
+)
 
 TERMS = {"intercept": 0.28, "EQ_inv": 0.02, "EL_inv": 0.01}
 
@@ -61,6 +69,13 @@ def test_how_sure_has_the_scatter_the_experiment_and_the_limits(tables):
     assert "by 0.015 on average and by 0.017 at most" in in_short["text"]
     assert "the mean error of porosity of the models above is 0.0048" in listed["texts"][0]
     assert any("river bed" in text for text in listed["texts"])
+
+
+def test_grains_are_compared_with_their_ellipsoids(tables):
+    row = {"case": "U1", "rms_difference": 0.0168, "mean_difference": 0.0042, "forms": 8}
+    (sentence,) = replaced_by_ellipsoids({"shape_kinds": tables["write"]("shape_kinds", [row])})
+    assert "is +0.0042 on average and 0.0168 root mean square over 8 forms." in sentence
+    assert replaced_by_ellipsoids({}) == []
 
 
 def test_own_packings_are_compared_with_committed_ones_of_the_same_settings(tables):
