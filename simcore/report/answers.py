@@ -218,8 +218,8 @@ def replaced_by_ellipsoids(tables):
         return []
     return [
         f"{row.case}: the porosity of polyhedra minus that of their ellipsoids is "
-        f"{rounded(row.mean_difference, decimals=4, sign='+')} on average and {row.rms_difference:.4f} root mean square "
-        f"over {row.forms} forms."
+        f"{rounded(row.mean_difference, decimals=4, sign='+')} on average and {row.rms_difference:.4f} root mean "
+        f"square over {row.forms} forms."
         for row in pd.read_csv(tables["shape_kinds"]).itertuples()
     ]
 
