@@ -29,6 +29,9 @@ DETAILS = (
     "n_exact",
     "coordination_number",
     "cpu_h",
+    "r_FL_EL",
+    "r_size_FL",
+    "r_size_EL",
     "cpu_h_per_run",
     "model_difference",
     "bootstrap_lower_95",
@@ -55,6 +58,8 @@ DETAILS = (
 )
 # Columns of results, which are shown even if all rows have the same value
 _RESULTS = {"n", "n_exact", "r22_n", "difference", "z", "experiment_n", "coefficient", "formula", "samples"}
+# Of these only in tables of porosities; they are the results of others.
+_DETAILS_OF_POROSITY = {"sigma_FL", "sigma_EL", "sigma_EQ", "grains", "cpu_h"}
 _COUNTS = ("grains", "samples")
 _SMALLEST_SHARE = 5e-4  # components that explain less of the variance are rounding errors
 
@@ -107,6 +112,8 @@ def show_table(rows, name, details=DETAILS):
         names.remove("study")
     if {"flatness", "elongation"} <= set(names):  # the specified form of all grains
         names = [column for column in names if column not in ("FL", "EL")]
+    if "n" not in names:
+        details = [name for name in details if name not in _DETAILS_OF_POROSITY]
     if {"n", "runs"} <= set(names) and not {"grain", "choice"} & set(names):
         details = (*details, "FL", "EL", "EQ")  # the study does not vary the form, or specifies it
     same = [column for column in names if len(rows) > 1 and _is_constant(rows[column], column)]

@@ -28,6 +28,15 @@ VALUES = {
     "source": {"synthetic": "synthetic pebbles", "scans": "scanned grains"},
     "kind": KINDS | {"continuous": "drawn from a distribution", "discrete": "drawn from the measured grains"},
     "shape_kind": KINDS,
+    "measure": {
+        name + end: words + more
+        for name, words in (
+            ("sphericity", "sphericity"),
+            ("facet_share", "share of the surface in the ten largest facets"),
+            ("relative_sphericity", "sphericity relative to the ellipsoid"),
+        )
+        for end, more in (("", ""), ("_300", ", at most 300 faces"))
+    },
 }
 # Features whose formula is shorter than its name
 _RATIOS = {"EQ_inv": "L/S", "EL_inv": "L/I", "FL_inv": "I/S", "EQ": "S/L", "EL": "I/L", "FL": "S/I"}
@@ -45,8 +54,9 @@ def value_in_words(column, value):
     if column == "study":
         return str(value).replace("_", " ")
     if column == "source":
-        # The numbers in brackets are those of the list of references of Rettinger et al.
-        return re.sub(r"\[(\d+)\]", r"(their reference \1)", VALUES["source"].get(str(value), str(value)))
+        # The numbers in brackets are those of the list of references of Rettinger et al., and theirs is the paper.
+        text = re.sub(r"^\[(\d+)\]$", r"Rettinger et al., reference \1", VALUES["source"].get(str(value), str(value)))
+        return text.replace("paper ", "Rettinger et al., ")
     return VALUES.get(column, {}).get(str(value), str(value))
 
 
