@@ -53,7 +53,7 @@ def _experiment(table):
         if len(rows) > 1
         else f"The simulated porosity differs from the measured one by {_signed(percent.iloc[0], 1)} %"
     )
-    sentences = [f"{sentence}; {near} of {len(rows)} sieve curves are within 5 %."]
+    sentences = [f"{sentence}; {near} of {len(rows)} sieve curves are within 5 %." if len(rows) > 1 else f"{sentence}."]
     published = rows["r22_error_percent"].dropna() if "r22_error_percent" in rows else pd.Series(dtype=float)
     if len(published) > 1:
         sentences.append(

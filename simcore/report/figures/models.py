@@ -158,6 +158,8 @@ def _draw_near_spheres(axes, rows, bars):
     axes.plot(1.0 / rows["EQ"], rows["n"], color="#7f9aa0", lw=0.8, zorder=1)
     for mask, marker, label in ((~round_ones, "^", "ellipsoids with FL = EL"), (round_ones, "*", "spheres")):
         some = rows[mask]
+        if some.empty:
+            continue
         size = {"ms": 10} if marker == "*" else {}
         axes.errorbar(
             1.0 / some["EQ"], some["n"], some["n_std_error"], marker=marker, color="#7f9aa0", mec="black", mew=0.5,

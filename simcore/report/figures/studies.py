@@ -124,7 +124,7 @@ def equancy_figure(table):
                 x, rows["r22_n"], rows.get("r22_n_error"), ms=5, elinewidth=0.8,
                 label=f"model of {R22} for these forms (± its error)", **R22_STYLE,
             )  # fmt: skip
-        axes.set(xlabel="longest over shortest axis L/S, of the mean equancy [-]", title=f"sieve curve {case}")
+        axes.set(xlabel="1/mean equancy, L/S [-]", title=f"sieve curve {case}")
         axes.title.set_fontsize("medium")
         axes.grid(color="0.93", lw=0.6)
         axes.set_axisbelow(True)
