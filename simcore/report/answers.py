@@ -113,10 +113,10 @@ def _examples(models):
         f"{n:.2f} if the grains are {words}" if words != RHINE[0] else f"{n:.2f} at the {words}"
         for words, n in (min(named.items(), key=lambda pair: pair[1]), max(named.items(), key=lambda pair: pair[1]))
     )
-    sentence = (
-        f"Gravel of the sieve curve {describe_case(first)}, poured and shaken, has a porosity of {ends}. The flatter "
-        "and longer the grains, the looser the bed."
-    )
+    sentence = f"Gravel of the sieve curve {describe_case(first)}, poured and shaken, has a porosity of {ends}."
+    ratios = {words: 1.0 / (flatness * elongation) for words, flatness, elongation in FORMS}
+    if ratios[min(named, key=named.get)] < ratios[max(named, key=named.get)]:
+        sentence += " The flatter and longer the grains, the looser the bed."
     caption = (
         "Porosity of beds whose grains all have one form. After ± is the standard deviation of beds about the model. "
         f"Sieve curves: {'; '.join(describe_case(case) for case in models)}."

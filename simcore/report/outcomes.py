@@ -102,7 +102,7 @@ def _round_ones(table):
         else f"The porosity for {_ratio(lowest)} is {rounded(lowest['n'], lowest['n_std_error'])}."
     ]
     spheres = rows[np.isclose(rows["ratio"], 1.0)]
-    if len(spheres) and len(rows) > 1:
+    if len(spheres) and not np.isclose(lowest["ratio"], 1.0):
         sphere = spheres.iloc[0]
         error = np.hypot(sphere["n_std_error"], lowest["n_std_error"])
         more = rounded(sphere["n"] - lowest["n"], error)
