@@ -19,6 +19,7 @@ GROUPS = (
     ("campaign", "LEDGERS", "Gathered packings"),
     ("campaign", "BIASES", "Biases of the settings"),
     ("campaign", "GRAINS", "Grains of a set"),
+    ("page", "PAGE", "Tables of the report page alone"),
     ("deposits", "DEPOSITS", "Deposits of ellipsoids"),
     ("deposits", "CHANGES", "Changes of a deposit"),
     ("deposits", "MAXIMA", "Densest deposits"),

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from simcore.evaluation.rounding import rounded
 from simcore.scene.identity import differing_keys
 from simcore.scene.specification import resolve
 
@@ -173,11 +174,11 @@ def _name_settings(accuracy, region, contact_time):
     return f"{accuracy} {'' if at_point else 'with '}{joined}" if words else accuracy
 
 
-def bias_note(specifications, biases):
-    """Return a sentence on the bias of the porosities of a study, for its page.
+def bias_effects(specifications, biases):
+    """Return the measured effect of each kind of setting on the porosities of a study, list of (kind, text).
 
-    specifications: of its packings, resolved. biases: from measured_biases. The sentence also states which settings are
-    not the same in all packings, and which were not measured.
+    specifications: of its packings, resolved. biases: from measured_biases. The text also states which settings are not
+    the same in all packings, and which were not measured.
     """
     settings = {
         SETTINGS: [describe_settings(spec) for spec in specifications],
@@ -193,8 +194,7 @@ def bias_note(specifications, biases):
     of_kind = measured["setting"].isin(measured["setting"][measured["kind"] == ELLIPSOIDS]) & smooth
     wanted = np.where(of_kind, ELLIPSOIDS, GRAINS)
     measured = measured[(measured["of"] != SETTINGS) | (measured["kind"] == wanted)]
-    parts = [f"{of}: {_phrase(values, measured[measured['of'] == of])}" for of, values in settings.items()]
-    return f"Bias of the porosity, measured on other packings, of the {'; of the '.join(parts)}."
+    return [(of, _phrase(values, measured[measured["of"] == of])) for of, values in settings.items()]
 
 
 def _bed_of(spec):
@@ -228,5 +228,4 @@ def _phrase(values, biases):
 
 
 def _number(row):
-    error = row["difference_std_error"]
-    return f"{row['difference']:+.4f}" + (f" ± {error:.4f}" if np.isfinite(error) else "")
+    return rounded(row["difference"], row["difference_std_error"], sign="+")

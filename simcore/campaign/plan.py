@@ -4,14 +4,15 @@ This module needs no numba, because Snakemake reads the rules again for every jo
 """
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from simcore.campaign import deposits
-from simcore.campaign.biases import bias_note, measured_biases
-from simcore.campaign.gathering import not_gathered
+from simcore.campaign.biases import bias_effects, measured_biases
+from simcore.campaign.gathering import not_gathered, table_of
 from simcore.campaign.studies import expand
 from simcore.grains.sources import set_name, source_name
 from simcore.packing.cost import estimate
@@ -150,6 +151,21 @@ class Plan:
         """Titles of the studies that are part of `all`, as a dict by name."""
         return {study: self.title(study) for study in self.studies}
 
+    @property
+    def questions(self):
+        """Questions of the studies that are part of `all`, as a dict by name; empty for a study without one."""
+        return {study: self.campaign["studies"][study]["question"] for study in self.studies}
+
+    @property
+    def committed_rows(self):
+        """Folder of the committed rows with which the report begins, or None.
+
+        It begins with them if they have a study of this campaign, and the campaign is no test.
+        """
+        folder = Path(os.path.relpath(REFERENCE))
+        has_rows = any((folder / f"{table_of(study)}.csv").exists() for study in self.studies)
+        return folder if has_rows and not self.campaign["test_only"] else None
+
     def studies_named(self, prefix):
         """Return the names of all studies that begin with a prefix."""
         return [study for study in self.all_studies if study.startswith(prefix)]
@@ -274,10 +290,10 @@ class Plan:
             if study in self.studies or Path(self.results, "porosity", study).is_dir()
         }
 
-    def bias_notes(self):
-        """Return a sentence on the measured bias of each study of `all`, as a dict by name."""
+    def bias_effects(self):
+        """Return the measured effects of settings on the porosities of each study of `all`, as a dict by name."""
         biases = measured_biases(REFERENCE)
-        return {study: bias_note(list(self.of(study).specification), biases) for study in self.studies}
+        return {study: bias_effects(list(self.of(study).specification), biases) for study in self.studies}
 
     # Models
 

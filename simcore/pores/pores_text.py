@@ -5,6 +5,7 @@ import json
 import numpy as np
 from tabulate import tabulate
 
+from simcore.evaluation.rounding import error_decimals
 from simcore.pores.kozeny_carman import CONSTANT
 
 # Ratio to Zick and Homsy (1982) less 1, face-centred and simple cubic; docs/how_to/pores.md.
@@ -87,6 +88,6 @@ def _with_error(value, error):
     power = int(np.floor(np.log10(abs(value))))
     scale, suffix = (10.0**power, f" e{power:d}") if power < -3 else (1.0, "")
     value, error = value / scale, error / scale
-    decimals = int(np.clip(1 - np.floor(np.log10(error)), 0, 4)) if error > 0.0 else 4
+    decimals = error_decimals(error, digits=2)
     text = f"{value:.{decimals}f} ± {error:.{decimals}f}"
     return f"({text}){suffix.strip()}" if suffix else text

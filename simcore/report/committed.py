@@ -80,7 +80,7 @@ def gathered_packings(folder, studies):
     if not path.exists():
         return {}
     rows = pd.read_csv(path)
-    return {"collected": rows[rows["study"].isin(studies)].drop(columns=["table", "code", "command", "machine"])}
+    return {"collected": rows[rows["study"].isin(studies)].drop(columns=["table", "command"])}
 
 
 def notes_of_rows(biases, gathered):

@@ -1,130 +1,146 @@
-"""A static HTML page of tables and pictures that needs no other file."""
+"""One HTML page of text, tables and pictures that needs no other file: its parts, and its template.
 
-import base64
-from html import escape
-from pathlib import Path
-
-import pandas as pd
-
-# A picture of several panels gets the whole width of the page: panels in one row are recognised by width over height,
-# panels in several rows by the number of pixels.
-WIDE, WIDE_PIXELS = 1.6, 1200
-# Longer text is broken into lines.
-LONG_TEXT = 28
-# Longer tables are folded, so that the page stays short.
-ROWS_SHOWN = 24
-
-_STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 70rem; margin: 2rem auto; padding: 0 1rem; color: #1c2526; }
-h1, h2 { line-height: 1.2; } h2 { margin-top: 2.5rem; border-top: 1px solid #cdd4d5; padding-top: 1rem; }
-.scroll { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.85rem; margin: 0.5rem 0; }
-th, td { padding: 0.2rem 0.7rem; text-align: right; border-bottom: 1px solid #e3e8e8; white-space: nowrap; }
-th { background: #f1f4f4; white-space: normal; vertical-align: bottom; } td.text, th.text { text-align: left; }
-td.long { white-space: normal; min-width: 11rem; max-width: 22rem; } summary { cursor: pointer; font-size: 0.9rem; }
-figure { display: inline-block; margin: 1rem; vertical-align: top; max-width: 32rem; }
-figure.wide { display: block; max-width: none; }
-img { width: 100%; }
-figcaption, .note { color: #53605f; font-size: 0.9rem; }
-.file { color: #8a9695; font-size: 0.75rem; }
-.banner { background: #ffe9b8; padding: 0.6rem 1rem; font-weight: bold; }
-nav a { margin-right: 1rem; }
+The template, the style and the scripts are in the folder static/; static/vendor/ has the library that sorts tables.
 """
 
+import base64
+import io
+from importlib.resources import files
+from pathlib import Path
+from typing import NamedTuple
 
-def page(title, lead, sections, banner=""):
-    """Return the page as HTML text.
+from jinja2 import Environment, StrictUndefined
+from PIL import Image  # which matplotlib needs
 
-    lead: paragraph under the title; sections: list of (heading, list of HTML fragments from `paragraph`, `table`
-    and `picture`); banner: warning at the top of the page, none if empty.
-    """
-    links = " ".join(f'<a href="#{_anchor(heading)}">{escape(heading)}</a>' for heading, _ in sections)
-    parts = [
-        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>',
-        f"<style>{_STYLE}</style></head><body>",
-        f'<p class="banner">{escape(banner)}</p>' if banner else "",
-        f"<h1>{escape(title)}</h1>\n<p>{escape(lead)}</p>\n<nav>{links}</nav>",
-    ]
-    for heading, fragments in sections:
-        parts += [f'<h2 id="{_anchor(heading)}">{escape(heading)}</h2>', *fragments]
-    return "\n".join(filter(None, parts)) + "\n</body></html>\n"
+from simcore.report.figures.saving import RESOLUTION
+from simcore.report.tables import DETAILS, LONG_TEXT, read_table, show_table, table_name
+
+# Longer tables are folded, so that the page stays short.
+ROWS_SHOWN = 24
+# Pixels of the style sheet per inch of a figure; letters then have the same size in all figures.
+PIXELS_PER_INCH = 96
+SMALL_FILE = 20_000  # bytes
+LIBRARY = "sortable-tablesort 4.1.7"  # in static/vendor
+_SCRIPTS = ("vendor/sortable.js", "vendor/sortable.a11y.js", "page.js")
 
 
-def paragraph(text):
-    """Return a paragraph of plain text."""
-    return f'<p class="note">{escape(text)}</p>'
+class Section(NamedTuple):
+    """A heading with its parts; level 2, or 3 for a section of the one before."""
+
+    heading: str
+    parts: list
+    level: int = 2
+
+
+def paragraph(text, kind="note"):
+    """Return a paragraph of plain text, or of Markup; kind: note, answer, asked or outcome."""
+    return {"part": "paragraph", "text": text, "kind": kind}
 
 
 def bullets(texts):
     """Return a list of plain texts."""
-    items = "".join(f"<li>{escape(text)}</li>" for text in texts)
-    return f'<ul class="note">{items}</ul>'
+    return {"part": "bullets", "texts": list(texts)}
 
 
-def table(path, caption="", behind=()):
+def folded(title, parts):
+    """Return parts that a reader opens by their title."""
+    return {"part": "folded", "title": title, "parts": list(parts)}
+
+
+def table(path, caption="", details=DETAILS, name=None):
     """Return the CSV file at `path` as a table under a caption, in the format of `rows_table`.
 
-    A column `note` is left out, because the banner of the page has the same text. behind: columns that are moved to the
-    right end, so that the important columns are visible without scrolling.
+    name: of the table, which selects the meanings of its columns; by default its folder and stem.
     """
-    rows = pd.read_csv(path).drop(columns="note", errors="ignore")
-    rows = rows[[*rows.columns.difference(behind, sort=False), *(name for name in behind if name in rows)]]
-    return f'<p class="note">{_caption(caption, path)}</p>\n{rows_table(rows)}'
+    return rows_table(read_table(path), caption, name or table_name(path), details, str(path))
 
 
-def rows_table(rows):
-    """Return a DataFrame as a table: numbers with four significant digits, missing values empty.
+def rows_table(rows, caption="", name="", details=DETAILS, path=""):
+    """Return a DataFrame as a table with the text of `simcore.report.tables.show_table`.
 
-    Columns without any value are left out. A table of more than ROWS_SHOWN rows is folded.
+    A table of more than ROWS_SHOWN rows is folded. path: file with all digits, printed below the table.
     """
-    rows = rows.dropna(axis="columns", how="all") if len(rows) else rows
-    texts = [not pd.api.types.is_numeric_dtype(rows[name]) for name in rows]
-    # Column names may be broken after an underscore.
-    head = "".join(_element("th", name, text).replace("_", "_<wbr>") for name, text in zip(rows, texts, strict=True))
-    body = "\n".join(
-        "<tr>" + "".join(_element("td", value, text) for value, text in zip(row, texts, strict=True)) + "</tr>"
-        for row in rows.itertuples(index=False)
-    )
-    shown = f'<div class="scroll"><table><tr>{head}</tr>\n{body}</table></div>'
-    return shown if len(rows) <= ROWS_SHOWN else f"<details><summary>{len(rows)} rows</summary>\n{shown}</details>"
+    shown = show_table(rows, name, details)
+    return {"part": "table", "caption": caption, "path": path, "folded": len(rows) > ROWS_SHOWN, "table": shown}
 
 
 def picture(path, caption=""):
-    """Return the PNG file at `path`, embedded in the page, over a caption; a wide one has the width of the page."""
+    """Return the PNG file at `path`, embedded in the page, over a caption; the page shows it in its own size."""
     content = Path(path).read_bytes()
-    data, name = base64.b64encode(content).decode(), escape(caption or str(path))
-    # The first chunk of a PNG file contains width and height.
-    width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))
-    wide = ' class="wide"' if width > min(WIDE * height, WIDE_PIXELS) else ""
-    return (
-        f'<figure{wide}><img alt="{name}" src="data:image/png;base64,{data}">'
-        f"<figcaption>{_caption(caption, path)}</figcaption></figure>"
+    # The first chunk of a PNG file contains its width.
+    width = int.from_bytes(content[16:20], "big") * PIXELS_PER_INCH // RESOLUTION
+    data = base64.b64encode(_smaller(content)).decode()
+    return {"part": "picture", "caption": caption, "path": str(path), "data": data, "width": width}
+
+
+def _smaller(content):
+    """Return a PNG file with 256 colours instead of all, a third as large; a small file as it is."""
+    if len(content) < SMALL_FILE:
+        return content
+    written = io.BytesIO()
+    colours = Image.open(io.BytesIO(content)).convert("RGB").quantize(256, dither=Image.Dither.NONE)
+    colours.save(written, "PNG", optimize=True)
+    return min(written.getvalue(), content, key=len)
+
+
+def is_picture(part):
+    """Return whether a part comes from `picture`."""
+    return part["part"] == "picture"
+
+
+def page(title, lead, sections, banner="", made=""):
+    """Return the page as HTML text.
+
+    lead: paragraph under the title; sections: list of Section, or of (heading, parts); banner: warning at the top of
+    the page, none if empty; made: when and by which code the page was made, at its end.
+    """
+    sections = [Section(*section) for section in sections]
+    environment = Environment(undefined=StrictUndefined, autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    return environment.from_string(_read("page.html")).render(
+        title=title,
+        lead=lead,
+        banner=banner,
+        made=made,
+        contents=_contents(sections),
+        style=_read("page.css"),
+        scripts="\n".join(_read(name) for name in _SCRIPTS),
+        library=LIBRARY,
+        long_text=LONG_TEXT,
     )
 
 
-def is_picture(fragment):
-    """Return whether a fragment comes from `picture`."""
-    return fragment.startswith("<figure")
+def _contents(sections):
+    """Return the sections with their anchors, their parts numbered, each of level 2 with those of level 3 below it."""
+    counts, anchors, contents = {"table": 0, "picture": 0}, set(), []
+    for heading, parts, level in sections:
+        anchor = _anchor(heading)
+        while anchor in anchors:
+            anchor += "-"
+        anchors.add(anchor)
+        entry = {"heading": heading, "anchor": anchor, "parts": _numbered(parts, counts), "below": []}
+        if level == 2 or not contents:
+            contents.append(entry)
+        else:
+            contents[-1]["below"].append(entry)
+    return contents
 
 
-def _caption(text, path):
-    """Return the caption with the name of the file."""
-    return " ".join(filter(None, [escape(text), f'<span class="file">{escape(str(path))}</span>']))
-
-
-def _element(tag, value, text):
-    """Return a cell of a table; text: whether its column contains text instead of numbers."""
-    shown = _cell(value)
-    kinds = " ".join(["text"] * text + ["long"] * (text and len(shown) > LONG_TEXT))
-    return f'<{tag} class="{kinds}">{shown}</{tag}>' if kinds else f"<{tag}>{shown}</{tag}>"
-
-
-def _cell(value):
-    if pd.isna(value):
-        return ""
-    if not isinstance(value, float):
-        return escape(str(value))
-    return f"{value:.0f}" if 1000 <= abs(value) < 1e9 else f"{value:.4g}"
+def _numbered(parts, counts):
+    """Return the parts with the numbers of tables and figures; counts: the last numbers, which are increased."""
+    numbered = []
+    for part in parts:
+        if part["part"] in counts:
+            counts[part["part"]] += 1
+            part = part | {"number": counts[part["part"]]}
+        elif part["part"] == "folded":
+            part = part | {"parts": _numbered(part["parts"], counts)}
+        numbered.append(part)
+    return numbered
 
 
 def _anchor(heading):
     return "".join(letter if letter.isalnum() else "-" for letter in heading.lower())
+
+
+def _read(name):
+    return (files("simcore.report") / "static" / name).read_text(encoding="utf-8")

@@ -4,49 +4,34 @@ from pathlib import Path
 
 import pandas as pd
 
-from simcore.models.formulas import BEDS, formulas
-from simcore.reference.columns import FORM
-from simcore.report.page import bullets, page, paragraph, picture, rows_table, table
+from simcore.reference.columns.headings import find_heading
+from simcore.report.answers import answer, by_stem, how_sure, unseen
+from simcore.report.outcomes import outcome, shows_more
+from simcore.report.page import Section, bullets, folded, page, paragraph, picture, rows_table, table
+from simcore.report.words import value_in_words
 
-TITLE = "Scree: porosity from the form of grains"
+TITLE = "Scree: porosity of gravel from the form of its grains"
 LEAD = (
     "How porous is a bed of gravel, given the form of its grains? Packings were simulated by the discrete element "
-    "method: grains fall into a box, are shaken, and come to rest. This page shows the models of porosity fitted to "
-    "them, the cost of each study, {grains}and the results of each study. Porosity n is the volume fraction of voids, "
-    "from 0 to 1. Form is described by the axes L ≥ I ≥ S of a grain: flatness FL = S/I, elongation EL = I/L and "
-    "equancy EQ = S/L, which are 1 for a grain that is not flat and not elongated. X_inv is 1/X; mu and sigma are mean "
-    "and standard deviation over the grains. Columns that begin with r22_ contain the values of Rettinger, Rüde, "
-    "Vollmer and Frings (2022)."
+    "method: grains fall into a box, are shaken, and come to rest. Porosity n is the volume fraction of voids, from 0 "
+    "to 1. Form is described by the axes L ≥ I ≥ S of a grain: flatness FL = S/I, elongation EL = I/L and equancy EQ = "
+    "S/L, which are 1 for a grain that is not flat and not elongated. A number after ± is a standard error. Rettinger "
+    "et al. are Rettinger, Rüde, Vollmer and Frings (Granular Matter, 2022)."
 )
 STUDIES = (
-    "n: bulk porosity by volume-equivalent spheres, as by Rettinger et al.; n_exact: by slices of the grains "
-    "themselves. n_std_error: sampling error of the mean; n_seed_error: standard error from the scatter over the "
-    "seeds. r22_n: porosity given by Rettinger et al., which applies to their own, larger domains; for single forms "
-    "and mixtures it is the prediction of their fitted model for the forms of our packings. difference: n minus "
-    "r22_n; z: the difference divided by the standard error of both. model_n: prediction of our model; "
-    "model_difference: model_n minus r22_n, which compares the two models without the residuals of their packings. "
-    "cpu_h: CPU hours of all packings of a row."
-)
-CAMPAIGN = (
-    "r22_cpu_h: core hours that the program of Rettinger et al. takes for the same number of grains times steps. "
-    "relative_change: change from the lower to the upper end of the beds, divided by the mean; spearman_z: rank "
-    "correlation with height, divided by its standard error; isotropic: mean angle of long axes without a preferred "
-    "direction [rad], for comparison with the mean."
-)
-IN_SHORT = (
-    "The fitted models are for beds of clean gravel, poured and shaken. error: mean absolute error of porosity for "
-    "beds that were left out of the fit (cross-validation); range: forms to which the model was fitted; µ, σ: mean and "
-    "standard deviation over the grains of a bed; case: sieve curve, where U1 is a single sieve class; r22: formula of "
-    "Rettinger et al."
+    "A study is a table of packings in which one thing is varied. Values of Rettinger et al. apply to their own, "
+    "larger beds. For beds of one form and for distributions of form, they are predictions of their fitted models for "
+    "the forms of our packings."
 )
 COLLECTED = (
     "Number of packings gathered of each study, number planned, and estimated time for the rest. Packings with earlier "
     "settings are in the tables, but are not counted here."
 )
-BIASES = (
-    "Biases of porosity caused by numerical settings, size of the bed, duration of shaking and insertion height. They "
-    "were measured on separate packings."
-)
+EFFECTS = "Effects of the settings of this study on the porosity, measured on other packings. They may not be added."
+ANSWER, SURE, MODELS_HEADING, STUDIES_HEADING = "The answer", "How sure is this?", "Models", "Studies"
+COST_HEADING = "Cost, and order in the beds"
+# Studies that show how good the models are, so that they come before the others
+EVIDENCE = ("validation", "application")
 # Order of the tables and figures of simcore.report.committed that concern models; others follow the one whose name is a
 # prefix of theirs.
 MODELS = (
@@ -73,26 +58,10 @@ OF_A_STUDY = {
     "form_mixtures": "form_mixture_porosities",
     "equivalent_ellipsoids": "shape_kind_pairs",
 }
-# Columns of the tables of studies and models that are moved to the right end.
-BEHIND = (
-    "n_std",
-    "n_seed_error",
-    *FORM,
-    "r22_n_std",
-    "r22_n_error",
-    "grains",
-    "n_exact",
-    "coordination_number",
-    "bootstrap_lower_95",
-    "bootstrap_upper_95",
-    "feature_min",
-    "feature_max",
-    "r_squared",
-    "rmse",
-    "scatter",
-)
 WARNINGS_SHOWN, NAMES_SHOWN = 12, 3  # maximum number of warnings per study, and of packings per warning
 _CAPTIONS = {"application_predictions": "models_application"}
+# Columns of a study's table that it does not vary
+_NOT_VARIED = {"study", "source", "seed", "packing"}
 
 
 def read_caption(folder, name):
@@ -100,15 +69,8 @@ def read_caption(folder, name):
     return " ".join((Path(folder) / f"{name}.rst").read_text(encoding="utf-8").split())
 
 
-def in_short(paths):
-    """Return fragments with the formulas of the models whose tables of coefficients are among the CSV files `paths`."""
-    by_name = {Path(path).stem: path for path in paths}
-    tables = [formulas(pd.read_csv(by_name[name])) for name in BEDS if name in by_name]
-    return [paragraph(IN_SHORT), rows_table(pd.concat(tables, ignore_index=True))] if tables else []
-
-
 def packing_warnings(path):
-    """Return fragments that list the warnings of a study's packings, an empty list without warnings.
+    """Return parts that list the warnings of a study's packings, an empty list without warnings.
 
     path: CSV file with one row per packing, columns packing and warnings, from simcore.campaign.study_tables.tabulate.
     """
@@ -131,49 +93,120 @@ def _some_names(names):
     return f"{shown} and {others} more" if others > 0 else shown
 
 
-def committed_page(folder, titles, biases, captions):
+def study_section(title, path, question="", effects="", **more):
+    """Return the Section of a study: what was asked, what came out, its table, its effects and its figures.
+
+    path: its table. question: what was asked; by default it follows from the columns of the table. effects: measured
+    effects of its settings, (kind, text) each, or a text. more: caption of the table, warnings and pictures, lists of
+    parts; figure, the part with its porosities, which is left out if the sentences contain as much; first and remarks,
+    sentences before and after those on what came out.
+    """
+    rows = pd.read_csv(path).drop(columns="note", errors="ignore")
+    first, *others = [*more.get("first", ()), *outcome(rows)]
+    parts = [paragraph(question or _question(rows), "asked"), paragraph(first, "outcome")]
+    parts += [paragraph(" ".join(others), "text")] if others else []
+    parts += [paragraph(text, "text") for text in more.get("remarks", ())]
+    parts.append(table(path, more.get("caption") or _study_caption(rows)))
+    figure = more.get("figure")
+    parts += [figure] if figure is not None and shows_more(rows) else []
+    if isinstance(effects, str):
+        parts += [paragraph(effects)] if effects else []
+    elif effects:
+        listed = rows_table(pd.DataFrame(effects, columns=["of", "effect"]), EFFECTS, "report/effects")
+        parts.append(folded("Effects of the settings on these porosities", [listed]))
+    return Section(title, [*parts, *more.get("warnings", ()), *more.get("pictures", ())], 3)
+
+
+def _question(rows):
+    """Return what a study asks, from the settings that differ between its rows."""
+    end = list(rows).index("runs") if "runs" in rows else 0
+    varied = [name for name in list(rows)[:end] if name not in _NOT_VARIED and rows[name].nunique() > 1]
+    if not varied:
+        return "What is the porosity with these settings?"
+    return f"How does the porosity depend on: {', '.join(find_heading(name).words for name in varied)}?"
+
+
+def _study_caption(rows):
+    published = "r22_n" in rows and rows["r22_n"].notna().any()
+    return "Porosity for each setting of the study" + (
+        " and the values of Rettinger et al. (2022)." if published else "."
+    )
+
+
+def committed_page(folder, titles, biases, captions, questions=None, made=""):
     """Return the page of a campaign's committed rows as HTML text.
 
     folder: contains the tables and figures of simcore.report.committed, with collected.csv of the gathered packings.
-    titles, biases: dicts from the name of a study to its title and its text on biases. captions: folder of the
-    captions, as in `read_caption`.
+    titles, questions: dicts from the name of a study to its title and what it asks. biases: dict from the name to the
+    measured effects of its settings, as for `study_section`. captions: folder of the captions, as in `read_caption`.
+    made: when and by which code the page is made.
+    """
+    return page(TITLE, LEAD, committed_sections(folder, titles, biases, captions, questions or {}), "", made)
+
+
+def committed_sections(folder, titles, biases, captions, questions, names=(ANSWER, SURE, MODELS_HEADING)):
+    """Return the sections on a campaign's committed rows; arguments as of `committed_page`.
+
+    names: headings of the answer, of what it rests on, and of the models.
     """
     folder = Path(folder)
-    tables, figures = ({path.stem: path for path in sorted(folder.glob(f"*.{end}"))} for end in ("csv", "png"))
-    names_of_studies = {study: OF_A_STUDY.get(study, study) for study in titles}
+    tables, figures = (by_stem(sorted(folder.glob(f"*.{end}"))) for end in ("csv", "png"))
+    of_studies = {study: OF_A_STUDY.get(study, study) for study in titles}
+    studies = {
+        study: study_section(
+            titles[study],
+            tables[name],
+            questions.get(study, ""),
+            biases.get(study, ""),
+            first=unseen(tables) if study == "application" else (),
+            caption=read_caption(captions, "models_shape_kinds") if name == "shape_kind_pairs" else "",
+            figure=picture(figures[name], read_caption(captions, "study_porosities")) if name in figures else None,
+        )
+        for study, name in of_studies.items()
+        if name in tables
+    }
+    sections = [
+        Section(names[0], answer(tables)),
+        Section(names[1], how_sure(tables) if set(tables) & {"biases", *MODELS} else []),
+        *(section for study, section in studies.items() if study in EVIDENCE),
+        Section(names[2], _model_parts(tables, figures, of_studies.values(), captions)),
+        Section(STUDIES_HEADING, [paragraph(STUDIES)] if set(studies) - set(EVIDENCE) else []),
+        *(section for study, section in studies.items() if study not in EVIDENCE),
+        Section(COST_HEADING, _cost_parts(tables, figures, captions)),
+    ]
+    return without_empty(sections)
+
+
+def without_empty(sections):
+    """Return the sections that have parts, or sections of their own below them."""
+    following = [*sections[1:], None]
+    return [
+        section
+        for section, other in zip(sections, following, strict=True)
+        if section.parts or (section.level == 2 and other is not None and other.level == 3)
+    ]
+
+
+def _model_parts(tables, figures, of_studies, captions):
+    """Return the figures of models and, folded, their tables."""
 
     def of_models(paths):
-        names = [name for name in paths if name.startswith(MODELS) and name not in names_of_studies.values()]
+        names = [name for name in paths if name.startswith(MODELS) and name not in of_studies]
         names.sort(key=lambda name: (_place(name), not name.endswith("_synthetic"), name))
         return [(paths[name], _model_caption(captions, name)) for name in names]
 
-    def fragment(path, caption):
-        return picture(path, caption) if path.suffix == ".png" else table(path, caption, BEHIND)
+    drawn = [picture(*shown) for shown in of_models(figures)]
+    listed = [table(*shown) for shown in of_models(tables)]
+    return [*drawn, *([folded(f"Tables of the models ({len(listed)})", listed)] if listed else [])]
 
-    def caption_of(name):
-        return read_caption(captions, name)
 
-    cost = [paragraph(CAMPAIGN)]
+def _cost_parts(tables, figures, captions):
+    parts = []
     if "trends" in figures:
-        cost.append(fragment(figures["trends"], caption_of("campaign_trends")))
-    cost_tables = (
-        ("collected", COLLECTED, ()),
-        ("biases", BIASES, ("inserted", "kind", "source")),
-        ("trends", caption_of("campaign_trends"), ()),
-    )
-    cost += [table(tables[name], *arguments) for name, *arguments in cost_tables if name in tables]
-    sections = [
-        ("In short", in_short(tables.values())),
-        ("Models", [fragment(*shown) for shown in (*of_models(figures), *of_models(tables))]),
-        ("Cost, and order in the beds", cost),
-        ("Studies", [paragraph(STUDIES)]),
-    ]
-    for study, name in names_of_studies.items():
-        if name in tables:
-            shown = [fragment(figures[name], caption_of("study_porosities"))] if name in figures else []
-            caption = caption_of("models_shape_kinds" if name == "shape_kind_pairs" else "study_table")
-            sections.append((titles[study], [fragment(tables[name], caption), paragraph(biases[study]), *shown]))
-    return page(TITLE, LEAD.format(grains=""), [section for section in sections if section[1]])
+        parts.append(picture(figures["trends"], read_caption(captions, "campaign_trends")))
+    for name, caption in (("collected", COLLECTED), ("trends", read_caption(captions, "campaign_trends"))):
+        parts += [table(tables[name], caption)] if name in tables else []
+    return parts
 
 
 def _place(name):
@@ -189,4 +222,4 @@ def _model_caption(folder, name):
     if caption is None:
         return ""
     source = wanted.removeprefix(caption).strip("_")
-    return read_caption(folder, caption) + (f" Grains: {source}." if source else "")
+    return read_caption(folder, caption) + (f" Grains: {value_in_words('source', source)}." if source else "")

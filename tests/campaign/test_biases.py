@@ -4,7 +4,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.campaign.biases import INSERTIONS, SETTINGS, SHAKING, SIZE, bias_note, describe_settings, measured_biases
+from simcore.campaign.biases import (
+    INSERTIONS,
+    SETTINGS,
+    SHAKING,
+    SIZE,
+    bias_effects,
+    describe_settings,
+    measured_biases,
+)
 from simcore.scene.specification import resolve
 
 RAW = {
@@ -18,6 +26,11 @@ RAW = {
 
 def specification(**changes):
     return resolve({**RAW, **changes})
+
+
+def bias_note(specifications, biases):
+    """The effects of the settings of these packings as one text."""
+    return "; ".join(f"{kind}: {text}" for kind, text in bias_effects(specifications, biases))
 
 
 @pytest.fixture
@@ -124,7 +137,7 @@ def test_the_note_of_a_study_gives_the_bias_of_its_own_packings(folder):
         "settings: +0.0020 ± 0.0006 (standard instead of r22; 600 grains of all forms, inserted just above the bed)"
         in note
     )
-    assert "size of the bed: -0.0200" in note and "instead of 1200 grains in 63 mm; single forms)" in note
+    assert "size of the bed: −0.0200" in note and "instead of 1200 grains in 63 mm; single forms)" in note
     assert "time of shaking: +0.0050 ± 0.0003 (6 s instead of 12 s;" in note
     # The same settings, where grains fall from the study's heights; no bias is told of both.
     poured = specification(generation={"fill": "r22"})
@@ -132,21 +145,21 @@ def test_the_note_of_a_study_gives_the_bias_of_its_own_packings(folder):
     assert "settings: not measured for standard;" in bias_note([poured, specification()], biases)
     reference = {"domain": {"width": "63 mm", "height": "0.4 m"}, "amount": {"grains": 1200}}
     note = bias_note([specification(**reference)], biases)
-    assert "none for 1200 grains in 63 mm, the reference; others differ from it by -0.02" in note
+    assert "none for 1200 grains in 63 mm, the reference; others differ from it by −0.02" in note
     cylinder = {"domain": {"type": "cylinder", "width": "64 mm", "height": "0.5 m"}, "amount": {"mass": "0.3 kg"}}
     note = bias_note([specification(shaking={"duration": t}, **cylinder) for t in ("1 s", "2 s")], biases)
     assert note.endswith(
-        "of the size of the bed: not measured; of the time of shaking: not the same in all packings; "
-        "of the insertion: +0.0090 ± 0.0006 (just above the bed instead of at the heights of Rettinger et al.; 600 "
-        "grains of all forms)."
+        "size of the bed: not measured; time of shaking: not the same in all packings; "
+        "insertion: +0.0090 ± 0.0006 (just above the bed instead of at the heights of Rettinger et al.; 600 "
+        "grains of all forms)"
     )
     # Ellipsoids have a bias of their own where it was measured, and else that of grains.
     point = {"numerics": {"contact_time": "1 ms", "polyhedron_contact": "point"}, "generation": {"fill": "r22"}}
     note = bias_note([specification(**point)], biases)
-    assert "settings: -0.0030 ± 0.0000 (standard at the deepest point and contact time 1 ms instead of r22; 600" in note
+    assert "settings: −0.0030 ± 0.0000 (standard at the deepest point and contact time 1 ms instead of r22; 600" in note
     note = bias_note([specification(**point, shapes={"kind": "ellipsoid"})], biases)
     assert (
-        "settings: -0.0050 ± 0.0000 (standard at the deepest point and contact time 1 ms instead of a contact" in note
+        "settings: −0.0050 ± 0.0000 (standard at the deepest point and contact time 1 ms instead of a contact" in note
     )
     assert "time of 0.2 ms; 600 ellipsoids of one of 4 forms, inserted at the heights of Rettinger et al.)" in note
     poured_ellipsoids = specification(generation={"fill": "r22"}, shapes={"kind": "ellipsoid"})
@@ -155,6 +168,6 @@ def test_the_note_of_a_study_gives_the_bias_of_its_own_packings(folder):
     shorter = specification(numerics={"steps_per_contact_time": 14})
     note = bias_note([specification(), shorter, specification(seed=2)], biases)
     assert "settings: for 2 packings +0.0020 ± 0.0006 (standard instead of r22;" in note
-    assert "inserted just above the bed), for the other 1 not measured; of the size" in note
+    assert "inserted just above the bed), for the other 1 not measured; size" in note
     strewn = {"placement": "random", "orientation": "random"}
-    assert bias_note([specification(generation=strewn)], biases).endswith("of the insertion: not measured.")
+    assert bias_note([specification(generation=strewn)], biases).endswith("insertion: not measured")

@@ -188,9 +188,28 @@ def test_a_model_of_mixtures_needs_enough_of_them(packings):
     assert not plan_of().fits_mixtures
 
 
-def test_each_study_of_all_has_a_note_on_its_bias():
-    notes = plan_of().bias_notes()
-    assert list(notes) == ["single_form"] and notes["single_form"].startswith("Bias")
+def test_each_study_of_all_has_the_effects_of_its_settings():
+    effects = plan_of().bias_effects()
+    assert list(effects) == ["single_form"]
+    assert [kind for kind, _ in effects["single_form"]] == [
+        "settings",
+        "size of the bed",
+        "time of shaking",
+        "insertion",
+    ]
+
+
+def test_a_study_has_the_question_that_it_asks():
+    studies = {"asking": {"question": "Why?", "fixes": {"shapes": {"kind": "sphere"}}}}
+    questions = plan_of(studies=studies).questions
+    assert questions == {"asking": "Why?"}
+
+
+def test_the_report_begins_with_committed_rows_if_they_have_a_study_of_the_campaign():
+    assert (plan_of().committed_rows / "single_form.csv").exists()
+    assert plan_of(test_only=True).committed_rows is None
+    studies = {"single_form": None, "mine": {"fixes": {"shapes": {"kind": "sphere"}}}}
+    assert plan_of(studies=studies).committed_rows is None
 
 
 def test_a_bed_too_low_is_refused_with_its_name():

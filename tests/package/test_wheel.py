@@ -97,6 +97,8 @@ def test_all_data_are_in_the_wheel_and_nothing_but_the_package(wheel):
         assert f"simcore/data/{name}" in names
     assert "simcore/grains/scan_ranges.csv" in names
     assert {"simcore/page/static/page.html", "simcore/page/static/prediction.js"} <= names
+    static = "simcore/report/static"
+    assert {f"{static}/page.html", f"{static}/vendor/sortable.js", f"{static}/vendor/LICENSE"} <= names
 
 
 def test_porosities_of_table_2_are_those_of_the_clone(installed):

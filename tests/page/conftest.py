@@ -1,12 +1,10 @@
 """The page, written once, and a headless Chromium that shows it."""
 
-import shutil
-import warnings
-
 import pytest
 
 from simcore.models.fitting import fit_reference_models
 from simcore.page.writing import write_page
+from tests.helpers.browser import chromium
 
 
 @pytest.fixture(scope="package")
@@ -24,19 +22,8 @@ def page_file(fitted, tmp_path_factory):
 @pytest.fixture(scope="package")
 def browser():
     """Chromium without a network; skips with a warning where it is not installed."""
-    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        program = None
-    if program is None:
-        reason = "the page is not tested in a browser: install chromium (apt-get install chromium) and playwright (pip)"
-        warnings.warn(reason, stacklevel=1)
-        pytest.skip(reason)
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield chromium
-        chromium.close()
+    with chromium() as browser:
+        yield browser
 
 
 @pytest.fixture

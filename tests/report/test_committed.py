@@ -129,7 +129,10 @@ def test_rows_of_earlier_settings_have_no_note_on_today_s_bias(tmp_path):
     assert gathered_packings(tmp_path, ["one"]) == {}
     table.to_csv(tmp_path / "collected.csv", index=False)
     gathered = gathered_packings(tmp_path, ["one", "two", "three"])
-    assert list(gathered["collected"]) == ["study", "source", "packings"] and len(gathered["collected"]) == 3
+    assert (
+        list(gathered["collected"]) == ["study", "source", "packings", "code", "machine"]
+        and len(gathered["collected"]) == 3
+    )
     biases = {"one": "1", "two": "2", "three": "3"}
     assert notes_of_rows(biases, gathered) == biases | {"one": EARLIER}
     assert notes_of_rows(biases, {}) == biases

@@ -11,7 +11,7 @@ from snakemake.io import ancient
 
 from simcore.campaign.plan import Plan
 from simcore.grains.sources import source_files
-from simcore.paths import ROOT, find_this_python_first
+from simcore.paths import REFERENCE, ROOT, find_this_python_first
 from simcore.provenance.digest import digest
 from simcore.scene.specification import resolve
 from simcore.verification.outside import packings as outside_packings
@@ -95,8 +95,8 @@ def mpiexec(wildcards):
     return plan.mpiexec(wildcards.study, wildcards.packing)
 
 
-def bias_notes(wildcards):
-    return plan.bias_notes()
+def bias_effects(wildcards):
+    return plan.bias_effects()
 
 
 def specification_from_outside(wildcards):

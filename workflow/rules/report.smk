@@ -127,13 +127,18 @@ if len(corners):
             "../scripts/packing_pictures.py"
 
 
+# The page also follows from its captions, its template, style and scripts.
 captions = sorted(
-    f"workflow/report/{path.name}" for path in (ROOT / "workflow/report").iterdir()
+    os.path.relpath(path)
+    for folder in ("workflow/report", "simcore/report/static")
+    for path in (ROOT / folder).rglob("*.*")
 )
 
 
 rule report:
     input:
+        # The largest committed campaign comes first on the page.
+        committed=branch(plan.committed_rows is not None, then=["<results>/committed"]),
         grain_tables=branch(
             plan.shows_grains,
             then=collect(
@@ -187,7 +192,8 @@ rule report:
         "<results>/logs/report.log",
     params:
         titles=plan.titles,
-        biases=bias_notes,
+        questions=plan.questions,
+        biases=bias_effects,
         test_only=campaign["test_only"],
         code=digest("workflow/scripts/report.py", *captions),
     script:
@@ -195,22 +201,23 @@ rule report:
 
 
 # Tables, figures and a page of the committed rows: --configfile config/workstation.yaml -- committed_studies
+committed_rows = campaign["reference"] or os.path.relpath(REFERENCE)
+
+
 rule committed_studies:
     input:
-        rows=branch(
-            bool(campaign["reference"]),
-            then=sorted(map(str, Path(campaign["reference"] or "").glob("*.csv"))),
-        ),
+        rows=sorted(map(str, Path(committed_rows).glob("*.csv"))),
     output:
         folder=directory("<results>/committed"),
     log:
         "<results>/logs/committed_studies.log",
     params:
-        folder=campaign["reference"],
+        folder=committed_rows,
         seed=campaign["models"]["seed"],
         folds=campaign["models"]["folds"],
         titles=plan.titles,
-        biases=bias_notes,
+        questions=plan.questions,
+        biases=bias_effects,
         code=digest("workflow/scripts/committed_studies.py", *captions),
     script:
         "../scripts/committed_studies.py"

@@ -3,9 +3,12 @@
 from pathlib import Path
 
 from simcore.report.campaign_page import campaign_page
+from simcore.report.making import describe_making
 
 p, output = snakemake.params, snakemake.output
 captions = Path(snakemake.scriptdir).parent / "report"
-whole, tables_alone = campaign_page(snakemake.input, p.titles, p.biases, captions, p.test_only)
+whole, tables_alone = campaign_page(
+    snakemake.input, p.titles, p.biases, captions, p.questions, p.test_only, describe_making()
+)
 Path(output.report).write_text(whole, encoding="utf-8")
 Path(output.tables).write_text(tables_alone, encoding="utf-8")

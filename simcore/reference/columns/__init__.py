@@ -1,13 +1,13 @@
 """The columns of all tables: name, unit, meaning, name in the committed rows, and the key that is varied.
 
 `describe_columns` returns those of one table. Each group of tables has one file in this package: studies, deposits,
-models, campaign, verification, benchmarks, and r22 for the published tables of Rettinger et al. (2022).
+models, campaign, page, verification, benchmarks, and r22 for the published tables of Rettinger et al. (2022).
 """
 
 from fnmatch import fnmatch
 from pathlib import PurePath
 
-from simcore.reference.columns import benchmarks, campaign, deposits, models, r22, studies, verification
+from simcore.reference.columns import benchmarks, campaign, deposits, models, page, r22, studies, verification
 from simcore.reference.columns.column import Column
 from simcore.reference.columns.studies import (
     COLUMN_OF_KEY,
@@ -37,6 +37,7 @@ __all__ = [
 # first pattern that fits is valid, and of equal names the first group. A table without a pattern is one of a study.
 TABLES = {
     "gathered": (campaign.LEDGERS,),
+    "report/*": (page.PAGE, models.MODELS, COLUMNS),
     "*collected": (campaign.LEDGERS,),
     "deposits": (deposits.DEPOSITS,),
     "*deposits/maxima": (deposits.MAXIMA,),

@@ -45,30 +45,37 @@ def form_histograms(table, r22=None):
         axes.hist(values, edges, color="0.85", edgecolor="0.4", lw=0.6, label="grains of this set")
         x = np.linspace(0.2, 1, 200)
         grains = len(values) * (edges[1] - edges[0])
-        axes.plot(x, grains * norm.pdf(x, values.mean(), values.std(ddof=1)), "k", lw=1.2, label="normal, this set")
+        axes.plot(
+            x,
+            grains * norm.pdf(x, values.mean(), values.std(ddof=1)),
+            "k",
+            lw=1.2,
+            label="normal distribution, this set",
+        )
         if r22 is not None:
             density = norm.pdf(x, r22[f"mu_{factor}"], r22[f"sigma_{factor}"])
-            axes.plot(x, grains * density, "--", color="#b3541e", lw=1.6, label="normal, Rettinger et al.")
+            axes.plot(x, grains * density, "--", color="#b3541e", lw=1.6, label="normal distribution, Rettinger et al.")
         axes.set_title(f"mean {values.mean():.3f}, std {values.std(ddof=1):.3f}", fontsize="medium")
         axes.set(xlabel=f"{name} {factor} [-]", xlim=(0.2, 1))
     figure.axes[0].set_ylabel("number of grains [-]")
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)
+    handles = figure.axes[0].get_legend_handles_labels()
+    figure.legend(*handles, loc="outside lower center", ncols=3, frameon=False, fontsize="small")
     return figure
 
 
 def correlation_matrix(correlations):
-    """Draw the correlations of the form factors as a matrix of shades with their numbers. Returns Figure."""
+    """Draw the correlations of the form factors as a matrix of colours with their numbers. Returns Figure."""
     names = list(correlations.columns)
     figure = Figure(figsize=(6.6, 5.6), layout="constrained")
     axes = figure.subplots()
-    image = axes.imshow(correlations.abs(), cmap="Greys", vmin=0, vmax=1)
+    image = axes.imshow(correlations, cmap="RdBu", vmin=-1, vmax=1)
     for (row, column), value in np.ndenumerate(correlations.to_numpy()):
         colour = "white" if abs(value) > 0.6 else "black"
         axes.text(column, row, f"{value:.2f}".replace("-", "−"), ha="center", va="center", color=colour, fontsize=7)
     axes.set_xticks(range(len(names)), names, rotation=60)
     axes.set_yticks(range(len(names)), names)
     axes.set(xlabel="form factor", ylabel="form factor")
-    figure.colorbar(image, ax=axes, label="magnitude of Pearson's r [-] (the numbers show its sign)", shrink=0.85)
+    figure.colorbar(image, ax=axes, label="Pearson's r [-]", shrink=0.85)
     return figure
 
 

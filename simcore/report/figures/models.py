@@ -9,10 +9,10 @@ from simcore.grains.form import features as form_features
 STYLES = [("o", "#20313b"), ("s", "#b3541e"), ("^", "#7f9aa0"), ("D", "#c9a227"), ("v", "#6b4c7a"), ("P", "#4f7a4f")]
 LINES = ["-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1))]
 FEATURE_LABELS = {
-    "EQ_inv": "EQ$^{-1}$ = L/S [-]",
-    "JFF_inv": "JFF$^{-1}$ [-]",
-    "WFI": "WFI = (L + I)/(2 S) [-]",
-    "EL_inv": "EL$^{-1}$ = L/I [-]",
+    "EQ_inv": "longest over shortest axis L/S [-]",
+    "JFF_inv": "inverse Janke form factor [-]",
+    "WFI": "Wentworth flatness (L + I)/(2 S) [-]",
+    "EL_inv": "longest over middle axis L/I [-]",
 }
 R22_SPHERES = {"U1": 0.36}  # of equal spheres, approached by the ellipsoids in Fig. 10 of Rettinger et al.
 
@@ -63,7 +63,7 @@ def _draw_r22_line(axes, case, values, r22_models):
     model = model.iloc[0]
     line = np.array([values["EQ_inv"].min(), values["EQ_inv"].max()])
     n = model["intercept"] + model["EQ_inv"] * line + model["EL_inv"] * values["EL_inv"].mean()
-    label = f"Rettinger et al., Eq. {model['equation_arxiv']:.0f} at mean EL$^{{-1}}$ = {values['EL_inv'].mean():.2f}"
+    label = f"Rettinger et al., Eq. {model['equation_arxiv']:.0f} at mean L/I = {values['EL_inv'].mean():.2f}"
     axes.plot(line, n, ls="--", color="0.55", lw=1.6, label=label)
 
 
@@ -138,9 +138,12 @@ def shape_kind_figure(pairs, near_spheres=None):
                 n = R22_SPHERES[case]
                 label = f"equal spheres, Rettinger et al.: {n:g}"
                 axes.plot([1.0, 1.5], [n, n], "--", color="0.4", lw=1.0, zorder=0, label=label)
-        axes.axvline(2.0, color="0.6", lw=0.8, ls=":", zorder=0)
         rms = np.sqrt(np.mean((rows["n_mesh"] - rows["n_ellipsoid"]) ** 2))
-        axes.set(xlabel=FEATURE_LABELS["EQ_inv"], title=f"{case}: rms difference {rms:.4f}", xlim=(0.9, None))
+        axes.set(
+            xlabel=FEATURE_LABELS["EQ_inv"],
+            title=f"sieve curve {case}: difference {rms:.4f}, root mean square",
+            xlim=(0.9, None),
+        )
         axes.title.set_fontsize("medium")
     grid[0].set_ylabel("porosity n [-]")
     handles, labels = max((axes.get_legend_handles_labels() for axes in grid), key=lambda pair: len(pair[1]))
@@ -155,6 +158,8 @@ def _draw_near_spheres(axes, rows, bars):
     axes.plot(1.0 / rows["EQ"], rows["n"], color="#7f9aa0", lw=0.8, zorder=1)
     for mask, marker, label in ((~round_ones, "^", "ellipsoids with FL = EL"), (round_ones, "*", "spheres")):
         some = rows[mask]
+        if some.empty:
+            continue
         size = {"ms": 10} if marker == "*" else {}
         axes.errorbar(
             1.0 / some["EQ"], some["n"], some["n_std_error"], marker=marker, color="#7f9aa0", mec="black", mew=0.5,

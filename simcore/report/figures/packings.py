@@ -5,10 +5,12 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
+from simcore.evaluation.rounding import rounded
 from simcore.report.figures.rendering import project, render
 
 MM = 1e3
 # From dark slate to sand; lightness grows steadily, so that the scale can be read in grey.
+ONE_CLASS = 1.5  # sizes within this ratio are those of one sieve class, and their colours would show nothing
 STONES = LinearSegmentedColormap.from_list("stones", ["#2f4858", "#5f7f86", "#a9a68c", "#e0bf86", "#f7ead0"])
 
 
@@ -17,11 +19,11 @@ def profile_figure(profiles, bulk, title=""):
 
     profiles: dict from a label to a DataArray n(z) [z in m], at most four; bulk: Dataset as from bulk_porosity.
     """
-    figure = Figure(figsize=(4.6, 5.2), layout="constrained")
+    figure = Figure(figsize=(5.2, 4.0), layout="constrained")
     axes = figure.subplots()
     draw_profile(axes, profiles, bulk)
     axes.set_title(title)
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.02 if not title else 1.08), frameon=False, fontsize="small")
+    figure.legend(loc="outside right upper", frameon=False, fontsize="small")
     return figure
 
 
@@ -30,50 +32,84 @@ def draw_profile(axes, profiles, bulk=None):
     if bulk is not None:
         low, high = float(bulk["z_lower"]), float(bulk["z_upper"])
         axes.axhspan(low * MM, high * MM, color="0.92", zorder=0, label="evaluated interval")
-    styles = [("black", "-", 1.4), ("#b3541e", "--", 1.2), ("0.5", "-.", 1.2), ("#2f6f8f", ":", 1.4)]
+    styles = [("black", "-", 1.4), ("#2f6f8f", "--", 1.2), ("0.5", "-.", 1.2), ("0.3", ":", 1.4)]
     for (label, profile), (color, style, width) in zip(profiles.items(), styles, strict=False):
         axes.plot(profile, profile["z"] * MM, style, color=color, lw=width, label=label)
     if bulk is not None:
         n, error = float(bulk["n"]), float(bulk["n_std_error"])
-        axes.plot([n, n], [low * MM, high * MM], color="black", lw=0.8, label=f"bulk n = {n:.4f} ± {error:.4f}")
+        axes.plot([n, n], [low * MM, high * MM], color="#b3541e", lw=2.2, label=f"bulk n = {rounded(n, error)}")
         axes.axhline(float(bulk["bed_top"]) * MM, color="black", lw=0.8, ls=(0, (1, 3)), label="surface of the bed")
     axes.set(xlim=(0, 1), ylim=(0, None), xlabel="porosity n [-]", ylabel="height above the floor z [mm]")
 
 
 def packing_figure(packing, azimuth=-60.0, elevation=22.0, title="", pixels=900):
-    """Draw the packing with grains coloured by sieve size, and a scale bar; elevation 90 is from above."""
+    """Draw the packing with a scale bar; elevation 90 is from above.
+
+    The colour shows the sieve size of the grains, or L/S if they are of one sieve class and differ in form.
+    """
     figure = Figure(layout="constrained")
     axes = figure.subplots()
-    norm = size_norm(MM * packing["D"].values)
-    draw_packing(axes, packing, norm, azimuth, elevation, pixels)
+    measure, label = _colours([packing])
+    norm = size_norm(measure(packing))
+    draw_packing(axes, packing, norm, azimuth, elevation, pixels, measure)
     width, height = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
-    figure.set_size_inches(5.4 * width / max(width, height) + 1.2, 5.4 * height / max(width, height) + 0.4)
+    figure.set_size_inches(4.4 * width / max(width, height) + 1.0, 4.4 * height / max(width, height) + 0.4)
     axes.set_title(title)
     bar = figure.colorbar(ScalarMappable(norm, STONES), ax=axes, shrink=0.6, pad=0.02)
-    bar.set_label("sieve size D [mm]")
+    bar.set_label(label)
     return figure
 
 
 def packings_figure(packings, azimuth=-90.0, elevation=90.0, pixels=600):
-    """Draw several packings side by side with one colour scale; packings: dict from a label to a Dataset."""
+    """Draw several packings side by side in one scale, of colour and of length.
+
+    packings: dict from a label to a Dataset. Colours are those of `packing_figure`.
+    """
     columns = min(len(packings), 2)
     rows = -(-len(packings) // columns)
     figure = Figure(figsize=(1.0 + 3.2 * columns, 3.3 * rows), layout="constrained")
     grid = figure.subplots(rows, columns, squeeze=False)
-    norm = size_norm(np.concatenate([MM * packing["D"].values for packing in packings.values()]))
+    measure, colour_label = _colours(packings.values())
+    norm = size_norm(np.concatenate([measure(packing) for packing in packings.values()]))
     for axes in grid.flat:
         axes.set_axis_off()
     for axes, (label, packing) in zip(grid.flat, packings.items(), strict=False):
-        draw_packing(axes, packing, norm, azimuth, elevation, pixels)
+        draw_packing(axes, packing, norm, azimuth, elevation, pixels, measure)
         axes.set_title(label, fontsize="medium")
+    _share_span(grid.flat[: len(packings)])
     bar = figure.colorbar(ScalarMappable(norm, STONES), ax=grid, shrink=0.6, pad=0.02)
-    bar.set_label("sieve size D [mm]")
+    bar.set_label(colour_label)
     return figure
 
 
-def draw_packing(axes, packing, norm, azimuth, elevation, pixels):
-    """Draw a packing, the outline of its floor and a scale bar into `axes`, [mm]."""
-    image, extent = render(packing, STONES(norm(MM * packing["D"].values))[:, :3], azimuth, elevation, pixels)
+def _share_span(panels):
+    """Give all panels the same width and height in mm, so that a grain has the same size in each."""
+    limits = [(axes.get_xlim(), axes.get_ylim()) for axes in panels]
+    width, height = (max(np.ptp(limit[k]) for limit in limits) for k in (0, 1))
+    for axes, (x, y) in zip(panels, limits, strict=True):
+        axes.set_xlim(np.mean(x) - 0.5 * width, np.mean(x) + 0.5 * width)
+        axes.set_ylim(y[0], y[0] + height)
+
+
+def _sizes(packing):
+    return MM * packing["D"].values
+
+
+def _elongations(packing):
+    return packing["L"].values / packing["S"].values
+
+
+def _colours(packings):
+    """Return what the colours of the grains show, a function of a packing, and its label."""
+    sizes, ratios = (np.concatenate([of(packing) for packing in packings]) for of in (_sizes, _elongations))
+    if np.ptp(ratios) > 0.05 and sizes.max() <= ONE_CLASS * sizes.min():
+        return _elongations, "longest over shortest axis L/S [-]"
+    return _sizes, "sieve size D [mm]"
+
+
+def draw_packing(axes, packing, norm, azimuth, elevation, pixels, measure=_sizes):
+    """Draw a packing, the outline of its floor and a scale bar into `axes`, [mm]; measure: what the colour shows."""
+    image, extent = render(packing, STONES(norm(measure(packing)))[:, :3], azimuth, elevation, pixels)
     floor = MM * project(_floor_outline(packing), azimuth, elevation)
     axes.plot(*floor.T, color="0.6", lw=0.8, zorder=1)
     axes.imshow(image, extent=[MM * edge for edge in extent], zorder=2, interpolation="antialiased")

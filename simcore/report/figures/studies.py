@@ -4,7 +4,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from simcore.report.figures.models import FEATURE_LABELS, LINES, STYLES
+from simcore.reference.columns.headings import find_heading
+from simcore.report.figures.models import LINES, STYLES
+from simcore.report.words import value_in_words
 
 R22 = "Rettinger et al."  # in legends
 OUR_STYLE, R22_STYLE = {"color": "#20313b", "fmt": "o"}, {"color": "#b3541e", "fmt": "D", "mfc": "white"}
@@ -59,10 +61,12 @@ def study_figure(table, label):
             table["experiment_n"], y - 0.17, xerr=table["experiment_n_std"], fmt="s", color="0.55", ms=5, capsize=2,
             label="experiment (± std.)",
         )  # fmt: skip
-    names = table[list(label)].map(lambda value: f"{value:g}" if isinstance(value, float) else str(value))
-    axes.set_yticks(y, names.agg(", ".join, axis=1))
-    axes.set(xlabel="porosity n [-]", ylim=(-0.7, len(table) - 0.3), title=", ".join(label))
-    axes.title.set_fontsize("medium")
+    names = [
+        ", ".join(_label(name, value) for name, value in row.items()) for row in table[list(label)].to_dict("records")
+    ]
+    axes.set_yticks(y, names)
+    axes.set(xlabel="porosity n [-]", ylim=(-0.7, len(table) - 0.3))
+    axes.set_ylabel("\n".join(find_heading(name).words for name in label))
     axes.grid(axis="x", color="0.9")
     axes.set_axisbelow(True)
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")
@@ -98,7 +102,7 @@ def sweep_figure(table, column):
     axes.margins(x=0.08)
     axes.grid(color="0.93", lw=0.6)
     axes.set_axisbelow(True)
-    figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize="small")
+    figure.legend(loc="outside lower center", ncols=1, frameon=False, fontsize="small")
     return figure
 
 
@@ -120,7 +124,7 @@ def equancy_figure(table):
                 x, rows["r22_n"], rows.get("r22_n_error"), ms=5, elinewidth=0.8,
                 label=f"model of {R22} for these forms (± its error)", **R22_STYLE,
             )  # fmt: skip
-        axes.set(xlabel=FEATURE_LABELS["EQ_inv"].replace("EQ", "mean EQ"), title=case)
+        axes.set(xlabel="1/mean equancy, L/S [-]", title=f"sieve curve {case}")
         axes.title.set_fontsize("medium")
         axes.grid(color="0.93", lw=0.6)
         axes.set_axisbelow(True)
@@ -165,6 +169,14 @@ def trends_figure(trends):
     bar = Line2D([], [], color="#20313b", lw=0.9, label="± 2 standard errors")
     figure.legend(handles=[*points, bar], loc="outside lower center", ncols=3, frameon=False, fontsize="small")
     return figure
+
+
+def _label(name, value):
+    """Return a setting of a row as text: numbers in the printed unit, names in words."""
+    heading = find_heading(name)
+    if isinstance(value, float):
+        return f"{heading.factor * value:g}" + (f" {heading.unit}" if heading.unit else "")
+    return value_in_words(name, value)
 
 
 def _bars(std):

@@ -20,7 +20,7 @@ def draw_fields(axes, lowest=0.2):
     axes.axhline(2 / 3, color="0.6", lw=0.8, zorder=0)
     for x, y, name in FIELDS:
         side, base = ("left" if x < 0.5 else "right"), ("bottom" if y < 0.5 else "top")
-        axes.text(x, y, name, ha=side, va=base, color="0.35", style="italic", transform=axes.transAxes)
+        axes.text(x, y, name, ha=side, va=base, color="0.2", style="italic", transform=axes.transAxes)
     axes.set(xlim=(lowest, 1.02), ylim=(lowest, 1.02), xlabel=FLATNESS, ylabel=ELONGATION)
     axes.set_aspect("equal")
 
@@ -43,7 +43,7 @@ def porosity_zingg_figure(packings, models=None):
         image = axes.scatter(
             rows["FL"], rows["EL"], c=rows["n"], cmap=SHADES, vmin=low, vmax=high, s=42, ec="black", lw=0.5, zorder=3
         )
-        axes.set_title(f"{case}, {len(rows)} forms", fontsize="medium")
+        axes.set_title(f"sieve curve {case}, {len(rows)} forms", fontsize="medium")
     figure.colorbar(image, ax=grid, label=POROSITY, shrink=0.85)
     return figure
 
@@ -69,7 +69,7 @@ def form_sets_figure(mixtures):
             color = image.cmap(image.norm(row["n"]))
             axes.add_patch(Ellipse((row["mu_FL"], row["mu_EL"]), *size, fill=False, ec=color, lw=0.9, zorder=2))
         if case:
-            axes.set_title(f"{case}, {len(rows)} mixtures", fontsize="medium")
+            axes.set_title(f"sieve curve {case}, {len(rows)} mixtures", fontsize="medium")
     figure.colorbar(image, ax=grid, label=POROSITY, shrink=0.85)
     return figure
 

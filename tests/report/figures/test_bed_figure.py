@@ -6,6 +6,7 @@ import pytest
 from simcore.__main__ import main
 from simcore.evaluation.axis_statistics import density_per_solid_angle, grain_axes
 from simcore.evaluation.porosity import bulk_porosity, porosity_profile
+from simcore.evaluation.rounding import rounded
 from simcore.packing.file import write_packing
 from simcore.report.figures.bed import INCLINATIONS, SECTORS, bed_figure
 from tests.helpers.packings import make_packing, sphere_lattice
@@ -40,7 +41,7 @@ def test_every_panel_shows_its_numbers(tmp_path):
     profile = lines(shown["porosity n [-]"])
     expected = porosity_profile(bed, 1e-3, "exact")
     np.testing.assert_allclose(profile["n(z)"].get_xdata(), expected["porosity"])
-    assert f"bulk n = {float(bulk['n']):.4f} ± {float(bulk['n_std_error']):.4f}" in profile
+    assert f"bulk n = {rounded(float(bulk['n']), float(bulk['n_std_error']))}" in profile
     sizes = lines(shown["sizes of the grains"])
     x, y = sizes["grains of the packing"].get_data()
     np.testing.assert_allclose(x, 1e3 * np.sort(bed["D"].values))
@@ -81,7 +82,7 @@ def test_the_command_writes_the_figure_beside_the_packing_or_where_told(tmp_path
     assert main(["plot", str(tmp_path / "bed.nc"), str(tmp_path / "new" / "bed.svg"), "--cut", "8 mm"]) == 0
     text = (tmp_path / "new" / "bed.svg").read_text()
     bulk = bulk_porosity(ellipsoids(), "exact", 8e-3)
-    assert "Packing strewn" in text and f"bulk n = {float(bulk['n']):.4f}" in text
+    assert "Packing strewn" in text and f"bulk n = {rounded(float(bulk['n']), float(bulk['n_std_error']))}" in text
 
 
 def test_a_bed_too_low_to_evaluate_is_drawn_with_a_note(tmp_path, capsys):

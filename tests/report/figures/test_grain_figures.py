@@ -46,7 +46,7 @@ def test_r22_grains_are_shown_with_ours(table, tmp_path):
     check(figure, tmp_path / "a.png")
     figure = figures.form_histograms(table, study)
     for axes, mean in zip(figure.axes, (0.647, 0.682), strict=True):
-        theirs = {line.get_label(): line for line in axes.lines}["normal, Rettinger et al."]
+        theirs = {line.get_label(): line for line in axes.lines}["normal distribution, Rettinger et al."]
         assert abs(theirs.get_xdata()[np.argmax(theirs.get_ydata())] - mean) < 0.8 / 199
     check(figure, tmp_path / "b.png")
 

@@ -6,6 +6,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from simcore.evaluation.porosity import bulk_porosity, porosity_profile
+from simcore.evaluation.rounding import rounded
 from simcore.grains.form import features
 from simcore.models.regression import fit
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
@@ -48,7 +49,7 @@ def test_profile_shows_both_methods_and_the_interval(bed, tmp_path):
     lines = {line.get_label(): line for line in figure.axes[0].get_lines()}
     np.testing.assert_allclose(lines["spheres"].get_xdata(), profiles["spheres"])
     np.testing.assert_allclose(lines["exact"].get_ydata(), 1e3 * profiles["exact"]["z"])
-    assert any(f"{float(bulk['n']):.4f}" in label for label in lines)
+    assert f"bulk n = {rounded(float(bulk['n']), float(bulk['n_std_error']))}" in lines
 
 
 @pytest.mark.parametrize("domain", ["periodic", "cylinder"])
@@ -77,11 +78,11 @@ def test_form_figure_has_a_fit_for_each_case_and_feature(forms, study, tmp_path)
     # Panels share their axes: the labels stand below and at the left.
     assert [axes.get_ylabel() for axes in figure.axes[::3]] == ["U1: porosity n [-]", "U7: porosity n [-]"]
     assert [axes.get_xlabel() for axes in figure.axes[3:]] == [
-        "EQ$^{-1}$ = L/S [-]", "JFF$^{-1}$ [-]", "WFI = (L + I)/(2 S) [-]",
+        "longest over shortest axis L/S [-]", "inverse Janke form factor [-]", "Wentworth flatness (L + I)/(2 S) [-]",
     ]  # fmt: skip
     assert set(legend(figure.axes[0])) == {
         "6 forms", "fit: r = 1.000 (Rettinger et al. 0.964)",
-        f"Rettinger et al., Eq. 17 at mean EL$^{{-1}}$ = {forms.L[:6].mean():.2f}",
+        f"Rettinger et al., Eq. 17 at mean L/I = {forms.L[:6].mean():.2f}",
     }  # fmt: skip
     assert set(legend(figure.axes[3])) == {"6 forms", "fit: r = 1.000"}
     lines = {line.get_label(): line.get_xydata() for line in figure.axes[0].lines}

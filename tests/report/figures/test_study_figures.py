@@ -56,7 +56,7 @@ def test_forms_are_drawn_over_their_equancy(tmp_path):
     figure = porosities_figure(rows, ["case"])
     figure.savefig(tmp_path / "f.png", dpi=40)
     first, second = figure.axes
-    assert first.get_xlabel() == "mean EQ$^{-1}$ = L/S [-]" and first.get_ylabel() == "porosity n [-]"
+    assert first.get_xlabel() == "1/mean equancy, L/S [-]" and first.get_ylabel() == "porosity n [-]"
     np.testing.assert_allclose(error_bar_points(first)["simulated (± std. error)"], [[2, 0.36], [4, 0.4]])
     np.testing.assert_allclose(
         error_bar_points(first)["model of Rettinger et al. for these forms (± its error)"][:, 1], [0.35, 0.38]

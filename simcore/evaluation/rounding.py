@@ -1,0 +1,36 @@
+"""Numbers rounded to their errors, as text."""
+
+import numpy as np
+
+MOST_DECIMALS = 4  # for errors that are nearly zero
+
+
+def error_decimals(error, digits=None, most=MOST_DECIMALS):
+    """Return the number of decimals at which an error has that many significant digits, at most `most`.
+
+    digits: None gives one digit, or two if the first digit is 1, so that rounding changes the error by a quarter at
+    most. An error that is zero, negative or not finite has `most` decimals.
+    """
+    if not (np.isfinite(error) and error > 0.0):
+        return most
+    power = int(np.floor(np.log10(error)))
+    if digits is None:
+        digits = 2 if error < 1.95 * 10.0**power else 1
+    return int(np.clip(digits - 1 - power, 0, most))
+
+
+def rounded(value, error=np.nan, decimals=3, sign=""):
+    """Return a value as text, rounded to its error: "0.398 ± 0.005"; with `decimals` if it has no error.
+
+    sign: "+" writes the sign of positive values too. A negative number has a minus sign, not a hyphen. A value that is
+    not finite gives an empty text.
+    """
+    if not np.isfinite(value):
+        return ""
+    if np.isfinite(error):
+        decimals = error_decimals(error)
+    text = f"{value:{sign}.{decimals}f}"
+    if float(text) == 0.0:
+        text = text.lstrip("+-")
+    text = text.replace("-", "−")
+    return f"{text} ± {error:.{decimals}f}" if np.isfinite(error) else text

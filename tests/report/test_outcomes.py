@@ -1,0 +1,68 @@
+"""Sentences on what came out of a study."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from simcore.reference.r22_tables import add_reference
+from simcore.report.outcomes import outcome, shows_more
+
+
+def table(**columns):
+    return pd.DataFrame({"case": "U1", "runs": 1, "n_std_error": 0.004} | columns)
+
+
+def test_a_comparison_with_the_experiment_counts_the_near_ones():
+    rows = add_reference(table(case=["U1", "U3"], n=[0.384, 0.39], study="validation"), "validation")
+    first, published, difference = outcome(rows)
+    percent = 100 * (np.array([0.384 / 0.371, 0.39 / 0.356]) - 1)
+    assert f"by +{percent[0]:.1f} to +{percent[1]:.1f} %; 1 of 2 sieve curves are within 5 %" in first
+    assert "Rettinger et al." in published and "+3.3 to +3.8 %" in published
+    assert "2 settings differ by +0.011 on average" in difference
+
+
+@pytest.mark.parametrize(("end", "verdict"), [(0.30, "−0.050 ± 0.006, more than"), (0.345, "−0.005 ± 0.006, not more")])
+def test_the_change_over_a_setting_is_compared_with_its_error(end, verdict):
+    rows = table(shaking_s=[2.0, 0.5, 1.0], n=[end, 0.35, 0.2])
+    (sentence,) = outcome(rows)
+    assert sentence.startswith(f"U1: from 0.5 s of shaking to 2 s of shaking the porosity changes by {verdict}")
+
+
+def test_words_among_numbers_come_last_and_widths_are_in_millimetres():
+    (sentence,) = outcome(table(faces=["original", "50"], n=[0.38, 0.4]))
+    assert "from 50 faces to original faces the porosity changes by −0.020" in sentence
+    (sentence,) = outcome(table(width_m=[0.036, 0.06], n=[0.35, 0.37]))
+    assert "from 36 mm to 60 mm" in sentence
+
+
+def test_the_densest_form_near_the_sphere_is_named():
+    rows = table(shape_kind=["sphere", "ellipsoid", "ellipsoid"], n=[0.36, 0.32, 0.33])
+    rows = rows.assign(flatness=[1.0, 0.8, 0.7], elongation=[1.0, 0.8, 0.7])
+    lowest, spheres = outcome(rows)
+    assert "lowest for L/S = 1.6: 0.320 ± 0.004" in lowest and "which is 0.040 ± 0.006 more" in spheres
+    (alone,) = outcome(rows[1:2])
+    assert alone == "The porosity for L/S = 1.6 is 0.320 ± 0.004."
+
+
+def test_forms_have_the_range_of_each_source_and_the_difference_to_the_published_model():
+    rows = table(grain=["a", "b"] * 2, source=["scans"] * 2 + ["synthetic"] * 2, n=[0.3, 0.4, 0.31, 0.39])
+    rows = rows.assign(EQ=[0.8, 0.25] * 2, difference=[0.01, -0.01, 0.01, -0.01])
+    scans, _, difference = outcome(rows)
+    assert scans.startswith("Scanned grains: the porosity rises from 0.300 ± 0.004 (L/S = 1.2) to 0.400")
+    assert "4 settings differ by 0.000 on average and by 0.010 root mean square" in difference
+
+
+def test_polyhedra_are_compared_with_their_ellipsoids():
+    pairs = pd.DataFrame({"case": "U1", "n_mesh": [0.36, 0.33, 0.36], "n_ellipsoid": [0.35, 0.33, 0.34]})
+    (sentence,) = outcome(pairs)
+    assert "+0.010 ± 0.006 on average over 3 forms; polyhedra are looser for 2 of them" in sentence
+
+
+def test_any_other_study_has_its_range_with_its_settings_and_one_setting_its_value():
+    rows = table(friction_law=["a", "b"], n=[0.35, 0.38])[["case", "friction_law", "runs", "n", "n_std_error"]]
+    (sentence,) = outcome(rows)
+    assert "between 0.350 ± 0.004 (law of friction a) and 0.380 ± 0.004 (law of friction b)" in sentence
+    assert "0.030 ± 0.006 is more than twice" in sentence
+    assert outcome(rows[:1]) == ["The porosity is 0.350 ± 0.004."]
+    assert outcome(rows.assign(n=np.nan)) == ["The table has no porosities."]
+    assert not shows_more(rows) and shows_more(pd.concat([rows, rows]))
