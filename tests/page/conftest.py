@@ -19,7 +19,7 @@ def page_file(fitted, tmp_path_factory):
     return path
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")  # playwright allows one at a time in a process
 def browser():
     """Chromium without a network; skips with a warning where it is not installed."""
     with chromium() as browser:
