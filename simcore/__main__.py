@@ -40,13 +40,13 @@ def main(arguments=None) -> int:
         if missing not in EXTRAS:
             raise
         print(
-            f"simcore {options.command}: this needs the package {missing}, which is not installed; install it with: "
+            f"scree {options.command}: this needs the package {missing}, which is not installed; install it with: "
             f"pip install 'scree[{EXTRAS[missing]}]'",
             file=sys.stderr,
         )
         return 2
     except (ValueError, OSError) as error:
-        print(f"simcore {options.command}: {error}", file=sys.stderr)
+        print(f"scree {options.command}: {error}", file=sys.stderr)
         return 2
 
 

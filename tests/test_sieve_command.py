@@ -85,6 +85,6 @@ def test_wrong_input_ends_with_one_line_and_leaves_no_file(folder, capsys):
     ):
         assert main(["sieve", *arguments]) == 2
         told = capsys.readouterr()
-        assert told.err.startswith("simcore sieve: ") and message in told.err
+        assert told.err.startswith("scree sieve: ") and message in told.err
         assert told.err.count("\n") == 1 and told.out == ""
     assert [path.name for path in folder.iterdir()] == ["field.csv"]

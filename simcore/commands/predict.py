@@ -62,7 +62,7 @@ def run(options) -> int:
         "column": options.sample,
         "level": options.level,
         "form": options.form,
-        "notify": lambda notice: print(f"simcore predict: {notice}", file=sys.stderr),
+        "notify": lambda notice: print(f"scree predict: {notice}", file=sys.stderr),
     }
     if options.sieve is not None:
         print(_of_curve(options, common))
