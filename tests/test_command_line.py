@@ -2,11 +2,14 @@
 
 import json
 import re
+import subprocess
+import sys
 
 import pytest
 import xarray as xr
 
 from simcore.__main__ import main
+from simcore.paths import ROOT
 
 GOOD = """
 name: tiny
@@ -140,3 +143,9 @@ def test_an_output_that_cannot_be_written_is_an_error_before_the_work(folder, ca
     assert main(["pack", str(folder / "good.yaml"), str(folder / "file" / "out.nc")]) == 2
     told = capsys.readouterr().err
     assert told.count("\n") == 1 and "generating" not in told
+
+
+def test_a_closed_pipe_ends_without_a_traceback():
+    command = f"{sys.executable} -m simcore --print-completion bash | head -n 1"
+    done = subprocess.run(command, shell=True, cwd=ROOT, capture_output=True, text=True)
+    assert done.stdout.count("\n") == 1 and done.stderr == ""

@@ -169,6 +169,10 @@ def _what_is_missing(header, names):
             f"{' and '.join(named)} may be defined in several ways; if FL = S/I and EL = I/L are meant, name the "
             "columns FL and EL"
         )
+    for name in header:
+        unit = re.fullmatch(r"(.*?)\s*[\[(]\s*(.*?)\s*[\])]", name)
+        if unit and any(_matches(axis, unit[1]) for axis in _AXIS_NAMES.values()):
+            return f"the column {name} has the unknown unit '{unit[2]}'; axes are in m, cm, mm, µm, in, ft or pixels"
     if any(re.match(r"[-+.]?\d", name) for name in header):
         return f"the first row ({columns}) contains numbers where the names of the columns are needed"
     return f"none of its columns ({columns}) is an axis or a form"

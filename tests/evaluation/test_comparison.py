@@ -149,7 +149,7 @@ def test_wrong_input_is_one_line(tmp_path, capsys):
     for arguments, message in (
         ([a], "1 packing is given; give at least two"),
         ([a, a], "given twice"),
-        ([a, b, "--cut", "1 m"], "a.nc: evaluation_interval: the bed is"),
+        ([a, b, "--cut", "1 m"], "a.nc: the bed is"),
         ([a, str(tmp_path / "none.nc")], "there is no such file"),
     ):
         assert main(["compare", *arguments]) == 2

@@ -74,6 +74,7 @@ def test_statistics_are_samples_of_independent_flatness_and_elongation(read, nam
         ),
         ("flatness,elongation\n0.5,0.5\n", "flatness and elongation may be defined in several ways; .* FL and EL"),
         ("L,I,S,Length\n4,2,1,4\n", "the columns L and Length are both L"),
+        ("L [furlong],I [furlong],S [furlong]\n3,2,1\n", r"L \[furlong\] has the unknown unit 'furlong'; axes are in"),
         ("x,y\n1,2\n", r"none of its columns \(x, y\) is an axis or a form"),
         ("a,b\n2,1\n", "the column S is missing beside a, b"),
         ("4,2,1\n5,3,2\n", r"the first row \(4, 2, 1\) contains numbers where the names of the columns are needed"),
