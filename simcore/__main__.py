@@ -23,7 +23,10 @@ def main(arguments=None) -> int:
     """
     called = os.path.basename(sys.argv[0])
     prog = "scree" if called in ("scree", "scree.exe") else "python -m simcore"
-    options = command_parser(prog).parse_args(arguments)
+    try:
+        options = command_parser(prog).parse_args(arguments)
+    except BrokenPipeError:
+        return _broken_pipe()
     # Numba reads its number of threads when it is imported, and the variable must not change afterwards.
     if getattr(options, "threads", None) and "numba" not in sys.modules:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(max(options.threads, 1)))
@@ -32,22 +35,26 @@ def main(arguments=None) -> int:
         sys.stdout.flush()
         return status
     except BrokenPipeError:
-        # Otherwise Python reports an error at exit for the text that is still in the buffer.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return BROKEN_PIPE
+        return _broken_pipe()
     except ImportError as error:
         missing = (error.name or "").partition(".")[0]
         if missing not in EXTRAS:
             raise
         print(
-            f"simcore {options.command}: this needs the package {missing}, which is not installed; install it with: "
+            f"scree {options.command}: this needs the package {missing}, which is not installed; install it with: "
             f"pip install 'scree[{EXTRAS[missing]}]'",
             file=sys.stderr,
         )
         return 2
     except (ValueError, OSError) as error:
-        print(f"simcore {options.command}: {error}", file=sys.stderr)
+        print(f"scree {options.command}: {error}", file=sys.stderr)
         return 2
+
+
+def _broken_pipe():
+    """Return the exit status. Otherwise Python reports an error at exit for the text that is still in the buffer."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return BROKEN_PIPE
 
 
 def command_parser(prog: str) -> argparse.ArgumentParser:
@@ -86,7 +93,7 @@ class _Completion(argparse.Action):
         import shtab
 
         parser.prog = "scree"
-        print(shtab.complete(parser, values))
+        print(shtab.complete(parser, values), flush=True)
         parser.exit()
 
 

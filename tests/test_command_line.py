@@ -2,11 +2,14 @@
 
 import json
 import re
+import subprocess
+import sys
 
 import pytest
 import xarray as xr
 
 from simcore.__main__ import main
+from simcore.paths import ROOT
 
 GOOD = """
 name: tiny
@@ -66,7 +69,7 @@ def test_pack_then_porosity(folder, capsys):
         for command in ("porosity", "fabric"):
             assert main([command, str(output), f"--cut={cut}"]) == 2
             told = capsys.readouterr()
-            assert told.err.startswith(f"simcore {command}: --cut: ") and reason in told.err
+            assert told.err.startswith(f"scree {command}: --cut: ") and reason in told.err
             assert told.err.count("\n") == 1 and told.out == ""
 
 
@@ -90,7 +93,7 @@ def test_fabric_of_one_packing_and_of_two_seeds(folder, capsys):
     # Forty spheres are too low a bed for the rule; the line says which file and what to do.
     assert main(["fabric", beds[0]]) == 2
     error = capsys.readouterr().err
-    assert error.count("\n") == 1 and re.search(r"simcore fabric: .*1\.nc: .*too low to cut .* smaller cut", error)
+    assert error.count("\n") == 1 and re.search(r"scree fabric: .*1\.nc: .*too low to cut .* smaller cut", error)
     assert main(["fabric", beds[0], beds[0], "--cut", "0.003"]) == 2
     assert "are not distinct" in capsys.readouterr().err
 
@@ -110,7 +113,7 @@ def test_a_wrong_specification_is_one_line_and_status_two(folder, capsys, change
     (folder / "bad.yaml").write_text(GOOD.replace(*change))
     assert main(["pack", str(folder / "bad.yaml"), str(folder / "bad.nc")]) == 2
     told = capsys.readouterr()
-    assert told.err.count("\n") == 1 and told.err.startswith("simcore pack: ")
+    assert told.err.count("\n") == 1 and told.err.startswith("scree pack: ")
     assert re.search(message, told.err), told.err
     assert names(folder) == ["bad.yaml", "good.yaml"]
 
@@ -119,7 +122,7 @@ def test_a_missing_file_and_too_many_threads(folder, capsys):
     assert main(["pack", str(folder / "none.yaml"), str(folder / "out.nc")]) == 2
     assert "none.yaml: there is no such file" in capsys.readouterr().err
     assert main(["pack", str(folder / "good.yaml"), str(folder / "out.nc"), "--threads", "1000"]) == 2
-    assert capsys.readouterr().err.startswith("simcore pack: threads: 1000 is not possible, since numba can use")
+    assert capsys.readouterr().err.startswith("scree pack: threads: 1000 is not possible, since numba can use")
     assert main(["porosity", str(folder / "none.nc")]) == 2
     assert "none.nc: there is no such file" in capsys.readouterr().err
     (folder / "cut.nc").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
@@ -140,3 +143,9 @@ def test_an_output_that_cannot_be_written_is_an_error_before_the_work(folder, ca
     assert main(["pack", str(folder / "good.yaml"), str(folder / "file" / "out.nc")]) == 2
     told = capsys.readouterr().err
     assert told.count("\n") == 1 and "generating" not in told
+
+
+def test_a_closed_pipe_ends_without_a_traceback():
+    command = f"{sys.executable} -m simcore --print-completion bash | head -n 1"
+    done = subprocess.run(command, shell=True, cwd=ROOT, capture_output=True, text=True)
+    assert done.stdout.count("\n") == 1 and done.stderr == ""

@@ -62,7 +62,7 @@ def expand_study(name, study, config):
         spec = resolve({**_lay_over(fixed, combination, where), "name": packing}, where=where)
         if spec["sizes"]["own"]:
             raise ValueError(
-                f"{where}, packing {packing}: sizes.own is only for single packings (`python -m simcore pack`), as "
+                f"{where}, packing {packing}: sizes.own is only for single packings (`scree pack`), as "
                 "grains are not read when a campaign is planned. Give a case, bounds or beta."
             )
         check_top_class(spec, f"{where}, packing {packing}")

@@ -12,7 +12,8 @@ RUNNING, SILENT, FAILED, INTERRUPTED, WAITING, DONE = "running", "silent", "fail
 # In the order in which they are shown: what happens now, and what somebody must look after, comes first.
 STATES = (RUNNING, SILENT, FAILED, INTERRUPTED, WAITING, DONE)
 SILENCE = 120.0  # [s] without a heartbeat, which comes once a second, or of a log that is written every ten seconds
-ENDINGS = ("failed: ", "simcore ")  # how the last line of a packing begins that could not be made
+# How the last line of a packing begins that could not be made; "simcore " is in logs of version 0.1.0.
+ENDINGS = ("failed: ", "scree ", "simcore ")
 TAIL = 65536  # bytes at the end of a log that are read
 
 

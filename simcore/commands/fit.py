@@ -75,6 +75,6 @@ def run(options) -> int:
         print(fit_as_json(result, options.measured))
         return 0
     for notice in result.notices:
-        print(f"simcore fit: {notice}", file=sys.stderr)
+        print(f"scree fit: {notice}", file=sys.stderr)
     print(describe_fit(result, options.measured, options.out))
     return 0

@@ -56,7 +56,7 @@ def _pack_on(ranks, options):
     try:
         specification, setup, keeper, warned = _prepare(ranks, options, report)
     except (ValueError, OSError) as error:
-        report(f"simcore pack: {error}")
+        report(f"scree pack: {error}")
         return 2
     try:
         packed = pack(setup.scene, setup.bases, setup.draw, report, ranks, keeper)
@@ -77,7 +77,7 @@ def _pack_on(ranks, options):
         report(str(error))
         return INTERRUPTED
     except (CheckpointError, OSError) as error:
-        report(f"simcore pack: {error}")
+        report(f"scree pack: {error}")
         return 2
     report(f"{setup.scene.name}: wrote {options.output} after {time.monotonic() - started:.0f} s")
     return 0

@@ -43,7 +43,7 @@ def run(options) -> int:
         bulk = bulk_porosity(packing, "exact", cut)
     except ValueError as error:
         # A bed that is too low to be evaluated can be seen all the same.
-        print(f"simcore plot: without bulk porosity: {error}", file=sys.stderr)
+        print(f"scree plot: without bulk porosity: {error}", file=sys.stderr)
         bulk = None
     save_figure(bed_figure(packing, bulk, packing.attrs.get("title", "")), output)
     print(f"wrote {output}")

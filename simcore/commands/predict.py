@@ -17,11 +17,11 @@ def add(commands) -> None:
         type=Path,
         nargs="?",
         metavar="FORMS.csv",
-        help="table as text, .xlsx or .ods. One row per grain: columns L, I, S or FL, EL, and optionally count, the "
-        "number of such grains; or one row per sample: columns mean_FL, std_FL, mean_EL, std_EL. With --sieve it may "
-        "be left out: the form is then that of the Rhine's gravel",
+        help="table as text, .xlsx or .ods. One row per grain: columns L, I, S (or a, b, c) or FL, EL, and optionally "
+        "count, the number of such grains; or one row per sample: columns mean_FL, std_FL, mean_EL, std_EL. With "
+        "--sieve it may be left out: the form is then that of the Rhine's gravel",
     )
-    sizes = parser.add_mutually_exclusive_group(required=True)
+    sizes = parser.add_mutually_exclusive_group()
     sizes.add_argument("--case", help="sieve curve U1, U7, ..., or one-class: any single sieve class, by that of U1")
     sizes.add_argument(
         "--sieve", type=Path, metavar="CURVE.csv", help="a sieve curve of your own, a table as for `sieve`"
@@ -62,11 +62,16 @@ def run(options) -> int:
         "column": options.sample,
         "level": options.level,
         "form": options.form,
-        "notify": lambda notice: print(f"simcore predict: {notice}", file=sys.stderr),
+        "notify": lambda notice: print(f"scree predict: {notice}", file=sys.stderr),
     }
     if options.sieve is not None:
         print(_of_curve(options, common))
         return 0
+    if options.case is None:
+        raise ValueError(
+            "the sizes of the grains are not given; add --case one-class for grains of a single sieve class, or "
+            "--sieve CURVE.csv for a sieve curve of your own"
+        )
     from simcore.models.prediction_text import predict_file
 
     for option in ("finest", "coarsest", "pack"):

@@ -50,7 +50,7 @@ def run(options) -> int:
     if specification is not None:
         options.specification.write_text(specification, encoding="utf-8")
     for notice in [] if options.json else notices:
-        print(f"simcore sieve: {notice}", file=sys.stderr)
+        print(f"scree sieve: {notice}", file=sys.stderr)
     if options.json:
         print(sieve_json(options.curve, table, statistics, notices))
     else:

@@ -10,6 +10,12 @@ NAMES = {
     "n_exact": "porosity, the grains themselves sliced",
     "coordination": "contacts per grain",
 }
+SHORT = {"n": "n", "n_exact": "n, grains sliced", "coordination": "contacts"}
+_OF_PACKINGS = (
+    "± is the standard error within the packing. contacts, FL and EL are means over all grains, also those at the "
+    "surface."
+)
+_OF_MEANS = "± is the standard error over the packings of a group, or within it where it is one packing."
 DECIMALS = {"n": 4, "n_exact": 4, "coordination": 2}
 
 
@@ -21,9 +27,9 @@ def comparison_text(comparison) -> str:
             "group": row.group,
             "seed": row.seed if row.seed >= 0 else "-",
             "grains": row.grains,
-            "n": _pair(row.n, row.n_std_error, 4),
-            "n, grains sliced": _pair(row.n_exact, row.n_exact_std_error, 4),
-            "contacts": _pair(row.coordination, row.coordination_std_error, 2),
+            SHORT["n"]: _pair(row.n, row.n_std_error, 4),
+            SHORT["n_exact"]: _pair(row.n_exact, row.n_exact_std_error, 4),
+            SHORT["coordination"]: _pair(row.coordination, row.coordination_std_error, 2),
             "D50 [mm]": f"{1e3 * row.D50:.2f}",
             "FL": f"{row.FL:.3f}",
             "EL": f"{row.EL:.3f}",
@@ -32,7 +38,7 @@ def comparison_text(comparison) -> str:
         for row in comparison.packings.itertuples()
     ]
     several = len(set(comparison.packings.group)) > 1
-    parts = [_table(rows), "± is the standard error within the packing. FL and EL are means over the grains."]
+    parts = [_table(rows), _OF_PACKINGS]
     if not several:
         parts.append("All packings have the same settings but for the seed: there is one group.")
         parts += _scatter(comparison.packings)
@@ -47,6 +53,7 @@ def comparison_text(comparison) -> str:
         }
         for row in comparison.differences.itertuples()
     ]
+    parts += ["", _table(_means(comparison.packings)), _OF_MEANS]
     parts += ["", _table(rows), "", *_settings(comparison.settings)]
     return "\n".join(parts)
 
@@ -59,6 +66,20 @@ def _scatter(packings):
         error = values.std(ddof=1) / np.sqrt(len(values))
         lines.append(f"mean {name}: {_pair(values.mean(), error, DECIMALS[quantity])} (over {len(values)} seeds)")
     return lines
+
+
+def _means(packings):
+    """Return the rows of the table of the means of each group."""
+    rows = []
+    for group, members in packings.groupby("group", sort=False):
+        row = {"group": group, "packings": len(members)}
+        for quantity in NAMES:
+            values = members[quantity]
+            within = members[f"{quantity}_std_error"].iloc[0]
+            error = values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else within
+            row[f"mean {SHORT[quantity]}"] = _pair(values.mean(), error, DECIMALS[quantity])
+        rows.append(row)
+    return rows
 
 
 def _settings(settings):

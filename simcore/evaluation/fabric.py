@@ -240,7 +240,7 @@ def _check_scenes(fabrics):
     if without:
         raise ValueError(
             f"fabric_over_seeds: fabric {without[0]} of {len(fabrics)} has no attribute seed, so it may be of the same "
-            "packing as another; make the fabrics from files of `python -m simcore pack`, or set the attribute"
+            "packing as another; make the fabrics from files of `scree pack`, or set the attribute"
         )
     seeds = [int(data.attrs["seed"]) for data in fabrics]
     if len(set(seeds)) < len(seeds):

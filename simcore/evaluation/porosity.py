@@ -84,7 +84,7 @@ def evaluation_interval(packing, profile, cut=None):
     at_floor, at_surface = end_cuts(periodic, top, largest, median, cut)
     if top - at_floor - at_surface < profile.attrs["slice_height"]:
         raise ValueError(
-            f"evaluation_interval: the bed is {1e3 * top:.1f} mm high, too low to cut {1e3 * at_floor:.1f} mm from its "
+            f"the bed is {1e3 * top:.1f} mm high, too low to cut {1e3 * at_floor:.1f} mm from its "
             f"floor and {1e3 * at_surface:.1f} mm from its surface; use more grains, a narrower domain, or set a "
             "smaller cut"
         )

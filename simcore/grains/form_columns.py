@@ -12,6 +12,11 @@ NEEDED = (
     "each sample)"
 )
 
+_NO_DEVIATIONS = (
+    "if they were not measured, give those of similar grains, such as 0.175 and 0.139 of the Rhine's gravel; 0 means "
+    "that all grains have one form"
+)
+
 _UNIT = (
     "(?:[µμumcdk]?m|inch(?:es)?|in|ft|feet|px|pixels?|vox(?:el)?s?|microns?|(?:micro|milli|centi|deci)?met(?:er|re)s?)"
 )
@@ -20,9 +25,9 @@ _WITH_UNIT = rf"(?:\s*\[\s*({_UNIT})\s*\]|\s*\(\s*({_UNIT})\s*\)|\s*[/,]\s*({_UN
 _AXIS_WORD = r"(?:[\s_-]*(?:axis|axes|diameter|dimension|length|side))?"
 # Dmax, Dmed and Dmin are the axes in exports of G3Point (Steer et al. 2022).
 _AXIS_NAMES = {
-    "L": r"L|a|longest|long|major|Dmax",
-    "I": r"I|b|intermediate|medium|middle|Dmed",
-    "S": r"S|c|shortest|short|minor|Dmin",
+    "L": r"L|a|longest|long|length|major|Dmax",
+    "I": r"I|b|intermediate|medium|middle|width|Dmed",
+    "S": r"S|c|shortest|short|thickness|minor|Dmin",
 }
 _NO_UNIT = r"(?:\s*[\[(]\s*[-–1]?\s*[\])])?"
 _RATIO_NAMES = {
@@ -156,7 +161,18 @@ def _what_is_missing(header, names):
     for kind in (MEANS, RATIOS, AXES):
         missing = [name for name in kind if name not in names]
         if len(missing) < len(kind):
-            return f"the column {', '.join(missing)} is missing beside {columns}"
+            verb = "column {} is" if len(missing) == 1 else "columns {} are"
+            text = f"the {verb.format(', '.join(missing))} missing beside {columns}"
+            return f"{text} ({_NO_DEVIATIONS})" if set(missing) == {"std_FL", "std_EL"} else text
+    if named := [name for name in header if re.match("flatness|elongation", name, re.IGNORECASE)]:
+        return (
+            f"{' and '.join(named)} may be defined in several ways; if FL = S/I and EL = I/L are meant, name the "
+            "columns FL and EL"
+        )
+    for name in header:
+        unit = re.fullmatch(r"(.*?)\s*[\[(]\s*(.*?)\s*[\])]", name)
+        if unit and any(_matches(axis, unit[1]) for axis in _AXIS_NAMES.values()):
+            return f"the column {name} has the unknown unit '{unit[2]}'; axes are in m, cm, mm, µm, in, ft or pixels"
     if any(re.match(r"[-+.]?\d", name) for name in header):
         return f"the first row ({columns}) contains numbers where the names of the columns are needed"
     return f"none of its columns ({columns}) is an axis or a form"

@@ -85,7 +85,7 @@ def read_measured(path, column=None):
 def samples_of_table(table, column=None):
     """Return (samples, notices) as read_measured does, from a TextTable with a header."""
     path = table.path
-    rows = _read_rows(path, table, recognise_columns(path, table.header, column))
+    rows = _read_rows(path, table, _recognise(path, table, column))
     kind, counts = rows.columns.kind, rows.counts
     if kind == MEANS:
         samples = [_from_means(name, entries) for name, entries in rows.groups.items()]
@@ -114,7 +114,7 @@ def read_two_axes(path, column=None):
     table = _read_table(path)
     if not has_two_axes(path, table.header):
         return None
-    rows = _read_rows(path, table, recognise_columns(path, table.header, column, two_axes=True))
+    rows = _read_rows(path, table, _recognise(path, table, column, two_axes=True))
     samples = []
     for name, entries in rows.groups.items():
         EL = np.array([_check_two_axes(where, values) for where, values, _ in entries])
@@ -122,6 +122,14 @@ def read_two_axes(path, column=None):
         mean, std = _mean_and_std(EL, weights)
         samples.append(TwoAxisSample(name, grains, float(mean), float(std if std > ALIKE * mean else 0.0)))
     return samples, rows.notices
+
+
+def _recognise(path, table, column, two_axes=False):
+    """Return the FormColumns; a ValueError also has the notices, such as which sheet of a workbook was read."""
+    try:
+        return recognise_columns(path, table.header, column, two_axes)
+    except ValueError as error:
+        raise ValueError("; ".join([str(error), *table.notices])) from None
 
 
 def _read_table(path):

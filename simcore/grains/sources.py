@@ -115,7 +115,8 @@ def size_note(grains, sizes):
     if not grains:
         return None
     low, high = (f(grain.sieve_size for grain in grains) * 1e3 for f in (min, max))
-    own_sizes = f"The grains of the set have sieve sizes of {low:.3g} to {high:.3g} mm"
+    several = f"to {high:.3g} " if high > low else ""
+    own_sizes = f"The grains of the set have sieve sizes of {low:.3g} {several}mm"
     if sizes["own"]:
         return f"{own_sizes}, which they keep."
     return f"{own_sizes}; they are scaled to the sizes drawn. `sizes: {{own: true}}` keeps their own sizes."

@@ -179,9 +179,13 @@ def _split_header(path, cells, notices):
     width = max((position + 1 for position in names.index if names[position]), default=0)
     for row, texts in cells.loc[:, width:].iterrows():
         if (texts != "").any():
+            remedy = (
+                "remove the rows above the names of the columns"
+                if width == 1
+                else "add or remove fields, and write decimals with a point if commas separate the fields"
+            )
             raise ValueError(
-                f"{path}, row {row}: the row has {_width(cells.loc[row])} fields, but the header has {width}; add or "
-                "remove fields, and write decimals with a point if commas separate the fields"
+                f"{path}, row {row}: the row has {_width(cells.loc[row])} fields, but the header has {width}; {remedy}"
             )
     kept = [position for position in range(width) if names[position] or (cells[position] != "").any()]
     cells = cells[kept].set_axis(range(len(kept)), axis=1)

@@ -120,7 +120,7 @@ def _require_answers(tables, case):
     reasons = "; ".join(f"{describe_model(row.by, row.model)}: {row.refused}" for row in refused[0].itertuples())
     raise ValueError(
         f"case {case}: the porosity of {samples} cannot be predicted. For {names[0]} no model is evaluated: {reasons}. "
-        "Correct the values, or leave these samples out and simulate packings of them (python -m simcore pack)"
+        "Correct the values, or leave these samples out and simulate packings of them (scree pack)"
     )
 
 

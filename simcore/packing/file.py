@@ -114,7 +114,7 @@ def read_packing(path) -> xr.Dataset:
     """Return the packing, read into memory. ValueError if the file is missing, in use, truncated, or not a packing."""
     path = Path(path)
     if not path.is_file():
-        raise ValueError(f"{path}: there is no such file. Make it with `python -m simcore pack SPEC.yaml {path}`.")
+        raise ValueError(f"{path}: there is no such file. Make it with `scree pack SPEC.yaml {path}`.")
     try:
         with xr.open_dataset(path, engine="netcdf4") as packing:
             packing.load()
@@ -128,7 +128,7 @@ def read_packing(path) -> xr.Dataset:
     missing = {"position", "orientation", "scale", "shape", "shape_vertices", "contact_body"} - set(packing.variables)
     if missing:
         raise ValueError(
-            f"{path} is not a packing: {', '.join(sorted(missing))} missing. Give a file that `simcore pack` wrote."
+            f"{path} is not a packing: {', '.join(sorted(missing))} missing. Give a file that `scree pack` wrote."
         )
     return packing.rename({old: new for old, new in RENAMED.items() if old in packing})
 

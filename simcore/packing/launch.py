@@ -274,4 +274,4 @@ def _cause(status):
 
 
 def _report(line):
-    print(f"simcore launch: {line}", file=sys.stderr, flush=True)
+    print(f"scree launch: {line}", file=sys.stderr, flush=True)

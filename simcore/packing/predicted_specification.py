@@ -8,11 +8,11 @@ from simcore.grains.sieve_table import read_sieve_table
 from simcore.packing.sieve_specification import sieve_specification
 
 
-def write_specification(path, curve, forms=None, column=None, finest=None, coarsest=None) -> list[str]:
+def write_specification(path, curve, forms=None, column=None, finest=None, coarsest=None, *, draw=True) -> list[str]:
     """Write to `path` the specification of a bed with the sieve curve and the forms of the files; return the notices.
 
     curve, forms, column, finest, coarsest: as in predict_curve_file; without forms, the grains are synthetic pebbles of
-    the Rhine's forms. ValueError if `forms` has several samples, or no forms for a sieve class that has mass.
+    the Rhine's forms. draw: as in sieve_specification. ValueError if `forms` has several samples, or no forms for a sieve class that has mass.
     """
     table, _ = read_sieve_table(curve, coarsest)
     sample = classes = None
@@ -26,6 +26,6 @@ def write_specification(path, curve, forms=None, column=None, finest=None, coars
             )
         sample = samples[0]
     table, _ = table.closed(finest, coarsest).with_small_ends_closed()
-    text, notices = sieve_specification(table.curve(), Path(curve), sample, classes)
+    text, notices = sieve_specification(table.curve(), Path(curve), sample, classes, draw=draw)
     Path(path).write_text(text, encoding="utf-8")
     return notices

@@ -3,9 +3,14 @@
 import re
 
 import numpy as np
+import yaml
 
 from simcore.grains.forms_by_class import sample_of_class
+from simcore.grains.sources import load_grains
+from simcore.packing.expectation import DEEP_IMPACT, expect
 from simcore.packing.forecast import BY_SPREAD, ONE_CLASS
+from simcore.scene.setup import set_up
+from simcore.scene.specification import resolve
 
 DENSITY = 2650.0  # [kg/m³], of quartz; the default of material.density
 # Width and height of the bed in the largest sieve size, of which at least 5 and 6 are advised
@@ -17,13 +22,14 @@ MANY = 100_000  # grains above which a packing takes days on one core
 TOO_MANY = 5e6  # grains above which no specification is written
 
 
-def sieve_specification(curve, source, sample=None, classes=None):
+def sieve_specification(curve, source, sample=None, classes=None, *, draw=True):
     """Return (YAML text of a specification that packs this SieveCurve, notices). source: file that the curve is from.
 
     The text is accepted by `explain` and `pack`. sample: simcore.grains.measured_forms.Sample with the form of the
     grains, or classes: forms by sieve class, as from simcore.grains.forms_by_class.read_classes; None: synthetic
-    pebbles, because a sieve curve says nothing about form. ValueError if the curve has too many grains for any packing,
-    or if a class with mass has no forms.
+    pebbles, because a sieve curve says nothing about form. draw: draw the grains, and set contact time and steps so that
+    `explain` has no warning about them; otherwise a contact time for grains of any form is written, as by `scree page`.
+    ValueError if the curve has too many grains for any packing, or if a class with mass has no forms.
     """
     largest = curve.largest
     width = np.ceil(WIDTH * largest * 1e3) / 1e3
@@ -44,33 +50,34 @@ def sieve_specification(curve, source, sample=None, classes=None):
     name = re.sub(r"[^A-Za-z0-9_.+-]+", "_", source.stem).strip("_.+-") or "sieve"
     bounds = ", ".join(f"{D * 1e3:.6g} mm" for D in curve.bounds)
     shares = ", ".join(f"{share:.6f}" for share in _rounded(curve.mass_fractions))
-    draw = ", draw: quota" if len(curve.mass_fractions) > 1 else ""
     height = np.ceil(DOMAIN * bed * 100) / 100
-    contact_time = _contact_time(curve.least, height)
     notices = []
     if grains > MANY:
         notices.append(
             f"the packing has {grains:.2g} grains, most of them fine; `explain` prints its cost, which is less without "
             "the finest classes"
         )
-    text = f"""# Packs the sieve curve of {source.name}. See what it costs:  scree explain THIS_FILE
+    start = f"""# Packs the sieve curve of {source.name}. See what it costs:  scree explain THIS_FILE
 name: {name}
 seed: 1
 sizes:
   bounds: [{bounds}]
   mass_fractions: [{shares}]
-  {draw.removeprefix(", ") or "draw: random"}
+  draw: {"quota" if len(curve.mass_fractions) > 1 else "random"}
 {_shapes(sample) if classes is None else _shapes_by_size(curve, classes)}
 # Width and height of the bed are {WIDTH:g} and {bed / largest:.0f} times the largest sieve opening.
 domain: {{type: periodic, width: {width * 1e3:g} mm, height: {height:g} m}}
 amount: {{mass: {mass:.3g} kg}}
 accuracy: standard
-# A shorter contact time makes contacts stiffer, so that falling grains do not sink into the finest ones.
-numerics: {{contact_time: {contact_time * 1e3:.3g} ms}}
 """
-    return text, notices
+    contact_time = _contact_time(curve.least, height)
+    numerics = _numerics(start, contact_time) if draw else _NUMERICS.format(contact_time * 1e3, "")
+    return start + numerics, notices
 
 
+_NUMERICS = """# Contacts of so short a time are stiff enough that falling grains do not sink into the finest ones.
+numerics: {{contact_time: {:.3g} ms{}}}
+"""
 _SYNTHETIC = """# A sieve curve says nothing about form: these are synthetic pebbles. If you have measured flatness
 # S/I and elongation I/L, write their means and deviations here, as in examples/sieve_and_form.yaml.
 shapes: {kind: polyhedron, choice: random}"""
@@ -109,6 +116,20 @@ def _distribution(sample, ratio):
     return f"{{mean: {getattr(sample, f'mu_{ratio}'):.4f}, std: {getattr(sample, f'sigma_{ratio}'):.4f}}}"
 
 
+def _numerics(start, contact_time):
+    """Return the line on the numerics with which `explain` has no warning. start: the rest of the specification.
+
+    contact_time [s] is a first guess, which does not depend on the forms.
+    """
+    setup = set_up(resolve(yaml.safe_load(start + _NUMERICS.format(contact_time * 1e3, ""))), load_grains)
+    expected = expect(setup.scene, setup.bases, setup.draw)
+    deepest = DEEP_IMPACT * expected.half_thickness
+    if expected.impact_depth > deepest:
+        contact_time = _two_digits(contact_time * deepest / expected.impact_depth)
+    needed, standard = np.ceil(expected.stability.expected), setup.scene.numerics.steps_per_contact_time
+    return _NUMERICS.format(contact_time * 1e3, f", steps_per_contact_time: {needed:.0f}" if needed > standard else "")
+
+
 def _contact_time(finest, height):
     """Return a contact time [s] at which no impact is deeper than a quarter of the thinnest of the finest grains.
 
@@ -116,8 +137,13 @@ def _contact_time(finest, height):
     the speed v is about 0.14 v times the contact time deep, and the thinnest pebble is 0.4 of its sieve size thick.
     """
     longest = 0.25 * 0.4 * finest / (0.14 * np.sqrt(2 * 9.81 * height))
-    digit = 10.0 ** (np.floor(np.log10(longest)) - 1)
-    return min(2e-3, float(np.floor(longest / digit) * digit))
+    return min(2e-3, _two_digits(longest))
+
+
+def _two_digits(value):
+    """Return a number rounded down to two digits."""
+    digit = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return float(np.floor(value / digit) * digit)
 
 
 def _rounded(shares):

@@ -128,7 +128,7 @@ def _case(name, case):
     if case is None:
         return {"name": name, "bounds": [], "mass_fractions": [], "specification": "", "predictors": []}
     curve = _without_empty_ends(case.curve)
-    text, _ = sieve_specification(curve, Path(name))
+    text, _ = sieve_specification(curve, Path(name), draw=False)
     # The comment on synthetic pebbles has no place where the form is measured.
     text = re.sub(r"(?m)^# A sieve curve says.*\n^# I/L, write.*\n", "", text)
     text = re.sub(r"(?m)^shapes: .*$", SHAPES, text)

@@ -18,6 +18,7 @@ import numba
 import numpy as np
 import pandas as pd
 from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 from scipy.special import ellipj
 
 from simcore.dem.step.motion import Quaternion, rotate_free
@@ -94,8 +95,8 @@ def _attitude_in_closed_form(top):
     rate = momentum * (inertia * spin**2)[..., others].sum(axis=-1) / ((inertia * spin)[..., others] ** 2).sum(axis=-1)
     precession = float((half[:, None] * weight * rate).sum())
     start, end = (_frame(inertia * body_spin(top, at), about) for at in (0.0, top.duration))
-    c, s = np.cos(precession), np.sin(precession)
-    return _quaternion(start.T @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ end)
+    about_momentum = Rotation.from_rotvec([0.0, 0.0, precession]).as_matrix()
+    return Rotation.from_matrix(start.T @ about_momentum @ end).as_quat(scalar_first=True)
 
 
 def _frame(momentum, about):
@@ -104,19 +105,6 @@ def _frame(momentum, about):
     first = np.cross(np.eye(3)[about], third)
     first /= np.linalg.norm(first)
     return np.stack([first, np.cross(third, first), third])
-
-
-def _quaternion(matrix):
-    """Return the unit quaternion (4,) of a rotation matrix, from its largest component."""
-    xx, yy, zz = np.diag(matrix)
-    four = np.array([
-        [1 + xx + yy + zz, matrix[2, 1] - matrix[1, 2], matrix[0, 2] - matrix[2, 0], matrix[1, 0] - matrix[0, 1]],
-        [matrix[2, 1] - matrix[1, 2], 1 + xx - yy - zz, matrix[1, 0] + matrix[0, 1], matrix[0, 2] + matrix[2, 0]],
-        [matrix[0, 2] - matrix[2, 0], matrix[1, 0] + matrix[0, 1], 1 - xx + yy - zz, matrix[2, 1] + matrix[1, 2]],
-        [matrix[1, 0] - matrix[0, 1], matrix[0, 2] + matrix[2, 0], matrix[2, 1] + matrix[1, 2], 1 - xx - yy + zz],
-    ])  # fmt: skip
-    row = four[np.argmax(np.diag(four))]
-    return row / np.linalg.norm(row)
 
 
 def _attitude_by_integration(top):

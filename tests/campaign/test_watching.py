@@ -103,7 +103,7 @@ def test_logs_of_single_packings_are_watched_too(tmp_path):
     logs = {
         "goes_on": f"{line}\n",
         "ready": f"{line}\nfew: wrote few.nc after 3 s\n",
-        "wrong": "simcore pack: few.yaml: there is no such file\n",
+        "wrong": "scree pack: few.yaml: there is no such file\n",
         "other": "something else\n",
         "old": f"{line}\n",
         "ended": f"{line}\nfew: interrupted at step 5, t = 1 s, by request.\n",

@@ -103,6 +103,17 @@ def test_files_without_a_specification_are_groups_of_their_own(stand_in):
     assert "no specification" in comparison_text(result)
 
 
+def test_the_means_of_groups_have_errors_over_seeds_or_within_one_packing(stand_in):
+    porosities = {1: 0.40, 2: 0.42, 3: 0.41}
+    beds = {f"a{seed}": bed(seed=seed, n=n) for seed, n in porosities.items()}
+    result = compare(beds | {"b": bed(friction=0.3, n=0.38)})
+    mean, error = 0.41, 0.01 / np.sqrt(3)
+    first, second = (line for line in comparison_text(result).splitlines() if line.startswith(("A   ", "B   ")))
+    assert first.split()[1] == "3" and f"{mean:.4f} ± {error:.4f}" in first
+    within = result.packings.set_index("label").loc["b", "n_std_error"]
+    assert second.split()[1] == "1" and f"0.3800 ± {within:.4f}" in second
+
+
 def test_the_numbers_are_those_of_the_beds():
     """Simple and body-centred cubic lattices have 6 and 8 contacts in their bulk, and known porosities."""
     period = 2e-2 / np.sqrt(3.0)
@@ -138,7 +149,7 @@ def test_wrong_input_is_one_line(tmp_path, capsys):
     for arguments, message in (
         ([a], "1 packing is given; give at least two"),
         ([a, a], "given twice"),
-        ([a, b, "--cut", "1 m"], "a.nc: evaluation_interval: the bed is"),
+        ([a, b, "--cut", "1 m"], "a.nc: the bed is"),
         ([a, str(tmp_path / "none.nc")], "there is no such file"),
     ):
         assert main(["compare", *arguments]) == 2

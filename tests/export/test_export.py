@@ -58,7 +58,7 @@ def test_wrong_options_are_one_line(bed, tmp_path, capsys, arguments, message):
         write_packing(bed, strew("sphere"))
     assert main(["export", str(bed), str(tmp_path / arguments[0]), *arguments[1:]]) == 2
     told = capsys.readouterr()
-    assert told.err.startswith("simcore export: ") and message in told.err and told.err.count("\n") == 1
+    assert told.err.startswith("scree export: ") and message in told.err and told.err.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["bed.nc"]
 
 

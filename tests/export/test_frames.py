@@ -115,7 +115,7 @@ def test_the_command_writes_frames_or_refuses_their_time(tmp_path, capsys):
     for wrong, message in (("0 s", "'0 s' is not a time above 0"), ("1 mm", "'1 mm' is a length; a time is needed")):
         assert main([*arguments, wrong]) == 2
         *warnings, error = capsys.readouterr().err.splitlines()
-        assert error.startswith("simcore pack: --frames: ") and message in error
+        assert error.startswith("scree pack: --frames: ") and message in error
         assert all("warning: " in line for line in warnings)
     assert main([*arguments, "0.1 s"]) == 0
     assert (tmp_path / "tiny.pvd").exists() and (tmp_path / "tiny.nc").exists()

@@ -67,7 +67,14 @@ def test_statistics_are_samples_of_independent_flatness_and_elongation(read, nam
         ("L,I,S\n", "bed.csv: there are no rows below the header"),
         ("L,I\n4,2\n", "the column S is missing beside L, I"),
         ("FL\n0.5\n", "the column EL is missing beside FL"),
-        ("mean_FL,mean_EL\n0.5,0.5\n", "the column std_FL, std_EL is missing beside mean_FL, mean_EL"),
+        (
+            "mean_FL,mean_EL\n0.5,0.5\n",
+            "the columns std_FL, std_EL are missing beside mean_FL, mean_EL .if they were not measured, give those of "
+            "similar grains",
+        ),
+        ("flatness,elongation\n0.5,0.5\n", "flatness and elongation may be defined in several ways; .* FL and EL"),
+        ("L,I,S,Length\n4,2,1,4\n", "the columns L and Length are both L"),
+        ("L [furlong],I [furlong],S [furlong]\n3,2,1\n", r"L \[furlong\] has the unknown unit 'furlong'; axes are in"),
         ("x,y\n1,2\n", r"none of its columns \(x, y\) is an axis or a form"),
         ("a,b\n2,1\n", "the column S is missing beside a, b"),
         ("4,2,1\n5,3,2\n", r"the first row \(4, 2, 1\) contains numbers where the names of the columns are needed"),

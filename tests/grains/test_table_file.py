@@ -63,6 +63,8 @@ def test_trailing_separators_and_empty_rows_hold_nothing(read, expected):
     assert read(b"L,I,S,note\n40.5,20.25,10\n30,20.5,15,wet\n9,8,2.125,\n") == expected
     with pytest.raises(ValueError, match="row 3: the row has 5 fields, but the header has 3"):
         read(b"L,I,S,\n4,2,1,\n4,2,1,,x\n")
+    with pytest.raises(ValueError, match="the header has 1; remove the rows above the names of the columns"):
+        read(b"Gravel\nL,I,S\n4,2,1\n")
 
 
 def test_a_row_is_counted_as_an_editor_does(read):
@@ -116,6 +118,9 @@ def test_a_workbook_is_read_as_the_same_rows_in_text(tmp_path, expected):
     path = workbook(tmp_path / "bed.xlsx", empty=[], grains=[["L", "I", "S"], *ROWS], notes=[["dry"]])
     samples, (notice,) = read_measured(path)
     assert samples == expected and notice.endswith("only the sheet grains is read, not notes")
+    path = workbook(tmp_path / "bed.xlsx", notes=[["dry"]], grains=[["L", "I", "S"], *ROWS])
+    with pytest.raises(ValueError, match="is an axis or a form; .*; only the sheet notes is read, not grains"):
+        read_measured(path)
     # The content decides, not the name; whole numbers, text and empty cells are what they look like.
     rows = [["sample", "FL", "EL", "count"], [7, 0.5, 0.7, 3], [7, "0,9", 0.7, 1], [None, None, None, None]]
     workbook(tmp_path / "bed.xlsx", grains=rows).rename(tmp_path / "bed.csv")

@@ -336,5 +336,5 @@ def test_wrong_arguments_end_with_one_line(tmp_path, capsys):
         out = tmp_path / "model.json"
         assert main(["fit", *words, "--out", str(out)]) == 2
         told = capsys.readouterr()
-        assert told.err.startswith("simcore fit: ") and message in told.err
+        assert told.err.startswith("scree fit: ") and message in told.err
         assert told.err.count("\n") == 1 and told.out == "" and not out.exists()

@@ -46,7 +46,7 @@ def test_on_the_command_line(capsys, tmp_path):
     (tmp_path / "bad.csv").write_text("L,I,S\n1,2,3\n")
     assert main(["predict", "--case", "U1", str(tmp_path / "bad.csv")]) == 2
     output = capsys.readouterr().err
-    assert output.startswith("simcore predict: ") and output.count("\n") == 1 and "bad.csv, row 2" in output
+    assert output.startswith("scree predict: ") and output.count("\n") == 1 and "bad.csv, row 2" in output
     assert main(["predict", "--case", "U1", str(TABLE_2), "--level", "95"]) == 2
     assert "level 95: give a number between 0 and 1" in capsys.readouterr().err
 
@@ -123,7 +123,7 @@ def test_notices_go_to_the_error_output_and_into_json(capsys, tmp_path):
         lines = err.splitlines()
         assert status == 0 and len(lines) == 3
         assert all(notice in line and str(path) in line for notice, line in zip(notices, lines, strict=True))
-    assert [f"simcore predict: {notice}" for notice in json.loads(out)["notices"]] == lines
+    assert [f"scree predict: {notice}" for notice in json.loads(out)["notices"]] == lines
     assert json.loads(run(capsys, TABLE_2, "--json")[1])["notices"] == []
 
 

@@ -4,7 +4,6 @@ import tomllib
 
 from simcore.__main__ import EXTRAS
 from simcore.paths import ROOT
-from simcore.provenance.version import VERSION
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
@@ -31,8 +30,3 @@ def test_messages_name_the_extra_that_has_the_package():
     for package, extra in EXTRAS.items():
         lines = PROJECT["optional-dependencies"][extra]
         assert any(line.startswith(f"{package}>=") for line in lines), (package, extra)
-
-
-def test_the_version_is_that_of_the_code():
-    assert PROJECT["version"] == VERSION
-    assert f"version: {VERSION}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")

@@ -12,8 +12,10 @@ import pytest
 import xarray as xr
 
 from simcore.compilation import source_digest
+from simcore.export.export import SUFFIXES
 from simcore.packing.checkpoints.key import checkpoint_code
 from simcore.paths import DATA, ROOT
+from simcore.provenance.version import VERSION
 
 SPECIFICATION = """
 name: tiny
@@ -85,7 +87,7 @@ def run(words, folder):
 def test_the_package_is_the_installed_one_and_has_the_digests_of_the_clone(installed):
     assert installed("python", "-c", "import simcore.paths as p; print(p.ROOT)").strip() == installed.site
     assert installed("python", "-c", DIGESTS).split() == [source_digest(), checkpoint_code()]
-    assert installed("scree", "--version") == f"scree {checkpoint_code().split('+')[0]}+{source_digest()}\n"
+    assert installed("scree", "--version") == f"scree {VERSION}+{source_digest()}\n"
 
 
 def test_all_data_are_in_the_wheel_and_nothing_but_the_package(wheel):
@@ -95,7 +97,7 @@ def test_all_data_are_in_the_wheel_and_nothing_but_the_package(wheel):
     assert len(rows) > 50
     for name in (*rows, "config/packing.schema.yaml", "config/accuracy.yaml", "config/cases.tsv"):
         assert f"simcore/data/{name}" in names
-    assert "simcore/grains/scan_ranges.csv" in names
+    assert {"simcore/grains/scan_ranges.csv", "simcore/provenance/version.txt"} <= names
     assert {"simcore/page/static/page.html", "simcore/page/static/prediction.js"} <= names
     static = "simcore/report/static"
     assert {f"{static}/page.html", f"{static}/vendor/sortable.js", f"{static}/vendor/LICENSE"} <= names
@@ -138,3 +140,21 @@ def test_a_packing_is_explained_packed_and_evaluated(installed):
     assert 0.3 < bulk["n"] < 0.6
     code = "import simcore; print(simcore.read_packing('tiny.nc').sizes['grain'])"
     assert installed("python", "-c", code) == "40\n"
+
+
+def test_a_sieve_curve_is_described_and_written_as_a_packing(installed):
+    shutil.copy(ROOT / "examples/sieve_curve.csv", installed.folder)
+    words = ["sieve", "sieve_curve.csv", "--finest", "2 mm", "--specification", "bed.yaml", "--plot", "curve.png"]
+    assert "Folk and Ward: medium gravel" in installed("scree", *words)
+    assert (installed.folder / "curve.png").is_file()
+    assert "Warning" not in installed("scree", "explain", "bed.yaml")
+
+
+def test_a_packing_is_exported_to_each_format_and_drawn(installed):
+    (installed.folder / "tiny.yaml").write_text(SPECIFICATION)
+    installed("scree", "pack", "tiny.yaml", "exported.nc", "--force")
+    for suffix in SUFFIXES:
+        installed("scree", "export", "exported.nc", f"bed{suffix}")
+        assert (installed.folder / f"bed{suffix}").stat().st_size > 0
+    installed("scree", "plot", "exported.nc", "--cut", "2 mm")
+    assert (installed.folder / "exported.png").is_file()

@@ -115,7 +115,7 @@ def test_killed_ranks_take_the_others_down(tmp_path, ranks, killed, uninterrupte
             os.kill(victim, signal.SIGKILL)
     status, line = run.end()
     assert status == 1
-    assert line.startswith(f"simcore launch: {run.output}: a rank was ended by SIGKILL")
+    assert line.startswith(f"scree launch: {run.output}: a rank was ended by SIGKILL")
     assert line.endswith("run the same command again: it resumes from its last checkpoint")
     assert_none_left(family)
     assert not run.output.exists()
@@ -243,5 +243,5 @@ def test_a_bad_output_path_is_one_clear_line_of_simcore(tmp_path):
         [sys.executable, "-m", "simcore", *map(str, words)], cwd=ROOT, capture_output=True, text=True, timeout=PATIENCE
     )
     assert done.returncode == 2
-    assert done.stderr.startswith(f"simcore launch: {tmp_path / 'file' / 'bed.nc'} cannot be written")
+    assert done.stderr.startswith(f"scree launch: {tmp_path / 'file' / 'bed.nc'} cannot be written")
     assert len(done.stderr.splitlines()) == 1

@@ -84,7 +84,7 @@ def by_command(folder, entry, fitted):
         if entry["more"]:
             of_first = forms if entry["table"] is not None else None
             if len(samples) == 1:
-                write_specification(folder / "bed.yaml", sieves, of_first, None, *ends)
+                write_specification(folder / "bed.yaml", sieves, of_first, None, *ends, draw=False)
                 expected["yaml"] = (folder / "bed.yaml").read_text(encoding="utf-8")
         return expected
     except ValueError as error:

@@ -165,4 +165,4 @@ def test_a_file_is_refused_in_one_line_that_names_it(tmp_path, capsys, changes, 
     for command in (["explain", str(path)], ["pack", str(path), str(tmp_path / "bed.nc")]):
         assert main(command) == 2
         text = capsys.readouterr()
-        assert text.err == f"simcore {command[0]}: {path}: {message}\n" and text.out == ""
+        assert text.err == f"scree {command[0]}: {path}: {message}\n" and text.out == ""

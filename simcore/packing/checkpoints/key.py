@@ -8,9 +8,10 @@ import numpy as np
 
 from simcore.compilation import source_digest
 from simcore.provenance.digest import digest
-from simcore.provenance.version import VERSION
 from simcore.scene.identity import deciding_bits
 
+# Checkpoints of version 0.1.0 begin with its number. The digests decide, so that later versions keep it.
+FIRST_VERSION = "0.1.0"
 DRAWN = 1000  # grains whose draw is part of the key, since it depends on files that the specification only names
 
 
@@ -21,7 +22,7 @@ def packing_key(specification: dict, setup) -> str:
 
 
 def checkpoint_code() -> str:
-    """Return the version of the code and of numpy; a run resumes only from checkpoints of the same version.
+    """Return the digests of the code and the version of numpy; a run resumes only from checkpoints with the same.
 
     Call it before a run starts, so that it names the code that runs even if files are changed in the meantime.
     """
@@ -33,7 +34,7 @@ def checkpoint_code() -> str:
         "config/cases.tsv",
         "config/curves.tsv",
     )
-    return f"{VERSION}+{source_digest()}+{packing}+numpy{np.__version__}"
+    return f"{FIRST_VERSION}+{source_digest()}+{packing}+numpy{np.__version__}"
 
 
 def scene_key(specification: dict, bases: Iterable, drawn: Iterable = ()) -> str:

@@ -1,4 +1,4 @@
-// The specification of a packing of a sieve curve, as simcore.packing.sieve_specification writes it.
+// The specification of a packing of a sieve curve, as simcore.packing.sieve_specification writes it without drawing grains.
 const BedSpecification = (() => {
   const { InputError, general } = Numbers;
   const rule = DATA.curve.specification;
@@ -43,7 +43,7 @@ ${shapes(sample)}
 domain: {type: periodic, width: ${general(width * 1e3)} mm, height: ${general(height)} m}
 amount: {mass: ${general(mass, 3)} kg}
 accuracy: standard
-# A shorter contact time makes contacts stiffer, so that falling grains do not sink into the finest ones.
+# Contacts of so short a time are stiff enough that falling grains do not sink into the finest ones.
 numerics: {contact_time: ${general(contactTime(bounds[0], height) * 1e3, 3)} ms}
 `;
   }

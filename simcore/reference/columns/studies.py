@@ -49,7 +49,7 @@ COLUMNS = (
     Column("n_seed_error", "", "standard error of the mean of n over the seeds"),
     Column("n_exact", "", "bulk porosity by slices of the grains themselves"),
     Column("n_std_error_exact", "", "sampling error of n_exact"),
-    Column("coordination_number", "", "mean number of contacts of a grain in the bulk"),
+    Column("coordination_number", "", "mean number of contacts of a grain with other grains, over all grains"),
     Column("spearman_D", "", "rank correlation of grain size with height"),
     Column("steps", "", "number of time steps"),
     Column("cpu_s", "s", "CPU time of the packing"),

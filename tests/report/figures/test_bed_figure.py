@@ -89,7 +89,7 @@ def test_a_bed_too_low_to_evaluate_is_drawn_with_a_note(tmp_path, capsys):
     write_packing(tmp_path / "bed.nc", ellipsoids())
     assert main(["plot", str(tmp_path / "bed.nc"), "--cut", "40 mm"]) == 0
     told = capsys.readouterr()
-    assert told.err.startswith("simcore plot: without bulk porosity: ") and told.err.count("\n") == 1
+    assert told.err.startswith("scree plot: without bulk porosity: ") and told.err.count("\n") == 1
     assert (tmp_path / "bed.png").exists()
 
 
