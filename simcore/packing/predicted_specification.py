@@ -12,7 +12,8 @@ def write_specification(path, curve, forms=None, column=None, finest=None, coars
     """Write to `path` the specification of a bed with the sieve curve and the forms of the files; return the notices.
 
     curve, forms, column, finest, coarsest: as in predict_curve_file; without forms, the grains are synthetic pebbles of
-    the Rhine's forms. draw: as in sieve_specification. ValueError if `forms` has several samples, or no forms for a sieve class that has mass.
+    the Rhine's forms. draw: as in sieve_specification. ValueError if `forms` has several samples, or no forms for a
+    sieve class that has mass.
     """
     table, _ = read_sieve_table(curve, coarsest)
     sample = classes = None
