@@ -115,28 +115,37 @@ def read_orientation(bodies, i):
 def derive_rotation(bodies, i):
     """Update rotation matrix and angular velocity of body i from its orientation and angular momentum."""
     rows = _matrix(read_orientation(bodies, i))
+    # All values are read before the first is written, because the compiler cannot know that the arrays do not overlap.
+    momentum, inertia = _to_body(rows, read(bodies.angular_momentum, i)), read(bodies.inertia, i)
+    p, q, s = momentum.x / inertia.x, momentum.y / inertia.y, momentum.z / inertia.z
     a, b, c = rows
+    spin = Vec(a.x * p + a.y * q + a.z * s, b.x * p + b.y * q + b.z * s, c.x * p + c.y * q + c.z * s)
     r = bodies.rotation
     r[i, 0, 0], r[i, 0, 1], r[i, 0, 2] = a.x, a.y, a.z
     r[i, 1, 0], r[i, 1, 1], r[i, 1, 2] = b.x, b.y, b.z
     r[i, 2, 0], r[i, 2, 1], r[i, 2, 2] = c.x, c.y, c.z
-    momentum = _to_body(rows, read(bodies.angular_momentum, i))
-    p, q, s = momentum.x / bodies.inertia[i, 0], momentum.y / bodies.inertia[i, 1], momentum.z / bodies.inertia[i, 2]
-    spin = Vec(a.x * p + a.y * q + a.z * s, b.x * p + b.y * q + b.z * s, c.x * p + c.y * q + c.z * s)
     write(bodies.angular_velocity, i, spin)
 
 
 @leaf
 def derive_form_matrix(bodies, i):
     """Update the form matrix R diag(s²) Rᵀ of body i."""
-    r, m = bodies.rotation, bodies.form_matrix
-    a, b, c = bodies.scale[i, 0] ** 2, bodies.scale[i, 1] ** 2, bodies.scale[i, 2] ** 2
-    m[i, 0] = a * r[i, 0, 0] * r[i, 0, 0] + b * r[i, 0, 1] * r[i, 0, 1] + c * r[i, 0, 2] * r[i, 0, 2]
-    m[i, 1] = a * r[i, 1, 0] * r[i, 1, 0] + b * r[i, 1, 1] * r[i, 1, 1] + c * r[i, 1, 2] * r[i, 1, 2]
-    m[i, 2] = a * r[i, 2, 0] * r[i, 2, 0] + b * r[i, 2, 1] * r[i, 2, 1] + c * r[i, 2, 2] * r[i, 2, 2]
-    m[i, 3] = a * r[i, 0, 0] * r[i, 1, 0] + b * r[i, 0, 1] * r[i, 1, 1] + c * r[i, 0, 2] * r[i, 1, 2]
-    m[i, 4] = a * r[i, 0, 0] * r[i, 2, 0] + b * r[i, 0, 1] * r[i, 2, 1] + c * r[i, 0, 2] * r[i, 2, 2]
-    m[i, 5] = a * r[i, 1, 0] * r[i, 2, 0] + b * r[i, 1, 1] * r[i, 2, 1] + c * r[i, 1, 2] * r[i, 2, 2]
+    r, s, m = bodies.rotation, bodies.scale, bodies.form_matrix
+    # All values are read before the first is written, because the compiler cannot know that the arrays do not overlap.
+    x, y = Vec(r[i, 0, 0], r[i, 0, 1], r[i, 0, 2]), Vec(r[i, 1, 0], r[i, 1, 1], r[i, 1, 2])
+    z = Vec(r[i, 2, 0], r[i, 2, 1], r[i, 2, 2])
+    a, b, c = s[i, 0] ** 2, s[i, 1] ** 2, s[i, 2] ** 2
+    xx, yy, zz = (
+        a * x.x * x.x + b * x.y * x.y + c * x.z * x.z,
+        a * y.x * y.x + b * y.y * y.y + c * y.z * y.z,
+        a * z.x * z.x + b * z.y * z.y + c * z.z * z.z,
+    )
+    xy, xz, yz = (
+        a * x.x * y.x + b * x.y * y.y + c * x.z * y.z,
+        a * x.x * z.x + b * x.y * z.y + c * x.z * z.z,
+        a * y.x * z.x + b * y.y * z.y + c * y.z * z.z,
+    )
+    m[i, 0], m[i, 1], m[i, 2], m[i, 3], m[i, 4], m[i, 5] = xx, yy, zz, xy, xz, yz
 
 
 @leaf
