@@ -70,7 +70,7 @@ FURTHER = {
 }
 RANKS = {"two_ranks": 2}
 # Attributes that name the code, or were added to the files since.
-NAMES_THE_CODE = (*RUN_ATTRIBUTES, "code_version", "scene")
+NAMES_THE_CODE = (*RUN_ATTRIBUTES, "code_version", "source", "scene")
 
 
 def specification(name) -> dict:
