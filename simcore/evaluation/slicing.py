@@ -8,6 +8,7 @@ of the plane's height (divergence theorem with the field (0, 0, zeta - z), whose
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from simcore.compilation import kernel, leaf
 
@@ -68,8 +69,7 @@ def vertical_axes(orientation):
 
     orientation: quaternions (n, 4) as w, x, y, z.
     """
-    w, x, y, z = orientation.T
-    return np.stack([2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)], axis=1)
+    return Rotation.from_quat(orientation, scalar_first=True).as_matrix()[:, 2]
 
 
 def _polyhedral(packing, method):

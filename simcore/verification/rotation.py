@@ -124,9 +124,8 @@ def _attitude_by_integration(top):
 
 def attitude_error(first, second) -> float:
     """Return the angle [rad] between two orientations (4,)."""
-    (a, b), (x, y) = ((q[0], q[1:]) for q in (first, second))
-    across = a * y - x * b - np.cross(b, y)
-    return float(2.0 * np.arctan2(np.linalg.norm(across), abs(first @ second)))
+    a, b = (Rotation.from_quat(q, scalar_first=True) for q in (first, second))
+    return float((a.inv() * b).magnitude())
 
 
 # -- schemes ------------------------------------------------------------------------------------------------
