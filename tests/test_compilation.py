@@ -72,7 +72,7 @@ def test_a_comment_refuses_no_checkpoint(sources, path):
 @pytest.fixture
 def project(tmp_path):
     """A small project with a kernel that inlines a leaf of another file; run() -> (value, hits, misses, files kept)."""
-    provenance = ("provenance/__init__.py", "provenance/digest.py", "provenance/version.py")
+    provenance = ("provenance/__init__.py", "provenance/digest.py", "provenance/version.py", "provenance/version.txt")
     for path in ("__init__.py", "paths.py", "compilation.py", *provenance):
         (tmp_path / "simcore" / path).parent.mkdir(exist_ok=True, parents=True)
         shutil.copy(ROOT / "simcore" / path, tmp_path / "simcore" / path)

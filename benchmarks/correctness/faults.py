@@ -119,7 +119,7 @@ class Bench:
                     pass
             process.wait()
         said = self.said().read_text()
-        lines = [line for line in said.splitlines() if line.startswith("simcore") or "interrupted" in line]
+        lines = [line for line in said.splitlines() if line.startswith(("scree", "simcore")) or "interrupted" in line]
         return Ended(status, time.monotonic() - started, lines[-1] if lines else "", "Traceback" in said)
 
     def said(self):

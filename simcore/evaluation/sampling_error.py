@@ -83,7 +83,7 @@ def sampling_error(packing, z_lower, z_upper, method="spheres"):
 
 def _draws_by_quota(packing):
     """Return whether the sizes of a packing were drawn by quota."""
-    scene = json.loads(packing.attrs.get("scene", "{}"))
+    scene = json.loads(packing.attrs.get("scene") or "{}")
     return scene.get("sizes", {}).get("draw") == "quota"
 
 

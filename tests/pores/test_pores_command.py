@@ -16,7 +16,7 @@ D = 0.01
 def bed(tmp_path):
     centres, width = sphere_lattice("sc", 2, 5)
     path = tmp_path / "bed.nc"
-    write_packing(path, make_packing(D * centres, 0.5 * D, width=D * width, scene="lattice", seed=1))
+    write_packing(path, make_packing(D * centres, 0.5 * D, width=D * width, scene="{}", seed=1))
     return str(path)
 
 

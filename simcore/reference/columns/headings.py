@@ -53,6 +53,8 @@ HEADINGS = {
     "polyhedron_contact": Heading("contact of polyhedra"),
     "friction_law": Heading("law of friction"),
     "end_of_contact": Heading("force at the end of a contact"),
+    "draw": Heading("draw of sizes"),
+    "by_size": Heading("forms by sieve size"),
     "orientation": Heading("orientation at insertion"),
     "fill": Heading("insertion height"),
     "spacing": Heading("spacing at insertion", 1, "mm", 1e3),
