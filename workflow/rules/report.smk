@@ -212,7 +212,7 @@ rule committed_studies:
     log:
         "<results>/logs/committed_studies.log",
     params:
-        folder=committed_rows,
+        folder=Path(committed_rows),
         seed=campaign["models"]["seed"],
         folds=campaign["models"]["folds"],
         titles=plan.titles,
