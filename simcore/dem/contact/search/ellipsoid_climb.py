@@ -15,6 +15,13 @@ ITERATIONS = 60
 SETTLINGS = 10
 
 
+class Support(NamedTuple):
+    """Support of an ellipsoid along a direction n: M n, and its height h(n), the extent from its centre."""
+
+    image: Vec  # [m²]
+    height: float  # [m]
+
+
 class Summit(NamedTuple):
     """The end of a climb."""
 
@@ -34,16 +41,22 @@ def image(m, i, v):
 
 
 @leaf
+def support(m, i, normal):
+    """Return the Support of body i along n."""
+    point = image(m, i, normal)
+    return Support(point, np.sqrt(dot(normal, point)))
+
+
+@leaf
 def support_height(m, i, normal):
-    """Return h(n) of body i, its extent along n from its centre."""
-    return np.sqrt(dot(normal, image(m, i, normal)))
+    """Return h(n) of body i."""
+    return support(m, i, normal).height
 
 
 @leaf
 def surface_point(m, i, normal):
     """Return the point of ellipsoid i farthest along n, relative to its centre, and its height h(n)."""
-    point = image(m, i, normal)
-    height = np.sqrt(dot(normal, point))
+    point, height = support(m, i, normal)
     return over(point, height), height
 
 
@@ -99,10 +112,10 @@ def climb_normal(m, pair, normal, enough):
     This is Newton's iteration on the sphere. A Hessian that does not belong to a maximum is shifted until it does, and
     a step that reduces f is halved, so that every step climbs.
     """
-    value = gap_along(m, pair, normal)
+    a, b = support(m, pair.a, normal), support(m, pair.b, normal)
+    value = dot(normal, pair.offset) - a.height - b.height
     for _ in range(ITERATIONS):
-        point_a, height_a = surface_point(m, pair.a, normal)
-        point_b, height_b = surface_point(m, pair.b, normal)
+        point_a, point_b = over(a.image, a.height), over(b.image, b.height)
         slope = minus(minus(pair.offset, point_a), point_b)
         value = dot(slope, normal)
         p, q = basis(normal)
@@ -110,8 +123,8 @@ def climb_normal(m, pair, normal, enough):
         converged = abs(gp) + abs(gq) <= TOLERANCE * pair.size
         if converged or value > enough:
             return Summit(value, normal, converged)
-        app, aqq, apq = curvatures(m, pair.a, p, q, point_a, height_a)
-        bpp, bqq, bpq = curvatures(m, pair.b, p, q, point_b, height_b)
+        app, aqq, apq = curvatures(m, pair.a, p, q, point_a, a.height)
+        bpp, bqq, bpq = curvatures(m, pair.b, p, q, point_b, b.height)
         kpq = apq + bpq
         kpp, kqq = made_positive(app + (bpp + value), aqq + (bqq + value), kpq)
         sp, sq = solved(kpp, kqq, kpq, gp, gq)
@@ -121,7 +134,8 @@ def climb_normal(m, pair, normal, enough):
         climbed, trial = False, normal
         for _ in range(30):
             trial = turned(normal, sp, p, sq, q)
-            if gap_along(m, pair, trial) >= value - 4e-16 * pair.size:
+            a, b = support(m, pair.a, trial), support(m, pair.b, trial)
+            if dot(trial, pair.offset) - a.height - b.height >= value - 4e-16 * pair.size:
                 climbed = True
                 break
             sp, sq = 0.5 * sp, 0.5 * sq
