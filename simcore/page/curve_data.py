@@ -16,7 +16,7 @@ from simcore.models.size_and_form.bed_prediction import COLUMNS, MORE_MASS, loos
 from simcore.models.size_and_form.candidates import CANDIDATES, FIXED_Q
 from simcore.models.size_and_form.forms_by_class import BY_CLASS
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
-from simcore.models.size_and_form.sized_model import unfitted_model
+from simcore.models.size_and_form.sized_model import current_model
 from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
 from simcore.packing import sieve_specification
 from simcore.packing.forecast import BY_SPREAD, ONE_CLASS
@@ -41,7 +41,7 @@ def curve_data(levels, model=None):
     levels: probabilities of the prediction intervals. model: SizedModel; None: the current one. ValueError if the page
     has no port of its candidate.
     """
-    model = model or unfitted_model()
+    model = model or current_model()
     class_name, class_label = class_patterns()
     return {
         "classes": {"name": class_name, "label": class_label, "by_class": BY_CLASS},

@@ -15,7 +15,7 @@ from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import LITERATURE
 from simcore.models.prediction import ONE_CLASS, predict_preferred
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
-from simcore.models.size_and_form.sized_model import SizedModel, unfitted_model
+from simcore.models.size_and_form.sized_model import SizedModel, current_model
 from simcore.paths import REFERENCE
 from simcore.reference.r22_tables import read_r22_table
 
@@ -44,7 +44,7 @@ def read_forms(path, column=None):
 
 def sized_model(fitted) -> SizedModel:
     """Return the model of size and form of FittedModels: that of the file of `fit`, or the current one."""
-    return fitted.curve.sized if fitted.curve else unfitted_model()
+    return fitted.curve.sized if fitted.curve else current_model()
 
 
 def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None = None) -> pd.DataFrame:
@@ -106,10 +106,16 @@ def interval(curve, ends, one_class, of_rhine, model, level):
 def error_parts(curve, n, one_class, of_rhine, model):
     """Return two errors (s,) of the porosities n (s,) of beds: of the step to the curve, and of the effect of form.
 
-    The first is a standard error, the second the largest one. Other arguments: as for `interval`.
+    The first is a standard error, which grows beyond the widest curve of known error, the second the largest one. Other
+    arguments: as for `interval`.
     """
     decrease = 1.0 - model.predict(curve, of_rhine) / of_rhine
-    return model.error * (one_class - n), model.form_error * decrease * (one_class - of_rhine)
+    return model.error * wider(curve, model) * (one_class - n), model.form_error * decrease * (one_class - of_rhine)
+
+
+def wider(curve, model) -> float:
+    """Return the factor of the error of a SieveCurve that is wider than those of known error: 1 for all others."""
+    return max(1.0, float(np.log(curve.largest / curve.least) / np.log(model.widest)))
 
 
 def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):
@@ -148,7 +154,7 @@ def sensitivity(curve, one_class, model: SizedModel | None = None) -> np.ndarray
 
     The masses of the other classes stay, so that all shares are divided by 1.01. one_class: one-class porosity.
     """
-    model = model or unfitted_model()
+    model = model or current_model()
     base = model.predict(curve, float(one_class))
     changed = []
     for index in range(len(curve.mass_fractions)):

@@ -3,8 +3,8 @@
 The table has one row per bed (results/reference/size_and_form.csv, columns in simcore.campaign.composition_columns):
 the realised sieve curve and form statistics, by volume, of the evaluated part. Beds of U1 are the bases, which give the
 one-class porosity n1. Beds of one form have the n1 of the base of that form. Beds of all forms have that of the unified
-model at their realised statistics, shifted by the mean difference between the bases and that model. Porosity is linear
-in the logarithm of the whole time of shaking, so that n1 is that at the time of each bed.
+model at their realised statistics, shifted to the bases (SHIFTS). Spheres have the n1 of the base of spheres. Porosity
+is linear in the logarithm of the whole time of shaking, so that n1 is that at the time of each bed.
 """
 
 from typing import NamedTuple
@@ -17,6 +17,9 @@ from simcore.models.unified import unified_features
 
 FIRST_TIME = 1.5  # [s], time of shaking to which the bases are referred; it cancels
 BASE, ALL_FORMS, SPHERE = "U1", "all", "sphere"
+# Shift of the unified model: its mean difference to all bases, or its difference to the base of all forms alone
+ALL_BASES, OWN_BASE = "all bases", "base of all forms"
+SHIFTS = (ALL_BASES, OWN_BASE)
 # A bed is kept out of the fit if a share of coarse grains differs by more than this beyond its standard error.
 LARGEST_DIFFERENCE = 0.03
 # Rules of simcore.evaluation.composition, in which both are explained.
@@ -93,39 +96,46 @@ def slope_of_time(bases, longer) -> float:
     return float(np.average(slopes, weights=errors**-2.0))
 
 
-def read_beds(table, unified, families, longer=None) -> Beds:
-    """Return the wide beds of real forms that are not flagged.
+def read_beds(table, unified, families, longer=None, shift=ALL_BASES, spheres=False) -> Beds:
+    """Return the wide beds of real forms, or of spheres, that are not flagged.
 
     table: DataFrame of size_and_form.csv. unified: PorosityModel of beds of one class, with the features of
     simcore.models.unified. families: dict from case to the family of its curve. longer: DataFrame of base_time.csv,
-    bases that were shaken longer; None: the time of shaking counts as having no effect. ValueError if the base of a
-    form is missing.
+    bases that were shaken longer; None: the time of shaking counts as having no effect. shift: one of SHIFTS.
+    ValueError if the base of a form is missing.
     """
     table = table.assign(form=form_labels(table), flag=flags(table))
-    real = table[table["form"] != SPHERE]
-    bases = real[real["case"] == BASE]
+    bases = table[table["case"] == BASE]
     if bases.empty:
         raise ValueError(f"size_and_form.csv has no bed of {BASE} yet, which gives the one-class porosity; pack it")
     slope = 0.0 if longer is None else slope_of_time(bases, longer.assign(form=form_labels(longer)))
     # Bases as they would be after FIRST_TIME
     bases = bases.assign(n=bases["n"] - slope * np.log(bases["time_s"] / FIRST_TIME))
-    shift = float((bases["n"] - _of_statistics(unified, bases)).mean())
     one_class = bases.groupby("form")[["n", "n_error"]].apply(_weighted_mean)
-    wide = real[(real["case"] != BASE) & (real["flag"] == "")].reset_index(drop=True)
-    missing = sorted(set(wide["form"]) - {ALL_FORMS} - set(one_class.index))
+    wide = table[(table["case"] != BASE) & ((table["form"] == SPHERE) == spheres) & (table["flag"] == "")]
+    wide = wide.reset_index(drop=True)
+    known = set(one_class.index) | ({ALL_FORMS} if shift == ALL_BASES else set())
+    missing = sorted(set(wide["form"]) - known)
     if missing:
         raise ValueError(f"size_and_form.csv has no bed of {BASE} with the form {missing[0]}, but wide beds; pack it")
-    n1 = np.where(
-        wide["form"] == ALL_FORMS,
-        _of_statistics(unified, wide) + shift,
-        one_class.reindex(wide["form"]).to_numpy(),
-    )
+    n1 = np.array(one_class.reindex(wide["form"]))
+    mixed = (wide["form"] == ALL_FORMS).to_numpy()
+    if mixed.any():
+        n1[mixed] = _of_statistics(unified, wide[mixed]) + _shift(unified, bases, shift)
     n1 = n1 + slope * np.log(wide["time_s"].to_numpy(float) / FIRST_TIME)
     names = [f"{row.case} {row.form} {row.seed}" for row in wide.itertuples()]
     curves = tuple(curve_of(row, name) for (_, row), name in zip(wide.iterrows(), names, strict=True))
     numbers = [wide[column].to_numpy(float) for column in ("mu_EQ_evaluated", "mu_EL_evaluated", "n", "n_error")]
     labels = [wide["case"].map(families).to_numpy(str), wide["form"].to_numpy(str)]
     return Beds(np.array(names), curves, n1, *numbers, *labels)
+
+
+def _shift(unified, bases, shift):
+    """Return by how much bases of real forms are looser than by the unified model."""
+    bases = bases[bases["form"] != SPHERE]
+    if shift == OWN_BASE:
+        bases = bases[bases["form"] == ALL_FORMS]
+    return float((bases["n"] - _of_statistics(unified, bases)).mean())
 
 
 def _of_statistics(unified, rows):

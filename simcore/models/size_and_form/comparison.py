@@ -11,8 +11,9 @@ import pandas as pd
 
 from simcore.models.packing_models.literature import LITERATURE
 from simcore.models.size_and_form.candidates import CANDIDATES
-from simcore.models.size_and_form.choice import choose, score
-from simcore.models.size_and_form.fit import Fit, fit_candidate, predict_left_out, scatter_between_beds
+from simcore.models.size_and_form.choice import Score, choose, score
+from simcore.models.size_and_form.fit import Fit, fit_candidate, predict_beds, predict_left_out, scatter_between_beds
+from simcore.models.size_and_form.sized_model import CANDIDATE, NOT_FITTED, UNFITTED
 
 # The order of preference among candidates with equally many parameters (docs/appendices/size_and_form_plan.md).
 PREFERENCE = ("L", "F", "H", "L_free", "D_F", "H_free", "H_form", "D_H")
@@ -23,7 +24,7 @@ class Comparison(NamedTuple):
 
     table: pd.DataFrame  # one row per candidate or model of the literature
     fits: dict  # name of a candidate -> Fit to all beds
-    by_family: dict  # name -> predictions (n,) of the beds by fits without their family
+    by_family: dict  # name -> predictions (n,) of the beds by fits without their family, and by NOT_FITTED
     chosen: str
     scatter: float  # τ
 
@@ -34,8 +35,8 @@ def compare(beds, names=PREFERENCE, scatter=None) -> Comparison:
     Columns of the table: model, parameters (number of fitted ones), chosen; for groups = family and form:
     error_by_<groups> (weighted mean absolute error over left-out beds), excess_by_<groups> and
     excess_std_error_by_<groups> (over that of the best); bias and rms_error over the beds by left-out families, and
-    fitted (parameters of the fit to all beds with standard errors, as text). ValueError if the beds have fewer than two
-    families or forms.
+    fitted (parameters of the fit to all beds with standard errors, as text). The last row, NOT_FITTED, is the candidate
+    without fitted parameters, which is not chosen from. ValueError if the beds have fewer than two families or forms.
     """
     scatter = scatter_between_beds(beds) if scatter is None else scatter
     weights = 1.0 / (beds.error**2 + scatter**2)
@@ -52,16 +53,32 @@ def compare(beds, names=PREFERENCE, scatter=None) -> Comparison:
         scores[kind] = score(errors, weights, groups)
     numbers = {name: len(CANDIDATES[name].parameters) for name in names} | dict.fromkeys(LITERATURE, 0)
     chosen = choose(scores["family"], scores["form"], numbers)
+    unfitted = predict_beds(CANDIDATE, beds, UNFITTED)
+    predictions["family"][NOT_FITTED], numbers[NOT_FITTED] = unfitted, 0
+    mean_error = float(np.average(np.abs(unfitted - beds.n), weights=weights))
     rows = []
     for name, number in numbers.items():
         row = {"model": name, "parameters": number, "chosen": "yes" if name == chosen else ""}
         for kind, of_kind in scores.items():
-            row[f"error_by_{kind}"], row[f"excess_by_{kind}"], row[f"excess_std_error_by_{kind}"] = of_kind[name]
+            best = min(of_kind.values()).error
+            own = of_kind[name] if name in of_kind else Score(mean_error, mean_error - best, np.nan)
+            row[f"error_by_{kind}"], row[f"excess_by_{kind}"], row[f"excess_std_error_by_{kind}"] = own
         difference = predictions["family"][name] - beds.n
         row["bias"] = float(np.average(difference, weights=weights))
         row["rms_error"] = float(np.sqrt(np.average(difference**2, weights=weights)))
         rows.append(row | {"fitted": _describe(fits[name]) if name in fits else ""})
     return Comparison(pd.DataFrame(rows), fits, predictions["family"], chosen, scatter)
+
+
+def parameter_rows(fits) -> pd.DataFrame:
+    """Return one row per parameter of each Fit, dict by name: model, parameter, value, std_error, at_bound."""
+    rows = [
+        {"model": name, "parameter": key, "value": value, "std_error": fit.std_errors()[key],
+         "at_bound": "yes" if key in fit.at_bound else ""}
+        for name, fit in fits.items()
+        for key, value in fit.parameters.items()
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
 
 
 def _describe(fit):

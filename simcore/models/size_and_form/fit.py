@@ -39,12 +39,13 @@ def predict_beds(name, beds, parameters) -> np.ndarray:
     )
 
 
-def fit_candidate(name, beds, scatter, start=None) -> Fit:
-    """Fit candidate `name` to Beds; scatter: τ. start: dict of parameters to begin with.
+def fit_candidate(name, beds, scatter, start=None, fixed=None) -> Fit:
+    """Fit candidate `name` to Beds; scatter: τ. start: dict of parameters to begin with. fixed: dict of those kept.
 
     ValueError if there are fewer beds than parameters.
     """
-    parameters = CANDIDATES[name].parameters
+    fixed = fixed or {}
+    parameters = {key: limits for key, limits in CANDIDATES[name].parameters.items() if key not in fixed}
     if len(beds.n) < len(parameters):
         raise ValueError(
             f"candidate {name}: {len(beds.n)} beds are too few for {len(parameters)} parameters; pack more beds"
@@ -54,7 +55,7 @@ def fit_candidate(name, beds, scatter, start=None) -> Fit:
     weights = (beds.error**2 + scatter**2) ** -0.5
 
     def residuals(scaled):
-        values = dict(zip(parameters, low + scaled * (high - low), strict=True))
+        values = dict(zip(parameters, low + scaled * (high - low), strict=True)) | fixed
         return weights * (predict_beds(name, beds, values) - beds.n)
 
     begin = np.clip((first - low) / (high - low), 0.01, 0.99)

@@ -1,18 +1,23 @@
 """The model of size and form that `predict --sieve` uses: a candidate, its parameters and its errors.
 
-As long as no candidate is fitted to beds of many curves, it is candidate H with no effect of form on size ratios and
-the compaction index of de Larrard for poured grains, 4.1. Of the candidates without fitted parameters it has the
-smallest error over SETS (benchmarks.studies.size_and_form_validation), and that error is stated: on six gravels with
-wide curves that Rettinger et al. (2022) measured, and on our packings of them, from the porosity of the seventh, U1.
+It is the candidate that is chosen on packed beds of many curves (results/reference/models/size_and_form_*.csv), as soon
+as these meet the conditions of docs/appendices/size_and_form_plan.md. Its stated error is that on beds which are
+predicted without their family of curves.
+
+Until then it is candidate H with no effect of form on size ratios and the compaction index of de Larrard for poured
+grains, 4.1. Of the candidates without fitted parameters it has the smallest error over SETS
+(benchmarks.studies.size_and_form_validation), and that error is stated: on six gravels with wide curves that Rettinger
+et al. (2022) measured, and on our packings of them, from the porosity of the seventh, U1.
 """
 
 from functools import cache
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from simcore.models.size_and_form.candidates import predict
+from simcore.models.size_and_form.candidates import CANDIDATES, predict
 from simcore.models.size_and_form.known_beds import MEASURED, PACKED, known_beds
 from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
 from simcore.paths import REFERENCE
@@ -20,7 +25,11 @@ from simcore.scene.sizes import all_cases
 
 SETS = (MEASURED, PACKED)  # beds whose errors the model states
 CANDIDATE, UNFITTED = "H", {"K": 4.1, "m0": 1.0, "kappa": 0.0}
+NOT_FITTED = f"{CANDIDATE}, not fitted"  # its name in the table of candidates
 OF_FORM = ("U7", "B50")  # cases for which Rettinger et al. published models of single forms
+ENDS = (0.32, 0.38)  # one-class porosities between which the effect of form is compared, about that of the 63 forms
+# Families of sieve curves of config/curves.tsv and config/cases.tsv, without that of the bases
+WIDE_FAMILIES = {"binary_2_to_3", "binary_4_to_8", "log_normal", "two_modes", "fractal", "skewed_and_gap"}
 
 
 class SizedModel(NamedTuple):
@@ -46,6 +55,52 @@ class SizedModel(NamedTuple):
 
 
 @cache
+def current_model(folder=REFERENCE) -> SizedModel:
+    """Return the fitted model if its tables meet the conditions of the plan, else the unfitted one."""
+    return fitted_model(folder) or unfitted_model()
+
+
+def fitted_model(folder=REFERENCE) -> SizedModel | None:
+    """Return the candidate that the tables size_and_form_*.csv in models/ of this folder choose.
+
+    None without these tables, if a family of wide curves has no bed in them, if candidate H without fitted parameters
+    has the smaller error, or if a model of the literature is chosen.
+    """
+    tables = Path(folder) / "models"
+    if not (tables / "size_and_form_candidates.csv").exists():
+        return None
+    candidates, beds, parameters = (
+        pd.read_csv(tables / f"size_and_form_{name}.csv") for name in ("candidates", "beds", "parameters")
+    )
+    if WIDE_FAMILIES - set(beds["family"]):
+        return None
+    chosen = candidates[candidates["chosen"] == "yes"].sort_values("error_by_family").iloc[0]
+    unfitted = candidates[(candidates["model"] == NOT_FITTED) & (candidates["shift"] == chosen["shift"])].iloc[0]
+    name = chosen["model"]
+    if name not in CANDIDATES or chosen["error_by_family"] >= unfitted["error_by_family"]:
+        return None
+    beds = beds[beds["shift"] == chosen["shift"]]
+    values = parameters[(parameters["shift"] == chosen["shift"]) & (parameters["model"] == name)]
+    values = dict(zip(values["parameter"], values["value"].astype(float), strict=True))
+    families = beds["family"].nunique()
+    return SizedModel(
+        candidate=name,
+        parameters=values,
+        law="mass",
+        error=relative_error(beds[f"predicted_{name}"], beds["n"], beds["n_one_class"]),
+        freedom=families - 1,
+        form_error=_form_error(name, values),
+        widest=float(beds["widest"].max()),
+        behind=f"fitted to {len(beds)} packed beds of {families} families of sieve curves.",
+    )
+
+
+def relative_error(predicted, n, one_class) -> float:
+    """Return the root mean square of predicted minus known porosity, relative to that of the decrease by the sizes."""
+    return float(np.sqrt(np.mean(np.square(predicted - n)) / np.mean(np.square(one_class - n))))
+
+
+@cache
 def unfitted_model() -> SizedModel:
     """Return the candidate without fitted parameters, with its errors on measured gravels and on packings of them."""
     beds = known_beds()
@@ -54,31 +109,32 @@ def unfitted_model() -> SizedModel:
     predicted = [
         predict(CANDIDATE, curves[bed.case], bed.n_one_class, UNFITTED, law="mass") for bed in beds.itertuples()
     ]
-    errors, decreases = np.array(predicted) - beds["n"], beds["n_one_class"] - beds["n"]
     return SizedModel(
         candidate=CANDIDATE,
         parameters=UNFITTED,
         law="mass",
-        error=float(np.sqrt(np.mean(errors**2) / np.mean(decreases**2))),
+        error=relative_error(np.array(predicted), beds["n"], beds["n_one_class"]),
         freedom=len(beds),
-        form_error=_form_error(curves),
+        form_error=_form_error(CANDIDATE, UNFITTED),
         widest=max(curve.largest / curve.least for curve in curves.values()),
         behind=f"no parameter is fitted; its error is that on {len(beds)} beds of known porosity.",
     )
 
 
-def _form_error(curves):
+def _form_error(candidate, parameters):
     """Return how much more of the effect of form it carries over than the published models, per relative decrease.
 
-    Both slopes are over the 63 synthetic forms, in size_models_measured.csv.
+    Slopes are those of the porosity of a curve against that of one class; the published ones are over the 63 synthetic
+    forms, in size_models_measured.csv. Negative if the candidate carries over less than the published models.
     """
-    slopes = pd.read_csv(REFERENCE / "size_models_measured.csv")
-    ours = slopes[(slopes["model"] == f"candidate {CANDIDATE} without stretch") & (slopes["K"] == UNFITTED["K"])].iloc[
-        0
-    ]
-    published = slopes[slopes["model"] == "single forms of Rettinger et al."].iloc[0]
+    table = pd.read_csv(REFERENCE / "size_models_measured.csv")
+    published = table[table["model"] == "single forms of Rettinger et al."].iloc[0]
     ratios = []
     for case in OF_FORM:
-        decrease = 1.0 - predict(CANDIDATE, curves[case], REFERENCE_POROSITY, UNFITTED, law="mass") / REFERENCE_POROSITY
-        ratios.append((ours[f"slope_{case}"] - published[f"slope_{case}"]) / decrease)
+        dense, loose, mean = (
+            predict(candidate, all_cases()[case].curve, one_class, parameters, law="mass")
+            for one_class in (*ENDS, REFERENCE_POROSITY)
+        )
+        slope, decrease = (loose - dense) / (ENDS[1] - ENDS[0]), 1.0 - mean / REFERENCE_POROSITY
+        ratios.append((slope - published[f"slope_{case}"]) / decrease)
     return float(np.mean(ratios))

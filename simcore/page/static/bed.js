@@ -161,12 +161,17 @@ const Bed = (() => {
     const ofRhine = oneClassOf(RHINE, level).n;
     const decrease = 1 - Skeletons.predict(curve, ofRhine) / ofRhine;
     const ofForm = model.form_error * decrease * Math.abs(oneClass - ofRhine);
-    const ofSizes = model.quantiles[general(level)] * model.error * (oneClass - n);
+    const ofSizes = model.quantiles[general(level)] * model.error * wider(curve) * (oneClass - n);
     return Math.sqrt((0.5 * (high - low)) ** 2 + ofSizes ** 2 + ofForm ** 2);
   }
 
+  const widthOf = (curve) => curve.bounds.at(-1) / curve.bounds[0];
+
+  // The error grows beyond the widest curve of known error.
+  const wider = (curve) => Math.max(1, Math.log(widthOf(curve)) / Math.log(model.widest));
+
   function tooWide(curve) {
-    const ratio = curve.bounds.at(-1) / curve.bounds[0];
+    const ratio = widthOf(curve);
     if (ratio <= model.widest * (1 + 1e-9)) return "";
     return `the sieve curve is ${general(ratio, 3)} : 1 wide, errors are known up to ${general(model.widest, 3)} : 1`;
   }

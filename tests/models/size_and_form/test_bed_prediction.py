@@ -104,7 +104,7 @@ def test_the_effect_of_form_is_known_to_be_carried_over_too_far():
     wide = np.array([unfitted_model().predict(all_cases()[case].curve, 0.342) for case in ("U7", "B50")])
     decreases = 1 - wide / 0.342
     expected = np.array([0.9857 - 0.6911, 0.9167 - 0.5116]) / decreases
-    assert unfitted_model().form_error == pytest.approx(expected.mean(), abs=1e-9)
+    assert unfitted_model().form_error == pytest.approx(expected.mean(), abs=2e-4)  # slopes of four digits
 
 
 def test_random_curves_have_a_porosity_below_that_of_one_class(fitted):

@@ -7,10 +7,11 @@ import pytest
 from simcore.campaign.composition_columns import FRACTION
 from simcore.grains.sieve import SieveCurve
 from simcore.models.regression import fit
-from simcore.models.size_and_form.beds import ALL_FORMS, BASE, Beds, curve_of, flags, read_beds, slope_of_time
+from simcore.models.size_and_form.beds import ALL_FORMS, BASE, OWN_BASE, Beds, curve_of, flags, read_beds, slope_of_time
 from simcore.models.size_and_form.candidates import CANDIDATES
-from simcore.models.size_and_form.comparison import PREFERENCE, compare
+from simcore.models.size_and_form.comparison import PREFERENCE, compare, parameter_rows
 from simcore.models.size_and_form.fit import fit_candidate, predict_beds, predict_left_out, scatter_between_beds
+from simcore.models.size_and_form.sized_model import NOT_FITTED
 from simcore.models.unified import UNIFIED, unified_features
 from simcore.scene.sizes import all_cases
 
@@ -76,6 +77,10 @@ def test_the_model_that_made_the_beds_is_chosen():
     errors = result.table.set_index("model")["error_by_family"]
     assert errors["L"] < 1.3 * ERROR and errors["F"] > 2 * ERROR and errors["rods"] > 2 * ERROR
     assert result.table["excess_by_family"].min() == 0.0
+    unfitted = result.table.iloc[-1]
+    assert unfitted["model"] == NOT_FITTED and unfitted["error_by_family"] == unfitted["error_by_form"] > 2 * ERROR
+    rows = parameter_rows(result.fits)
+    assert list(rows["model"] + " " + rows["parameter"]) == ["L m0", "L kappa", "F m0", "F kappa"]
     assert set(PREFERENCE) == set(CANDIDATES)
 
 
@@ -137,6 +142,29 @@ def test_one_class_porosity_is_that_at_the_time_of_shaking_of_the_bed(unified):
     shift = np.mean(at_first - 0.3)
     expected = [at_first[1] - 0.01 * np.log(2.0), 0.3 + shift - 0.01 * np.log(4.0)]
     np.testing.assert_allclose(beds.one_class, expected, atol=1e-9)
+
+
+def test_beds_of_all_forms_can_follow_their_own_base(unified):
+    rows = [row(BASE, n=0.31), row(BASE, "G01", n=0.36), row(grain="G01"), row()]
+    families = {name: case.family for name, case in all_cases().items()}
+    beds = read_beds(pd.DataFrame(rows), unified, families, shift=OWN_BASE)
+    np.testing.assert_allclose(beds.one_class, [0.36, 0.31], atol=1e-9)
+    with pytest.raises(ValueError, match="no bed of U1 with the form all"):
+        read_beds(pd.DataFrame(rows[1:]), unified, families, shift=OWN_BASE)
+
+
+def test_spheres_follow_the_base_of_spheres(unified):
+    sphere = {"representation": "sphere"}
+    rows = [row(BASE, n=0.31), row(), row(BASE, n=0.37, **sphere), row(n=0.33, **sphere)]
+    beds = read_beds(pd.DataFrame(rows), unified, {"U7": "log_normal"}, spheres=True)
+    assert beds.form.tolist() == ["sphere"] and beds.n.tolist() == [0.33]
+    np.testing.assert_allclose(beds.one_class, [0.37], atol=1e-9)
+
+
+def test_a_fixed_parameter_is_not_fitted():
+    found = fit_candidate("L", made_beds(), 0.0, fixed={"kappa": TRUE["kappa"]})
+    assert list(found.parameters) == ["m0"] and found.covariance.shape == (1, 1)
+    assert abs(found.parameters["m0"] - TRUE["m0"]) < 3 * found.std_errors()["m0"]
 
 
 def test_slopes_of_time_are_weighted_by_their_errors():
