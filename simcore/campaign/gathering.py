@@ -183,8 +183,9 @@ def record(folder, table, study, source, packings, made, command, machine):
 
     table: name of the table with the rows. packings and made: as from `finished`; `made` lacks packings whose files are
     gone. command (of the campaign) and machine: the summary lists all of them. The entry of another campaign remains if
-    this one has no packing of the study. r22_cpu_h in the summary: core-hours of the program of Rettinger et al. for
-    the same number of grain-steps, of the packings whose number is recorded.
+    this one has no packing of the study. cpu_h_estimated in the summary: what the cost model gives for the packings that
+    are done. r22_cpu_h: core-hours of the program of Rettinger et al. for the same number of grain-steps, of the
+    packings whose number is recorded.
     """
     key = {"study": study, "source": source}
     ledger = _ledger(folder)
@@ -194,7 +195,8 @@ def record(folder, table, study, source, packings, made, command, machine):
     _write(ledger[LEDGER].astype({"grain_steps": "Int64"}), Path(folder) / "gathered.csv")
     remaining = not_gathered(folder, study, source, packings)
     hours_left = sum(packing["cpu_h"] for packing in remaining)
-    names = {packing["row"]["packing"] for packing in packings} - {packing["row"]["packing"] for packing in remaining}
+    estimates = {packing["row"]["packing"]: packing["cpu_h"] for packing in packings}
+    names = set(estimates) - {packing["row"]["packing"] for packing in remaining}
     done = ledger[(ledger.study == study) & (ledger.source == source) & ledger.packing.isin(names)]
     print(f"{study}: {len(done)} of {len(packings)} packings, about {hours_left:.1f} CPU hours left", flush=True)
     steps = done.grain_steps.sum(min_count=1)
@@ -204,6 +206,7 @@ def record(folder, table, study, source, packings, made, command, machine):
         "packings": len(done),
         "planned": len(packings),
         "cpu_h": round(done.cpu_s.sum() / 3600.0, 2),
+        "cpu_h_estimated": round(sum(estimates[name] for name in done.packing), 2),
         "r22_cpu_h": round(r22_hours(steps), 2) if pd.notna(steps) else "",
         "cpu_h_left_estimated": round(hours_left, 2),
         "code": " ".join(sorted(set(done.code))),

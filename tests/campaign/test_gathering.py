@@ -211,6 +211,7 @@ def test_the_summary_remains_when_the_packings_are_deleted(tmp_path):
     assert written.packings.tolist() == [0, 2] and written.planned.tolist() == [3, 3]
     found = written.iloc[1]
     assert (found.cpu_h, found.cpu_h_left_estimated, found.code, found.machine) == (0.4, 0.5, "v1 v3", "one; two")
+    assert found.cpu_h_estimated == 1.0 and written.cpu_h_estimated[0] == 0.0
     assert pd.isna(written.machine[0]), "nothing was packed"
     assert found.r22_cpu_h == round(4e9 * 230 / (20_000 * 1.5e6), 2)
     older = pd.read_csv(tmp_path / "gathered.csv").drop(columns="grain_steps")

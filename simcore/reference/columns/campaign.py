@@ -23,6 +23,7 @@ LEDGERS = (
     Column("code", "", "version of the code, digest of its sources, and commit"),
     Column("table", "", "file with the rows"),
     Column("planned", "", "number of packings that the campaign plans"),
+    Column("cpu_h_estimated", "h", "CPU time of the gathered packings by the cost model"),
     Column("cpu_h_left_estimated", "h", "estimated CPU time of the packings that are not gathered yet"),
     Column("command", "", "command of the campaign"),
     Column("machine", "", "machine and versions of libraries with which the packings were made"),

@@ -122,6 +122,7 @@ HEADINGS = {
     "planned": Heading("planned", 0),
     "code": Heading("version of the code"),
     "machine": Heading("machine"),
+    "cpu_h_estimated": Heading("CPU time, estimated", 1),
     "cpu_h_left_estimated": Heading("CPU time left, estimated", 1),
     # Biases
     "of": Heading("cause"),
