@@ -183,9 +183,9 @@ def record(folder, table, study, source, packings, made, command, machine):
 
     table: name of the table with the rows. packings and made: as from `finished`; `made` lacks packings whose files are
     gone. command (of the campaign) and machine: the summary lists all of them. The entry of another campaign remains if
-    this one has no packing of the study. cpu_h_estimated in the summary: what the cost model gives for the packings that
-    are done. r22_cpu_h: core-hours of the program of Rettinger et al. for the same number of grain-steps, of the
-    packings whose number is recorded.
+    this one has no packing of the study. cpu_h_estimated in the summary: by the cost model, of the packings that are
+    done. r22_cpu_h: core-hours of the program of Rettinger et al. for the same number of grain-steps, of the packings
+    whose number is recorded.
     """
     key = {"study": study, "source": source}
     ledger = _ledger(folder)

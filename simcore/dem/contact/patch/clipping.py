@@ -29,7 +29,7 @@ from simcore.dem.contact.patch.workspace import (
     write_face,
     write_polygon,
 )
-from simcore.dem.vectors import Vec, cross, dot, length, minus, over, plus, read, scaled
+from simcore.dem.vectors import Vec, cross, dot, minus, over, plus, read, scaled, squared
 
 # Shares of the pair's size; docs/explanation/constants.md gives the reasons.
 TIE = 1e-14  # planes that cut a are moved out by it, those that cut b in
@@ -44,6 +44,14 @@ class Side(NamedTuple):
     top: int  # its vertex farthest toward the other body
     base: Axes  # of the patch, in its base
     centre: Vec  # [m], along the axes, from the centre of a
+
+
+class Face(NamedTuple):
+    """A triangle of a polyhedron, counterclockwise from outside [m]."""
+
+    first: Vec
+    second: Vec
+    third: Vec
 
 
 class Slab(NamedTuple):
@@ -72,14 +80,15 @@ def is_in_slab(side, slab, height):
 
 
 @leaf
-def gather_faces(shapes, side, slab, workspace, thread):
-    """Store the faces of one side that have a vertex in the slab; return their number.
+def gather_faces(shapes, side, slab, n_bound, slack, workspace, thread):
+    """Store the faces of one side that may bound the overlap, with their planes; return their number.
 
-    Because the body is convex, edges connect these vertices with each other, and a walk from the top visits all.
+    These have a vertex in the slab, and a corner of the bound is less than `slack` [m] below their plane. Because the
+    body is convex, edges connect the vertices in the slab with each other, and a walk from the top visits all.
     """
     ring_start, ring = shapes.neighbor_start, shapes.neighbors
     stamp = start_walk(workspace, thread, side.top, side.first)
-    mark, stack, number = workspace.mark, workspace.stack, side.number
+    mark, stack = workspace.mark, workspace.stack
     n_stack, n_faces = 1, 0
     while n_stack > 0:
         n_stack -= 1
@@ -98,43 +107,33 @@ def gather_faces(shapes, side, slab, workspace, thread):
                 n_stack += 1
             # To be stored once, the face v, last, u is assigned to the smallest index of its vertices in the slab.
             if not ((inside and u < v) or (last_inside and last < v)):
-                write_face(workspace, thread, number, n_faces, 0, corner)
-                write_face(workspace, thread, number, n_faces, 1, last_corner)
-                write_face(workspace, thread, number, n_faces, 2, next_corner)
-                n_faces += 1
+                face = Face(corner, last_corner, next_corner)
+                n_faces += store_face(face, side.number, n_faces, n_bound, slack, workspace, thread)
             last, last_corner, last_inside = u, next_corner, inside
     return n_faces
 
 
 @leaf
-def find_planes(workspace, thread, side, n_faces, n_bound, slack):
-    """Store the planes of the gathered faces, drop faces that do not reach the overlap, and return the number left.
-
-    slack: distance [m] from the corners of the bound within which a plane is kept.
-    """
-    planes, kept = workspace.planes, 0
-    for k in range(n_faces):
-        corner = read_face(workspace, thread, side, k, 0)
-        second, third = read_face(workspace, thread, side, k, 1), read_face(workspace, thread, side, k, 2)
-        area = cross(minus(second, corner), minus(third, corner))
-        size = length(area)
-        if not size > 0.0:
-            continue
-        normal = over(area, size)
-        d = -dot(normal, corner)
-        highest = -np.inf if n_bound > 0 else np.inf
-        for m in range(n_bound):
-            highest = max(highest, dot(normal, read_bound(workspace, thread, m)) + d)
-        if highest < -slack:
-            continue
-        planes[thread, side, kept, 0], planes[thread, side, kept, 1] = normal.x, normal.y
-        planes[thread, side, kept, 2], planes[thread, side, kept, 3] = normal.z, d
-        if kept < k:
-            write_face(workspace, thread, side, kept, 0, corner)
-            write_face(workspace, thread, side, kept, 1, second)
-            write_face(workspace, thread, side, kept, 2, third)
-        kept += 1
-    return kept
+def store_face(face, side, k, n_bound, slack, workspace, thread):
+    """Store face k of a side with its plane and return True, unless its plane leaves the whole bound behind."""
+    area = cross(minus(face.second, face.first), minus(face.third, face.first))
+    area_squared = squared(area)
+    if not area_squared > 0.0:
+        return False
+    if n_bound > 0:
+        highest = dot(area, read_bound(workspace, thread, 0))
+        for m in range(1, n_bound):
+            highest = max(highest, dot(area, read_bound(workspace, thread, m)))
+        highest -= dot(area, face.first)
+        if highest < 0.0 and highest * highest > slack * slack * area_squared:
+            return False
+    normal, planes = over(area, np.sqrt(area_squared)), workspace.planes
+    planes[thread, side, k, 0], planes[thread, side, k, 1], planes[thread, side, k, 2] = normal.x, normal.y, normal.z
+    planes[thread, side, k, 3] = -dot(normal, face.first)
+    write_face(workspace, thread, side, k, 0, face.first)
+    write_face(workspace, thread, side, k, 1, face.second)
+    write_face(workspace, thread, side, k, 2, face.third)
+    return True
 
 
 @leaf
@@ -227,8 +226,6 @@ def clipped_moments(shapes, bodies, pair, axes, tops, n_bound, workspace, thread
     slab = Slab(offset.z + dot(read(shapes.vertices, tops[1]), base_b.n), top.z)
     a = side_of(shapes, bodies, 0, pair.a, tops[0], base_a, Vec(0.0, 0.0, 0.0))
     b = side_of(shapes, bodies, 1, pair.b, tops[1], base_b, offset)
-    n_a = gather_faces(shapes, a, slab, workspace, thread)
-    n_b = gather_faces(shapes, b, slab, workspace, thread)
-    n_a = find_planes(workspace, thread, 0, n_a, n_bound, BOUND_SLACK * pair.size)
-    n_b = find_planes(workspace, thread, 1, n_b, n_bound, BOUND_SLACK * pair.size)
+    n_a = gather_faces(shapes, a, slab, n_bound, BOUND_SLACK * pair.size, workspace, thread)
+    n_b = gather_faces(shapes, b, slab, n_bound, BOUND_SLACK * pair.size, workspace, thread)
     return face_moments(workspace, thread, n_a, n_b, Vec(top.x, top.y, slab.low), TIE * pair.size)
