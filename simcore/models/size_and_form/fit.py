@@ -54,16 +54,19 @@ def fit_candidate(name, beds, scatter, start=None, fixed=None) -> Fit:
     first = np.array([(start or {}).get(key, limits.start) for key, limits in parameters.items()])
     weights = (beds.error**2 + scatter**2) ** -0.5
 
+    # Parameters are scaled to 1 to 2, because the step of the derivatives is relative: from 0 to 1 it would vanish at the
+    # lower bounds.
     def residuals(scaled):
-        values = dict(zip(parameters, low + scaled * (high - low), strict=True)) | fixed
+        values = dict(zip(parameters, low + (scaled - 1.0) * (high - low), strict=True)) | fixed
         return weights * (predict_beds(name, beds, values) - beds.n)
 
-    begin = np.clip((first - low) / (high - low), 0.01, 0.99)
-    found = least_squares(residuals, begin, bounds=(0.0, 1.0), diff_step=STEP, xtol=1e-8, ftol=1e-10)
-    values = low + found.x * (high - low)
+    begin = 1.0 + np.clip((first - low) / (high - low), 0.01, 0.99)
+    found = least_squares(residuals, begin, bounds=(1.0, 2.0), diff_step=STEP, xtol=1e-8, ftol=1e-10)
+    scaled = found.x - 1.0
+    values = low + scaled * (high - low)
     normal = found.jac.T @ found.jac
     covariance = np.linalg.pinv(normal) * np.outer(high - low, high - low)
-    bound = tuple(key for key, x in zip(parameters, found.x, strict=True) if not 1e-3 < x < 1 - 1e-3)
+    bound = tuple(key for key, x in zip(parameters, scaled, strict=True) if not 1e-3 < x < 1 - 1e-3)
     predicted = beds.n + found.fun / weights
     return Fit(name, dict(zip(parameters, map(float, values), strict=True)), covariance, predicted, bound)
 
