@@ -3,8 +3,8 @@
 The table has one row per bed (results/reference/size_and_form.csv, columns in simcore.campaign.composition_columns):
 the realised sieve curve and form statistics, by volume, of the evaluated part. Beds of U1 are the bases, which give the
 one-class porosity n1. Beds of one form have the n1 of the base of that form. Beds of all forms have that of the unified
-model at their realised statistics, shifted to the bases (SHIFTS). Spheres have the n1 of the base of spheres. Porosity
-is linear in the logarithm of the whole time of shaking, so that n1 is that at the time of each bed.
+model at their realised statistics, shifted to the bases (SHIFTS). Spheres have the n1 of the base of spheres. n1 is
+that for the process of each bed, see simcore.models.size_and_form.bases.
 """
 
 from typing import NamedTuple
@@ -12,10 +12,9 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from simcore.grains.sieve import SieveCurve
+from simcore.models.size_and_form.bases import PROCESS, curve_of, fit_bases
 from simcore.models.unified import unified_features
 
-FIRST_TIME = 1.5  # [s], time of shaking to which the bases are referred; it cancels
 BASE, ALL_FORMS, SPHERE = "U1", "all", "sphere"
 # Shift of the unified model: its mean difference to all bases, or its difference to the base of all forms alone
 ALL_BASES, OWN_BASE = "all bases", "base of all forms"
@@ -74,55 +73,33 @@ def form_labels(table) -> pd.Series:
     return grain.mask(grain == "", ALL_FORMS).mask(table["representation"] == SPHERE, SPHERE)
 
 
-def curve_of(row, name) -> SieveCurve:
-    """Return the realised SieveCurve of a row, from its columns share_A-Bmm."""
-    shares = {key: float(row[key]) for key in row.index if key.startswith("share_")}
-    bounds = [tuple(float(end) for end in key.removeprefix("share_").removesuffix("mm").split("-")) for key in shares]
-    fractions = np.array(list(shares.values()))
-    edges = 1e-3 * np.array([low for low, _ in bounds] + [bounds[-1][1]])
-    return SieveCurve(edges, fractions / fractions.sum(), name)
-
-
-def slope_of_time(bases, longer) -> float:
-    """Return by how much the one-class porosity changes when the time of shaking grows by a factor of e.
-
-    bases, longer: rows of bases with `form`, n, n_error and time_s; those of `longer` are beds of the same forms that
-    were shaken longer. The slope is the mean over the forms of `longer`, weighted by the errors of the differences.
-    """
-    mean = bases.groupby("form")[["n", "n_error", "time_s"]].mean().reindex(longer["form"])
-    logs = np.log(longer["time_s"].to_numpy() / mean["time_s"].to_numpy())
-    slopes = (longer["n"].to_numpy() - mean["n"].to_numpy()) / logs
-    errors = np.hypot(longer["n_error"].to_numpy(), mean["n_error"].to_numpy()) / np.abs(logs)
-    return float(np.average(slopes, weights=errors**-2.0))
-
-
-def read_beds(table, unified, families, longer=None, shift=ALL_BASES, spheres=False) -> Beds:
+def read_beds(table, unified, families, others=None, process=PROCESS, shift=ALL_BASES, spheres=False) -> Beds:
     """Return the wide beds of real forms, or of spheres, that are not flagged.
 
-    table: DataFrame of size_and_form.csv. unified: PorosityModel of beds of one class, with the features of
-    simcore.models.unified. families: dict from case to the family of its curve. longer: DataFrame of base_time.csv,
-    bases that were shaken longer; None: the time of shaking counts as having no effect. shift: one of SHIFTS.
+    table: DataFrame of size_and_form.csv, with after_s [s], the time of shaking after the last grain. unified:
+    PorosityModel of beds of one class, with the features of simcore.models.unified. families: dict from case to the
+    family of its curve. others: DataFrame of bases with another process, with the same columns; None: the process
+    counts as having no effect. process: the quantities of simcore.models.size_and_form.bases that count. shift: one of
+    SHIFTS.
     ValueError if the base of a form is missing.
     """
     table = table.assign(form=form_labels(table), flag=flags(table))
     bases = table[table["case"] == BASE]
     if bases.empty:
         raise ValueError(f"size_and_form.csv has no bed of {BASE} yet, which gives the one-class porosity; pack it")
-    slope = 0.0 if longer is None else slope_of_time(bases, longer.assign(form=form_labels(longer)))
-    # Bases as they would be after FIRST_TIME
-    bases = bases.assign(n=bases["n"] - slope * np.log(bases["time_s"] / FIRST_TIME))
-    one_class = bases.groupby("form")[["n", "n_error"]].apply(_weighted_mean)
+    all_bases = bases if others is None else pd.concat([bases, others.assign(form=form_labels(others))])
+    fitted = fit_bases(all_bases, process if others is not None else ())
     wide = table[(table["case"] != BASE) & ((table["form"] == SPHERE) == spheres) & (table["flag"] == "")]
     wide = wide.reset_index(drop=True)
-    known = set(one_class.index) | ({ALL_FORMS} if shift == ALL_BASES else set())
+    known = set(fitted.constants) | ({ALL_FORMS} if shift == ALL_BASES else set())
     missing = sorted(set(wide["form"]) - known)
     if missing:
         raise ValueError(f"size_and_form.csv has no bed of {BASE} with the form {missing[0]}, but wide beds; pack it")
-    n1 = np.array(one_class.reindex(wide["form"]))
+    n1 = np.array(wide["form"].map(fitted.constants), float)
     mixed = (wide["form"] == ALL_FORMS).to_numpy()
     if mixed.any():
-        n1[mixed] = _of_statistics(unified, wide[mixed]) + _shift(unified, bases, shift)
-    n1 = n1 + slope * np.log(wide["time_s"].to_numpy(float) / FIRST_TIME)
+        n1[mixed] = _of_statistics(unified, wide[mixed]) + _shift(unified, bases, fitted, shift)
+    n1 = n1 + fitted.effect(wide)
     names = [f"{row.case} {row.form} {row.seed}" for row in wide.itertuples()]
     curves = tuple(curve_of(row, name) for (_, row), name in zip(wide.iterrows(), names, strict=True))
     numbers = [wide[column].to_numpy(float) for column in ("mu_EQ_evaluated", "mu_EL_evaluated", "n", "n_error")]
@@ -130,19 +107,13 @@ def read_beds(table, unified, families, longer=None, shift=ALL_BASES, spheres=Fa
     return Beds(np.array(names), curves, n1, *numbers, *labels)
 
 
-def _shift(unified, bases, shift):
-    """Return by how much bases of real forms are looser than by the unified model."""
-    bases = bases[bases["form"] != SPHERE]
-    if shift == OWN_BASE:
-        bases = bases[bases["form"] == ALL_FORMS]
-    return float((bases["n"] - _of_statistics(unified, bases)).mean())
+def _shift(unified, bases, fitted, shift):
+    """Return by how much bases of real forms would be looser than by the unified model, with the mean process."""
+    bases = bases[bases["form"] == ALL_FORMS] if shift == OWN_BASE else bases[bases["form"] != SPHERE]
+    return float((bases["n"] - fitted.effect(bases) - _of_statistics(unified, bases)).mean())
 
 
 def _of_statistics(unified, rows):
     statistics = rows[[f"{kind}_{ratio}_evaluated" for ratio in ("EQ", "EL") for kind in ("mu", "sigma")]]
     statistics = statistics.rename(columns=lambda name: name.removesuffix("_evaluated"))
     return unified.predict(unified_features(statistics))
-
-
-def _weighted_mean(rows):
-    return float(np.average(rows["n"], weights=rows["n_error"] ** -2.0))

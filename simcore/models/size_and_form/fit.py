@@ -54,8 +54,7 @@ def fit_candidate(name, beds, scatter, start=None, fixed=None) -> Fit:
     first = np.array([(start or {}).get(key, limits.start) for key, limits in parameters.items()])
     weights = (beds.error**2 + scatter**2) ** -0.5
 
-    # Parameters are scaled to 1 to 2, because the step of the derivatives is relative: from 0 to 1 it would vanish at the
-    # lower bounds.
+    # Parameters are scaled to 1 to 2, because the step of the derivatives is relative: it would vanish at 0.
     def residuals(scaled):
         values = dict(zip(parameters, low + (scaled - 1.0) * (high - low), strict=True)) | fixed
         return weights * (predict_beds(name, beds, values) - beds.n)

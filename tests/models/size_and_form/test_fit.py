@@ -7,7 +7,8 @@ import pytest
 from simcore.campaign.composition_columns import FRACTION
 from simcore.grains.sieve import SieveCurve
 from simcore.models.regression import fit
-from simcore.models.size_and_form.beds import ALL_FORMS, BASE, OWN_BASE, Beds, curve_of, flags, read_beds, slope_of_time
+from simcore.models.size_and_form.bases import FALL, PROCESS, TIME, curve_of, fit_bases
+from simcore.models.size_and_form.beds import ALL_FORMS, BASE, OWN_BASE, Beds, flags, read_beds
 from simcore.models.size_and_form.candidates import CANDIDATES
 from simcore.models.size_and_form.comparison import PREFERENCE, compare, parameter_rows
 from simcore.models.size_and_form.fit import fit_candidate, predict_beds, predict_left_out, scatter_between_beds
@@ -110,7 +111,7 @@ def row(case="U7", grain="", n=0.3, **changes):
     form = {"mu_EQ": 0.5, "sigma_EQ": 0.0 if grain else 0.1, "mu_EL": 0.7, "sigma_EL": 0.0 if grain else 0.1}
     return {
         "case": case, "grain": grain, "representation": "polyhedron", "seed": 1, "n": n, "n_error": 0.003,
-        "time_s": 1.5,
+        "time_s": 1.5, "after_s": 1.0, "mass_kg": 1.0, "width_m": 0.1,
         "coarse_lower": 0.5, "coarse_upper": 0.5, "coarse_bed": 0.5, "coarse_bed_error": 0.0, "coarse_evaluated": 0.5,
         "coarse_evaluated_error": 0.01, "fine_floor": 0.1, "fine_floor_error": 0.01, "fine_evaluated": 0.1,
         "fine_evaluated_error": 0.01, **zeros, **shares, **{f"{key}_evaluated": value for key, value in form.items()},
@@ -129,19 +130,61 @@ def test_beds_have_the_porosity_of_their_base(unified):
     np.testing.assert_allclose(beds.curves[0].bounds, all_cases()["U7"].curve.bounds)
 
 
-def test_one_class_porosity_is_that_at_the_time_of_shaking_of_the_bed(unified):
-    rows = [row(BASE, n=0.31), row(BASE, "G01", n=0.36, time_s=1.0), row(grain="G01", time_s=3.0), row(time_s=6.0)]
-    # Two bases that agree with a slope of -0.01, the second with half the weight of its error.
-    longer = pd.DataFrame([
-        row(BASE, n=0.31 - 0.01 * np.log(4.0), time_s=6.0),
-        row(BASE, "G01", n=0.36 - 0.01 * np.log(4.0), time_s=4.0, n_error=0.006),
-    ])  # fmt: skip
+SLOPES = {"time": -0.01, "rate": 0.006, "size": 0.02}
+
+
+def made_bases(scatter=0.0, seed=0):
+    """Rows of bases of two forms, packed in many ways, with SLOPES about 0.31 and 0.36 at time, rate and size of 1."""
+    rng = np.random.default_rng(seed)
+    rows = []
+    for form, constant in (("", 0.31), ("G01", 0.36)):
+        for time_s, after_s, mass, case in (
+            (1.5, 1.0, 1.0, "U1"), (4.0, 3.5, 1.0, "U1"), (1.2, 1.0, 1.0, "U1"), (3.0, 1.0, 2.0, "U1"),
+            (1.5, 1.0, 1.0, "ONE_fine"), (1.5, 1.0, 3.0, "ONE_coarse"),
+        ):  # fmt: skip
+            curve = all_cases()[case].curve
+            size = np.log(np.sqrt(curve.bounds[1:] * curve.bounds[:-1])[curve.mass_fractions > 0][0])
+            rate = np.log(mass / (0.01 * (time_s - after_s + FALL)))
+            n = constant + SLOPES["time"] * np.log(time_s) + SLOPES["rate"] * rate + SLOPES["size"] * size
+            n += scatter * rng.standard_normal()
+            rows.append(row(case, form, n=n, time_s=time_s, after_s=after_s, mass_kg=mass))
+    return pd.DataFrame(rows)
+
+
+def test_slopes_of_the_process_come_back():
+    rows = made_bases()
+    fitted = fit_bases(rows.assign(form=rows["grain"]))
+    assert fitted.slopes == pytest.approx(SLOPES, abs=1e-9)
+    np.testing.assert_allclose(rows["n"], rows["grain"].map(fitted.constants) + fitted.effect(rows), atol=1e-9)
+    assert fit_bases(rows.assign(form=rows["grain"]), (TIME,)).slopes.keys() <= {"time"}
+
+
+def test_slopes_within_chance_are_left_out():
+    """Without an effect a slope remains by chance only, in about a twentieth of the draws."""
+    rows = made_bases()
+    n, kept = rows["grain"].map({"": 0.31, "G01": 0.36}), 0
+    for seed in range(40):
+        noise = 0.003 * np.random.default_rng(seed).standard_normal(len(rows))
+        kept += len(fit_bases(rows.assign(form=rows["grain"], n=n + noise)).slopes)
+    assert 0 < kept < 0.2 * 40 * len(PROCESS)
+    assert fit_bases(rows.assign(form=rows["grain"]), ()).slopes == {}
+
+
+def test_one_class_porosity_is_that_for_the_process_of_the_bed(unified):
+    bases = made_bases()
+    first = bases["case"] == BASE
+    wide = row(grain="G01", time_s=6.0, after_s=1.0, mass_kg=2.0)
     families = {name: case.family for name, case in all_cases().items()}
-    beds = read_beds(pd.DataFrame(rows), unified, families, longer)
-    at_first = np.array([0.31, 0.36 - 0.01 * np.log(1.5)])  # of both bases
-    shift = np.mean(at_first - 0.3)
-    expected = [at_first[1] - 0.01 * np.log(2.0), 0.3 + shift - 0.01 * np.log(4.0)]
-    np.testing.assert_allclose(beds.one_class, expected, atol=1e-9)
+    table = pd.concat([bases[first], pd.DataFrame([wide])], ignore_index=True)
+    beds = read_beds(table, unified, families, bases[~first])
+    curve = all_cases()["U7"].curve
+    size = curve.mass_fractions @ (0.5 * np.log(curve.bounds[1:] * curve.bounds[:-1]))
+    rate = np.log(2.0 / (0.01 * (5.0 + FALL)))
+    expected = 0.36 + SLOPES["time"] * np.log(6.0) + SLOPES["rate"] * rate + SLOPES["size"] * size
+    np.testing.assert_allclose(beds.one_class, [expected], atol=1e-9)
+    np.testing.assert_allclose(
+        read_beds(table, unified, families).one_class, bases[first].n[bases.grain == "G01"].mean()
+    )
 
 
 def test_beds_of_all_forms_can_follow_their_own_base(unified):
@@ -165,12 +208,6 @@ def test_a_fixed_parameter_is_not_fitted():
     found = fit_candidate("L", made_beds(), 0.0, fixed={"kappa": TRUE["kappa"]})
     assert list(found.parameters) == ["m0"] and found.covariance.shape == (1, 1)
     assert abs(found.parameters["m0"] - TRUE["m0"]) < 3 * found.std_errors()["m0"]
-
-
-def test_slopes_of_time_are_weighted_by_their_errors():
-    bases = pd.DataFrame({"form": ["all", "G01"], "n": [0.3, 0.4], "n_error": 0.0, "time_s": 1.0})
-    longer = pd.DataFrame({"form": ["all", "G01"], "n": [0.29, 0.36], "n_error": [1e-3, 2e-3], "time_s": np.e})
-    assert slope_of_time(bases, longer) == pytest.approx((-0.01 * 4 - 0.04) / 5)
 
 
 def test_a_form_without_its_base_is_refused(unified):

@@ -1,0 +1,90 @@
+"""One-class porosities from the bases: packed beds of one sieve class, with the effect of how they were packed.
+
+The porosity of a base depends on its form, and on the process. A bed that is shaken longer or inserted more slowly is
+denser, and shaking with one amplitude acts less on large grains. The bases of all forms give one constant for each form
+and common slopes on the logarithms of three quantities:
+
+    time  [s]          whole time of shaking, from the first grain on
+    rate  [kg/(m² s)]  mass per area of the box and time, until the last grain has fallen
+    size  [m]          geometric mean of the sieve size, by volume
+
+docs/appendices/size_and_form_plan.md has the rule by which a slope is left out.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import statsmodels.api as sm
+
+from simcore.grains.sieve import SieveCurve
+
+TIME, RATE, SIZE = "time", "rate", "size"
+PROCESS = (TIME, RATE, SIZE)
+FALL = 0.36  # [s], fall from the top of the box of 1 m, with 1 m/s at the start
+LEAST_RATIO = 2.0  # of a slope to its standard error
+
+
+class Bases(NamedTuple):
+    """The one-class porosity as a function of form and process."""
+
+    constants: dict  # form -> porosity at `mean`
+    slopes: dict  # of PROCESS -> slope on the logarithm; those that are left out are missing
+    std_errors: dict  # of the slopes
+    mean: dict  # of PROCESS -> mean logarithm over the bases
+
+    def effect(self, rows) -> np.ndarray:
+        """Return by how much the process of each row (n,) changes its one-class porosity."""
+        if not self.slopes or rows.empty:
+            return np.zeros(len(rows))
+        logs, names = process_logs(rows), list(self.slopes)
+        return (logs[names] - pd.Series(self.mean)[names]).to_numpy() @ np.array(list(self.slopes.values()))
+
+
+def curve_of(row, name) -> SieveCurve:
+    """Return the realised SieveCurve of a row, from its columns share_A-Bmm."""
+    shares = {key: float(row[key]) for key in row.index if key.startswith("share_")}
+    bounds = [tuple(float(end) for end in key.removeprefix("share_").removesuffix("mm").split("-")) for key in shares]
+    fractions = np.array(list(shares.values()))
+    edges = 1e-3 * np.array([low for low, _ in bounds] + [bounds[-1][1]])
+    return SieveCurve(edges, fractions / fractions.sum(), name)
+
+
+def process_logs(rows) -> pd.DataFrame:
+    """Return the logarithms of PROCESS of each row; rows: with time_s, after_s, mass_kg, width_m and share_A-Bmm.
+
+    after_s [s]: time of shaking after the last grain was inserted.
+    """
+    inserted = rows["time_s"] - rows["after_s"] + FALL
+    curves = [curve_of(row, "") for _, row in rows.iterrows()]
+    sizes = [curve.mass_fractions @ (0.5 * np.log(curve.bounds[1:] * curve.bounds[:-1])) for curve in curves]
+    rate = rows["mass_kg"] / (rows["width_m"] ** 2 * inserted)
+    return pd.DataFrame({TIME: np.log(rows["time_s"]), RATE: np.log(rate), SIZE: sizes}, rows.index)
+
+
+def fit_bases(rows, process=PROCESS) -> Bases:
+    """Fit constants and slopes to bases; rows: as for process_logs, with form, n and n_error.
+
+    process: those of PROCESS whose slopes are tried. A slope below LEAST_RATIO standard errors is left out, the one
+    with the smallest ratio first; so is a quantity that varies within no form.
+    """
+    rows = rows.reset_index(drop=True)
+    forms = pd.get_dummies(rows["form"], dtype=float)
+    logs = process_logs(rows) if process else pd.DataFrame(index=rows.index)
+    mean = logs.mean()
+    logs = logs - mean
+    within = logs - logs.groupby(rows["form"]).transform("mean") if process else logs
+    kept = [name for name in process if within[name].abs().max() > 1e-9]
+    while kept:
+        result = _weighted_fit(rows, pd.concat([forms, logs[kept]], axis=1))
+        ratios = (result.params[kept] / result.bse[kept]).abs()
+        if ratios.min() >= LEAST_RATIO:
+            break
+        kept.remove(ratios.idxmin())
+    result = _weighted_fit(rows, pd.concat([forms, logs[kept]], axis=1))
+    errors = result.bse[kept].to_dict() if kept else {}
+    return Bases(result.params[list(forms)].to_dict(), result.params[kept].to_dict(), errors, mean.to_dict())
+
+
+def _weighted_fit(rows, columns):
+    return sm.WLS(rows["n"], columns, weights=rows["n_error"] ** -2.0).fit()
