@@ -66,7 +66,7 @@ TABLES = {
     "ranks": (benchmarks.RANKS,),
     "scaling": (benchmarks.SCALING,),
     "settling": (benchmarks.SETTLING,),
-    "base_time": (studies.COMPOSITION, COLUMNS),
+    "base_*": (studies.COMPOSITION, COLUMNS),
     "form_by_size": (studies.COMPOSITION, COLUMNS),
     "size_and_form": (studies.COMPOSITION, COLUMNS),
     "size_and_form_known": (models.KNOWN_BEDS, COLUMNS),
@@ -88,6 +88,7 @@ TABLES = {
     "*/application_predictions": (models.APPLICATION, models.MODELS, COLUMNS),
     "models/application": (models.APPLICATION, models.MODELS, COLUMNS),
     "committed/single_form_mean_form": (models.MEAN_FORM, COLUMNS),
+    "models/size_and_form_*": (models.SIZE_AND_FORM, models.MODELS, COLUMNS),
     "models/*": (models.MODELS, COLUMNS),
     # Finished campaigns and committed rows have their tables of models beside those of studies.
     "default/form_mixture": (models.MODELS, COLUMNS),

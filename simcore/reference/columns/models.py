@@ -56,6 +56,32 @@ MODELS = (
     Column("forms", "", "number of forms that are compared"),
     Column("r22_rms_difference", "", "rms_difference of Rettinger et al."),
 )
+# Candidates for size and form, fitted to packed beds
+SIZE_AND_FORM = (
+    Column("process", "", "quantities of insertion and shaking whose effect on the one-class porosity counts"),
+    Column("shift", "", "bases to which the unified model is shifted for beds of all forms"),
+    Column("model", "", "name of a candidate, or of a packing model of the literature"),
+    Column("parameters", "", "number of fitted parameters"),
+    Column("chosen", "", "yes for the model that the rule chooses"),
+    Column("error_by_family", "", "weighted mean absolute error, each bed predicted without its family of curves"),
+    Column("excess_by_family", "", "error_by_family minus that of the best model"),
+    Column("excess_std_error_by_family", "", "standard error of excess_by_family"),
+    Column("error_by_form", "", "weighted mean absolute error, each bed predicted without its form"),
+    Column("excess_by_form", "", "error_by_form minus that of the best model"),
+    Column("excess_std_error_by_form", "", "standard error of excess_by_form"),
+    Column("bias", "", "weighted mean of predicted minus packed porosity, each bed predicted without its family"),
+    Column("rms_error", "", "weighted root mean square of the same difference"),
+    Column("fitted", "", "fitted parameters with standard errors"),
+    Column("parameter", "", "name of a fitted parameter"),
+    Column("value", "", "value of the parameter"),
+    Column("at_bound", "", "yes if the parameter is at a bound, where its standard error is not valid"),
+    Column("bed", "", "sieve curve, form and seed of a packed bed"),
+    Column("family", "", "family of sieve curves that are left out together"),
+    Column("form", "", "single form of the grains, or all"),
+    Column("n_one_class", "", "porosity of a bed of one sieve class of these grains, packed by the same process"),
+    Column("widest", "", "largest over smallest sieve size"),
+    Column("predicted_*", "", "porosity by a model, fitted without the bed's family"),
+)
 # Beds of known porosity, predicted from their sieve curve
 KNOWN_BEDS = (
     Column("set", "", "measured, packed, packed by r22 (Rettinger et al.), or published (their models)"),
