@@ -13,6 +13,7 @@ GROUPS = (
     ("studies", "FEATURES", "Features of the packings of a study"),
     ("models", "MODELS", "Models"),
     ("models", "KNOWN_BEDS", "Beds of known porosity"),
+    ("models", "SIZE_AND_FORM", "Candidates for size and form"),
     ("models", "APPLICATION", "Packings to which no model was fitted"),
     ("models", "MEAN_FORM", "Porosity at the mean form"),
     ("campaign", "COST", "Cost of the studies"),
