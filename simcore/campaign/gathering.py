@@ -40,6 +40,8 @@ COLUMNS = {
     "base_time": (["case", "grain", "representation", "mass_kg", "seed"], []),
     "base_rate": (["case", "grain", "representation", "spacing", "mass_kg", "seed"], []),
     "base_size": (["case", "grain", "representation", "width_m", "mass_kg", "seed"], []),
+    "base_process": (["case", "width_m", "mass_kg", "seed"], []),
+    "lattice_beds": (["case", "grain", "representation", "width_m", "mass_kg", "seed"], []),
     "trends": (["source", "study", "packing", "quantity"], []),
 }
 # Order of the columns in tables where the seed follows the columns of the form, or where a column is left out.
@@ -49,7 +51,7 @@ ORDER = {
 }
 LEDGER = ["study", "source", "packing", "settings", "cpu_s", "grain_steps", "code"]
 # Tables whose rows also have the columns of simcore.campaign.composition_columns.
-COMPOSED = {"size_and_form", "form_by_size", "base_time", "base_rate", "base_size"}
+COMPOSED = {"size_and_form", "lattice_beds", "form_by_size", "base_time", "base_rate", "base_size", "base_process"}
 # Studies whose name begins with a key share that table; any other study has its own table.
 TABLES = {"single_form": "single_form", "equivalent_ellipsoids": "single_form", "form_mixtures": "form_mixture"}
 TABLES |= {"flat_coarse_grains": "form_by_size", "flat_fine_grains": "form_by_size"}

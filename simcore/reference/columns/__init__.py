@@ -68,6 +68,7 @@ TABLES = {
     "settling": (benchmarks.SETTLING,),
     "base_*": (studies.COMPOSITION, COLUMNS),
     "form_by_size": (studies.COMPOSITION, COLUMNS),
+    "lattice_beds": (studies.COMPOSITION, COLUMNS),
     "size_and_form": (studies.COMPOSITION, COLUMNS),
     "size_and_form_known": (models.KNOWN_BEDS, COLUMNS),
     "size_models_measured": (benchmarks.SIZE_MODELS,),
