@@ -3,12 +3,10 @@
     python -m benchmarks.studies.size_and_form_fit            # prints the comparisons
     python -m benchmarks.studies.size_and_form_fit --write    # and writes them to results/reference/models
 
-It reads results/reference/size_and_form.csv and those of the bases with another process, base_time.csv, base_rate.csv
-and base_size.csv, and follows docs/appendices/size_and_form_plan.md: beds that are flagged are left out and named, all
-candidates are fitted, and every bed is predicted by fits without its family of curves and without its form. All is done
-for both shifts of the one-class porosity of beds of all forms (column `shift`), and with the effect of the time of
-shaking alone or of the whole process (column `process`). Beds of spheres are fitted separately, as a check that is
-printed only. Tables:
+It reads results/reference/size_and_form.csv and base_process.csv, bases with another process, and follows
+docs/appendices/size_and_form_plan.md: beds that are flagged are left out and named, all candidates are fitted, and
+every bed is predicted by fits without its family of curves and without its form. Beds of spheres are fitted separately,
+as a check that is printed only. The tables:
 
     size_and_form_candidates.csv   one row per model: its errors, and which one is chosen
     size_and_form_parameters.csv   one row per fitted parameter
@@ -18,54 +16,64 @@ Minutes of CPU time. ValueError while there are too few beds: two families of cu
 """
 
 import argparse
-from itertools import product
 
 import numpy as np
 import pandas as pd
 import yaml
 
 from simcore.models.fitting import fit_reference_models
-from simcore.models.size_and_form.bases import PROCESS, TIME, fit_bases
-from simcore.models.size_and_form.beds import ALL_BASES, BASE, SHIFTS, flags, form_labels, read_beds
+from simcore.models.size_and_form.bases import PROCESS, fit_bases
+from simcore.models.size_and_form.beds import BASE, flags, form_labels, read_beds
 from simcore.models.size_and_form.comparison import compare, parameter_rows
 from simcore.models.size_and_form.fit import fit_candidate
+from simcore.packing.insertion.random_placement import fall_time
 from simcore.paths import CONFIG, REFERENCE
-from simcore.scene.quantity import parse_quantity
+from simcore.scene.scene import Material
 from simcore.scene.sizes import all_cases
+from simcore.scene.specification import resolve
 
-STUDY, OTHER_BASES = "size_and_form", ("base_time", "base_rate", "base_size")
+STUDY, OTHER_BASES = "size_and_form", "base_process"
 CONFIGURATION = CONFIG / "size_and_form.yaml"
 TABLES = ("candidates", "parameters", "beds")
 SPHERES_BY, FEWEST_SPHERES = ("L", "F", "H"), 4
 
 
-def read_rows(study=STUDY):
-    """Return the rows of the packed beds of a study, with width_m and after_s; ValueError if there are none."""
+def read_rows(study=STUDY, configuration=CONFIGURATION):
+    """Return the rows of the packed beds of a study, with width_m, after_s and fall_s; ValueError if there are none.
+
+    configuration: the overlay with the study. after_s, fall_s: as in simcore.models.size_and_form.bases.
+    """
     path = REFERENCE / f"{study}.csv"
     if not path.exists():
         raise ValueError(
             f"{path}: there are no packed beds yet; pack them with snakemake --cores 1 --configfile "
-            f"config/size_and_form.yaml -- {study}_piece_1, and then the target collect"
+            f"config/{configuration.name} -- {study}_piece_1, and then the target collect"
         )
     rows = pd.read_csv(path)
-    fixed = yaml.safe_load(CONFIGURATION.read_text(encoding="utf-8"))["studies"][study]["fixes"]
-    rows["after_s"] = parse_quantity(fixed["shaking"]["duration"], "s")
+    fixed = yaml.safe_load(configuration.read_text(encoding="utf-8"))["studies"][study]["fixes"]
+    # Any curve, amount and width: they have no effect on what is read here.
+    domain = {"width": "63 mm"} | fixed["domain"]
+    any_bed = fixed | {"sizes": {"case": BASE}, "amount": {"mass": "1 kg"}, "domain": domain}
+    settings = resolve(any_bed, "packing")
+    shaking = pd.Series(np.nan, rows.index) if "shaking_s" not in rows else rows["shaking_s"]
+    rows["after_s"] = shaking.fillna(settings["shaking"]["duration"])
+    gravity = Material(**settings["material"]).effective_gravity
+    rows["fall_s"] = fall_time(settings["domain"]["height"], -settings["generation"]["velocity_z"], gravity)
     if "width_m" not in rows:
-        rows["width_m"] = parse_quantity(fixed["domain"]["width"], "m")
+        rows["width_m"] = settings["domain"]["width"]
     return rows
 
 
 def read_other_bases():
     """Return the rows of the bases with another process, or None if there are none."""
-    packed = [name for name in OTHER_BASES if (REFERENCE / f"{name}.csv").exists()]
-    return pd.concat([read_rows(name) for name in packed], ignore_index=True) if packed else None
+    return read_rows(OTHER_BASES) if (REFERENCE / f"{OTHER_BASES}.csv").exists() else None
 
 
-def usable_beds(rows, process=PROCESS, shift=ALL_BASES, spheres=False):
-    """Return the Beds of real forms, or of spheres, of the rows; process and shift: as for read_beds."""
+def usable_beds(rows, spheres=False):
+    """Return the Beds of real forms, or of spheres, of the rows; ValueError as by read_beds."""
     families = {name: case.family for name, case in all_cases().items()}
     unified = fit_reference_models().models["unified", "U1"]
-    return read_beds(rows, unified, families, read_other_bases(), process, shift, spheres)
+    return read_beds(rows, unified, families, read_other_bases(), spheres=spheres)
 
 
 def left_out(rows) -> list[str]:
@@ -89,31 +97,23 @@ def beds_table(beds, comparison):
     return pd.DataFrame(columns | predictions)
 
 
-def describe_bases(rows, process) -> str:
-    """Return one line with the effect of the process on the one-class porosity."""
-    others = read_other_bases()
-    bases = rows[rows["case"] == BASE]
-    bases = bases if others is None else pd.concat([bases, others])
-    fitted = fit_bases(bases.assign(form=form_labels(bases)), process)
+def describe_bases(bases) -> str:
+    """Return one line with the effect of the process on the one-class porosity; bases: rows as of read_rows."""
+    fitted = fit_bases(bases.assign(form=form_labels(bases)), PROCESS)
     slopes = [f"{name} {slope:+.4f} ± {fitted.std_errors[name]:.4f}" for name, slope in fitted.slopes.items()]
     return f"{len(bases)} bases, change of porosity per factor e: {', '.join(slopes) or 'none'}"
 
 
 def compare_all(rows):
-    """Return the tables of TABLES, dict of DataFrame, and print each comparison."""
-    tables = {name: [] for name in TABLES}
-    for process, shift in product((PROCESS, (TIME,)), SHIFTS):
-        beds = usable_beds(rows, process, shift)
-        comparison = compare(beds)
-        print(f"\n{describe_bases(rows, process)}; beds of all forms by the unified model, shifted to the {shift}")
-        print(comparison.table.to_string(index=False, float_format="%.4f"))
-        print(f"{len(beds.n)} beds; scatter between beds {comparison.scatter:.4f}; chosen: {comparison.chosen}")
-        parts = (comparison.table, parameter_rows(comparison.fits), beds_table(beds, comparison))
-        for of_kind, part in zip(tables.values(), parts, strict=True):
-            part.insert(0, "process", " ".join(process))
-            part.insert(1, "shift", shift)
-            of_kind.append(part)
-    return {name: pd.concat(parts, ignore_index=True) for name, parts in tables.items()}
+    """Return the tables of TABLES, dict of DataFrame, and print the comparison."""
+    others, bases = read_other_bases(), rows[rows["case"] == BASE]
+    print(describe_bases(bases if others is None else pd.concat([bases, others], ignore_index=True)))
+    beds = usable_beds(rows)
+    comparison = compare(beds)
+    print(comparison.table.to_string(index=False, float_format="%.4f"))
+    print(f"{len(beds.n)} beds; scatter between beds {comparison.scatter:.4f}; chosen: {comparison.chosen}")
+    parts = (comparison.table, parameter_rows(comparison.fits), beds_table(beds, comparison))
+    return dict(zip(TABLES, parts, strict=True))
 
 
 def describe_spheres(rows) -> list[str]:

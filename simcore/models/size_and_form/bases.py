@@ -21,7 +21,6 @@ from simcore.grains.sieve import SieveCurve
 
 TIME, RATE, SIZE = "time", "rate", "size"
 PROCESS = (TIME, RATE, SIZE)
-FALL = 0.36  # [s], fall from the top of the box of 1 m, with 1 m/s at the start
 LEAST_RATIO = 2.0  # of a slope to its standard error
 
 
@@ -51,11 +50,12 @@ def curve_of(row, name) -> SieveCurve:
 
 
 def process_logs(rows) -> pd.DataFrame:
-    """Return the logarithms of PROCESS of each row; rows: with time_s, after_s, mass_kg, width_m and share_A-Bmm.
+    """Return the logarithms of PROCESS of each row; rows: with time_s, after_s, fall_s, mass_kg, width_m, share_A-Bmm.
 
-    after_s [s]: time of shaking after the last grain was inserted.
+    after_s [s]: time of shaking after the last grain was inserted. fall_s [s]: time of the fall of a grain from the top
+    of the box.
     """
-    inserted = rows["time_s"] - rows["after_s"] + FALL
+    inserted = rows["time_s"] - rows["after_s"] + rows["fall_s"]
     curves = [curve_of(row, "") for _, row in rows.iterrows()]
     sizes = [curve.mass_fractions @ (0.5 * np.log(curve.bounds[1:] * curve.bounds[:-1])) for curve in curves]
     rate = rows["mass_kg"] / (rows["width_m"] ** 2 * inserted)

@@ -2,9 +2,8 @@
 
 The table has one row per bed (results/reference/size_and_form.csv, columns in simcore.campaign.composition_columns):
 the realised sieve curve and form statistics, by volume, of the evaluated part. Beds of U1 are the bases, which give the
-one-class porosity n1. Beds of one form have the n1 of the base of that form. Beds of all forms have that of the unified
-model at their realised statistics, shifted to the bases (SHIFTS). Spheres have the n1 of the base of spheres. n1 is
-that for the process of each bed, see simcore.models.size_and_form.bases.
+one-class porosity n1. Each bed has the n1 of the base of its form, for its own process: see
+simcore.models.size_and_form.bases. The n1 of beds of all forms also follows their realised statistics.
 """
 
 from typing import NamedTuple
@@ -16,9 +15,6 @@ from simcore.models.size_and_form.bases import PROCESS, curve_of, fit_bases
 from simcore.models.unified import unified_features
 
 BASE, ALL_FORMS, SPHERE = "U1", "all", "sphere"
-# Shift of the unified model: its mean difference to all bases, or its difference to the base of all forms alone
-ALL_BASES, OWN_BASE = "all bases", "base of all forms"
-SHIFTS = (ALL_BASES, OWN_BASE)
 # A bed is kept out of the fit if a share of coarse grains differs by more than this beyond its standard error.
 LARGEST_DIFFERENCE = 0.03
 # Rules of simcore.evaluation.composition, in which both are explained.
@@ -73,15 +69,14 @@ def form_labels(table) -> pd.Series:
     return grain.mask(grain == "", ALL_FORMS).mask(table["representation"] == SPHERE, SPHERE)
 
 
-def read_beds(table, unified, families, others=None, process=PROCESS, shift=ALL_BASES, spheres=False) -> Beds:
+def read_beds(table, unified, families, others=None, process=PROCESS, spheres=False) -> Beds:
     """Return the wide beds of real forms, or of spheres, that are not flagged.
 
-    table: DataFrame of size_and_form.csv, with after_s [s], the time of shaking after the last grain. unified:
-    PorosityModel of beds of one class, with the features of simcore.models.unified. families: dict from case to the
-    family of its curve. others: DataFrame of bases with another process, with the same columns; None: the process
-    counts as having no effect. process: the quantities of simcore.models.size_and_form.bases that count. shift: one of
-    SHIFTS.
-    ValueError if the base of a form is missing.
+    table: DataFrame of size_and_form.csv, with after_s and fall_s as in bases.process_logs. unified: PorosityModel of
+    beds of one class, with the features of simcore.models.unified; it gives how n1 of beds of all forms changes with
+    their realised statistics. families: dict from case to the family of its curve. others: DataFrame of bases with
+    another process, with the same columns; None: the process counts as having no effect. process: the quantities of
+    simcore.models.size_and_form.bases that count. ValueError if the base of a form is missing.
     """
     table = table.assign(form=form_labels(table), flag=flags(table))
     bases = table[table["case"] == BASE]
@@ -91,26 +86,19 @@ def read_beds(table, unified, families, others=None, process=PROCESS, shift=ALL_
     fitted = fit_bases(all_bases, process if others is not None else ())
     wide = table[(table["case"] != BASE) & ((table["form"] == SPHERE) == spheres) & (table["flag"] == "")]
     wide = wide.reset_index(drop=True)
-    known = set(fitted.constants) | ({ALL_FORMS} if shift == ALL_BASES else set())
-    missing = sorted(set(wide["form"]) - known)
+    missing = sorted(set(wide["form"]) - set(bases["form"]))
     if missing:
         raise ValueError(f"size_and_form.csv has no bed of {BASE} with the form {missing[0]}, but wide beds; pack it")
-    n1 = np.array(wide["form"].map(fitted.constants), float)
+    n1 = np.array(wide["form"].map(fitted.constants), float) + fitted.effect(wide)
     mixed = (wide["form"] == ALL_FORMS).to_numpy()
     if mixed.any():
-        n1[mixed] = _of_statistics(unified, wide[mixed]) + _shift(unified, bases, fitted, shift)
-    n1 = n1 + fitted.effect(wide)
+        of_base = _of_statistics(unified, all_bases[all_bases["form"] == ALL_FORMS]).mean()
+        n1[mixed] += _of_statistics(unified, wide[mixed]) - of_base
     names = [f"{row.case} {row.form} {row.seed}" for row in wide.itertuples()]
     curves = tuple(curve_of(row, name) for (_, row), name in zip(wide.iterrows(), names, strict=True))
     numbers = [wide[column].to_numpy(float) for column in ("mu_EQ_evaluated", "mu_EL_evaluated", "n", "n_error")]
     labels = [wide["case"].map(families).to_numpy(str), wide["form"].to_numpy(str)]
     return Beds(np.array(names), curves, n1, *numbers, *labels)
-
-
-def _shift(unified, bases, fitted, shift):
-    """Return by how much bases of real forms would be looser than by the unified model, with the mean process."""
-    bases = bases[bases["form"] == ALL_FORMS] if shift == OWN_BASE else bases[bases["form"] != SPHERE]
-    return float((bases["n"] - fitted.effect(bases) - _of_statistics(unified, bases)).mean())
 
 
 def _of_statistics(unified, rows):

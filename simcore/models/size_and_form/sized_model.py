@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from simcore.models.size_and_form.bases import PROCESS
 from simcore.models.size_and_form.candidates import CANDIDATES, predict
 from simcore.models.size_and_form.known_beds import MEASURED, PACKED, known_beds
 from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
@@ -75,16 +74,12 @@ def fitted_model(folder=REFERENCE) -> SizedModel | None:
     )
     if WIDE_FAMILIES - set(beds["family"]):
         return None
-    candidates, beds, parameters = (
-        table[table["process"] == " ".join(PROCESS)] for table in (candidates, beds, parameters)
-    )
-    chosen = candidates[candidates["chosen"] == "yes"].sort_values("error_by_family").iloc[0]
-    unfitted = candidates[(candidates["model"] == NOT_FITTED) & (candidates["shift"] == chosen["shift"])].iloc[0]
+    chosen = candidates[candidates["chosen"] == "yes"].iloc[0]
+    unfitted = candidates[candidates["model"] == NOT_FITTED].iloc[0]
     name = chosen["model"]
     if name not in CANDIDATES or chosen["error_by_family"] >= unfitted["error_by_family"]:
         return None
-    beds = beds[beds["shift"] == chosen["shift"]]
-    values = parameters[(parameters["shift"] == chosen["shift"]) & (parameters["model"] == name)]
+    values = parameters[parameters["model"] == name]
     values = dict(zip(values["parameter"], values["value"].astype(float), strict=True))
     families = beds["family"].nunique()
     return SizedModel(

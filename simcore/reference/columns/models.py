@@ -58,8 +58,6 @@ MODELS = (
 )
 # Candidates for size and form, fitted to packed beds
 SIZE_AND_FORM = (
-    Column("process", "", "quantities of insertion and shaking whose effect on the one-class porosity counts"),
-    Column("shift", "", "bases to which the unified model is shifted for beds of all forms"),
     Column("model", "", "name of a candidate, or of a packing model of the literature"),
     Column("parameters", "", "number of fitted parameters"),
     Column("chosen", "", "yes for the model that the rule chooses"),

@@ -67,6 +67,12 @@ COLUMNS = (
     Column("by_size", "", "distributions of form for ranges of sieve size", key="shapes.by_size"),
     Column("fill", "", "insertion height: bed or r22", key="generation.fill"),
     Column("spacing", "m", "distance of lattice points at insertion", key="generation.spacing"),
+    Column(
+        "batch_solid_fraction",
+        "",
+        "volume fraction of the grains in the zone of a batch at insertion",
+        key="generation.solid_fraction",
+    ),
     Column("drop_height", "m", "clearance between the bed and a new batch", key="generation.drop_height"),
     Column(
         "max_unbalanced_force",

@@ -21,29 +21,25 @@ def committed():
 
 
 def test_beds_and_their_one_class_porosities_follow_from_the_rows(committed):
-    rows = read_rows()
-    for (process, shift), table in committed["beds"].groupby(["process", "shift"]):
-        beds = usable_beds(rows, tuple(process.split()), shift)
-        assert table["bed"].tolist() == beds.names.tolist()
-        np.testing.assert_allclose(table["n_one_class"], beds.one_class, atol=2e-6)
-        np.testing.assert_allclose(table["n"], beds.n, atol=2e-6)
-        unfitted = predict_beds(CANDIDATE, beds, UNFITTED)
-        np.testing.assert_allclose(table[f"predicted_{NOT_FITTED}"], unfitted, atol=2e-6)
+    beds, table = usable_beds(read_rows()), committed["beds"]
+    assert table["bed"].tolist() == beds.names.tolist()
+    np.testing.assert_allclose(table["n_one_class"], beds.one_class, atol=2e-6)
+    np.testing.assert_allclose(table["n"], beds.n, atol=2e-6)
+    unfitted = predict_beds(CANDIDATE, beds, UNFITTED)
+    np.testing.assert_allclose(table[f"predicted_{NOT_FITTED}"], unfitted, atol=2e-6)
 
 
 def test_errors_follow_from_the_predictions(committed):
-    """Mean absolute errors lie between the least and the largest error, and one model is chosen in each comparison."""
-    beds = committed["beds"]
-    for (process, shift), table in committed["candidates"].groupby(["process", "shift"]):
-        of_both = beds[(beds["process"] == process) & (beds["shift"] == shift)]
-        assert (table["chosen"] == "yes").sum() == 1 and set(PREFERENCE) < set(table["model"])
-        for row in table.itertuples():
-            errors = (of_both[f"predicted_{row.model}"] - of_both["n"]).abs()
-            assert errors.min() < row.error_by_family < errors.max()
-            assert row.error_by_family <= row.rms_error + 1e-9
+    """Mean absolute errors lie between the least and the largest error, and one model is chosen."""
+    beds, table = committed["beds"], committed["candidates"]
+    assert (table["chosen"] == "yes").sum() == 1 and set(PREFERENCE) < set(table["model"])
+    for row in table.itertuples():
+        errors = (beds[f"predicted_{row.model}"] - beds["n"]).abs()
+        assert errors.min() < row.error_by_family < errors.max()
+        assert row.error_by_family <= row.rms_error + 1e-9
 
 
 def test_parameters_are_those_of_the_fits(committed):
-    fitted = committed["candidates"].set_index(["process", "shift", "model"])["fitted"]
+    fitted = committed["candidates"].set_index("model")["fitted"]
     for row in committed["parameters"].itertuples():
-        assert f"{row.parameter} = {row.value:.3f}" in fitted[row.process, row.shift, row.model]
+        assert f"{row.parameter} = {row.value:.3f}" in fitted[row.model]

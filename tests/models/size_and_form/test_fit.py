@@ -7,8 +7,8 @@ import pytest
 from simcore.campaign.composition_columns import FRACTION
 from simcore.grains.sieve import SieveCurve
 from simcore.models.regression import fit
-from simcore.models.size_and_form.bases import FALL, PROCESS, TIME, curve_of, fit_bases
-from simcore.models.size_and_form.beds import ALL_FORMS, BASE, OWN_BASE, Beds, flags, read_beds
+from simcore.models.size_and_form.bases import PROCESS, TIME, curve_of, fit_bases
+from simcore.models.size_and_form.beds import ALL_FORMS, BASE, Beds, flags, read_beds
 from simcore.models.size_and_form.candidates import CANDIDATES
 from simcore.models.size_and_form.comparison import PREFERENCE, compare, parameter_rows
 from simcore.models.size_and_form.fit import fit_candidate, predict_beds, predict_left_out, scatter_between_beds
@@ -19,6 +19,7 @@ from simcore.scene.sizes import all_cases
 CURVES = ("R2_70", "R4_70", "R4_50", "U5", "LN100", "B50", "FR250", "GAP")
 TRUE = {"m0": 1.1, "kappa": 0.5}
 ERROR = 0.002
+FALL = 0.24  # [s], time of the fall of a grain from the top of the box
 
 
 def made_beds(seed=1, scatter=0.0, parameters=None, name="L"):
@@ -111,7 +112,7 @@ def row(case="U7", grain="", n=0.3, **changes):
     form = {"mu_EQ": 0.5, "sigma_EQ": 0.0 if grain else 0.1, "mu_EL": 0.7, "sigma_EL": 0.0 if grain else 0.1}
     return {
         "case": case, "grain": grain, "representation": "polyhedron", "seed": 1, "n": n, "n_error": 0.003,
-        "time_s": 1.5, "after_s": 1.0, "mass_kg": 1.0, "width_m": 0.1,
+        "time_s": 1.5, "after_s": 1.0, "fall_s": FALL, "mass_kg": 1.0, "width_m": 0.1,
         "coarse_lower": 0.5, "coarse_upper": 0.5, "coarse_bed": 0.5, "coarse_bed_error": 0.0, "coarse_evaluated": 0.5,
         "coarse_evaluated_error": 0.01, "fine_floor": 0.1, "fine_floor_error": 0.01, "fine_evaluated": 0.1,
         "fine_evaluated_error": 0.01, **zeros, **shares, **{f"{key}_evaluated": value for key, value in form.items()},
@@ -124,8 +125,7 @@ def test_beds_have_the_porosity_of_their_base(unified):
     rows += [row(representation="sphere"), row(BASE, representation="sphere"), row(coarse_upper=0.6)]
     beds = read_beds(pd.DataFrame(rows), unified, {name: case.family for name, case in all_cases().items()})
     assert beds.form.tolist() == ["G01", ALL_FORMS] and beds.family.tolist() == ["log_normal"] * 2
-    # By the unified model all bases have 0.3, so that it is shifted by the mean of 0.01, 0.06 and 0.05.
-    np.testing.assert_allclose(beds.one_class, [0.355, 0.34], atol=1e-9)
+    np.testing.assert_allclose(beds.one_class, [0.355, 0.31], atol=1e-9)
     np.testing.assert_allclose(beds.curves[0].mass_fractions, all_cases()["U7"].curve.mass_fractions, atol=1e-9)
     np.testing.assert_allclose(beds.curves[0].bounds, all_cases()["U7"].curve.bounds)
 
@@ -187,13 +187,14 @@ def test_one_class_porosity_is_that_for_the_process_of_the_bed(unified):
     )
 
 
-def test_beds_of_all_forms_can_follow_their_own_base(unified):
-    rows = [row(BASE, n=0.31), row(BASE, "G01", n=0.36), row(grain="G01"), row()]
+def test_beds_of_all_forms_follow_their_own_base_and_their_realised_forms(unified):
+    rows = [row(BASE, n=0.31), row(BASE, "G01", n=0.36), row(grain="G01"), row(), row(mu_EQ_evaluated=0.4)]
     families = {name: case.family for name, case in all_cases().items()}
-    beds = read_beds(pd.DataFrame(rows), unified, families, shift=OWN_BASE)
-    np.testing.assert_allclose(beds.one_class, [0.36, 0.31], atol=1e-9)
+    beds = read_beds(pd.DataFrame(rows), unified, families)
+    # The model `unified` of these tests is 0.2 + 0.05 / EQ.
+    np.testing.assert_allclose(beds.one_class, [0.36, 0.31, 0.31 + 0.05 * (1 / 0.4 - 1 / 0.5)], atol=1e-9)
     with pytest.raises(ValueError, match="no bed of U1 with the form all"):
-        read_beds(pd.DataFrame(rows[1:]), unified, families, shift=OWN_BASE)
+        read_beds(pd.DataFrame(rows[1:]), unified, families)
 
 
 def test_spheres_follow_the_base_of_spheres(unified):

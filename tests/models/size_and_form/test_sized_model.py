@@ -16,43 +16,29 @@ from simcore.models.size_and_form.sized_model import (
 )
 from simcore.scene.sizes import all_cases
 
-BETTER, WORSE = "base of all forms", "all bases"
 PARAMETERS = {"m0": 1.1, "kappa": 0.5}
 
 
 def write_tables(folder, chosen="L", unfitted=0.02, families=WIDE_FAMILIES):
-    """Write the tables of a comparison with both shifts; the errors of BETTER are half as large."""
-    candidates, parameters, beds = [], [], []
-    for shift, factor in ((WORSE, 2.0), (BETTER, 1.0)):
-        errors = {"L": 0.004, "rods": 0.006, "H_form": 0.005}
-        candidates += [
-            {
-                "shift": shift,
-                "model": name,
-                "chosen": "yes" if name == chosen else "",
-                "error_by_family": factor * error,
-            }
-            for name, error in errors.items()
-        ] + [{"shift": shift, "model": NOT_FITTED, "chosen": "", "error_by_family": unfitted}]
-        parameters += [
-            {"shift": shift, "model": "L", "parameter": key, "value": value * factor}
-            for key, value in PARAMETERS.items()
-        ]
-        beds += [
-            {"shift": shift, "family": family, "n_one_class": 0.36, "n": 0.30, "predicted_L": 0.30 + factor * error,
-             "predicted_rods": 0.31, "widest": widest}
-            for family, error, widest in zip(sorted(families), (3e-3, -3e-3) * 3, (2, 3, 4, 5, 5.6, 4), strict=False)
-        ]  # fmt: skip
+    """Write the tables of a comparison of L, rods and H_form."""
+    errors = {"L": 0.004, "rods": 0.006, "H_form": 0.005, NOT_FITTED: unfitted}
+    candidates = [
+        {"model": name, "chosen": "yes" if name == chosen else "", "error_by_family": error}
+        for name, error in errors.items()
+    ]
+    parameters = [{"model": "L", "parameter": key, "value": value} for key, value in PARAMETERS.items()]
+    beds = [
+        {"family": family, "n_one_class": 0.36, "n": 0.30, "predicted_L": 0.30 + error,
+         "predicted_rods": 0.31, "widest": widest}
+        for family, error, widest in zip(sorted(families), (3e-3, -3e-3) * 3, (2, 3, 4, 5, 5.6, 4), strict=False)
+    ]  # fmt: skip
     (folder / "models").mkdir()
     for name, rows in (("candidates", candidates), ("parameters", parameters), ("beds", beds)):
-        # With the effect of the time of shaking alone all errors vanish; these rows are not used.
-        of_time = [{key: 0.0 if key.startswith("error") else value for key, value in row.items()} for row in rows]
-        both = [row | {"process": "time"} for row in of_time] + [row | {"process": "time rate size"} for row in rows]
-        pd.DataFrame(both).to_csv(folder / "models" / f"size_and_form_{name}.csv", index=False)
+        pd.DataFrame(rows).to_csv(folder / "models" / f"size_and_form_{name}.csv", index=False)
     return folder
 
 
-def test_the_chosen_candidate_of_the_better_shift_is_used(tmp_path):
+def test_the_chosen_candidate_is_used(tmp_path):
     model = current_model(write_tables(tmp_path))
     assert (model.candidate, model.parameters, model.freedom, model.widest) == ("L", PARAMETERS, 5, 5.6)
     assert model.error == pytest.approx(0.003 / 0.06)
