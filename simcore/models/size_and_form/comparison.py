@@ -8,15 +8,17 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.stats import t as student
 
 from simcore.models.packing_models.literature import LITERATURE
 from simcore.models.size_and_form.candidates import CANDIDATES
 from simcore.models.size_and_form.choice import Score, choose, score
 from simcore.models.size_and_form.fit import Fit, fit_candidate, predict_beds, predict_left_out, scatter_between_beds
-from simcore.models.size_and_form.sized_model import CANDIDATE, NOT_FITTED, UNFITTED
+from simcore.models.size_and_form.sized_model import CANDIDATE, NOT_FITTED, UNFITTED, relative_error
 
 # The order of preference among candidates with equally many parameters (docs/appendices/size_and_form_plan.md).
 PREFERENCE = ("L", "F", "H", "L_free", "D_F", "H_free", "H_form", "D_H")
+LEVEL = 0.95  # probability of the intervals whose coverage is reported
 
 
 class Comparison(NamedTuple):
@@ -34,9 +36,10 @@ def compare(beds, names=PREFERENCE, scatter=None) -> Comparison:
 
     Columns of the table: model, parameters (number of fitted ones), chosen; for groups = family and form:
     error_by_<groups> (weighted mean absolute error over left-out beds), excess_by_<groups> and
-    excess_std_error_by_<groups> (over that of the best); bias and rms_error over the beds by left-out families, and
-    fitted (parameters of the fit to all beds with standard errors, as text). The last row, NOT_FITTED, is the candidate
-    without fitted parameters, which is not chosen from. ValueError if the beds have fewer than two families or forms.
+    excess_std_error_by_<groups> (over that of the best); bias and rms_error over the beds by left-out families;
+    coverage of their intervals, nan with fewer than three families; and fitted (parameters of the fit to all beds with
+    standard errors, as text). The last row, NOT_FITTED, is the candidate without fitted parameters, which is not chosen
+    from. ValueError if the beds have fewer than two families or forms.
     """
     scatter = scatter_between_beds(beds) if scatter is None else scatter
     weights = 1.0 / (beds.error**2 + scatter**2)
@@ -66,8 +69,29 @@ def compare(beds, names=PREFERENCE, scatter=None) -> Comparison:
         difference = predictions["family"][name] - beds.n
         row["bias"] = float(np.average(difference, weights=weights))
         row["rms_error"] = float(np.sqrt(np.average(difference**2, weights=weights)))
+        row["coverage"] = coverage(beds, predictions["family"][name])
         rows.append(row | {"fitted": _describe(fits[name]) if name in fits else ""})
     return Comparison(pd.DataFrame(rows), fits, predictions["family"], chosen, scatter)
+
+
+def coverage(beds, predicted, level=LEVEL) -> float:
+    """Return the share of Beds whose packed porosity is within the interval of its prediction; nan below 3 families.
+
+    predicted (n,): porosities by fits without the family of each bed. The interval of a bed is that of `predict`: the
+    relative error of the decrease of porosity is that over the beds of all other families, with one degree of freedom
+    less than there are other families. level: probability of the interval.
+    """
+    families = np.unique(beds.family)
+    if len(families) < 3:
+        return np.nan
+    inside = np.zeros(len(beds.n), bool)
+    for family in families:
+        own = beds.family == family
+        error = relative_error(predicted[~own], beds.n[~own], beds.one_class[~own])
+        factor = student.ppf(0.5 + 0.5 * level, len(families) - 2)
+        half = factor * error * (beds.one_class[own] - predicted[own])
+        inside[own] = np.abs(predicted[own] - beds.n[own]) <= half
+    return float(inside.mean())
 
 
 def parameter_rows(fits) -> pd.DataFrame:

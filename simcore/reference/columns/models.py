@@ -69,6 +69,7 @@ SIZE_AND_FORM = (
     Column("excess_std_error_by_form", "", "standard error of excess_by_form"),
     Column("bias", "", "weighted mean of predicted minus packed porosity, each bed predicted without its family"),
     Column("rms_error", "", "weighted root mean square of the same difference"),
+    Column("coverage", "", "share of beds within the 95 % prediction interval, each predicted without its family"),
     Column("fitted", "", "fitted parameters with standard errors"),
     Column("parameter", "", "name of a fitted parameter"),
     Column("value", "", "value of the parameter"),

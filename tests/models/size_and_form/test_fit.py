@@ -10,7 +10,7 @@ from simcore.models.regression import fit
 from simcore.models.size_and_form.bases import PROCESS, TIME, curve_of, fit_bases
 from simcore.models.size_and_form.beds import ALL_FORMS, BASE, Beds, flags, read_beds
 from simcore.models.size_and_form.candidates import CANDIDATES
-from simcore.models.size_and_form.comparison import PREFERENCE, compare, parameter_rows
+from simcore.models.size_and_form.comparison import PREFERENCE, compare, coverage, parameter_rows
 from simcore.models.size_and_form.fit import fit_candidate, predict_beds, predict_left_out, scatter_between_beds
 from simcore.models.size_and_form.sized_model import NOT_FITTED
 from simcore.models.unified import UNIFIED, unified_features
@@ -84,6 +84,18 @@ def test_the_model_that_made_the_beds_is_chosen():
     rows = parameter_rows(result.fits)
     assert list(rows["model"] + " " + rows["parameter"]) == ["L m0", "L kappa", "F m0", "F kappa"]
     assert set(PREFERENCE) == set(CANDIDATES)
+
+
+def test_intervals_of_a_family_follow_from_the_errors_of_the_others():
+    """Errors of 0.1 of the decrease everywhere are covered; in a family with ten times that error no bed is."""
+    beds = made_beds()
+    sign = np.where(np.arange(len(beds.n)) % 2, 1.0, -1.0)
+    decrease = beds.one_class - beds.n
+    assert coverage(beds, beds.n + 0.1 * sign * decrease) == 1.0
+    off = beds.family == "log_normal"
+    assert coverage(beds, beds.n - np.where(off, 0.9, 0.1 * sign) * decrease) == 1.0 - off.mean()
+    two = beds.select(np.isin(beds.family, ["log_normal", "fractal"]))
+    assert np.isnan(coverage(two, two.n))
 
 
 def test_fewer_beds_than_parameters_are_refused():
