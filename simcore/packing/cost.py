@@ -243,7 +243,8 @@ def _lattice_batches(scene, pour):
     """
     generation, domain = scene.generation, scene.domain
     height, spacing, r22 = domain.height, generation.spacing, generation.fill == "r22"
-    stride = int(np.ceil(pour.height / (spacing * np.sqrt(6.0) / 3.0)))
+    stretch = generation.stretch_x, generation.stretch_z
+    stride = int(np.ceil(pour.height / (generation.stretch_z * spacing * np.sqrt(6.0) / 3.0)))
     wait = round(
         _fall_time(scene, (1.0 - REFILL_HEIGHT) * height + (0.0 if r22 else generation.drop_height))
         / scene.numerics.time_step
@@ -259,7 +260,7 @@ def _lattice_batches(scene, pour):
         # Grains take half a spacing at either end. Above a high bed there is always space for one layer.
         has_space = done == 0 or low <= REFILL_HEIGHT * height or (not r22 and low < height)
         high = max(height - spacing, low if r22 or done == 0 else low + 0.5 * spacing)
-        sites = len(lattice_sites(domain, spacing, low, high)) // stride if has_space else 0
+        sites = len(lattice_sites(domain, spacing, low, high, *stretch)) // stride if has_space else 0
         count = min(sites, pour.grains - done)
         if count == 0:  # `pack` reports that the domain is too small, or fits the rest in
             return inserted + [pour.grains], steps + [0]

@@ -27,31 +27,34 @@ class Domain:
         return self.width**2 if self.periodic else 0.25 * np.pi * self.width**2
 
 
-def lattice_sites(domain: Domain, spacing: float, low: float, high: float) -> np.ndarray:
+def lattice_sites(
+    domain: Domain, spacing: float, low: float, high: float, stretch_x: float = 1.0, stretch_z: float = 1.0
+) -> np.ndarray:
     """Return the sites (n, 3) of a hexagonal close-packed lattice with low <= z < high, from below; rows are along x.
 
-    In a periodic box the lattice is stretched horizontally to fit the period. In a cylinder, sites farther than
-    width/2 − spacing/2 from the axis are left out; if no site remains in any layer, the sites are on the axis.
+    stretch_x, stretch_z: factors of all distances along x and z. In a periodic box the lattice is also stretched
+    horizontally to fit the period. In a cylinder, sites farther than width/2 − spacing/2 from the axis are left out; if
+    no site remains in any layer, the sites are on the axis.
     """
-    layers = np.arange(low, high, spacing * np.sqrt(6.0) / 3.0)
-    sites = _hexagonal_sites(domain, spacing, layers)
+    layers = np.arange(low, high, stretch_z * spacing * np.sqrt(6.0) / 3.0)
+    sites = _hexagonal_sites(domain, spacing, stretch_x, layers)
     # Layers repeat after two, so a cylinder without a site in two layers is too narrow for any site.
-    if domain.periodic or len(sites) or len(_hexagonal_sites(domain, spacing, np.zeros(2))):
+    if domain.periodic or len(sites) or len(_hexagonal_sites(domain, spacing, stretch_x, np.zeros(2))):
         return sites
     return np.column_stack([np.zeros(len(layers)), np.zeros(len(layers)), layers])
 
 
-def _hexagonal_sites(domain: Domain, spacing: float, layers: np.ndarray) -> np.ndarray:
+def _hexagonal_sites(domain: Domain, spacing: float, stretch_x: float, layers: np.ndarray) -> np.ndarray:
     """Return the sites (n, 3) of a lattice with layers at these heights (k,)."""
     if domain.periodic:
-        nx = max(int(domain.width / spacing), 1)
+        nx = max(int(domain.width / (stretch_x * spacing)), 1)
         ny = max(2 * int(domain.width / (spacing * np.sqrt(3.0))), 1)
         dx, dy = domain.width / nx, domain.width / ny
         origin = np.array([0.5 * dx, 0.5 * dy])
     else:
-        nx = int(np.ceil(domain.width / spacing)) + 1
+        nx = int(np.ceil(domain.width / (stretch_x * spacing))) + 1
         ny = int(np.ceil(domain.width / (spacing * np.sqrt(0.75)))) + 1
-        dx, dy = spacing, spacing * np.sqrt(0.75)
+        dx, dy = stretch_x * spacing, spacing * np.sqrt(0.75)
         origin = -0.5 * np.array([(nx - 1) * dx, (ny - 1) * dy])
     layer, row, column = np.meshgrid(np.arange(len(layers)), np.arange(ny), np.arange(nx), indexing="ij")
     x = origin[0] + dx * (column + 0.5 * ((row + layer) % 2))

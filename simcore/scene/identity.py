@@ -30,6 +30,8 @@ ADDED = {
     ("sizes", "draw"): "random",
     ("shapes", "by_size"): None,
     ("generation", "solid_fraction"): 0.2,
+    ("generation", "stretch_x"): 1.0,
+    ("generation", "stretch_z"): 1.0,
 }
 # Keys and values that were renamed after rows had been committed. Digests use the former names, as those rows do.
 FORMER_KEYS = {("numerics", "polyhedron_contact"): "contact_region"}

@@ -58,6 +58,8 @@ class Generation:
     batch_grains: int | None = None
     batch_interval: float | None = None
     solid_fraction: float = 0.2
+    stretch_x: float = 1.0
+    stretch_z: float = 1.0
 
 
 @dataclass(frozen=True)

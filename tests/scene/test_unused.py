@@ -69,6 +69,8 @@ CASES = {
         STRANGE,
         {"generation": {"placement": "filled"}},
     ),
+    "generation.stretch_x": ({"generation": {"stretch_x": 0.8}}, {"generation": {"placement": "random"}}, {}),
+    "generation.stretch_z": ({"generation": {"stretch_z": 2}}, {"generation": {"placement": "filled"}}, {}),
     "generation.orientation": ({"generation": {"orientation": "random"}}, SPHERES, ELLIPSOIDS),
     "shaking.period": ({"shaking": {"period": "20 ms"}}, {"shaking": {"amplitude": "0 m"}}, {}),
     "convergence.kinetic_energy": ({"convergence": {"kinetic_energy": 1e-4}}, {}, SETTLED),

@@ -175,7 +175,8 @@ class Pouring:
             low = (R22_FIRST_FILL if inserted == 0 else REFILL_HEIGHT) * scene.domain.height
         else:
             low = top + generation.drop_height
-        sites = lattice_sites(scene.domain, generation.spacing, low, scene.domain.height)
+        stretch = generation.stretch_x, generation.stretch_z
+        sites = lattice_sites(scene.domain, generation.spacing, low, scene.domain.height, *stretch)
         wanted = len(sites) if scene.amount_grains is None else min(len(sites), scene.amount_grains - inserted)
         ids = np.arange(
             inserted, inserted + max(wanted, 1)

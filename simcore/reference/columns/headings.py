@@ -58,6 +58,8 @@ HEADINGS = {
     "orientation": Heading("orientation at insertion"),
     "fill": Heading("insertion height"),
     "spacing": Heading("spacing at insertion", 1, "mm", 1e3),
+    "stretch_x": Heading("stretch of the lattice along x", 2),
+    "stretch_z": Heading("stretch of the lattice along z", 2),
     "batch_solid_fraction": Heading("solid fraction at insertion", 3),
     "drop_height": Heading("drop height", 1, "mm", 1e3),
     "max_unbalanced_force": Heading("limit of the unbalanced force", 2),

@@ -67,6 +67,8 @@ COLUMNS = (
     Column("by_size", "", "distributions of form for ranges of sieve size", key="shapes.by_size"),
     Column("fill", "", "insertion height: bed or r22", key="generation.fill"),
     Column("spacing", "m", "distance of lattice points at insertion", key="generation.spacing"),
+    Column("stretch_x", "", "factor of the distances of lattice points along x", key="generation.stretch_x"),
+    Column("stretch_z", "", "factor of the distances of lattice points along z", key="generation.stretch_z"),
     Column(
         "batch_solid_fraction",
         "",

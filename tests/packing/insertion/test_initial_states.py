@@ -46,6 +46,19 @@ def test_the_lattice_in_a_periodic_box_is_never_closer_than_h(h):
     assert ((sites[:, :2] >= 0.0) & (sites[:, :2] <= 0.2)).all()
 
 
+@pytest.mark.parametrize("domain", [BOX, CYLINDER], ids=["periodic", "cylinder"])
+def test_a_stretched_lattice_has_fewer_sites_by_the_product_of_the_factors(domain):
+    whole, stretched = (lattice_sites(domain, 0.004, 0.0, 0.4, *stretch) for stretch in ((), (0.8, 2.5)))
+    assert len(stretched) / len(whole) == pytest.approx(1 / (0.8 * 2.5), rel=0.05)
+    layers = [np.unique(sites[:, 2]) for sites in (whole, stretched)]
+    np.testing.assert_allclose(np.diff(layers[1]), 2.5 * np.diff(layers[0])[: len(layers[1]) - 1], rtol=1e-9)
+    rows = [
+        np.sort(sites[(sites[:, 2] == 0.0) & np.isclose(sites[:, 1], sites[0, 1]), 0]) for sites in (whole, stretched)
+    ]
+    assert np.diff(rows[1]).mean() == pytest.approx(0.8 * np.diff(rows[0]).mean(), rel=0.02)
+    np.testing.assert_array_equal(whole, lattice_sites(domain, 0.004, 0.0, 0.4, 1.0, 1.0))
+
+
 def corners(base, scale, rotation):
     """Surface points of a grain about its centre."""
     if len(base.vertices):
