@@ -130,9 +130,9 @@ DRAWN = {
 
 def drawn():
     """Return the functions that draw a picture: dict from its path below docs/ to a function that returns a Figure."""
-    from docs.generate import porosity_pictures, time_step
+    from docs.generate import curve_pictures, porosity_pictures, time_step
 
-    return DRAWN | time_step.FIGURES | porosity_pictures.FIGURES
+    return DRAWN | time_step.FIGURES | porosity_pictures.FIGURES | curve_pictures.FIGURES
 
 
 def main(arguments=None):
