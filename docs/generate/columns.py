@@ -13,6 +13,8 @@ GROUPS = (
     ("studies", "FEATURES", "Features of the packings of a study"),
     ("models", "MODELS", "Models"),
     ("models", "KNOWN_BEDS", "Beds of known porosity"),
+    ("models", "FORM_SLOPES", "Effect of form in wide sieve curves"),
+    ("models", "SORTED_SANDS", "Sands of several sortings"),
     ("models", "SIZE_AND_FORM", "Candidates for size and form"),
     ("models", "APPLICATION", "Packings to which no model was fitted"),
     ("models", "MEAN_FORM", "Porosity at the mean form"),

@@ -1,6 +1,6 @@
 """All generated pages of the documentation site."""
 
-from docs.generate import columns, commands, papers, python_names, results, settings
+from docs.generate import columns, commands, papers, python_names, results, settings, size_and_form
 
 
 def pages():
@@ -14,4 +14,5 @@ def pages():
         "reference/columns.md": columns.page(),
         "reference/results.md": results.page(),
         "reference/papers.md": papers.page(),
+        "reference/size_and_form.md": size_and_form.page(),
     }

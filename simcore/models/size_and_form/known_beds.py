@@ -6,16 +6,26 @@ No parameter is fitted to them. The sets:
     packed           the same curves, packed by us in the same cylinder, means over the seeds (validation.csv)
     packed by r22    the same, packed by Rettinger et al., Table 6
     published        their models of beds of one form in a periodic box (U7, B50) at the Rhine's mean form
+
+Two more sets compare published models of U7 and B50 over many forms: `known_mixtures`, distributions of form in U7, and
+`known_forms`, beds of one form each in U7 and B50.
 """
 
+import numpy as np
 import pandas as pd
 
 from simcore.grains.form import features as form_features
+from simcore.models.mixtures import MIXTURE
+from simcore.models.single_form import SINGLE_FORM
+from simcore.models.unified import unified_features
 from simcore.paths import REFERENCE
+from simcore.reference.committed_rows import read_single_forms
 from simcore.reference.r22_tables import read_r22_table
 
 BASE = "U1"
 MEASURED, PACKED, PACKED_BY_R22, PUBLISHED = "measured", "packed", "packed by r22", "published"
+MIXTURES, OF_MIXTURES = "published mixtures", "U7"
+OF_ONE_FORM = ("U7", "B50")  # wide cases for which Rettinger et al. published models of single forms
 COLUMNS = ["set", "case", "n_one_class", "n"]
 
 
@@ -24,9 +34,10 @@ def known_beds() -> pd.DataFrame:
     rows = pd.read_csv(REFERENCE / "validation.csv")
     rows["weight"] = rows["n_error"] ** -2.0
     packed = (rows["n"] * rows["weight"]).groupby(rows["case"]).sum() / rows.groupby("case")["weight"].sum()
+    measured = read_r22_table("table3_cases").set_index("case")["n_exp"]
     porosities = {
-        MEASURED: read_r22_table("table3_cases").set_index("case")["n_exp"],
-        PACKED: packed,
+        MEASURED: measured,
+        PACKED: packed.loc[measured.index],
         PACKED_BY_R22: read_r22_table("table6_validation").set_index("case")["mean"],
         PUBLISHED: _at_mean_form(),
     }
@@ -39,10 +50,57 @@ def known_beds() -> pd.DataFrame:
     return pd.DataFrame(beds, columns=COLUMNS)
 
 
+def known_mixtures() -> pd.DataFrame:
+    """Return the porosity of U7 with the 52 distributions of form of Rettinger et al., by their models (Eqs. 23, 24).
+
+    One row per distribution: mu_FL_nominal, sigma_FL_nominal, mu_EL_nominal, sigma_EL_nominal as specified; mu_EQ,
+    sigma_EQ, mu_EL, sigma_EL over the grains of our packings of them; n_one_class (of U1) and n (of U7).
+    """
+    rows = pd.read_csv(REFERENCE / "form_mixture.csv")
+    specified = [name for name in rows if name.endswith("_nominal")]
+    beds = rows.groupby(specified, as_index=False)[["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]].mean()
+    return beds.assign(n_one_class=published_mixture(BASE, beds), n=published_mixture(OF_MIXTURES, beds))
+
+
+def published_mixture(case, statistics) -> np.ndarray:
+    """Return the porosity (s,) by the published model of distributions of form of U1 or U7.
+
+    statistics: DataFrame with columns mu_EQ, sigma_EQ, mu_EL, sigma_EL over the grains, one row per bed.
+    """
+    return _published("form_mixture", case, unified_features(statistics)[list(MIXTURE)])
+
+
+def known_forms() -> pd.DataFrame:
+    """Return the porosities of beds of one form each by the models of Rettinger et al., for our 63 synthetic forms.
+
+    One row per form: EQ, EL, n_one_class (of U1), n_U7 and n_B50.
+    """
+    forms = read_single_forms(REFERENCE / "single_form.csv", "synthetic", [BASE]).drop_duplicates("grain")
+    features = pd.DataFrame({"EQ_inv": forms.L / forms.S, "EL_inv": forms.L / forms.I}).reset_index(drop=True)
+    porosities = {case: _published("single_form", case, features) for case in (BASE, *OF_ONE_FORM)}
+    return pd.DataFrame(
+        {"EQ": 1.0 / features["EQ_inv"], "EL": 1.0 / features["EL_inv"], "n_one_class": porosities[BASE]}
+        | {f"n_{case}": porosities[case] for case in OF_ONE_FORM}
+    )
+
+
+def published_slopes(case) -> np.ndarray:
+    """Return the published coefficients of the features SINGLE_FORM of beds of one form, (2,)."""
+    models = read_r22_table("models").query("model == 'single_form'").set_index("case")
+    return models.loc[case, list(SINGLE_FORM)].to_numpy(float)
+
+
+def _published(name, case, features):
+    """Return the porosity (s,) by a published linear model; a feature without a coefficient is left out."""
+    model = read_r22_table("models").query("model == @name").set_index("case").loc[case]
+    slopes = model[list(features)].astype(float).fillna(0.0)
+    return model["intercept"] + features.to_numpy(float) @ slopes.to_numpy()
+
+
 def _at_mean_form():
     """Return the porosity by the published models of single forms at the mean form of the Rhine, Series by case."""
     form = read_r22_table("table2_form_statistics").iloc[0]
     axes = [1.0, form["mu_EL"], form["mu_EL"] * form["mu_FL"]]
-    features = form_features(*([axis] for axis in axes)).iloc[0]
-    models = read_r22_table("models").query("model == 'single_form'").set_index("case")
-    return models["intercept"] + models["EQ_inv"] * features["EQ_inv"] + models["EL_inv"] * features["EL_inv"]
+    features = form_features(*([axis] for axis in axes))[list(SINGLE_FORM)]
+    cases = (BASE, *OF_ONE_FORM)
+    return pd.Series({case: float(_published("single_form", case, features)[0]) for case in cases})

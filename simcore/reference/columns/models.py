@@ -86,7 +86,28 @@ KNOWN_BEDS = (
     Column("set", "", "measured, packed, packed by r22 (Rettinger et al.), or published (their models)"),
     Column("n_one_class", "", "porosity of U1 of the same set, from which the bed is predicted"),
     Column("predicted", "", "porosity by the model of size and form"),
+    Column("half_width", "", "half width of the stated 95 % interval of `predicted`, for a known porosity of U1"),
     Column("error_*", "", "predicted minus known porosity by a model"),
+)
+# How much of the effect of form on U1 remains in wide curves
+FORM_SLOPES = (
+    Column("model", "", "Rettinger et al. (their published models), the model of size and form, or another model"),
+    Column("slope_U7", "", "change of the porosity of U7 over that of U1, between 63 forms of which each fills a bed"),
+    Column("slope_B50", "", "the same of B50"),
+    Column("slope_U7_std_error", "", "standard error by the rounding of published coefficients, or of fitted ones"),
+    Column("slope_B50_std_error", "", "the same of B50"),
+    Column("slope_mixtures", "", "change of the porosity of U7 over that of U1, between 52 distributions of form"),
+)
+# Sands of Beard and Weyl (1973)
+SORTED_SANDS = (
+    Column("grain_size", "", "grain size of the sand; mean of eight: the mean over all grain sizes"),
+    Column("sorting", "", "class of sorting"),
+    Column("trask_sorting", "", "root of the ratio of the quartiles of size, middle of the class of sorting"),
+    Column("log_deviation", "", "standard deviation of ln D of a log-normal curve with this sorting"),
+    Column("outside", "", "yes if the curve is wider than those for which the errors of the model are known"),
+    Column("n", "", "measured porosity of the wet-packed sand"),
+    Column("source", "", "where the porosity was read"),
+    Column("predicted_*", "", "porosity by a model, from that of the best sorted sand of the same grain size"),
 )
 # Packings to which no model was fitted
 APPLICATION = (
