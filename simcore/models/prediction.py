@@ -12,7 +12,7 @@ import pandas as pd
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.fitted_range import FAR, RangedValue
 from simcore.models.measured_file import MEASURED
-from simcore.models.unified import STATISTICS, unified_features
+from simcore.models.unified import STATISTICS, feature_arrays, unified_features
 from simcore.paths import R22_TABLES
 from simcore.reference.r22_tables import read_r22_table
 
@@ -82,12 +82,31 @@ def predict_preferred(sample, case, fitted, level=0.95):
     Arguments: as in predict_samples. If none of our models is evaluated, n, lower and upper are nan, and `refused` has
     the reasons. ValueError if there is no model for the case.
     """
+    return predict_all_preferred([sample], case, fitted, level)[0]
+
+
+def predict_all_preferred(samples, case, fitted, level=0.95):
+    """Return the rows of predict_preferred for a list of samples, which are computed together."""
     case = model_case(case)
     if case not in fitted.cases():
         raise ValueError(
             f"case {case}: we have no model for it; choose one of {', '.join(fitted.cases())}, {ONE_CLASS}"
         )
-    rows = _prefer(sample, _predict_ours(sample, sample_features([sample]), case, fitted, level), case, fitted)
+    features = sample_features(samples)
+    of_one_form, chosen = np.array([sample.one_form for sample in samples], bool), [None] * len(samples)
+    for kind in (True, False):
+        indices = np.flatnonzero(of_one_form == kind)
+        if not len(indices):
+            continue
+        own = [samples[index] for index in indices]
+        own_features = features if len(own) == len(samples) else features.iloc[indices]
+        tables = _predict_ours(own, own_features, case, fitted, level)
+        for index, sample, rows in zip(indices, own, tables, strict=True):
+            chosen[index] = _preferred_row(_prefer(sample, rows, case, fitted), case)
+    return chosen
+
+
+def _preferred_row(rows, case):
     for row in rows:
         if row["preferred"]:
             return row
@@ -106,7 +125,7 @@ def predict_sample(sample, case, fitted, published, level=0.95, r22_tables=R22_T
     case: as returned by model_case; published: as from published_models; the others: as in predict_samples.
     """
     features = sample_features([sample])
-    ours = _prefer(sample, _predict_ours(sample, features, case, fitted, level), case, fitted)
+    ours = _prefer(sample, _predict_ours([sample], features, case, fitted, level)[0], case, fitted)
     return [*ours, *_predict_r22(sample, features, published, r22_tables)]
 
 
@@ -133,9 +152,9 @@ def describe_model(by, name):
 
 def sample_features(samples):
     """Return all features of the models, a table with one row per Sample; 1/sigma is infinite for one form."""
-    statistics = pd.DataFrame([{name: getattr(sample, name) for name in STATISTICS} for sample in samples])
-    features = unified_features(statistics)
-    return features.assign(EQ_inv=features.mu_EQ_inv, EL_inv=features.mu_EL_inv)
+    features = feature_arrays({name: [getattr(sample, name) for sample in samples] for name in STATISTICS})
+    # One table from arrays, since tables of one row are computed for many curves.
+    return pd.DataFrame(features | {"EQ_inv": features["mu_EQ_inv"], "EL_inv": features["mu_EL_inv"]})
 
 
 def kind_of_bed(sample):
@@ -143,18 +162,20 @@ def kind_of_bed(sample):
     return "one form" if sample.one_form else "a distribution of form"
 
 
-def _predict_ours(sample, features, case, fitted, level):
-    """Return the rows of our models."""
-    rows = []
-    kind = kind_of_bed(sample)
-    for name in ("single_form" if sample.one_form else "form_mixture", "unified", MEASURED):
+def _predict_ours(samples, features, case, fitted, level):
+    """Return the rows of our models for each sample, a list of lists; the samples are all of one kind."""
+    tables = [[] for _ in samples]
+    kind = kind_of_bed(samples[0])
+    for name in ("single_form" if samples[0].one_form else "form_mixture", "unified", MEASURED):
         model = fitted.models.get((name, case))
         if model is not None:
-            n, lower, upper = (float(value[0]) for value in model.predict_interval(features, level))
             only = fitted.only_kind.get((name, case), kind)
             remark = "" if only == kind else f"it was fitted only to beds with {only}"
-            rows.append(_row("ours", name, n, lower, upper, model.outside(features)[0], digits=4, remark=remark))
-    return rows
+            *numbers, outside = model.predict_interval_and_outside(features, level)
+            values = zip(tables, *(column.tolist() for column in numbers), outside, strict=True)
+            for rows, n, lower, upper, beyond in values:
+                rows.append(_row("ours", name, n, lower, upper, beyond, digits=4, remark=remark))
+    return tables
 
 
 def _prefer(sample, rows, case, fitted):

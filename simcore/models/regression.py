@@ -3,6 +3,7 @@
 
 import logging
 from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 import pandas as pd
@@ -118,6 +119,12 @@ def bootstrap(features, porosity, resamples=RESAMPLES, seed=0):
     return np.linalg.solve(R, solved.T).T
 
 
+@lru_cache(maxsize=64)
+def student_quantile(level, freedom) -> float:
+    """Return Student's t that a value exceeds in magnitude with the probability 1 - level."""
+    return float(student.ppf(0.5 + 0.5 * level, freedom))
+
+
 @dataclass(frozen=True)
 class PorosityModel:
     """A fitted linear model n = b0 + b1 X1 + ...; arrays (m+1,) start with the intercept.
@@ -171,29 +178,40 @@ class PorosityModel:
         from the samples of the fit, and the scatter about the model. Farther outside the fitted range it is widened by
         the rule of simcore.models.fitted_range.
         """
+        return self._interval(self.design(features), level)
+
+    def predict_interval_and_outside(self, features, level=0.95):
+        """Return what predict_interval and `outside` return: (porosity, lower, upper, outside)."""
         design = self.design(features)
+        return *self._interval(design, level), self._outside(design)
+
+    def _interval(self, design, level):
         porosity = design @ np.array(self.coefficients)
         variance = self.scatter**2 + np.einsum("ni,ij,nj->n", design, np.array(self.covariance), design)
         freedom = self.degrees_of_freedom or self.n_samples - len(self.coefficients)
-        half = student.ppf(0.5 + 0.5 * level, freedom) * np.sqrt(variance)
-        half = half * widening(self.distance_outside(features))
+        half = student_quantile(level, freedom) * np.sqrt(variance)
+        half = half * widening(self._distances(design).max(axis=1, initial=0.0))
         return porosity, porosity - half, porosity + half
 
     def distance_outside(self, features):
         """Return the distance (n,) of each row of a feature table from the fitted range, as defined in fitted_range."""
-        values = self.design(features)[:, 1:]
-        return distance_outside(values, self.minimum, self.maximum).max(axis=1, initial=0.0)
+        return self._distances(self.design(features)).max(axis=1, initial=0.0)
 
     def outside(self, features):
         """Return for each row of a feature table the list of features outside the fitted range, as RangedValue."""
-        rows = [
-            [
-                RangedValue(*fields)
-                for fields in zip(self.features, map(float, row), self.minimum, self.maximum, strict=True)
-            ]
-            for row in self.design(features)[:, 1:]
-        ]
-        return [[value for value in row if value.distance > 0] for row in rows]
+        return self._outside(self.design(features))
+
+    def _outside(self, design):
+        outside = [[] for _ in design]
+        for row, feature in np.argwhere(self._distances(design) > 0):
+            value = float(design[row, 1 + feature])
+            limits = self.minimum[feature], self.maximum[feature]
+            outside[row].append(RangedValue(self.features[feature], value, *limits))
+        return outside
+
+    def _distances(self, design):
+        """Return the distance of each feature from its range, (n, m)."""
+        return distance_outside(design[:, 1:], self.minimum, self.maximum)
 
     def design(self, features):
         """Return the matrix (n, m+1) that multiplies the coefficients, for a feature table; ValueError if one lacks."""

@@ -51,13 +51,17 @@ def unified_features(statistics):
     statistics: DataFrame with columns mu_EQ, sigma_EQ, mu_EL, sigma_EL; the columns mu_1/EQ, sigma_1/EQ, mu_1/EL and
     sigma_1/EL are optional and are kept. 1/sigma is infinite for beds of one form.
     """
-    table = statistics[[name for name in (*STATISTICS, *_OF_INVERSES) if name in statistics]].astype(float)
-    with np.errstate(divide="ignore"):
-        inverse = (1.0 / table[list(STATISTICS)]).add_suffix("_inv")
-    relative = {
-        f"relative_variance_{name}": (table[f"sigma_{name}"] / table[f"mu_{name}"]) ** 2 for name in ("EQ", "EL")
-    }
-    return pd.concat([table, inverse], axis=1).assign(**relative)
+    return pd.DataFrame(feature_arrays(statistics), index=statistics.index)
+
+
+def feature_arrays(statistics):
+    """Return the columns of unified_features as a dict of arrays (n,); statistics: a dict of arrays or a DataFrame."""
+    values = {name: np.asarray(statistics[name], float) for name in (*STATISTICS, *_OF_INVERSES) if name in statistics}
+    with np.errstate(divide="ignore", invalid="ignore"):
+        values |= {f"{name}_inv": 1.0 / values[name] for name in STATISTICS}
+        for name in ("EQ", "EL"):
+            values[f"relative_variance_{name}"] = (values[f"sigma_{name}"] / values[f"mu_{name}"]) ** 2
+    return values
 
 
 def single_form_statistics(L, I, S):  # noqa: E741

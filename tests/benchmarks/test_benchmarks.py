@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from benchmarks import beds, measurement
-from benchmarks.speed import features, throughput
+from benchmarks.speed import features, predictions, throughput
 from benchmarks.studies import bed_size, height
 from simcore.evaluation.porosity import bulk_porosity
 from simcore.packing.file import packing_dataset, read_packing, write_packing
@@ -128,3 +128,9 @@ def test_bed_size_compares_what_differs_in_size_alone(tmp_path):
     smoother = packed(tmp_path / "smoother.nc", material={"friction": 0.1})
     with pytest.raises(ValueError, match="is of other settings than"):
         bed_size.table([few_grains, smoother])
+
+
+def test_predictions_of_both_uses_are_counted(capsys):
+    predictions.main(["--number", "3"])
+    head, *rows = (line.split(",") for line in capsys.readouterr().out.splitlines())
+    assert head[:4] == ["use", "predictions", "refused", "cpu_s"] and [row[1:3] for row in rows] == [["3", "0"]] * 2

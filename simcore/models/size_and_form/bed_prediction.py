@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.stats import t as student
 
 from simcore.grains.measured_forms import Sample, read_measured
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import LITERATURE
-from simcore.models.prediction import ONE_CLASS, predict_preferred
+from simcore.models.prediction import ONE_CLASS, predict_all_preferred
+from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
 from simcore.models.size_and_form.sized_model import SizedModel, current_model
 from simcore.paths import REFERENCE
@@ -64,16 +64,18 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
     """
     correction = fitted.curve if model is None else None
     model, fitted = model or sized_model(fitted), one_class_models(fitted)
-    *rows, of_rhine = (predict_preferred(sample, ONE_CLASS, fitted, level) for sample in [*samples, rhine_sample()])
+    *rows, of_rhine = predict_all_preferred([*samples, rhine_sample()], ONE_CLASS, fitted, level)
     n1 = np.array([row[key] for row in rows for key in ("n", "lower", "upper")], float).reshape(-1, 3)
     usable = np.isfinite(n1[:, 0]) & (n1[:, 0] >= LEAST) & (n1[:, 0] <= LARGEST)
     n, half = np.full((2, len(samples)), np.nan)
     if usable.any():
-        one_class = np.clip(n1[usable], LEAST, LARGEST)
-        ends = model.predict(curve, one_class.reshape(-1, 1)).reshape(-1, 3).T
-        n[usable], half[usable] = ends[0], interval(curve, ends, n1[usable, 0], of_rhine["n"], model, level)
+        one_class = np.append(np.clip(n1[usable], LEAST, LARGEST).ravel(), of_rhine["n"])
+        *ends, rhine_bed = model.predict(curve, one_class[:, None])
+        ends = np.reshape(ends, (-1, 3)).T
+        n[usable] = ends[0]
+        half[usable] = interval(curve, ends, n1[usable, 0], of_rhine["n"], model, level, rhine_bed)
         if correction is not None:
-            parts = error_parts(curve, ends[0], n1[usable, 0], of_rhine["n"], model)
+            parts = error_parts(curve, ends[0], n1[usable, 0], of_rhine["n"], model, rhine_bed)
             like = correction.unlike([sample for sample, used in zip(samples, usable, strict=True) if used])
             of_one_class = 0.5 * (ends[2] - ends[1]) * like
             n[usable], half[usable] = correction.apply(ends[0], *parts, of_one_class, level)
@@ -91,25 +93,26 @@ def one_class_models(fitted):
     return fitted.curve.one_class if fitted.curve else fitted
 
 
-def interval(curve, ends, one_class, of_rhine, model, level):
+def interval(curve, ends, one_class, of_rhine, model, level, rhine_bed=None):
     """Return the half width (s,) of the prediction interval of s beds.
 
     ends (3, s): porosity of the beds, and at the lower and the upper end of their one-class porosity. one_class (s,):
     that porosity. of_rhine: that of the Rhine's grains, with which the step from one class to a curve was measured.
+    rhine_bed: porosity of a bed of them with this curve, if it is known.
     """
     n, low, high = ends
-    of_sizes, of_form = error_parts(curve, n, one_class, of_rhine, model)
-    of_sizes = student.ppf(0.5 + 0.5 * level, model.freedom) * of_sizes
+    of_sizes, of_form = error_parts(curve, n, one_class, of_rhine, model, rhine_bed)
+    of_sizes = student_quantile(level, model.freedom) * of_sizes
     return np.sqrt((0.5 * (high - low)) ** 2 + of_sizes**2 + of_form**2)
 
 
-def error_parts(curve, n, one_class, of_rhine, model):
+def error_parts(curve, n, one_class, of_rhine, model, rhine_bed=None):
     """Return two errors (s,) of the porosities n (s,) of beds: of the step to the curve, and of the effect of form.
 
     The first is a standard error, which grows beyond the widest curve of known error, the second the largest one. Other
     arguments: as for `interval`.
     """
-    decrease = 1.0 - model.predict(curve, of_rhine) / of_rhine
+    decrease = 1.0 - (model.predict(curve, of_rhine) if rhine_bed is None else rhine_bed) / of_rhine
     return model.error * wider(curve, model) * (one_class - n), model.form_error * decrease * (one_class - of_rhine)
 
 

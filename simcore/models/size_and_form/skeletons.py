@@ -56,7 +56,7 @@ def rods_skeleton(curve, one_class, stretch=1.0, law="number", number=RODS):
     one_class, stretch = _by_class(curve, one_class), _by_class(curve, stretch)
     volume, m = specific_volume(one_class) @ curve.mass_fractions, stretch @ curve.mass_fractions
     sizes, fractions, _ = parts(curve, law)
-    reference_sizes, reference_fractions, _ = parts(REFERENCE, law)
+    reference_sizes, reference_fractions = _reference_parts(law)
     shape = np.broadcast_shapes(volume.shape, m.shape)
     porosity = np.empty(shape)
     for index in np.ndindex(shape):
@@ -78,7 +78,7 @@ def _calibrated(model, curve, one_class, stretch, law):
     """
     one_class, stretch = _by_class(curve, one_class), _by_class(curve, stretch)
     sizes, fractions, classes = parts(curve, law)
-    reference_sizes, reference_fractions, _ = parts(REFERENCE, law)
+    reference_sizes, reference_fractions = _reference_parts(law)
     one_class, stretch = np.broadcast_arrays(one_class, stretch)
     b = one_class.copy()
     for _ in range(ROUNDS):
@@ -88,6 +88,11 @@ def _calibrated(model, curve, one_class, stretch, law):
             break
     n = model(sizes, fractions, b[..., classes], stretch[..., classes])
     return np.minimum(n, porosity_of_volume(specific_volume(one_class) @ curve.mass_fractions))
+
+
+@lru_cache(maxsize=4)
+def _reference_parts(law):
+    return parts(REFERENCE, law)[:2]
 
 
 def _by_class(curve, values):

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from simcore.models.packing_models.curves import split
 from simcore.models.size_and_form.bed_prediction import wider
 from simcore.models.size_and_form.candidates import predict
 from simcore.models.size_and_form.sized_model import (
@@ -14,6 +15,7 @@ from simcore.models.size_and_form.sized_model import (
     relative_error,
     unfitted_model,
 )
+from simcore.models.size_and_form.stretch import REFERENCE_EL, REFERENCE_EQ
 from simcore.scene.sizes import all_cases
 
 PARAMETERS = {"m0": 1.1, "kappa": 0.5}
@@ -75,3 +77,13 @@ def test_the_effect_of_form_is_compared_with_the_published_models(tmp_path):
     """A candidate that carries over less of it than another has the smaller error of form."""
     weak = fitted_model(write_tables(tmp_path))
     assert weak.form_error < unfitted_model().form_error
+
+
+def test_splitting_the_classes_of_every_named_curve_changes_less_than_a_thousandth():
+    model, n1 = current_model(), np.array([[0.31], [0.342], [0.40]])
+    forms = np.full(n1.shape, REFERENCE_EQ), np.full(n1.shape, REFERENCE_EL)
+    for name, case in all_cases().items():
+        whole = model.predict(case.curve, n1, forms)
+        for number in (2, 4, 8):
+            parts = model.predict(split(case.curve, number, model.law), n1, forms)
+            np.testing.assert_allclose(parts, whole, rtol=0, atol=1e-3, err_msg=f"{name} in {number} parts")
