@@ -181,10 +181,10 @@ def _judgement(slopes):
         name = f"slope_{case}"
         error = np.hypot(theirs[f"{name}_std_error"], np.nan_to_num(ours[f"{name}_std_error"]))
         difference = ours[name] - theirs[name]
-        verdict = "agree" if abs(difference) <= 2.0 * error else "differ"
+        verdict = "agree" if abs(difference) <= 2.0 * error else "do not agree"
         sentences.append(
-            f"For {case} the slope of this model minus the published one is {_signed(difference, 2)}, which is "
-            f"{abs(difference) / error:.1f} standard errors: they {verdict}."
+            f"For {case} the slope of this model minus the published one is {_signed(difference, 2)} ± {error:.2f}: "
+            f"they {verdict} within two standard errors."
         )
     return " ".join(sentences)
 

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from benchmarks.studies import size_and_form_validation as validation
 from benchmarks.studies.size_and_form_validation import (
     KNOWN,
     OF_DISTRIBUTIONS,
@@ -13,13 +14,14 @@ from benchmarks.studies.size_and_form_validation import (
     SLOPES,
     known_table,
     mixtures_table,
+    parameter_errors,
     rms_errors,
     slopes_table,
     validation_figure,
 )
 from simcore.models.size_and_form.bed_prediction import interval
 from simcore.models.size_and_form.known_beds import MIXTURES, known_beds, known_forms, known_mixtures
-from simcore.models.size_and_form.sized_model import current_model
+from simcore.models.size_and_form.sized_model import current_model, unfitted_model
 from simcore.paths import REFERENCE
 from simcore.scene.sizes import all_cases
 
@@ -99,6 +101,30 @@ def test_the_published_slopes_are_those_of_the_coefficients(tables):
     # No model of the literature lets form change how well sizes mix.
     for name in ("linear", "linear mixture", "compressible, K = 4.75", "rods"):
         assert 0.8 < slopes.loc[name, "slope_B50"] < slopes.loc[name, "slope_U7"] < 1.0
+
+
+def test_the_errors_of_fitted_parameters_give_the_slope_one(tmp_path, monkeypatch):
+    """A parameter at a bound does not count, and the slope is nearly linear in kappa."""
+    assert parameter_errors(unfitted_model()) == {}
+    rows = [
+        ("L", "m0", 1.0, 0.2, "yes"),
+        ("L", "kappa", 0.5, 0.1, ""),
+        ("L", "kappa", 0.7, 0.3, ""),
+        ("F", "m0", 1, 9, ""),
+    ]
+    (tmp_path / "models").mkdir()
+    table = pd.DataFrame(rows, columns=["model", "parameter", "value", "std_error", "at_bound"])
+    table.to_csv(tmp_path / "models" / "size_and_form_parameters.csv", index=False)
+    monkeypatch.setattr(validation, "REFERENCE", tmp_path)
+    model = unfitted_model()._replace(candidate="L", parameters={"m0": 1.0, "kappa": 0.5})
+    assert parameter_errors(model) == {"kappa": 0.1}
+    slopes = {}
+    for kappa in (0.4, 0.5, 0.6):
+        used = model._replace(parameters={"m0": 1.0, "kappa": kappa})
+        monkeypatch.setattr(validation, "current_model", lambda used=used: used)
+        slopes[kappa] = slopes_table((OURS,)).set_index("model").loc[OURS]
+    change = 0.5 * abs(slopes[0.6].slope_U7 - slopes[0.4].slope_U7)
+    assert change > 0.01 and slopes[0.5].slope_U7_std_error == pytest.approx(change, rel=0.05)
 
 
 def test_the_root_mean_square_has_all_sets_and_the_figure_too(tables):

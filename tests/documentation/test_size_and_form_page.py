@@ -1,0 +1,31 @@
+"""The page of the checks of the model of size and form follows from its tables."""
+
+import numpy as np
+import pandas as pd
+
+from benchmarks.studies.size_and_form_validation import OURS, R22, SETS
+from docs.generate import size_and_form
+
+
+def test_the_page_has_every_set_and_both_pictures():
+    text = size_and_form.page()
+    assert all(f"| {label} |" in text for label, _, _ in SETS.values())
+    assert "](../size_and_form.png)" in text and "](../sorted_sands.png)" in text and "nan" not in text
+
+
+def test_slopes_agree_within_two_standard_errors():
+    slopes = pd.DataFrame(
+        [[R22, 0.69, 0.02, 0.51, 0.01, 0.66], [OURS, 0.72, np.nan, 0.60, 0.03, 0.7]],
+        columns=["model", "slope_U7", "slope_U7_std_error", "slope_B50", "slope_B50_std_error", "slope_mixtures"],
+    )
+    text = size_and_form._judgement(slopes)
+    assert "For U7 the slope of this model minus the published one is +0.03 ± 0.02: they agree" in text
+    assert "is +0.09 ± 0.03: they do not agree" in text
+
+
+def test_a_curve_that_a_model_refuses_is_named_so():
+    sands = pd.DataFrame(
+        {"grain_size": "a", "sorting": ["well", "poorly"], "log_deviation": [0.1, 1.0], "n": [0.4, 0.3]}
+    ).assign(**{f"predicted_{name}": [0.4, 0.28] for name in size_and_form._MODELS})
+    sands.loc[1, f"predicted_{OURS}"] = np.nan
+    assert "| poorly | 1.00 | 0.750 ± nan | refused | 0.700 |" in size_and_form._ratios(sands)
