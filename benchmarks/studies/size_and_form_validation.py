@@ -57,7 +57,7 @@ LEVEL = 0.95
 ROUNDED = 1e-3 / np.sqrt(12.0)  # standard deviation of the rounding error of a published coefficient
 # Label, marker and colour of each set in the figure.
 SETS = {
-    MEASURED: ("measured gravels (Rettinger et al.)", "o", "#20313b"),
+    MEASURED: ("gravels measured by Rettinger et al.", "o", "#20313b"),
     PACKED: ("the same gravels, packed by us", "s", "#2f6f8f"),
     PACKED_BY_R22: ("the same gravels, packed by Rettinger et al.", "^", "#5a8f3c"),
     PUBLISHED: ("U7 and B50, mean form, model of Rettinger et al.", "D", "#b3541e"),

@@ -29,3 +29,13 @@ def test_a_curve_that_a_model_refuses_is_named_so():
     ).assign(**{f"predicted_{name}": [0.4, 0.28] for name in size_and_form._MODELS})
     sands.loc[1, f"predicted_{OURS}"] = np.nan
     assert "| poorly | 1.00 | 0.750 ± nan | refused | 0.700 |" in size_and_form._ratios(sands)
+
+
+def test_a_miss_is_explained_only_if_its_direction_is_known():
+    known = pd.DataFrame(
+        {"set": ["measured", "packed", "packed"], "case": ["U5", "U7", "U3"], "n": 0.3, "predicted": [0.32, 0.32, 0.28]}
+    ).assign(half_width=0.01)
+    text = size_and_form._misses(known)
+    assert "denser than predicted are U7 (the same gravels, packed by us). Slower" in text
+    assert "Also outside are U5 (gravels measured by Rettinger et al.); U3 (the same gravels, packed by us)" in text
+    assert size_and_form._misses(known.assign(half_width=0.03)) == "All beds are inside their stated intervals."
