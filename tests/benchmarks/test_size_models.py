@@ -31,7 +31,7 @@ def test_packing_models_are_exact_for_u1_and_predictors_are_not(table):
     np.testing.assert_allclose(table["rms_error"], np.sqrt((others**2).mean(axis=1, skipna=False)), atol=1e-4)
 
 
-def test_what_the_notes_claim_of_unfitted_models(table):
+def test_errors_of_unfitted_models(table):
     """The best published model has an rms of 0.006, and all carry over more of the effect of form than it has."""
     published = table[(table["classes"] == "one size") & (table["model"] != "compressible with f and g of linear")]
     assert published.loc[published["rms_error"].idxmin(), "model"] == "linear"

@@ -11,7 +11,7 @@ coarse grains. Two rules are compared:
 
 import numpy as np
 
-REFERENCE_POROSITY = 0.342  # one-class porosity of the Rhine's mean form, periodic box (shared notes, section 2)
+REFERENCE_POROSITY = 0.342  # of the Rhine's mean form, by the model of beds of one form of Rettinger et al. (2022)
 REFERENCE_EQ, REFERENCE_EL = 0.441, 0.682  # Rettinger et al. (2022), Table 2: mean FL 0.647 times EL, and mean EL
 
 

@@ -72,20 +72,20 @@ def test_log2_deviation_of_uniform_and_split_curves():
 
 
 def test_predictors_on_the_measured_gravels():
-    """Errors of the project's notes (section 1.9), given to 0.001; those of the medians only as bounds.
+    """Errors by an independent program, given to 0.001; those of the medians only as bounds.
 
-    The notes do not state how σφ counts the width of a class, which is all there is of it in U1: 0.002 there.
+    It is not known how that program counts the width of a class in σφ, which is all there is of it in U1: 0.002 there.
     """
     measured = pd.read_csv(R22_TABLES / "table3_cases.csv").set_index("case")["n_exp"]
     errors = {
         predictor.name: np.array([predictor.porosity(CASES[name]) - n for name, n in measured.items()])
         for predictor in PREDICTORS
     }
-    notes = {
+    independent = {
         "Frings 2011": [-0.028, -0.027, -0.026, -0.011, 0.016, -0.007, -0.013],
         "Wooster 2008": [0.005, -0.009, -0.020, -0.024, -0.018, -0.047, -0.047],
     }
-    for name, expected in notes.items():
+    for name, expected in independent.items():
         np.testing.assert_allclose(errors[name][1:], expected[1:], atol=1.1e-3)
         assert errors[name][0] == pytest.approx(expected[0], abs=2e-3)
     for name, bound in (("Komura", 0.055), ("Wu and Wang 2006", 0.105), ("Carling and Reader 1982", 0.105)):

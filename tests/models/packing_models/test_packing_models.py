@@ -1,7 +1,6 @@
-"""Packing models of the literature at their limits, and against numbers of the project's notes.
+"""Packing models of the literature at their limits, and against numbers of an independent program.
 
-The notes (shared reference, size_models.md, sections 1.7, 2 and 5.3) give errors on the gravels of Rettinger et al.
-(2022) to 0.001, computed by another program with one size per class.
+That program gave errors on the gravels of Rettinger et al. (2022) to 0.001, with one size per class.
 """
 
 import numpy as np
@@ -162,7 +161,7 @@ def of_gravels(model, n1, names=OTHERS):
     ],
     ids=["linear", "linear mixture", "K 4.1", "K 4.75", "K 9"],
 )
-def test_errors_on_the_measured_gravels_are_those_of_the_notes(model, errors, rms):
+def test_errors_on_the_measured_gravels_are_those_of_the_independent_program(model, errors, rms):
     _, measured = gravels()
     difference = of_gravels(model, measured["U1"]) - measured[list(OTHERS)].to_numpy()
     assert np.sqrt(np.mean(difference**2)) == pytest.approx(rms, abs=6e-5)
@@ -180,8 +179,8 @@ def test_errors_on_the_measured_gravels_are_those_of_the_notes(model, errors, rm
     ],
     ids=["linear", "linear mixture", "K 9", "rods"],
 )
-def test_periodic_beds_of_the_notes(model, expected):
-    """U7 and B50 at 0.342, section 2. Rods in the notes had classes of some width, which one size per class lacks."""
+def test_periodic_beds_of_the_independent_program(model, expected):
+    """U7 and B50 at 0.342. Its rods had classes of some width, which one size per class lacks."""
     tolerance = 2.5e-3 if model is many_rods else 1.1e-3
     np.testing.assert_allclose(of_gravels(model, 0.342, ("U7", "B50")), expected, atol=tolerance)
 
@@ -195,7 +194,7 @@ def test_periodic_beds_of_the_notes(model, expected):
         (16, [0.160, 0.155, 0.155, 0.190]),
     ],
 )
-def test_densest_binary_spheres_of_the_notes(R, expected):
+def test_densest_binary_spheres_of_the_independent_program(R, expected):
     """Section 5.3: rods, linear, linear mixture, flat compressible at K = 9, base 0.3565, shares in steps of 0.05."""
     y = np.arange(0.5, 0.901, 0.05)
     shares = np.column_stack([y, 1 - y])
