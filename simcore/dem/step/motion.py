@@ -21,6 +21,8 @@ class StepWorkspace(NamedTuple):
     moved: np.ndarray  # (k,) bool: whether each body of this rank has moved by more than its margin
     adding: bool  # each force is added to the sums as soon as it is known; otherwise forces are stored and then added
     storing: bool  # forces of contacts and net forces are stored
+    first: int  # index in Bodies.own of the first body whose contacts end with the present block
+    last: int  # and the index after the last one
 
 
 class Quaternion(NamedTuple):

@@ -25,11 +25,11 @@ from simcore.dem.step.motion import (
 
 @loops
 def move_spheres(bodies, contacts, walls, drive, push, work, has):
-    """Move the spheres that this rank moves.
+    """Move the spheres that this rank moves, from the first to the last of `work`.
 
     push [m/s²]: acceleration by shaking. work: StepWorkspace; its sums begin anew for the next step.
     """
-    for k in prange(len(bodies.own)):
+    for k in prange(work.first, work.last):
         i = bodies.own[k]
         force, torque = _balance(bodies, contacts, walls, drive, i, work, has)
         if drive.dt > 0.0:
@@ -41,7 +41,7 @@ def move_spheres(bodies, contacts, walls, drive, push, work, has):
 @loops
 def move_bodies(shapes, bodies, contacts, walls, drive, push, work, has):
     """Move bodies of other kinds; see move_spheres."""
-    for k in prange(len(bodies.own)):
+    for k in prange(work.first, work.last):
         i = bodies.own[k]
         force, torque = _balance(bodies, contacts, walls, drive, i, work, has)
         if drive.dt > 0.0:

@@ -13,8 +13,9 @@ only to its own index: all forces are stored, and each body then reads those of 
 contacts in blocks that stay in the processor's cache. It adds each force to the sums of both bodies as soon as the
 force is known. The order is that of (partner, image) here as well, because the contacts are sorted by (a, b, image).
 The exception is a pair that is listed through several images, whose order for b is the reverse; with such pairs a
-single thread proceeds as several do. It stores forces, net forces and, of spheres, overlaps and points only in the
-last of the steps, because nothing reads them before.
+single thread stores the forces as several do. After each block it moves the bodies whose contacts are done: those
+below body a of the next row, because all later rows have higher bodies. It stores forces, net forces and, of spheres,
+overlaps and points only in the last of the steps, because nothing reads them before.
 """
 
 from functools import cache
@@ -103,37 +104,6 @@ def _make_advance(has: Features, several_threads: bool):
         block = max(n_contacts, 1) if several_threads else BLOCK
         since = cycles()
         for step in range(n_steps):
-            work = StepWorkspace(sums, moved, adding, not adding or step == n_steps - 1)
-            for begin in range(0, n_contacts, block):
-                end = min(begin + block, n_contacts)
-                if fused:
-                    press_spheres(bodies, contacts, law, drive, begin, end, work, has)
-                    continue
-                if kind == SPHERE:
-                    find_spheres(bodies, contacts, drive, begin, end, has)
-                elif kind == ELLIPSOID and potential:
-                    find_potentials(shapes, bodies, contacts, drive, begin, end, has)
-                elif kind == ELLIPSOID:
-                    find_ellipsoids(shapes, bodies, contacts, drive, begin, end, has)
-                elif kind == MIXED:
-                    find_mixed(shapes, bodies, contacts, drive, begin, end, has)
-                else:
-                    find_polyhedra(shapes, bodies, contacts, drive, begin, end, has)
-                if inflated:
-                    find_inflated(shapes, bodies, contacts, drive, begin, end, has)
-                if patch:
-                    find_patches(shapes, bodies, contacts, workspace, drive, begin, end, has)
-                if timed:
-                    since = count_cycles(clock, 0, since)
-                if hertz:
-                    press_hertzian_contacts(bodies, contacts, law, drive, begin, end, work, has)
-                else:
-                    press_contacts(bodies, contacts, law, drive, begin, end, work, has)
-                if sliding:
-                    viscous_friction_at_contacts(bodies, contacts, law, drive, begin, end, has)
-                if timed:
-                    since = count_cycles(clock, 1, since)
-
             if walled and kind == SPHERE:
                 find_walls_of_spheres(bodies, walls, drive)
             elif walled and kind == ELLIPSOID:
@@ -155,21 +125,64 @@ def _make_advance(has: Features, several_threads: bool):
             if timed:
                 since = count_cycles(clock, 1, since)
 
+            storing = not adding or step == n_steps - 1
             push = 0.0
             if shaken:
                 push = drive.shaking * np.sin(drive.shaking_rate * (first_step + step) * drive.dt)
-            if kind == SPHERE:
-                move_spheres(bodies, contacts, walls, drive, push, work, has)
-            else:
-                move_bodies(shapes, bodies, contacts, walls, drive, push, work, has)
-            if timed:
-                since = count_cycles(clock, 2, since)
+            last = 0
+            for begin in range(0, max(n_contacts, 1), block):
+                end = min(begin + block, n_contacts)
+                first, last = last, count_done(bodies, contacts, last, end)
+                work = StepWorkspace(sums, moved, adding, storing, first, last)
+                if fused:
+                    press_spheres(bodies, contacts, law, drive, begin, end, work, has)
+                elif kind == SPHERE:
+                    find_spheres(bodies, contacts, drive, begin, end, has)
+                elif kind == ELLIPSOID and potential:
+                    find_potentials(shapes, bodies, contacts, drive, begin, end, has)
+                elif kind == ELLIPSOID:
+                    find_ellipsoids(shapes, bodies, contacts, drive, begin, end, has)
+                elif kind == MIXED:
+                    find_mixed(shapes, bodies, contacts, drive, begin, end, has)
+                else:
+                    find_polyhedra(shapes, bodies, contacts, drive, begin, end, has)
+                if inflated:
+                    find_inflated(shapes, bodies, contacts, drive, begin, end, has)
+                if patch:
+                    find_patches(shapes, bodies, contacts, workspace, drive, begin, end, has)
+                if timed:
+                    since = count_cycles(clock, 0, since)
+                if hertz:
+                    press_hertzian_contacts(bodies, contacts, law, drive, begin, end, work, has)
+                elif not fused:
+                    press_contacts(bodies, contacts, law, drive, begin, end, work, has)
+                if sliding:
+                    viscous_friction_at_contacts(bodies, contacts, law, drive, begin, end, has)
+                if timed:
+                    since = count_cycles(clock, 1, since)
+                if kind == SPHERE:
+                    move_spheres(bodies, contacts, walls, drive, push, work, has)
+                else:
+                    move_bodies(shapes, bodies, contacts, walls, drive, push, work, has)
+                if timed:
+                    since = count_cycles(clock, 2, since)
             for k in range(len(moved)):
                 if moved[k]:
                     return step + 1, True
         return n_steps, False
 
     return advance
+
+
+@leaf
+def count_done(bodies, contacts, last, end):
+    """Return how many of the bodies of this rank have no contact in row `end` or later; at least `last` of them."""
+    done, n_own = last, len(bodies.own)
+    if end == len(contacts.body_a):
+        return n_own
+    while done < n_own and bodies.own[done] < contacts.body_a[end]:
+        done += 1
+    return done
 
 
 @leaf
