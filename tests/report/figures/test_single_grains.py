@@ -27,7 +27,7 @@ def test_the_sheet_orders_grains_by_elongation_and_flatness(grains, tmp_path):
     assert np.allclose(np.ptp([text.get_position()[0] for text in texts[::4]]), 0.0)
 
 
-@pytest.mark.parametrize(("given", "shown"), [(1, 1), (3, 3), (7, 4), (9, 8)])
+@pytest.mark.parametrize(("given", "shown"), [(1, 1), (9, 8)])
 def test_a_sheet_of_few_grains_has_fewer_classes(grains, given, shown):
     texts = single_grains.grain_sheet(grains[:given]).axes[0].texts
     assert sum(text.get_text()[0] == "G" for text in texts) == shown
