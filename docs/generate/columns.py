@@ -42,7 +42,6 @@ GROUPS = (
     ("benchmarks", "HEIGHT", "Ends of a bed"),
     ("benchmarks", "INFLATED", "Search with inflated grains"),
     ("benchmarks", "ELLIPSOID_CONTACT", "Contacts of ellipsoids"),
-    ("benchmarks", "CONTACT_REGION", "Patch and point contacts"),
     ("benchmarks", "WIDE_COST", "Cost of wide sieve curves"),
     ("benchmarks", "SIZE_MODELS", "Models of the sieve curve"),
     ("r22", "FORM_FACTORS", "Rettinger et al.: form factors"),

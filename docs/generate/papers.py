@@ -32,7 +32,7 @@ ROUNDING = 5e-4 / np.sqrt(3)  # standard deviation of rounding to three decimals
 
 
 def listed():
-    """Return the tables and figures: dict from the paper to a list of dicts with item, shows, here, and compared."""
+    """Return the tables and figures: dict from the paper to a list of dicts as in papers.yaml."""
     return yaml.safe_load(LISTED.read_text(encoding="utf-8"))
 
 
@@ -42,10 +42,17 @@ def page():
     for paper, entries in listed().items():
         rows = []
         for entry in entries:
-            size, difference = _not_packed(entry["study"]) if "study" in entry else COMPARED[entry["compared"]]()
+            size, difference = _compare(entry)
             rows.append([entry["item"], entry["shows"], entry["here"], size, difference])
         parts += [f"## {_TITLES[paper]}", table(["there", "what it shows", "here", "size here", "difference"], rows)]
     return "\n\n".join(parts) + "\n"
+
+
+def _compare(entry):
+    """Return the size of our version and its difference, as texts."""
+    if "picture" in entry:
+        return entry["picture"], "a picture"
+    return _not_packed(entry["study"]) if "study" in entry else COMPARED[entry["compared"]]()
 
 
 def _rows(name):

@@ -9,7 +9,9 @@ test fails if a source has changed since.
 """
 
 import argparse
+import functools
 import hashlib
+import operator
 import subprocess
 import sys
 from pathlib import Path
@@ -130,9 +132,10 @@ DRAWN = {
 
 def drawn():
     """Return the functions that draw a picture: dict from its path below docs/ to a function that returns a Figure."""
-    from docs.generate import curve_pictures, porosity_pictures, time_step
+    from docs.generate import curve_pictures, deposit_pictures, grain_pictures, porosity_pictures, time_step
 
-    return DRAWN | time_step.FIGURES | porosity_pictures.FIGURES | curve_pictures.FIGURES
+    modules = (curve_pictures, deposit_pictures, grain_pictures, porosity_pictures, time_step)
+    return functools.reduce(operator.or_, (module.FIGURES for module in modules), DRAWN)
 
 
 def main(arguments=None):

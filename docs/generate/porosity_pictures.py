@@ -1,7 +1,10 @@
 """Pictures of the page "What porosity means here": a profile over height, and sampling errors against seeds."""
 
+import functools
+
 import numpy as np
 import pandas as pd
+import yaml
 from matplotlib.figure import Figure
 
 from simcore.paths import REFERENCE, ROOT
@@ -9,16 +12,23 @@ from simcore.paths import REFERENCE, ROOT
 DARK, ORANGE, GRAIN = "#20313b", "#b3541e", "#e8dcc4"
 
 
-def profile():
-    """Draw the porosity over height of the bed of examples/polyhedra.yaml, with its evaluated part."""
-    from simcore.evaluation.porosity import bulk_porosity, porosity_profile
+@functools.cache
+def bed():
+    """Pack the bed of examples/polyhedra.yaml with three times as many grains, so that a part of it is evaluated."""
     from simcore.packing.single import pack
-    from simcore.report.figures.packings import profile_figure
 
-    packing = pack(ROOT / "examples" / "polyhedra.yaml", force=True)
-    methods = {"spheres of equal volume": "spheres", "the polyhedra themselves": "exact"}
-    profiles = {label: porosity_profile(packing, 5e-4, method)["porosity"] for label, method in methods.items()}
-    return profile_figure(profiles, bulk_porosity(packing))
+    specification = yaml.safe_load((ROOT / "examples" / "polyhedra.yaml").read_text(encoding="utf-8"))
+    return pack(specification | {"amount": {"grains": 3 * specification["amount"]["grains"]}})
+
+
+def profile():
+    """Draw a cut through the bed, its porosity over height, and the evaluated part."""
+    from simcore.evaluation.porosity import bulk_porosity, porosity_profile
+    from simcore.report.figures.interval import interval_figure
+
+    methods = {"slices of the grains": "exact", "slices of spheres of equal volume": "spheres"}
+    profiles = {label: porosity_profile(bed(), 5e-4, method)["porosity"] for label, method in methods.items()}
+    return interval_figure(bed(), profiles, bulk_porosity(bed()))
 
 
 def seed_differences():

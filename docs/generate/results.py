@@ -20,6 +20,8 @@ FOLDERS = {
     "work_precision": "Error against run time",
     "default": "Tables of a finished default campaign",
     "born_above_bed": "Rows that newer ones have replaced",
+    "models": "Fitted models",
+    "grains": "Statistics of the synthetic grains",
     "r22": "Published tables of Rettinger et al. (2022)",
 }
 _HEAD = """# Results: the committed tables
@@ -62,14 +64,14 @@ def _described(path, entry):
     heads = ["column", "unit", "meaning"]
     if not any(cell[1] for cell in cells):
         heads, cells = ["column", "meaning"], [[cell[0], cell[2]] for cell in cells]
-    command = entry.get("command") or _commands().get(path)
+    command = entry.get("command") or commands().get(path)
     yield sentence(entry["what"])
     yield f"It has {len(rows)} row{'s' if len(rows) != 1 else ''}." + (f" Command: `{command}`." if command else "")
     yield '??? note "Columns"\n\n' + "\n".join(f"    {line}" for line in table(heads, cells).splitlines())
 
 
 @functools.cache
-def _commands():
+def commands():
     """Return the command that made the rows of each table that a campaign gathers, from collected.csv."""
     collected = pd.read_csv(REFERENCE / "collected.csv").dropna(subset="command")
     made = {}

@@ -23,6 +23,7 @@ from simcore.packing.packed import SHAKING
 from simcore.packing.process import Process
 from simcore.packing.stepper import Stepper
 from simcore.paths import ROOT
+from simcore.report.figures.interval import plane_outline
 from simcore.scene.setup import set_up
 from simcore.scene.shapes import Base
 from simcore.scene.specification import read_specification
@@ -178,15 +179,7 @@ def _section(process, i, cut):
     """Return the outline (n, 2) [m] of grain i in the plane y = cut, in order, or None if the plane misses it."""
     bodies, base = process.bodies, process.bases[process.bodies.shape[i]]
     points = (base.vertices * bodies.scale[i]) @ bodies.rotation[i].T + bodies.position[i]
-    edges = np.concatenate([base.faces[:, [0, 1]], base.faces[:, [1, 2]], base.faces[:, [2, 0]]])
-    height = points[:, 1] - cut
-    a, b = edges[height[edges[:, 0]] * height[edges[:, 1]] < 0.0].T
-    if not len(a):
-        return None
-    share = (height[a] / (height[a] - height[b]))[:, None]
-    crossing = (points[a] + share * (points[b] - points[a]))[:, [0, 2]]
-    around = crossing - crossing.mean(axis=0)
-    return crossing[np.argsort(np.arctan2(around[:, 1], around[:, 0]))]
+    return plane_outline(points, base.faces, cut)
 
 
 def _pressing_point(angle, depth):

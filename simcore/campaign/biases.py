@@ -32,12 +32,12 @@ CONTACT_TIME, REGION, GATE = "numerics.contact_time", "numerics.polyhedron_conta
 def measured_biases(folder):
     """Return a DataFrame with one row per measured difference in porosity and the columns COLUMNS.
 
-    folder: its tables are read if they exist. accuracy.csv has packings with each preset, paired by seed;
-    accuracy_heights.csv the same with insertion at the heights of Rettinger et al. (2022);
-    difference_ellipsoid_steps.csv (config/differences.yaml) ellipsoids inserted at those heights, with the contacts of
-    campaigns and with stiffer ones; bed_size.csv (benchmarks/studies/bed_size.py) single forms in beds of several
-    sizes. The time of shaking is taken from work_precision/packings.csv, and the insertion from difference_process.csv
-    (config/differences.yaml).
+    folder: its tables are read if they exist. accuracy.csv has packings with each preset, paired by seed, and
+    accuracy_changed.csv the same beds with other settings; accuracy_heights.csv the same with insertion at the heights
+    of Rettinger et al. (2022); difference_ellipsoid_steps.csv (config/differences.yaml) ellipsoids inserted at those
+    heights, with the contacts of campaigns and with stiffer ones; bed_size.csv (benchmarks/studies/bed_size.py) single
+    forms in beds of several sizes. The time of shaking is taken from work_precision/packings.csv, and the insertion
+    from difference_process.csv (config/differences.yaml).
 
     Column of: SETTINGS (all settings of a preset, with the time step, compared with `r22` or with stiffer contacts),
     SIZE (compared with 1200 grains in a box of 63 mm), SHAKING (compared with the longest) or INSERTIONS (compared with
@@ -45,10 +45,12 @@ def measured_biases(folder):
     inserted: where, and kind: GRAINS or ELLIPSOIDS.
     """
     folder = Path(folder)
+    changed = folder / "accuracy_changed.csv"
+    of_changed = [_with_names(pd.read_csv(changed))] if changed.exists() else []
     parts = [
         function(pd.read_csv(folder / name)).assign(source=name)
         for name, function in (
-            ("accuracy.csv", _of_settings),
+            ("accuracy.csv", lambda rows: _of_settings(pd.concat([rows, *of_changed]))),
             ("accuracy_heights.csv", _of_settings_at_heights),
             ("difference_ellipsoid_steps.csv", _of_ellipsoids),
             ("bed_size.csv", _of_size),
@@ -71,9 +73,21 @@ def _of_settings(rows, inserted="bed"):
 
 
 def _of_settings_at_heights(rows):
-    settings = zip(rows["accuracy"], rows["polyhedron_contact"], rows["contact_time_s"], strict=True)
-    names = [_name_settings(*values) for values in settings]
-    return _of_settings(rows.assign(accuracy=names), "r22")
+    return _of_settings(_with_names(rows), "r22")
+
+
+def _with_names(rows):
+    """Return rows with the name of their settings as `accuracy`.
+
+    rows: columns accuracy (the preset), polyhedron_contact and contact_time_s, and faces if their number varies.
+    """
+    names = []
+    for row in rows.itertuples():
+        name = _name_settings(row.accuracy, row.polyhedron_contact, row.contact_time_s)
+        if "faces" in rows and row.faces != _settings_of(row.accuracy)["faces"]:
+            name = f"{row.accuracy} with {row.faces} faces{name.removeprefix(row.accuracy)}"
+        names.append(name)
+    return rows.assign(accuracy=names)
 
 
 def _of_ellipsoids(rows):

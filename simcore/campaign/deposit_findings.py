@@ -162,6 +162,28 @@ def diagonal_fabrics(studies, fabrics, max_forms=5):
     }
 
 
+def spread_fabrics(studies, fabrics, max_spreads=5):
+    """Return the fabrics of grains of one form over the spread of their sizes: dict of label to Dataset.
+
+    studies: name of the study of each of `fabrics`. Of the forms in the family `sizes`, the one with the most spreads
+    is used, and of these one that is not a sphere; at most `max_spreads` spreads, the smallest first. A spread with
+    several seeds has the mean over them. Empty without that family.
+    """
+    by_form = {}
+    for study, fabric in zip(studies, fabrics, strict=True):
+        if family(study) == "sizes":
+            scene = json.loads(fabric.attrs["scene"])
+            form = (scene["shapes"]["eta"], scene["shapes"]["zeta"])
+            by_form.setdefault(form, {}).setdefault(scene["sizes"]["beta"]["spread"], []).append(fabric)
+    if not by_form:
+        return {}
+    by_spread = by_form[max(by_form, key=lambda form: (len(by_form[form]), form != (1.0, 1.0)))]
+    return {
+        f"S = {spread:g}": fabric_over_seeds(by_spread[spread]) if len(by_spread[spread]) > 1 else by_spread[spread][0]
+        for spread in sorted(by_spread)[:max_spreads]
+    }
+
+
 def crossings(studies, fabrics):
     """Return the angle at which the curves of the diagonal's forms cross: direction, angle, std_error [rad], forms.
 

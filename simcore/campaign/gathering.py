@@ -35,6 +35,7 @@ COLUMNS = {
     "deposits": (["study", "packing"], []),
     "accuracy": (["accuracy", "case", "seed"], []),
     "difference_long_stones": (["source", "case", "faces", "seed"], []),
+    "difference_long_sources": (["source", "case", "faces", "seed"], []),
     "size_and_form": (["case", "grain", "representation", "width_m", "mass_kg", "seed"], []),
     "form_by_size": (["study", "case", "seed"], []),
     "base_time": (["case", "grain", "representation", "mass_kg", "seed"], []),

@@ -42,3 +42,13 @@ def equancy_statistics(mu_FL, sigma_FL, mu_EL, sigma_EL):
     variance = (mu_EL**2 + sigma_EL**2) * (mu_FL**2 + sigma_FL**2) - mu_EQ**2
     # If nothing varies, the difference is rounding and may be below 0.
     return mu_EQ, np.sqrt(np.maximum(variance, 0.0))
+
+
+def flatness_statistics(mu_EQ, sigma_EQ, mu_EL, sigma_EL):
+    """Return mean and standard deviation of FL = EQ/EL from those of EQ and EL; the inverse of equancy_statistics.
+
+    FL and EL are assumed to be independent, as they are in packings with a distribution of form.
+    """
+    mu_FL = mu_EQ / mu_EL
+    square = (mu_EQ**2 + sigma_EQ**2) / (mu_EL**2 + sigma_EL**2)
+    return mu_FL, np.sqrt(np.maximum(square - mu_FL**2, 0.0))

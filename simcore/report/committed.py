@@ -13,6 +13,7 @@ from simcore.campaign.study_tables import summarise
 from simcore.campaign.trend_tables import summarise_trends
 from simcore.grains.form import features as form_features
 from simcore.grains.sieve import read_cases
+from simcore.grains.statistics import flatness_statistics
 from simcore.models.mixtures import MIXTURE, application_table, mixture_models
 from simcore.models.regression import FOLDS, fewest_samples
 from simcore.models.shape_kinds import pair_shape_kinds, shape_kind_table
@@ -219,8 +220,11 @@ def _mixtures(packings, seed, folds):
         means["model_n"] = predictions["predicted"]
         means["model_difference"] = means["model_n"] - means["r22_n"]
         figures["form_mixture_prediction"] = prediction_figure(predictions, list(models.values()))
-    specified = means.drop(columns=list(SPECIFIED_FORM.values()), errors="ignore").rename(columns=SPECIFIED_FORM)
-    figures["form_mixture_sets"] = form_sets_figure(specified)
+    # The rows have statistics of EQ and EL; FL and EL of the grains were drawn independently.
+    of_grains = _statistics(means)
+    mu_FL, sigma_FL = flatness_statistics(*(of_grains[name] for name in STATISTICS))
+    realised = of_grains.assign(mu_FL=mu_FL, sigma_FL=sigma_FL, case=means["case"], n=means["n"])
+    figures["form_mixture_sets"] = form_sets_figure(realised, read_r22_table("table2_form_statistics").iloc[0])
     return Findings(tables, figures, models)
 
 

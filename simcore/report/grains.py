@@ -14,6 +14,7 @@ from simcore.grains.tables import (
 )
 from simcore.reference.r22_tables import read_r22_table
 from simcore.report.figures import grains as figures
+from simcore.report.figures.single_grains import grain_sheet, grain_steps
 from simcore.report.findings import Findings
 
 
@@ -36,6 +37,8 @@ def grain_findings(grains) -> Findings:
         "shapes": shape_comparison(shapes),
     }
     pictures = {
+        "sheet": grain_sheet(grains),
+        "steps": grain_steps(max(grains, key=lambda grain: len(grain.faces))),
         "zingg": figures.zingg_diagram({"this set": forms}, rhine_grains),
         "histograms": figures.form_histograms(forms, rhine_grains),
         "matrix": figures.correlation_matrix(correlations),

@@ -66,7 +66,7 @@ def form_mixture_findings(features, packings, application, seed, folds) -> Findi
     rows = add_reference(packings, "form_mixtures")[["packing", "n_std_error", "r22_n"]]
     predictions = compare_predictions(models, "form_mixture", features.merge(rows, on="packing"))
     figures = {
-        "sets": form_sets_figure(features),
+        "sets": form_sets_figure(features, read_r22_table("table2_form_statistics").iloc[0]),
         "prediction": prediction_figure(predictions, list(models.values())),
     }
     return Findings(tables, figures, models)

@@ -3,6 +3,8 @@
 Computes the spacing of the lattice of insertion, too, as it depends on the largest size.
 """
 
+import functools
+
 import numpy as np
 
 from simcore.grains.beta_sizes import BetaSizes
@@ -16,6 +18,7 @@ MAX_GRAINS = 10_000_000  # the maximum of amount.grains in the schema; here it l
 UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
 
 
+@functools.cache  # each packing of a campaign needs them
 def all_cases():
     """Return the cases of Rettinger et al. (2022), then those of the study of sizes and form, dict of name to Case."""
     return read_cases(CONFIG / "cases.tsv") | read_cases(CONFIG / "curves.tsv", "mean_volume")

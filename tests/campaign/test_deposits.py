@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.campaign.deposit_findings import crossings, diagonal_fabrics, maxima, maximum, symmetry
+from simcore.campaign.deposit_findings import crossings, diagonal_fabrics, maxima, maximum, spread_fabrics, symmetry
 from simcore.campaign.deposits import (
     RESULTS,
     add_family,
@@ -137,14 +137,14 @@ def test_the_family_is_read_from_the_name_of_the_study():
         family("deposit_moon")
 
 
-def deposit_of_lattice(seed):
-    """deposit() of a lattice of touching spheres, packed as if eta = zeta = 1.3."""
+def deposit_of_lattice(seed, ratio=1.3, spread=0.0):
+    """deposit() of a lattice of touching spheres, packed as if eta = zeta = ratio."""
     centres, width = sphere_lattice("sc", 4, 9)
     pairs, images = touching_pairs(centres, width)
     scene = {
         "seed": seed,
-        "shapes": {"eta": 1.3, "zeta": 1.3},
-        "sizes": {"beta": {"radius": 0.5, "spread": 0.0}},
+        "shapes": {"eta": ratio, "zeta": ratio},
+        "sizes": {"beta": {"radius": 0.5, "spread": spread}},
         "material": {"law": "hertz"},
         "shaking": {"duration": 0.0},
     }
@@ -178,6 +178,16 @@ def test_fabrics_of_the_diagonal_are_means_over_seeds():
     fabrics = diagonal_fabrics(studies, deposits)
     assert list(fabrics) == ["η = ζ = 1.3"] and fabrics["η = ζ = 1.3"].attrs["packings"] == 2
     assert crossings(studies, deposits).angle.isna().all()
+
+
+def test_fabrics_over_the_spread_of_sizes_are_of_the_form_with_most_spreads():
+    of = [(1.0, 0.0), (1.0, 0.5), (2.2, 0.2), (1.6, 0.5), (1.6, 0.0), (1.6, 0.0)]
+    deposits = [deposit_of_lattice(seed, *settings) for seed, settings in enumerate(of)]
+    fabrics = spread_fabrics(["deposit_sizes"] * 6, deposits)
+    assert list(fabrics) == ["S = 0", "S = 0.5"] and fabrics["S = 0"].attrs["packings"] == 2
+    assert fabrics["S = 0.5"] is deposits[3]
+    assert list(spread_fabrics(["deposit_sizes"] * 2, deposits[:2])) == ["S = 0", "S = 0.5"]
+    assert spread_fabrics(["deposit_map"], deposits[:1]) == {}
 
 
 def test_deposits_are_tabulated_study_by_study():

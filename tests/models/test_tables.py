@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from simcore.grains.statistics import equancy_statistics, mixture_features
+from simcore.grains.statistics import equancy_statistics, flatness_statistics, mixture_features
 from simcore.models.files import models_dataset, read_models, table_dataset
 from simcore.models.mixtures import application_table, mixture_models
 from simcore.models.shape_kinds import shape_kind_table
@@ -152,6 +152,11 @@ def test_equancy_of_independent_flatness_and_elongation():
     mean, std = equancy_statistics(0.65, 0.17, 0.68, 0.14)
     assert product.mean() == pytest.approx(mean, abs=4 * std / np.sqrt(n))
     assert product.std() == pytest.approx(std, rel=4 * 0.8 / np.sqrt(n))
+
+
+def test_statistics_of_flatness_follow_from_those_of_equancy():
+    equancy = equancy_statistics(0.65, 0.17, 0.68, 0.14)
+    assert flatness_statistics(*equancy, 0.68, 0.14) == pytest.approx((0.65, 0.17), abs=1e-12)
 
 
 def test_mesh_and_ellipsoid_differ_by_their_rms():

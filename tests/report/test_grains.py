@@ -23,4 +23,7 @@ def test_grains_have_tables_with_their_row_names_and_figures(tmp_path):
     expected = factor_correlations(form_table(grains))
     assert list(table.index) == list(table) == list(expected)
     assert table.to_numpy() == pytest.approx(expected.to_numpy())
-    assert set(found.figures) == {"zingg", "histograms", "matrix", "scans", "changes"} and not found.models
+    assert (
+        set(found.figures) == {"sheet", "steps", "zingg", "histograms", "matrix", "scans", "changes"}
+        and not found.models
+    )

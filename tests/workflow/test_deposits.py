@@ -37,6 +37,10 @@ studies:
     in_all: false
     fixes: *deposit
     varies: {shapes.zeta: [1.0, 1.2], seed: [3]}
+  deposit_sizes:
+    in_all: false
+    fixes: *deposit
+    varies: {sizes.beta.spread: [0.2], seed: [4]}
 """
 
 
@@ -83,10 +87,13 @@ def test_a_tiny_campaign_gives_tables_and_figures(deposited):
     results = deposited.folder / "results" / "tiny"
     table = pd.read_csv(results / "deposits" / "packings.csv")
     assert undescribed_columns(results) == {}
-    assert table.family.tolist() == ["diagonal"] * 2 + ["map"] * 2
+    assert table.family.tolist() == ["diagonal"] * 2 + ["map"] * 2 + ["sizes"]
     assert table.solid_fraction.between(0.4, 0.75).all() and (table.steps > 100).all()
-    assert pd.read_csv(results / "deposits" / "means.csv").packings.sum() == 4
-    for name in ("map", "forms", "directions", "histograms", "sizes", "bridge"):
+    assert pd.read_csv(results / "deposits" / "means.csv").packings.sum() == 5
+    for name in (
+        *("map", "forms", "directions", "histograms", "sizes", "bridge"),
+        *("size_distributions", "histograms_over_sizes", "picture"),
+    ):
         for suffix in ("png", "pdf"):
             assert (results / "figures" / "deposits" / f"{name}.{suffix}").stat().st_size > 1000
     with xr.open_dataset(results / "fabric" / "deposit_map" / "zeta_1.0-seed_3.nc") as fabric:
@@ -107,9 +114,10 @@ def test_half_of_it_is_gathered(deposited):
     assert "deposit_map: 1 of 2 packings" in said and "deposit_diagonal: 2 of 2 packings" in said
     kept = deposited.folder / "kept"
     first = pd.read_csv(kept / "deposits.csv")
-    assert len(first) == 3 and {"P2_contact_normal", "azimuth_p4_long_axis", "cpu_s"} <= set(first)
+    assert len(first) == 4 and {"P2_contact_normal", "azimuth_p4_long_axis", "cpu_s"} <= set(first)
+    assert list(pd.read_csv(kept / "deposit_crossings.csv").direction) == ["contact_normal", "long_axis"]
     status, said = deposited.run("--configfile", "tiny.yaml", "--", "collect_deposits")
     assert status == 0, said
-    assert len(pd.read_csv(kept / "deposits.csv")) == 4
+    assert len(pd.read_csv(kept / "deposits.csv")) == 5
     behind = pd.read_csv(kept / "collected.csv").set_index("study")
     assert behind.loc["deposit_map", "planned"] == 2 and behind.loc["deposit_map", "cpu_h_left_estimated"] == 0

@@ -3,10 +3,15 @@
 deposit_studies = plan.studies_named("deposit_")
 deposit_packings = plan.of(*deposit_studies)
 deposit_tables = ["packings", "means", "maxima", "symmetry", "crossings", "changes"]
-deposit_figures = ["map", "forms", "directions", "histograms", "sizes", "bridge"]
 # Tables and figures that need only the rows.
 row_tables = ["means", "maxima", "symmetry", "changes"]
-row_figures = [name for name in deposit_figures if name != "histograms"]
+row_figures = ["map", "forms", "directions", "sizes", "bridge", "size_distributions"]
+deposit_figures = [*row_figures, "histograms", "picture"]
+if plan.studies_named("deposit_sizes"):
+    deposit_figures += ["histograms_over_sizes"]
+# The packing of the picture: the middle one of the diagonal, or of all if there is no diagonal.
+pictured = plan.of(*(plan.studies_named("deposit_diagonal") or deposit_studies))
+pictured = pictured.iloc[len(pictured) // 2 : len(pictured) // 2 + 1]
 
 
 rule deposits:
@@ -62,6 +67,12 @@ rule deposit_figures:
         packings="<results>/deposits/packings.csv",
         crossings="<results>/deposits/crossings.csv",
         maxima="<results>/deposits/maxima.csv",
+        pictured=collect(
+            "<results>/packings/{study}/{packing}.nc",
+            zip,
+            study=pictured.study,
+            packing=pictured.packing,
+        ),
         fabrics=collect(
             "<results>/fabric/{study}/{packing}.nc",
             zip,

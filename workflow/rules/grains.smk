@@ -52,6 +52,8 @@ rule grain_report:
         decimation="<results>/grains/decimation.csv",
         decimation_summary="<results>/grains/decimation_summary.csv",
         shapes="<results>/grains/shapes_against_scans.csv",
+        sheet=figure("<results>/figures/grains/sheet", "Grains"),
+        steps=figure("<results>/figures/grains/steps", "Grains"),
         zingg=figure("<results>/figures/grains/zingg", "Grains"),
         histograms=figure("<results>/figures/grains/histograms", "Grains"),
         matrix=figure("<results>/figures/grains/factor_correlations", "Grains"),

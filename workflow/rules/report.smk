@@ -157,6 +157,8 @@ rule report:
                 "<results>/figures/grains/{figure}.png",
                 figure=[
                     "zingg",
+                    "sheet",
+                    "steps",
                     "histograms",
                     "shapes_against_scans",
                     "decimation",

@@ -96,6 +96,7 @@ rule packing_precision:
             "<results>/tables/{study}_packings.csv", study=packing_precision_studies
         ),
     output:
+        rows="<results>/work_precision/rows.csv",
         errors="<results>/work_precision/packings.csv",
         settings="<results>/work_precision/cheapest_settings.csv",
         figure="<results>/work_precision/packings.png",

@@ -1,4 +1,4 @@
-"""Write the error in porosity of each setting against its CPU time, and the cheapest settings for a given error."""
+"""Write the packings, the error in porosity of each setting against its CPU time, and the cheapest settings."""
 
 import pandas as pd
 
@@ -8,7 +8,12 @@ from simcore.verification.machine import describe_machine
 from simcore.verification.packings import cheapest_settings, study_errors, work_precision_of_studies
 
 p, output, machine = snakemake.params, snakemake.output, describe_machine()
-errors = study_errors(list(map(pd.read_csv, snakemake.input.tables)), p.rows)
+tables = list(map(pd.read_csv, snakemake.input.tables))
+columns = ["study", "packing", "seed", "grains", "n", "n_std_error", "cpu_s"]
+pd.concat([table.assign(study=study) for study, table in zip(p.studies, tables, strict=True)])[columns].round(
+    {"n": 6, "n_std_error": 6}
+).to_csv(output.rows, index=False)
+errors = study_errors(tables, p.rows)
 errors.assign(machine=machine).to_csv(output.errors, index=False)
 cheapest_settings(errors).assign(machine=machine).to_csv(output.settings, index=False)
 runs = work_precision_of_studies(errors, p.studies, p.titles, p.rows)

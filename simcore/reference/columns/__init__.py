@@ -36,7 +36,7 @@ __all__ = [
 # Groups of columns of each table, by patterns of its path in results/reference or in the results of a campaign; the
 # first pattern that fits is valid, and of equal names the first group. A table without a pattern is one of a study.
 TABLES = {
-    "gathered": (campaign.LEDGERS,),
+    "*gathered": (campaign.LEDGERS,),
     "report/*": (page.PAGE, models.MODELS, COLUMNS),
     "*collected": (campaign.LEDGERS,),
     "deposits": (deposits.DEPOSITS,),
@@ -59,7 +59,6 @@ TABLES = {
     "r22/*": (r22.POROSITIES,),
     "beard_weyl_1973": (models.SORTED_SANDS,),
     "bed_size": (benchmarks.BED_SIZE, COLUMNS),
-    "contact_region": (benchmarks.CONTACT_REGION, COLUMNS),
     "ellipsoid_contact": (benchmarks.ELLIPSOID_CONTACT,),
     "features": (benchmarks.FEATURES,),
     "height": (benchmarks.HEIGHT,),

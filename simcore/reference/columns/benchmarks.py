@@ -130,11 +130,6 @@ ELLIPSOID_CONTACT = (
     Column("largest_size", _OF_UNIT, "largest magnitude"),
     Column("unit", "", "unit of the values"),
 )
-CONTACT_REGION = (
-    Column("choice", "", "contact of polyhedra: reference (patch), or deepest point alone"),
-    Column("coordination", "", "mean number of contacts of a grain"),
-    Column("code_version", "", "version of the code, digest of its sources, and commit"),
-)
 WIDE_COST = (
     Column("settings", "", "study of config/wide.yaml whose settings the packing has"),
     Column("shapes", "", "source of the grains"),

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from simcore.campaign.deposit_findings import LINES
 from simcore.campaign.deposits import curve, means, plain_means
+from simcore.grains.beta_sizes import BetaSizes
 
 LABELS = {
     "solid_fraction": "solid fraction [-]",
@@ -39,6 +40,7 @@ def figures_of_rows(rows, maxima):
         "directions": directions_figure(rows),
         "sizes": sizes_figure(rows),
         "bridge": bridge_figure(rows),
+        "size_distributions": size_distributions_figure(sorted(set(rows["spread"].dropna()) - {0.0})),
     }
 
 
@@ -120,6 +122,36 @@ def sizes_figure(rows):
     for axes in grid[-1]:
         axes.set_xlabel("spread of sizes S [-]")
     return _with_legend(figure, list(grid.flat))
+
+
+def size_distributions_figure(spreads, alpha=3.0, beta=3.0):
+    """Draw the distributions of size of deposits by volume and by number, one line per spread of sizes S.
+
+    spreads: at most three, above 0. Sizes are radii of spheres of the grains' volumes, divided by the middle of their
+    range; alpha, beta: exponents of BetaSizes.
+    """
+    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    panels = figure.subplots(1, 2, sharex=True)
+    for spread, (color, _, line) in zip(spreads, SIZE_STYLES, strict=False):
+        sizes = BetaSizes(1.0, spread, alpha, beta)
+        radius = np.linspace(1.0 - spread, 1.0 + spread, 401)
+        volume = (radius - 1.0 + spread) ** alpha * (1.0 + spread - radius) ** beta
+        means = (sizes.moment(4) / sizes.moment(3), sizes.moment(1))
+        for axes, density, mean in zip(panels, (volume, volume / radius**3), means, strict=True):
+            density = density / np.trapezoid(density, radius)
+            axes.plot(radius, density, color=color, ls=line, lw=1.5, label=f"S = {spread:g}")
+            axes.plot(mean, np.interp(mean, radius, density), "o", color=color, ms=6)
+    for axes, name in zip(panels, ("volume", "number"), strict=True):
+        axes.axvline(1.0, color="0.6", lw=0.8, zorder=0)
+        axes.plot([], [], "o", color="0.4", ms=6, label="mean")
+        axes.set(
+            xlabel="radius / middle of its range [-]",
+            ylabel=f"share of the {name} per relative radius [-]",
+            ylim=(0, None),
+        )
+        axes.set_title(f"by {name} of the grains", fontsize="medium")
+        _grid(axes)
+    return _with_legend(figure, list(panels), columns=4)
 
 
 def bridge_figure(rows):

@@ -1,27 +1,44 @@
 """Figures about grains: Zingg diagram, histograms, correlations of the form factors, shapes against scans."""
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from scipy.stats import norm
 
-from simcore.report.figures.zingg import draw_fields
+from simcore.report.figures.zingg import SHADES, draw_fields
 
 # Markers and greys that can be distinguished in print without colour.
+_OPENINGS = [1, 1.4, 2, 2.8, 4, 5.6, 8, 11.2, 16, 22.4, 31.5, 45, 63, 90, 125, 180, 250, 355, 500, 710]  # [mm]
+MOST_CLASSES = 8
 _STYLES = [("o", "0.15"), ("^", "0.55"), ("s", "white"), ("x", "0.35")]
 
 
 def zingg_diagram(tables, r22=None):
     """Draw EL against FL in Zingg's diagram; tables: dict from label to form_table. Returns Figure.
 
-    r22: a row of table2_form_statistics of Rettinger et al. (2022), whose mean and standard deviation are drawn as a
-    cross.
+    With one table the colour of a grain shows its sieve class, from dark for the finest to light for the coarsest; with
+    several, markers and greys show the table. r22: a row of table2_form_statistics of Rettinger et al. (2022), whose
+    mean and standard deviation are drawn as a cross.
     """
-    figure = Figure(figsize=(4.8, 4.9), layout="constrained")
+    figure = Figure(figsize=(5.6, 4.9) if len(tables) == 1 else (4.8, 4.9), layout="constrained")
     axes = figure.subplots()
     draw_fields(axes)
     for (label, table), (marker, colour) in zip(tables.items(), _STYLES, strict=False):
-        _scatter(axes, table.FL, table.EL, marker, colour, f"{label} (n = {len(table)})")
+        label = f"{label} (n = {len(table)})"
+        if len(tables) > 1:
+            _scatter(axes, table.FL, table.EL, marker, colour, label)
+            continue
+        bounds = sieve_class_bounds(table.D_mm)
+        shades = colormaps[SHADES].resampled(len(bounds) - 1)
+        points = axes.scatter(
+            table.FL, table.EL, c=table.D_mm, cmap=shades, norm=BoundaryNorm(bounds, len(bounds) - 1), s=34, ec="black",
+            lw=0.5, zorder=3, label=label,
+        )  # fmt: skip
+        bar = figure.colorbar(points, ax=axes, shrink=0.8, spacing="uniform")
+        bar.set_ticks(bounds, labels=[f"{bound:g}" for bound in bounds])
+        bar.set_label("sieve size D [mm]")
     if r22 is not None:
         axes.errorbar(
             r22.mu_FL, r22.mu_EL, r22.sigma_EL, r22.sigma_FL, fmt="D", color="#b3541e", mfc="white", ms=6,
@@ -29,6 +46,19 @@ def zingg_diagram(tables, r22=None):
         )  # fmt: skip
     figure.legend(frameon=False, fontsize="small", loc="outside upper center", ncols=2)
     return figure
+
+
+def sieve_class_bounds(sizes):
+    """Return the openings [mm] of the standard sieves that divide sizes (n,) [mm] into classes, ascending, two or more.
+
+    They are from the series R 20/3 of ISO 565, those of Rettinger et al. (2022) among them. If it divides the sizes
+    into more than MOST_CLASSES classes, only every second or third opening is used, and so on.
+    """
+    series = np.multiply.outer(1000.0 ** np.arange(-2, 3), _OPENINGS).ravel()
+    first = np.searchsorted(series, np.min(sizes), side="right") - 1
+    last = max(np.searchsorted(series, np.max(sizes), side="left"), first + 1)
+    step = -(-(last - first) // MOST_CLASSES)
+    return series[np.arange(first, last + step, step)]
 
 
 def form_histograms(table, r22=None):

@@ -5,12 +5,14 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
+from simcore.evaluation.axis_statistics import grain_axes
 from simcore.evaluation.rounding import rounded
 from simcore.report.figures.rendering import project, render
 
 MM = 1e3
-# From dark slate to sand; lightness grows steadily, so that the scale can be read in grey.
 ONE_CLASS = 1.5  # sizes within this ratio are those of one sieve class, and their colours would show nothing
+ONE_FORM = 0.05  # the same for L/S, as a difference
+# From dark slate to sand; lightness grows steadily, so that the scale can be read in grey.
 STONES = LinearSegmentedColormap.from_list("stones", ["#2f4858", "#5f7f86", "#a9a68c", "#e0bf86", "#f7ead0"])
 
 
@@ -45,12 +47,12 @@ def draw_profile(axes, profiles, bulk=None):
 def packing_figure(packing, azimuth=-60.0, elevation=22.0, title="", pixels=900):
     """Draw the packing with a scale bar; elevation 90 is from above.
 
-    The colour shows the sieve size of the grains, or L/S if they are of one sieve class and differ in form.
+    The colour shows the sieve size of the grains; L/S if they are of one sieve class and differ in form; or the angle
+    of their longest axes if they are also of one form.
     """
     figure = Figure(layout="constrained")
     axes = figure.subplots()
-    measure, label = _colours([packing])
-    norm = size_norm(measure(packing))
+    measure, label, norm = _colours([packing])
     draw_packing(axes, packing, norm, azimuth, elevation, pixels, measure)
     width, height = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
     figure.set_size_inches(4.4 * width / max(width, height) + 1.0, 4.4 * height / max(width, height) + 0.4)
@@ -69,8 +71,7 @@ def packings_figure(packings, azimuth=-90.0, elevation=90.0, pixels=600):
     rows = -(-len(packings) // columns)
     figure = Figure(figsize=(1.0 + 3.2 * columns, 3.3 * rows), layout="constrained")
     grid = figure.subplots(rows, columns, squeeze=False)
-    measure, colour_label = _colours(packings.values())
-    norm = size_norm(np.concatenate([measure(packing) for packing in packings.values()]))
+    measure, colour_label, norm = _colours(packings.values())
     for axes in grid.flat:
         axes.set_axis_off()
     for axes, (label, packing) in zip(grid.flat, packings.items(), strict=False):
@@ -99,12 +100,23 @@ def _elongations(packing):
     return packing["L"].values / packing["S"].values
 
 
+def _angles(packing):
+    """Return the angles of the longest axes against the vertical (n,) [degree]; nan for a grain that has none."""
+    directions, grains = grain_axes(packing)["long_axis"]
+    angles = np.full(packing.sizes["grain"], np.nan)
+    angles[grains] = np.degrees(np.arccos(np.clip(np.abs(directions[:, 2]), 0.0, 1.0)))
+    return angles
+
+
 def _colours(packings):
-    """Return what the colours of the grains show, a function of a packing, and its label."""
+    """Return what the colours of the grains show, a function of a packing, its label, and its scale."""
     sizes, ratios = (np.concatenate([of(packing) for packing in packings]) for of in (_sizes, _elongations))
-    if np.ptp(ratios) > 0.05 and sizes.max() <= ONE_CLASS * sizes.min():
-        return _elongations, "longest over shortest axis L/S [-]"
-    return _sizes, "sieve size D [mm]"
+    if sizes.max() <= ONE_CLASS * sizes.min():
+        if np.ptp(ratios) > ONE_FORM:
+            return _elongations, "longest over shortest axis L/S [-]", size_norm(ratios)
+        if np.isfinite(np.concatenate([_angles(packing) for packing in packings])).all():
+            return _angles, "angle of the longest axis\nagainst the vertical [°]", Normalize(0.0, 90.0)
+    return _sizes, "sieve size D [mm]", size_norm(sizes)
 
 
 def draw_packing(axes, packing, norm, azimuth, elevation, pixels, measure=_sizes):

@@ -45,7 +45,7 @@ def project(points, azimuth, elevation):
 
 def _depth_buffer(packing, camera, pixels):
     """Return grain index (-1: none), depth [m] and normal (camera axes) for each pixel, and the picture's extent."""
-    surfaces = _surfaces(packing)
+    surfaces = collect_surfaces(packing)
     farthest = np.maximum.reduceat(np.linalg.norm(surfaces.vertices, axis=1), surfaces.vertex_start)  # of each shape
     reach = (packing["scale"].values.max(axis=1) * farthest[surfaces.shape])[:, None]
     centres = packing["position"].values @ camera[:2].T
@@ -59,8 +59,8 @@ def _depth_buffer(packing, camera, pixels):
     return grain[::-1], depth[::-1], normal[::-1], (low[0], low[0] + columns * pixel, low[1], low[1] + rows * pixel)
 
 
-def _surfaces(packing):
-    """Return the packing's geometry for the kernels of slicing, with a fine mesh instead of the unit sphere."""
+def collect_surfaces(packing):
+    """Return the Geometry of a packing, Dataset of read_packing, with a fine mesh instead of the unit sphere."""
     sphere = trimesh.creation.icosphere(subdivisions=4)
     vertices, faces = [], []
     for s, kind in enumerate(packing["shape_kind"].values.astype(str)):

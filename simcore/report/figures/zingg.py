@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 from scipy.spatial import Delaunay
 
@@ -48,11 +49,12 @@ def porosity_zingg_figure(packings, models=None):
     return figure
 
 
-def form_sets_figure(mixtures):
+def form_sets_figure(mixtures, gravel=None):
     """Draw form mixtures in the Zingg diagram, each as an ellipse of one standard deviation around its mean.
 
-    mixtures: columns mu_FL, sigma_FL, mu_EL, sigma_EL and n, the porosity, which gives the colour; with a column case,
-    one panel per case.
+    mixtures: columns mu_FL, sigma_FL, mu_EL, sigma_EL over the grains of each packing, and n, the porosity, which gives
+    the colour; with a column case, one panel per case. gravel: a row of table2_form_statistics of Rettinger et al.
+    (2022), drawn in black, or None.
     """
     cases = list(mixtures.groupby("case", sort=False)) if "case" in mixtures else [("", mixtures)]
     figure = Figure(figsize=(1.1 + 3.9 * len(cases), 4.2), layout="constrained")
@@ -62,16 +64,26 @@ def form_sets_figure(mixtures):
         draw_fields(axes, 0.1)
         image = axes.scatter(
             rows["mu_FL"], rows["mu_EL"], c=rows["n"], cmap=SHADES, vmin=low, vmax=high, s=30, ec="black", lw=0.5,
-            zorder=3,
+            zorder=3, label="mean of a mixture",
         )  # fmt: skip
         for _, row in rows.iterrows():
-            size = (2 * row["sigma_FL"], 2 * row["sigma_EL"])
-            color = image.cmap(image.norm(row["n"]))
-            axes.add_patch(Ellipse((row["mu_FL"], row["mu_EL"]), *size, fill=False, ec=color, lw=0.9, zorder=2))
+            _draw_set(axes, row, ec=image.cmap(image.norm(row["n"])), lw=0.9, alpha=0.7, zorder=2)
+        if gravel is not None:
+            axes.scatter(gravel["mu_FL"], gravel["mu_EL"], marker="D", s=42, c="black", zorder=4, label="Rhine gravel")
+            _draw_set(axes, gravel, ec="black", lw=1.8, zorder=4)
         if case:
             axes.set_title(f"sieve curve {case}, {len(rows)} mixtures", fontsize="medium")
     figure.colorbar(image, ax=grid, label=POROSITY, shrink=0.85)
+    handles, _ = grid[0].get_legend_handles_labels()
+    handles.append(Line2D([], [], ls="none", marker="o", ms=12, mfc="none", mec="0.3", label="one standard deviation"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize="small")
     return figure
+
+
+def _draw_set(axes, row, **style):
+    """Draw the ellipse of one standard deviation around the mean of a distribution of form."""
+    size = (2 * row["sigma_FL"], 2 * row["sigma_EL"])
+    axes.add_patch(Ellipse((row["mu_FL"], row["mu_EL"]), *size, fill=False, **style))
 
 
 def _draw_model(axes, model, rows):

@@ -6,7 +6,15 @@ import pytest
 
 from simcore.campaign.deposit_findings import maxima
 from simcore.campaign.deposits import RESULTS, add_family
-from simcore.report.figures.deposits import bridge_figure, directions_figure, forms_figure, map_figure, sizes_figure
+from simcore.grains.beta_sizes import BetaSizes
+from simcore.report.figures.deposits import (
+    bridge_figure,
+    directions_figure,
+    forms_figure,
+    map_figure,
+    size_distributions_figure,
+    sizes_figure,
+)
 
 
 def row(study, eta, zeta, seed=1, shaking=0.0, spread=0.0, fraction=None):
@@ -68,3 +76,20 @@ def test_sizes_and_bridge(rows, tmp_path):
     np.testing.assert_allclose(points[3], [[1.0, 0.39], [4.0, 0.39]])
     assert [len(each) for each in points] == [2, 1, 1] * 3
     assert "[-]" in bridge.axes[0].get_xlabel()
+
+
+def test_distributions_of_size_have_the_means_of_what_is_drawn():
+    """The mean radius of 40 000 drawn sizes, and their mean by volume, are where the circles are."""
+    figure = size_distributions_figure([0.2, 0.8])
+    drawn = 0.5 * BetaSizes(1.0, 0.8, 3.0, 3.0).sizes(np.random.default_rng(1).random((40_000, 1)))
+    for axes, weights in zip(figure.axes, (drawn**3, np.ones(len(drawn))), strict=True):
+        lines = {line.get_label(): line for line in axes.lines}
+        radius, density = lines["S = 0.8"].get_data()
+        assert np.trapezoid(density, radius) == pytest.approx(1.0, abs=1e-9)
+        (mark,) = axes.lines[3].get_xdata()
+        mean = np.average(drawn, weights=weights)
+        # Four standard errors of a weighted mean.
+        error = np.sqrt(np.average((drawn - mean) ** 2, weights=weights**2) * (weights**2).sum()) / weights.sum()
+        assert mark == pytest.approx(mean, abs=4 * error)
+        assert "[-]" in axes.get_xlabel() and "[-]" in axes.get_ylabel()
+    assert labels_of(figure) == ["S = 0.2", "S = 0.8", "mean"]

@@ -24,7 +24,8 @@ def check(figure, path, units="[-]"):
     for axes in figure.axes:
         labels = [axes.get_xlabel(), axes.get_ylabel()]
         assert any(labels)
-        assert all(units in label or "[%]" in label or label in ("form factor", "") for label in labels)
+        others = ("form factor", "sieve size D [mm]", "")
+        assert all(units in label or "[%]" in label or label in others for label in labels)
     figure.savefig(path)
     assert path.stat().st_size > 5000
 
@@ -35,6 +36,32 @@ def test_zingg_diagram_holds_every_grain(table, tmp_path):
     np.testing.assert_array_equal(first.get_offsets(), table[["FL", "EL"]])
     assert len(second.get_offsets()) == 5
     check(figure, tmp_path / "f.png")
+
+
+def test_one_set_of_grains_is_coloured_by_sieve_class(table):
+    figure = figures.zingg_diagram({"a": table})
+    (points,) = figure.axes[0].collections
+    np.testing.assert_array_equal(points.get_offsets(), table[["FL", "EL"]])
+    bounds = [2.8, 4, 5.6, 8, 11.2, 16, 22.4, 31.5]
+    np.testing.assert_allclose(points.norm.boundaries, bounds)
+    colours = points.to_rgba(table.D_mm)
+    of_class = np.digitize(table.D_mm, bounds)
+    assert len(np.unique(colours, axis=0)) == len(np.unique(of_class)) == 7
+    assert all(len(np.unique(colours[of_class == k], axis=0)) == 1 for k in range(1, 8))
+    assert figure.axes[1].get_ylabel() == "sieve size D [mm]"
+
+
+@pytest.mark.parametrize(
+    ("sizes", "bounds"),
+    [
+        ([3, 3.1], [2.8, 4]),
+        ([4, 8], [4, 5.6, 8]),
+        ([4, 4], [4, 5.6]),
+        ([0.5, 100], [0.5, 1, 2, 4, 8, 16, 31.5, 63, 125]),
+    ],
+)
+def test_sieve_classes_contain_all_sizes(sizes, bounds):
+    np.testing.assert_allclose(figures.sieve_class_bounds(sizes), bounds)
 
 
 def test_r22_grains_are_shown_with_ours(table, tmp_path):

@@ -59,6 +59,20 @@ def test_packings_are_drawn_with_a_size_scale(bed, domain, tmp_path):
     check(packings_figure({"a": bed, "b": bed, "c": bed}, pixels=100), tmp_path)
 
 
+def test_grains_of_one_size_and_form_are_coloured_by_the_angle_of_their_long_axes(tmp_path):
+    """The longest axis is a grain's own z: upright without rotation, level after a quarter turn about x."""
+    level = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
+    bed = make_packing([[0, 0, 0.01], [0.03, 0, 0.01]], [[3e-3, 4e-3, 6e-3]] * 2, [[1.0, 0, 0, 0], level])
+    figure = packing_figure(bed, pixels=150)
+    check(figure, tmp_path)
+    bar = figure.axes[1]
+    assert "angle of the longest axis" in bar.get_ylabel() and bar.get_ylim() == (0.0, 90.0)
+    image = np.asarray(figure.axes[0].images[0].get_array())
+    upright, level = np.array_split(image, 2, axis=1)  # each grain is in one half of the picture
+    brightness = [half[half[..., 3] > 0.99, :3].mean() for half in (upright, level)]
+    assert brightness[1] > 1.5 * brightness[0]
+
+
 @pytest.fixture
 def study():
     """The study's r, and its models as models.csv has them."""

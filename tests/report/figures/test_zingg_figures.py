@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.colors import to_hex
 
 from simcore.grains.form import features
 from simcore.models.regression import fit
@@ -65,3 +66,14 @@ def test_form_sets_are_ellipses_of_one_standard_deviation(tmp_path):
     ellipses = figure.axes[0].patches
     assert [(e.center, e.width, e.height) for e in ellipses] == [((0.4, 0.5), 0.2, 0.4), ((0.6, 0.7), 0.2, 0.4)]
     assert len(form_sets_figure(mixtures.assign(case=["U1", "U7"])).axes) == 3
+
+
+def test_a_gravel_is_drawn_in_black_among_the_form_sets():
+    mixtures = pd.DataFrame({"mu_FL": [0.4], "sigma_FL": 0.1, "mu_EL": [0.5], "sigma_EL": 0.2, "n": [0.4]})
+    gravel = {"mu_FL": 0.647, "sigma_FL": 0.175, "mu_EL": 0.682, "sigma_EL": 0.139}
+    figure = form_sets_figure(mixtures, gravel)
+    ellipse = figure.axes[0].patches[-1]
+    assert (ellipse.center, ellipse.width, ellipse.height) == ((0.647, 0.682), 0.35, 0.278)
+    assert to_hex(ellipse.get_edgecolor()) == "#000000"
+    np.testing.assert_allclose(figure.axes[0].collections[1].get_offsets(), [[0.647, 0.682]])
+    assert "Rhine gravel" in [text.get_text() for text in figure.legends[0].get_texts()]

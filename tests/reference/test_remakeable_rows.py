@@ -1,0 +1,129 @@
+"""A configuration still lists the packing of every committed row, with the settings that it was packed with."""
+
+import functools
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import yaml
+
+from docs.generate import results
+from simcore.campaign.studies import expand, merge
+from simcore.paths import CONFIG, REFERENCE
+from simcore.scene.identity import result_digest
+from simcore.scene.specification import resolve
+
+# Grains that are not part of the clone: their rows need a folder of this name, which need not contain them.
+ELSEWHERE = {"scans", "rhine"}
+# Rows of U7 with ten steps per contact time, which the findings announce to be packed again with 14.
+SUPERSEDED = {("single_form_wide", f"U7_0.1m_1m_4kg-form{form:02}") for form in (1, 2, 3, 4, 5, 6)}
+ABOVE = REFERENCE / "born_above_bed"
+
+
+@functools.cache
+def packings(overlays, studies, source=None):
+    """The packings of some studies, with the files in the order in which Snakemake lays them over each other."""
+    names = (*overlays, "config.yaml", "work_precision.yaml", *overlays)
+    raw = [yaml.safe_load((CONFIG / name).read_text(encoding="utf-8")) for name in names]
+    grains = {"grains": {"source": str(source), "unit": "mm"}} if source else {}
+    config = resolve(merge(*raw, grains), "config")
+    config["studies"] = {name: config["studies"].get(name) for name in studies}
+    return expand(config)
+
+
+def digests(*arguments):
+    """The digests of their settings, dict by study and packing."""
+    return {(row.study, row.packing): result_digest(row.specification) for row in packings(*arguments).itertuples()}
+
+
+def compare(rows, overlays, source=None):
+    """Return the rows of a ledger that a configuration lists with other settings, or does not list."""
+    listed = digests(overlays, tuple(sorted(set(rows.study))), source)
+    return [
+        (row.study, row.packing) for row in rows.itertuples() if listed.get((row.study, row.packing)) != row.settings
+    ]
+
+
+def gathered():
+    """The rows of gathered.csv by the overlays of their command and their source of grains."""
+    commands = pd.read_csv(REFERENCE / "collected.csv").dropna(subset="command")[["study", "source", "command"]]
+    ledger = pd.read_csv(REFERENCE / "gathered.csv", dtype={"settings": str}).merge(commands, on=["study", "source"])
+    groups = []
+    for (command, source), rows in ledger.groupby(["command", "source"]):
+        files = command.split("; ")[0].removeprefix("snakemake --configfile ").split()
+        groups.append(pytest.param(rows, tuple(Path(file).name for file in files), source, id=f"{files[-1]}-{source}"))
+    return groups
+
+
+def test_every_table_that_is_not_published_has_a_command():
+    of_campaigns = results.commands()
+    for path in results.committed_tables():
+        if not path.startswith("r22/"):
+            assert results.sentences()[path].get("command") or of_campaigns.get(path), path
+
+
+def test_every_row_of_the_ledger_has_a_command():
+    ledger, summary = (pd.read_csv(REFERENCE / f"{name}.csv") for name in ("gathered", "collected"))
+    assert len(ledger) > 800
+    ledger = ledger[[(row.study, row.packing) not in SUPERSEDED for row in ledger.itertuples()]]
+    counted = ledger.groupby(["study", "source"]).size()
+    summary = summary.dropna(subset="command").set_index(["study", "source"])
+    assert summary.packings[counted.index].to_dict() == counted.to_dict()
+
+
+@pytest.mark.parametrize(("rows", "overlays", "source"), gathered())
+def test_a_configuration_lists_each_gathered_row_with_its_settings(rows, overlays, source, tmp_path):
+    folder = tmp_path / source
+    folder.mkdir()
+    assert set(compare(rows, overlays, folder if source in ELSEWHERE else None)) <= SUPERSEDED
+
+
+def test_beds_inserted_above_the_bed_are_those_of_their_configuration(tmp_path):
+    ledger = pd.read_csv(ABOVE / "gathered.csv", dtype={"settings": str})
+    own = ledger[ledger.source == "synthetic"]
+    overlays = ("inserted_above_bed.yaml",)
+    assert compare(own, overlays) == []
+    listed = packings(overlays, tuple(sorted(set(own.study))))
+    assert listed.groupby("study").size().to_dict() == own.groupby("study").size().to_dict()
+    (tmp_path / "scans").mkdir()
+    assert compare(ledger[ledger.source == "scans"], overlays, tmp_path / "scans") == []
+    tables = {"single_form": 134, "form_mixture": 52, "application": 8, "near_spheres": 22, "validation": 5}
+    assert {name: len(pd.read_csv(ABOVE / f"{name}.csv")) for name in tables} == tables
+    assert len(ledger) == sum(tables.values())
+    named = {
+        path: entry["command"] for path, entry in results.sentences().items() if path.startswith("born_above_bed/")
+    }
+    assert len(named) == 6 and all("config/inserted_above_bed.yaml" in command for command in named.values())
+
+
+def test_the_rows_of_accuracy_are_settings_of_its_studies():
+    listed = packings((), ("accuracy", "accuracy_changed"))
+    varied = pd.DataFrame([row["varied"] for row in listed.row]).assign(study=listed.study)
+    rows = pd.read_csv(REFERENCE / "accuracy.csv")
+    presets = varied[varied.study == "accuracy"]
+    assert set(zip(rows.accuracy, rows.seed, strict=True)) == set(zip(presets.accuracy, presets.seed, strict=True))
+    keys = ["accuracy", "contact_time_s", "polyhedron_contact", "max_unbalanced_force", "faces", "seed"]
+    rows = pd.read_csv(REFERENCE / "accuracy_changed.csv")
+    merged = rows.merge(varied[varied.study == "accuracy_changed"], on=keys)
+    assert len(merged) == len(rows) == 34 and not rows[keys].duplicated().any()
+
+
+def test_the_rows_behind_the_effects_of_settings_are_the_packings_of_their_studies():
+    rows = pd.read_csv(REFERENCE / "work_precision" / "rows.csv")
+    listed = packings((), tuple(sorted(set(rows.study))))
+    assert set(zip(rows.study, rows.packing, strict=True)) == set(zip(listed.study, listed.packing, strict=True))
+    config = yaml.safe_load((CONFIG / "work_precision.yaml").read_text(encoding="utf-8"))
+    assert set(rows.study) == {study for study in config["studies"] if study.startswith("precision_")}
+
+
+def test_beds_of_long_grains_of_other_sources_are_a_study(tmp_path):
+    rows = pd.read_csv(REFERENCE / "difference_long_sources.csv")
+    for source, of_source in rows.groupby("source"):
+        (tmp_path / source).mkdir()
+        listed = packings(("differences.yaml",), ("difference_long_sources",), tmp_path / source)
+        specifications = list(listed.specification)
+        assert [spec["seed"] for spec in specifications] == sorted(of_source.seed)
+        assert {row["varied"]["faces"] for row in listed.row} == set(of_source.faces)
+        assert {spec["sizes"]["case"] for spec in specifications} == set(of_source.case)
+        assert {spec["amount"]["grains"] for spec in specifications} == set(of_source.grains)
+        assert all(source in spec["grains"]["source"] for spec in specifications)
