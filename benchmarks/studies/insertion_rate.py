@@ -4,8 +4,10 @@
 
 It prints the bases of lattice_beds.csv, base_time.csv, base_rate.csv and base_size.csv in results/reference with their
 rates of insertion, and the slopes of the one-class porosity on the logarithms of the three quantities. A second table
-compares beds that were packed on a lattice and as a rain (size_and_form.csv): porosity by both, and their difference
-relative to one class of the same form, which would be 0 if a sieve curve had the same effect in both. Seconds.
+compares beds that were packed on a lattice and as a rain (size_and_form.csv): porosity and rate by both, and the step
+from one class of the same form to the sieve curve. A third one has these steps beside those of measured gravels, a
+fourth how much of the effect of form the beds of a curve have: slope of their porosity against that of one class, over
+the forms that were packed. Seconds.
 """
 
 import numpy as np
@@ -13,11 +15,14 @@ import pandas as pd
 
 from benchmarks.studies.size_and_form_fit import describe_bases, read_rows
 from simcore.models.size_and_form.bases import RATE, process_logs
-from simcore.models.size_and_form.beds import BASE, form_labels
+from simcore.models.size_and_form.beds import ALL_FORMS, BASE, form_labels
 from simcore.paths import CONFIG
+from simcore.reference.r22_tables import read_r22_table
 
 CONFIGURATION = CONFIG / "insertion_rate.yaml"
 LATTICE, OTHER_BASES = "lattice_beds", ("base_time", "base_rate", "base_size")
+FEWEST_FORMS = 3
+KEY = ["case", "form", "seed"]  # identifies a bed
 
 
 def bases():
@@ -35,25 +40,58 @@ def bases_table():
 
 
 def paired_beds():
-    """Return one row per bed that was packed by both processes: case, form, n, n_error and rate of each, difference.
+    """Return one row per bed that was packed by both processes: KEY and, of each, n, n_error, rate and step.
 
-    difference: n of the rain less that of the lattice, less the same for one class of the form. Rates in kg/(m² s).
+    rate: of insertion, in kg/(m² s). step: n less that of one class of the form by the same process.
     """
     tables = {}
     for name, rows in (("lattice", read_rows(LATTICE, CONFIGURATION)), ("rain", read_rows())):
         rows = rows.assign(form=form_labels(rows), rate=np.exp(process_logs(rows)[RATE]))
-        tables[name] = rows.set_index(["case", "form", "seed"])[["n", "n_error", "rate"]]
-    pairs = tables["lattice"].join(tables["rain"], lsuffix="_lattice", rsuffix="_rain", how="inner").reset_index()
-    change = pairs["n_rain"] - pairs["n_lattice"]
-    of_bases = dict(zip(pairs["form"][pairs["case"] == BASE], change[pairs["case"] == BASE], strict=True))
-    return pairs.assign(difference=change - pairs["form"].map(of_bases))
+        tables[name] = rows[[*KEY, "n", "n_error", "rate"]]
+    pairs = tables["lattice"].merge(tables["rain"], on=KEY, suffixes=("_lattice", "_rain"))
+    bases = pairs[pairs["case"] == BASE].set_index("form")
+    steps = {name: pairs[f"n_{name}"] - pairs["form"].map(bases[f"n_{name}"]) for name in tables}
+    return pairs.assign(**{f"step_{name}": step for name, step in steps.items()})
+
+
+def measured_steps():
+    """Return one row per measured gravel: case and step from U1, measured and of beds of all forms by each process.
+
+    Measured: by Rettinger et al. (2022), Table 3, in a cylinder. Errors are standard errors of the packed steps.
+    """
+    measured = read_r22_table("table3_cases").set_index("case")["n_exp"]
+    steps = {"measured": measured - measured[BASE]}
+    for name, rows in (("lattice", read_rows(LATTICE, CONFIGURATION)), ("rain", read_rows())):
+        beds = rows[(form_labels(rows) == ALL_FORMS) & (rows["seed"] == 1)].set_index("case")
+        steps[name] = beds["n"] - beds["n"][BASE]
+        steps[f"{name}_error"] = np.hypot(beds["n_error"], beds["n_error"][BASE])
+    return pd.DataFrame(steps).loc[[case for case in measured.index if case != BASE]].rename_axis("case").reset_index()
+
+
+def form_slopes(pairs):
+    """Return one row per sieve curve with three forms or more: case, forms, slope_lattice and slope_rain.
+
+    slope: of the porosity of beds of the curve against that of one class of the same forms, by the same process.
+    """
+    rows = []
+    for case, beds in pairs[pairs["case"] != BASE].groupby("case"):
+        if len(beds) >= FEWEST_FORMS:
+            slopes = {
+                f"slope_{name}": np.polyfit(beds[f"n_{name}"] - beds[f"step_{name}"], beds[f"n_{name}"], 1)[0]
+                for name in ("lattice", "rain")
+            }
+            rows.append({"case": case, "forms": len(beds)} | slopes)
+    return pd.DataFrame(rows, columns=["case", "forms", "slope_lattice", "slope_rain"])
 
 
 def main() -> None:
-    """Print both tables."""
+    """Print the tables."""
     print(bases_table().to_string(index=False, float_format="%.4g"))
     print(describe_bases(bases()))
-    print(paired_beds().to_string(index=False, float_format="%.4f"))
+    pairs = paired_beds()
+    print(pairs.to_string(index=False, float_format="%.4f"))
+    print(measured_steps().to_string(index=False, float_format="%.4f"))
+    print(form_slopes(pairs).to_string(index=False, float_format="%.2f"))
 
 
 if __name__ == "__main__":

@@ -62,6 +62,12 @@ def main() -> None:
     means = rows.groupby(["space", MU_FL, MU_EL, SIGMA_EL])["difference"].mean().unstack()
     print("Porosity minus that by Rettinger et al., by the standard deviation of EL and by FL/EL")
     print(means.to_string(float_format="%+.4f"))
+    if not (REFERENCE / STRETCHED).exists():
+        print(
+            f"{STRETCHED} has no packings yet; pack them with snakemake --cores 1 --configfile config/differences.yaml -- "
+            "difference_long_lattice, and then the target collect"
+        )
+        return
     pairs = stretched()
     columns = [*SETS, "seed", "n", "n_stretched", "change", "change_error", "difference"]
     print(pairs[columns].to_string(index=False, float_format="%.4f"))
