@@ -64,8 +64,8 @@ def main() -> None:
     print(means.to_string(float_format="%+.4f"))
     if not (REFERENCE / STRETCHED).exists():
         print(
-            f"{STRETCHED} has no packings yet; pack them with snakemake --cores 1 --configfile config/differences.yaml -- "
-            "difference_long_lattice, and then the target collect"
+            f"{STRETCHED} has no packings yet; pack them with snakemake --cores 1 --configfile config/differences.yaml "
+            "-- difference_long_lattice, and then the target collect"
         )
         return
     pairs = stretched()
