@@ -41,7 +41,10 @@ COLUMNS = {
     "base_time": (["case", "grain", "representation", "mass_kg", "seed"], []),
     "base_rate": (["case", "grain", "representation", "spacing", "mass_kg", "seed"], []),
     "base_size": (["case", "grain", "representation", "width_m", "mass_kg", "seed"], []),
-    "base_process": (["case", "width_m", "mass_kg", "shaking_s", "batch_solid_fraction", "seed"], []),
+    "base_process": (
+        ["case", "grain", "representation", "width_m", "mass_kg", "shaking_s", "batch_solid_fraction", "seed"],
+        [],
+    ),
     "lattice_beds": (["case", "grain", "representation", "width_m", "mass_kg", "seed"], []),
     "trends": (["source", "study", "packing", "quantity"], []),
 }

@@ -66,7 +66,8 @@ def fit_bases(rows, process=PROCESS) -> Bases:
     """Fit constants and slopes to bases; rows: as for process_logs, with form, n and n_error.
 
     process: those of PROCESS whose slopes are tried. A slope below LEAST_RATIO standard errors is left out, the one
-    with the smallest ratio first; so is a quantity that varies within no form.
+    with the smallest ratio first; so is a quantity that varies within no form, and those that vary least if there are
+    too few bases for all.
     """
     rows = rows.reset_index(drop=True)
     forms = pd.get_dummies(rows["form"], dtype=float)
@@ -75,6 +76,8 @@ def fit_bases(rows, process=PROCESS) -> Bases:
     logs = logs - mean
     within = logs - logs.groupby(rows["form"]).transform("mean") if process else logs
     kept = [name for name in process if within[name].abs().max() > 1e-9]
+    # One degree of freedom must remain; the quantities that vary least cannot be separated from the others.
+    kept = sorted(kept, key=lambda name: -within[name].std())[: max(len(rows) - forms.shape[1] - 1, 0)]
     while kept:
         result = _weighted_fit(rows, pd.concat([forms, logs[kept]], axis=1))
         ratios = (result.params[kept] / result.bse[kept]).abs()

@@ -182,6 +182,14 @@ def test_slopes_within_chance_are_left_out():
     assert fit_bases(rows.assign(form=rows["grain"]), ()).slopes == {}
 
 
+def test_few_bases_give_slopes_of_what_varies_most():
+    """Three bases of one form leave one slope: that on the size, which varies most."""
+    rows = made_bases()
+    rows = rows[(rows["grain"] == "") & (rows["after_s"] == 1.0) & (rows["time_s"] == 1.5)]
+    rows = pd.concat([rows, rows.iloc[:1].assign(grain="G02")])
+    assert len(rows) == 4 and set(fit_bases(rows.assign(form=rows["grain"])).slopes) <= {"size"}
+
+
 def test_one_class_porosity_is_that_for_the_process_of_the_bed(unified):
     bases = made_bases()
     first = bases["case"] == BASE
