@@ -5,8 +5,8 @@
 
 It reads results/reference/size_and_form.csv and base_process.csv, bases with another process, and follows
 docs/appendices/size_and_form_plan.md: beds that are flagged are left out and named, all candidates are fitted, and
-every bed is predicted by fits without its family of curves and without its form. Beds of spheres are fitted separately,
-as a check that is printed only. The tables:
+every bed is predicted by fits without its family of curves and without its form. Checks that are printed only: errors
+of the fits on the flagged beds and on beds of known porosity, and fits to beds of spheres. The tables:
 
     size_and_form_candidates.csv   one row per model: its errors, and which one is chosen
     size_and_form_parameters.csv   one row per fitted parameter
@@ -24,8 +24,11 @@ import yaml
 from simcore.models.fitting import fit_reference_models
 from simcore.models.size_and_form.bases import PROCESS, fit_bases
 from simcore.models.size_and_form.beds import BASE, flags, form_labels, read_beds
+from simcore.models.size_and_form.candidates import predict
 from simcore.models.size_and_form.comparison import compare, parameter_rows
-from simcore.models.size_and_form.fit import fit_candidate
+from simcore.models.size_and_form.fit import fit_candidate, predict_beds
+from simcore.models.size_and_form.known_beds import known_beds
+from simcore.models.size_and_form.stretch import REFERENCE_EL, REFERENCE_EQ
 from simcore.packing.insertion.random_placement import fall_time
 from simcore.paths import CONFIG, REFERENCE
 from simcore.scene.scene import Material
@@ -69,11 +72,11 @@ def read_other_bases():
     return read_rows(OTHER_BASES) if (REFERENCE / f"{OTHER_BASES}.csv").exists() else None
 
 
-def usable_beds(rows, spheres=False):
-    """Return the Beds of real forms, or of spheres, of the rows; ValueError as by read_beds."""
+def usable_beds(rows, spheres=False, flagged=False):
+    """Return the Beds of real forms, or of spheres, of the rows, or those that are flagged; ValueError by read_beds."""
     families = {name: case.family for name, case in all_cases().items()}
     unified = fit_reference_models().models["unified", "U1"]
-    return read_beds(rows, unified, families, read_other_bases(), spheres=spheres)
+    return read_beds(rows, unified, families, read_other_bases(), spheres=spheres, flagged=flagged)
 
 
 def left_out(rows) -> list[str]:
@@ -112,8 +115,48 @@ def compare_all(rows):
     comparison = compare(beds)
     print(comparison.table.to_string(index=False, float_format="%.4f"))
     print(f"{len(beds.n)} beds; scatter between beds {comparison.scatter:.4f}; chosen: {comparison.chosen}")
+    print("\nErrors of the fits on the flagged beds, which they do not contain")
+    print(flagged_errors(rows, comparison.fits).to_string(index=False, float_format="%.4f"))
+    print("\nRoot mean square errors of the fits on beds of known porosity, from their own one-class porosity")
+    print(known_errors(comparison.fits).to_string(float_format="%.4f"))
     parts = (comparison.table, parameter_rows(comparison.fits), beds_table(beds, comparison))
     return dict(zip(TABLES, parts, strict=True))
+
+
+def flagged_errors(rows, fits) -> pd.DataFrame:
+    """Return one row per flagged bed: bed, n, n_error, and predicted minus packed porosity by each of the Fits."""
+    beds = usable_beds(rows, flagged=True)
+    errors = {name: predict_beds(name, beds, fit.parameters) - beds.n for name, fit in fits.items()}
+    return pd.DataFrame({"bed": beds.names, "n": beds.n, "n_error": beds.error} | errors)
+
+
+def known_errors(fits) -> pd.DataFrame:
+    """Return the root mean square error of each of the Fits on beds of known porosity: rows are sets, columns Fits.
+
+    The sets are those of simcore.models.size_and_form.known_beds, with the mean form of the Rhine; no bed is fitted.
+    """
+    beds, forms = known_beds(), (REFERENCE_EQ, REFERENCE_EL)
+    curves = [all_cases()[case].curve for case in beds["case"]]
+    errors = {
+        name: [
+            predict(name, curve, one_class, fit.parameters, forms, "mass") - n
+            for curve, one_class, n in zip(curves, beds["n_one_class"], beds["n"], strict=True)
+        ]
+        for name, fit in fits.items()
+    }
+    return np.square(pd.DataFrame(errors)).groupby(beds["set"], sort=False).mean() ** 0.5
+
+
+def describe_halves(rows) -> str:
+    """Return one line on the shares of coarse grains in the halves of the beds, in standard errors of their difference.
+
+    By chance the mean is 0 and the root mean square 1.
+    """
+    errors = np.hypot(rows["coarse_upper_error"], rows["coarse_lower_error"])
+    z = (rows["coarse_upper"] - rows["coarse_lower"]) / errors
+    return (
+        f"coarse grains, upper less lower half: mean {z.mean():+.2f} standard errors, rms {np.sqrt((z**2).mean()):.2f}"
+    )
 
 
 def describe_spheres(rows) -> list[str]:
@@ -138,7 +181,7 @@ def main(arguments=None) -> None:
     parser.add_argument("--write", action="store_true", help="write the tables to results/reference/models")
     options = parser.parse_args(arguments)
     rows = read_rows()
-    print(*left_out(rows), sep="\n")
+    print(*left_out(rows), describe_halves(rows), sep="\n")
     tables = compare_all(rows)
     print("", *describe_spheres(rows), sep="\n")
     if options.write:

@@ -69,8 +69,8 @@ def form_labels(table) -> pd.Series:
     return grain.mask(grain == "", ALL_FORMS).mask(table["representation"] == SPHERE, SPHERE)
 
 
-def read_beds(table, unified, families, others=None, process=PROCESS, spheres=False) -> Beds:
-    """Return the wide beds of real forms, or of spheres, that are not flagged.
+def read_beds(table, unified, families, others=None, process=PROCESS, spheres=False, flagged=False) -> Beds:
+    """Return the wide beds of real forms, or of spheres, that are not flagged, or those that are.
 
     table: DataFrame of size_and_form.csv, with after_s and fall_s as in bases.process_logs. unified: PorosityModel of
     beds of one class, with the features of simcore.models.unified; it gives how n1 of beds of all forms changes with
@@ -84,7 +84,7 @@ def read_beds(table, unified, families, others=None, process=PROCESS, spheres=Fa
         raise ValueError(f"size_and_form.csv has no bed of {BASE} yet, which gives the one-class porosity; pack it")
     all_bases = bases if others is None else pd.concat([bases, others.assign(form=form_labels(others))])
     fitted = fit_bases(all_bases, process if others is not None else ())
-    wide = table[(table["case"] != BASE) & ((table["form"] == SPHERE) == spheres) & (table["flag"] == "")]
+    wide = table[(table["case"] != BASE) & ((table["form"] == SPHERE) == spheres) & ((table["flag"] != "") == flagged)]
     wide = wide.reset_index(drop=True)
     missing = sorted(set(wide["form"]) - set(bases["form"]))
     if missing:
