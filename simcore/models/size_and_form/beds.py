@@ -65,7 +65,7 @@ def _beyond(table, first, second):
 
 def form_labels(table) -> pd.Series:
     """Return the form of each bed: SPHERE, the name of the single form, or ALL_FORMS."""
-    grain = table["grain"].fillna("").astype(str)
+    grain = table["grain"].astype(object).fillna("").astype(str)
     return grain.mask(grain == "", ALL_FORMS).mask(table["representation"] == SPHERE, SPHERE)
 
 
