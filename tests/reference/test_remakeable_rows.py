@@ -55,10 +55,13 @@ def gathered():
     return groups
 
 
+PUBLISHED = {"beard_weyl_1973.csv"}  # read in publications of others than Rettinger et al., with the source of each row
+
+
 def test_every_table_that_is_not_published_has_a_command():
     of_campaigns = results.commands()
     for path in results.committed_tables():
-        if not path.startswith("r22/"):
+        if not path.startswith("r22/") and path not in PUBLISHED:
             assert results.sentences()[path].get("command") or of_campaigns.get(path), path
 
 
