@@ -104,7 +104,10 @@ def describe_bases(bases) -> str:
     """Return one line with the effect of the process on the one-class porosity; bases: rows as of read_rows."""
     fitted = fit_bases(bases.assign(form=form_labels(bases)), PROCESS)
     slopes = [f"{name} {slope:+.4f} ± {fitted.std_errors[name]:.4f}" for name, slope in fitted.slopes.items()]
-    return f"{len(bases)} bases, change of porosity per factor e: {', '.join(slopes) or 'none'}"
+    forms = form_labels(bases)
+    residuals = bases["n"] - forms.map(fitted.constants) - fitted.effect(bases)
+    rms = np.sqrt(np.mean(residuals**2))
+    return f"{len(bases)} bases, change of porosity per factor e: {', '.join(slopes) or 'none'}; rms residual {rms:.4f}"
 
 
 def compare_all(rows):

@@ -7,7 +7,7 @@ import yaml
 from simcore.paths import CONFIG, REFERENCE
 
 RATIO = 1.6  # of neighbouring axes, near the densest form of Baram and Lind
-# Number of grains in a box of 40 mm for each spread of sizes S; it is four long axes wide, as in the study.
+# Number of grains in a box of 40 mm for each spread of sizes S; it is four long axes wide, as in deposit_sizes.
 GRAINS = {0.0: 600, 0.5: 750}
 
 
