@@ -217,6 +217,13 @@ def test_beds_of_all_forms_follow_their_own_base_and_their_realised_forms(unifie
         read_beds(pd.DataFrame(rows[1:]), unified, families)
 
 
+def test_flagged_beds_are_read_by_themselves(unified):
+    rows = [row(BASE, n=0.31), row(), row(coarse_upper=0.6, n=0.29)]
+    kept, out = (read_beds(pd.DataFrame(rows), unified, {"U7": "log_normal"}, flagged=f) for f in (False, True))
+    assert kept.n.tolist() == [0.3] and out.n.tolist() == [0.29]
+    assert len(read_beds(pd.DataFrame(rows[:2]), unified, {"U7": "log_normal"}, flagged=True).n) == 0
+
+
 def test_spheres_follow_the_base_of_spheres(unified):
     sphere = {"representation": "sphere"}
     rows = [row(BASE, n=0.31), row(), row(BASE, n=0.37, **sphere), row(n=0.33, **sphere)]
