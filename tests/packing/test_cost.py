@@ -13,6 +13,7 @@ import yaml
 from simcore.grains.sources import load_grains
 from simcore.packing import cost as packing_cost
 from simcore.packing.explanation import estimate_cost
+from simcore.packing.insertion.batches import Pouring
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
@@ -102,6 +103,22 @@ def test_a_high_bed_gets_its_last_batches_in_layers():
     # 20 sites in each layer of 9.8 mm: from the floor, and from 0.192 m, up to 0.288 m.
     assert sizes[0] == 20 * 30 and sizes[1] == 20 * 10 and (sizes[2:] <= sizes[1]).all()
     assert min(waits[:-1]) > 0 and waits[-1] == 0
+
+
+def test_a_stretched_lattice_inserts_fewer_grains_in_a_batch_as_planned_and_as_packed():
+    raw = {
+        "domain": {"width": "0.06 m", "height": "0.3 m"},
+        "amount": {"grains": 900},
+        "sizes": {"bounds": ["5 mm", "6 mm"], "mass_fractions": [1.0]},
+        "shapes": {"kind": "sphere"},
+    }
+    planned, packed = [], []
+    for stretch in (1, 2):
+        setup = set_up(resolve({**raw, "generation": {"spacing": "12 mm", "stretch_z": stretch}}), load_grains)
+        pour = packing_cost.Pour(900, lambda n: 1e-7 * n, 6e-3, np.array([3e-3]))
+        planned.append(packing_cost.plan_insertion(setup.scene, pour)[0][0])
+        packed.append(len(Pouring(setup.scene, setup.bases, setup.draw).batch(0, 0.0, None).places))
+    assert planned[1] == pytest.approx(planned[0] / 2, rel=0.1) and packed[1] == pytest.approx(packed[0] / 2, rel=0.1)
 
 
 def test_ranks_are_kept_busy():
