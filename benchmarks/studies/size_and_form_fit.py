@@ -142,7 +142,7 @@ def known_errors(fits) -> pd.DataFrame:
     curves = [all_cases()[case].curve for case in beds["case"]]
     errors = {
         name: [
-            predict(name, curve, one_class, fit.parameters, forms, "mass") - n
+            predict(name, curve, one_class, fit.parameters, forms, "mass", one_class) - n
             for curve, one_class, n in zip(curves, beds["n_one_class"], beds["n"], strict=True)
         ]
         for name, fit in fits.items()

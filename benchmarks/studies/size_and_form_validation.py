@@ -40,7 +40,7 @@ from simcore.models.size_and_form.known_beds import (
     published_slopes,
 )
 from simcore.models.size_and_form.sized_model import current_model, unfitted_model
-from simcore.models.size_and_form.stretch import REFERENCE_EL, REFERENCE_EQ
+from simcore.models.size_and_form.stretch import REFERENCE_EL, REFERENCE_EQ, REFERENCE_POROSITY
 from simcore.paths import REFERENCE
 from simcore.report.figures.saving import save_figure
 from simcore.scene.sizes import all_cases
@@ -68,9 +68,10 @@ MARKERS = {False: {"ms": 7, "mec": "white", "mew": 0.4}, True: {"ms": 3, "mew": 
 
 
 def models(names=None):
-    """Return porosity(curve, one_class, forms) -> (s,) by name; one_class (s,), forms: pair of EQ and EL (s,).
+    """Return porosity(curve, one_class, forms, of_rhine) -> (s,) by name.
 
-    names: of the models that are returned; None: all.
+    one_class (s,). forms: pair of EQ and EL (s,). of_rhine: one-class porosity of the Rhine's grains that are placed
+    and shaken like these, a number. names: of the models that are returned; None: all.
     """
     candidates = {name: _candidate(*values) for name, values in UNFITTED.items()}
     literature = {name: _one_by_one(porosity) for name, porosity in LITERATURE.items()}
@@ -79,21 +80,21 @@ def models(names=None):
 
 
 def _many(porosity):
-    def of_beds(curve, one_class, forms):
+    def of_beds(curve, one_class, forms, of_rhine):
         columns = (np.asarray(values, float).reshape(-1, 1) for values in (one_class, *forms))
         n1, *by_form = columns
-        return porosity(curve, n1, tuple(by_form))
+        return porosity(curve, n1, tuple(by_form), of_rhine)
 
     return of_beds
 
 
 def _candidate(name, parameters):
     values = parameters | {"m0": 1.0, "kappa": 0.0}
-    return _many(lambda curve, n1, forms: predict(name, curve, n1, values, forms, law="mass"))
+    return _many(lambda curve, n1, forms, of_rhine: predict(name, curve, n1, values, forms, "mass", of_rhine))
 
 
 def _one_by_one(porosity):
-    return lambda curve, one_class, forms: np.array([porosity(curve, n1) for n1 in one_class])
+    return lambda curve, one_class, forms, of_rhine: np.array([porosity(curve, n1) for n1 in one_class])
 
 
 def known_table():
@@ -106,7 +107,7 @@ def known_table():
     curves = [all_cases()[case].curve for case in beds["case"]]
     rows = list(zip(curves, beds["n_one_class"], beds["n"], strict=True))
     errors = {
-        f"error_{name}": np.array([float(porosity(curve, [n1], forms)[0]) - n for curve, n1, n in rows])
+        f"error_{name}": np.array([float(porosity(curve, [n1], forms, n1)[0]) - n for curve, n1, n in rows])
         for name, porosity in models().items()
     }
     predicted = beds["n"] + errors[f"error_{OURS}"]
@@ -118,11 +119,18 @@ def mixtures_table(names=None):
     """Return `known_mixtures` with the same columns of predictions as `known_table`; names: of models, None: all."""
     beds, curve = known_mixtures(), all_cases()[OF_MIXTURES].curve
     n1, forms = beds["n_one_class"].to_numpy(), (beds["mu_EQ"].to_numpy(), beds["mu_EL"].to_numpy())
-    errors = {f"error_{name}": porosity(curve, n1, forms) - beds["n"] for name, porosity in models(names).items()}
+    of_rhine = _of_rhine_mixture()
+    porosities = {name: porosity(curve, n1, forms, of_rhine) for name, porosity in models(names).items()}
+    errors = {f"error_{name}": n - beds["n"] for name, n in porosities.items()}
     predicted = beds["n"] + errors[f"error_{OURS}"]
-    rhine = pd.DataFrame([rhine_sample()])[["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]]
-    halves = half_width(curve, predicted.to_numpy(), n1, float(published_mixture(BASE, rhine)[0]))
+    halves = half_width(curve, predicted.to_numpy(), n1, of_rhine)
     return beds.assign(predicted=predicted, half_width=halves, **errors).round(4)
+
+
+def _of_rhine_mixture():
+    """Return the porosity of U1 with the Rhine's distribution of form, by the published model."""
+    rhine = pd.DataFrame([rhine_sample()])[["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]]
+    return float(published_mixture(BASE, rhine)[0])
 
 
 def half_width(curve, n, one_class, of_rhine):
@@ -150,13 +158,13 @@ def slopes_table(names=None):
     for case in curves:
         row |= {f"slope_{case}": _slope(n1, forms[f"n_{case}"]), f"slope_{case}_std_error": _rounding(case, forms)}
     rows = [row | {"slope_mixtures": _slope(mixtures["n_one_class"], mixtures["n"])}]
-    of_mixtures = mixtures["mu_EQ"].to_numpy(), mixtures["mu_EL"].to_numpy()
+    of_mixtures, of_rhine = (mixtures["mu_EQ"].to_numpy(), mixtures["mu_EL"].to_numpy()), _of_rhine_mixture()
     for name, porosity in models(names).items():
         row = {"model": name}
         for case, curve in curves.items():
-            row[f"slope_{case}"] = _slope(n1, porosity(curve, n1, of_forms))
+            row[f"slope_{case}"] = _slope(n1, porosity(curve, n1, of_forms, REFERENCE_POROSITY))
             row[f"slope_{case}_std_error"] = _slope_error(curve, n1, of_forms) if name == OURS else np.nan
-        wide = porosity(curves[OF_MIXTURES], mixtures["n_one_class"].to_numpy(), of_mixtures)
+        wide = porosity(curves[OF_MIXTURES], mixtures["n_one_class"].to_numpy(), of_mixtures, of_rhine)
         rows.append(row | {"slope_mixtures": _slope(mixtures["n_one_class"], wide)})
     return pd.DataFrame(rows).round(4)
 
@@ -183,11 +191,11 @@ def _slope_error(curve, n1, forms):
     model, errors = current_model(), parameter_errors(current_model())
     if not errors:
         return np.nan
-    slope = _slope(n1, _many(model.predict)(curve, n1, forms))
+    slope = _slope(n1, _many(model.predict)(curve, n1, forms, REFERENCE_POROSITY))
     changes = []
     for name, error in errors.items():
         changed = model._replace(parameters=model.parameters | {name: model.parameters[name] + 0.1 * error})
-        changes.append(10.0 * (_slope(n1, _many(changed.predict)(curve, n1, forms)) - slope))
+        changes.append(10.0 * (_slope(n1, _many(changed.predict)(curve, n1, forms, REFERENCE_POROSITY)) - slope))
     return float(np.sqrt(np.sum(np.square(changes))))
 
 

@@ -76,10 +76,15 @@ def log_normal(log_deviation, cut=CUT) -> SieveCurve:
 def models(names=None):
     """Return porosity(curve, one_class) by name: the current model, and packing models as they are published.
 
-    names: of the models that are returned; None: all.
+    The current model takes the unknown form of the sands for that of the Rhine's grains. names: of the models that are
+    returned; None: all.
     """
-    all_models = {OURS: current_model().predict} | LITERATURE
+    all_models = {OURS: _of_rhine} | LITERATURE
     return {name: porosity for name, porosity in all_models.items() if names is None or name in names}
+
+
+def _of_rhine(curve, one_class):
+    return current_model().predict(curve, one_class, reference=one_class)
 
 
 def one_class_of(porosity, curve, n) -> float:
@@ -215,9 +220,9 @@ def main(arguments=None) -> None:
 
 def _other_cuts(sands):
     """Return the mean ratios by the current model, one column per cut."""
-    porosity, best = current_model().predict, sands.groupby("grain_size")["log_deviation"].transform("idxmin")
+    best = sands.groupby("grain_size")["log_deviation"].transform("idxmin")
     base = sands["n"].to_numpy()[best]
-    columns = {cut: predicted(porosity, sands, cut) / base for cut in sorted({CUT, *OTHER_CUTS})}
+    columns = {cut: predicted(_of_rhine, sands, cut) / base for cut in sorted({CUT, *OTHER_CUTS})}
     return pd.DataFrame(columns).groupby(sands["sorting"], sort=False).mean()
 
 

@@ -94,7 +94,7 @@ def by_command(folder, entry, fitted):
         return {"error": text}
 
 
-def assert_equal(page, expected, entry, folder):
+def assert_equal(page, expected, entry, folder, fitted):
     """Compare one answer of the page and of the command; returns the number of porosities that were compared."""
     assert page.get("error") == expected.get("error")
     if "error" in expected:
@@ -112,7 +112,7 @@ def assert_equal(page, expected, entry, folder):
     evaluated = table[table.refused == ""]
     if entry["more"] and len(evaluated):
         n1 = evaluated.n_one_class.iloc[0]
-        np.testing.assert_allclose(page["sensitivity"], sensitivity(curve, n1), atol=TOLERANCE)
+        np.testing.assert_allclose(page["sensitivity"], sensitivity(curve, n1, fitted), atol=TOLERANCE)
         others = other_predictors(curve, n1)
         assert [row["model"] for row in page["others"]] == others.model.tolist()
         np.testing.assert_allclose([row["n"] for row in page["others"]], others.n, atol=TOLERANCE)
@@ -126,7 +126,7 @@ def compare(page, entries, fitted, folder):
     for answer, entry in zip(page.evaluate(EVALUATE, entries), entries, strict=True):
         expected = by_command(folder, entry, fitted)
         try:
-            porosities += assert_equal(answer, expected, entry, folder)
+            porosities += assert_equal(answer, expected, entry, folder, fitted)
         except AssertionError as error:
             raise AssertionError(f"{error}\nfor the input {entry}") from None
         errors += "error" in expected
@@ -155,10 +155,11 @@ def test_each_candidate_that_is_ported_gives_the_same_porosity(open_page):
             n1 = float(rng.uniform(0.3, 0.45)) if rng.random() < 0.5 else rng.uniform(0.3, 0.45, k)
             chosen = model._replace(candidate=name, parameters=parameters, law=law)
             models.append(model_data(chosen, LEVELS))
+            of_rhine = float(rng.uniform(0.3, 0.45))
             cases.append([{"bounds": (1e3 * curve.bounds).tolist(), "mass_fractions": curve.mass_fractions.tolist()}])
-            cases[-1].append(n1 if isinstance(n1, float) else n1.tolist())
-            expected.append(float(np.squeeze(predict(name, curve, n1, parameters, law=law))))
-    script = "([cases, models]) => cases.map(([curve, n1], i) => Skeletons.predict(curve, n1, models[i]))"
+            cases[-1] += [n1 if isinstance(n1, float) else n1.tolist(), of_rhine]
+            expected.append(float(np.squeeze(predict(name, curve, n1, parameters, law=law, reference=of_rhine))))
+    script = "([cases, models]) => cases.map(([curve, n1, n], i) => Skeletons.predict(curve, n1, n, models[i]))"
     np.testing.assert_allclose(open_page().evaluate(script, [cases, models]), expected, rtol=0, atol=TOLERANCE)
 
 

@@ -12,7 +12,7 @@ from simcore.grains.sieve import SieveCurve
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import LITERATURE
-from simcore.models.prediction import ONE_CLASS, predict_all_preferred
+from simcore.models.prediction import ONE_CLASS, predict_all_preferred, predict_preferred
 from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
 from simcore.models.size_and_form.sized_model import SizedModel, current_model
@@ -70,7 +70,7 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
     n, half = np.full((2, len(samples)), np.nan)
     if usable.any():
         one_class = np.append(np.clip(n1[usable], LEAST, LARGEST).ravel(), of_rhine["n"])
-        *ends, rhine_bed = model.predict(curve, one_class[:, None])
+        *ends, rhine_bed = model.predict(curve, one_class[:, None], reference=of_rhine["n"])
         ends = np.reshape(ends, (-1, 3)).T
         n[usable] = ends[0]
         half[usable] = interval(curve, ends, n1[usable, 0], of_rhine["n"], model, level, rhine_bed)
@@ -86,6 +86,11 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
         table.append(bed_row(form, n1[i], n[i], half[i], row["outside"], refused, curve, model))
     table = pd.DataFrame(table, columns=COLUMNS)
     return table if correction is None else table.assign(n_not_shaken=np.nan)
+
+
+def rhine_one_class(fitted, level=0.95) -> float:
+    """Return the one-class porosity of the Rhine's grains by FittedModels, with which the stretch by form compares."""
+    return predict_preferred(rhine_sample(), ONE_CLASS, one_class_models(fitted), level)["n"]
 
 
 def one_class_models(fitted):
@@ -112,7 +117,8 @@ def error_parts(curve, n, one_class, of_rhine, model, rhine_bed=None):
     The first is a standard error, which grows beyond the widest curve of known error, the second the largest one. Other
     arguments: as for `interval`.
     """
-    decrease = 1.0 - (model.predict(curve, of_rhine) if rhine_bed is None else rhine_bed) / of_rhine
+    rhine_bed = model.predict(curve, of_rhine, reference=of_rhine) if rhine_bed is None else rhine_bed
+    decrease = 1.0 - rhine_bed / of_rhine
     return model.error * wider(curve, model) * (one_class - n), model.form_error * decrease * (one_class - of_rhine)
 
 
@@ -152,19 +158,20 @@ def loosest(folder=REFERENCE) -> float:
     return float(differences.max())
 
 
-def sensitivity(curve, one_class, model: SizedModel | None = None) -> np.ndarray:
+def sensitivity(curve, one_class, fitted) -> np.ndarray:
     """Return the change of porosity (k,) if the mass of one class of the SieveCurve grows by 1 % of the whole.
 
-    The masses of the other classes stay, so that all shares are divided by 1.01. one_class: one-class porosity.
+    The masses of the other classes stay, so that all shares are divided by 1.01. one_class: one-class porosity. fitted:
+    FittedModels, as for predict_curve.
     """
-    model = model or current_model()
-    base = model.predict(curve, float(one_class))
+    model, reference = sized_model(fitted), rhine_one_class(fitted)
+    base = model.predict(curve, float(one_class), reference=reference)
     changed = []
     for index in range(len(curve.mass_fractions)):
         fractions = curve.mass_fractions.copy()
         fractions[index] += MORE_MASS
         more = SieveCurve(curve.bounds, fractions / fractions.sum(), curve.name, curve.numbers_by)
-        changed.append(model.predict(more, float(one_class)) - base)
+        changed.append(model.predict(more, float(one_class), reference=reference) - base)
     return np.array(changed)
 
 

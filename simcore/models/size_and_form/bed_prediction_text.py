@@ -13,6 +13,7 @@ from simcore.models.size_and_form.bed_prediction import (
     other_predictors,
     predict_curve,
     read_forms,
+    rhine_one_class,
     sensitivity,
     sized_model,
 )
@@ -65,7 +66,8 @@ def describe(table, curve, path, level=0.95, fitted=NO_MODELS) -> str:
     ]
     first = table[table["refused"] == ""].iloc[0]
     change = 1e4 * _sensitivity(curve, first["n_one_class"], fitted)
-    step = first["n_one_class"] - model.predict(curve, first["n_one_class"])
+    n1 = first["n_one_class"]
+    step = n1 - model.predict(curve, n1, reference=rhine_one_class(fitted))
     lines += [
         "",
         f"How the curve acts, for {first['sample']}: one sieve class of these grains has the porosity "
@@ -109,7 +111,7 @@ def _state(correction):
 
 def _sensitivity(curve, one_class, fitted):
     factor = fitted.curve.factor if fitted.curve else 1.0
-    return factor * sensitivity(curve, one_class, sized_model(fitted))
+    return factor * sensitivity(curve, one_class, fitted)
 
 
 def _require_one(table, path):

@@ -27,6 +27,7 @@ class Beds(NamedTuple):
     names: np.ndarray
     curves: tuple  # SieveCurve of each
     one_class: np.ndarray  # porosity n1 of a bed of one class of such grains
+    reference: np.ndarray  # the same of the Rhine's grains that are placed and shaken like these
     mu_EQ: np.ndarray
     mu_EL: np.ndarray
     n: np.ndarray  # packed porosity
@@ -86,10 +87,14 @@ def read_beds(table, unified, families, others=None, process=PROCESS, spheres=Fa
     fitted = fit_bases(all_bases, process if others is not None else ())
     wide = table[(table["case"] != BASE) & ((table["form"] == SPHERE) == spheres) & ((table["flag"] != "") == flagged)]
     wide = wide.reset_index(drop=True)
-    missing = sorted(set(wide["form"]) - set(bases["form"]))
+    missing = sorted({ALL_FORMS, *wide["form"]} - set(bases["form"]))
     if missing:
-        raise ValueError(f"size_and_form.csv has no bed of {BASE} with the form {missing[0]}, but wide beds; pack it")
-    n1 = np.array(wide["form"].map(fitted.constants), float) + fitted.effect(wide)
+        raise ValueError(
+            f"size_and_form.csv has no bed of {BASE} with the form {missing[0]}, which wide beds need; pack it"
+        )
+    effect = fitted.effect(wide)
+    n1 = np.array(wide["form"].map(fitted.constants), float) + effect
+    reference = fitted.constants[ALL_FORMS] + effect
     mixed = (wide["form"] == ALL_FORMS).to_numpy()
     if mixed.any():
         of_base = _of_statistics(unified, all_bases[all_bases["form"] == ALL_FORMS]).mean()
@@ -98,7 +103,7 @@ def read_beds(table, unified, families, others=None, process=PROCESS, spheres=Fa
     curves = tuple(curve_of(row, name) for (_, row), name in zip(wide.iterrows(), names, strict=True))
     numbers = [wide[column].to_numpy(float) for column in ("mu_EQ_evaluated", "mu_EL_evaluated", "n", "n_error")]
     labels = [wide["case"].map(families).to_numpy(str), wide["form"].to_numpy(str)]
-    return Beds(np.array(names), curves, n1, *numbers, *labels)
+    return Beds(np.array(names), curves, n1, reference, *numbers, *labels)
 
 
 def _of_statistics(unified, rows):

@@ -4,9 +4,10 @@
     L   linear skeleton with the same stretch
     F   rods on a line with the same stretch
     D   the effect of form is damped in proportion to what sizes do to the mean form:
-        n = N + (n1 - n_ref) (1 - c X) + c0 X,  X = 1 - N / n_ref, with N the skeleton at the mean form
+        n = N + (n1 - n_ref) (1 - c X) + c0 X,  X = 1 - N / n_ref, with N the skeleton at n_ref
 
-Each gives the one-class porosity n1 exactly for U1. docs/appendices/size_and_form_plan.md has the rules by which one is
+Each gives the one-class porosity n1 exactly for U1. n_ref is the one-class porosity of the Rhine's grains that were
+placed and shaken like the bed. docs/appendices/size_and_form_plan.md has the rules by which one is
 chosen.
 """
 
@@ -35,7 +36,7 @@ class Parameter(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """A candidate: porosity(curve, one_class, forms, law, **parameters) -> (...,)."""
+    """A candidate: porosity(curve, one_class, forms, law, reference, **parameters) -> (...,)."""
 
     name: str
     title: str
@@ -51,9 +52,9 @@ _DAMPING = {"c": Parameter(1.5, 0.0, 3.0), "c0": Parameter(0.0, -0.3, 0.3)}
 FIXED_Q = 2.1  # of f in power_functions, kept fixed
 
 
-def _stretch(one_class, forms, m0=1.0, kappa=0.0, m_EQ=None, m_EL=None):
+def _stretch(one_class, forms, reference, m0=1.0, kappa=0.0, m_EQ=None, m_EL=None):
     if m_EQ is None and m_EL is None:
-        return by_looseness(one_class, m0, kappa)
+        return by_looseness(one_class, m0, kappa, reference)
     if forms is None:
         raise ValueError("the stretch by form needs the mean EQ and EL of the grains; give `forms`")
     return by_form(*forms, m0, m_EQ or 0.0, m_EL or 0.0)
@@ -63,27 +64,30 @@ def _functions(p=None, s=None):
     return {} if p is None and s is None else {"functions": power_functions(p or 2.7, FIXED_Q, s or 2.0)}
 
 
-def _h(curve, one_class, forms=None, law="number", *, K=4.0, p=None, s=None, **stretch):
-    m = _stretch(one_class, forms, **stretch)
+def _h(curve, one_class, forms=None, law="number", reference=REFERENCE_POROSITY, *, K=4.0, p=None, s=None, **stretch):
+    m = _stretch(one_class, forms, reference, **stretch)
     return compressible_skeleton(curve, one_class, K, m, law, **_functions(p, s))
 
 
-def _l(curve, one_class, forms=None, law="number", *, p=None, s=None, **stretch):
-    return linear_skeleton(curve, one_class, _stretch(one_class, forms, **stretch), law, **_functions(p, s))
+def _l(curve, one_class, forms=None, law="number", reference=REFERENCE_POROSITY, *, p=None, s=None, **stretch):
+    m = _stretch(one_class, forms, reference, **stretch)
+    return linear_skeleton(curve, one_class, m, law, **_functions(p, s))
 
 
-def _f(curve, one_class, forms=None, law="number", **stretch):
-    return rods_skeleton(curve, one_class, _stretch(one_class, forms, **stretch), law)
+def _f(curve, one_class, forms=None, law="number", reference=REFERENCE_POROSITY, **stretch):
+    return rods_skeleton(curve, one_class, _stretch(one_class, forms, reference, **stretch), law)
 
 
 def _damped(skeleton):
-    def porosity(curve, one_class, forms=None, law="number", *, c=1.5, c0=0.0, **parameters):
-        N = skeleton(curve, REFERENCE_POROSITY, forms, law, **parameters)
+    def porosity(
+        curve, one_class, forms=None, law="number", reference=REFERENCE_POROSITY, *, c=1.5, c0=0.0, **parameters
+    ):
+        N = skeleton(curve, reference, forms, law, reference, **parameters)
         one_class = np.atleast_1d(np.asarray(one_class, float))
         shares = curve.mass_fractions if one_class.shape[-1] > 1 else np.ones(1)
         n1 = porosity_of_volume(specific_volume(one_class) @ shares)
-        X = 1 - N / REFERENCE_POROSITY
-        n = N + (n1 - REFERENCE_POROSITY) * np.maximum(1 - c * X, 0) + c0 * X
+        X = 1 - N / reference
+        n = N + (n1 - reference) * np.maximum(1 - c * X, 0) + c0 * X
         return np.minimum(n, n1)
 
     return porosity
@@ -107,14 +111,15 @@ CANDIDATES = {
 }  # fmt: skip
 
 
-def predict(name, curve, one_class, parameters=None, forms=None, law="number"):
+def predict(name, curve, one_class, parameters=None, forms=None, law="number", reference=REFERENCE_POROSITY):
     """Return the porosity (...,) of a bed with this sieve curve by a candidate; a float for one bed.
 
     name: in CANDIDATES. curve: SieveCurve. one_class: porosity of beds of one class of such grains, a number, (..., 1)
     for all classes, or (..., k) by class. parameters: dict; those that are left out have their start values. forms:
     pair of mean EQ and mean EL, each like one_class; only for the stretch by form. law: as in
-    simcore.models.packing_models.curves. ValueError if the candidate or a parameter is unknown, if a one-class porosity
-    is outside its range, or if no porosity between 0 and 1 results.
+    simcore.models.packing_models.curves. reference: one-class porosity of the Rhine's grains, placed and shaken like
+    these; a number. ValueError if the candidate or a parameter is unknown, if a one-class porosity is outside its
+    range, or if no porosity between 0 and 1 results.
     """
     if name not in CANDIDATES:
         raise ValueError(f"candidate {name!r} is unknown; the candidates are {', '.join(CANDIDATES)}")
@@ -124,7 +129,7 @@ def predict(name, curve, one_class, parameters=None, forms=None, law="number"):
     if unknown:
         raise ValueError(f"candidate {name} has no parameter {sorted(unknown)[0]!r}; it has {', '.join(values)}")
     check_one_class(one_class)
-    n = candidate.porosity(curve, one_class, forms, law, **values | (parameters or {}))
+    n = candidate.porosity(curve, one_class, forms, law, reference, **values | (parameters or {}))
     if not np.all((n > 0) & (n < 1)):
         raise ValueError(
             f"{curve.name}: candidate {name} gives the porosity {np.min(n):.3g}; the curve is outside its range"

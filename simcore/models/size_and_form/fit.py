@@ -33,10 +33,9 @@ class Fit(NamedTuple):
 def predict_beds(name, beds, parameters) -> np.ndarray:
     """Return the porosity (n,) of Beds by candidate `name` with these parameters."""
     porosity = CANDIDATES[name].porosity
-    rows = zip(beds.curves, beds.one_class, beds.mu_EQ, beds.mu_EL, strict=True)
-    return np.array(
-        [float(np.squeeze(porosity(curve, n1, (EQ, EL), "number", **parameters))) for curve, n1, EQ, EL in rows]
-    )
+    rows = zip(beds.curves, beds.one_class, beds.reference, beds.mu_EQ, beds.mu_EL, strict=True)
+    predicted = [porosity(curve, n1, (EQ, EL), "number", n_ref, **parameters) for curve, n1, n_ref, EQ, EL in rows]
+    return np.array([float(np.squeeze(n)) for n in predicted])
 
 
 def fit_candidate(name, beds, scatter, start=None, fixed=None) -> Fit:

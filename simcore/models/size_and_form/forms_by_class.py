@@ -12,7 +12,7 @@ from simcore.models.size_and_form.bed_prediction import (
     error_parts,
     interval,
     one_class_models,
-    rhine_sample,
+    rhine_one_class,
     sized_model,
 )
 from simcore.models.size_and_form.sized_model import SizedModel
@@ -46,11 +46,11 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
         return pd.DataFrame([bed_row(form, np.full(3, np.nan), np.nan, np.nan, outside, refused)], columns=COLUMNS)
     n1 = np.array([[row[key] for row in rows] for key in ("n", "lower", "upper")])
     mean = porosity_of_volume(specific_volume(n1) @ shares)
-    of_rhine = predict_preferred(rhine_sample(), ONE_CLASS, fitted, level)["n"]
+    of_rhine = rhine_one_class(fitted, level)
     # Classes without mass get the value of the first one; it has no effect.
     values = np.repeat(n1[:, :1], len(curve.mass_fractions), axis=1)
     values[:, held] = n1
-    n, low, high = model.predict(curve, values)
+    n, low, high = model.predict(curve, values, reference=of_rhine)
     half = interval(curve, np.array([[n, low, high]]).T, mean[:1], of_rhine, model, level)[0]
     if correction is not None:
         parts = error_parts(curve, np.array([n]), mean[:1], of_rhine, model)

@@ -49,9 +49,9 @@ class SizedModel(NamedTuple):
     widest: float
     behind: str  # what the errors rest on
 
-    def predict(self, curve, one_class, forms=None):
+    def predict(self, curve, one_class, forms=None, reference=REFERENCE_POROSITY):
         """Return the porosity of beds with this SieveCurve; arguments as in size_and_form.candidates.predict."""
-        return predict(self.candidate, curve, one_class, self.parameters, forms, self.law)
+        return predict(self.candidate, curve, one_class, self.parameters, forms, self.law, reference)
 
 
 @cache

@@ -5,8 +5,10 @@ of a given ratio fits in them as a smaller one would: m > 1. A power keeps r = 1
 changes nothing. If forms differ between classes, the coarser grain of a pair gives m, because the pore is between
 coarse grains. Two rules are compared:
 
-    looseness   m = m0 (e / e_ref)^κ,  e = n1 / (1 - n1) one-class void ratio, e_ref that of the Rhine's mean form
+    looseness   m = m0 (e / e_ref)^κ,  e = n1 / (1 - n1) one-class void ratio, e_ref that of the Rhine's grains
     form        m = m0 + mQ (1/EQ - 1/EQ_ref) + mL (1/EL - 1/EL_ref)
+
+e and e_ref belong to beds that were placed and shaken in the same way, so that a loose process is not taken for form.
 """
 
 import numpy as np
@@ -15,9 +17,13 @@ REFERENCE_POROSITY = 0.342  # of the Rhine's mean form, by the model of beds of 
 REFERENCE_EQ, REFERENCE_EL = 0.441, 0.682  # Rettinger et al. (2022), Table 2: mean FL 0.647 times EL, and mean EL
 
 
-def by_looseness(one_class, m0=1.0, kappa=0.0):
-    """Return m, with the shape of the one-class porosities; m0 > 0: at the reference; kappa: exponent."""
-    return m0 * (void_ratio(one_class) / void_ratio(REFERENCE_POROSITY)) ** kappa
+def by_looseness(one_class, m0=1.0, kappa=0.0, reference=REFERENCE_POROSITY):
+    """Return m, with the shape of the one-class porosities.
+
+    m0 > 0: m of the Rhine's grains; kappa: exponent. reference: one-class porosity of the Rhine's grains that were
+    placed and shaken like these.
+    """
+    return m0 * (void_ratio(one_class) / void_ratio(reference)) ** kappa
 
 
 def by_form(mu_EQ, mu_EL, m0=1.0, m_EQ=0.0, m_EL=0.0):

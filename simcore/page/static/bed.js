@@ -81,13 +81,14 @@ const Bed = (() => {
     const [mean, ...limits] = ["n", "lower", "upper"].map((key) => {
       return 1 - 1 / Packing.sum(rows.map((row, i) => shares[i] / (1 - row[key])));
     });
+    const ofRhine = oneClassOf(RHINE, level).n;
     const ends = ["n", "lower", "upper"].map((key) => {
       const values = curve.mass_fractions.map(() => rows[0][key]);
       held.forEach((i, k) => (values[i] = rows[k][key]));
-      return Skeletons.predict(curve, values.map(checked));
+      return Skeletons.predict(curve, values.map(checked), ofRhine);
     });
     const oneClass = { n: mean, lower: limits[0], upper: limits[1], outside: remarks("outside"), quantities: [] };
-    return { sample, bed: bedOf(curve, ends[0], halfWidth(curve, ends, mean, level), oneClass, "") };
+    return { sample, bed: bedOf(curve, ends[0], halfWidth(curve, ends, mean, ofRhine, level), oneClass, "") };
   }
 
   function sampleOf(curve, index, classes) {
@@ -134,9 +135,10 @@ const Bed = (() => {
     let [n, half] = [NaN, NaN];
     if (usable) {
       const clipped = [oneClass.n, oneClass.lower, oneClass.upper].map(within);
-      const ends = clipped.map((value) => Skeletons.predict(curve, value));
+      const ofRhine = oneClassOf(RHINE, level).n;
+      const ends = clipped.map((value) => Skeletons.predict(curve, value, ofRhine));
       n = ends[0];
-      half = halfWidth(curve, ends, oneClass.n, level);
+      half = halfWidth(curve, ends, oneClass.n, ofRhine, level);
     }
     const limits = `its one-class porosity is outside ${general(range.least)} to ${general(range.largest)}`;
     return bedOf(curve, n, half, oneClass, usable ? "" : oneClass.refused || limits);
@@ -157,9 +159,8 @@ const Bed = (() => {
   const within = (value) => Math.min(Math.max(value, range.least), range.largest);
 
   // Adds the errors of the one-class porosity, of the step to the curve, and of how much of the form's effect is kept.
-  function halfWidth(curve, [n, low, high], oneClass, level) {
-    const ofRhine = oneClassOf(RHINE, level).n;
-    const decrease = 1 - Skeletons.predict(curve, ofRhine) / ofRhine;
+  function halfWidth(curve, [n, low, high], oneClass, ofRhine, level) {
+    const decrease = 1 - Skeletons.predict(curve, ofRhine, ofRhine) / ofRhine;
     const ofForm = model.form_error * decrease * Math.abs(oneClass - ofRhine);
     const ofSizes = model.quantiles[general(level)] * model.error * wider(curve) * (oneClass - n);
     return Math.sqrt((0.5 * (high - low)) ** 2 + ofSizes ** 2 + ofForm ** 2);
@@ -178,10 +179,11 @@ const Bed = (() => {
 
   // Returns the change of porosity if the mass of each class grows by 1 % of the whole.
   function sensitivity(curve, oneClass) {
-    const base = Skeletons.predict(curve, oneClass);
+    const ofRhine = oneClassOf(RHINE, DATA.levels[0]).n;
+    const base = Skeletons.predict(curve, oneClass, ofRhine);
     return curve.mass_fractions.map((_, index) => {
       const more = curve.mass_fractions.map((share, i) => (share + (i === index ? moreMass : 0)) / (1 + moreMass));
-      return Skeletons.predict({ ...curve, mass_fractions: more }, oneClass) - base;
+      return Skeletons.predict({ ...curve, mass_fractions: more }, oneClass, ofRhine) - base;
     });
   }
 

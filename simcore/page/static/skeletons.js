@@ -11,10 +11,10 @@ const Skeletons = (() => {
   const limit = (curve, oneClass) => 1 - 1 / sum(oneClass.map((n, i) => volume(n) * curve.mass_fractions[i]));
 
   // Returns the porosity of a bed. oneClass: porosity of beds of one class, a number, or one per class of the curve.
-  // model: as in DATA.curve.model.
-  function predict(curve, oneClass, model = DATA.curve.model) {
+  // ofRhine: that of the Rhine's grains, placed and shaken like these. model: as in DATA.curve.model.
+  function predict(curve, oneClass, ofRhine = REFERENCE.porosity, model = DATA.curve.model) {
     const values = typeof oneClass === "number" ? curve.mass_fractions.map(() => oneClass) : oneClass;
-    const n = model.damped ? damped(curve, values, model) : evaluate(curve, values, model);
+    const n = (model.damped ? damped : evaluate)(curve, values, ofRhine, model);
     if (!(n > 0 && n < 1)) {
       throw new InputError(
         `${curve.name}: candidate ${model.candidate} gives the porosity ${general(n, 3)}; the curve is outside its range`
@@ -23,17 +23,17 @@ const Skeletons = (() => {
     return n;
   }
 
-  function damped(curve, oneClass, model) {
+  function damped(curve, oneClass, ofRhine, model) {
     const { c, c0, ...parameters } = model.parameters;
-    const inner = evaluate(curve, oneClass.map(() => REFERENCE.porosity), { ...model, parameters });
+    const inner = evaluate(curve, oneClass.map(() => ofRhine), ofRhine, { ...model, parameters });
     const n1 = limit(curve, oneClass);
-    const X = 1 - inner / REFERENCE.porosity;
-    return Math.min(inner + (n1 - REFERENCE.porosity) * Math.max(1 - c * X, 0) + c0 * X, n1);
+    const X = 1 - inner / ofRhine;
+    return Math.min(inner + (n1 - ofRhine) * Math.max(1 - c * X, 0) + c0 * X, n1);
   }
 
-  function evaluate(curve, oneClass, model) {
+  function evaluate(curve, oneClass, ofRhine, model) {
     const { K, m0 = 1, kappa = 0, p, s } = model.parameters;
-    const stretch = oneClass.map((n) => m0 * (voidRatio(n) / voidRatio(REFERENCE.porosity)) ** kappa);
+    const stretch = oneClass.map((n) => m0 * (voidRatio(n) / voidRatio(ofRhine)) ** kappa);
     if (model.skeleton === "rods") return rods(curve, oneClass, stretch, model);
     const functions = p === undefined && s === undefined ? Packing.LINEAR : powerFunctions(p ?? 2.7, s ?? 2);
     const porosity = (sizes, fractions, porosities, m) => {

@@ -155,9 +155,9 @@ def test_a_form_far_outside_is_refused_and_the_others_stay(fitted):
     assert table.loc[1, ["n", "lower", "upper", "n_not_shaken"]].isna().all()
 
 
-def test_sensitivity_is_the_change_by_one_percent_more_of_a_class():
+def test_sensitivity_is_the_change_by_one_percent_more_of_a_class(fitted):
     curve = all_cases()["B50"].curve
-    changes = sensitivity(curve, 0.36)
+    changes = sensitivity(curve, 0.36, fitted)
     masses = curve.mass_fractions + np.eye(len(changes))[2] * 0.01
     more = SieveCurve(curve.bounds, masses / masses.sum(), "more")
     model = unfitted_model()

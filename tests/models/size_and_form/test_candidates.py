@@ -132,9 +132,21 @@ def test_stretch_takes_the_coarser_grain_of_a_pair():
     assert abs(effect(coarse=REFERENCE_POROSITY, fine=0.40)) < 4e-3  # of mixing within their own class
 
 
+@every_candidate
+def test_a_looser_process_is_not_taken_for_form(name):
+    """Of the Rhine's grains, m is m0 in every process; D: the curve alone sets the porosity."""
+    parameters = far_values(name)
+    fixed = {key: 0.0 for key in ("kappa", "c") if key in parameters}
+    for n1 in (0.30, 0.342, 0.40):
+        of_rhine = porosity(name, CASES["U7"], n1, parameters, reference=n1)
+        expected = porosity(name, CASES["U7"], n1, parameters | fixed, reference=n1)
+        assert of_rhine == pytest.approx(expected, abs=1e-12)
+
+
 def test_stretch_rules_at_the_reference():
     assert by_looseness(REFERENCE_POROSITY, 0.93, 0.7) == pytest.approx(0.93)
     assert by_looseness(0.40, 1.0, 1.0) == pytest.approx((0.40 / 0.60) / (0.342 / 0.658))
+    assert by_looseness(0.40, 1.0, 1.0, 0.36) == pytest.approx((0.40 / 0.60) / (0.36 / 0.64))
     assert by_form(*FORMS, 1.1, 0.3, -0.2) == pytest.approx(1.1)
     assert by_form(0.3, 0.682, 1.0, 0.1) == pytest.approx(1 + 0.1 * (1 / 0.3 - 1 / 0.441))
     with pytest.raises(ValueError, match="not positive"):

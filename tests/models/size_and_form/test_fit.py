@@ -31,7 +31,18 @@ def made_beds(seed=1, scatter=0.0, parameters=None, name="L"):
     EQ = 0.441 - 0.8 * (n1 - 0.36) + rng.normal(0, 0.02, size)
     family = np.array([all_cases()[name].family for name in names])
     form = np.repeat(["a", "b", "c"], len(CURVES))
-    beds = Beds(names, curves, n1, EQ, np.full(size, 0.68), np.zeros(size), np.full(size, ERROR), family, form)
+    beds = Beds(
+        names,
+        curves,
+        n1,
+        np.full(size, 0.342),
+        EQ,
+        np.full(size, 0.68),
+        np.zeros(size),
+        np.full(size, ERROR),
+        family,
+        form,
+    )
     exact = predict_beds(name, beds, parameters or TRUE)
     return beds._replace(n=exact + rng.normal(0, np.hypot(ERROR, scatter), size))
 
