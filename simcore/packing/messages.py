@@ -51,8 +51,8 @@ def describe_tolerated(scene, watch_state) -> list[str]:
         lines.append(f"At the stiffest moment {about_stiffest(watch_state)}; the packing had {steps:g}.")
     if watch_state.warned_of_pinching:
         lines.append(
-            f"While grains fell, a stone with at least {PINCHING:g} times the mass of a grain overlapped it by more "
-            f"than half of the grain's thickness."
+            f"While grains fell, a grain at least {PINCHING:g} times lighter than the heaviest one overlapped another "
+            f"by more than half of its thickness."
         )
     return lines
 
@@ -73,10 +73,10 @@ def few_steps_warning(scene, watch_state, step) -> str:
 
 
 def pinching_warning(scene, problem: DeepOverlap, step) -> str:
-    """Return the warning that a heavy stone overlaps a pebble deeply, which is tolerated while grains fall."""
+    """Return the warning that a pebble under stones overlaps deeply, which is tolerated while grains fall."""
     return (
         f"{scene.name}: warning: {overlapping(problem)} at step {step}, more than half of the grain's thickness. This "
-        f"is tolerated only while grains fall and a stone with {PINCHING:g} times the mass lands on a grain"
+        f"is tolerated only while grains fall, for grains {PINCHING:g} times lighter than the heaviest stone"
     )
 
 

@@ -15,7 +15,7 @@ from simcore.packing.expectation import depth_of_impact, fall_speed
 
 SPEED_MARGIN = 5.0  # factor on the speed that fall and shaking cause
 DEEPEST = 1.0  # largest allowed overlap over the thinner grain's half thickness
-PINCHING = 20.0  # ratio of masses above which a stone may overlap a pebble deeply while grains fall
+PINCHING = 20.0  # times lighter than the heaviest grain are pebbles that may overlap deeply while grains fall
 ENERGY_SLACK = 0.1  # share of the kinetic and spring energy that a stable bed may gain between two checks
 LIFT = 0.01  # share of their half thickness by which all grains may be lifted: this changes no porosity
 ROUNDING = 1e-9  # share of the kinetic, spring and height energy that may be round-off
@@ -115,18 +115,15 @@ def too_deep(overlap: DeepOverlap) -> bool:
     return overlap.ratio > DEEPEST
 
 
-def pinched(bodies: Bodies, candidates: CandidatePairs) -> np.ndarray:
-    """Return a mask (n,) of the bodies that touch one PINCHING times heavier, and of all bodies of other ranks.
+def pinched(bodies: Bodies, ranks) -> np.ndarray:
+    """Return a mask (n,) of the bodies that a stone may press flat, and of all bodies of other ranks.
 
-    The other ranks check their own bodies.
+    They are PINCHING times lighter than the heaviest body of all ranks. They need not touch a stone, because grains
+    pass its weight on to others. The other ranks check their own bodies.
     """
-    contacts = candidates.contacts
-    p = np.flatnonzero(contacts.touching)
-    a, b, mass = contacts.body_a[p], contacts.body_b[p], bodies.mass
-    mask = ~bodies.moves_here
-    mask[a[mass[b] > PINCHING * mass[a]]] = True
-    mask[b[mass[a] > PINCHING * mass[b]]] = True
-    return mask
+    own = bodies.own
+    heaviest, _ = ranks.largest(bodies.mass[own], bodies.id[own])
+    return ~bodies.moves_here | (heaviest > PINCHING * bodies.mass)
 
 
 def total_energy(bodies: Bodies, candidates: CandidatePairs, law, drive, ranks):

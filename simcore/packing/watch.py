@@ -97,12 +97,12 @@ class Watch:
         self._stop_for(impact, state.step, state.watch)
 
     def _check_overlap(self, state, bodies, candidates, thickness, falling):
-        """Check overlaps. A far heavier stone may overlap a pebble deeply while grains fall; this is reported once."""
+        """Check overlaps. Pebbles under far heavier stones may overlap deeply while grains fall; it is reported once."""
         watch_state = state.watch
         deepest = deepest_on_all_ranks(bodies, candidates, thickness, self.ranks)
         watch_state.deepest = max(watch_state.deepest, deepest.ratio)
         if too_deep(deepest) and falling:
-            others = deepest_on_all_ranks(bodies, candidates, thickness, self.ranks, ~pinched(bodies, candidates))
+            others = deepest_on_all_ranks(bodies, candidates, thickness, self.ranks, ~pinched(bodies, self.ranks))
             if not too_deep(others) and not watch_state.warned_of_pinching:
                 watch_state.warned_of_pinching = True
                 self.report(pinching_warning(self.scene, deepest, state.step))

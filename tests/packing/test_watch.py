@@ -206,16 +206,18 @@ def test_the_stiffest_grain_of_a_bed_is_among_those_examined(settled):
         stability.BODIES_EXAMINED = examined
 
 
-def pressed(radius, overlap):
-    """A process of a sphere of 1 mm on the floor, and one of radius [m] on it that overlaps by that much [m]."""
+def pressed(radii, overlaps):
+    """A process of a column of spheres of these radii [m] on the floor, each of which overlaps the one below it [m]."""
     made, lines = set_up_few_spheres(shapes={"kind": "sphere"}), []
     running = Process(made.scene, made.bases, made.draw, lines.append)
-    size, place = np.array([1e-3, radius]), np.array([[0.0, 0.0, 1e-3], [0.0, 0.0, 2e-3 + radius - overlap]])
-    upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros((2, 3))
+    size, n = np.array(radii), len(radii)
+    place = np.zeros((n, 3))
+    place[:, 2] = 2.0 * np.cumsum(size) - size - np.cumsum([0.0, *overlaps])
+    upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)), np.zeros((n, 3))
     scale, density = np.outer(size, np.ones(3)), running.scene.material.density
     bodies = make_bodies(
         [unit_sphere()],
-        np.zeros(2, int),
+        np.zeros(n, int),
         scale,
         place,
         upright,
@@ -229,7 +231,7 @@ def pressed(radius, overlap):
 
 
 def test_a_pebble_under_a_stone_is_let_pass_while_grains_fall():
-    running, lines = pressed(6e-3, 1.5e-3)
+    running, lines = pressed([1e-3, 6e-3], [1.5e-3])
     running.state.space_deadline = 3
     running.advance(1, SHAKING)
     running.advance(1, SHAKING)
@@ -240,9 +242,21 @@ def test_a_pebble_under_a_stone_is_let_pass_while_grains_fall():
         running.advance(1, SHAKING)
 
 
+def test_a_pebble_under_a_pebble_under_a_stone_is_let_pass_too():
+    """The pebble between them passes the stone's weight on; without the stone the run stops."""
+    running, lines = pressed([1e-3, 1e-3, 6e-3], [1.5e-3, 0.1e-3])
+    running.state.space_deadline = 3
+    running.advance(1, SHAKING)
+    (line,) = [line for line in lines if "tolerated" in line]
+    assert "grain 0 and grain 1 overlap by 1.5 mm at step 1" in line and "20 times lighter" in line
+    running, _ = pressed([1e-3, 1e-3], [1.5e-3])
+    with pytest.raises(PackingError, match="grain 0 and grain 1 overlap by 1.5 mm at step 1"):
+        running.advance(1, SHAKING)
+
+
 @pytest.mark.parametrize("phase, radius", [(DAMPING, 6e-3), (SHAKING, 2.5e-3)])
 def test_it_is_not_once_beds_are_damped_nor_under_one_of_a_few_times_its_mass(phase, radius):
-    running, lines = pressed(radius, 1.5e-3)
+    running, lines = pressed([1e-3, radius], [1.5e-3])
     running.state.space_deadline = 3
     with pytest.raises(PackingError, match=r"grain 0 and grain 1 overlap by 1.\d+ mm at step 1"):
         running.advance(1, phase)
