@@ -97,7 +97,7 @@ class Watch:
         self._stop_for(impact, state.step, state.watch)
 
     def _check_overlap(self, state, bodies, candidates, thickness, falling):
-        """Check overlaps. Pebbles under far heavier stones may overlap deeply while grains fall; it is reported once."""
+        """Check overlaps. Pebbles under far heavier stones may overlap deeply while grains fall; reported once."""
         watch_state = state.watch
         deepest = deepest_on_all_ranks(bodies, candidates, thickness, self.ranks)
         watch_state.deepest = max(watch_state.deepest, deepest.ratio)
