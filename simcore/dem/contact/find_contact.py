@@ -14,7 +14,7 @@ from simcore.dem.contact.pairs.remembered_gaps import remember_apart, still_apar
 from simcore.dem.contact.pairs.spheres import touch
 from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, POLYHEDRON, is_polyhedron
 from simcore.dem.state.touches import forget_springs, partner_offset
-from simcore.dem.vectors import squared, write
+from simcore.dem.vectors import ZERO, Contact, squared, write
 
 recheck_ellipsoids, search_ellipsoid_contact = ellipsoids.recheck, ellipsoids.search_contact
 recheck_potentials, search_potential_contact = ellipsoid_potentials.recheck, ellipsoid_potentials.search_contact
@@ -32,11 +32,28 @@ def _pair(bodies, contacts, p, width, periodic):
 @leaf
 def check_spheres(bodies, contacts, p, width, periodic):
     """Update contact p of two spheres."""
+    touch_spheres(bodies, contacts, p, width, periodic, True)
+
+
+@leaf
+def touch_spheres(bodies, contacts, p, width, periodic, storing):
+    """Update contact p of two spheres; return (whether they touch, their Contact, the offset of their centres [m]).
+
+    storing: whether overlap, normal and point are written to the arrays. The Contact has no meaning if they are apart.
+    """
     pair = _pair(bodies, contacts, p, width, periodic)
     if squared(pair.offset) < pair.size * pair.size:
-        _store(contacts, p, touch(bodies, pair))
-    elif contacts.touching[p] != 0:
+        contact = touch(bodies, pair)
+        if contact.overlap > 0.0:
+            contacts.touching[p] = 1
+            if storing:
+                _store(contacts, p, contact)
+            return True, contact, pair.offset
+    if contacts.touching[p] != 0:
         _end(contacts, p)
+        contacts.overlap[p] = 0.0
+        write(contacts.direction, p, ZERO)
+    return False, Contact(0.0, ZERO, ZERO), pair.offset
 
 
 def _make_check(kind, potential=False):
@@ -132,6 +149,8 @@ def _store(contacts, p, contact):
 
 @leaf
 def _end(contacts, p):
-    """Mark contact p as apart and reset its springs."""
+    """Mark contact p as apart; reset its springs, its point and its forces."""
     contacts.touching[p] = 0
     forget_springs(contacts, p)
+    for field in (contacts.point, contacts.force, contacts.torque_a, contacts.torque_b):
+        write(field, p, ZERO)

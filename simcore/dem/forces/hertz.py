@@ -59,9 +59,9 @@ def law_at(law, mass, partner_mass, overlap):
 
 
 @leaf
-def contact_law_at(law, bodies, contacts, p):
-    """Return the linear law of touching contact p."""
-    return law_at(law, bodies.mass[contacts.body_a[p]], bodies.mass[contacts.body_b[p]], contacts.overlap[p])
+def contact_law_at(law, bodies, contacts, p, overlap):
+    """Return the linear law of touching contact p at its overlap [m]."""
+    return law_at(law, bodies.mass[contacts.body_a[p]], bodies.mass[contacts.body_b[p]], overlap)
 
 
 @leaf

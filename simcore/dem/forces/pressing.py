@@ -10,7 +10,6 @@ from simcore.compilation import leaf
 from simcore.dem.forces.coulomb_friction import preload, tangent_of, tangential_force
 from simcore.dem.forces.patch_torque import patch_torque
 from simcore.dem.forces.spring_dashpot import explicit_dashpot, implicit_dashpot, normal_force
-from simcore.dem.state.touches import partner_offset
 from simcore.dem.vectors import ZERO, Vec, cross, dot, minus, negative, plus, read, scaled, write
 
 
@@ -22,6 +21,14 @@ class Motion(NamedTuple):
     effective_contacts: float
     velocity: Vec  # [m/s], at the contact point
     spin: Vec  # [1/s], difference of the angular velocities
+
+
+class Push(NamedTuple):
+    """What a touching contact does to its bodies."""
+
+    force: Vec  # [N], on b; a gets the opposite
+    torque_a: Vec  # [N m]
+    torque_b: Vec  # [N m]
 
 
 @leaf
@@ -45,16 +52,16 @@ def wall_velocity(bodies, i, arm):
 
 
 @leaf
-def press(touches, k, normal, motion, law, dt, has):
+def press(touches, k, overlap, normal, motion, law, dt, has):
     """Apply the force law at row k of contacts or walls; return (force [N] on b, torque [N m] of a patch on b).
 
-    normal: from a, or from the wall, to b. has: features of the scene. The springs of row k are updated.
+    overlap [m]. normal: from a, or from the wall, to b. has: features of the scene. The springs of row k are updated.
     """
     if has.implicit:
         damping, tangential_damping = implicit_dashpot(law, motion.effective_contacts)
     else:
         damping, tangential_damping = explicit_dashpot(law)
-    push = normal_force(law, damping, motion.mass, touches.overlap[k], dot(motion.velocity, normal), has.attractive)
+    push = normal_force(law, damping, motion.mass, overlap, dot(motion.velocity, normal), has.attractive)
     force, torque = scaled(push, normal), ZERO
     tangent = tangent_of(law, tangential_damping, motion.mass, push)
     if has.friction:
@@ -69,14 +76,15 @@ def press(touches, k, normal, motion, law, dt, has):
 
 
 @leaf
-def press_contact(bodies, contacts, law, drive, p, has):
-    """Update the force of touching contact p on b, the torques on both bodies, and the springs.
+def press_contact(bodies, contacts, contact, offset, law, drive, p, has):
+    """Return the Push of touching contact p, and update its springs.
 
-    law: the ContactLaw at this contact. drive: Drive of the step. has: features of the scene.
+    contact: its Contact. offset [m]: from the centre of a to that of its partner. law: the ContactLaw at this contact.
+    drive: Drive of the step. has: features of the scene.
     """
     i, j = contacts.body_a[p], contacts.body_b[p]
-    arm_a = read(contacts.point, p)
-    arm_b = minus(arm_a, partner_offset(bodies, contacts, p, drive.width, has.periodic))
+    arm_a = contact.point
+    arm_b = minus(arm_a, offset)
     effective_contacts = 1.0
     if has.implicit:
         effective_contacts = max(1.0, bodies.effective_contacts[i], bodies.effective_contacts[j])
@@ -86,10 +94,8 @@ def press_contact(bodies, contacts, law, drive, p, has):
         contact_velocity(bodies, i, j, arm_a, arm_b),
         minus(read(bodies.angular_velocity, j), read(bodies.angular_velocity, i)),
     )
-    force, torque = press(contacts, p, read(contacts.direction, p), motion, law, drive.dt, has)
-    write(contacts.force, p, force)
-    write(contacts.torque_a, p, minus(negative(cross(arm_a, force)), torque))
-    write(contacts.torque_b, p, plus(cross(arm_b, force), torque))
+    force, torque = press(contacts, p, contact.overlap, contact.normal, motion, law, drive.dt, has)
+    return Push(force, minus(negative(cross(arm_a, force)), torque), plus(cross(arm_b, force), torque))
 
 
 @leaf
@@ -100,6 +106,6 @@ def press_wall(bodies, walls, law, drive, w, has):
     if has.implicit:
         effective_contacts = max(1.0, bodies.effective_contacts[i])
     motion = Motion(bodies.mass[i], effective_contacts, wall_velocity(bodies, i, arm), read(bodies.angular_velocity, i))
-    force, torque = press(walls, w, read(walls.normal, w), motion, law, drive.dt, has)
+    force, torque = press(walls, w, walls.overlap[w], read(walls.normal, w), motion, law, drive.dt, has)
     write(walls.force, w, force)
     write(walls.torque, w, plus(cross(arm, force), torque))

@@ -59,11 +59,13 @@ class Bodies(NamedTuple):
 class Contacts(NamedTuple):
     """Candidate pairs in the order of their key (a, b, image), a < b or a = b with a positive image.
 
-    Remembered fields are results of the last step that the next step reuses. Output fields are results of the current
-    step. Fields marked with a feature are empty in scenes without it. `facet` of two polyhedra is the facet of the
-    Minkowski difference along the normal if the pair touches, and the simplex nearest to the origin if it is apart. For
-    a polyhedron and an ellipsoid it is the corner, edge or face a0 a1 a2 of the polyhedron. For polyhedra that touch,
-    `apart_at` and `safe_until` give the range of motion within which no other facet can have become the nearest.
+    Remembered fields are results of the last step that the next step reuses. Output fields are results of the last step
+    of a call of `advance` that did all its steps (simcore.dem.step.step), and 0 of pairs that are apart; of spheres the
+    same holds for `direction`. Fields marked with a feature are empty in scenes without it.
+    `facet` of two polyhedra is the facet of the Minkowski difference along the normal if the pair touches, and the
+    simplex nearest to the origin if it is apart. For a polyhedron and an ellipsoid it is the corner, edge or face a0 a1
+    a2 of the polyhedron. For polyhedra that touch, `apart_at` and `safe_until` give the range of motion within which no
+    other facet can have become the nearest.
     """
 
     body_a: np.ndarray  # (m,) int32

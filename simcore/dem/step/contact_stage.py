@@ -1,8 +1,9 @@
 """The stage of a step that finds contacts: kernels for each kind of scene, for pairs and for walls.
 
 The kernels do not depend on the force law: `simcore.dem.step.step` selects them by constants. Each kernel writes to the
-arrays whether a pair or a wall touches, its overlap, direction and point. The kernels take the parts of State one by
-one, because a parallel loop of numba can use a tuple only if the tuple is an argument of the function.
+arrays whether a pair or a wall touches, its overlap, direction and point. The kernels for pairs treat the contacts from
+`begin` to `end`. The kernels take the parts of State one by one, because a parallel loop of numba can use a tuple only
+if the tuple is an argument of the function.
 """
 
 from numba import get_thread_id, prange
@@ -37,67 +38,67 @@ from simcore.dem.state.touches import partner_offset
 
 
 @loops
-def find_spheres(bodies, contacts, drive, has):
+def find_spheres(bodies, contacts, drive, begin, end, has):
     """Find the contacts of spheres; no pair is ever pending."""
-    for p in prange(len(contacts.body_a)):
+    for p in prange(begin, end):
         check_spheres(bodies, contacts, p, drive.width, has.periodic)
 
 
 @loops
-def find_ellipsoids(shapes, bodies, contacts, drive, has):
+def find_ellipsoids(shapes, bodies, contacts, drive, begin, end, has):
     """Find the contacts of ellipsoids by their common normal: first from remembered contacts, then by search.
 
     The search has its own loop, as in the kernels below: it is rare and slow, and stays out of the fast loop.
     """
-    for p in prange(len(contacts.body_a)):
+    for p in prange(begin, end):
         check_ellipsoids(shapes, bodies, contacts, p, drive.width, has.periodic)
-    for p in prange(len(contacts.body_a)):
+    for p in prange(begin, end):
         if contacts.pending[p] != 0:
             search_ellipsoids(shapes, bodies, contacts, p, drive.width, has.periodic)
 
 
 @loops
-def find_potentials(shapes, bodies, contacts, drive, has):
+def find_potentials(shapes, bodies, contacts, drive, begin, end, has):
     """Find the contacts of ellipsoids by their potentials."""
-    for p in prange(len(contacts.body_a)):
+    for p in prange(begin, end):
         check_potentials(shapes, bodies, contacts, p, drive.width, has.periodic)
-    for p in prange(len(contacts.body_a)):
+    for p in prange(begin, end):
         if contacts.pending[p] != 0:
             search_potentials(shapes, bodies, contacts, p, drive.width, has.periodic)
 
 
 @loops
-def find_polyhedra(shapes, bodies, contacts, drive, has):
+def find_polyhedra(shapes, bodies, contacts, drive, begin, end, has):
     """Find the contacts of convex polyhedra."""
-    for p in prange(len(contacts.body_a)):
+    for p in prange(begin, end):
         check_polyhedra(shapes, bodies, contacts, p, drive.width, has.periodic)
-    for p in prange(len(contacts.body_a)):
+    for p in prange(begin, end):
         if contacts.pending[p] != 0:
             search_polyhedra(shapes, bodies, contacts, p, drive.width, has.periodic)
 
 
 @loops
-def find_mixed(shapes, bodies, contacts, drive, has):
+def find_mixed(shapes, bodies, contacts, drive, begin, end, has):
     """Find the contacts of ellipsoids and convex polyhedra, by the kinds of the two bodies."""
-    for p in prange(len(contacts.body_a)):
+    for p in prange(begin, end):
         check_mixed(shapes, bodies, contacts, p, drive.width, has.periodic)
-    for p in prange(len(contacts.body_a)):
+    for p in prange(begin, end):
         if contacts.pending[p] != 0:
             search_mixed(shapes, bodies, contacts, p, drive.width, has.periodic)
 
 
 @loops
-def find_inflated(shapes, bodies, contacts, drive, has):
+def find_inflated(shapes, bodies, contacts, drive, begin, end, has):
     """Find the touching contacts of convex polyhedra again, as the program of Rettinger et al. (2022) finds them."""
-    for p in prange(len(contacts.body_a)):
+    for p in prange(begin, end):
         if contacts.touching[p] != 0:
             find_inflated_contact(shapes, bodies, contacts, p, drive.width, has.periodic)
 
 
 @loops
-def find_patches(shapes, bodies, contacts, workspace, drive, has):
+def find_patches(shapes, bodies, contacts, workspace, drive, begin, end, has):
     """Find the patches of the touching contacts between two polyhedra."""
-    for p in prange(len(contacts.body_a)):
+    for p in prange(begin, end):
         if contacts.touching[p] != 0:
             i, j = contacts.body_a[p], contacts.body_b[p]
             if is_polyhedron(shapes, bodies, i) and is_polyhedron(shapes, bodies, j):

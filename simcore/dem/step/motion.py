@@ -14,6 +14,17 @@ from simcore.compilation import leaf
 from simcore.dem.vectors import Vec, minus, plus, read, write
 
 
+class StepWorkspace(NamedTuple):
+    """Working memory of a step, and how it passes on the forces of contacts."""
+
+    sums: np.ndarray  # (n, 6), with `adding`: force [N] and torque [N m] on each body by its weight and its contacts
+    moved: np.ndarray  # (k,) bool: whether each body of this rank has moved by more than its margin
+    adding: bool  # each force is added to the sums as soon as it is known; otherwise forces are stored and then added
+    storing: bool  # forces of contacts and net forces are stored
+    first: int  # index in Bodies.own of the first body whose contacts end with the present block
+    last: int  # and the index after the last one
+
+
 class Quaternion(NamedTuple):
     """An orientation, body to world; a quaternion of length 1."""
 
@@ -179,6 +190,47 @@ def _add_walls(walls, i):
         if walls.touching[w] != 0:
             force, torque = plus(force, read(walls.force, w)), plus(torque, read(walls.torque, w))
     return force, torque
+
+
+@leaf
+def begin_sums(bodies, sums, i, gravity):
+    """Begin the sums of force and torque on body i with its weight, as add_forces does."""
+    sums[i, 0], sums[i, 1], sums[i, 2] = 0.0, 0.0, -bodies.mass[i] * gravity
+    sums[i, 3], sums[i, 4], sums[i, 5] = 0.0, 0.0, 0.0
+
+
+@leaf
+def add_push(contacts, sums, p, push):
+    """Add force and torques of contact p to the sums of its bodies; see add_forces."""
+    a, b = contacts.body_a[p], contacts.body_b[p]
+    sums[a, 0] -= push.force.x
+    sums[a, 1] -= push.force.y
+    sums[a, 2] -= push.force.z
+    sums[a, 3] += push.torque_a.x
+    sums[a, 4] += push.torque_a.y
+    sums[a, 5] += push.torque_a.z
+    sums[b, 0] += push.force.x
+    sums[b, 1] += push.force.y
+    sums[b, 2] += push.force.z
+    sums[b, 3] += push.torque_b.x
+    sums[b, 4] += push.torque_b.y
+    sums[b, 5] += push.torque_b.z
+
+
+@leaf
+def take_sums(walls, sums, i, walled):
+    """Return force [N] and torque [N m] on body i: the sums over its contacts, then the walls; see add_forces."""
+    force, torque = Vec(sums[i, 0], sums[i, 1], sums[i, 2]), Vec(sums[i, 3], sums[i, 4], sums[i, 5])
+    if walled:
+        wall_force, wall_torque = _add_walls(walls, i)
+        return plus(force, wall_force), plus(torque, wall_torque)
+    return force, torque
+
+
+@leaf
+def note_moved(work, k, moved):
+    """Store whether the k-th body of this rank has moved; this is a leaf for the reason given in note_net_force."""
+    work.moved[k] = moved
 
 
 @leaf

@@ -6,8 +6,16 @@ features are captured as constants: numba removes every branch not taken, and ea
 One step has three stages. First the contacts of all candidate pairs and walls are found, each pair once, in its
 canonical order, from unshifted coordinates. Then the forces of all touching contacts are computed. Last, the forces on
 every body that this rank moves are added, contacts in order of (partner, image) and then walls, and the body is
-integrated (semi-implicit Euler: velocity first). Each iteration of a loop writes only to its own index, so the results
-are the same, to the bit, for any number of threads.
+integrated (semi-implicit Euler: velocity first).
+
+The results are the same, to the bit, for any number of threads. With several threads each iteration of a loop writes
+only to its own index: all forces are stored, and each body then reads those of its contacts. A single thread takes the
+contacts in blocks that stay in the processor's cache. It adds each force to the sums of both bodies as soon as the
+force is known. The order is that of (partner, image) here as well, because the contacts are sorted by (a, b, image).
+The exception is a pair that is listed through several images, whose order for b is the reverse; with such pairs a
+single thread stores the forces as several do. After each block it moves the bodies whose contacts are done: those
+below body a of the next row, because all later rows have higher bodies. It stores forces, net forces and, of spheres,
+overlaps and points only in the last of the steps, because nothing reads them before.
 """
 
 from functools import cache
@@ -37,12 +45,15 @@ from simcore.dem.step.force_stage import (
     press_contacts,
     press_hertzian_contacts,
     press_hertzian_walls,
+    press_spheres,
     press_walls,
     viscous_friction_at_contacts,
     viscous_friction_at_walls,
 )
+from simcore.dem.step.motion import StepWorkspace, begin_sums
 from simcore.dem.step.motion_stage import move_bodies, move_spheres
 
+BLOCK = 512  # number of contacts that a single thread takes through all loops before it takes the next ones
 STAGES = ("contact", "force", "integration")
 
 
@@ -63,7 +74,7 @@ def make_advance(features: Features):
 
     It steps until n_steps are done or the list is stale: a point of a body has moved by the body's margin since the
     listing, or a position is not finite. The caller then lists the candidate pairs again. With dt = 0 forces are
-    evaluated and nothing moves.
+    evaluated and nothing moves. If fewer than n_steps are done, outputs of Bodies and Contacts may be of a former step.
     state: State. law: ContactLaw, or HertzLaw if features.hertz is set.
     clock: (3,) int64, to which the processor cycles of each of STAGES are added if features.timed is set.
     """
@@ -78,28 +89,21 @@ def _make_advance(has: Features, several_threads: bool):
     kind, walled, patch = has.kind, has.floor or has.cylinder, has.patch
     potential, inflated, hertz, sliding = has.potential, has.inflated, has.hertz, has.sliding
     shaken, timed = has.shaken, has.timed
+    fused = kind == SPHERE and not (hertz or sliding or timed or several_threads)
 
     # This function has no prange loop itself; its decorator selects how the kernels with prange loops are compiled.
     @(parallel_kernel if several_threads else kernel)
     def advance(state, law, drive: Drive, clock, first_step, n_steps):
         shapes, bodies, contacts, walls, workspace = state
+        n_contacts = len(contacts.body_a)
         moved = np.zeros(len(bodies.own), np.bool_)
+        adding = not (several_threads or sliding or pairs_repeat(contacts))
+        sums = np.empty((len(bodies.mass) if adding else 0, 6))
+        for i in range(len(sums)):
+            begin_sums(bodies, sums, i, drive.gravity)
+        block = max(n_contacts, 1) if several_threads else BLOCK
         since = cycles()
         for step in range(n_steps):
-            if kind == SPHERE:
-                find_spheres(bodies, contacts, drive, has)
-            elif kind == ELLIPSOID and potential:
-                find_potentials(shapes, bodies, contacts, drive, has)
-            elif kind == ELLIPSOID:
-                find_ellipsoids(shapes, bodies, contacts, drive, has)
-            elif kind == MIXED:
-                find_mixed(shapes, bodies, contacts, drive, has)
-            else:
-                find_polyhedra(shapes, bodies, contacts, drive, has)
-            if inflated:
-                find_inflated(shapes, bodies, contacts, drive, has)
-            if patch:
-                find_patches(shapes, bodies, contacts, workspace, drive, has)
             if walled and kind == SPHERE:
                 find_walls_of_spheres(bodies, walls, drive)
             elif walled and kind == ELLIPSOID:
@@ -112,13 +116,6 @@ def _make_advance(has: Features, several_threads: bool):
                 find_wall_patches(shapes, bodies, walls, workspace, drive)
             if timed:
                 since = count_cycles(clock, 0, since)
-
-            if hertz:
-                press_hertzian_contacts(bodies, contacts, law, drive, has)
-            else:
-                press_contacts(bodies, contacts, law, drive, has)
-            if sliding:
-                viscous_friction_at_contacts(bodies, contacts, law, drive, has)
             if walled and hertz:
                 press_hertzian_walls(bodies, walls, law, drive, has)
             elif walled:
@@ -128,21 +125,74 @@ def _make_advance(has: Features, several_threads: bool):
             if timed:
                 since = count_cycles(clock, 1, since)
 
+            storing = not adding or step == n_steps - 1
             push = 0.0
             if shaken:
                 push = drive.shaking * np.sin(drive.shaking_rate * (first_step + step) * drive.dt)
-            if kind == SPHERE:
-                move_spheres(bodies, contacts, walls, drive, push, moved, has)
-            else:
-                move_bodies(shapes, bodies, contacts, walls, drive, push, moved, has)
-            if timed:
-                since = count_cycles(clock, 2, since)
+            last = 0
+            for begin in range(0, max(n_contacts, 1), block):
+                end = min(begin + block, n_contacts)
+                first, last = last, count_done(bodies, contacts, last, end)
+                work = StepWorkspace(sums, moved, adding, storing, first, last)
+                if fused:
+                    press_spheres(bodies, contacts, law, drive, begin, end, work, has)
+                elif kind == SPHERE:
+                    find_spheres(bodies, contacts, drive, begin, end, has)
+                elif kind == ELLIPSOID and potential:
+                    find_potentials(shapes, bodies, contacts, drive, begin, end, has)
+                elif kind == ELLIPSOID:
+                    find_ellipsoids(shapes, bodies, contacts, drive, begin, end, has)
+                elif kind == MIXED:
+                    find_mixed(shapes, bodies, contacts, drive, begin, end, has)
+                else:
+                    find_polyhedra(shapes, bodies, contacts, drive, begin, end, has)
+                if inflated:
+                    find_inflated(shapes, bodies, contacts, drive, begin, end, has)
+                if patch:
+                    find_patches(shapes, bodies, contacts, workspace, drive, begin, end, has)
+                if timed:
+                    since = count_cycles(clock, 0, since)
+                if hertz:
+                    press_hertzian_contacts(bodies, contacts, law, drive, begin, end, work, has)
+                elif not fused:
+                    press_contacts(bodies, contacts, law, drive, begin, end, work, has)
+                if sliding:
+                    viscous_friction_at_contacts(bodies, contacts, law, drive, begin, end, has)
+                if timed:
+                    since = count_cycles(clock, 1, since)
+                if kind == SPHERE:
+                    move_spheres(bodies, contacts, walls, drive, push, work, has)
+                else:
+                    move_bodies(shapes, bodies, contacts, walls, drive, push, work, has)
+                if timed:
+                    since = count_cycles(clock, 2, since)
             for k in range(len(moved)):
                 if moved[k]:
                     return step + 1, True
         return n_steps, False
 
     return advance
+
+
+@leaf
+def count_done(bodies, contacts, last, end):
+    """Return how many of the bodies of this rank have no contact in row `end` or later; at least `last` of them."""
+    done, n_own = last, len(bodies.own)
+    if end == len(contacts.body_a):
+        return n_own
+    while done < n_own and bodies.own[done] < contacts.body_a[end]:
+        done += 1
+    return done
+
+
+@leaf
+def pairs_repeat(contacts):
+    """Return whether a pair is listed through several images, or a body with its own image."""
+    a, b = contacts.body_a, contacts.body_b
+    repeated = len(a) > 0 and a[0] == b[0]
+    for p in range(1, len(a)):
+        repeated |= (a[p] == b[p]) | ((a[p] == a[p - 1]) & (b[p] == b[p - 1]))
+    return repeated
 
 
 @leaf

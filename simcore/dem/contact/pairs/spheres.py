@@ -10,7 +10,7 @@ def touch(bodies, pair):
 
     The normal of concentric spheres is not unique; x is returned.
     """
-    radius_a, radius_b = bodies.scale[pair.a, 0], bodies.scale[pair.b, 0]
+    radius_a, radius_b = bodies.radius[pair.a], bodies.radius[pair.b]
     distance = length(pair.offset)
     overlap = radius_a + radius_b - distance
     normal = Vec(1.0, 0.0, 0.0)

@@ -186,7 +186,7 @@ def test_a_lost_contact_forgets_its_springs_and_is_looked_for_again(pebbles):
     assert (contacts.spring[gone] == 0.0).all() and (contacts.spring[~gone] != 0.0).all()
     # Where the overlap is found, so is the point, but for what the normal's angle does over 2 MARGIN; an angle α costs
     # 2 MARGIN α² / 2 of depth.
-    right = contacts.overlap > OVERLAP - 4.0 * MARGIN * TOLERANCE
+    right = ~gone & (contacts.overlap > OVERLAP - 4.0 * MARGIN * TOLERANCE)
     off = np.linalg.norm(contacts.point - exact, axis=1)[right]
     assert right.sum() > 20 and off.max() < 2.0 * MARGIN * np.sqrt(8.0 * TOLERANCE)
     # Nothing has moved: the next step finds the same, and the exact search all of them.
