@@ -69,3 +69,22 @@ def test_a_changed_evaluation_packs_nothing(finished):
     rules = [rule for rule, _ in workplace.plan(*arguments, "--config", "porosity={cut: 5 mm}")]
     assert rules.count("porosity") == 7
     assert "packing" not in rules
+
+
+def test_tables_of_a_campaign_are_kept_as_the_default_ones_but_not_of_a_test(finished):
+    workplace, arguments = finished
+    status, said = workplace.run(*arguments, "--", "keep_default")
+    assert status != 0 and "`test_only` is set" in said
+    (workplace.folder / "keep.yaml").write_text("test_only: false\nreference: kept\n")
+    keep = ("keep.yaml", "--", "keep_default")
+    assert "packing" not in {rule for rule, _ in workplace.plan(*arguments, *keep)}
+    status, said = workplace.run(*arguments, *keep)
+    assert status == 0, said
+    results, kept = workplace.folder / "results" / "smoke", workplace.folder / "kept" / "default"
+    for folder, name, place in (
+        ("models", "single_form.csv", "models"),
+        ("tables", "single_form.csv", "."),
+        ("tables", "shaking_periodic.csv", "."),
+        ("campaign", "cost.csv", "."),
+    ):
+        assert (kept / place / name).read_text() == (results / folder / name).read_text()

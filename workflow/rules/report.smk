@@ -223,3 +223,18 @@ rule committed_studies:
         code=digest("workflow/scripts/committed_studies.py", *captions),
     script:
         "../scripts/committed_studies.py"
+
+
+# Keeps the tables of this campaign as those of the default campaign: snakemake --cores 1 -- keep_default
+rule keep_default:
+    input:
+        models=collect("<results>/models/{model}.csv", model=models),
+        tables=collect("<results>/tables/{study}.csv", study=studies),
+        cost="<results>/campaign/cost.csv",
+    log:
+        "<results>/logs/keep_default.log",
+    params:
+        folder=f"{committed_rows}/default",
+        test_only=campaign["test_only"],
+    script:
+        "../scripts/keep_default.py"

@@ -95,7 +95,8 @@ TABLES = {
     "models/size_and_form_*": (models.SIZE_AND_FORM, models.MODELS, COLUMNS),
     "models/*": (models.MODELS, COLUMNS),
     # Finished campaigns and committed rows have their tables of models beside those of studies.
-    "default/form_mixture": (models.MODELS, COLUMNS),
+    "default/models/application": (models.APPLICATION, models.MODELS, COLUMNS),
+    "default/models/*": (models.MODELS, COLUMNS),
     "committed/form_mixture": (models.MODELS, COLUMNS),
     "committed/single_form": (models.MODELS, COLUMNS),
     "*_correlations": (models.MODELS, COLUMNS),

@@ -1,0 +1,19 @@
+"""Copy the tables of a finished default campaign to the committed ones; those of models to a folder of their own."""
+
+import logging
+import shutil
+from pathlib import Path
+
+from simcore.campaign.gathering import check_gathered
+
+logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
+folder = Path(snakemake.params.folder)
+check_gathered(str(folder), snakemake.params.test_only, "config/config.yaml")
+for paths, place in (
+    ([*snakemake.input.tables, snakemake.input.cost], folder),
+    (snakemake.input.models, folder / "models"),
+):
+    place.mkdir(parents=True, exist_ok=True)
+    for path in paths:
+        shutil.copy(path, place)
+        logging.info("%s", place / Path(path).name)
