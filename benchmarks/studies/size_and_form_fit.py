@@ -21,6 +21,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
+from simcore.campaign.gathering import table_of
 from simcore.models.fitting import fit_reference_models
 from simcore.models.size_and_form.bases import PROCESS, fit_bases
 from simcore.models.size_and_form.beds import BASE, flags, form_labels, read_beds
@@ -42,28 +43,35 @@ SPHERES_BY, FEWEST_SPHERES = ("L", "F", "H"), 4
 
 
 def read_rows(study=STUDY, configuration=CONFIGURATION):
-    """Return the rows of the packed beds of a study, with width_m, after_s and fall_s; ValueError if there are none.
+    """Return the rows of the packed beds of a study; ValueError if there are none.
 
-    configuration: the overlay with the study. after_s, fall_s: as in simcore.models.size_and_form.bases.
+    They have width_m, mass_kg, and after_s and fall_s as in simcore.models.size_and_form.bases. configuration: the
+    overlay with the study.
     """
-    path = REFERENCE / f"{study}.csv"
+    path = REFERENCE / f"{table_of(study)}.csv"
     if not path.exists():
         raise ValueError(
             f"{path}: there are no packed beds yet; pack them with snakemake --cores 1 --configfile "
             f"config/{configuration.name} -- {study}_piece_1, and then the target collect"
         )
     rows = pd.read_csv(path)
+    if "study" in rows:  # of several studies
+        rows = rows[rows["study"] == study].reset_index(drop=True)
+        if rows.empty:
+            raise ValueError(f"{path} has no bed of {study} yet; pack it")
     fixed = yaml.safe_load(configuration.read_text(encoding="utf-8"))["studies"][study]["fixes"]
-    # Any curve, amount and width: they have no effect on what is read here.
+    # Any curve, amount and width where the rows have them: they have no effect on what is read here.
+    sizes, amount = {"case": BASE} | fixed.get("sizes", {}), {"mass": "1 kg"} | fixed.get("amount", {})
     domain = {"width": "63 mm"} | fixed["domain"]
-    any_bed = fixed | {"sizes": {"case": BASE}, "amount": {"mass": "1 kg"}, "domain": domain}
-    settings = resolve(any_bed, "packing")
+    settings = resolve(fixed | {"sizes": sizes, "amount": amount, "domain": domain}, "packing")
     shaking = pd.Series(np.nan, rows.index) if "shaking_s" not in rows else rows["shaking_s"]
     rows["after_s"] = shaking.fillna(settings["shaking"]["duration"])
     gravity = Material(**settings["material"]).effective_gravity
     rows["fall_s"] = fall_time(settings["domain"]["height"], -settings["generation"]["velocity_z"], gravity)
     if "width_m" not in rows:
         rows["width_m"] = settings["domain"]["width"]
+    if "mass_kg" not in rows:
+        rows["mass_kg"] = settings["amount"]["mass"]
     return rows
 
 

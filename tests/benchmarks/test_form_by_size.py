@@ -1,0 +1,50 @@
+"""Beds in which form depends on size: forms of each class as specified, and the rule on predictions by class."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from benchmarks.studies import form_by_size
+from benchmarks.studies.form_by_size import USED, comparison, confirmed, ranges, statistics_by_class
+from simcore.grains.statistics import equancy_statistics
+from simcore.scene.sizes import all_cases
+
+
+def test_each_class_has_the_form_that_its_bed_was_specified_with():
+    curve = all_cases()["U5"].curve
+    flat_coarse, flat_fine = (
+        statistics_by_class(curve, ranges(study)) for study in ("flat_coarse_grains", "flat_fine_grains")
+    )
+    fine = curve.bounds[1:] < 8.1e-3
+    coarse = curve.bounds[:-1] > 11.1e-3
+    assert fine.sum() >= 2 and coarse.sum() >= 2
+    round_form, flat_form = (equancy_statistics(flatness, 0.1, 0.7, 0.1)[0] for flatness in (0.75, 0.4))
+    np.testing.assert_allclose(flat_coarse["mu_EQ"][fine], round_form)
+    np.testing.assert_allclose(flat_coarse["mu_EQ"][coarse], flat_form)
+    np.testing.assert_allclose(flat_fine["mu_EQ"][fine], flat_form)
+    np.testing.assert_allclose(flat_fine["mu_EQ"][coarse], round_form)
+    assert (flat_fine[["mu_EL", "sigma_EL"]] == [0.7, 0.1]).all(axis=None)
+
+
+def test_a_packed_bed_is_predicted_from_both(monkeypatch):
+    """A model that returns the mean of its one-class porosities shows what it was given."""
+    given = {USED: lambda curve, n1, n_ref: np.mean(n1)}
+    monkeypatch.setattr(form_by_size, "models", lambda: given)
+    (row,) = comparison(("flat_coarse_grains",)).to_dict("records")
+    by_class, together = (row["n"] + row[f"{kind}_{USED}"] for kind in ("by_class", "together"))
+    assert 0.33 < by_class < 0.38 and 0.33 < together < 0.38
+    assert by_class != together
+
+
+def test_a_bed_that_is_not_packed_is_named(monkeypatch, tmp_path):
+    table = pd.read_csv(form_by_size.REFERENCE / "form_by_size.csv")
+    table[table["study"] == "flat_coarse_grains"].to_csv(tmp_path / "form_by_size.csv", index=False)
+    monkeypatch.setattr("benchmarks.studies.size_and_form_fit.REFERENCE", tmp_path)
+    with pytest.raises(ValueError, match="has no bed of flat_fine_grains yet"):
+        form_by_size.read_rows("flat_fine_grains")
+
+
+@pytest.mark.parametrize("by_class, expected", [([0.01, -0.02], False), ([0.01, -0.01], True), ([0.0, 0.015], True)])
+def test_predictions_by_class_are_confirmed_by_the_mean_square_of_both_beds(by_class, expected):
+    table = pd.DataFrame({f"by_class_{USED}": by_class, f"together_{USED}": [0.015, 0.0]})
+    assert confirmed(table) is expected
