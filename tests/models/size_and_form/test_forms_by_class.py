@@ -118,6 +118,14 @@ def test_the_command_and_the_function_use_the_classes(table, capsys):
     assert line.startswith(BY_CLASS) and f"{n:.10f}"[:8] in line
 
 
+def test_the_text_says_that_predictions_by_class_were_not_confirmed(table, capsys):
+    curve = ROOT / "examples" / "sieve_curve.csv"
+    assert main(["predict", str(table(f"1.9-16 mm,{FLAT}")), "--sieve", str(curve)]) == 0
+    assert "Not confirmed: on two packed beds" in capsys.readouterr().out
+    assert main(["predict", str(ROOT / "examples" / "forty_grains.csv"), "--sieve", str(curve)]) == 0
+    assert "Not confirmed" not in capsys.readouterr().out
+
+
 def test_pack_writes_the_forms_of_each_class(table, tmp_path):
     path, curve = table(f"1.9-5.6 mm,{FLAT}", f"5.6-16 mm,{ROUND}"), ROOT / "examples" / "sieve_curve.csv"
     assert main(["predict", str(path), "--sieve", str(curve), "--pack", str(tmp_path / "bed.yaml")]) == 0
