@@ -45,8 +45,8 @@ SPHERES_BY, FEWEST_SPHERES = ("L", "F", "H"), 4
 def read_rows(study=STUDY, configuration=CONFIGURATION):
     """Return the rows of the packed beds of a study; ValueError if there are none.
 
-    They have width_m, mass_kg, and after_s and fall_s as in simcore.models.size_and_form.bases. configuration: the
-    overlay with the study.
+    They have width_m, mass_kg, and after_s and fall_s as in simcore.models.size_and_form.bases. configuration: path
+    of the configuration that has the study.
     """
     path = REFERENCE / f"{table_of(study)}.csv"
     if not path.exists():

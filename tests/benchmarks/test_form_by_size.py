@@ -44,6 +44,11 @@ def test_a_bed_that_is_not_packed_is_named(monkeypatch, tmp_path):
         form_by_size.read_rows("flat_fine_grains")
 
 
+def test_predict_says_what_the_packed_beds_show():
+    """NOT_CONFIRMED in bed_prediction_text is a sentence on these beds; if this fails, take the sentence out."""
+    assert not confirmed(comparison())
+
+
 @pytest.mark.parametrize("by_class, expected", [([0.01, -0.02], False), ([0.01, -0.01], True), ([0.0, 0.015], True)])
 def test_predictions_by_class_are_confirmed_by_the_mean_square_of_both_beds(by_class, expected):
     table = pd.DataFrame({f"by_class_{USED}": by_class, f"together_{USED}": [0.015, 0.0]})
