@@ -45,6 +45,10 @@ COLUMNS = {
         ["case", "grain", "representation", "width_m", "mass_kg", "shaking_s", "batch_solid_fraction", "seed"],
         [],
     ),
+    "base_forms": (
+        ["case", "grain", "mu_FL_nominal", "sigma_FL_nominal", "mu_EL_nominal", "sigma_EL_nominal", "seed"],
+        [],
+    ),
     "lattice_beds": (["case", "grain", "representation", "width_m", "mass_kg", "seed"], []),
     "trends": (["source", "study", "packing", "quantity"], []),
 }
@@ -55,7 +59,10 @@ ORDER = {
 }
 LEDGER = ["study", "source", "packing", "settings", "cpu_s", "grain_steps", "code"]
 # Tables whose rows also have the columns of simcore.campaign.composition_columns.
-COMPOSED = {"size_and_form", "lattice_beds", "form_by_size", "base_time", "base_rate", "base_size", "base_process"}
+COMPOSED = {
+    "size_and_form", "lattice_beds", "form_by_size",
+    "base_time", "base_rate", "base_size", "base_process", "base_forms",
+}  # fmt: skip
 # Studies whose name begins with a key share that table; any other study has its own table.
 TABLES = {"single_form": "single_form", "equivalent_ellipsoids": "single_form", "form_mixtures": "form_mixture"}
 TABLES |= {"flat_coarse_grains": "form_by_size", "flat_fine_grains": "form_by_size"}
