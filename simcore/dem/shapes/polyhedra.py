@@ -109,11 +109,17 @@ def hint_cell(x, y, z):
 
 
 @leaf
-def climb_from_hint(shapes, shape, dx, dy, dz):
-    """Climb as `climb`, but start from the hint for the direction; for directions far from the last one."""
+def hint(shapes, shape, dx, dy, dz):
+    """Return a vertex near the one farthest along a direction of the base frame, from which a climb is short."""
     if not abs(dx) + abs(dy) + abs(dz) > 0.0:
         return shapes.vertex_start[shape]
-    return climb(shapes, shapes.hints[shape, hint_cell(dx, dy, dz)], dx, dy, dz)
+    return np.int64(shapes.hints[shape, hint_cell(dx, dy, dz)])
+
+
+@leaf
+def climb_from_hint(shapes, shape, dx, dy, dz):
+    """Climb as `climb`, but start from the hint for the direction; for directions far from the last one."""
+    return climb(shapes, hint(shapes, shape, dx, dy, dz), dx, dy, dz)
 
 
 @leaf
@@ -180,6 +186,12 @@ def support_vertex(shapes, bodies, i, vertex, nx, ny, nz):
 def base_direction_of(bodies, i, normal):
     """Return `base_direction` for a vector, as a vector."""
     return Vec(*base_direction(bodies, i, normal.x, normal.y, normal.z))
+
+
+@leaf
+def hint_along(shapes, bodies, i, normal):
+    """Return `hint` for body i and a vector in world axes."""
+    return hint(shapes, bodies.shape[i], *base_direction(bodies, i, normal.x, normal.y, normal.z))
 
 
 @leaf

@@ -19,7 +19,7 @@ from simcore.dem.contact.search.pair_frame import Facet
 from simcore.dem.contact.search.polyhedra import search_pair, world_difference, world_support
 from simcore.dem.contact.search.scratch import scratch
 from simcore.dem.contact.search.simplex import segment_weights, triangle_weights
-from simcore.dem.shapes.polyhedra import vertex_of
+from simcore.dem.shapes.polyhedra import hint_along, vertex_of
 from simcore.dem.vectors import (
     ZERO,
     Contact,
@@ -190,12 +190,13 @@ def _gap_of_simplex(shapes, bodies, contacts, p, pair):
 @routine
 def search_contact(shapes, bodies, contacts, p, pair):
     """Search the contact of candidate pair p by GJK and EPA."""
-    a, b = _vertex(contacts, p, 0), _vertex(contacts, p, 3)
-    if a < 0:
-        a, b = shapes.vertex_start[bodies.shape[pair.a]], shapes.vertex_start[bodies.shape[pair.b]]
     normal = read(contacts.direction, p)
     if normal.x == 0.0 and normal.y == 0.0 and normal.z == 0.0:
         normal = direction_of(pair.offset)
+    a, b = _vertex(contacts, p, 0), _vertex(contacts, p, 3)
+    if a < 0:
+        a = hint_along(shapes, bodies, pair.a, normal)
+        b = hint_along(shapes, bodies, pair.b, negative(normal))
     result = search_pair(shapes, bodies, pair, a, b, normal, GAP_SLACK)
     _write_facet(contacts, p, result.facet)
     if result.distance >= 0.0:

@@ -5,11 +5,14 @@ Tolerances: depth and gap are sums of products of coordinates of the pair's size
 precision gives (some hundred eps), and that is asserted.
 """
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact.pairs.polyhedra import GAP_SLACK
+from simcore.dem.shapes.polyhedra import climb, collect_shapes, hint
 from tests.helpers.contact_pairs import certain_gap, place_pairs, signed_distance, update_polyhedra
 from tests.helpers.polyhedra import CUBE, TETRAHEDRON, make_polyhedron
 from tests.helpers.rotations import IDENTITY, X45, Y45, Z45, random_orientations
@@ -70,6 +73,16 @@ def clouds():
             points = rng.uniform(-1.0, 1.0, points.shape)
         hulls.append(make_polyhedron(points / np.abs(points).max()))
     return hulls
+
+
+def test_a_climb_from_a_hint_ends_at_the_farthest_vertex(clouds):
+    shapes, rng = collect_shapes(clouds[:60]), np.random.default_rng(8)
+    for shape, direction in itertools.product(range(60), directions(20, rng)):
+        start = hint(shapes, shape, *direction)
+        assert shapes.vertex_start[shape] <= start < shapes.vertex_start[shape + 1]
+        heights = clouds[shape].vertices @ direction
+        assert climb(shapes, start, *direction) == shapes.vertex_start[shape] + np.argmax(heights)
+    assert hint(shapes, 7, 0.0, 0.0, 0.0) == shapes.vertex_start[7]
 
 
 @pytest.mark.parametrize("size, common", [(1.0, 0.0), (1e-6, 0.0), (1e-3, 1e3), (1e3, 0.0)])
