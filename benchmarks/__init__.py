@@ -1,8 +1,8 @@
-"""Measurements, as figures and never as tests. Run from the repository root: python -m benchmarks.speed.throughput.
+"""Measurements, not tests. Run them from the repository root: python -m benchmarks.speed.throughput.
 
-speed/        what the code costs: one bed, each feature, over sizes and ranks, beside other programs
-correctness/  that results are right: the same bits on any ranks, exact contacts, faults that are met
-studies/      measurements that constants and statements of the documentation rest on
+    speed/        cost of the code: one bed, each feature, over sizes and ranks, beside other programs
+    correctness/  checks of results: the same bits on any ranks, exact contacts, behaviour after faults
+    studies/      measurements behind constants and statements of the documentation
 
-beds makes and keeps the beds, measurement steps them.
+The module `beds` makes and stores the beds, and `measurement` measures steps in them.
 """

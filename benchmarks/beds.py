@@ -1,7 +1,7 @@
-"""Beds to measure in: poured once, kept in a file, tiled, exported to other codes.
+"""Beds to measure in: poured once, stored in a file, tiled, and exported for other programs.
 
-A file holds where the grains are and how they move, nothing of the core's own memory (neighbour list, springs, facets),
-so that versions of the code can be compared on one and the same bed. It is found by everything that decides it.
+A file has the shapes, positions and motion of the grains, but no neighbour list and no remembered contacts, so that
+versions of the code can be compared in the same bed. Its name has a digest of everything that determines the bed.
 """
 
 import dataclasses
@@ -24,22 +24,26 @@ from simcore.packing.process import Process
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
-FORMAT = 1  # of the file; a bed of another one is not read
+FORMAT = 1  # version of the file; files of other versions are not read
 SHAPES = {"sphere": "sphere", "ellipsoid": "ellipsoid", "polyhedron": "polyhedron"}
-SPHERE_DIAMETER = 6.7e-3  # [m], the geometric middle of U1
-# Volume over π/6 D³ of the default ellipsoid; the synthetic pebbles' is like it. The box's width needs no more.
+SPHERE_DIAMETER = 6.7e-3  # [m], geometric mean of the bounds of U1
+# Volume of a grain over π/6 D³: that of the ellipsoids. Pebbles have nearly the same, which is enough for the width.
 FILLING = {"sphere": 1.0, "ellipsoid": 1.45, "polyhedron": 1.45}
-SOLID_FRACTION, ASPECT = 0.6, 2.0  # expected of the bed; its height over its width
-LEAST_WIDTH = 2.5  # of the largest sieve size
-POURING_CONTACT_TIME = 1e-3  # [s]: five times fewer steps, and beds that differ by the overlaps only
-POURING_SHAKEN = 0.3  # [s], after the last grain has fallen
-# Contacts 25 times stiffer spring apart and fluidise the bed for five periods, unless they are held at first.
+SOLID_FRACTION, ASPECT = 0.6, 2.0  # expected solid fraction; height of the bed over its width
+LEAST_WIDTH = 2.5  # in largest sieve sizes
+POURING_CONTACT_TIME = 1e-3  # [s]: a fifth of the steps; the beds differ only in their overlaps
+POURING_SHAKEN = 0.3  # [s] of shaking after the last grain has fallen
+# Contacts that become 25 times stiffer push the grains apart and fluidise the bed for five periods. Therefore all
+# velocities are first set to 0 after every HELD_STEPS steps, HOLDS times.
 HELD_STEPS, HOLDS = 20, 50
 RELAXING = 0.1  # [s] of shaking at the default contact time: four periods
 
 
 class Bed(NamedTuple):
-    """Grains of a shaken bed by id. Scale (n, 3), orientation (n, 4), others (n, 3) or (n,); SI."""
+    """Grains of a shaken bed in the order of their ids, in SI units.
+
+    shape and sieve_size are (n,), orientation (n, 4) are quaternions, all others are (n, 3).
+    """
 
     shape: np.ndarray
     scale: np.ndarray
@@ -51,10 +55,11 @@ class Bed(NamedTuple):
 
 
 def bed_settings(shape, grains, faces=300, seed=1, overrides=None):
-    """Raw specification of a bed about twice as high as wide; overrides: nested dict laid over it.
+    """Return the raw specification of a bed about twice as high as wide.
 
-    Spheres are equal (other codes take one stiffness for all pairs), the others are of U1. Ellipsoids are
-    1 : 0.75 : 0.5, polyhedra random synthetic pebbles decimated to `faces`, or "original".
+    Spheres have one size, because other programs have one stiffness for all pairs; the other shapes have the sieve
+    curve U1. Ellipsoids have the axes 1 : 0.75 : 0.5. Polyhedra are random synthetic pebbles with this number of faces,
+    or with all faces ("original"). overrides: nested dict of settings that override these.
     """
     largest = 8e-3
     volume = grains * FILLING[shape] * np.pi / 6 * SPHERE_DIAMETER**3 / SOLID_FRACTION
@@ -68,7 +73,7 @@ def bed_settings(shape, grains, faces=300, seed=1, overrides=None):
         "amount": {"grains": grains},
         "numerics": {"progress_interval": "30 s"},
     }
-    if shape == "sphere":  # a class must have a width
+    if shape == "sphere":  # a sieve class must have a width
         equal = [f"{SPHERE_DIAMETER!r} m", f"{SPHERE_DIAMETER * (1 + 1e-9)!r} m"]
         settings["sizes"] = {"bounds": equal, "mass_fractions": [1.0], "allow_few_top_grains": True}
     elif shape == "ellipsoid":
@@ -80,7 +85,7 @@ def bed_settings(shape, grains, faces=300, seed=1, overrides=None):
 
 
 def read_overrides(assignments):
-    """Nested dict of assignments "group.key=value", values as in YAML; ValueError where one is not of that form."""
+    """Return the nested dict of assignments "group.key=value" with YAML values; ValueError if one has another form."""
     overrides = {}
     for assignment in assignments:
         path, equals, value = assignment.partition("=")
@@ -94,15 +99,15 @@ def read_overrides(assignments):
 
 
 def prepare(settings):
-    """Setup of raw settings."""
+    """Return the Setup of a raw specification."""
     return set_up(resolve(settings), load_grains)
 
 
 def settled_bed(settings, cache, report=lambda line: None):
-    """The bed of raw settings, from the folder `cache` or poured now and put there.
+    """Return the Bed of a raw specification: from the folder `cache`, or poured now and stored there.
 
-    `numerics` decides nothing of it: a bed is poured at a contact time of 1 ms and then shaken at 0.2 ms, whole
-    periods, so that shaking goes on from its phase 0.
+    `numerics` has no effect on the bed. It is poured with a contact time of 1 ms and then shaken with 0.2 ms for whole
+    periods, so that shaking continues from phase 0.
     """
     pouring = {"contact_time": f"{POURING_CONTACT_TIME!r} s", "progress_interval": "30 s"}
     settings = {**settings, "numerics": pouring}
@@ -120,12 +125,12 @@ def settled_bed(settings, cache, report=lambda line: None):
 
 
 def _key(settings, bases):
-    """Digest (16 digits) of everything that decides a bed."""
+    """Return a digest (16 hexadecimal digits) of everything that determines a bed."""
     resolved = {key: value for key, value in resolve(settings).items() if key not in ("name", "numerics")}
     recipe = [FORMAT, POURING_CONTACT_TIME, POURING_SHAKEN, HELD_STEPS, HOLDS, RELAXING]
     digest = hashlib.sha256(json.dumps([recipe, resolved], sort_keys=True).encode())
     for base in bases:
-        # Round-off of another machine makes no other grain.
+        # Rounding makes the digest independent of the round-off of the machine.
         digest.update(np.round(base.vertices / np.cbrt(base.volume), 6).tobytes())
     return digest.hexdigest()[:16]
 
@@ -153,16 +158,16 @@ def _pour(setup, report):
 
 
 def bed_of(process, sieve_size):
-    """The Bed that a Process is in."""
+    """Return the current Bed of a Process; sieve_size (n,) [m]."""
     b = process.bodies
-    upright = np.tile([1.0, 0.0, 0.0, 0.0], (len(b.shape), 1))  # spheres carry no orientation
+    upright = np.tile([1.0, 0.0, 0.0, 0.0], (len(b.shape), 1))  # spheres have no orientation
     orientation = b.orientation if len(b.orientation) else upright
     fields = (b.shape, b.scale, sieve_size, b.position, orientation, b.velocity, b.angular_velocity)
     return Bed(*(field.copy() for field in fields))
 
 
 def start(setup, bed, report=lambda line: None, **options):
-    """A Process of the setup's scene in that bed, with an empty memory of contacts; options go to Process."""
+    """Return a Process of the setup's scene with this bed and no remembered contacts; options go to Process."""
     process = Process(setup.scene, setup.bases, setup.draw, report, **options)
     bodies = make_bodies(
         setup.bases,
@@ -180,7 +185,7 @@ def start(setup, bed, report=lambda line: None, **options):
 
 
 def tile(setup, bed, times):
-    """Setup and Bed of times × times copies side by side in a periodic box that many times as wide."""
+    """Return the Setup and Bed of times × times copies side by side, in a periodic box that many times as wide."""
     domain = setup.scene.domain
     wide = dataclasses.replace(domain, width=times * domain.width)
     fields = {name: np.concatenate([field] * times**2) for name, field in bed._asdict().items()}
@@ -192,10 +197,11 @@ def tile(setup, bed, times):
 
 
 def export_bed(path, setup, bed, steps):
-    """Write the bed, all that decides its motion, and the number of steps to measure as .npz for benchmarks/others.
+    """Write the bed, all that determines its motion, and the number of steps, as .npz for benchmarks/speed/others.
 
-    Arrays of Bed, centres wrapped into a periodic box; scalars in SI; vertices and faces of all base shapes with where
-    each starts. stiffness [1/s²] and damping [1/s] are per effective mass, tangential and root_tangential their ratios.
+    The file has the arrays of Bed, with centres wrapped into a periodic box; scalars in SI units; and the vertices and
+    faces of all base shapes, with the index where those of each shape start. stiffness [1/s²] and damping [1/s] are per
+    effective mass; tangential and root_tangential are the ratios of tangential to normal stiffness and damping.
     """
     scene = setup.scene
     fields = bed._asdict()

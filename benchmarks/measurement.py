@@ -1,4 +1,4 @@
-"""CPU time of steps in a shaken bed, and what goes with the figure: contacts, solid fraction, memory, machine."""
+"""CPU time of steps in a shaken bed, with contacts, solid fraction, memory and machine."""
 
 import os
 import platform
@@ -14,19 +14,19 @@ from simcore.packing.file import packing_dataset
 from simcore.packing.packed import SHAKING, Packed
 
 FIRST_STEPS = 3
-REMEMBERING = 0.005  # [s] of steps before the measurement, in which contacts find their springs and facets
+REMEMBERING = 0.005  # [s] of steps before the measurement, after which contacts are remembered ones
 STRETCHES = 10
 LEAST_SOLID_FRACTION = 0.55
 
 
 class LooseBed(RuntimeError):
-    """The bed is too loose for its figure to mean anything."""
+    """The bed is too loose for its cost to represent that of a packing."""
 
 
 def compile_steps(setup):
-    """Compile all that steps the setup's scene, on a dozen grains that touch nothing; dict of the seconds it took.
+    """Compile the step of the setup's scene with twelve grains that do not touch; return a dict with the time [s].
 
-    Call it before anything of that scene has run. What numba's cache on disk holds is only loaded.
+    Call this before anything of the scene has run. `compiled_anew` is False if numba loaded the step from its cache.
     """
     ids = np.arange(12)
     drawn = setup.draw(ids)
@@ -43,9 +43,9 @@ def compile_steps(setup):
 
 
 def measure(setup, bed, duration, warm_up=REMEMBERING, phase=SHAKING, **options):
-    """Figures (dict) of `duration` [s] of a phase after `warm_up` [s], list rebuilds included; and the Process.
+    """Return the figures (dict) of `duration` [s] of a phase after `warm_up` [s], and the Process.
 
-    options: of Process.
+    The CPU time includes that of new neighbour lists. options: those of Process.
     """
     process = start(setup, bed, **options)
     n = len(bed.shape)
@@ -58,8 +58,8 @@ def measure(setup, bed, duration, warm_up=REMEMBERING, phase=SHAKING, **options)
         process.advance(stretch, phase)
         cpu.append((time.process_time() - cpu_began) / stretch / n * 1e6)
     wall = (time.perf_counter() - began) / (STRETCHES * stretch) / n * 1e6
-    seen = [check[2] for check in process.checks[checks:]]
-    contacts = 0.5 * float(np.mean([each.coordination for each in seen]))  # each counts for both grains
+    observed = [check[2] for check in process.checks[checks:]]
+    contacts = 0.5 * float(np.mean([item.coordination for item in observed]))  # each contact counts for both grains
     cpu_us = float(np.mean(cpu))
     pairs = len(process.contacts.body_a)
     figures = {
@@ -71,8 +71,8 @@ def measure(setup, bed, duration, warm_up=REMEMBERING, phase=SHAKING, **options)
         "wall_us_per_contact_step": wall / contacts if contacts else None,
         "contacts_per_grain": contacts,
         "near_pairs_per_grain": pairs / n,
-        "kinetic_energy_per_grain": float(np.mean([each.kinetic_energy for each in seen])) / n,
-        "mean_overlap": float(np.mean([each.mean_overlap for each in seen])),
+        "kinetic_energy_per_grain": float(np.mean([item.kinetic_energy for item in observed])) / n,
+        "mean_overlap": float(np.mean([item.mean_overlap for item in observed])),
         "bytes_per_grain": _bytes(process.bodies) / n,
         "bytes_per_contact_pair": _bytes(process.contacts) / pairs if pairs else None,
         "steps": STRETCHES * stretch,
@@ -81,7 +81,7 @@ def measure(setup, bed, duration, warm_up=REMEMBERING, phase=SHAKING, **options)
 
 
 def measure_shares(setup, bed, duration):
-    """Shares of a step's parts, from a run of its own with clocks in it."""
+    """Return the share of each part of a step in its time (dict), from a separate run with timers."""
     process = start(setup, bed, timed=True)
     process.advance(max(round(REMEMBERING / process.dt), 1), SHAKING)
     before = dict(process.stepper.seconds)
@@ -92,10 +92,10 @@ def measure_shares(setup, bed, duration):
 
 
 def solid_fraction(setup, process, specification):
-    """Solid fraction of the middle of the bed, slices of 1 mm between the quartiles of the grains' heights.
+    """Return the solid fraction of the middle of the bed: slices of 1 mm between the quartiles of the grains' heights.
 
-    Grains are sliced exactly. Unlike simcore.evaluation.porosity.bulk_porosity it asks for no surface, which a shaken
-    or a narrow bed may not have.
+    The slices are exact. Unlike simcore.evaluation.porosity.bulk_porosity, this requires no surface, which a shaken or
+    a narrow bed may lack.
     """
     process.evaluate()
     packed = Packed(
@@ -112,16 +112,16 @@ def solid_fraction(setup, process, specification):
 
 
 def check_solid_fraction(name, fraction, least=LEAST_SOLID_FRACTION):
-    """LooseBed where the fraction is below the least."""
+    """Raise LooseBed if the solid fraction is smaller than `least`."""
     if fraction < least:
         raise LooseBed(
-            f"{name}: the middle of the bed is {fraction:.3f} solid, less than {least:g}: it has not settled, or is "
-            f"shaken loose; the cost of a step in it says nothing about a packing"
+            f"{name}: the solid fraction in the middle of the bed is {fraction:.3f}, less than {least:g}. The bed has "
+            "not settled, or shaking loosens it; the cost of its steps does not represent that of a packing."
         )
 
 
 def machine():
-    """What ran it, (dict)."""
+    """Return a dict that describes the machine, the software and the version of the code."""
     return {
         "cpu": _cpu_name(),
         "cores": os.cpu_count(),

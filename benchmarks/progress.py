@@ -1,4 +1,4 @@
-"""Progress messages of benchmarks, apart from their results on stdout."""
+"""Progress messages of benchmarks on stderr, so that stdout contains only results."""
 
 import sys
 

@@ -1,1 +1,1 @@
-"""That results are right: the same bits on any ranks, exact contacts, faults that are met."""
+"""Checks of results: the same bits on any ranks, exact contacts, behaviour after faults."""

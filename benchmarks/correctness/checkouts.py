@@ -1,11 +1,12 @@
-"""The same bits from two checkouts of the code: twelve scenes packed with each, and all their arrays compared.
+"""Compare the bits of packings by two checkouts of the code: twelve scenes, all arrays.
 
     git worktree add /tmp/before COMMIT
     python -m benchmarks.correctness.checkouts /tmp/before [--scenes NAME ...] [--folder FOLDER]
 
-The six examples and six scenes of other kinds, contacts and laws are packed by the command line of either checkout,
-which share no module. Exit status 1 where a bit differs. Files are kept in FOLDER (folder/NAME.before.nc and
-folder/NAME.after.nc), and a scene whose files are there is not packed again. Minutes of CPU time, plus compilation.
+The scenes are the six examples and six with other shapes, contacts and laws. Each checkout packs them by its own
+command line, so that the two share no module. The exit status is 1 if a bit differs. The packings are stored as
+FOLDER/NAME.before.nc and FOLDER/NAME.after.nc; a packing that is already there is not packed again. The check takes
+minutes of CPU time, plus compilation.
 """
 
 import argparse
@@ -25,7 +26,7 @@ from simcore.paths import ROOT
 from simcore.scene.identity import with_former_names
 
 EXAMPLES = ("spheres", "ellipsoids", "polyhedra", "mixture", "cylinder", "deposit")
-# The draw of a curve whose classes have unequal ratios has been corrected since: the example's cylinder with U3's.
+# The cylinder gets the curve U3, because the draw from curves with classes of unequal ratios has been corrected since.
 CHANGES = {"cylinder": {"sizes": {"case": "U3", "bounds": None, "mass_fractions": None}}}
 FEW = {
     "seed": 5,
@@ -34,7 +35,7 @@ FEW = {
     "amount": {"grains": 50},
     "shaking": {"duration": "0.1 s"},
 }
-# Contacts of all ages are what counts, so that beds need not come to rest.
+# The comparison requires contacts of all ages, so the beds need not come to rest.
 LINEAR = {
     "numerics": {"contact_time": "2 ms"},
     "convergence": {"max_speed": "1 m/s", "max_unbalanced_force": 10, "height_change": "1 cm"},
@@ -69,12 +70,12 @@ FURTHER = {
     "two_ranks": {"shapes": {"kind": "sphere"}, "domain": {"width": "45 mm"}, "amount": {"grains": 120}},
 }
 RANKS = {"two_ranks": 2}
-# Attributes that name the code, or were added to the files since.
+# Attributes that are not compared: those of the run and of the code, and the scene, whose keys have changed since.
 NAMES_THE_CODE = (*RUN_ATTRIBUTES, "code_version", "source", "scene")
 
 
 def specification(name) -> dict:
-    """The raw specification of a scene, as a YAML file has it."""
+    """Return the raw specification of a scene, as in a YAML file."""
     if name in FURTHER:
         hertz = "law" in FURTHER[name].get("material", {})
         return merge(FEW, {} if hertz else LINEAR, {"name": name}, FURTHER[name])
@@ -83,7 +84,7 @@ def specification(name) -> dict:
 
 
 def pack(checkout: Path, name: str, output: Path) -> None:
-    """Pack a scene with the code of a checkout; RuntimeError with its last lines where that fails."""
+    """Pack a scene with the code of a checkout into `output`; RuntimeError with its last lines if that fails."""
     source = output.with_suffix(".yaml")
     scene = specification(name)
     if "polyhedron_contact" not in (checkout / "config" / "packing.schema.yaml").read_text(encoding="utf-8"):
@@ -92,14 +93,14 @@ def pack(checkout: Path, name: str, output: Path) -> None:
     command = [sys.executable, "-m", "simcore", "launch", str(source), str(output), "--ranks", str(RANKS.get(name, 1))]
     environment = {**os.environ, "PYTHONPATH": str(checkout)}
     usage = subprocess.run([*command[:4], "--help"], cwd=checkout, env=environment, capture_output=True, text=True)
-    command += ["--force"] if "--force" in usage.stdout else []  # beds too low to be evaluated, in later checkouts
+    command += ["--force"] if "--force" in usage.stdout else []  # later checkouts refuse low beds without it
     done = subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True)
     if done.returncode:
         raise RuntimeError(f"{checkout}: {name} failed:\n{done.stderr[-1000:]}")
 
 
 def differing(first: Path, second: Path) -> tuple[list[str], list[str]]:
-    """(differences, names that only one file has) of two packings, arrays to the bit."""
+    """Return (differences, names that only one file has) of two packings; arrays are compared to the bit."""
     differences, only_in_one = [], []
     with xr.open_dataset(first) as a, xr.open_dataset(second) as b:
         for name in sorted({*a.variables, *b.variables}, key=str):
@@ -122,7 +123,7 @@ def differing(first: Path, second: Path) -> tuple[list[str], list[str]]:
 
 
 def main(arguments=None) -> int:
-    """Exit status: 0 where all bits are equal, 1 otherwise."""
+    """Compare the packings and return the exit status: 0 if all bits are equal, 1 otherwise."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("before", type=Path, help="another checkout of the code")
     parser.add_argument("--scenes", nargs="+", choices=[*EXAMPLES, *FURTHER], default=[*EXAMPLES, *FURTHER])

@@ -1,10 +1,10 @@
-"""The same bits on any threads and ranks, and after any stop: a matrix of scenes and of ways to run them.
+"""Compare the bits of packings on any threads and ranks, and after any stop: a matrix of scenes and ways to run them.
 
-python -m benchmarks.correctness.equality [--large] [--scenes NAME ...] [--runs NAME ...] [--folder FOLDER]
+    python -m benchmarks.correctness.equality [--large] [--scenes NAME ...] [--runs NAME ...] [--folder FOLDER]
 
-Each run packs all scenes, whole or stopped and resumed, and its files are compared with those of one rank and one
-thread. Exit status 1 where a bit differs. --large: 700 to 4000 grains to rest; a scene of polyhedra takes a minute
-a run.
+Each run packs all scenes, either without a stop or stopped and resumed. Its files are compared with those of one rank
+and one thread. The exit status is 1 if a bit differs. With --large, 700 to 4000 grains are packed until they rest; a
+scene of polyhedra then takes a minute per run.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from simcore.packing.file import differences, packing_dataset, read_packing, wri
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
-# Not run to rest: contacts of all ages are what counts, and grains that cross borders.
+# These beds need not come to rest: the comparison requires contacts of all ages, and grains that cross borders.
 SMALL = {
     "domain": {"width": "26 mm", "height": "0.12 m"},
     "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]},
@@ -83,7 +83,10 @@ LARGE_SCENES = {
 
 
 class Run(NamedTuple):
-    """How a packing is run; with stop, it is stopped after about that share of its steps and resumed as `then`."""
+    """How a packing is run. layout: (columns, rows) of the blocks of the ranks.
+
+    If `stop` is not 0, the packing is stopped after about this share of its steps and resumed as RUNS[then].
+    """
 
     ranks: int = 1
     threads: int = 1
@@ -106,7 +109,7 @@ RUNS = {
     "stopped_2_then_1": Run(2, stop=0.7, then="one"),
     "stopped_3_then_2_rows": Run(3, stop=0.3, then="ranks_2_rows"),
 }
-DISTURBED = Run(2, disturbed=True)  # what must not give the same bits
+DISTURBED = Run(2, disturbed=True)  # the control, which must not give the same bits
 
 
 def specification(name, large):
@@ -118,7 +121,7 @@ def specification(name, large):
 
 
 def load_grains(group):
-    """Hulls of random points about ellipsoids: forms enough, and no file needed."""
+    """Return six hulls of random points on ellipsoids as grains, without a file; `group` has no effect."""
     from simcore.grains.mesh import make_grain
 
     rng = np.random.default_rng(11)
@@ -128,7 +131,7 @@ def load_grains(group):
 
 
 def launch(run: Run, folder: Path, scenes, large=False, timeout=None) -> None:
-    """Run all scenes in one go; RuntimeError where that fails. Files: folder / scene.nc."""
+    """Run all scenes in one command and write folder / scene.nc; RuntimeError if the command fails."""
     folder.mkdir(parents=True, exist_ok=True)
     command = [
         sys.executable,
@@ -157,7 +160,7 @@ def launch(run: Run, folder: Path, scenes, large=False, timeout=None) -> None:
 
 
 def work(run: Run, ranks, folder: Path, scenes, large) -> None:
-    """On each rank."""
+    """Pack all scenes; every rank calls this, and rank 0 writes the files."""
     from simcore.compilation import set_threads
     from simcore.packing.checkpoints.keeper import CheckpointKeeper
     from simcore.packing.checkpoints.key import checkpoint_code, packing_key
@@ -188,7 +191,7 @@ def work(run: Run, ranks, folder: Path, scenes, large) -> None:
 
 
 def stop_at(path, share):
-    """A wish to stop after that share of the steps that the packing at `path` took."""
+    """Return a function of the step that requests a stop after this share of the steps of the packing at `path`."""
     from simcore.packing.keeping import KEEP_AND_STOP
 
     last = share * read_packing(path).attrs["steps"]
@@ -196,7 +199,7 @@ def stop_at(path, share):
 
 
 def disturb(rank):
-    """Have ranks but the first add contacts in the opposite order: what the order of sums is worth."""
+    """Make all ranks except rank 0 add contacts in the opposite order, which changes the bits of the sums."""
     from simcore.dem.state import contacts as neighbors
 
     straight = neighbors.list_incident
@@ -212,19 +215,19 @@ def disturb(rank):
 
 
 def compare(folder: Path, runs: dict, scenes, large=False, say=print) -> dict:
-    """{(run, scene): list of differences} of each run but the first, against the first."""
-    found = {}
+    """Make the runs; return {(run, scene): list of differences from the first run}. say: a function that prints."""
+    results = {}
     for number, (name, run) in enumerate(runs.items()):
         launch(run, folder / name, scenes, large)
         if run.stop:
             launch(RUNS[run.then], folder / name, scenes, large)
         if number == 0:
-            first = {scene: read_packing(folder / name / f"{scene}.nc") for scene in scenes}
+            reference = {scene: read_packing(folder / name / f"{scene}.nc") for scene in scenes}
             continue
         for scene in scenes:
-            found[name, scene] = differences(first[scene], read_packing(folder / name / f"{scene}.nc"))
-            say(f"{name:24s} {scene:20s} {'; '.join(found[name, scene]) or 'the same bits'}")
-    return found
+            results[name, scene] = differences(reference[scene], read_packing(folder / name / f"{scene}.nc"))
+            say(f"{name:24s} {scene:20s} {'; '.join(results[name, scene]) or 'the same bits'}")
+    return results
 
 
 def main():
@@ -250,8 +253,8 @@ def main():
         return 0
     runs = {"one": RUNS["one"]} | {name: RUNS[name] for name in options.runs or RUNS}
     with tempfile.TemporaryDirectory() as scratch:
-        found = compare(options.folder or Path(scratch), runs, scenes, options.large)
-    return int(any(found.values()))
+        results = compare(options.folder or Path(scratch), runs, scenes, options.large)
+    return int(any(results.values()))
 
 
 if __name__ == "__main__":

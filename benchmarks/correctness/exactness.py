@@ -1,11 +1,16 @@
-"""How exact the contact query is: random and adversarial pairs against references that try everything.
+"""Errors of the contact query: random and adversarial pairs against exhaustive references.
 
-    python -m benchmarks.correctness.exactness [--pairs 100000] [--family NAME ...] [--seed 1] [--size 20]
+    python -m benchmarks.correctness.exactness [--pairs 20000] [--family NAME ...] [--seed 1] [--size 20]
 
-One row a family: pairs; share that overlaps; largest error of the depth against `contact.brute`; by how much the
-reference was above the query, which is no error of the query; error of the distance against what the normal shows; of
-point_b − point_a against distance × normal; change of the distance when the bodies change places. All relative to the
-pair's size, the sum of the radii. Last, pairs per second of the query alone. Not finite counts as an error of 1.
+It prints one CSV row per family. All errors are the largest ones, relative to the pair's size, the sum of the radii:
+
+    overlapping      share of the pairs that overlap
+    depth            depth against that of simcore.verification.brute_force; 1 if a distance is not finite
+    reference_above  how far the reference exceeds the query, which is no error of the query
+    shown            distance against the bound that the normal shows
+    points           point_b − point_a against distance × normal
+    exchange         change of the distance when the two bodies are exchanged
+    pairs_per_s      pairs per second of the query alone
 """
 
 import argparse
@@ -21,7 +26,7 @@ def unit(x):
 
 
 def thin(rng, n):
-    """Scales (n, 3): roundish, plates and needles down to 1:100."""
+    """Return scales (n, 3) of roundish bodies, plates and needles, with ratios of the axes down to 1:100."""
     scale = rng.uniform(0.5, 1.0, (n, 3))
     for k in range(n):
         if k % 3 == 1:
@@ -49,7 +54,7 @@ SOLIDS = (CUBE, PRISM, PYRAMID, OCTAHEDRON)
 
 
 def nearly_flat(rng, noise):
-    """A cube with points all over its faces, each off its face by some noise."""
+    """Return the corners of a cube and points on its faces (32, 3), displaced by noise of this standard deviation."""
     points = rng.uniform(-1.0, 1.0, (24, 3))
     axis = rng.integers(3, size=24)
     points[np.arange(24), axis] = np.sign(points[np.arange(24), axis])
@@ -58,7 +63,7 @@ def nearly_flat(rng, noise):
 
 
 def make_shapes(family, rng, count, size):
-    """Shapes to draw from, two lists: the bodies a and the bodies b."""
+    """Return two lists of `count` shapes, for the bodies a and b. size: maximum number of vertices of a hull."""
     from simcore.dem.shapes.polyhedra import convex, ellipsoid, sphere
 
     def hulls(thinned):
@@ -102,10 +107,12 @@ FAMILIES = (
 
 
 def draw(family, rng, n, size=20, count=400):
-    """n pairs: (shapes, index_a, poses_a, index_b, poses_b).
+    """Return n pairs: (shapes, index_a, poses_a, index_b, poses_b).
 
-    By sixths: anywhere, grazing (placed by the query along its own normal), deep, nearly concentric, concentric, and of
-    sizes 1:1000. All together scaled to 1e-6 to 1e3 m; a third of them stand 1e6 sizes from the world's origin.
+    One sixth of the pairs each is placed anywhere, grazing (by the query along its own normal), deep, nearly
+    concentric, concentric, and with a ratio of sizes of up to 1:1000. All lengths together are scaled to 1e-6 to 1e3 m.
+    A third of the pairs is 1e6 sizes away from the world's origin. size: maximum number of vertices of a hull. count:
+    number of shapes.
     """
     from simcore.dem.contact import query_many
     from simcore.dem.shapes.polyhedra import Shape
@@ -142,10 +149,10 @@ def draw(family, rng, n, size=20, count=400):
     grazing = np.flatnonzero(kind == 1)
     if len(grazing):
         rows = grazing
-        found = query_many(shapes, index_a[rows], (zero[rows], turns[0][rows]), index_b[rows],
+        result = query_many(shapes, index_a[rows], (zero[rows], turns[0][rows]), index_b[rows],
                            (offset[rows], turns[1][rows]))  # fmt: skip
         wanted = 10.0 ** rng.uniform(-14, -2, len(rows)) * rng.choice([-1.0, 1.0], len(rows)) * reach[rows]
-        offset[rows] += (wanted - found.signed_distance)[:, None] * found.normal
+        offset[rows] += (wanted - result.signed_distance)[:, None] * result.normal
     return shapes, index_a, (origin, turns[0]), index_b, (origin + offset, turns[1])
 
 
@@ -165,11 +172,11 @@ def turn(q, v):
 
 
 def examine(pairs, exchange=True, reference=True):
-    """Errors of a query of these pairs, each (n,) relative to the pair's size; nan for what does not apply.
+    """Return a dict of the errors of a query of these pairs, (n,) relative to the pair's size, and its time `seconds`.
 
-    depth: against the reference. shown: of the signed distance against what the normal shows. points: of point_b −
-    point_a against distance × normal, for a gap this bounds the distance from above as `shown` does from below.
-    exchange: of the distance when a and b change places.
+    depth: against the reference, nan for pairs that are apart. shown: of the signed distance against what the normal
+    shows. points: of point_b − point_a against distance × normal; for a gap this bounds the distance from above, as
+    `shown` does from below. exchange: of the distance when a and b are exchanged.
     """
     from simcore.dem.contact import query_many
     from simcore.dem.contact.query import place_solids, table_of
@@ -178,7 +185,7 @@ def examine(pairs, exchange=True, reference=True):
 
     shapes, index_a, (position_a, turn_a), index_b, (position_b, turn_b) = pairs
     started = time.perf_counter()
-    found = query_many(shapes, index_a, (position_a, turn_a), index_b, (position_b, turn_b))
+    result = query_many(shapes, index_a, (position_a, turn_a), index_b, (position_b, turn_b))
     seconds = time.perf_counter() - started
     table, _ = table_of(shapes)
     index = np.stack([index_a, index_b], axis=1).ravel()
@@ -188,20 +195,20 @@ def examine(pairs, exchange=True, reference=True):
     center = np.einsum("nij,nj->ni", rotation, np.array([s.center for s in shapes])[index])
     offset = (position_b - position_a) + (center[1::2] - center[0::2])
     size = solids.radius[0::2] + solids.radius[1::2]
-    d, normal = found.signed_distance, found.normal
+    d, normal = result.signed_distance, result.normal
     errors = {"distance": d / size, "seconds": seconds}
-    # Points about the world's origin carry its rounding: 1e6 sizes cost 1e-10 of one.
+    # World coordinates have the rounding error of their magnitude: 1e-10 sizes at a distance of 1e6 sizes.
     coarse = np.finfo(float).eps * np.maximum(np.abs(position_a).max(axis=1), np.abs(position_b).max(axis=1))
     errors["points"] = np.maximum(
-        np.abs(found.point_b - found.point_a - d[:, None] * normal).max(axis=1) - 4.0 * coarse, 0.0
+        np.abs(result.point_b - result.point_a - d[:, None] * normal).max(axis=1) - 4.0 * coarse, 0.0
     ) / size  # fmt: skip
     errors["normal"] = np.abs(np.linalg.norm(normal, axis=1) - 1.0)
     errors["shown"] = np.abs(brute.shown_along(table, solids, offset, normal) - d) / size
     errors["depth"] = np.full(len(d), np.nan)
     if reference:
-        apart = d > 0.0  # certain, by what the normal shows
+        apart = d > 0.0  # certain, because the normal shows the gap
         depth = brute.depths(table, solids, offset, apart, brute.spiral_directions())
-        # Only what is less than the query's depth is its error: the reference too gives upper bounds.
+        # Only a smaller depth of the reference is an error of the query, because the reference gives upper bounds, too.
         errors["depth"] = np.where(apart, np.nan, (-d - np.maximum(depth, 0.0)) / size)
         errors["reference"] = np.where(apart, np.nan, (depth + d) / size)
     if exchange:
@@ -212,10 +219,10 @@ def examine(pairs, exchange=True, reference=True):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--pairs", type=int, default=20000, help="of each family")
+    parser.add_argument("--pairs", type=int, default=20000, help="number of pairs of each family")
     parser.add_argument("--family", nargs="*", default=FAMILIES, choices=FAMILIES)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--size", type=int, default=20, help="vertices of a hull, at most")
+    parser.add_argument("--size", type=int, default=20, help="maximum number of vertices of a hull")
     parser.add_argument("--chunk", type=int, default=5000)
     options = parser.parse_args()
     print("family,pairs,overlapping,depth,reference_above,shown,points,exchange,pairs_per_s", flush=True)

@@ -1,13 +1,14 @@
-"""Kills a small packing at random moments, and compares what it comes to with an undisturbed run.
+"""Kill a small packing at random moments, and compare the result after a restart with an undisturbed run.
 
     python -m benchmarks.correctness.faults --runs 50 --seed 1
 
-Each run starts `python -m simcore launch` on two ranks, with checkpoints, and does one thing to it (FAULTS) at a moment
-drawn over the time that the undisturbed run took. What must hold: the run ends within --patience; it has finished, or
-says why in one line, and leaves no half file under the final name; no process of it lives on; and, started again, it
-ends with the bits of the undisturbed run, all variables and attributes but CPU time and the like. A table, one line a
-run; exit status 1 where anything failed. --program and --specification put another program with the same command line
-in the place of simcore, with absolute paths (tests/packing/stand_in.py).
+Each run starts `python -m simcore launch` on two ranks, with checkpoints. One of FAULTS then disturbs it, at a moment
+that is drawn over the time of the undisturbed run. The requirements are: the run ends within --patience; it has
+finished, or it reports the reason in one line and leaves no incomplete file under the final name; none of its processes
+stays alive; and, started again, it ends with the bits of the undisturbed run, in all variables and attributes except
+NOT_COMPARED. A table with one line per run is printed, and the exit status is 1 if any run failed. --program runs
+another program with the same command line instead of simcore, and --specification another packing; both with absolute
+paths (tests/packing/stand_in.py).
 """
 
 import argparse
@@ -42,23 +43,23 @@ PACKING = {
     "numerics": {"contact_time": "1 ms", "progress_interval": "0.5 s"},
 }
 LINE = "{:>3}  {:16}  {:>6}  {:>5} {:>5}  {:>4}  {:>5} {:>5}  {}  | {:.100}"
-# Longest time until the first step [s], with and without compiling.
+# Maximum time until the first step [s], with and without compilation.
 COMPILING, STARTING = 600.0, 30.0
-# Of how a packing came about, not of what it is.
+# Attributes of the run, which do not describe the packing.
 NOT_COMPARED = {"cpu_seconds", "wall_seconds", "threads", "ranks"}
 
 
 class Ended(NamedTuple):
     """How a run ended."""
 
-    status: int | None  # None: it did not, and was killed here
+    status: int | None  # None: it did not end in time and was killed
     seconds: float
-    line: str  # the last that simcore said of it
+    line: str  # last message of simcore
     traceback: bool
 
 
 class Bench:
-    """A folder for one run, and the ways to start it there."""
+    """A folder for one run, with methods that start it there."""
 
     def __init__(self, folder, options):
         self.folder, self.options = folder, options
@@ -76,7 +77,7 @@ class Bench:
         return self._start(command, self.folder)
 
     def snakemake(self):
-        """A campaign of that one packing; what simcore says stands in its log."""
+        """Start a campaign of this one packing and return its process; the messages of simcore are in its log."""
         for name in ("Snakefile", "workflow", "config", "profiles"):
             if not (self.folder / name).exists():
                 (self.folder / name).symlink_to(ROOT / name)
@@ -84,7 +85,7 @@ class Bench:
         shipped |= yaml.safe_load((ROOT / "config" / "work_precision.yaml").read_text()).get("studies", {})
         settings = {key: value for key, value in PACKING.items() if key != "name"}
         studies = {**dict.fromkeys(shipped), "faults": {"fixes": settings}}
-        # What the shipped campaign sets by its accuracy would be another packing.
+        # With the preset of the shipped campaign it would be another packing.
         campaign = {"packing": {"accuracy": None}, "studies": studies}
         campaign |= {"ranks": self.options.ranks, "grains_per_rank": 10}
         (self.folder / "campaign.yaml").write_text(yaml.safe_dump(campaign))
@@ -107,14 +108,14 @@ class Bench:
             )
 
     def finish(self, process, started):
-        """Ended of a started process, for which this waits."""
+        """Wait for a started process, which is killed after --patience, and return how it Ended."""
         try:
             status = process.wait(max(started + self.options.patience - time.monotonic(), 1.0))
         except subprocess.TimeoutExpired:
             status = None
-            for each in [psutil.Process(process.pid), *family(process)]:
+            for member in [psutil.Process(process.pid), *family(process)]:
                 try:
-                    each.kill()
+                    member.kill()
                 except psutil.Error:
                     pass
             process.wait()
@@ -123,26 +124,26 @@ class Bench:
         return Ended(status, time.monotonic() - started, lines[-1] if lines else "", "Traceback" in said)
 
     def said(self):
-        """File with all that the run started last said."""
+        """Return the path of the output of the run that was started last."""
         return self.folder / f"said_{self.starts}.txt"
 
     def kept(self):
-        """Number of checkpoint files."""
+        """Return the number of checkpoint files."""
         return sum(path.is_file() for path in self.checkpoints.rglob("*")) if self.checkpoints.exists() else 0
 
 
 def family(process):
-    """All living processes of a run: the started one's, and those with the marks of these, whoever their parent is."""
+    """Return all living processes of a run: descendants of the started one, and all others with their marks."""
     try:
         below = psutil.Process(process.pid).children(recursive=True)
     except psutil.Error:
         return []
-    marks = {mark_of(each) for each in below} - {None}
-    return below + [each for each in psutil.process_iter() if each not in below and mark_of(each) in marks]
+    marks = {mark_of(member) for member in below} - {None}
+    return below + [member for member in psutil.process_iter() if member not in below and mark_of(member) in marks]
 
 
 def mark_of(process):
-    """Mark of a living process of a run, None if it has none or cannot be read."""
+    """Return the mark of a living process of a run, None if it has none or cannot be read."""
     try:
         return process.environ().get(MARK)
     except (psutil.Error, OSError):
@@ -150,22 +151,22 @@ def mark_of(process):
 
 
 def ranks_of(process):
-    """Ranks of a run that is started: marked processes that run Python."""
-    found = []
-    for each in family(process):
+    """Return the ranks of a started run by process id: marked processes that run Python."""
+    ranks = []
+    for member in family(process):
         try:
-            if mark_of(each) and Path(each.exe()).name.startswith("python"):
-                found.append(each)
+            if mark_of(member) and Path(member.exe()).name.startswith("python"):
+                ranks.append(member)
         except (psutil.Error, OSError):
             pass
-    return sorted(found, key=lambda each: each.pid)
+    return sorted(ranks, key=lambda member: member.pid)
 
 
 def wait_for_ranks(process, number):
-    """As many ranks as there are to be, or none where the run ends before."""
+    """Wait until the run has this number of ranks and return them; an empty list if the run ends before."""
     while process.poll() is None:
-        if len(found := ranks_of(process)) >= number:
-            return found
+        if len(ranks := ranks_of(process)) >= number:
+            return ranks
         time.sleep(0.02)
     return []
 
@@ -176,13 +177,13 @@ def one_rank(process, rng, options):
 
 
 def kill_one(process, rng, options):
-    for each in one_rank(process, rng, options):
-        each.kill()
+    for member in one_rank(process, rng, options):
+        member.kill()
 
 
 def kill_all(process, rng, options):
-    for each in wait_for_ranks(process, options.ranks):
-        each.kill()
+    for member in wait_for_ranks(process, options.ranks):
+        member.kill()
 
 
 def kill_started(process, rng, options):
@@ -195,22 +196,22 @@ def interrupt(process, rng, options):
 
 
 def stop_one(process, rng, options):
-    for each in one_rank(process, rng, options):
-        each.suspend()
+    for member in one_rank(process, rng, options):
+        member.suspend()
 
 
 def fill_disk(process, rng, options):
-    """From now on no file of a rank may grow beyond some bytes, fewer than a packing has."""
+    """Limit the size of the files of each rank from now on, to fewer bytes than a packing has."""
     limit = rng.randrange(1, 4000)
-    for each in wait_for_ranks(process, options.ranks):
-        resource.prlimit(each.pid, resource.RLIMIT_FSIZE, (limit, limit))
+    for member in wait_for_ranks(process, options.ranks):
+        resource.prlimit(member.pid, resource.RLIMIT_FSIZE, (limit, limit))
 
 
 def nothing(process, rng, options):
     pass
 
 
-# What is done, and whether the run may end without a word: nothing can speak after its own SIGKILL.
+# The function, and whether the run may end without a message: a process prints nothing after its own SIGKILL.
 FAULTS = {
     "one rank killed": (kill_one, False),
     "all ranks killed": (kill_all, False),
@@ -224,7 +225,7 @@ FAULTS = {
 
 
 def run(fault, moment, rng, bench, reference):
-    """One run with one fault: dict of what was seen; "wrong" says what must not be, empty if nothing."""
+    """Make one run with one fault; return a dict of observations, in which "wrong" lists the violated requirements."""
     act, silent = FAULTS[fault]
     start = bench.snakemake if fault == "snakemake killed" else bench.launch
     wrong = []
@@ -243,12 +244,12 @@ def run(fault, moment, rng, bench, reference):
             act(process, rng, bench.options)
             relatives = list({*relatives, *family(process)})
     except psutil.NoSuchProcess:
-        pass  # it ended at that very moment
+        pass  # the run ended at this very moment
     first = bench.finish(process, started)
     finished = first.status == 0
     if first.status is None:
         wrong.append("hang")
-    # A rank may be killed after it wrote the file; then it is whole.
+    # A rank may be killed after it wrote the file, which is then complete.
     if bench.output.exists() and differing(contents(bench.output), reference, fault == "snakemake killed"):
         wrong.append("half a file")
     if not finished and not silent and not first.line:
@@ -256,14 +257,14 @@ def run(fault, moment, rng, bench, reference):
     if first.traceback:
         wrong.append("traceback")
     if fault == "interrupted" and first.status not in (0, INTERRUPTED):
-        wrong.append(f"status {first.status} for {INTERRUPTED}")
+        wrong.append(f"status {first.status} instead of {INTERRUPTED}")
     # A packing whose Snakemake was killed may write a last checkpoint.
     _, alive = psutil.wait_procs(relatives, timeout=30.0)
-    alive = [each for each in alive if each.is_running() and each.status() != psutil.STATUS_ZOMBIE]
+    alive = [member for member in alive if member.is_running() and member.status() != psutil.STATUS_ZOMBIE]
     if alive:
         wrong.append(f"{len(alive)} processes live on")
-        for each in alive:
-            each.kill()
+        for member in alive:
+            member.kill()
     kept, again = bench.kept(), None
     if not finished:
         began = time.monotonic()
@@ -278,23 +279,23 @@ def run(fault, moment, rng, bench, reference):
 
 
 def contents(path):
-    """Variables as (dimensions, shape, type, bytes), and attributes, of a netCDF file; nothing where it is none."""
+    """Return variables as (dimensions, shape, type, bytes), and attributes, of a netCDF file; empty if it is none."""
     try:
         opened = netCDF4.Dataset(path)
     except OSError:
         return {}
     with opened as file:
         file.set_auto_maskandscale(False)
-        found = {}
+        entries = {}
         for name, variable in file.variables.items():
             values = np.asarray(variable[:])
             content = repr(values.tolist()) if values.dtype == object else values.tobytes()
-            found[name] = (variable.dimensions, values.shape, str(values.dtype), content)
-        return found | {f":{name}": repr(file.getncattr(name)) for name in file.ncattrs() if name not in NOT_COMPARED}
+            entries[name] = (variable.dimensions, values.shape, str(values.dtype), content)
+        return entries | {f":{name}": repr(file.getncattr(name)) for name in file.ncattrs() if name not in NOT_COMPARED}
 
 
 def differing(found, expected, by_campaign=False):
-    """Names of what differs; the specification of a campaign is written out, so that its text may be another."""
+    """Return the names that differ. by_campaign: the text of the specification may differ; a campaign rewrites it."""
     names = {*found, *expected} - ({":scene"} if by_campaign else set())
     return sorted(name for name in names if found.get(name) != expected.get(name))
 
@@ -308,8 +309,8 @@ def parse(arguments=None):
     parser.add_argument("--silence", type=float, default=5.0, help="of the watchdog [s]")
     parser.add_argument("--patience", type=float, default=300.0, help="a run that takes longer hangs [s]")
     parser.add_argument("--program", type=shlex.split, default=[sys.executable, "-m", "simcore"])
-    parser.add_argument("--specification", type=Path, help="of the packing; not of the campaign of Snakemake")
-    parser.add_argument("--folder", type=Path, help="where the runs stand and stay; by default they do not stay")
+    parser.add_argument("--specification", type=Path, help="of the packing; Snakemake packs another one")
+    parser.add_argument("--folder", type=Path, help="folder that keeps the runs; by default they are deleted")
     return parser.parse_args(arguments)
 
 
@@ -328,7 +329,7 @@ def main(arguments=None):
 def survive(options, folder):
     rng = random.Random(options.seed)
     lasted = []
-    for name in ("compiling", "undisturbed", "once_more"):  # the last two tell how long a run takes
+    for name in ("compiling", "undisturbed", "once_more"):  # the last two give the time of a run
         bench = Bench(folder / name, options)
         started = time.monotonic()
         undisturbed = bench.finish(bench.launch(startup=COMPILING if name == "compiling" else STARTING), started)
@@ -340,7 +341,7 @@ def survive(options, folder):
     reference = contents(bench.output)
     seconds = min(lasted)
     print(f"undisturbed: {seconds:.1f} s on {options.ranks} ranks, {len(reference)} variables, attributes")
-    print(LINE.format("run", "fault", "at [s]", "ended", "[s]", "kept", "again", "[s]", "outcome", "what it said"))
+    print(LINE.format("run", "fault", "at [s]", "ended", "[s]", "kept", "again", "[s]", "outcome", "last message"))
     faults = (options.faults * (options.runs // len(options.faults) + 1))[: options.runs]
     rng.shuffle(faults)
     survived = collections.Counter()

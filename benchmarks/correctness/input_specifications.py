@@ -1,7 +1,8 @@
 """Random specifications for `explain`, with faults, and an independent reader of them.
 
-The reader shares no code with simcore. It reads the YAML file itself and compares what `explain` printed with what was
-asked for, by plain arithmetic: number and mass of the grains, shares of the sieve classes, form, and height of the bed.
+The reader shares no code with simcore. It reads the YAML file itself and compares the output of `explain` with the
+specified values by plain arithmetic: number and mass of the grains, shares of the sieve classes, form, and height of
+the bed.
 """
 
 import copy
@@ -17,13 +18,13 @@ SIGMAS = 6.0
 
 
 def quantity(text):
-    """A quantity in SI."""
+    """Return the value of a quantity in SI units."""
     number, unit = re.fullmatch(r"\s*([-+.\deE]*\d\.?)\s*([^\d\s]\S*)?\s*", str(text)).groups()
     return float(number) * UNITS[unit or ""]
 
 
 def printed(pattern, output, what):
-    """Numbers that `explain` printed, by the groups of a pattern; Contradiction where they are not there."""
+    """Return the numbers that the groups of a pattern match in the output; Contradiction if there is no match."""
     match = re.search(pattern, output)
     if match is None:
         raise Contradiction(f"{what} is not printed")
@@ -31,7 +32,7 @@ def printed(pattern, output, what):
 
 
 def volume_shares(bounds, fractions):
-    """Share by number of each class, and means of D³ and D⁶ there, of sizes that are uniform in log D."""
+    """Return, for each class, the share by number and the means of D³ and D⁶, for sizes that are uniform in log D."""
     pairs = list(zip(bounds, bounds[1:], strict=False))
     cubes, squares = ([(b**p - a**p) / (p * math.log(b / a)) for a, b in pairs] for p in (3, 6))
     numbers = [share / cube for share, cube in zip(fractions, cubes, strict=True)]
@@ -39,7 +40,7 @@ def volume_shares(bounds, fractions):
 
 
 def normal_within(mean, std, low, high):
-    """Mean of a normal that is redrawn until it is within bounds."""
+    """Return the mean of a normal distribution that is redrawn until it is within bounds."""
     if std == 0:
         return mean
     a, b = (low - mean) / std, (high - mean) / std
@@ -49,7 +50,7 @@ def normal_within(mean, std, low, high):
 
 
 def confirm(path, output):
-    """Contradiction unless what `explain` printed is what the file at `path` asks for, and physical."""
+    """Raise Contradiction unless the output of `explain` agrees with the file at `path` and is physical."""
     if bad := re.search(r"\b(nan|inf)\b", output):
         raise Contradiction(f"{bad[0]} is printed")
     asked = yaml.safe_load(path.read_bytes())
@@ -72,7 +73,7 @@ def confirm(path, output):
 
 
 def confirm_forms(shapes, number, output):
-    """Contradiction unless the mean FL and EL are those asked for."""
+    """Raise Contradiction unless the mean FL and EL are the specified ones."""
     means = printed(r"FL = S/I is (\S+) and the mean elongation EL = I/L is (\S+);", output, "the form")
     if not all(0 < mean <= 1 for mean in means):
         raise Contradiction(f"the mean FL and EL are {means}")
@@ -94,7 +95,7 @@ def confirm_forms(shapes, number, output):
 
 
 def confirm_sizes(sizes, shapes, number, mass, density, amount, output):
-    """Contradiction unless the shares of the classes are those asked for, and drawn so, and the mass fits them."""
+    """Raise Contradiction unless the shares of the classes, as specified and as drawn, and the mass are right."""
     bounds, fractions = [quantity(text) for text in sizes["bounds"]], sizes["mass_fractions"]
     by_number, cubes, squares = volume_shares(bounds, fractions)
     rows = re.findall(r"(\S+) to (\S+) mm\s+(\S+)%\s+(\S+)%", output)
@@ -103,7 +104,7 @@ def confirm_sizes(sizes, shapes, number, mass, density, amount, output):
     enough = all(number * share > 30 for share in by_number if share > 0)
     mean = sum(p * cube for p, cube in zip(by_number, cubes, strict=True))
     for i, share in enumerate(fractions):
-        ends = bounds[i] * 1e3, bounds[i + 1] * 1e3  # printed with six digits
+        ends = bounds[i] * 1e3, bounds[i + 1] * 1e3  # they are printed with six digits
         row = [
             r[2:]
             for r in rows
@@ -133,7 +134,7 @@ def confirm_sizes(sizes, shapes, number, mass, density, amount, output):
 
 
 def confirm_bed(domain, solid, output):
-    """Contradiction unless height and solid fraction of the bed fit the volume of the grains, `solid` [m³]."""
+    """Raise Contradiction unless height and solid fraction of the bed fit the volume of the grains, `solid` [m³]."""
     height, fraction = printed(r"It will be about (\S+) mm high, at a solid fraction of (\d\.\d+)", output, "the bed")
     if not 0 < fraction < 1:
         raise Contradiction(f"the solid fraction is {fraction}")
@@ -149,12 +150,15 @@ def confirm_bed(domain, solid, output):
 
 
 def draw_specification(rng, folder, number):
-    """Write a random specification: (arguments, path, faults, verdict); verdict: "answer", "refuse" or "either"."""
+    """Write a random specification; return (arguments, path, faults, verdict).
+
+    verdict: "answer", "refuse" or "either".
+    """
     asked, faults, verdict = _draw_base(rng), [], "answer"
     fault_names = rng.sample(sorted(FAULTS), rng.choice([0, 0, 0, 1, 1, 1, 2, 3]))
     for fault in fault_names:
         faults.append(fault)
-        # Only what the last fault did is sure to be there in the end.
+        # A later fault can undo an earlier one, so only the verdict of the last one counts.
         verdict = FAULTS[fault](rng, asked)
     text = yaml.safe_dump(asked, sort_keys=False, default_flow_style=rng.choice([None, False]), allow_unicode=True)
     if len(faults) == 1 and rng.random() < 0.15:
@@ -167,7 +171,7 @@ def draw_specification(rng, folder, number):
 
 
 def _draw_base(rng):
-    """A specification that is right."""
+    """Return a specification without faults."""
     bounds, fractions, asked = _draw_curve(rng), None, {"name": "drawn", "seed": rng.randrange(1000)}
     shares = [rng.uniform(0.2, 1.0) for _ in bounds[1:]]
     fractions = [round(share / sum(shares), 3) for share in shares]
@@ -206,7 +210,7 @@ def _draw_base(rng):
 
 
 def _draw_curve(rng):
-    """Bounds [m] of one to four classes, the largest at most thirty times the smallest."""
+    """Return the bounds [m] of one to four classes; the largest is at most thirty times the smallest."""
     bounds = [10 ** rng.uniform(-3, -1.7)]
     for _ in range(rng.randint(1, 4)):
         ratio = rng.choice([1.05, 1.4, 2.0, rng.uniform(1.1, 6)])
@@ -228,7 +232,7 @@ def _normal(rng):
 
 
 def _set(path, values, verdict):
-    """A fault: the key at a dotted path gets one of these values."""
+    """Return a fault that sets the key at a dotted path to one of these values."""
 
     def fault(rng, asked):
         *groups, key = path.split(".")
@@ -241,7 +245,7 @@ def _set(path, values, verdict):
 
 
 def _fractions(change):
-    """A fault: other mass fractions; the reader of the file judges them by their sum."""
+    """Return a fault that changes the mass fractions; the verdict depends on their sum and number."""
 
     def fault(rng, asked):
         fractions = asked["sizes"].get("mass_fractions") if isinstance(asked.get("sizes"), dict) else None
@@ -259,7 +263,7 @@ def _fractions(change):
 
 
 def _bounds(change):
-    """A fault: other sieve openings."""
+    """Return a fault that changes the sieve openings."""
 
     def fault(rng, asked):
         bounds = asked["sizes"].get("bounds") if isinstance(asked.get("sizes"), dict) else None

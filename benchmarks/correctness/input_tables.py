@@ -1,7 +1,7 @@
 """Random tables of measured grains for `predict`, with faults, and an independent reader of them.
 
-The reader shares no code with simcore. It gets the file and its Layout, that is where the columns are and how the file
-was saved, and computes the statistics of each sample by plain arithmetic.
+The reader shares no code with simcore. It gets the file and its Layout (the positions of the columns, and how the file
+was saved), and computes the statistics of each sample by plain arithmetic.
 """
 
 import codecs
@@ -24,7 +24,7 @@ ENCODINGS = ("utf-8", "utf-8", "utf-8-sig", "utf-16", "utf-16-le", "latin-1", "c
 
 
 class Layout(NamedTuple):
-    """How a table was written: where its columns are, from 0, and in which encoding, or "xlsx"."""
+    """How a table was written: the indices of its columns, from 0, and its encoding, or "xlsx"."""
 
     kind: str
     encoding: str
@@ -37,11 +37,11 @@ class Layout(NamedTuple):
 
 
 class Contradiction(Exception):
-    """An answer that the independent reader does not confirm; its text says why."""
+    """An answer that the independent reader does not confirm; its text gives the reason."""
 
 
 def read_independently(path, layout):
-    """Samples of a file, {name: [(numbers of the form, grains)]}; an error where it is no table of grains."""
+    """Return the samples of a file as {name: [(numbers of the form, grains)]}; an error if it is no table of grains."""
     if layout.encoding == "xlsx":
         lines = [["" if c is None else str(c) for c in row] for row in openpyxl.load_workbook(path).active.values]
     else:
@@ -61,7 +61,7 @@ def read_independently(path, layout):
 
 
 def statistics(kind, rows):
-    """Number of grains and means and deviations of FL and EL of a sample; ValueError where they are no grains."""
+    """Return number of grains, means and standard deviations of form factors of a sample; ValueError for no grains."""
     if kind == "means":
         ((numbers, _),) = rows
         if not (0 < numbers[0] <= 1 and 0 < numbers[2] <= 1 and 0 <= min(numbers[1], numbers[3]) < 0.5 + 1e-9):
@@ -87,7 +87,7 @@ def statistics(kind, rows):
 
 
 def confirm(path, layout, output):
-    """Contradiction unless the JSON in `output` agrees with the file at `path`, and all its porosities are physical."""
+    """Raise Contradiction unless the JSON in `output` agrees with the file at `path` and has physical porosities."""
     answer = json.loads(output)
     try:
         samples = [(name, statistics(layout.kind, rows)) for name, rows in read_independently(path, layout).items()]
@@ -106,7 +106,7 @@ def confirm(path, layout, output):
 
 
 def confirm_porosities(said):
-    """Contradiction unless the predictions of one sample are physical: porosities in (0, 1), within their intervals."""
+    """Raise Contradiction unless the porosities of one sample are in (0, 1) and within their intervals."""
     evaluated = [row for row in said["predictions"] if row["n"] is not None]
     if not evaluated:
         raise Contradiction(f"sample {said['name']} was answered without a porosity")
@@ -120,7 +120,10 @@ def confirm_porosities(said):
 
 
 def draw_table(rng, folder, number):
-    """Write a random table: (arguments, path, Layout, faults, verdict); verdict: "answer", "refuse" or "either"."""
+    """Write a random table; return (arguments, path, Layout, faults, verdict).
+
+    verdict: "answer", "refuse" or "either".
+    """
     kind = rng.choice(["axes", "axes", "ratios", "means"])
     grid, layout = _draw_grid(rng, kind)
     faults, verdict, options = [], "answer", ["--case", rng.choice(["U1", "one-class"])]
@@ -138,7 +141,7 @@ def draw_table(rng, folder, number):
 
 
 def _draw_grid(rng, kind):
-    """Cells of a table without faults, list of lists of text, and its Layout."""
+    """Return the cells of a table without faults, a list of lists of text, and its Layout."""
     number, mean_FL, mean_EL = rng.randint(3, 30), rng.uniform(0.5, 0.7), rng.uniform(0.55, 0.75)
     rows = [_draw_row(rng, kind, mean_FL, mean_EL) for _ in range(number if kind != "means" else rng.randint(1, 5))]
     unit = rng.choice(UNITS) if kind == "axes" else ""
@@ -151,7 +154,7 @@ def _draw_grid(rng, kind):
         columns.append(
             (rng.choice(["count", "Number of grains", "n"]), "counts", [str(rng.randrange(1, 90)) for _ in rows])
         )
-        columns[-1][2][:2] = ["9", "4"]  # a column n that numbers the rows counts nothing
+        columns[-1][2][:2] = ["9", "4"]  # 1, 2, 3, ... in a column n would be numbers of rows
     if rng.random() < 0.3 or kind == "means":
         names = [f"S{i}" for i in range(len(rows))] if kind == "means" else ["Rhine", "Kall"] * len(rows)
         columns.append((rng.choice(["sample", "Sample", "site"]), "sample", names[: len(rows)]))
@@ -179,7 +182,7 @@ def _draw_row(rng, kind, mean_FL, mean_EL):
 
 
 def _write(rng, path, grid, layout, cut):
-    """Write the cells and return the Layout as written."""
+    """Write the cells to `path` and return the Layout as written. cut: leave out the last bytes."""
     if layout.encoding == "xlsx":
         book = openpyxl.Workbook()
         for row in grid:
@@ -193,7 +196,7 @@ def _write(rng, path, grid, layout, cut):
     lines = []
     for number, row in enumerate(grid):
         cells = [text.replace(".", ",") if comma and number and text[:1].isdigit() else text for text in row]
-        # A separator within a cell, as in "L, mm", is quoted, as every program writes it.
+        # A cell that contains the separator, such as "L, mm", is quoted, as every program writes it.
         cells = [f'"{text}"' if separator in text or (quoted and '"' not in text) else text for text in cells]
         lines.append(separator.join(cells) + (separator if trailing else ""))
         lines += [""] * (rng.random() < 0.05)
@@ -214,7 +217,7 @@ def _as_cell(text, as_number):
 
 
 def _cell_fault(texts):
-    """A fault: a cell of a form, in a row that is no summary, has one of these texts; the reader judges it."""
+    """Return a fault that puts one of these texts into a cell of the form; the reader finds out what follows."""
 
     def fault(rng, grid, layout, options):
         rows = [row for row in grid[1:] if layout.label is None or row[layout.label] not in SUMMARIES]
@@ -226,7 +229,7 @@ def _cell_fault(texts):
 
 
 def _swap(rng, grid, layout, options):
-    """The axes of a row in the wrong order; a ratio above 1 where there are none."""
+    """Exchange the long and the short axis of a row; in a table of ratios, put a ratio above 1 into a cell."""
     if layout.kind != "axes" or len(grid) < 2:
         return _cell_fault(["1.32", "65"])(rng, grid, layout, options) if layout.kind != "means" else "either"
     row, (long, _, short) = grid[1], layout.forms
@@ -235,7 +238,7 @@ def _swap(rng, grid, layout, options):
 
 
 def _far_out(rng, grid, layout, options):
-    """All forms are flatter, by a factor of up to a hundred."""
+    """Multiply the short axes, or the ratios, of all rows by a factor of 0.5 to 0.01."""
     factor, places = rng.choice([0.5, 0.2, 0.05, 0.01]), {"axes": [2], "ratios": [0, 1], "means": [0, 2]}
     for row in grid[1:]:
         for place in places[layout.kind]:
@@ -247,7 +250,7 @@ def _far_out(rng, grid, layout, options):
 
 
 def _alike(rng, grid, layout, options):
-    """All grains have one form."""
+    """Give all grains the same form."""
     for row in grid[2:]:
         for place in layout.forms:
             row[place] = grid[1][place]
@@ -262,7 +265,7 @@ def _column_twice(rng, grid, layout, options):
 
 
 def _rename(texts):
-    """A fault: the first column of the form has another name."""
+    """Return a fault that renames the first column of the form."""
 
     def fault(rng, grid, layout, options):
         grid[0][layout.forms[0]] = rng.choice(texts)
@@ -290,7 +293,7 @@ def _no_rows(rng, grid, layout, options):
 
 
 def _one_character(rng, grid, layout, options):
-    """Any character in a cell of a row becomes another one; the reader judges what the file means then."""
+    """Replace a random character of a cell; the reader finds out what the file means then."""
     row = rng.choice(grid[1:] or [[""]])
     place = rng.randrange(len(row))
     at, character = rng.randrange(len(row[place]) + 1), rng.choice("x#%-*0e .'_")

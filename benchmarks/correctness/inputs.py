@@ -1,12 +1,12 @@
-"""Two hundred random inputs, with and without faults: no answer may be wrong without a word.
+"""Two hundred random inputs, with and without faults: each must get a right answer or a clear refusal.
 
     python -m benchmarks.correctness.inputs [--seed 1] [--number 200]
 
-Half are tables of measured grains for `predict`, half are specifications for `explain`; some are right, the others have
-one to three faults. Each must end with exit status 0 and a physical answer that an independent reader of the file
-confirms, or with 2 and one line that says what is wrong. An input without a fault must be answered; one that can only
-be misread must be refused. A traceback, a warning of a library, another exit status, or an input that takes longer than
---patience is a failure: it is printed with its file, and the exit status is 1.
+Half of the inputs are tables of measured grains for `predict`, half are specifications for `explain`. Some are right,
+the others have one to three faults. Each must end with exit status 0 and a physical answer that an independent reader
+of the file confirms, or with status 2 and one line that explains the error. An input without a fault must be answered;
+one that can only be misread must be refused. A traceback, a warning of a library, another exit status, or an input that
+takes longer than --patience is a failure: it is printed with its file, and the exit status is 1.
 """
 
 import argparse
@@ -27,11 +27,14 @@ from typing import NamedTuple
 from benchmarks.correctness import input_specifications, input_tables
 from benchmarks.correctness.input_tables import Contradiction
 
-MEMORY = 12 * 2**30  # [bytes] of addresses, so that an input that needs more ends by itself
+MEMORY = 12 * 2**30  # limit of the address space [bytes]; an input that needs more fails
 
 
 class Input(NamedTuple):
-    """An input. verdict: "answer", "refuse" or "either"; confirm(output): Contradiction where it is wrong."""
+    """An input and the expected result.
+
+    verdict: "answer", "refuse" or "either". confirm(output): raises Contradiction if the output is wrong.
+    """
 
     arguments: list
     path: Path
@@ -41,7 +44,7 @@ class Input(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """How a command ended: its exit status, None where it raised, and what it printed."""
+    """How a command ended: its exit status, None if it raised an exception, and what it printed."""
 
     status: int | None
     output: str
@@ -49,11 +52,11 @@ class Ended(NamedTuple):
 
 
 class OutOfTime(BaseException):
-    """A command took too long; no handler of the program takes it for an error of its own."""
+    """A command took too long. It is no Exception, so that the program does not handle it as an error of its own."""
 
 
 def draw_input(seed, number, folder):
-    """Write input `number` of a seed into `folder`, return it as Input: even ones tables, odd ones specifications."""
+    """Write input `number` of a seed into `folder` and return it; even numbers are tables, odd ones specifications."""
     rng = random.Random(f"{seed} {number}")
     if number % 2 == 0:
         arguments, path, layout, faults, verdict = input_tables.draw_table(rng, folder, number)
@@ -63,7 +66,7 @@ def draw_input(seed, number, folder):
 
 
 def run(arguments, patience):
-    """Run a command of simcore in this process, Ended; patience: seconds that it may take."""
+    """Run a command of simcore in this process and return how it Ended; patience: maximum time [s]."""
     from simcore.__main__ import main as simcore
 
     def stop(*_):
@@ -79,7 +82,7 @@ def run(arguments, patience):
                 status = simcore(arguments)
             finally:
                 signal.alarm(0)
-    except SystemExit as end:  # of argparse
+    except SystemExit as end:  # raised by argparse
         status = end.code
     except (Exception, OutOfTime):
         errors.write(traceback.format_exc())
@@ -89,7 +92,7 @@ def run(arguments, patience):
 
 
 def judge(tried, ended):
-    """What is wrong with how an input ended, in words; empty if nothing is."""
+    """Return what is wrong with how an input ended, as text; empty if nothing is."""
     errors = ended.errors.strip()
     if ended.status is None:
         return errors.splitlines()[-1]
@@ -111,7 +114,7 @@ def judge(tried, ended):
 
 
 def try_inputs(seed, number, folder, patience=60):
-    """Run `number` inputs of a seed: list of (Input, Ended, what is wrong)."""
+    """Run `number` inputs of a seed; return a list of (Input, Ended, what is wrong)."""
     tried = []
     for i in range(number):
         given = draw_input(seed, i, folder)
@@ -123,7 +126,7 @@ def try_inputs(seed, number, folder, patience=60):
 
 
 def describe_failure(given, ended, wrong):
-    """Print an input that failed, with its file and what was printed."""
+    """Print an input that failed, with its file and its output."""
     print(f"\nFAILURE {' '.join(given.arguments)}\n  faults: {', '.join(given.faults) or 'none'}; {given.verdict}")
     print(
         f"  {wrong}\n  status {ended.status}; {ended.errors.strip()[-1500:]}\n  {given.path.read_bytes()[:1500]}",
@@ -132,7 +135,7 @@ def describe_failure(given, ended, wrong):
 
 
 def summarise(tried):
-    """Lines of the summary: how many were answered and refused, the faults that were refused, failures."""
+    """Return the lines of the summary: numbers of answered and refused inputs and failures, and kinds of refusals."""
     answered = sum(ended.status == 0 for _, ended, _ in tried)
     refused = [(given, ended) for given, ended, _ in tried if ended.status == 2]
     reasons = collections.Counter(kind_of_refusal(given, ended) for given, ended in refused)
@@ -142,7 +145,7 @@ def summarise(tried):
 
 
 def kind_of_refusal(given, ended):
-    """The first words of a message without file, row and values."""
+    """Return the command and the first words of a message, without file, row and values."""
     text = ended.errors.strip().replace(str(given.path), "").split(":", 1)[-1].lstrip(" :,")
     text = re.sub(r"^(row|line) \d+: ", "", text)
     text = re.sub(r"'[^']*'|\[.*?\]|(?<!\w)[-+]?\d[\d.e+-]*", "...", text)
@@ -154,7 +157,7 @@ def main(arguments=None):
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--number", type=int, default=200)
     parser.add_argument("--patience", type=int, default=60, help="time that an input may take [s]")
-    parser.add_argument("--folder", type=Path, help="where the inputs stay; by default they do not stay")
+    parser.add_argument("--folder", type=Path, help="folder that keeps the inputs; by default they are deleted")
     options = parser.parse_args(arguments)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, resource.RLIM_INFINITY))
     with tempfile.TemporaryDirectory(prefix="scree-inputs-") as temporary:

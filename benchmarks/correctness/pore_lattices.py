@@ -1,8 +1,8 @@
-"""Permeability of the pore network over that of Zick and Homsy (1982), for lattices of touching spheres.
+"""Ratio of the permeability of the pore network to that of Zick and Homsy (1982), for lattices of touching spheres.
 
     python -m benchmarks.correctness.pore_lattices [VOXELS_PER_DIAMETER ...]
 
-Without arguments, 20 and 40 voxels a diameter, about half a minute of CPU time.
+Without arguments it uses 20 and 40 voxels per diameter and takes about half a minute of CPU time.
 """
 
 import sys
@@ -14,7 +14,7 @@ DIAMETER = 0.01  # [m]
 
 
 def main(counts):
-    """Print a line for each lattice and number of voxels a diameter."""
+    """Print a line for each lattice and number of voxels per diameter."""
     for kind in EDGE:
         for count in counts:
             ratio = network_permeability(lattice_image(kind, count, DIAMETER), DIAMETER) / lattice_permeability(

@@ -1,8 +1,8 @@
-"""Prints the structure of simcore in numbers, from the syntax trees of a checkout.
+"""Print the structure of simcore in numbers, from the syntax trees of a checkout.
 
     python -m benchmarks.correctness.structure [CHECKOUT]
 
-The numbers: modules at the root of simcore/, imports between its packages and whether they run one way, functions
+The numbers are: modules at the root of simcore/, imports between its packages and whether they run one way, functions
 with more than eight positional arguments, and files with more than 400 lines. A module at the root counts as a package
 of its own. Imports inside functions count as others do. No module of the checkout is run.
 """
@@ -19,7 +19,7 @@ MOST_LINES = 400
 
 
 def modules(checkout: Path) -> dict[str, Path]:
-    """Return the files of simcore in a checkout by dotted name; ValueError where there are none."""
+    """Return the files of simcore in a checkout by dotted name; ValueError if there are none."""
     files = sorted((checkout / "simcore").rglob("*.py"))
     if not files:
         raise ValueError(f"{checkout} has no Python files in a folder simcore/. Name the root of a checkout.")
@@ -29,7 +29,7 @@ def modules(checkout: Path) -> dict[str, Path]:
 
 
 def package_of(module: str) -> str:
-    """Return the package of simcore that a module belongs to, or its own name where it is at the root."""
+    """Return the package of simcore that a module belongs to, or its own name if it is at the root."""
     return (module.split(".") + [""])[1]
 
 
@@ -40,7 +40,7 @@ def syntax_tree(file: Path) -> ast.Module:
 
 def imported_modules(name: str, tree: ast.Module, known) -> set[str]:
     """Return the modules of simcore that a module imports. known: all their names."""
-    found = set()
+    imported = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             candidates = [alias.name for alias in node.names]
@@ -52,8 +52,8 @@ def imported_modules(name: str, tree: ast.Module, known) -> set[str]:
             candidates = [inner if (inner := f"{base}.{alias.name}") in known else base for alias in node.names]
         else:
             continue
-        found.update(candidate for candidate in candidates if candidate in known)
-    return found - {name}
+        imported.update(candidate for candidate in candidates if candidate in known)
+    return imported - {name}
 
 
 def package_imports(checkout: Path) -> Counter:
@@ -92,7 +92,7 @@ def _reached(package: str, pairs) -> set[str]:
 
 
 def order(pairs) -> list[str]:
-    """Return the packages so that each imports only earlier ones. Only where there are no cycles."""
+    """Return the packages so that each imports only earlier ones; there must be no cycles."""
     packages = {package for pair in pairs for package in pair}
     return sorted(packages, key=lambda package: (len(_reached(package, pairs)), package))
 

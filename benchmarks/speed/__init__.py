@@ -1,1 +1,1 @@
-"""What the code costs: CPU time, beside other programs, over sizes and ranks."""
+"""Cost of the code: CPU time over sizes and ranks, and beside other programs."""

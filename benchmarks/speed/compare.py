@@ -1,9 +1,11 @@
-"""The same beds in other codes: python -m benchmarks.speed.compare --python OTHERS/bin/python [--csv FILE]
+"""CPU time of the same beds in other programs.
 
-Ours and theirs in one go, one thread each, CPU time; ratio is theirs over ours. Spheres go to LAMMPS (and LIGGGHTS),
-polyhedra to MuJoCo (YADE only where named), touching pairs of hulls to coal. OTHERS is an environment with what
-benchmarks/speed/others/environment.txt lists; codes that are not there are told and left out. What differs in spite of
-the same bed stands in the column not_comparable.
+    python -m benchmarks.speed.compare --python OTHERS/bin/python [--csv FILE]
+
+Our code and the others run one after the other, each on one thread; `ratio` is the CPU time of a program over ours.
+LAMMPS and LIGGGHTS get spheres, MuJoCo polyhedra (also YADE, but only if it is named), and coal touching pairs of
+hulls. OTHERS is an environment with the packages of benchmarks/speed/others/environment.txt; a program that is not
+installed is reported and left out. The column not_comparable lists what differs although the bed is the same.
 """
 
 import argparse
@@ -24,7 +26,7 @@ OTHERS = Path(__file__).parent / "others"
 SPHERES = {"lammps": "lammps_spheres.py", "liggghts": "liggghts_spheres.py"}
 POLYHEDRA = {"mujoco": "mujoco_polyhedra.py", "yade": "yade_polyhedra.py"}
 PAIRS = {"coal": "coal_pairs.py"}
-# Crashes at 300 faces (Debian 12's 2023.02a): name it, with --faces 20.
+# YADE crashes at 300 faces (2023.02a of Debian 12); it runs if it is named, with --faces 20.
 NOT_BY_DEFAULT = {"yade"}
 PROGRAMS = {"liggghts", "yade"}  # a program on the PATH; the others are modules of OTHERS
 COLUMNS = (
@@ -40,7 +42,7 @@ def main(arguments=None):
     parser.add_argument("--spheres", type=int, default=2000)
     parser.add_argument("--polyhedra", type=int, default=500)
     parser.add_argument("--faces", type=face_count, default=300)
-    parser.add_argument("--duration", type=float, default=0.05, help="simulated time measured [s]; slow codes: less")
+    parser.add_argument("--duration", type=float, default=0.05, help="simulated time measured [s]; less for slow codes")
     parser.add_argument("--csv", metavar="FILE", help="otherwise printed")
     parser.add_argument("--beds", metavar="FOLDER", default=default_beds(), help="where beds are kept")
     options = parser.parse_args(arguments)
@@ -75,7 +77,7 @@ def is_there(code, python):
 
 
 def compare_beds(shape, grains, scripts, options, folder):
-    """Rows of one bed, ours first; a code that fails is told and left out."""
+    """Return the rows of one bed, ours first; a program that fails is reported and left out."""
     from benchmarks.beds import bed_settings, export_bed, prepare, settled_bed
     from benchmarks.measurement import measure
     from simcore import __version__
@@ -109,7 +111,7 @@ def compare_beds(shape, grains, scripts, options, folder):
 
 
 def compare_pairs(options, folder):
-    """Rows of cold and warm queries for touching pairs, ours first."""
+    """Return the rows of cold and warm queries of touching pairs, ours first."""
     from benchmarks.speed.pairs import run
     from simcore import __version__
 
@@ -131,7 +133,7 @@ def compare_pairs(options, folder):
 
 
 def call(python, script, path, code):
-    """The JSON that a script of benchmarks/others prints; None, and why, where it fails."""
+    """Return the JSON that a script of benchmarks/speed/others prints; if it fails, print why and return None."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     environment.pop("PYTHONPATH", None)
     program = ["yade", "-n", "-x", "-j1", "-f1"] if code == "yade" else [python]

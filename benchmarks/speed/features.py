@@ -1,9 +1,12 @@
-"""What a kind of grain and what each feature costs: python -m benchmarks.speed.features [--grains 1000] [--csv FILE]
+"""Cost of each kind of grain and of each feature.
 
-Kinds: one bed of equal spheres, stepped as spheres, as ellipsoids of equal axes, and as polyhedra of 320 faces.
-Features: a bed with one thing changed at a time. Where `bed` says "own" it was poured with the change, else the change
-comes after. Orientation is what spheres do not have (kinds), history goes with friction, and levels are those of the
-grid in which near pairs are listed: a list's own cost, not a step's.
+    python -m benchmarks.speed.features [--grains 1000] [--csv FILE]
+
+Kinds: one bed of equal spheres is stepped as spheres, as ellipsoids of equal axes, and as polyhedra of 320 faces.
+Spheres alone have no orientations, so the second row contains the cost of these. Features: one thing in a bed is
+changed at a time. If the column `bed` is "own", the bed was poured with the change; otherwise it is changed afterwards.
+The cost of remembered shear (history) is contained in that of friction. Levels: the cost of one listing of candidate
+pairs, not of a step, with all levels of the grid and with one.
 """
 
 import argparse
@@ -21,7 +24,7 @@ COLUMNS = (
 )  # fmt: skip
 TWO_SIZES = {"bounds": ["5.6 mm", "8 mm", "16 mm", "22.4 mm"], "mass_fractions": [0.5, 0.0, 0.5]}
 LISTS = 20
-# What is changed, settings laid over the bed's, and whether the bed is poured with them.
+# Name of the change, settings that override those of the bed, and whether the bed is poured with them.
 FEATURES = (
     ("all as by default", {}, False),
     ("no friction, no history", {"material": {"friction": 0.0}}, True),
@@ -36,7 +39,12 @@ FEATURES = (
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--shape", choices=["sphere", "ellipsoid", "polyhedron"], default="sphere", help="of features")
+    parser.add_argument(
+        "--shape",
+        choices=["sphere", "ellipsoid", "polyhedron"],
+        default="sphere",
+        help="shape of the grains for the rows of features",
+    )
     parser.add_argument("--grains", type=int, default=1000)
     parser.add_argument("--duration", type=float, default=0.05, help="simulated time measured [s]")
     parser.add_argument("--threads", type=int, default=1)
@@ -52,7 +60,7 @@ def main(arguments=None):
 
 
 def kinds(options):
-    """Rows of one bed of spheres, stepped by each kind of scene."""
+    """Yield the rows of one bed of spheres that is stepped by each kind of scene."""
     from benchmarks.beds import RELAXING, bed_settings, prepare, settled_bed
     from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON, SPHERE, unit_sphere
 
@@ -72,7 +80,7 @@ def kinds(options):
 
 
 def features(options):
-    """Rows of a bed with one feature changed at a time; ratio to the unchanged one."""
+    """Yield the rows of a bed with one feature changed at a time; `ratio` refers to the unchanged bed."""
     from benchmarks.beds import bed_settings, prepare, settled_bed
     from simcore.campaign.studies import merge
 
@@ -94,9 +102,10 @@ def features(options):
 
 
 def phases(options):
-    """Rows of the same bed damped, and weightless with a floor and without; ratio to the same with shaking left out.
+    """Yield the rows of the bed without shaking: as it is, damped, and weightless with and without a floor.
 
-    Without weight it needs no floor to stay: for as short as it is measured it only springs apart.
+    `ratio` refers to the row without damping, or to the weightless row with a floor. Without weight the bed needs no
+    floor, because it only expands a little in the short time of the measurement.
     """
     from benchmarks.beds import bed_settings, prepare, settled_bed
     from benchmarks.measurement import measure
@@ -117,15 +126,16 @@ def phases(options):
     ):
         figures, _ = measure(setup._replace(scene=scene), bed, options.duration, phase=phase, **changes)
         cost = figures["cpu_us_per_grain_step"]
-        first = reference.setdefault(name.split(",")[0], cost)
-        figures |= {"what": name, "shape": options.shape, "bed": "same", "ratio": cost / first}
+        unchanged = reference.setdefault(name.split(",")[0], cost)
+        figures |= {"what": name, "shape": options.shape, "bed": "same", "ratio": cost / unchanged}
         yield figures | {"grains": options.grains, "digest": source_digest()}
 
 
 def levels(options):
-    """Rows of listing the pairs of two sizes on the levels of the grid, and on one of cells for the largest; per list.
+    """Yield the rows of listing the pairs of grains of two sizes, with all levels of the grid and with one.
 
-    cpu_us_per_grain_step is here CPU µs per grain and list, `what` tells how many levels there are.
+    The single level has cells for the largest grains. Here, cpu_us_per_grain_step is the CPU time [µs] per grain and
+    list.
     """
     import time
 
@@ -159,7 +169,7 @@ def levels(options):
         (f"list on {count} levels", lambda: find_pairs(bed.position, reach, box)),
         ("list on one level", on_one),
     ):
-        pairs = len(search())  # compiled
+        pairs = len(search())  # this also compiles it
         began = time.process_time()
         for _ in range(LISTS):
             search()
@@ -171,7 +181,7 @@ def levels(options):
 
 
 def widen(settings):
-    """Settings with the box made as much larger as the grains of other sizes are, on average by volume."""
+    """Return the settings with a box scaled to the mean grain size, but at least 2.5 largest grains wide."""
     import numpy as np
 
     from benchmarks.beds import SPHERE_DIAMETER, prepare
@@ -184,7 +194,7 @@ def widen(settings):
 
 
 def faceted_sphere():
-    """A polyhedron of 320 faces in the unit sphere, as a base shape: none overlap where the spheres did not."""
+    """Return a polyhedron of 320 faces in the unit sphere as a base shape; its grains overlap only where spheres do."""
     import trimesh
 
     from simcore.dem.shapes.polyhedra import Base

@@ -1,10 +1,11 @@
-"""A touching pair of polyhedra asked for its overlap: our search from nothing, and our check from memory.
+"""CPU time of an overlap query of touching polyhedra: a cold search, and a check of a remembered contact.
 
     python -m benchmarks.speed.pairs [--export FILE]
 
-Hulls of 152 random points on ellipsoids 1 : 0.75 : 0.5, pressed into each other by 1e-3 of their way. Each pair has two
-poses that differ by 1e-4 of its size, as a grain moves in some steps; queries alternate between them, so that a memory
-is never asked for exactly what it holds. Exported, the same pairs go to benchmarks/speed/others/coal_pairs.py.
+The hulls of 152 random points on ellipsoids 1 : 0.75 : 0.5 are pressed into each other by 1e-3 of the distance at which
+they touch. Each pair has two poses that differ by 1e-4 of its size, as a grain moves in some steps. Queries alternate
+between the poses, so that a remembered contact is never that of the same pose. With --export the pairs are written for
+benchmarks/speed/others/coal_pairs.py.
 """
 
 import argparse
@@ -25,13 +26,16 @@ from simcore.dem.state.features import Features
 from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.grains.mesh import make_grain
 
-SEMI_AXES = np.array([1.0, 0.75, 0.5])  # [m]: tolerances are relative to the pair's size, here and there
+SEMI_AXES = np.array([1.0, 0.75, 0.5])  # [m]; tolerances are relative to the pair's size, here and in coal
 DEPTH, MOTION = 1e-3, 1e-4
 WARM_ROUNDS, COLD_ROUNDS, REPEATS = 2000, 20, 5
 
 
 def make_pairs(n_pairs=64, n_points=152, seed=1):
-    """Bases of all hulls; rotation (n, 2, 2, 4) as w, x, y, z and position (n, 2, 2, 3) of pair, pose, side."""
+    """Return bases of all hulls, rotation (n, 2, 2, 4) and position (n, 2, 2, 3) [m] by pair, pose and side.
+
+    Rotations are quaternions w, x, y, z.
+    """
     random = np.random.default_rng(seed)
     bases, rotation, position = [], np.zeros((n_pairs, 2, 2, 4)), np.zeros((n_pairs, 2, 2, 3))
     for pair in range(n_pairs):
@@ -54,20 +58,20 @@ def make_pairs(n_pairs=64, n_points=152, seed=1):
 
 
 def _touching_distance(first, second, way):
-    """How far along `way` the second hull can be moved until it only touches the first: a linear program."""
+    """Return the distance along `way` at which the second hull only touches the first, by a linear program."""
     n, m = len(first), len(second)
     equations = np.zeros((5, n + m + 1))
     equations[:3, :n], equations[:3, n : n + m], equations[:3, -1] = first.T, -second.T, -way
     equations[3, :n], equations[4, n : n + m] = 1.0, 1.0
-    found = linprog(np.r_[np.zeros(n + m), -1.0], A_eq=equations, b_eq=[0, 0, 0, 1, 1], bounds=(0, None))
-    if found.status != 0:
-        raise RuntimeError(f"no touching distance: {found.message}")
-    return found.x[-1]
+    solution = linprog(np.r_[np.zeros(n + m), -1.0], A_eq=equations, b_eq=[0, 0, 0, 1, 1], bounds=(0, None))
+    if solution.status != 0:
+        raise RuntimeError(f"no touching distance: {solution.message}")
+    return solution.x[-1]
 
 
 @kernel
 def ask(shapes, first, second, contacts, rounds, cold):
-    """Every pair in both poses, `rounds` times; number of queries that had to be searched."""
+    """Query all pairs in both poses, `rounds` times; return the number of queries that needed a search."""
     searched = 0
     for turn in range(2 * rounds):
         bodies = first if turn % 2 == 0 else second
@@ -85,7 +89,7 @@ def ask(shapes, first, second, contacts, rounds, cold):
 
 
 def measure(bases, rotation, position):
-    """Microseconds of CPU per query, cold and warm (least of five), and the overlaps of the second poses."""
+    """Return a dict with the CPU times per cold and warm query [µs], minima of five, and overlaps in the last pose."""
     n = len(position)
     shapes = collect_shapes(bases)
     still, shape = np.zeros((2 * n, 3)), np.arange(2 * n)
@@ -123,7 +127,7 @@ def measure(bases, rotation, position):
 
 
 def export(path, bases, rotation, position, overlap):
-    """The pairs and our overlaps, for benchmarks/speed/others/coal_pairs.py."""
+    """Write the pairs and our overlaps for benchmarks/speed/others/coal_pairs.py."""
     vertices, faces = [base.vertices for base in bases], [base.faces for base in bases]
     np.savez(
         path,

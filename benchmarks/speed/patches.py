@@ -1,11 +1,11 @@
-"""Why patches cost what they cost, and how many could be kept from step to step.
+"""Cost of the patches of contacts, and how many could be kept from step to step.
 
     python -m benchmarks.speed.patches [--grains 1000] [--set numerics.contact_time=0.5ms]
 
 In the shaken bed of benchmarks.speed.throughput it prints the CPU time of the patches of all contacts, per grain and
 step; the share of them that have a closed form; and, for several tolerances, the share of patches that a step could
-keep: those of contacts whose bodies have moved relative to each other, since the patch was measured, by less than that
-share of the overlap. A rotation counts with the sum of the bounding radii as its lever.
+keep. A patch can be kept if the bodies have moved relative to each other, since it was measured, by less than the
+tolerance times the overlap. A rotation counts with the sum of the bounding radii as its lever.
 """
 
 import sys
@@ -22,10 +22,10 @@ REPETITIONS = 7
 
 
 def kept_shares(snapshots, tolerances=TOLERANCES) -> dict[float, float]:
-    """Share of the contacts that could keep their patch in a step, for each tolerance.
+    """Return the share of the contacts that could keep their patch in a step, for each tolerance.
 
-    snapshots: one dict a step, from (a, b, image) to (offset (3,) [m], turn (3, 3), lever [m], overlap [m]): position
-    and rotation of b in the axes of a. The first snapshot of a contact is measured and counts as not kept.
+    snapshots: one dict per step, from (a, b, image) to (offset (3,) [m], turn (3, 3), lever [m], overlap [m]): position
+    and rotation of b in the axes of a. At its first snapshot the patch of a contact is measured and counts as not kept.
     """
     shares = {}
     for tolerance in tolerances:
@@ -47,7 +47,7 @@ def kept_shares(snapshots, tolerances=TOLERANCES) -> dict[float, float]:
 
 
 def snapshot(process) -> dict:
-    """The touching contacts of a Process, as kept_shares takes them."""
+    """Return the touching contacts of a Process as a snapshot of `kept_shares`."""
     bodies, contacts = process.bodies, process.contacts
     rows = np.flatnonzero(contacts.touching)
     a, b, image = contacts.body_a[rows], contacts.body_b[rows], contacts.image[rows]
@@ -85,7 +85,7 @@ def main(arguments=None):
 
 
 def patch_cost(process):
-    """CPU time [s] of the patches of all touching contacts, and the share of those that have a closed form."""
+    """Return the CPU time [s] of the patches of all touching contacts, and the share with a closed form."""
     from numba import njit
 
     from simcore.dem.contact.pair import pair_of

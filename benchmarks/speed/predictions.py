@@ -3,10 +3,11 @@
     python -m benchmarks.speed.predictions
     python -m benchmarks.speed.predictions --number 1000
 
-Two uses: many samples with one sieve curve (B50), and as many sieve curves with one sample each. Curves are random, of
-two to eight classes; samples have random means and deviations of flatness and elongation about those of the Rhine. The
-model is the one that `predict --sieve` uses. It and the models of one class are read before the clock starts. A row has
-the number of predictions, how many of them are refused, the CPU time of all threads, and that of one prediction.
+There are two uses: many samples with one sieve curve (B50), and as many sieve curves with one sample each. Curves are
+random, of two to eight classes; samples have random means and deviations of flatness and elongation about those of the
+Rhine. The model is the one that `predict --sieve` uses. It and the models of one class are read before the clock
+starts. A row has the number of predictions, how many of them are refused, the CPU time of all threads, and that of one
+prediction.
 """
 
 import argparse

@@ -1,9 +1,10 @@
-"""Microseconds of a cold contact query in the compiled loop: hulls that touch, lie apart, overlap deeply.
+"""CPU time [µs] of a cold contact query in the compiled loop: hulls that touch, are apart, or overlap deeply.
 
     python -m benchmarks.speed.queries [--vertices 20 152 1300]
 
-Pebble-like hulls at random orientations, 300 pairs, least of five runs. `query`: distance to the last digits with
-points; `search`: what a step needs, the facet or a certain gap (`search.polyhedra.search_pair`).
+The hulls resemble pebbles and form 300 pairs at random orientations; the minimum of five times is printed. `query` is
+the query of the distance to the last digits, with points. `search` is what a step needs: the facet, or a certain gap
+(simcore.dem.contact.search.polyhedra.search_pair).
 """
 
 import argparse
@@ -55,7 +56,7 @@ def measure(n_vertices):
     unit /= np.linalg.norm(unit, axis=1, keepdims=True)
     out = np.empty(PAIRS), np.empty((PAIRS, 3)), np.empty((PAIRS, 3)), np.empty((PAIRS, 3))
     reach, wanted = np.full(PAIRS, 1.5), -2.0 * 10.0 ** rng.uniform(-4, -3, PAIRS)
-    for _ in range(60):  # until they touch: by 1e-4 to 1e-3 of the pair's size
+    for _ in range(60):  # until they overlap by 1e-4 to 1e-3 of the pair's size
         query_pairs(table, solids, unit * reach[:, None], *out)
         reach -= (out[0] - wanted) / np.maximum((out[1] * unit).sum(axis=1), 0.3)
     for name, distance in (
@@ -71,7 +72,7 @@ def measure(n_vertices):
 
 
 def least_time(run):
-    """Least CPU time of five runs of ten [µs per pair]."""
+    """Return the minimum CPU time of five runs of ten rounds [µs per pair]."""
     run()
     times = []
     for _ in range(5):

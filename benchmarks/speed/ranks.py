@@ -1,12 +1,12 @@
-"""Ranks of MPI against one: wall time, bytes sent, pairs computed twice; and a large bed stepped, kept and resumed.
+"""MPI ranks compared with one rank: wall time, bytes sent, pairs computed twice; and a large bed stored and resumed.
 
     python -m benchmarks.speed.ranks [--shape polyhedron] [--faces 300] [--ranks 1 2] [--runs 5] [--csv FILE]
     python -m benchmarks.speed.ranks --large
 
-A settled periodic bed of 1250 grains is repeated 2 x 2 and 4 x 4 times; runs of different numbers of ranks take turns,
-each in processes of its own, and medians of wall time are compared (strong scaling). --weak: the bed is repeated so
-often that a rank has about 5000 grains (2 x 2 times on one rank, 3 x 3 on two). One thread a rank. --large: a bed of
-1000 polyhedra repeated 10 x 10 times on two ranks, shaken, kept, resumed.
+A settled periodic bed of 1250 grains is repeated 2 x 2 and 4 x 4 times. Runs of different numbers of ranks take turns,
+each in processes of its own, and medians of the wall time are compared (strong scaling). With --weak the bed is
+repeated so often that a rank has about 5000 grains (2 x 2 times on one rank, 3 x 3 on two). A rank has one thread. With
+--large a bed of 1000 polyhedra is repeated 10 x 10 times on two ranks, shaken, stored as a checkpoint, and resumed.
 """
 
 import argparse
@@ -43,15 +43,15 @@ def main():
     rows = []
     pour(options, GRAINS)
     for times in TIMES[:1] if options.weak else TIMES:
-        found = {ranks: [] for ranks in options.ranks}
+        figures = {ranks: [] for ranks in options.ranks}
         for _ in range(options.runs):
             for ranks in options.ranks:
                 copies = round(times * np.sqrt(ranks)) if options.weak else times
-                found[ranks].append(call(options, ranks, copies))
-        for each in found.values():
-            wall = float(np.median([row["wall_us_per_grain_step"] for row in each]))
-            first = float(np.median([row["wall_us_per_grain_step"] for row in found[options.ranks[0]]]))
-            rows.append(each[-1] | {"wall_us_per_grain_step": wall, "speedup": first / wall, "runs": len(each)})
+                figures[ranks].append(call(options, ranks, copies))
+        for runs in figures.values():
+            wall = float(np.median([row["wall_us_per_grain_step"] for row in runs]))
+            base = float(np.median([row["wall_us_per_grain_step"] for row in figures[options.ranks[0]]]))
+            rows.append(runs[-1] | {"wall_us_per_grain_step": wall, "speedup": base / wall, "runs": len(runs)})
             print(json.dumps(rows[-1]), file=sys.stderr, flush=True)
     with open(options.csv, "w", newline="", encoding="utf-8") if options.csv else sys.stdout as file:
         writer = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator=os.linesep)
@@ -68,14 +68,14 @@ def parse():
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--csv", metavar="FILE", help="otherwise printed")
     parser.add_argument("--beds", metavar="FOLDER", default=default_beds(), help="where beds are kept")
-    parser.add_argument("--weak", action="store_true", help="as many grains for each rank")
-    parser.add_argument("--large", action="store_true", help="the large bed")
+    parser.add_argument("--weak", action="store_true", help="the same number of grains for each rank")
+    parser.add_argument("--large", action="store_true", help="run the large bed")
     parser.add_argument("--work", nargs=3, metavar=("GRAINS", "TIMES", "KEPT"), help=argparse.SUPPRESS)
     return parser.parse_args()
 
 
 def pour(options, grains):
-    """The bed, once, so that no rank does it for itself."""
+    """Return settings and bed; it is poured here once, so that the ranks only read it."""
     from benchmarks.beds import bed_settings, settled_bed
 
     settings = bed_settings(options.shape, grains, options.faces)
@@ -83,7 +83,7 @@ def pour(options, grains):
 
 
 def call(options, ranks, times, grains=GRAINS, kept="-"):
-    """The figures of one run, from processes of its own."""
+    """Return the figures of one run, which has processes of its own."""
     command = [sys.executable, "-m", "benchmarks.speed.ranks", "--shape", options.shape, "--faces", str(options.faces)]
     command += ["--beds", options.beds, "--work", str(grains), str(times), kept]
     if ranks > 1:
@@ -94,7 +94,7 @@ def call(options, ranks, times, grains=GRAINS, kept="-"):
 
 
 def work(options, grains, times, kept):
-    """On each rank; rank 0 prints the figures."""
+    """Make a run; every rank calls this, and rank 0 prints the figures."""
     from simcore.dem.ranks.one_rank import ONE_RANK, started_by_mpi
 
     ranks = ONE_RANK
@@ -125,7 +125,7 @@ def run(options, ranks, grains, times, kept):
     if kept and keeper.latest() is not None:
         process.resume()
         resumed = process.step
-    process.advance(steps // 4, SHAKING)  # contacts find their memory; compiled
+    process.advance(steps // 4, SHAKING)  # compiles the step, and contacts become remembered ones
     before = ranks.exchanging, ranks.bytes_sent, ranks.steps
     started = time.perf_counter()
     process.advance(steps, SHAKING)
@@ -160,7 +160,7 @@ def _keeper(folder, ranks, settings):
 
 
 def _kept(process, keeper):
-    """Keep it and tell how long that takes, and a digest of all bodies and contacts."""
+    """Store a checkpoint; return its time [s], peak memory of rank 0 [MiB], and a digest of all bodies and contacts."""
     import hashlib
     import resource
 
@@ -184,7 +184,7 @@ def _kept(process, keeper):
 
 
 def large(options):
-    """A stretch of the large bed on two ranks, kept; another from there on two and on one: the same bits."""
+    """Run the large bed on two ranks and store it; resume it on two ranks and on one. Return 1 if the bits differ."""
     with tempfile.TemporaryDirectory() as scratch:
         first, other = Path(scratch) / "first", Path(scratch) / "other"
         print("two ranks", json.dumps(call(options, 2, 10, 1000, str(first))), flush=True)

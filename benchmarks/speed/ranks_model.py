@@ -1,14 +1,16 @@
-"""Run time on many ranks, from what was measured on two: a model, and what it says of the study's packings.
+"""Model of the run time on many ranks, from measurements on two, for packings of Rettinger et al. (2022).
 
     python -m benchmarks.speed.ranks_model [--measured results/reference/ranks.csv]
 
-Wall time of a step is the slowest rank's: cost × (own grains + those that pairs across borders are worth, which both
-sides compute) + what is exchanged. A rank's block is a rectangle of the bed's footprint; ghosts stand in a layer about
-it whose width is measured. Exchanged are the bytes of the ghosts, at least two messages to each neighbour, and one
-reduction over all ranks, at the stated speed and latency of a network (ASSUME: 10 GB/s and 2 µs, of an ordinary
-cluster; within one machine both are better). Not in it: waiting for the slower rank, in which two on one machine lost
-6 to 11 % with what they exchanged; uneven blocks (up to simcore.dem.ranks.many_ranks.UNEVEN); neighbour lists, 2 % of a
-step; and what ranks of one machine take from each other of the speed of its memory.
+The wall time of a step is that of the slowest rank: cost × (own grains + grains whose cost is that of the pairs across
+borders, which both sides compute) + time of the exchange. The block of a rank is a rectangle of the bed's footprint,
+and its ghosts form a layer around it, whose width is measured. A rank exchanges the bytes of the ghosts, at least two
+messages with each neighbour, and one reduction over all ranks, at the stated speed and latency of a network (ASSUME:
+those of an ordinary cluster, 10 GB/s and 2 µs; within one machine both are better).
+
+The model leaves out: waiting for the slower rank (two ranks on one machine lost 6 to 11 % to waiting and exchange);
+uneven blocks (up to simcore.dem.ranks.many_ranks.UNEVEN); neighbour lists, 2 % of a step; and the competition of the
+ranks of one machine for its memory.
 """
 
 import argparse
@@ -21,24 +23,24 @@ import numpy as np
 
 MEASURED = Path(__file__).parents[2] / "results" / "reference" / "ranks.csv"
 BANDWIDTH, LATENCY = 10e9, 2e-6  # [byte/s], [s]
-STEPS = 8.0 / 5e-6  # of a packing of the study: 6 s of shaking, 2 s before and after, at its time step
-# Grains of the study's packings of 16 kg (its Table 7: U7 and B50 in a box 0.2 m wide), and larger beds.
+STEPS = 8.0 / 5e-6  # of a packing of Rettinger et al.: 6 s of shaking, 2 s before and after
+# Grains in the packings of 16 kg of Rettinger et al. (Table 7: U7 and B50 in a box 0.2 m wide), and in larger beds.
 BEDS = {"16 kg, 20 000 grains": 20_000, "16 kg, 100 000 grains": 100_000, "10^6 grains": 10**6, "10^7 grains": 10**7}
 RANKS = (1, 2, 4, 16, 64, 100, 400)
 
 
 class Measured(NamedTuple):
-    """Of a bed of `grains` on two ranks beside each other, in a periodic box."""
+    """Measurements of a bed of `grains` on two ranks side by side, in a periodic box."""
 
     grains: int
-    cost: float  # [s] of a grain and step on one rank
+    cost: float  # [s] per grain and step on one rank
     ghosts_per_own: float
     twice: float  # share of pairs computed twice
     bytes_per_ghost: float
 
 
 def read_measured(path) -> Measured:
-    """From the rows of benchmarks.speed.ranks of the largest bed."""
+    """Return the measurements of the largest bed in a table of benchmarks.speed.ranks."""
     with open(path, encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     grains = max(int(row["grains"]) for row in rows)
@@ -50,9 +52,9 @@ def read_measured(path) -> Measured:
 
 
 def step_time(measured: Measured, grains: float, ranks: int) -> float:
-    """Wall time [s] of a step of a bed as deep as it is wide."""
+    """Return the wall time [s] of a step of a bed as deep as it is wide."""
     columns, rows = _layout(ranks)
-    # Of the measured bed: two blocks of half its width, with ghosts on two sides; widths in units of a grain's.
+    # The measured bed has two blocks of half its width, with ghosts on two sides. Widths are in grains.
     width = measured.grains ** (1 / 3)
     layer = 0.25 * measured.ghosts_per_own * width
     pairs = 0.25 * measured.twice * width  # layer on each side of a border whose pairs both sides compute
@@ -61,7 +63,7 @@ def step_time(measured: Measured, grains: float, ranks: int) -> float:
     own = a * b * side
 
     def about(thickness):
-        """Grains in a layer about a block, where it has neighbours."""
+        """Return the number of grains in a layer around a block, on the sides where it has neighbours."""
         wider, deeper = (2 * thickness if n > 1 else 0.0 for n in (columns, rows))
         return min(((a + wider) * (b + deeper) - a * b) * side, grains)
 

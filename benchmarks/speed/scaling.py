@@ -2,9 +2,10 @@
 
     python -m benchmarks.speed.scaling [--shape sphere] [--faces 300] [--csv FILE]
 
-A settled periodic bed is repeated side by side in a box as many times as wide: 1000 grains 1 x 1, 3 x 3 and 10 x 10
-times, the same bed in all but the size of memory; for threads 1250 grains 2 x 2 and 4 x 4 times. Each row is a process
-of its own. `speedup` is wall time with one thread over that with these.
+A settled periodic bed is repeated side by side in a wider box. The number of grains is varied by repeating 1000 grains
+1 x 1, 3 x 3 and 10 x 10 times: these beds differ only in the size of their memory. For threads, 1250 grains are
+repeated 2 x 2 and 4 x 4 times. Each row is measured in a process of its own. `speedup` is the wall time with one thread
+over that with the given number of threads.
 """
 
 import argparse
@@ -18,7 +19,7 @@ from benchmarks.speed.throughput import default_beds, face_count
 
 SIZES = ((1000, 1), (1000, 3), (1000, 10))  # grains of the bed, times repeated along x and along y
 THREADED = ((1250, 2), (1250, 4))
-LEAST_GRAIN_STEPS = 20e6  # measured in each row, and at least so many steps:
+LEAST_GRAIN_STEPS = 20e6  # minimum of grains times steps in a row
 LEAST_STEPS = 400
 COLUMNS = (
     "shape", "faces", "grains", "threads", "cpu_us_per_grain_step", "wall_us_per_grain_step", "speedup",
@@ -50,12 +51,14 @@ def parse(arguments):
     parser.add_argument("--faces", type=face_count, default=300)
     parser.add_argument("--csv", metavar="FILE", help="otherwise printed")
     parser.add_argument("--beds", metavar="FOLDER", default=default_beds(), help="where beds are kept")
-    parser.add_argument("--one", type=int, nargs=2, metavar=("GRAINS", "TIMES"), help="only this one, as JSON")
+    parser.add_argument(
+        "--one", type=int, nargs=2, metavar=("GRAINS", "TIMES"), help="measure only this bed and print JSON"
+    )
     return parser.parse_args(arguments)
 
 
 def call(options, grains, times, threads):
-    """The row of one size and number of threads, from a process of its own."""
+    """Return the row of one size and number of threads, from a process of its own."""
     command = [
         sys.executable,
         "-m",

@@ -1,11 +1,12 @@
-"""CPU time to a finished packing beside MuJoCo, with the porosity and the overlap that each leaves.
+"""CPU time until a packing is finished, beside MuJoCo, with the porosity and the overlap of both.
 
-    python -m benchmarks.speed.settling --python OTHERS/bin/python [--seeds 3] [--accuracies draft standard] [--csv
-    FILE]
+    python -m benchmarks.speed.settling --python OTHERS/bin/python [--seeds 3] [--accuracies draft standard]
+        [--csv FILE]
 
-600 pebbles of 300 faces (U1) in a cylinder, since MuJoCo has no periodic box. MuJoCo drops all of them from one lattice
-and lets them come to rest; we pour, shake and settle as `accuracy` says, and once more without shaking. Porosity and
-overlap of both are evaluated by our code, MuJoCo's grains taken as they lie. OTHERS as in benchmarks.speed.compare.
+600 pebbles (U1) are packed in a cylinder, because MuJoCo has no periodic box. MuJoCo drops all of them from one lattice
+and lets them come to rest; they have the 300 faces of the preset `r22`. Our code packs them with each preset of
+--accuracies and its number of faces, and once more without shaking. Porosity and overlap of both are evaluated by our
+code, with MuJoCo's grains in their final poses. OTHERS is that of benchmarks.speed.compare.
 """
 
 import argparse
@@ -31,7 +32,7 @@ COLUMNS = (
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--python", help="interpreter of an environment with mujoco; without it only ours")
+    parser.add_argument("--python", help="interpreter of an environment with mujoco; without it, only our code runs")
     parser.add_argument("--grains", type=int, default=600)
     parser.add_argument("--width", default="60 mm", help="diameter of the cylinder")
     parser.add_argument("--seeds", type=int, default=3)
@@ -57,7 +58,7 @@ def rows(options):
 
 
 def prepared(options, seed, accuracy, change):
-    """Setup and specification of the bed at that accuracy."""
+    """Return the setup and the specification of the bed with this preset and these changes."""
     from simcore.campaign.studies import merge
     from simcore.grains.sources import load_grains
     from simcore.scene.setup import set_up
@@ -97,7 +98,7 @@ def ours(options, seed, accuracy, change):
 
 
 def theirs(options, seed):
-    """MuJoCo's bed of the grains of `r22`, evaluated by ours."""
+    """Return the row of MuJoCo's bed of the grains of the preset `r22`, evaluated by our code."""
     import numpy as np
 
     from benchmarks.beds import Bed, export_bed, start
@@ -132,7 +133,7 @@ def theirs(options, seed):
 
 
 def figures(setup, specification, packed, options, seed):
-    """What both are compared by."""
+    """Return the figures by which both programs are compared."""
     from simcore.evaluation.coordination import coordination_number
     from simcore.evaluation.porosity import bulk_porosity
     from simcore.packing.file import code_version, packing_dataset

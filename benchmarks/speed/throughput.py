@@ -2,9 +2,10 @@
 
     python -m benchmarks.speed.throughput [--shape polyhedron] [--faces 300] [--grains 2000] [--threads 1] [--json FILE]
 
-Contact time 0.2 ms, 40 steps in it, restitution 0.1, friction 0.5, full history, periodic box, shaken as by default.
-The bed is poured once and kept (benchmarks/beds.py). CPU of all threads counts, list rebuilds included; compilation
-apart. `--set group.key=value` lays anything over the specification; what is under `numerics` keeps the bed.
+The contact time is 0.2 ms with 40 steps, restitution 0.1, friction 0.5 with tangential springs; the box is periodic,
+and the bed is shaken as by default. The bed is poured once and stored (benchmarks/beds.py). The CPU time of all threads
+counts, including new neighbour lists but not compilation. `--set group.key=value` overrides a setting; settings under
+`numerics` do not change the bed.
 """
 
 import argparse
@@ -17,7 +18,7 @@ from pathlib import Path
 def parse(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--shape", choices=["sphere", "ellipsoid", "polyhedron"], default="polyhedron")
-    parser.add_argument("--faces", type=face_count, default=300, help='of polyhedra: a number, or "original"')
+    parser.add_argument("--faces", type=face_count, default=300, help='faces of polyhedra: a number, or "original"')
     parser.add_argument("--grains", type=int, default=2000)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--duration", type=float, default=0.1, help="simulated time measured [s]")
@@ -37,7 +38,7 @@ def default_beds():
 
 
 def use_threads(threads):
-    """Before numba is imported."""
+    """Set the number of threads, by the environment if numba is not imported yet."""
     if "numba" in sys.modules:
         from simcore.compilation import set_threads
 
@@ -56,7 +57,7 @@ def main(arguments=None):
 
 
 def run(options, least_solid_fraction=None):
-    """The result (dict) that is written as JSON; see `measurement` for the figures."""
+    """Return the result (dict) that is written as JSON; `measurement` describes the figures."""
     from benchmarks.beds import bed_settings, prepare, read_overrides, settled_bed
     from benchmarks.measurement import (
         LEAST_SOLID_FRACTION,
@@ -99,7 +100,7 @@ def run(options, least_solid_fraction=None):
 
 
 def line(result):
-    """The result in one line."""
+    """Return the result as one line of text."""
     shares = result["shares"]
     parts = ", ".join(f"{name} {share:.0%}" for name, share in shares.items())
     faces = f" of {result['faces']} faces" if result["faces"] else ""

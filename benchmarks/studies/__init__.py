@@ -1,1 +1,1 @@
-"""Measurements that constants and statements of the documentation rest on."""
+"""Measurements behind constants and statements of the documentation."""

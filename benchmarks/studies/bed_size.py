@@ -1,8 +1,9 @@
-"""What the size of a bed does to its porosity: single forms in periodic boxes of several widths and depths.
+"""Effect of the size of a bed on its porosity: single forms in periodic boxes of several widths and depths.
 
     python -m benchmarks.studies.bed_size results/*/packings/single_form/*.nc ... > results/reference/bed_size.csv
 
-One CSV row a packing, by today's rule of evaluation. Packings that differ in more than form, size and seed are refused.
+It prints one CSV row per packing, evaluated by the current rule. Packings that differ in more than form, size and seed
+are refused.
 """
 
 import argparse
@@ -16,24 +17,24 @@ from simcore.evaluation.porosity import bulk_porosity
 from simcore.packing.file import read_packing
 
 COLUMNS = ["case", "grain", "width_mm", "grains", "seed", "n", "n_error", "cpu_s"]
-# What the beds may differ in, or does not matter to them, such as where their grains were read.
+# Settings in which the beds may differ, or that have no effect on them, such as the source of their grains.
 FREE = {"name", "seed", "domain", "amount", "grains"}
 
 
 def row_of(packing):
-    """(row, settings): what the table has of a packing, and all that it must share with the others, as text."""
+    """Return (row, settings): the row of a packing, and, as text, the settings that all packings must share."""
     scene = json.loads(packing.attrs["scene"])
     if scene["domain"]["type"] != "periodic":
-        raise ValueError(f"{scene['name']}: stands in a {scene['domain']['type']}; periodic boxes are compared")
-    found = bulk_porosity(packing)
+        raise ValueError(f"{scene['name']}: is in a {scene['domain']['type']}; only periodic boxes are compared")
+    bulk = bulk_porosity(packing)
     row = {
         "case": scene["sizes"]["case"],
         "grain": scene["shapes"].pop("grain"),
         "width_mm": 1e3 * scene["domain"]["width"],
         "grains": packing.sizes["grain"],
         "seed": scene["seed"],
-        "n": float(found.n),
-        "n_error": float(found.n_std_error),
+        "n": float(bulk.n),
+        "n_error": float(bulk.n_std_error),
         "cpu_s": float(packing.attrs["cpu_seconds"]),
     }
     scene["numerics"].pop("progress_interval")
@@ -45,15 +46,15 @@ def row_of(packing):
 
 
 def table(paths):
-    """The rows of all packings; ValueError where two are not comparable."""
-    rows, first = [], None
+    """Return the rows of all packings; ValueError if two are not comparable."""
+    rows, shared = [], None
     for path in paths:
         packing = read_packing(path)
         row, settings = row_of(packing)
         packing.close()
-        first = first or settings
-        if settings != first:
-            raise ValueError(f"{path}: is of other settings than {paths[0]}: {settings} and {first}")
+        shared = shared or settings
+        if settings != shared:
+            raise ValueError(f"{path}: is of other settings than {paths[0]}: {settings} and {shared}")
         rows.append(row)
     return pd.DataFrame(rows, columns=COLUMNS).sort_values(COLUMNS[:5])
 
@@ -63,10 +64,10 @@ def main(arguments=None):
     parser.add_argument("packings", nargs="+", metavar="PACKING.nc")
     options = parser.parse_args(arguments)
     try:
-        found = table(options.packings)
+        rows = table(options.packings)
     except ValueError as error:
         parser.exit(2, f"bed_size: {error}\n")
-    found.round({"n": 6, "n_error": 6, "width_mm": 3, "cpu_s": 1}).to_csv(sys.stdout, index=False)
+    rows.round({"n": 6, "n_error": 6, "width_mm": 3, "cpu_s": 1}).to_csv(sys.stdout, index=False)
 
 
 if __name__ == "__main__":

@@ -1,19 +1,21 @@
 """Two constructions of the contact of ellipsoids, the common normal and the least potentials, side by side.
 
     python -m benchmarks.studies.ellipsoid_contact [--measures depth impact cost] >
-    results/reference/ellipsoid_contact.csv
+        results/reference/ellipsoid_contact.csv
 
-One CSV row a measure, form, relative depth and construction; lengths in units of (abc)^(1/3) of the larger grain. The
-two define different depths and agree for spheres only; what is exact here is the least translation that parts the pair.
+It prints one CSV row per measure, form, relative depth and construction. Lengths are in units of (abc)^(1/3) of the
+larger grain. The two constructions define different depths, which agree only for spheres; the exact depth is the length
+of the shortest translation that separates the pair.
 
-depth    random pairs: error of the overlap relative to the exact depth, and angle of the normal to the exact one. The
-         contact vector's own direction stands beside the averaged gradients that replace it.
+depth    random pairs: error of the overlap relative to the exact depth, and angle between the normal and the exact one.
+         The direction of the contact vector itself is listed beside the averaged gradients that replace it.
 impact   random oblique elastic impacts without friction, to about the relative depth: energy gained, in units of the
          energy of relative motion before; its mean is the drift per collision. Rules for the direction of the force:
-         averaged gradients always (potential), from 10 degrees of deviation on, or the contact vector, never corrected;
-         and averaged gradients with the contact vector's length along them as overlap.
-cost     a query within a step: touching; near, where the memory of a gap has run out and the direction is asked again;
-         and from nothing. Pairs go between two poses that differ by 1e-4 of their size, so that touching ones stay so.
+         the common normal; by potentials the averaged gradients, always or from 10 degrees of deviation on, or always
+         the contact vector; and the averaged gradients with the contact vector's length along them as overlap.
+cost     a query within a step: touching; near, where a remembered gap has expired and the direction is checked again;
+         and both searched from nothing. Pairs go between two poses that differ by 1e-4 of their size, so that touching
+         ones stay so.
 """
 
 import argparse
@@ -50,12 +52,12 @@ FORMS = {  # a : b : c
 }
 DEPTHS = (1e-4, 1e-3, 1e-2)
 PAIRS = 300
-IMPACTS, STEPS, LONGEST = 1000, 200, 5  # steps per contact time; contact times until all must be past
-MOVES = ("sphere", "1.25:1:0.8", "golden", "prolate 3", "oblate 3")  # forms of impacts
+IMPACTS, STEPS, LONGEST = 1000, 200, 5  # STEPS per contact time; all impacts end within LONGEST contact times
+MOVES = ("sphere", "1.25:1:0.8", "golden", "prolate 3", "oblate 3")  # forms in the impacts
 DEVIATION = np.radians(10.0)
 MOTION, GAP = 1e-4, 3e-3
 REPEATS, ROUNDS = 5, 30
-# Of queries: depth, and what is forgotten before each (1: how long a gap is certain, 2: all)
+# Query, depth, and what is deleted before it (1: how long a gap is certain, 2: all that is remembered)
 CASES = (
     ("touching", DEPTHS[1], 0),
     ("near", -GAP, 1),
@@ -65,7 +67,7 @@ CASES = (
 
 
 def random_pairs(form, n, depth, rng):
-    """Semi-axes (2n, 3), quaternions (2n, 4), offsets (n, 3) and common normals (n, 3) of pairs this deep."""
+    """Return semi-axes (2n, 3), quaternions (2n, 4), offsets (n, 3), common normals (n, 3) of pairs of this depth."""
     axes = np.array(FORMS[form]) / np.prod(FORMS[form]) ** (1.0 / 3.0)
     semi = rng.uniform(0.5, 1.0, (2 * n, 1)) * axes
     semi /= np.repeat(np.maximum(semi[0::2, :1], semi[1::2, :1]) / axes[0], 2, axis=0)
@@ -79,14 +81,14 @@ def random_pairs(form, n, depth, rng):
 
 
 def form_matrices(semi, rotation):
-    """M = R diag(s²) Rᵀ as rows of Bodies.form_matrix (n, 6), and whole (n, 3, 3)."""
+    """Return M = R diag(s²) Rᵀ as rows of Bodies.form_matrix (n, 6), and as matrices (n, 3, 3)."""
     whole = np.einsum("nij,nj,nkj->nik", rotation, semi**2, rotation)
     return np.ascontiguousarray(whole[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]), whole
 
 
 @kernel
 def find_common_normals(m, offset, normal, vector, middle):
-    """From normals close to them: of pairs 2k, 2k + 1 normal, contact vector along it and middle."""
+    """Write normal, contact vector and middle of pairs 2k, 2k + 1; on entry, `normal` is close to the result."""
     for k in range(len(offset)):
         i, j = 2 * k, 2 * k + 1
         size = np.sqrt(max(m[i, 0], m[i, 1], m[i, 2])) + np.sqrt(max(m[j, 0], m[j, 1], m[j, 2]))
@@ -99,7 +101,7 @@ def find_common_normals(m, offset, normal, vector, middle):
 
 @kernel
 def find_deepest(m, offset, normal, vector, middle):
-    """The same by potentials; normal: of the averaged gradients. A pair apart gets no contact vector."""
+    """Write the same by potentials, with the normal of the averaged gradients; the vector of a pair apart is 0."""
     for k in range(len(offset)):
         meeting = meeting_of(m, Pair(2 * k, 2 * k + 1, read(offset, k), 1.0), read(normal, k), 60)
         if not meeting.reached:
@@ -110,7 +112,7 @@ def find_deepest(m, offset, normal, vector, middle):
 
 
 def direct(construction, m, offset, normal):
-    """Overlap (n,), direction (n, 3) and middle (n, 3); normal: (n, 3) of the last step, replaced."""
+    """Return overlap (n,), direction (n, 3) and middle (n, 3); normal (n, 3): of the last step, is replaced."""
     vector, middle = np.empty_like(offset), np.empty_like(offset)
     if construction == "common_normal":
         find_common_normals(m, offset, normal, vector, middle)
@@ -149,9 +151,9 @@ def depths(rng):
             table, solids = table_of(shapes)[0], place_solids(shapes, index, rotation)
             exact = brute.depths(table, solids, offsets, np.zeros(PAIRS, bool), spiral)
             here, there = index[0::2], index[1::2]
-            found = query_many(shapes, here, (np.zeros((PAIRS, 3)), turns[0::2]), there, (offsets, turns[1::2]))
-            # The normal by which the pair was placed, but where there is a shorter way out
-            normal = np.where((np.abs(exact - depth) < 1e-6 * depth)[:, None], normal, found.normal)
+            result = query_many(shapes, here, (np.zeros((PAIRS, 3)), turns[0::2]), there, (offsets, turns[1::2]))
+            # The exact normal is that of the placement, unless a shorter translation separates the pair.
+            normal = np.where((np.abs(exact - depth) < 1e-6 * depth)[:, None], normal, result.normal)
             start = normal + 1e-3 * rng.standard_normal(normal.shape)
             start /= np.linalg.norm(start, axis=1, keepdims=True)
             for construction in ("common_normal", "potential", "contact_vector"):
@@ -163,7 +165,10 @@ def depths(rng):
 
 
 def impact_gains(form, construction, depth, rng, n=IMPACTS, steps=STEPS):
-    """Energy gained (n,) in elastic impacts, in units of the energy of relative motion before. Contact time 1."""
+    """Return the energy gained (n,) in elastic impacts, in units of the energy of relative motion before.
+
+    The contact time is 1.
+    """
     semi, turns, offsets, normal = random_pairs(form, n, 0.0, rng)
     rotation = Rotation.from_quat(turns, scalar_first=True).as_matrix()
     mass = 4.0 / 3.0 * np.pi * semi.prod(axis=1)
@@ -190,10 +195,11 @@ def impact_gains(form, construction, depth, rng, n=IMPACTS, steps=STEPS):
 
     def energy():
         v = velocity - np.repeat(drift, 2, axis=0)
-        each = 0.5 * mass * (v**2).sum(axis=1) + 0.5 * (angular * spinning(rotation)).sum(axis=1)
-        return each[0::2] + each[1::2]
+        energies = 0.5 * mass * (v**2).sum(axis=1) + 0.5 * (angular * spinning(rotation)).sum(axis=1)
+        return energies[0::2] + energies[1::2]
 
-    # Motions are as likely backwards: a pair that would part is reversed. It starts within a step of its touch.
+    # A motion and its reverse are equally likely, so a pair that would separate is reversed. It starts within a step of
+    # its first contact.
     position = np.zeros((2 * n, 3))
     position[1::2] = offsets
     point = direct("common_normal", form_matrices(semi, rotation)[0], offsets, normal)[2]
@@ -217,7 +223,7 @@ def impact_gains(form, construction, depth, rng, n=IMPACTS, steps=STEPS):
         angular = angular + 0.5 * dt * torque
         if step > steps and not (overlap > 0.0).any():
             return (energy() - before) / before
-    raise RuntimeError(f"{form}, {construction}: {(overlap > 0.0).sum()} impacts of {n} are not past")
+    raise RuntimeError(f"{form}, {construction}: {(overlap > 0.0).sum()} impacts of {n} have not ended")
 
 
 RULES = ("common_normal", "potential", "projected", "from_10_degrees", "contact_vector")
@@ -234,7 +240,7 @@ def impacts(seed):
 def _make_asking(potential):
     @kernel
     def ask(first, second, contacts, rounds, fresh):
-        """Every pair in both poses, `rounds` times; number of queries that had to be searched. fresh: of CASES."""
+        """Query all pairs in both poses, `rounds` times; return the number of searches. fresh: see CASES."""
         searched = 0
         for turn in range(2 * rounds):
             bodies = first if turn % 2 == 0 else second
@@ -286,7 +292,7 @@ def costs(rng):
                     began = time.process_time()
                     searched = ask(*poses, contacts, ROUNDS, fresh)
                     spent.append((time.process_time() - began) / (2 * ROUNDS * PAIRS) * 1e6)
-                # A narrow gap that loses half of itself between the poses is searched again: a pair or two
+                # A gap that shrinks to half between the poses is searched again, which happens to a pair or two.
                 share = searched / (2 * ROUNDS * PAIRS)
                 if contacts.touching.any() != (depth > 0.0) or not (share == 1.0 if fresh > 1 else share < 0.01):
                     raise RuntimeError(f"{form}, {case}, {construction}: not the pairs meant, {share:.3f} searched")

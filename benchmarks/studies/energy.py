@@ -1,12 +1,13 @@
-"""How well elastic, frictionless beds keep their energy, against the time step; and what a single contact gains.
+"""How well elastic, frictionless beds conserve energy, against the time step; and the energy gain of single contacts.
 
     python benchmarks/studies/energy.py [--time 2.5] [--steps 20,40,80,160] > results/reference/energy.csv
     python benchmarks/studies/energy.py --impacts > results/reference/impacts.csv
 
 Beds: 64 grains in a periodic box jump on a floor under gravity without loss for the given time [s] (10^5 steps at 40
-steps a contact time of 1 ms). One CSV row a kind of grain and step: relative error of the energy, root mean square and
-largest, its drift (mean of the last tenth less that of the first), contacts met, microseconds of CPU per grain and
-step. Impacts: pairs and grains on the floor that meet once, in random poses; one row a kind, step and restitution.
+steps per contact time of 1 ms). There is one CSV row per kind of grain and number of steps: relative error of the
+energy, root mean square and largest; its drift (mean of the last tenth minus that of the first); mean number of
+contacts; CPU time [µs] per grain and step. Impacts: pairs, and grains on the floor, meet once in random poses; there is
+one row per form, number of steps and restitution.
 """
 
 import argparse
@@ -18,11 +19,11 @@ import numpy as np
 
 CONTACT_TIME = 1e-3
 GRAVITY = 9.81
-SIZE = 0.01  # [m], mean radius
+SIZE = 0.01  # [m], scale of the radii
 
 
 class Bed:
-    """Bodies in a periodic box, or in the open (width 0), above a floor, stepped by the compiled step itself."""
+    """Bodies in a periodic box, or in the open (width 0), above a floor; the compiled step of simcore moves them."""
 
     def __init__(self, features, law, bases, shape, scale, position, orientation, velocity, spin, gravity, width=0.0):
         from numba import get_num_threads
@@ -52,7 +53,7 @@ class Bed:
         )
 
     def advance(self, dt, n_steps):
-        """n_steps of dt; with dt = 0 forces of the current positions."""
+        """Run n_steps steps of dt [s]; with dt = 0, compute the forces of the current positions."""
         from simcore.dem.state.contacts import State
         from simcore.dem.step.step import Drive
 
@@ -66,7 +67,7 @@ class Bed:
                 self.list_candidates()
 
     def energy(self, dt):
-        """Energy (an Energy) of the current positions; dt as in mechanical_energy."""
+        """Return the Energy of the current positions; dt as in mechanical_energy."""
         from simcore.packing.energy import mechanical_energy
 
         self.advance(0.0, 1)
@@ -74,7 +75,7 @@ class Bed:
 
 
 def pebble(seed, n_points=40):
-    """Hull of random points on an ellipsoid 1 : 0.8 : 0.6 of the size of the unit sphere."""
+    """Return the hull of random points on an ellipsoid 1.25 : 1 : 0.8, with the volume of the unit sphere."""
     from simcore.dem.shapes.polyhedra import Base
     from simcore.grains.mesh import make_grain
 
@@ -86,7 +87,7 @@ def pebble(seed, n_points=40):
 
 
 def block(a, b, c):
-    """Cuboid of these edges."""
+    """Return a cuboid with these edges."""
     from simcore.dem.shapes.polyhedra import Base, convex
 
     corners = np.array([[x, y, z] for x in (-a, a) for y in (-b, b) for z in (-c, c)]) / 2.0
@@ -100,9 +101,9 @@ def random_turns(n, rng):
 
 
 def jumping_bed(kind, features, restitution=1.0, n_layers=4, seed=1):
-    """A Bed of 16 n_layers grains, turned at random, that starts a little apart with random velocities and spins.
+    """Return a Bed of 16 n_layers grains with random orientations, velocities and spins that start a little apart.
 
-    kind: sphere, ellipsoid or polyhedron. features: of the step; friction is off in the law in any case.
+    kind: sphere, ellipsoid or polyhedron. features: of the step; the friction coefficient of the law is always 0.
     """
     from simcore.dem.forces.spring_dashpot import contact_law
     from simcore.dem.shapes.polyhedra import unit_sphere
@@ -122,12 +123,12 @@ def jumping_bed(kind, features, restitution=1.0, n_layers=4, seed=1):
 
 
 class Record(NamedTuple):
-    """What a run tells, at even times; in units of its mean energy of motion."""
+    """Energies of a run at equal intervals, in units of its mean kinetic energy, and its mean number of contacts."""
 
-    error: np.ndarray  # change of the energy since the start, velocities brought up to the positions
-    raw: np.ndarray  # with velocities as they stand, half a step behind
+    error: np.ndarray  # change of the energy since the start, with velocities advanced to the positions
+    raw: np.ndarray  # the same with unchanged velocities, half a step behind
     springs: np.ndarray  # energy in the springs
-    contacts: float  # touching, on average, floor included
+    contacts: float  # mean number that touch, including the floor
 
     @property
     def rms(self):
@@ -140,7 +141,7 @@ class Record(NamedTuple):
 
 
 def follow(bed, duration, steps, samples):
-    """Record of `duration` [s] with `steps` steps a contact time."""
+    """Return the Record of `duration` [s] with `steps` steps per contact time and this number of samples."""
     dt = CONTACT_TIME / steps
     every = round(duration / dt / samples)
     start = bed.energy(dt).total
@@ -158,9 +159,9 @@ def follow(bed, duration, steps, samples):
 
 
 class Impacts(NamedTuple):
-    """Contacts from their first touch to their end, one by one (n,)."""
+    """Contacts from their first touch to their end, one value per contact (n,)."""
 
-    gain: np.ndarray  # of energy over the contact, in units of what its normal motion brought
+    gain: np.ndarray  # energy gained in the contact, in units of the energy of its normal motion
     lever: np.ndarray  # s: stiffness and damping against the normal motion, over those of a central contact
     switched: np.ndarray  # largest part of `gain` that changes of the deepest vertex or face can have caused
 
@@ -169,12 +170,12 @@ class Impacts(NamedTuple):
         return np.sqrt(np.maximum(1.0 + self.gain, 0.0))
 
     def band(self, steps):
-        """Largest `gain` of elastic contacts that the step allows.
+        """Return the largest `gain` of elastic contacts that the time step allows.
 
-        Leapfrog keeps v²/2 + ω² x² (1 − (ω dt)²/4) / 2 within the contact. A contact that starts at a share φ of a
-        step loses (ω dt)² φ (1 − φ) of v²/2 against that, and gets it back with another φ at its end: at most
-        (ω dt)²/4, with ω² = s (π/T_c)². (Central contacts end as they started where T_c/dt is a whole number, so that
-        their error is of third order.)
+        Leapfrog conserves v²/2 + ω² x² (1 − (ω dt)²/4) / 2 within the contact. A contact that starts at a fraction φ of
+        a step loses (ω dt)² φ (1 − φ) of v²/2 relative to that, and regains it with another φ at its end. The
+        difference is at most (ω dt)²/4, with ω² = s (π/T_c)². (Central contacts end as they started if T_c/dt is a
+        whole number, so that their error is of third order.)
         """
         return 0.25 * self.lever * (np.pi / steps) ** 2
 
@@ -190,7 +191,7 @@ FORMS = {
 
 
 def scatter(form, features, restitution, steps, n, floor, eccentric, speed, rng):
-    """A Bed without gravity of n pairs that are about to meet, far from other pairs, or n grains above the floor."""
+    """Return a Bed without gravity: n pairs about to meet, far from other pairs, or n grains above the floor."""
     from simcore.dem.forces.spring_dashpot import contact_law
     from simcore.dem.shapes.polyhedra import unit_sphere
     from simcore.dem.state.bodies import make_bodies
@@ -208,7 +209,7 @@ def scatter(form, features, restitution, steps, n, floor, eccentric, speed, rng)
     aside = np.cross(toward, rng.standard_normal((n, 3)))
     aside *= eccentric * 0.99 * np.sqrt(rng.uniform(0.0, 1.0, (n, 1))) / np.linalg.norm(aside, axis=1, keepdims=True)
     ahead = 1.0 if floor else np.sqrt(1.0 - (aside**2).sum(axis=1, keepdims=True))
-    # 0.001 apart, and at any phase of the first touch
+    # The gap is 0.001 of the reach, plus a random part of a step, so that the first touch has any phase.
     start = (1.001 * ahead * reach + rng.uniform(0.0, speed * CONTACT_TIME / steps, (n, 1))) * toward
     places = 30.0 * SIZE * np.stack([np.arange(n), np.zeros(n), np.full(n, 0.0 if floor else 4.0)], axis=-1)
     if floor:
@@ -222,16 +223,16 @@ def scatter(form, features, restitution, steps, n, floor, eccentric, speed, rng)
 
 
 def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, speed=0.5, seed=1):
-    """Impacts of n pairs, or of n grains on the floor, in random poses, until they are past.
+    """Return the Impacts of n pairs, or of n grains on the floor, from random poses until they have ended.
 
-    form: of FORMS. eccentric: at random offsets or angles and with spin; otherwise with neither.
+    form: one of FORMS. eccentric: with random offsets or angles, and with spin; otherwise with neither. speed [m/s].
     """
     bed = scatter(form, features, restitution, steps, n, floor, eccentric, speed, np.random.default_rng([seed, steps]))
     b, dt = bed.bodies, CONTACT_TIME / steps
     unit = np.arange(n) if floor else np.arange(2 * n) // 2
-    found = []
-    # Of each unit: whether it touches, and of that contact what it brought, its lever, energy before, largest
-    # energy stored in the spring, force and speed of approach in the last step, and the speed that it takes in a step
+    results = []
+    # For each unit: whether it touches; for its contact, the energy of approach, the lever, the energy before, the
+    # largest energy of the spring, the gain by switches, and, in the last step, force, speed of approach and braking.
     touched = np.zeros(n, bool)
     brought, lever, before, stored, switched, push, speeds, braking = np.zeros((8, n))
     energy = motion(b, unit, n)
@@ -245,8 +246,8 @@ def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, 
         touching = np.zeros(n, bool)
         touching[k] = True
         # A contact that ended did so a step ago, so the energy is that of free flight.
-        found += _results(np.flatnonzero(touched & ~touching), energy, before, brought, stored, lever, switched)
-        normal = touches.normal[on] if floor else -touches.direction[on]  # into a
+        results += _results(np.flatnonzero(touched & ~touching), energy, before, brought, stored, lever, switched)
+        normal = touches.normal[on] if floor else -touches.direction[on]  # points into a
         inverse, approach = _normal_motion(b, rotation, i, touches.point[on], normal, v, w)
         mass = b.mass[i]
         if not floor:
@@ -254,7 +255,7 @@ def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, 
             other = _normal_motion(b, rotation, j, touches.point[on] + x[i] - x[j], -normal, v, w)
             inverse, approach = inverse + other[0], approach + other[1]
             mass = mass * b.mass[j] / (mass + b.mass[j])
-        # Old contacts: a change of the deepest feature shows as a jump of the speed of approach beyond the force's
+        # In an old contact, a change of the deepest feature changes the speed of approach by more than the force does.
         old = touched[k]
         o = k[old]
         jump = np.abs(approach[old] - speeds[o] + braking[o])
@@ -269,14 +270,14 @@ def impacts(form, features, restitution, steps, n, floor=False, eccentric=True, 
         push[k], speeds[k], braking[k] = force, approach, dt * force * inverse
         touched, energy = touching, motion(b, unit, n)
     # Overdamped contacts never end: they are at rest.
-    found += _results(np.flatnonzero(touched), energy, before, brought, stored, lever, switched)
-    return Impacts(*np.array(found).T)
+    results += _results(np.flatnonzero(touched), energy, before, brought, stored, lever, switched)
+    return Impacts(*np.array(results).T)
 
 
 def motion(b, unit, n):
-    """Energy of motion of each of n units of bodies [J]."""
-    each = 0.5 * b.mass * (b.velocity**2).sum(axis=1) + 0.5 * (b.angular_momentum * b.angular_velocity).sum(axis=1)
-    return np.bincount(unit, each, n)
+    """Return the kinetic energy (n,) [J] of n units of bodies; unit: index of the unit of each body."""
+    energies = 0.5 * b.mass * (b.velocity**2).sum(axis=1) + 0.5 * (b.angular_momentum * b.angular_velocity).sum(axis=1)
+    return np.bincount(unit, energies, n)
 
 
 def _results(ended, energy, before, brought, stored, lever, switched):
@@ -285,7 +286,7 @@ def _results(ended, energy, before, brought, stored, lever, switched):
 
 
 def _normal_motion(b, rotation, i, point, normal, v, w):
-    """Of bodies i (m,) at points (m, 3) from their centres: (inverse mass along the normal, speed against it)."""
+    """Return (inverse mass along the normal, speed against it) of bodies i (m,) at points (m, 3) from their centres."""
     arm = np.cross(point, normal)
     turned = np.einsum("kji,kj->ki", rotation[i], arm) if len(rotation) else arm
     inverse = 1.0 / b.mass[i] + (turned**2 / b.inertia[i]).sum(axis=1)

@@ -2,9 +2,9 @@
 
     python -m benchmarks.studies.extrapolation
 
-For each model and feature the packings with the largest, or the least, values are left out of the fit, 10 to 50 % of
-them, and predicted. One CSV row a model and class of distance (see simcore.models.fitted_range): the number of
-predictions, their root mean square error, and the shares that the 95 % intervals contain by least squares alone and
+For each model and feature, the 10 to 50 % of the packings with the largest or the smallest values are left out of the
+fit and predicted. It prints one CSV row per model and class of distance (see simcore.models.fitted_range): the number
+of predictions, their root mean square error, and the shares that the 95 % intervals contain by least squares alone and
 with the widening of that rule.
 """
 
@@ -51,7 +51,7 @@ def predictions(features, porosity):
 
 
 def by_distance(predicted):
-    """One row a class of distance, of the table of `predictions`."""
+    """Return one row per class of distance, from the table of `predictions`."""
     contained = np.abs(predicted.error) <= predicted.half
     widened = np.abs(predicted.error) <= predicted.half * widening(predicted.distance)
     table = predicted.assign(by_least_squares=contained, widened=widened, square=predicted.error**2)
@@ -62,7 +62,7 @@ def by_distance(predicted):
 
 
 def campaign(folder):
-    """(features, porosity) of each model's packings in `folder`, by the model's name; all of one case."""
+    """Return (features, porosity) of each model's packings with sieve curve CASE in `folder`, by the model's name."""
     forms = over_seeds(read_single_forms(folder / "single_form.csv").query("case == @CASE"), "grain")
     mixtures = over_seeds(read_mixtures(folder / "form_mixture.csv").query("case == @CASE"), "sample")
     single = pd.DataFrame(dict(zip(SINGLE_FORM, (forms.L / forms.S, forms.L / forms.I), strict=True)))

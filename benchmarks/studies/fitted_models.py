@@ -3,12 +3,12 @@
     python -m benchmarks.studies.fitted_models            # prints the coefficients
     python -m benchmarks.studies.fitted_models --write    # writes the tables to results/reference/models
 
-It reads the rows in results/reference and fits what the report of the committed rows shows: models of single forms for
-each sieve curve and source of grains, of mixtures, and the unified model. Tables: `single_form`, `form_mixture` and
-`unified` have one row per coefficient, with intervals, range and errors. `predict` has those that the command `predict`
-uses, which are fitted to the grains of all sources together, and `covariance` the covariances of their coefficients.
-`*_correlations`, `*_second_features` and `*_feature_sets` correspond to Tables 9 and
-10 of Rettinger et al. (2022). About a minute.
+It reads the rows in results/reference and fits the models in the report of the committed rows: models of single forms
+for each sieve curve and source of grains, of mixtures, and the unified model. The tables `single_form`, `form_mixture`
+and `unified` have one row per coefficient, with intervals, range and errors. `predict` has the coefficients that the
+command `predict` uses, which are fitted to the grains of all sources together, and `covariance` has their covariances.
+`*_correlations`, `*_second_features` and `*_feature_sets` correspond to Tables 9 and 10 of Rettinger et al. (2022). It
+takes about a minute.
 """
 
 import argparse

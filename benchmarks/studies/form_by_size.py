@@ -4,8 +4,8 @@
 
 The beds are the studies flat_coarse_grains and flat_fine_grains of config/size_and_form.yaml (form_by_size.csv); no
 model is fitted to them. docs/appendices/size_and_form_plan.md has the rule: predictions by class are confirmed if the
-mean squared error of both beds by class is not larger than that from all grains together. Printed are the model that
-`predict --sieve` uses, and the fitted candidates of size_and_form_parameters.csv. Seconds.
+mean squared error of both beds by class is not larger than that from all grains together. It prints the errors of the
+model that `predict --sieve` uses, and of the fitted candidates of size_and_form_parameters.csv. It takes seconds.
 """
 
 import numpy as np
@@ -49,20 +49,20 @@ def statistics_by_class(curve, parts) -> pd.DataFrame:
 def models() -> dict:
     """Return porosity(curve, one_class, reference) -> float by name."""
     fitted = pd.read_csv(REFERENCE / "models" / "size_and_form_parameters.csv")
-    found = {USED: lambda curve, n1, n_ref: current_model().predict(curve, n1, reference=n_ref)}
+    porosities = {USED: lambda curve, n1, n_ref: current_model().predict(curve, n1, reference=n_ref)}
     for name in CANDIDATES:
         rows = fitted[fitted["model"] == name]
         values = dict(zip(rows["parameter"], rows["value"], strict=True))
-        found[name] = lambda curve, n1, n_ref, name=name, values=values: predict(
+        porosities[name] = lambda curve, n1, n_ref, name=name, values=values: predict(
             name, curve, n1, values, law="mass", reference=n_ref
         )
-    return found
+    return porosities
 
 
 def comparison(names=STUDIES) -> pd.DataFrame:
     """Return one row per bed: study, n, n_error, and the errors by_class_<model> and together_<model>.
 
-    Errors are predicted minus packed porosity. names: of the studies. ValueError if one is not packed.
+    Errors are predicted minus packed porosity. names: those of the studies. ValueError if one is not packed.
     """
     unified = fit_reference_models().models["unified", "U1"]
     beds_of_plan = read_rows(STUDY)

@@ -1,4 +1,4 @@
-"""Draws the README's picture of the model: porosity of one sieve class against the form of its grains.
+"""Draw the README's picture of the model: porosity of one sieve class against the form of its grains.
 
 python -m benchmarks.studies.form_picture docs/porosity_over_form.png
 """

@@ -1,9 +1,10 @@
 """Statistics of the synthetic grains: forms, Table 2's row with tests of normality, principal components, decimation.
 
     python -m benchmarks.studies.grain_tables            # prints the statistics
-    python -m benchmarks.studies.grain_tables --write    # writes the tables to results/reference/grains
+    python -m benchmarks.studies.grain_tables --write    # also writes the tables to results/reference/grains
 
-The grains are those of config/config.yaml, which all studies of synthetic grains pack. A few minutes of CPU time.
+The grains are those of config/config.yaml, which all studies of synthetic grains pack. It takes a few minutes of CPU
+time.
 """
 
 import argparse
@@ -32,7 +33,7 @@ def _rounded(table):
 
 
 def main(arguments=None) -> None:
-    """Print the statistics, or write all tables."""
+    """Print the statistics and, with --write, write all tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--write", action="store_true", help="write the tables to results/reference/grains")
     options = parser.parse_args(arguments)

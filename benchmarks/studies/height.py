@@ -1,10 +1,10 @@
-"""Porosity over height: how far from floor and surface a shaken bed in a periodic box is not as it is in its middle.
+"""Porosity over height: how far floor and surface affect a shaken bed in a periodic box.
 
     python -m benchmarks.studies.height results/workstation/porosity/single_form ... > results/reference/height.csv
 
-One CSV row a folder of evaluations, end of the bed and distance from it in mean grains: mean over the beds of the
-porosity of that layer less that of the middle, which begins MIDDLE grains from both ends, with its standard error over
-the beds. Beds without so much of a middle are left out.
+It prints one CSV row per folder of evaluations, end of the bed and distance from it in mean grains: the porosity of
+that layer minus that of the middle, as a mean over the beds with its standard error. The middle begins MIDDLE grains
+from both ends. Beds whose middle is lower than LEAST_MIDDLE grains are left out.
 """
 
 import argparse
@@ -15,12 +15,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-MIDDLE, LEAST_MIDDLE = 6.0, 2.0  # mean grains: distance of the middle from either end, its least height
+MIDDLE, LEAST_MIDDLE = 6.0, 2.0  # in mean grains: distance of the middle from either end, least height
 DEEPEST = 8  # layers, a mean grain high, from either end
 
 
 def profile_of(evaluation):
-    """Rows (end, distance, difference) of a bed; None if it is too low.
+    """Return rows (end, grains_from_it, difference) of a bed; None if it is too low.
 
     evaluation: Dataset of simcore.evaluation.evaluate.
     """
@@ -42,17 +42,17 @@ def profile_of(evaluation):
 
 
 def table(folder):
-    """Means over the evaluations in a folder, as the module says."""
+    """Return the means over the evaluations in a folder; ValueError if no bed there is high enough."""
     beds = []
     for path in sorted(Path(folder).glob("*.nc")):
         with xr.open_dataset(path) as evaluation:
             beds.append(profile_of(evaluation))
     beds = [bed for bed in beds if bed is not None]
     if not beds:
-        raise ValueError(f"{folder}: holds no evaluation of a bed of {2.0 * MIDDLE + LEAST_MIDDLE:g} grains' height")
+        raise ValueError(f"{folder} has no evaluation of a bed that is {2.0 * MIDDLE + LEAST_MIDDLE:g} grains high")
     layers = pd.concat(beds).groupby(["end", "grains_from_it"])["difference"]
-    found = layers.agg(beds="size", difference="mean", std_error="sem").reset_index()
-    return found.assign(study=Path(folder).name)
+    means = layers.agg(beds="size", difference="mean", std_error="sem").reset_index()
+    return means.assign(study=Path(folder).name)
 
 
 def main(arguments=None):
@@ -61,10 +61,10 @@ def main(arguments=None):
     options = parser.parse_args(arguments)
     columns = ["study", "end", "grains_from_it", "beds", "difference", "std_error"]
     try:
-        found = pd.concat([table(folder) for folder in options.folders])
+        rows = pd.concat([table(folder) for folder in options.folders])
     except ValueError as error:
         parser.exit(2, f"height: {error}\n")
-    found[columns].to_csv(sys.stdout, index=False, float_format="%.5f")
+    rows[columns].to_csv(sys.stdout, index=False, float_format="%.5f")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,13 @@
-"""What the contact search of the source study's program makes of touching polyhedra, by size and form.
+"""Errors of the contact search in the program of Rettinger et al. (2022) for touching polyhedra, by size and form.
 
     python -m benchmarks.studies.inflated [--pairs 2000] [--overlap 1e-7] > results/reference/inflated.csv
 
-Random pairs of synthetic grains of 300 faces, turned at random, that overlap by exactly this much [m]; the study's beds
-at rest have 1e-7 m on average. One CSV row a kind of pair: sieve sizes of both [m], what their lengths are times those
-of the grains, mean L/S; the share of pairs that is not found to touch; the share whose polytope ends short of the
-bodies, told by an overlap less than 0.99 of the true one; overlap found over the true one, mean and 5 % quantile (lost
-ones count as 0); angle of the normal to the true one, 90 and 99 % quantiles of those found [rad]; CPU time of a search
-[us].
+Random pairs of synthetic grains with 300 faces, turned at random, overlap by exactly the given length [m]; in the beds
+of Rettinger et al. at rest the mean is 1e-7 m. There is one CSV row per kind of pair: sieve sizes of both [m], factor
+on the lengths of the grains, mean L/S; the share of pairs that the search does not find (lost); the share whose
+polytope does not reach the bodies (short: the overlap is less than 0.99 of the true one, or lost); the overlap over the
+true one, mean and 5 % quantile (0 if lost); the angle of the normal to the true one, 90 and 99 % quantiles without lost
+pairs [rad]; and the CPU time of a search [µs].
 """
 
 import argparse
@@ -46,7 +46,7 @@ COLUMNS = [
 
 @kernel
 def find(shapes, solids, offset, overlap, normal):
-    """Of pairs 2k, 2k + 1: overlap found, 0 where none is, and normal."""
+    """Write the overlap and the normal that the search finds for pairs 2k, 2k + 1; an overlap of 0 if it finds none."""
     for k in range(len(offset)):
         exists, contact = search_inflated(shapes, solids, pair_of(solids, 2 * k, 2 * k + 1, read(offset, k)))
         overlap[k] = contact.overlap if exists else 0.0
@@ -54,7 +54,7 @@ def find(shapes, solids, offset, overlap, normal):
 
 
 def touching_pairs(hulls, index, overlap, rng):
-    """Quaternions (2n, 4), positions of b (n, 3) and normals (n, 3) of pairs with this exact overlap, and which are."""
+    """Return quaternions (2n, 4), positions of b (n, 3), normals (n, 3), and which pairs have this exact overlap."""
     n = len(index) // 2
     turns = Rotation.random(2 * n, rng=rng).as_quat(scalar_first=True)
     way = rng.standard_normal((n, 3))
@@ -69,7 +69,7 @@ def touching_pairs(hulls, index, overlap, rng):
 
 
 def measure(grains, size_a, size_b, longer, pairs, overlap):
-    """One row of COLUMNS, as a dict."""
+    """Return one row of COLUMNS as a dict."""
     rng = np.random.default_rng(1)
     sizes = sorted({size_a, size_b})
     hulls = [convex(g.vertices * [1, 1, longer] * size / g.sieve_size) for size in sizes for g in grains]
@@ -87,8 +87,8 @@ def measure(grains, size_a, size_b, longer, pairs, overlap):
     find(shapes, solids, offset, depth, along)
     spent = time.process_time() - start
     share = depth[right] / overlap
-    found = right & (depth > 0.0)
-    angle = np.arccos(np.clip((along * normal).sum(axis=1)[found], -1.0, 1.0))
+    reported = right & (depth > 0.0)
+    angle = np.arccos(np.clip((along * normal).sum(axis=1)[reported], -1.0, 1.0))
     return {
         "pairs": int(right.sum()),
         "size_a": size_a,

@@ -5,9 +5,9 @@
 It prints the bases of lattice_beds.csv, base_time.csv, base_rate.csv and base_size.csv in results/reference with their
 rates of insertion, and the slopes of the one-class porosity on the logarithms of the three quantities. A second table
 compares beds that were packed on a lattice and as a rain (size_and_form.csv): porosity and rate by both, and the step
-from one class of the same form to the sieve curve. A third one has these steps beside those of measured gravels, a
-fourth how much of the effect of form the beds of a curve have: slope of their porosity against that of one class, over
-the forms that were packed. Seconds.
+from one class of the same form to the sieve curve. A third one lists these steps beside those of measured gravels. A
+fourth one has the share of the effect of form that remains in the beds of a curve: the slope of their porosity against
+that of one class, over the forms that were packed. It takes seconds.
 """
 
 import numpy as np

@@ -5,7 +5,7 @@
 It compares difference_long_lattice.csv, packed on a lattice that is stretched by the mean form of the grains, with the
 same grains and seeds in form_mixture.csv, and with the model of mixtures of Rettinger et al. config/differences.yaml
 has the rule of comparison. Another table has the difference of all sets to that model by FL/EL, the factor of the space
-that a stretched lattice gives a grain. Seconds.
+that a stretched lattice gives a grain. It takes seconds.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ STRETCHED, CAMPAIGN = "difference_long_lattice.csv", "form_mixture.csv"
 SETS = [COMMITTED_NAMES.get(name, name) for name in SPECIFIED_FORM]
 MU_FL, MU_EL, SIGMA_FL, SIGMA_EL = SETS
 JUDGED = ((0.8, 0.4), (0.6, 0.4), (0.4, 0.4), (0.7, 0.5))  # mean FL and EL of the sets over which the share is taken
-DEVIATION = 0.2  # of FL and of EL in them
+DEVIATION = 0.2  # standard deviation of FL and of EL in these sets
 
 
 def by_r22(rows):

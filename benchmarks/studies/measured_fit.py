@@ -3,9 +3,10 @@
     python -m benchmarks.studies.measured_fit
 
 Each of 200 draws makes beds of random form whose porosity follows a known model, plus normally distributed scatter: our
-model plus an offset, our model rescaled, or a model of its own that is linear in 1/EQ and 1/EL. One CSV row per truth
-and number of beds: share of the 95 % confidence intervals that contain the true coefficients of the model of this kind,
-and mean probability with which the 95 % prediction intervals of this model, and of the chosen model, contain a new bed.
+model plus an offset, our model rescaled, or a model of its own that is linear in 1/EQ and 1/EL. It prints one CSV row
+per truth and number of beds: share of the 95 % confidence intervals that contain the true coefficients of the model of
+this kind, and mean probability with which the 95 % prediction intervals of this model, and of the chosen model, contain
+a new bed.
 """
 
 import sys
@@ -35,7 +36,7 @@ CONFIGURATIONS = (
 
 
 def random_beds(number, rng):
-    """Features of `number` beds with a random distribution of form."""
+    """Return the features of `number` beds with random distributions of form."""
     mu_FL, mu_EL = rng.uniform(0.45, 0.8, number), rng.uniform(0.5, 0.8, number)
     sigma_FL, sigma_EL = rng.uniform(0.1, 0.18, (2, number))
     mu_EQ, sigma_EQ = equancy_statistics(mu_FL, sigma_FL, mu_EL, sigma_EL)
@@ -44,7 +45,7 @@ def random_beds(number, rng):
 
 
 def true_porosity(kind, beds, base):
-    """Porosity of beds without scatter, (n,), and the true coefficients of the model of that kind; base: our model."""
+    """Return the porosity of beds without scatter, (n,), and the true coefficients; base: our model."""
     ours = base.predict(beds)
     if kind == "offset":
         return ours + OFFSET, [OFFSET]
@@ -54,7 +55,7 @@ def true_porosity(kind, beds, base):
 
 
 def coverage(kind, number, base, draws=DRAWS, seed=0):
-    """Coverage for one kind of truth and number of beds, dict; base: PorosityModel that is corrected."""
+    """Return the coverage for one kind of truth and number of beds, a dict; base: PorosityModel that is corrected."""
     rng = np.random.default_rng([seed, number, len(kind)])
     hits, by_kind, by_chosen = [], [], []
     for _ in range(draws):
@@ -73,7 +74,7 @@ def coverage(kind, number, base, draws=DRAWS, seed=0):
 
 
 def probability(model, new, expected):
-    """Probability with which the prediction interval of a PorosityModel contains a new bed of expected porosity."""
+    """Return the probability that the prediction interval of a PorosityModel contains a new bed with this porosity."""
     _, lower, upper = model.predict_interval(new)
     return float(norm.cdf((upper[0] - expected) / SCATTER) - norm.cdf((lower[0] - expected) / SCATTER))
 

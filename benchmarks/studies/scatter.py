@@ -4,13 +4,13 @@
     python -m benchmarks.studies.scatter --draws
 
 It reads results/reference/wide_random.csv, wide_quota.csv and wide_spheres.csv (the check of the sampling error on
-spheres) and applies the rules that config/wide.yaml states. A line
-is one sieve curve and draw: the number of seeds, the mean porosity, the standard deviation over the seeds with its 95 %
-confidence limits, the root mean square of the stated errors, chi-squared of the scatter over the stated errors with its
-95 % limits, and the ratio of the variances by quota and by random draw with the lower 5 % limit of the F distribution.
+spheres) and applies the rules that config/wide.yaml states. It prints one line per sieve curve and draw: the number of
+seeds, the mean porosity, the standard deviation over the seeds with its 95 % confidence limits, the root mean square of
+the stated errors, chi-squared of the scatter over the stated errors with its 95 % limits, and the ratio of the
+variances by quota and by random draw with the lower 5 % limit of the F distribution.
 
 With --draws it draws the grains of these packings instead, without packing them, and prints how the share of the mass
-in the coarsest class scatters over the seeds. About half a minute.
+in the coarsest class scatters over the seeds. This takes about half a minute.
 """
 
 import argparse
@@ -31,13 +31,13 @@ from simcore.scene.specification import resolve
 CONFIDENCE = 0.95
 BETTER = 0.05  # a ratio of variances below this quantile of the F distribution is less scatter
 DRAWS = {"random": "wide_random.csv", "quota": "wide_quota.csv"}
-SPHERES = "wide_spheres.csv"  # both draws
+SPHERES = "wide_spheres.csv"  # contains both draws
 
 
 def scatter(rows: pd.DataFrame) -> dict:
-    """Scatter of the packings of one sieve curve and draw.
+    """Return the scatter of the packings of one sieve curve and draw as a dict.
 
-    rows: columns n and n_error, one row a seed, at least two.
+    rows: columns n and n_error, one row per seed, at least two.
     """
     n, freedom = rows["n"].to_numpy(), len(rows) - 1
     low, high = chi2.ppf([0.5 * (1 - CONFIDENCE), 0.5 * (1 + CONFIDENCE)], freedom)
@@ -66,7 +66,7 @@ def read_tables(folder=REFERENCE) -> dict:
 
 
 def scatter_table(tables: dict) -> pd.DataFrame:
-    """One row a sieve curve and draw that has two packings or more; tables: DataFrame of rows by draw."""
+    """Return one row per sieve curve and draw with two packings or more; tables: DataFrame of rows by draw."""
     rows = [
         {"case": case, "draw": draw, **scatter(group)}
         for draw, table in tables.items()
@@ -85,7 +85,7 @@ def scatter_table(tables: dict) -> pd.DataFrame:
 
 
 def coarsest_classes(packings: list[tuple[dict, list]]) -> pd.DataFrame:
-    """Share of the mass in the coarsest class of the grains of these packings: one row a sieve curve and draw.
+    """Return the share of the mass in the coarsest class of these packings, one row per sieve curve and draw.
 
     packings: resolved specifications with sieve curves, and the grains of each. Columns: case, draw, seeds, required
     (by the curve), least, largest and std, over the seeds.
@@ -104,7 +104,7 @@ def coarsest_classes(packings: list[tuple[dict, list]]) -> pd.DataFrame:
 
 
 def planned(studies) -> list[tuple[dict, list]]:
-    """Specifications of the packings of these studies of config/wide.yaml, and their grains before decimation."""
+    """Return the specifications of the packings of these studies in config/wide.yaml, and their undecimated grains."""
     files = [yaml.safe_load((CONFIG / name).read_text(encoding="utf-8")) for name in ("config.yaml", "wide.yaml")]
     plan = expand(resolve(merge(*files), "config"))
     plan = plan[plan["study"].isin(studies)]
@@ -113,7 +113,7 @@ def planned(studies) -> list[tuple[dict, list]]:
 
 
 def main(arguments=None) -> None:
-    """Print a table."""
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--draws", action="store_true", help="draw the grains and print their coarsest class")
     if parser.parse_args(arguments).draws:

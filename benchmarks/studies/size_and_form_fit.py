@@ -3,16 +3,17 @@
     python -m benchmarks.studies.size_and_form_fit            # prints the comparisons
     python -m benchmarks.studies.size_and_form_fit --write    # and writes them to results/reference/models
 
-It reads results/reference/size_and_form.csv and base_process.csv, bases with another process, and follows
+It reads results/reference/size_and_form.csv and base_process.csv (bases with another process) and follows
 docs/appendices/size_and_form_plan.md: beds that are flagged are left out and named, all candidates are fitted, and
-every bed is predicted by fits without its family of curves and without its form. Checks that are printed only: errors
-of the fits on the flagged beds and on beds of known porosity, and fits to beds of spheres. The tables:
+every bed is predicted by fits without its family of curves and without its form. Two checks are only printed: errors of
+the fits on the flagged beds and on beds of known porosity, and fits to beds of spheres. The tables are:
 
     size_and_form_candidates.csv   one row per model: its errors, and which one is chosen
     size_and_form_parameters.csv   one row per fitted parameter
     size_and_form_beds.csv         one row per bed: one-class porosity, predictions by each model without its family
 
-Minutes of CPU time. ValueError while there are too few beds: two families of curves and two forms are needed.
+It takes minutes of CPU time. It raises ValueError if there are too few beds: two families of curves and two forms are
+needed.
 """
 
 import argparse
@@ -173,7 +174,7 @@ def describe_halves(rows) -> str:
 def describe_spheres(rows) -> list[str]:
     """Return one line for each of L, F and H, fitted to the beds of spheres; no line if there are fewer than four.
 
-    Spheres have one form, so that m0 stands for the whole stretch.
+    Spheres have one form, so that m0 is the whole stretch.
     """
     beds = usable_beds(rows, spheres=True)
     lines = []
@@ -187,7 +188,7 @@ def describe_spheres(rows) -> list[str]:
 
 
 def main(arguments=None) -> None:
-    """Print the comparisons, and write them if asked."""
+    """Print the comparisons and, with --write, write them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--write", action="store_true", help="write the tables to results/reference/models")
     options = parser.parse_args(arguments)

@@ -4,15 +4,16 @@
     python -m benchmarks.studies.size_and_form_validation --write    # into results/reference/size_and_form_*.csv
     python -m benchmarks.studies.size_and_form_validation --figure docs/size_and_form.png   # draws them
 
-Three tables:
+There are three tables:
 
     size_and_form_known.csv      measured gravels, packings of them, and U7 and B50 at the Rhine's mean form
     size_and_form_mixtures.csv   U7 with 52 distributions of form, by the published models
     size_and_form_slopes.csv     how much of the effect of form on one class remains in U7 and B50
 
-Each bed is predicted from its sieve curve and the porosity of U1 of the same set (simcore.models.size_and_form.
-known_beds), by the model that `predict --sieve` uses, by the candidates without fitted parameters, and by the packing
-models of the literature. `half_width` is that of the stated 95 % interval for a known porosity of U1. Seconds.
+Each bed is predicted from its sieve curve and the porosity of U1 of the same set
+(simcore.models.size_and_form.known_beds), by the model that `predict --sieve` uses, by the candidates without fitted
+parameters, and by the packing models of the literature. `half_width` is that of the stated 95 % interval for a known
+porosity of U1. It takes seconds.
 """
 
 import argparse

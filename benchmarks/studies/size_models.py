@@ -4,15 +4,15 @@
     python -m benchmarks.studies.size_models --write   # into results/reference/size_models_measured.csv
 
 A packing model gets the measured porosity of U1 as its one-class porosity and predicts the six others; a river
-predictor gets the sieve curve alone. A row is one model: its name, the compaction index K if it has one, what it is
-given, how a sieve class enters ("one size": its geometric mean, as the models are published; "divided": parts with mass
+predictor gets the sieve curve alone. Each row has, for one model: its name, the compaction index K if it has one, its
+input, how a sieve class enters ("one size": its geometric mean, as the models are published; "divided": parts with mass
 uniform in log D, calibrated so that U1 has its porosity), predicted minus measured porosity of each gravel, and the
 root mean square of the errors of U3 to B70. K has three values, none of them chosen by these gravels, and the stretch
 of log size of the candidates is 1.
 
 slope_U7 and slope_B50 are the change of the porosity of that curve over the change of the one-class porosity, from 0.32
 to 0.38: how much of the effect of form a model carries over to wide curves. The last row has what the models of
-Rettinger et al. for beds of one form give over our 63 synthetic forms, by linear regression. A few seconds.
+Rettinger et al. for beds of one form give over our 63 synthetic forms, by linear regression. It takes seconds.
 """
 
 import argparse
@@ -112,7 +112,7 @@ def _named(errors):
 
 
 def main(arguments=None) -> None:
-    """Print the table, or write it."""
+    """Print the table, or write it with --write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--write", action="store_true", help=f"write results/reference/{TABLE}")
     table = size_models_table()

@@ -13,7 +13,7 @@ These sands have other forms than our grains and were packed in another way. The
 sand of each grain size is given to each model, and the test is how the porosity decreases with sorting. Sorting is that
 of Trask, S0, the root of the ratio of the quartiles; the midpoint of each class is taken. The standard deviation of
 ln D is then ln(S0) / 0.6745. At which sizes the sands were cut is not known: here they are cut at two standard
-deviations, and the printed table shows what other cuts change. About ten seconds.
+deviations, and the printed table shows what other cuts change. It takes about ten seconds.
 
 # ASSUME: the weights are normally distributed over the logarithm of size.
 """

@@ -1,23 +1,25 @@
-"""What is stable: small scenes over two settings each, and what becomes of every one of them.
+"""Maps of stability: outcomes of small scenes over two settings each.
 
     python -m benchmarks.studies.stability > results/reference/stability.csv
     python -m benchmarks.studies.stability --scheme campaigns > results/reference/stability_campaign.csv
     python -m benchmarks.studies.stability --figure results/reference/stability.csv docs/stability.png
     python -m benchmarks.studies.stability --figure results/reference/stability_campaign.csv docs/stability_campaign.png
 
-Maps of spheres with explicit dashpots: steps per contact time against contact time, restitution and size ratio, in a
-bed that is packed as any other; contact time against how much heavier than itself a grain carries, and against the
-speed of an impact, at 40 steps. Maps of the scheme that campaigns use (polyhedra of 100 faces, patches, implicit
-dashpots, a contact time of 0.2 ms): steps per contact time against size ratio, flatness and elongation.
-One CSV row a cell: map, x, y, outcome, largest overlap over the smaller grain's diameter where it was looked at, CPU
-seconds, and the message of what was refused or stopped, or is not right. Outcomes:
+The maps of spheres with explicit dashpots vary the steps per contact time against contact time, restitution and size
+ratio, in a bed that is packed as any other. At 40 steps they vary the contact time against the weight of a grain over
+that of the grain below it, and against the speed of an impact. The maps of the scheme that campaigns use (polyhedra of
+100 faces, patches, implicit dashpots, a contact time of 0.2 ms) vary the steps per contact time against size ratio,
+flatness and elongation.
 
-    stable     ended, and right: at rest where it lay 0.02 s of free motion later, or with the impact's closed form
+There is one CSV row per cell: map, x, y, outcome, largest observed overlap over the smaller grain's diameter, CPU time
+[s], and the message of a scene that was refused, stopped or not right. The outcomes are:
+
+    stable     ended and right: a bed stays at rest for 0.02 s of free motion; no overlap is larger than DEEP
     vibrating  the same, but the floor's force alternates from step to step by more than ALTERNATING of the weight
-    soft       right, but grains overlap by more than SOFT of the smaller one: what comes out shows the springs
+    soft       right, but grains overlap by more than SOFT of the smaller one, so that the springs affect the result
     refused    an error before the first step
     stopped    an error while running
-    wrong      ended without an error, and is not right
+    wrong      ended without an error, but not right
 """
 
 import argparse
@@ -33,9 +35,9 @@ import numpy as np
 
 SOFT, DEEP = 0.05, 0.5  # of the smaller grain's diameter; deeper than half of it, springs may push to the far side
 GRAVITY = 9.81
-REST = 5e-3  # [m/s]: the packing's own gate of rest
-ALTERNATING = 0.05  # of the weight, half the mean difference of the floor's force between a step and the next
-LOOKS = 20  # in the time FREE
+REST = 5e-3  # [m/s]: the criterion of rest of a packing
+ALTERNATING = 0.05  # of the weight: half the mean change of the floor's force from one step to the next
+LOOKS = 20  # observations during FREE
 FREE = 0.02  # [s] of motion without shaking and damping, in which a bed at rest must stay
 BED = {
     "name": "cell",
@@ -49,7 +51,7 @@ BED = {
     "damping": {"max_time": "0.5 s"},
     "numerics": {"contact_time": "1 ms", "progress_interval": "1000 s"},
 }
-# The scheme of the campaigns
+# The scheme that campaigns use
 CAMPAIGN_BED = {
     "name": "cell",
     "accuracy": "standard",
@@ -70,9 +72,9 @@ CONTACT_TIMES = (2e-6, 2e-5, 2e-4, 1e-3, 2e-3, 1e-2)
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--scheme", choices=MAPS, default="explicit", help="whose maps are made")
+    parser.add_argument("--scheme", choices=MAPS, default="explicit", help="scheme whose maps are made")
     names = [name for maps in MAPS.values() for name in maps]
-    parser.add_argument("--map", nargs="+", choices=names, help="these of the scheme only")
+    parser.add_argument("--map", nargs="+", choices=names, help="only these maps of the scheme")
     parser.add_argument("--figure", nargs=2, metavar=("CSV", "PNG"), help="draw the maps of a file, run nothing")
     options = parser.parse_args()
     if options.figure:
@@ -94,7 +96,7 @@ def main():
 
 
 def packed_bed(changes, bed=BED):
-    """(outcome, overlap, message) of a bed with `changes` laid over it, packed, and then left free."""
+    """Pack a bed with `changes` to its settings, leave it free, and return (outcome, overlap, message)."""
     from simcore.campaign.studies import merge
     from simcore.grains.sources import load_grains
     from simcore.packing.packed import SHAKING, PackingError
@@ -112,11 +114,11 @@ def packed_bed(changes, bed=BED):
         deepest = deepest_overlap(process)
         lay = process.bodies.position.copy()
         still = dataclasses.replace(setup.scene.shaking, amplitude=0.0)
-        # The compiled step stays that with shaking.
+        # The compiled step still contains the shaking, now with an amplitude of 0.
         process.stepper.scene = dataclasses.replace(setup.scene, shaking=still)
         carried = np.zeros((LOOKS, 2))
         for look in range(LOOKS):
-            # A mode at its limit alternates from step to step, so two consecutive steps are looked at.
+            # A mode at its limit of stability alternates from step to step, so two consecutive steps are observed.
             for phase, steps in enumerate((round(FREE / LOOKS / process.dt) - 1, 1)):
                 process.advance(steps, SHAKING)
                 process.evaluate()
@@ -128,9 +130,9 @@ def packed_bed(changes, bed=BED):
     weight = setup.scene.material.effective_gravity * process.bodies.mass.sum()
     carried = carried / weight
     alternating = 0.5 * np.abs(carried[:, 0] - carried[:, 1]).mean()
-    carried = carried.mean()  # over time: a grain that rolls a little and meets another presses for a moment
+    carried = carried.mean()  # over time, because a grain that rolls into another one presses for a moment
     reasons = []
-    speed = np.sqrt((process.bodies.velocity**2).sum(axis=1).mean())  # of all: one that rolls away is no fault
+    speed = np.sqrt((process.bodies.velocity**2).sum(axis=1).mean())  # of all grains: one that rolls is no fault
     if speed > REST:
         reasons.append(f"it moves at {speed:.2g} m/s when left free, root mean square")
     if sunk > 0.01 * smallest:
@@ -144,7 +146,7 @@ def packed_bed(changes, bed=BED):
 
 
 def judge(overlap, reasons):
-    """Outcome of what ended without an error. overlap: over the smaller grain's diameter."""
+    """Return (outcome, overlap, message) of a scene without an error; overlap: over the smaller grain's diameter."""
     if overlap > DEEP:
         reasons = [*reasons, f"grains overlap by {overlap:.2g} of the smaller one's diameter"]
     if reasons:
@@ -153,7 +155,7 @@ def judge(overlap, reasons):
 
 
 def deepest_overlap(process):
-    """Largest overlap of a pair, or of a grain and the floor, over the smaller grain's diameter."""
+    """Return the largest overlap of a pair, or of a grain and the floor, over the smaller grain's diameter."""
     radius, contacts, walls = process.bodies.radius, process.contacts, process.walls
     smaller = np.minimum(radius[contacts.body_a], radius[contacts.body_b])
     pairs = np.where(contacts.touching > 0, contacts.overlap, 0.0) / (2.0 * smaller)
@@ -166,13 +168,13 @@ def steps_and_contact_time(contact_time, steps):
 
 
 def steps_and_restitution(restitution, steps):
-    """Given the default of 5 s to come to rest: elastic beds need it."""
+    """Pack a bed with the default of 5 s to come to rest, which elastic beds need."""
     changes = {"material": {"restitution": restitution}, "numerics": {"steps_per_contact_time": steps}}
     return packed_bed({**changes, "damping": {"max_time": "5 s"}})
 
 
 def steps_and_size_ratio(ratio, steps):
-    """Four small grains for each large one, by number; at the study's contact time."""
+    """Pack a bed with four small grains per large one, at the contact time of Rettinger et al."""
     large, few = 8e-3, 1.001
     small = large / ratio
     bounds = [small, few * small, large, few * large]
@@ -189,7 +191,7 @@ def steps_and_size_ratio(ratio, steps):
 
 
 def steps_and_size_ratio_of_pebbles(ratio, steps):
-    """Pebbles in the scheme of the campaigns: four small ones for each large one, by number."""
+    """Pack pebbles in the scheme that campaigns use, with four small ones per large one."""
     large, few = 8e-3, 1.001
     small = large / ratio
     fractions = [4.0 / (4.0 + ratio**3), 0.0, ratio**3 / (4.0 + ratio**3)]
@@ -201,12 +203,12 @@ def steps_and_size_ratio_of_pebbles(ratio, steps):
 
 
 def steps_and_flatness(flatness, steps):
-    """Pebbles of one flatness S/I and of elongation 0.8, in the scheme of the campaigns."""
+    """Pack pebbles of one flatness S/I and of elongation 0.8, in the scheme that campaigns use."""
     return _bed_of_form(flatness, 0.8, steps)
 
 
 def steps_and_elongation(elongation, steps):
-    """Pebbles of one elongation I/L and of flatness 0.6, in the scheme of the campaigns."""
+    """Pack pebbles of one elongation I/L and of flatness 0.6, in the scheme that campaigns use."""
     return _bed_of_form(0.6, elongation, steps)
 
 
@@ -217,7 +219,7 @@ def _bed_of_form(flatness, elongation, steps):
 
 
 def placed(contact_time, radius, position, velocity=0.0):
-    """Process of spheres (n,) above each other; the upper one falls at `velocity` [m/s]."""
+    """Return a Process of spheres of radius (n,) [m] above each other; the top one falls at `velocity` [m/s]."""
     from simcore.campaign.studies import merge
     from simcore.dem.shapes.polyhedra import unit_sphere
     from simcore.dem.state.bodies import make_bodies
@@ -225,7 +227,7 @@ def placed(contact_time, radius, position, velocity=0.0):
     from simcore.scene.setup import set_up
     from simcore.scene.specification import resolve
 
-    height = max(velocity**2 / (2.0 * GRAVITY), 0.2)  # a fall that gives such a speed
+    height = max(velocity**2 / (2.0 * GRAVITY), 0.2)  # a fall to this speed
     changes = {"domain": {"width": f"{8.0 * float(radius.max())!r} m", "height": f"{float(height)!r} m"}}
     changes["numerics"] = {"contact_time": f"{contact_time!r} s"}
     setup = set_up(resolve(merge(BED, changes)), lambda group: [])
@@ -255,10 +257,10 @@ def placed(contact_time, radius, position, velocity=0.0):
 
 
 def run_and_look(make, duration, end=lambda process: []):
-    """(outcome, overlap, message) of `duration` [s] of a Process made by `make`.
+    """Run a Process made by `make` for `duration` [s] and return (outcome, overlap, message).
 
-    It runs as a packing does, looked at every convergence interval. A second one, looked at some 200 times, tells how
-    deep grains were in each other between. end(process): what is wrong with how it ended, (texts).
+    It runs as a packing does, and is checked at every convergence interval. A second one is observed about 200 times,
+    which gives the largest overlap in between. end(process): returns a list of what is wrong at the end, as texts.
     """
     from simcore.packing.packed import DAMPING, PackingError
 
@@ -282,7 +284,7 @@ def run_and_look(make, duration, end=lambda process: []):
 
 
 def weight_and_contact_time(ratio, contact_time):
-    """A grain of 1 mm under one that is heavier by `ratio`, for four periods: static overlap 2 M g / (k m)."""
+    """Place a grain of 1 mm under one that is heavier by the factor `ratio`, for four periods."""
     light = 5e-4
     radius = light * np.array([1.0, ratio ** (1.0 / 3.0)])
     return run_and_look(
@@ -291,7 +293,10 @@ def weight_and_contact_time(ratio, contact_time):
 
 
 def impact_and_contact_time(speed, contact_time):
-    """A sphere of 6 mm that meets one on the floor at `speed`: overlap 0.129 v T_c, and more by the floor."""
+    """Let a sphere of 6 mm hit another one, which is on the floor, at `speed` [m/s].
+
+    The overlap is 0.129 v T_c for the speed v and the contact time T_c, and more because of the floor.
+    """
 
     def end(process):
         through = process.bodies.position[1, 2] < process.bodies.position[0, 2]
@@ -317,7 +322,7 @@ MAPS = {
 
 
 def draw(table, path):
-    """The figure of a table of cells."""
+    """Draw the figure of a table of cells and write it to `path`."""
     import pandas as pd
 
     from simcore.report.figures.saving import save_figure

@@ -1,11 +1,11 @@
-"""Beds of campaigns that stopped with ten steps per contact time: what becomes of them with other numbers of steps.
+"""Beds of campaigns that stopped with ten steps per contact time, packed with other numbers of steps.
 
     python -m benchmarks.studies.thrown_beds U5 --seed 2 3 --steps 10 11 > results/reference/thrown_beds.csv
 
 SCENES has the three specifications: U7 of the form G26, 4 kg in a box of 0.1 m with patch contacts; a mixture of 1200
-flat grains with point contacts; and U5, 1.4 kg in a box of 70 mm, with point contacts. One CSV row a packing: scene,
-seed, steps per contact time, the expected number of steps, outcome (rest, or stopped with the message), simulated time
-and CPU time. A packing takes from minutes (mixture, U5) to an hour (U7) of CPU time.
+flat grains with point contacts; and U5, 1.4 kg in a box of 70 mm, with point contacts. It prints one CSV row per
+packing: scene, seed, steps per contact time, the expected number of steps, outcome (rest, or stopped with the message),
+simulated time and CPU time. A packing takes from minutes (mixture, U5) to an hour (U7) of CPU time.
 """
 
 import argparse

@@ -1,11 +1,11 @@
-"""Cost of the settings for wide sieve curves, and how the porosity differs from that of today's settings.
+"""Cost of the settings for wide sieve curves, and how the porosity differs from that of the study `wide_quota`.
 
     python -m benchmarks.studies.wide_cost
 
-It reads the tables results/reference/wide_*.csv and writes results/reference/wide_cost.csv with one row a packing. It
+It reads the tables results/reference/wide_*.csv and writes results/reference/wide_cost.csv with one row per packing. It
 prints one line for each sieve curve and each study that packs beds of `wide_quota` again: the number of pairs (same
 curve, same seed), the mean difference of the porosity with its standard error, whether the rule of config/wide.yaml
-accepts the setting, and the ratio of the CPU times. The rule asks for a mean difference of at most 0.003 in size with a
+accepts the setting, and the ratio of the CPU times. The rule requires a mean difference of at most 0.003 in size with a
 standard error of at most 0.0015, over three seeds, or over the number in SEEDS.
 """
 
@@ -19,13 +19,13 @@ from simcore.paths import REFERENCE
 BASE = "wide_quota"
 UNPAIRED = {"wide_random"}  # its packings have other grains
 LARGEST_DIFFERENCE, LARGEST_ERROR = 0.003, 0.0015
-# Seeds over which the rule judges each study; three where it is not listed.
+# Seeds over which the rule judges a study; three if it is not listed.
 SEEDS = {"wide_soft": 8}
 COLUMNS = ["settings", "case", "seed", "shapes", "mass_kg", "n", "n_error", "grains", "grain_steps", "cpu_s"]
 
 
 def cost_table(tables: dict[str, pd.DataFrame], gathered: pd.DataFrame) -> pd.DataFrame:
-    """One row a packing, with COLUMNS.
+    """Return one row per packing, with COLUMNS.
 
     tables: rows of each study. gathered: rows of gathered.csv, which give the grain-steps; a row belongs to the packing
     of the same study with the same CPU time. ValueError if there is not exactly one.
@@ -47,7 +47,7 @@ def cost_table(tables: dict[str, pd.DataFrame], gathered: pd.DataFrame) -> pd.Da
 
 
 def paired(table: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
-    """Differences from the packings of `base`, paired by case and seed: one row for each settings and case.
+    """Return the differences from the packings of `base`, paired by case and seed: one row for each settings and case.
 
     Columns: settings, case, pairs, difference and error (mean and standard error; NaN if there is one pair), cost
     (ratio of the CPU times of all pairs) and verdict.
@@ -69,14 +69,14 @@ def paired(table: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
 
 
 def verdict(difference: float, error: float, pairs: int, required: int) -> str:
-    """Return what the rule says of a mean difference with its standard error, over this number of pairs."""
+    """Return the verdict of the rule on a mean difference with its standard error, over this number of pairs."""
     if pairs < required:
         return f"open: {pairs} of {required} pairs"
     return "accepted" if abs(difference) <= LARGEST_DIFFERENCE and error <= LARGEST_ERROR else "not accepted"
 
 
 def read_tables(folder: Path = REFERENCE) -> dict[str, pd.DataFrame]:
-    """The committed rows of each study of wide sieve curves, the base first."""
+    """Return the committed rows of each study of wide sieve curves, the base first."""
     names = sorted(path.stem for path in folder.glob("wide_*.csv") if path.stem != "wide_cost")
     names.sort(key=lambda name: name != BASE)
     return {name: pd.read_csv(folder / f"{name}.csv") for name in names}

