@@ -1,4 +1,4 @@
-"""The benchmarks run and say what they promise; how fast they are is not tested."""
+"""The benchmarks run and report what they document. Their speed is not tested."""
 
 import json
 from types import SimpleNamespace
@@ -19,7 +19,7 @@ from tests.helpers.few_spheres import set_up_few_spheres, specify_few_spheres
 
 @pytest.fixture
 def quick(monkeypatch):
-    """Beds of spheres that pour in a second; they need not be settled."""
+    """Shorten the phases of a packing, so that a bed of spheres is made in a second; it need not be at rest."""
     monkeypatch.setattr(beds, "POURING_SHAKEN", 0.0)
     monkeypatch.setattr(beds, "RELAXING", 0.001)
     monkeypatch.setattr(measurement, "REMEMBERING", 1e-4)
@@ -81,7 +81,7 @@ def test_tiled_and_exported_beds_hold_the_same_grains(tmp_path, quick):
     wide, tiled = beds.tile(setup, bed, 2)
     one, four = beds.start(setup, bed), beds.start(wide, tiled)
     assert len(tiled.shape) == 120 and wide.scene.domain.width == 2 * setup.scene.domain.width
-    # Each copy has the same near pairs, through the sides of the box or not.
+    # Each copy has as many candidate pairs as the bed, although some cross the sides of the box.
     assert len(four.contacts.body_a) == 4 * len(one.contacts.body_a)
     beds.export_bed(tmp_path / "out.npz", setup, bed, steps=7)
     with np.load(tmp_path / "out.npz") as file:
@@ -96,7 +96,7 @@ def test_ellipsoids_have_the_axes_promised():
 
 
 def test_height_separates_the_ends_of_a_bed_from_its_middle():
-    """Grains of 1 mm in a bed of 20 mm, 0.02 denser in the upper 3 mm and 0.1 looser in the lowest."""
+    """Grains of 1 mm fill 20 mm; the porosity is 0.02 lower in the upper 3 mm and 0.1 higher in the lowest 1 mm."""
     z = 1e-3 * (np.arange(0.0, 22.0, 0.25) + 0.125)
     n = np.where(z > 17e-3, 0.33, np.where(z < 1e-3, 0.45, 0.35))
     bed = xr.Dataset(

@@ -1,4 +1,4 @@
-"""The benchmark of contacts of ellipsoids: what it measures of the two constructions has the right signs and orders."""
+"""The benchmark of ellipsoid contacts: the errors of the contact constructions have the right signs and orders."""
 
 import numpy as np
 import pytest
@@ -12,17 +12,17 @@ def gains(form, construction, depth):
 
 @pytest.mark.parametrize("construction", benchmark.RULES)
 def test_elastic_spheres_keep_their_energy_by_every_rule(construction):
-    # Twice leapfrog's (π / 100)² / 4 of a contact that starts and ends at any phase of a step
+    # The limit is twice the error of leapfrog, (π / 100)² / 4, if a contact starts and ends at any phase of a step.
     assert np.abs(gains("sphere", construction, 1e-2)).max() < 2 * (np.pi / 100) ** 2 / 4
 
 
 def test_elastic_ellipsoids_keep_their_energy_as_the_construction_allows():
-    """Along the common normal to the step's error; by potentials but for a share that falls with the depth."""
+    """The common normal leaves the error of the step, and the potential leaves a share proportional to the depth."""
     assert np.abs(gains("golden", "common_normal", 1e-2)).max() < 4 * (np.pi / 100) ** 2 / 4
     deep, shallow = (gains("golden", "potential", depth) for depth in (1e-2, 1e-3))
     assert np.abs(deep).mean() / np.abs(shallow).mean() == pytest.approx(10.0, rel=0.3)
     assert np.abs(deep).max() < 0.05
-    # Uncorrected, the error has no such limit: a force off the normal by 20 degrees, however shallow
+    # Without the correction the force deviates from the normal by 20 degrees at any depth, so the error does not fall.
     uncorrected = [np.abs(gains("golden", "contact_vector", depth)).mean() for depth in (1e-2, 1e-3)]
     assert uncorrected[0] / uncorrected[1] == pytest.approx(1.0, rel=0.1) and min(uncorrected) > 0.1
 
@@ -35,7 +35,7 @@ def test_rows_of_depths_and_costs(monkeypatch, capsys):
     assert len(rows) == 2 * 3 * 5 and all(len(each) == 11 for each in rows)
     largest = {tuple(each[:4]): float(each[9]) for each in rows}
     for depth in ("0.0001", "0.001", "0.01"):
-        # Rounding of offsets of order 2, in units of the depth
+        # The tolerance is the rounding error of offsets of order 2, in units of the depth.
         tolerance = 100 * np.finfo(float).eps / float(depth)
         assert largest["depth", "sphere", depth, "potential"] < tolerance
         assert largest["depth", "golden", depth, "common_normal"] < tolerance

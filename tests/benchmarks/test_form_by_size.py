@@ -1,4 +1,4 @@
-"""Beds in which form depends on size: forms of each class as specified, and the rule on predictions by class."""
+"""Packings in which form depends on size: the forms of each class, and the rule that confirms predictions by class."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""Random inputs with faults: a few of them, and that the reader and the judge can contradict."""
+"""Random inputs with faults: a few are handled correctly, and the independent checks detect wrong answers."""
 
 import json
 import random

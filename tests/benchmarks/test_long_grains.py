@@ -9,7 +9,7 @@ from simcore.reference.columns import find_column
 
 
 def made(changes):
-    """Rows of the campaign with a difference of 0.04 in each judged set, and pairs with these changes."""
+    """Return pairs with these changes, and rows of the campaign with a difference of 0.04 in each judged set."""
     sets = pd.DataFrame([(FL, EL, 0.2, 0.2) for FL, EL in JUDGED], columns=SETS)
     rows = sets.assign(seed=1, difference=0.04)
     other = rows.iloc[:1].assign(**{SETS[2]: 0.1, SETS[3]: 0.1, "difference": 0.5})

@@ -1,4 +1,4 @@
-"""The share of patches that a step could keep: by the relative motion of two bodies since the last measurement."""
+"""Shares of patches that a step could reuse, from the relative motion of two bodies since the last measurement."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Checks beside the fit of size and form: known beds, and coarse grains in the halves of beds."""
+"""Checks beside the fit of size and form: errors on known beds, and coarse grains in the two halves of a bed."""
 
 import numpy as np
 import pandas as pd

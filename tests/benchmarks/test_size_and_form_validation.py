@@ -25,7 +25,7 @@ from simcore.models.size_and_form.sized_model import current_model, unfitted_mod
 from simcore.paths import REFERENCE
 from simcore.scene.sizes import all_cases
 
-MODELS = (OURS, "linear")  # that are computed again over many forms
+MODELS = (OURS, "linear")  # models whose tables are computed again over many forms
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def tables():
     ids=[KNOWN, OF_DISTRIBUTIONS, SLOPES],
 )
 def test_the_committed_table_is_that_of_today(name, today, tables):
-    """If this fails: python -m benchmarks.studies.size_and_form_validation --write."""
+    """If this test fails, run python -m benchmarks.studies.size_and_form_validation --write."""
     expected = today()
     committed = tables[name][list(expected)]
     if name == SLOPES:
@@ -66,7 +66,7 @@ def test_unfitted_models_have_the_errors_of_the_table_of_measured_gravels(tables
 
 
 def test_the_interval_of_a_known_bed_has_no_error_of_its_one_class_porosity(tables):
-    """Its form is that of U1 of the same set, so that only the error of the step to the curve is left."""
+    """Its form is that of U1 in the same set, so only the error of the difference between the curve and U1 remains."""
     model = current_model()
     bed = tables[KNOWN].query("set == 'measured' and case == 'B50'").iloc[0]
     n = np.array([bed.predicted])
@@ -96,9 +96,9 @@ def test_the_published_forms_are_63_and_contain_the_mean_form():
 def test_the_published_slopes_are_those_of_the_coefficients(tables):
     slopes = tables[SLOPES].set_index("model")
     assert slopes.loc[R22, ["slope_U7", "slope_B50"]].tolist() == pytest.approx([0.69, 0.51], abs=5e-3)
-    # Coefficients of 0.014 to 0.019 that are rounded to 0.001 are known to about 2 %.
+    # Coefficients of 0.014 to 0.019 that are rounded to 0.001 have an error of about 2 %.
     assert slopes.loc[R22, "slope_U7_std_error"] == pytest.approx(0.69 * 0.02, rel=0.5)
-    # No model of the literature lets form change how well sizes mix.
+    # In no published model does form change how well sizes mix, so all slopes are nearly 1.
     for name in ("linear", "linear mixture", "compressible, K = 4.75", "rods"):
         assert 0.8 < slopes.loc[name, "slope_B50"] < slopes.loc[name, "slope_U7"] < 1.0
 

@@ -32,7 +32,10 @@ def test_packing_models_are_exact_for_u1_and_predictors_are_not(table):
 
 
 def test_errors_of_unfitted_models(table):
-    """The best published model has an rms of 0.006, and all carry over more of the effect of form than it has."""
+    """The best published model has an rms error of 0.006.
+
+    All published models transfer more of the effect of form from U1 to U7 and B50 than Rettinger et al. (2022) found.
+    """
     published = table[(table["classes"] == "one size") & (table["model"] != "compressible with f and g of linear")]
     assert published.loc[published["rms_error"].idxmin(), "model"] == "linear"
     assert published["rms_error"].min() == pytest.approx(0.0060, abs=1e-4)

@@ -30,7 +30,7 @@ def test_the_data_are_42_sands_of_seven_sizes_and_two_means():
     np.testing.assert_allclose(sands["log_deviation"].unique(), [0.072, 0.207, 0.389, 0.787, 1.267, 2.128], atol=6e-4)
     data = pd.read_csv(REFERENCE / DATA)
     assert data["source"].str.contains("Beard and Weyl").all()
-    # The sand that is left out must lie among the others, if the means of the abstract are those of eight sands.
+    # If the means of the abstract are those of eight sands, the omitted sand must be in the range of the others.
     for mean in data[data["grain_size"] == FROM_ABSTRACT].itertuples():
         others = sands.loc[sands["sorting"] == mean.sorting, "n"]
         assert others.min() - 0.02 < 8 * mean.n - others.sum() < others.max()
@@ -71,7 +71,7 @@ def test_what_a_model_refuses_has_no_number():
 
 
 def test_the_committed_table_is_that_of_today():
-    """If this fails: python -m benchmarks.studies.sorted_sands --write."""
+    """If this test fails, run python -m benchmarks.studies.sorted_sands --write."""
     today = sands_table((OURS, "linear"))
     today["outside"] = today["outside"].replace("", np.nan)
     pd.testing.assert_frame_equal(pd.read_csv(REFERENCE / TABLE)[list(today)], today, atol=1.5e-4, check_dtype=False)

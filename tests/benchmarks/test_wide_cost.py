@@ -38,7 +38,7 @@ def test_a_row_that_was_not_gathered_is_an_error():
 
 def test_pairs_have_the_same_seed():
     table = paired(cost_table(TABLES, GATHERED))
-    assert list(table["settings"]) == ["wide_short"]  # the grains of wide_random are others
+    assert list(table["settings"]) == ["wide_short"]  # wide_random has other grains
     row = table.iloc[0]
     assert row["pairs"] == 2 and row["difference"] == pytest.approx(0.005)  # 0.31 - 0.31 and 0.34 - 0.33
     assert row["error"] == pytest.approx(0.005) and row["cost"] == pytest.approx(115.0 / 230.0)

@@ -26,7 +26,7 @@ def test_loads_of_an_array_are_those_of_each_number_of_contacts():
 
 
 def test_twelve_equal_spheres_fit_around_one():
-    """Each covers 0.067 of the solid angle, 0.80 of it together; a half sphere is what a wall covers."""
+    """Each covers 0.067 of the solid angle, and all of them cover 0.80; a wall covers a half sphere."""
     assert 12.0 * _covered(0.5) == pytest.approx(0.804, abs=1e-3)
     assert _covered(1.0) == pytest.approx(0.5)
 
@@ -41,7 +41,7 @@ def test_the_mean_of_random_contacts_is_the_mean_over_the_surface(base):
 
 
 def test_equal_spheres_have_five_contacts_of_half_their_stiffness():
-    """Along any axis a frictionless set of fixed equal neighbours weighs half of its number of contacts: the trace."""
+    """The trace of the matrix of a frictionless set of fixed equal neighbours is half their number."""
     (sets,) = _random_sets([unit_sphere()], np.zeros(50, int), np.ones((50, 3)), (0.0,))
     traces = sets.normal[:, :3, :3].trace(axis1=1, axis2=2)
     np.testing.assert_allclose(traces, 0.5 * np.maximum(np.round(2.0 * traces), 1.0))

@@ -1,4 +1,4 @@
-"""Limits of the time step against eigenvalues of whole systems, put together here by loops, and of their steps."""
+"""Limits of the time step, compared with eigenvalues of whole systems, which are assembled here by loops."""
 
 from types import SimpleNamespace
 
@@ -30,7 +30,7 @@ MODES = {
     (0.1, 1): 3.414, (0.1, 2): 5.893, (0.1, 4): 10.637, (0.1, 12): 29.190, (0.1, 20): 47.644,
     (0.3, 2): 3.870, (0.3, 12): 16.505, (0.5, 2): 3.071, (0.5, 12): 11.112, (0.9, 2): 2.331, (0.9, 20): 8.161,
 }  # fmt: skip
-# The same: a sphere held by z heavy ones that stick to it; translation, rotation
+# Least steps of a sphere held by z heavy ones that stick to it: translation, rotation
 HELD = {4: (10.19, 15.78), 6: (14.65, 23.00), 8: (19.09, 30.21), 12: (27.95, 44.60)}
 DIRECTIONS = {
     4: [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)],
@@ -41,7 +41,7 @@ DIRECTIONS = {
 
 
 def near_of(pairs, normals, points, walls=(), images=None):
-    """Contacts and walls as the core lists them, as far as stability looks; walls: (body, normal, point)."""
+    """Return contacts and walls with the fields that the stability check reads; walls: (body, normal, point)."""
     pairs = np.array(pairs, np.int64).reshape(-1, 2)
     count = len(pairs)
     contacts = SimpleNamespace(
@@ -81,9 +81,9 @@ def spheres(position, radius, density=1.0):
 
 
 def touching_spheres(position, radius, reach=1.0, width=None):
-    """Candidate pairs of spheres closer than reach times the sum of their radii, and the images (k, 3) in a cube.
+    """Return pairs of spheres closer than reach times the sum of their radii, and the images (k, 3) in a cube.
 
-    The core knows no image along z, so those stand beside.
+    Contacts have no image along z, so the images are returned separately.
     """
     pairs, normals, points, images = [], [], [], []
     shifts = [(0, 0, 0)] if width is None else np.stack(np.meshgrid(*[(-1, 0, 1)] * 3), -1).reshape(-1, 3)
@@ -101,7 +101,7 @@ def touching_spheres(position, radius, reach=1.0, width=None):
 
 
 def whole_system(bodies, near, load, images=None, width=0.0):
-    """Matrix (6n, 6n) of all bodies at once, M^-1/2 (h² K + 2 h D) M^-1/2: each contact sees the motion of both."""
+    """Return the matrix (6n, 6n) of all bodies, M^-1/2 (h² K + 2 h D) M^-1/2; each contact couples two bodies."""
     n = len(bodies.mass)
     contacts, walls = near
     matrix = np.zeros((6 * n, 6 * n))
@@ -128,7 +128,7 @@ def whole_system(bodies, near, load, images=None, width=0.0):
 
 
 def random_heap(seed, n=8):
-    """Spheres of sizes 1 to 4, drawn together until many touch."""
+    """Return positions and radii of spheres of sizes 1 to 4, drawn together until many touch."""
     rng = np.random.default_rng(seed)
     radius = rng.uniform(1.0, 4.0, n)
     position = rng.uniform(-4.0, 4.0, (n, 3))
@@ -151,7 +151,7 @@ def test_modes_of_some_contacts(restitution, s):
 
 
 def test_a_pinched_grain_is_what_the_scene_refuses():
-    """The limit before the run and that while running know the same dashpot."""
+    """The limits before and during a run use the same dashpot."""
     for restitution in (0.1, 0.5, 0.9):
         law = contact_law(restitution, T_C, 0.22, 0.0)
         needed = steps_needed(law, False, lambda load: 2.0 * load.normal)
@@ -170,7 +170,7 @@ def test_a_light_sphere_among_heavy_ones(z):
     assert (found.body, found.contacts) == (0, z)
     translation, rotation = HELD[z]
     assert body_steps(bodies, near, 0.0, STUDY, True, 0) == pytest.approx(rotation, abs=0.006)
-    # Without friction nothing holds the rotation, and z / 3 normals hold each direction.
+    # Without friction nothing resists the rotation, and z / 3 normals resist motion in each direction.
     law = STUDY._replace(friction=0.0)
     s = steps_needed(law, False, lambda load: z / 3.0 * load.normal)
     assert body_steps(bodies, near, 0.0, law, False, 0) == pytest.approx(s, rel=1e-9)
@@ -178,7 +178,7 @@ def test_a_light_sphere_among_heavy_ones(z):
 
 
 def test_an_estimate_of_spheres_and_of_longer_grains():
-    """Spheres: that of the table for twelve heavy neighbours, whatever the sizes. Longer ones have longer arms."""
+    """For spheres of any sizes it is that of twelve heavy neighbours in the table. Longer grains have longer arms."""
     sphere, shape = [unit_sphere()], np.zeros(50, int)
     scale = np.geomspace(1e-3, 1.0, 50)[:, None] * np.ones(3)
     estimate = estimate_steps(STUDY, True, sphere, shape, scale)
@@ -191,7 +191,7 @@ def test_an_estimate_of_spheres_and_of_longer_grains():
 
 
 def hull_base(points):
-    """Base of the hull of points (n, 3)."""
+    """Return the base of the convex hull of points (n, 3)."""
     grain = make_grain("grain", np.asarray(points, float))
     return Base(grain.name, grain.vertices, grain.faces, grain.volume, grain.second_moments)
 
@@ -200,7 +200,7 @@ TETRAHEDRON = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
 
 
 def test_contacts_at_corners_are_those_of_few_corners():
-    """A tetrahedron's estimate against contacts at random places: half of them at corners, half on the faces."""
+    """The estimate of a tetrahedron agrees with random contacts, half of them at corners and half on the faces."""
     base, rng = hull_base(TETRAHEDRON), np.random.default_rng(1)
     arm = 1.0 / np.sqrt(base.second_moments.sum() - base.second_moments)
     corners = base.vertices[base.faces]
@@ -220,7 +220,7 @@ def test_contacts_at_corners_are_those_of_few_corners():
 
 
 def test_estimates_of_grains_with_few_corners_are_above_what_their_beds_needed():
-    """Tetrahedra and splinters of five corners needed 52 to 63 steps in their contacts; round hulls need a sphere's."""
+    """Tetrahedra and splinters of five corners needed 52 to 63 steps. Round polyhedra need as many as spheres."""
     splinter = [[0, 0, 0], [9, 0, 0.4], [8, 3, 0], [1, 4, 0.3], [4, 2, 2.5]]
     for points in (TETRAHEDRON, splinter):
         estimate = estimate_steps(STUDY, True, [hull_base(points)], [0], np.ones((1, 3)))
@@ -251,7 +251,7 @@ def test_the_end_of_a_rod_is_four_contacts():
 @pytest.mark.parametrize("certain", [True, False])
 @pytest.mark.parametrize("seed", range(5))
 def test_bodies_alone_bound_the_whole_heap(seed, certain):
-    """From below with neighbours that stand still, from above with shares; both within a factor of two here."""
+    """Fixed neighbours give a lower bound, shares an upper one; both are within a factor of two here."""
     position, radius = random_heap(seed)
     bodies = spheres(position, radius)
     near, _ = touching_spheres(position, radius, reach=1.1)
@@ -267,7 +267,7 @@ def test_bodies_alone_bound_the_whole_heap(seed, certain):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_step_turns_unstable_where_the_largest_load_is_four(seed):
-    """Spectral radius of one step of semi-implicit Euler, tangential dashpots not proportional to their springs."""
+    """The limit is that of a step's spectral radius; tangential dashpots are not proportional to springs."""
     position, radius = random_heap(seed)
     bodies = spheres(position, radius)
     near, _ = touching_spheres(position, radius, reach=1.1)
@@ -284,7 +284,10 @@ def test_the_step_turns_unstable_where_the_largest_load_is_four(seed):
 
 
 def test_the_shares_are_exact_in_the_densest_packing():
-    """FCC of equal spheres without friction: the mode at the zone boundary weighs four contacts (verification 1.2)."""
+    """In a frictionless FCC packing the mode at the zone boundary has the load of four contacts.
+
+    The value is derived in shared/reference/verification.md, 1.2.
+    """
     edge = 2.0 * np.sqrt(2.0)
     corner = np.stack(np.meshgrid(*[np.arange(2)] * 3), -1).reshape(-1, 1, 3)
     basis = 0.5 * np.array([[0, 0, 0], [1, 1, 0], [1, 0, 1], [0, 1, 1]])
@@ -295,7 +298,8 @@ def test_the_shares_are_exact_in_the_densest_packing():
     only_normal = Load(1.0, 0.0, 0.0)
     whole = np.linalg.eigvalsh(whole_system(bodies, near, only_normal, images, 2.0 * edge))[-1]
     assert whole == pytest.approx(4.0, rel=1e-12)
-    # A third of twelve contacts holds each direction, whole or half of each; along the centres arms turn nothing.
+    # A third of twelve contacts resists motion in each direction, with whole or half weight. Arms of zero cause no
+    # rotation.
     bodies.position[:] = 0.0
     near[0].point[:] = 0.0
     for certain, load in ((False, 4.0), (True, 2.0)):
@@ -303,7 +307,7 @@ def test_the_shares_are_exact_in_the_densest_packing():
 
 
 def test_a_patch_resists_what_turns_about_it():
-    """A square of side 2 c on the floor: rocking meets a dashpot with c² / 3, twisting a spring with 2 c² / 3."""
+    """On a square patch of side 2 c a dashpot with c² / 3 resists rocking, and a spring with 2 c² / 3 twisting."""
     c = 0.5
     box = Base("box", np.zeros((0, 3)), np.zeros((0, 3), np.int64), 8.0 * c**3, np.full(3, c**2 / 3.0))
     still, upright = np.zeros((1, 3)), [[1.0, 0.0, 0.0, 0.0]]

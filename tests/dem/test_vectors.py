@@ -1,4 +1,4 @@
-"""Vectors of three numbers against numpy, to the bit where the order of the sums is the same."""
+"""Vectors of three numbers, compared with numpy, to the bit where the order of the sums is the same."""
 
 import numpy as np
 import pytest

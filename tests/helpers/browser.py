@@ -9,7 +9,7 @@ import pytest
 
 @contextmanager
 def chromium():
-    """Chromium without a sandbox; the test that opens it is skipped with a warning where it is not installed."""
+    """Open Chromium without a sandbox; where it is not installed, the test is skipped with a warning."""
     program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     try:
         from playwright.sync_api import sync_playwright

@@ -7,9 +7,9 @@ from simcore.reference.columns import find_column
 
 
 def undescribed_columns(folder, tables="**/*.csv"):
-    """Columns that are not described: dict from the path of a table in `folder` to their names, of such tables only.
+    """Return the undescribed columns of the tables in `folder`, a dict from path to names, of such tables only.
 
-    The heading of a column of row names may be empty. AssertionError if there is no table.
+    The heading of a column of row names may be empty. If there is no table, an AssertionError is raised.
     """
     found = {}
     paths = sorted(Path(folder).glob(tables))

@@ -24,10 +24,11 @@ ALL_FIELDS = Features(POLYHEDRON, True, patch=True)  # contacts of this kind of 
 
 
 def place_pairs(bases, scale, orientation, offsets, size=1.0, common=0.0):
-    """Bodies 2k and 2k + 1 as pair k: (bodies, shapes, contacts). Every pair is listed, nothing is remembered yet.
+    """Return bodies, shapes and contacts, with bodies 2k and 2k + 1 as pair k.
 
-    bases: one per body. scale, orientation of the 2 n bodies; offsets (n, 3) from a to b, in units of `size`, like
-    the scales. Pairs are placed on a grid far from each other; `common` moves all of them in z.
+    Every pair is listed, and no contact is remembered. bases: one per body. scale, orientation: of the 2 n bodies.
+    offsets (n, 3): from a to b, in units of `size`, like the scales. Pairs are placed on a grid far from each other;
+    `common` moves all of them in z.
     """
     offsets = np.asarray(offsets, float) * size
     scale = np.asarray(scale, float) * size
@@ -76,16 +77,16 @@ update_mixed = make_update(check_mixed, search_mixed)
 
 
 def certain_gap(contacts, k):
-    """Gap that pair k certainly has, as its contact recorded it; only for bodies that have never turned."""
+    """Return the lower bound of the gap of pair k that its contact records; only for bodies that have never turned."""
     return contacts.safe_until[k] / 0.999
 
 
 def signed_distance(points):
-    """Exact signed distance of two hulls from all points (n, 3) of their Minkowski difference.
+    """Return the exact signed distance of two polyhedra from all points (n, 3) of their Minkowski difference.
 
-    Overlap: the facet planes of the hull. Where Qhull merges nearly coplanar facets its plane is off, so each plane's
-    offset is taken as the support value along its normal: an upper bound of the depth whatever the normal. Apart:
-    the nearest point of all facets.
+    The depth of an overlap is the distance of the nearest facet plane. Where Qhull merges nearly coplanar facets its
+    plane is inexact, so each plane's offset is the support value along its normal, an upper bound of the depth for any
+    normal. A gap is the distance of the nearest point of all facets.
     """
     points = np.asarray(points)
     size = np.abs(points).max()

@@ -37,7 +37,7 @@ KNOWN_PAIRS = {
 
 
 def search_pairs(semi_a, semi_b, turn_a, turn_b, offsets, size=1.0, common=0.0):
-    """Bodies and contacts of pairs of ellipsoids, searched from nothing; arguments are (n, ...) or one value."""
+    """Return bodies and contacts of pairs of ellipsoids after a new search; arguments are (n, ...) or one value."""
     offsets = np.atleast_2d(offsets)
     n = len(offsets)
     scale, turns = np.empty((2 * n, 3)), np.empty((2 * n, 4))
@@ -48,7 +48,7 @@ def search_pairs(semi_a, semi_b, turn_a, turn_b, offsets, size=1.0, common=0.0):
 
 
 def random_pairs(rng, n, flattest):
-    """Random pairs: semi-axes (2, n, 3) from `flattest` to 1, quaternions (2, n, 4) and offsets (n, 3)."""
+    """Return random semi-axes (2, n, 3) from `flattest` to 1, quaternions (2, n, 4) and offsets (n, 3)."""
     semi = np.exp(rng.uniform(np.log(flattest), 0.0, (2, n, 3)))
     turns = Rotation.random(2 * n, rng=rng).as_quat(scalar_first=True).reshape(2, n, 4)
     offsets = rng.standard_normal((n, 3))

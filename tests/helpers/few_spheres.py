@@ -16,7 +16,7 @@ FEW_SPHERES = {
 
 
 def specify_few_spheres(**changes) -> dict:
-    """FEW_SPHERES with some keys changed; a dict changes only the given keys of its group."""
+    """Return FEW_SPHERES with some keys changed; a dict changes only the given keys of its group."""
     specification = dict(FEW_SPHERES)
     for key, value in changes.items():
         specification[key] = {**specification.get(key, {}), **value} if isinstance(value, dict) else value
@@ -24,11 +24,11 @@ def specify_few_spheres(**changes) -> dict:
 
 
 def set_up_few_spheres(**changes):
-    """Setup of `specify_few_spheres`."""
+    """Return the setup of `specify_few_spheres`."""
     return set_up(resolve(specify_few_spheres(**changes)), lambda group: [])
 
 
 def pack_few_spheres(**changes):
-    """Finished packing of `specify_few_spheres`."""
+    """Return the finished packing of `specify_few_spheres`."""
     setup = set_up_few_spheres(**changes)
     return pack(setup.scene, setup.bases, setup.draw)

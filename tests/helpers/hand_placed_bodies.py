@@ -13,8 +13,8 @@ from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 from simcore.verification.outside.elastic import total_energy
 
-# Grains in air, under full gravity. The shaking of 6e-296 m/s² has no effect; with it the step is the one that is
-# compiled for the other tests.
+# The grains are in air, under full gravity. The shaking of 6e-296 m/s² has no effect; with it the step is the one that
+# is compiled for the other tests.
 SPECIFICATION = {
     "name": "extreme",
     "domain": {"width": "64 mm", "height": "1 m"},
@@ -33,7 +33,7 @@ def _default_scene():
 
 
 def make_scene(kind=SPHERE, **groups):
-    """Scene of SPECIFICATION with some values changed, in SI, as in make_scene(material={"gravity": 100.0})."""
+    """Return the scene of SPECIFICATION with some values changed, in SI: make_scene(material={"gravity": 100.0})."""
     scene = _default_scene()
     changed = {name: dataclasses.replace(getattr(scene, name), **values) for name, values in groups.items()}
     return dataclasses.replace(scene, kind=kind, **changed)
@@ -43,7 +43,7 @@ def place_bodies(
     scene, scale, position, velocity=(0.0, 0.0, 0.0), spin=(0.0, 0.0, 0.0), orientation=(1.0, 0.0, 0.0, 0.0),
     bases=None, shape=None,
 ):  # fmt: skip
-    """Process of a scene with bodies at `position` (n, 3). The other arrays are (n, ...) or one value for all; SI."""
+    """Return a process with bodies at `position` (n, 3). The other arrays are (n, ...) or one value for all; SI."""
     bases = [unit_sphere()] if bases is None else bases
     position = np.atleast_2d(np.asarray(position, float))
     n = len(position)
@@ -59,7 +59,7 @@ def place_bodies(
     return process
 
 
-UNDAMPED = SHAKING  # the phase without damping; SPECIFICATION shakes by nothing
+UNDAMPED = SHAKING  # the phase without damping; the shaking of SPECIFICATION has no effect
 
 
 def run_watched(process, duration, damped=False):
@@ -75,13 +75,13 @@ def run_watched(process, duration, damped=False):
 
 
 def floor_force(process):
-    """Upward force of the floor [N] in the last evaluation of the forces."""
+    """Return the upward force of the floor [N] in the last evaluation of the forces."""
     walls = process.walls
     return walls.force[(walls.wall == FLOOR) & (walls.touching > 0), 2].sum()
 
 
 def pair_overlap(process, a, b):
-    """Overlap [m] of bodies a < b, 0 where apart."""
+    """Return the overlap [m] of bodies a < b, 0 if they are apart."""
     contacts = process.contacts
     rows = (contacts.body_a == a) & (contacts.body_b == b) & (contacts.touching > 0)
     return float(contacts.overlap[rows].max(initial=0.0))

@@ -1,7 +1,7 @@
 """Published permeabilities of cubic lattices of touching spheres (Zick and Homsy, J. Fluid Mech. 115, 1982, Table 2).
 
-The force on a sphere of radius a is F = 6 π μ a K U, with the mean velocity U over the whole cell. The gradient of the
-pressure carries it: F = |∇p| V, with the volume V of the cell per sphere. Darcy's law U = k |∇p| / μ then gives
+The force on a sphere of radius a is F = 6 π μ a K U, with the mean velocity U over the whole cell. The pressure
+gradient balances it: F = |∇p| V, with the volume V of the cell per sphere. Darcy's law U = k |∇p| / μ then gives
 
     k = V / (6 π a K) = V / (3 π d K),
 
@@ -31,7 +31,7 @@ def lattice_permeability(kind, diameter):
 def lattice_image(kind, count, diameter, shift=0.0):
     """Return the PoreImage of two cells of a lattice between planes of symmetry, with a margin of a diameter.
 
-    count: number of voxels a diameter [m]; shift: of the spheres along x, in diameters.
+    count: voxels per diameter; diameter [m]; shift: displacement of the spheres along x, in diameters.
     """
     centres, width = sphere_lattice(kind, 2, 5)
     centres[:, 0] = (centres[:, 0] + shift) % width

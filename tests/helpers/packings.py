@@ -19,11 +19,11 @@ def make_packing(
     largest=None,
     **attrs,
 ):
-    """Packing Dataset of one shape: unit spheres times scale, or, with vertices (n, 3), convex polyhedra.
+    """Return a packing Dataset of one shape: unit spheres times scale or, with vertices (n, 3), convex polyhedra.
 
-    position (n, 3), scale (n,) or (n, 3) [m]; orientation (n, 4), upright if None; contacts: list of body pairs;
-    images (k, 2): of their second body, 0 if None. Contacts push with 1 N along the line of centres, or downwards at
-    walls. Their points are on this line, at the first body's largest scale from its centre.
+    position (n, 3), scale (n,) or (n, 3) [m]; orientation (n, 4), upright if None; contacts: list of body pairs; images
+    (k, 2): of their second body, 0 if None. Contacts push with 1 N along the line of centres, or downwards at walls.
+    Their points are on this line, at the first body's largest scale from its centre.
     """
     position = np.atleast_2d(np.asarray(position, float))
     n = len(position)
@@ -75,7 +75,7 @@ def make_packing(
 
 
 def contact_geometry(position, scale, pairs, images, width):
-    """Normals and points of contacts of spheres, (k, 3) each; downwards where there is no line of centres."""
+    """Return normals and points (k, 3) of contacts of spheres; normals are downwards without a line of centres."""
     first, second = pairs.T
     branch = position[np.maximum(second, 0)] - position[first]
     branch[:, :2] += images * width
@@ -86,7 +86,7 @@ def contact_geometry(position, scale, pairs, images, width):
 
 
 def touching_pairs(centres, width, diameter=1.0):
-    """Pairs of equal spheres that touch in a periodic box, (k, 2), and the images of the second, (k, 2)."""
+    """Return pairs (k, 2) of equal spheres that touch in a periodic box, and the images (k, 2) of the second."""
     pairs, images = [], []
     for image in np.ndindex(3, 3):
         shift = np.array([*image, 1.0]) - 1.0
@@ -99,7 +99,7 @@ def touching_pairs(centres, width, diameter=1.0):
 
 
 def sphere_lattice(kind, cells, layers):
-    """Touching unit-diameter spheres on a cubic lattice in a periodic box: centres (n, 3) and the box's width."""
+    """Return centres (n, 3) of touching unit-diameter spheres on a cubic lattice, and the periodic box's width."""
     basis = {
         "sc": [[0, 0, 0]],
         "bcc": [[0, 0, 0], [0.5, 0.5, 0.5]],

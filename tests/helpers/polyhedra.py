@@ -11,7 +11,7 @@ TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1.0]]) / n
 
 
 def hull_faces(vertices):
-    """Outward triangles of the convex hull of points (n, 3), (m, 3)."""
+    """Return the outward triangles (m, 3) of the convex hull of points (n, 3)."""
     hull = ConvexHull(vertices)
     corners = vertices[hull.simplices]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -20,9 +20,10 @@ def hull_faces(vertices):
 
 
 def make_polyhedron(points, name="hull"):
-    """Base shape of the convex hull of points (n, 3), moved to its centre of mass. The axes keep their directions.
+    """Return the base shape of the convex hull of points (n, 3), moved to its centre of mass.
 
-    The moments of inertia are wrong unless the axes are principal axes, which does not matter to contacts.
+    The axes keep their directions. The moments of inertia are wrong unless the axes are principal axes, which does not
+    matter to contacts.
     """
     mesh = trimesh.Trimesh(points, hull_faces(points), process=False).convex_hull
     mesh.vertices -= mesh.center_mass
@@ -31,7 +32,10 @@ def make_polyhedron(points, name="hull"):
 
 
 def make_symmetric_polyhedron(points, name="hull"):
-    """Base shape of the convex hull of points (n, 3) whose centre of mass and principal axes are those of the frame."""
+    """Return the base shape of the convex hull of points (n, 3).
+
+    Its centre of mass and principal axes must be those of the frame.
+    """
     mesh = trimesh.Trimesh(points).convex_hull
     if mesh.volume < 0.0:
         mesh.invert()
@@ -39,7 +43,7 @@ def make_symmetric_polyhedron(points, name="hull"):
 
 
 def make_pebble(seed, n=24, axes=(1.0, 0.75, 0.5)):
-    """Hull of n random points on an ellipsoid with semi-axes a, b, c, of volume 4/3 π abc.
+    """Return the hull of n random points on an ellipsoid with semi-axes a, b, c, of volume 4/3 π abc.
 
     It is centred on its centre of mass and aligned with its principal axes.
     """
@@ -55,7 +59,7 @@ def make_pebble(seed, n=24, axes=(1.0, 0.75, 0.5)):
 
 
 def make_box(edges=(1.0, 1.0, 1.0)):
-    """Box with these edges, by default the cube of edge 1, which three scales turn into any brick, plate or needle."""
+    """Return a box, by default the cube of edge 1, which three scales turn into any brick, plate or needle."""
     mesh = trimesh.creation.box(edges)
     moments = np.array(edges) ** 2 / 12.0
     return Base("box", np.array(mesh.vertices), np.array(mesh.faces, np.int64), float(np.prod(edges)), moments)

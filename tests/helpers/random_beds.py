@@ -1,4 +1,4 @@
-"""Grains strewn at random in a periodic box, for what needs places, forms and contacts but no mechanics."""
+"""Grains at random places in a periodic box, for tests that need places and forms but no mechanics."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ KINDS = ("sphere", "ellipsoid", "polyhedron")
 
 
 def strew(kind, n=12, seed=0, domain="periodic", **options):
-    """Packing of n grains of a kind, of 4 to 8 mm, that may overlap; many extend through the sides of the box."""
+    """Return a packing of n grains of 4 to 8 mm that may overlap; many extend through the sides of the box."""
     rng = np.random.default_rng(seed)
     position = rng.uniform([0.0, 0.0, 0.004], [WIDTH, WIDTH, HEIGHT], (n, 3))
     scale = np.sort(rng.uniform(2e-3, 4e-3, (n, 3)), axis=1)

@@ -3,7 +3,7 @@
 import numpy as np
 
 KINDS = ("axes", "ratios", "means", "one form", "two axes")
-# What may be wrong in a table, by what replaces a cell.
+# These texts replace a cell of a table to make it faulty.
 FAULTS = ("", "abc", "1.234,5", "0", "-3", "65 %", "nan", "1e9", "1,2,3")
 
 

@@ -7,19 +7,19 @@ from simcore.grains.measured_forms import Sample
 
 
 def random_forms(number, seed=0):
-    """Random flatness and elongation, (2, number)."""
+    """Return random flatness and elongation, (2, number)."""
     return np.random.default_rng(seed).uniform(0.35, 0.95, (2, number))
 
 
 def random_mixtures(number=16, seed=1):
-    """Table of random means and standard deviations of form, one row per mixture."""
+    """Return a table of random means and standard deviations of form, one row per mixture."""
     rng = np.random.default_rng(seed)
     table = pd.DataFrame({"mu_EQ": rng.uniform(0.25, 0.55, number), "mu_EL": rng.uniform(0.5, 0.8, number)})
     return table.assign(sigma_EQ=rng.uniform(0.08, 0.16, number), sigma_EL=rng.uniform(0.1, 0.2, number), case="U1")
 
 
 def porosity_of_form(flatness, elongation):
-    """Porosity of grains of one form, by the model that the rows are made from."""
+    """Return the porosity of grains of one form, by the model that the rows are made from."""
     return 0.30 + 0.02 / (flatness * elongation) + 0.01 / elongation
 
 
@@ -43,5 +43,5 @@ def write_reference(folder):
 
 
 def sample_of_one_form(flatness, elongation):
-    """Sample of one grain."""
+    """Return a sample of one grain."""
     return Sample("one", 1, flatness, 0.0, elongation, 0.0, flatness * elongation, 0.0)

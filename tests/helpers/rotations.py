@@ -7,18 +7,18 @@ IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
 
 def random_orientations(n, rng):
-    """Uniform random quaternions (n, 4); rng: a generator or a seed."""
+    """Return uniform random quaternions (n, 4); rng: a generator or a seed."""
     return Rotation.random(n, rng=rng).as_quat(scalar_first=True)
 
 
 def turn_about(direction, angle):
-    """Quaternion (4,) of a turn about a direction (3,) by an angle [rad]."""
+    """Return the quaternion (4,) of a turn about a direction (3,) by an angle [rad]."""
     direction = np.asarray(direction, float)
     return Rotation.from_rotvec(angle * direction / np.linalg.norm(direction)).as_quat(scalar_first=True)
 
 
 def turn_about_axis(axis, degrees):
-    """Quaternion (4,) of a turn about "x", "y" or "z" by an angle in degrees."""
+    """Return the quaternion (4,) of a turn about "x", "y" or "z" by an angle in degrees."""
     return Rotation.from_euler(axis, degrees, degrees=True).as_quat(scalar_first=True)
 
 

@@ -2,7 +2,7 @@
 
 
 def arrays_of(bodies, candidates):
-    """All arrays of bodies, contacts and walls, a dict from "body.name", "contact.name" and "wall.name"."""
+    """Return all arrays of bodies, contacts and walls, a dict from "body.name", "contact.name" and "wall.name"."""
     return {
         f"{group}.{name}": array
         for group, fields in (("body", bodies), ("contact", candidates.contacts), ("wall", candidates.walls))

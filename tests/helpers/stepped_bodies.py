@@ -113,19 +113,19 @@ class SteppedBodies:
             derive_form_matrix(self.bodies, i)
 
     def on_floor(self):
-        """Whether each body touches the floor, (n,)."""
+        """Return whether each body touches the floor, (n,)."""
         on = np.zeros(len(self.bodies.mass), bool)
         on[self.walls.body[self.walls.touching > 0]] = True
         return on
 
     def floor_force(self):
-        """Upward force of the floor on each body, (n,) [N]."""
+        """Return the upward force of the floor on each body, (n,) [N]."""
         force = np.zeros(len(self.bodies.mass))
         force[self.walls.body] = self.walls.force[:, 2]
         return force
 
     def energy(self):
-        """Kinetic energy [J]."""
+        """Return the kinetic energy [J]."""
         b = self.bodies
         spin = 0.5 * (b.angular_momentum * b.angular_velocity).sum()
         return 0.5 * (b.mass[:, None] * b.velocity**2).sum() + spin

@@ -42,14 +42,14 @@ class Workplace:
             (folder / name).symlink_to(ROOT / name)
 
     def run(self, *arguments, path=f"{Path(sys.executable).parent}:{os.environ['PATH']}"):
-        """Run Snakemake; returns its exit status and its output, (int, str)."""
+        """Run Snakemake; return its exit status and its output, (int, str)."""
         environment = {**os.environ, "PATH": path}
         command = [sys.executable, "-m", "snakemake", "--cores", "2", "--nocolor", *arguments]
         done = subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, text=True)
         return done.returncode, done.stdout + done.stderr
 
     def jobs(self, *arguments):
-        """The jobs of a dry run, a list of `Job`."""
+        """Return the jobs of a dry run, a list of `Job`."""
         status, said = self.run("--dry-run", *arguments)
         assert status == 0, said
         jobs = []
@@ -64,5 +64,5 @@ class Workplace:
         return jobs
 
     def plan(self, *arguments):
-        """The jobs of a dry run, as a list of (rule, study)."""
+        """Return the jobs of a dry run, as a list of (rule, study)."""
         return [(job.rule, job.study) for job in self.jobs(*arguments)]

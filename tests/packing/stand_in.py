@@ -1,11 +1,11 @@
-"""A stand-in for `python -m simcore` of a packing on ranks: the same contract, no physics and nothing to compile.
+"""A stand-in for `python -m simcore` that packs on ranks: the same interface, no physics and nothing to compile.
 
     python stand_in.py launch SPEC OUT --ranks N ...   as `python -m simcore launch`, with this file as the packing
     mpiexec -n N python stand_in.py pack SPEC OUT ...  the ranks
 
-Each rank holds its share of numbers that change from step to step, exchanges one with the next rank at each, and writes
-checkpoints; the result, a netCDF file, is the same bits on any number of ranks. SPEC is YAML: {numbers: 64, steps: 300,
-step: 10 ms}. Rank i writes its process id into OUT.pid.i.
+Each rank has its share of numbers that change from step to step. The ranks exchange values at each step and write
+checkpoints. The result, a netCDF file, has the same bits on any number of ranks. SPEC is YAML:
+{numbers: 64, steps: 300, step: 10 ms}. Rank i writes its process id into OUT.pid.i.
 """
 
 import argparse
@@ -45,13 +45,13 @@ def main():
     except (ValueError, OSError) as error:
         print(f"simcore stand-in: {error}", file=sys.stderr, flush=True)
         if "PMI_RANK" in os.environ:
-            # The others wait for this rank: a clean end would wait for them in MPI_Finalize.
+            # The other ranks wait for this one, and a normal exit would wait for them in MPI_Finalize.
             os._exit(2)
         return 2
 
 
 class Alone:
-    """What of a communicator is used here, for one rank."""
+    """The methods of an MPI communicator that are used here, for one rank."""
 
     rank, size = 0, 1
 
@@ -125,7 +125,7 @@ def write_checkpoint(path, step, numbers):
 
 
 def write_result(path, numbers):
-    # In memory first: where a disk is full, HDF5 ends with errors of its own.
+    # The file is made in memory first, because HDF5 has errors of its own on a full disk.
     file = netCDF4.Dataset("result", "w", memory=1)
     file.createDimension("number", len(numbers))
     file.createVariable("numbers", float, ("number",))[:] = numbers

@@ -23,7 +23,7 @@ numerics: {contact_time: 1 ms}
 
 @pytest.fixture
 def simcore(tmp_path):
-    """Function that runs a command of simcore with a cache of its own; returns stdout and stderr."""
+    """Return a function that runs a command of simcore with a cache of its own and returns stdout and stderr."""
 
     def run(*words):
         environment = {**os.environ, "SCREE_CACHE": str(tmp_path / "cache"), "PYTHONPATH": str(ROOT)}
@@ -50,7 +50,7 @@ def test_a_step_is_compiled_once_ahead_of_its_packings(simcore, tmp_path):
     _, lines = simcore("pack", "two.yaml", "two.nc", "--force")
     assert "Compiling" not in lines
     assert "converged" in lines
-    # What the packing itself has to compile is not the step.
+    # The packing compiles other functions itself, but not the step.
     new = set((tmp_path / "cache").rglob("*.nbc")) - set(files)
     assert not any("/dem/" in path.as_posix() for path in new)
 

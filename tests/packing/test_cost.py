@@ -1,4 +1,4 @@
-"""What a scheduler is told of a packing, against the estimate from its grains themselves."""
+"""The cost of a packing that a scheduler gets, compared with the estimate from the drawn grains."""
 
 import re
 import subprocess
@@ -25,7 +25,7 @@ LARGE = {
     "shapes": {"kind": "ellipsoid"},
 }
 LONG = {"flatness": {"mean": 0.8, "std": 0.1}, "elongation": {"mean": 0.4, "std": 0.2}}
-# The study's own, poured in a dozen batches.
+# The cylinder of Rettinger et al. is filled in a dozen batches.
 CYLINDER = {
     "domain": {"type": "cylinder", "width": "104 mm", "height": "1 m"},
     "amount": {"mass": "3 kg"},
@@ -42,13 +42,13 @@ def example(name):
     "raw",
     [
         *map(example, ("spheres", "ellipsoids", "polyhedra", "mixture", "deposit")),
-        # Its 0.1 kg may be a batch more by one count, and none by the other.
+        # Its 0.1 kg may need a batch more by one estimate than by the other.
         {**example("cylinder"), "amount": {"grains": 90}},
         LARGE,
         {**LARGE, "generation": {"fill": "r22"}},
         {**CYLINDER, "shapes": {"kind": "polyhedron", "choice": "random"}},
         {**CYLINDER, "shapes": {"kind": "ellipsoid"}, "sizes": {"case": "U7", "allow_few_top_grains": True}},
-        # Long grains, of which a layer of sites holds a third; and what the specification leaves to the set, strewn.
+        # Long grains, of which a layer of sites contains a third; and grains of a set at random places.
         {
             **{**LARGE, "domain": {"width": "63 mm", "height": "0.8 m"}, "amount": {"grains": 1200}},
             "generation": {"fill": "r22"},
@@ -58,27 +58,33 @@ def example(name):
             **{**LARGE, "shapes": {"kind": "polyhedron", "choice": "random"}, "amount": {"grains": 1200}},
             "generation": {"placement": "random"},
         },
-        # One batch, and several where the domain is low.
+        # Filled placement has one batch, and several batches in a low domain.
         {**LARGE, "generation": {"placement": "filled"}},
         {**LARGE, "domain": {"width": "0.1 m", "height": "0.3 m"}, "generation": {"placement": "filled"}},
         {**LARGE, "shapes": {"kind": "sphere"}, "sizes": {"case": "B50", "allow_few_top_grains": True}},
     ],
 )
 def test_near_the_estimate_from_the_grains(raw):
-    """A mass holds grains by the form of each, known to 1.2 here; the time of waiting for batches adds to that."""
+    """The number of grains in a mass depends on their forms and is estimated to 20 % here.
+
+    The times between batches add to the error of the cost.
+    """
     specification = resolve(raw)
     near, cost = packing_cost.estimate(specification), estimate_cost(set_up(specification, load_grains))
     exact = cost.packing
     assert near.grains == pytest.approx(exact.grains, rel=0.0 if exact.grains == raw["amount"].get("grains") else 0.2)
     assert near.steps == pytest.approx(exact.steps, rel=0.2)
     assert near.cpu_seconds == pytest.approx(exact.cpu_seconds, rel=0.3)
-    # Few grains weigh less than their base shapes, which are not counted here; the margin is for more than that.
+    # For few grains, the base shapes, which are not counted here, need more memory than the grains; COPIES covers this.
     assert cost.memory < packing_cost.COPIES * near.array_bytes
 
 
 @pytest.mark.parametrize("accuracy", ["draft", "standard", "r22"])
 def test_near_the_measured_cost_of_the_accuracies(accuracy):
-    """To 30 %: packings of one accuracy scatter by 15 %, and what a grain in flight spares is not counted."""
+    """The cost is right to 30 %.
+
+    Packings of one preset scatter by 15 %, and the lower cost of falling grains is not counted.
+    """
     measured = pd.read_csv(ROOT / "results/reference/accuracy.csv").query("accuracy == @accuracy")
     raw = {"domain": {"width": "50 mm", "height": "0.5 m"}, "amount": {"grains": 600}, "sizes": {"case": "U1"}}
     estimated = packing_cost.estimate(resolve({**raw, "accuracy": accuracy}))
@@ -86,7 +92,7 @@ def test_near_the_measured_cost_of_the_accuracies(accuracy):
 
 
 def test_a_high_bed_gets_its_last_batches_in_layers():
-    """The bed grows by 0.3 mm a grain; from 0.18 m on batches get what room is left below 0.3 m."""
+    """The bed grows by 0.3 mm per grain; from 0.18 m on, batches are limited to the space left below 0.3 m."""
     raw = {
         "domain": {"width": "0.06 m", "height": "0.3 m"},
         "amount": {"grains": 900},
@@ -100,7 +106,7 @@ def test_a_high_bed_gets_its_last_batches_in_layers():
     inserted, waits = packing_cost.plan_insertion(setup.scene, pour)
     sizes = np.diff([0, *inserted])
     assert inserted[-1] == 900 and len(waits) == len(inserted)
-    # 20 sites in each layer of 9.8 mm: from the floor, and from 0.192 m, up to 0.288 m.
+    # A layer of 9.8 mm has 20 sites; batches begin at the floor and at 0.192 m, and end at 0.288 m.
     assert sizes[0] == 20 * 30 and sizes[1] == 20 * 10 and (sizes[2:] <= sizes[1]).all()
     assert min(waits[:-1]) > 0 and waits[-1] == 0
 

@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_every_part_is_there_or_left_out():
-    """Each feature of the step but its kind and its clock has its words; turning it over moves one line."""
+    """Each feature of the step except its kind and its clock has a line; switching it off moves this line."""
     _, *others = Features._fields
     rich = Features(POLYHEDRON, *(1 if name == "sliding" else True for name in others))
     bare = Features(SPHERE, *(False for _ in others))
@@ -61,7 +61,7 @@ def test_every_example_is_explained(example, capsys):
 
 
 def test_the_specification_of_a_workflow_is_explained(tmp_path, capsys):
-    """As rule packing_specification writes it; where its grains are not there yet, that is told as by pack."""
+    """The rule packing_specification writes this file. If its grains are missing, the error is that of pack."""
     specification = resolve(specify_few_spheres())
     (tmp_path / "packing.yaml").write_text(yaml.safe_dump(express(specification), allow_unicode=True))
     assert main(["explain", str(tmp_path / "packing.yaml")]) == 0
@@ -90,7 +90,7 @@ def test_the_estimate_is_that_of_the_grains_themselves():
     assert cost.grains == 40 and cost.batches == 1 and cost.generating == last_insertion == 0
     assert estimated.mass == pytest.approx(process.bodies.mass.sum(), rel=1e-12)
     assert estimated.bytes_per_grain * 40 == sum(array.nbytes for array in process.bodies)
-    # The list has one more start than bodies.
+    # The list has one start more than there are bodies.
     pairs = len(process.contacts.body_a)
     assert estimated.bytes_per_pair * pairs + 8 * 41 == sum(array.nbytes for array in process.contacts)
     assert cost.shaking == 4000

@@ -1,4 +1,4 @@
-"""The script that kills packings, on the stand-in: it survives, and what does not is told."""
+"""The script that kills packings, with the stand-in: surviving runs are counted, and differences are reported."""
 
 import shutil
 import sys

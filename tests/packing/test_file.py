@@ -29,7 +29,7 @@ def test_the_file_has_the_distance_of_the_time_step_from_its_limits(made):
     attrs = dataset.attrs
     assert attrs["steps_per_contact_time"] == 40.0
     assert attrs["stability_margin_expected"] > 1.0 > attrs["stability_margin_cautious"]
-    # Sampled of a grain by itself, at times: it needs less than what is expected of a bed at its worst.
+    # This margin is sampled from single grains at some steps, which need fewer steps than the worst case of a bed.
     assert attrs["stability_margin_sampled"] > attrs["stability_margin_expected"]
     assert attrs["stability_margin_sampled"] * packed.stability.needed == pytest.approx(40.0)
     assert 0 <= attrs["stiffest_grain"] < 40 and attrs["stiffest_grain_contacts"] >= 3
@@ -116,7 +116,7 @@ def test_a_file_that_another_program_writes_to_is_not_called_truncated(made, tmp
 
 
 def test_the_file_has_the_specified_and_the_drawn_sieve_fractions(made):
-    """The curve of `made` has one class; here a packing of two, by hand and without a step."""
+    """The curve of `made` has one class; a file of two classes is made here without a simulation."""
     packed, dataset = made
     assert dataset["mass_fraction_drawn"].values == dataset["mass_fraction_specified"].values == 1.0
     setup = set_up_few_spheres(sizes={"bounds": ["4 mm", "6 mm", "9 mm"], "mass_fractions": [0.4, 0.6]})
@@ -126,7 +126,7 @@ def test_the_file_has_the_specified_and_the_drawn_sieve_fractions(made):
     np.testing.assert_array_equal(two["mass_fraction_specified"], [0.4, 0.6])
     fine = sample.volume[sample.D < 6e-3].sum() / sample.volume.sum()
     np.testing.assert_allclose(two["mass_fraction_drawn"], [fine, 1.0 - fine], rtol=1e-12)
-    assert abs(fine - 0.4) > 1e-6  # forty grains
+    assert abs(fine - 0.4) > 1e-6  # forty grains do not match it
     assert "sieve_class" not in packing_dataset(setup.scene, setup.bases, packed, sample, {}).dims
 
 

@@ -1,4 +1,4 @@
-"""The bed predicted before a run: its height, what of it is evaluated, its sampling error, and what is refused."""
+"""The bed predicted before a run: its height, the part that is evaluated, its sampling error, and what is rejected."""
 
 import dataclasses
 from dataclasses import replace
@@ -53,7 +53,7 @@ RIVER = specify_few_spheres(
 
 
 def grains(total, size=8e-3, largest=None, one_form=True):
-    """Equal grains of that total volume [m³]."""
+    """Return equal grains of that total volume [m³]."""
     sizes = np.full(100, size)
     return Grains(sizes, np.pi / 6 * sizes**3, total, largest or size, one_form)
 
@@ -65,7 +65,10 @@ def write(tmp_path, raw):
 
 
 def test_a_packed_bed_is_as_high_as_predicted(tmp_path):
-    """To 10 %: the range of solid fractions; its sampling error to a factor of 4, as so few grains tell it."""
+    """The height is right to 10 %, the range of solid fractions.
+
+    The sampling error is right to a factor of 4 only, because there are so few grains.
+    """
     path = write(tmp_path, specify_few_spheres(domain={"width": "18 mm"}, amount={"grains": 90}))
     output = tmp_path / "bed.nc"
     assert main(["pack", path, str(output)]) == 0
@@ -80,7 +83,7 @@ def test_a_packed_bed_is_as_high_as_predicted(tmp_path):
 
 
 def committed_errors():
-    """Predicted and evaluated sampling error of committed rows: one form and mixtures in boxes, cylinders."""
+    """Return predicted and evaluated sampling errors of committed rows: one form and mixtures in boxes, cylinders."""
     cases = {name: case.curve for name, case in read_cases(CONFIG / "cases.tsv").items()}
     box, cylinder = Domain("periodic", 0.063, 0.6), Domain("cylinder", 0.104, 1.0)
     wide = {"U7": Domain("periodic", 0.1, 1.0), "B50": Domain("periodic", 0.08, 1.0)}
@@ -101,9 +104,9 @@ def committed_errors():
 
 
 def test_predictions_hold_for_committed_rows():
-    """Nine of ten errors lie within ERROR_FACTOR of the predicted ones, and few more; porosities within 0.06.
+    """About nine of ten errors are within ERROR_FACTOR of the predicted ones, and porosities within 0.06.
 
-    Of B50 in a narrow box 5 mm are evaluated of a bed 68 mm high, less than predicted.
+    For B50 in a narrow box, 5 mm are evaluated of a bed 68 mm high, less than predicted.
     """
     rows = committed_errors().dropna()
     off = np.abs(np.log(rows.error / rows.expected))
@@ -119,7 +122,7 @@ def test_the_error_falls_with_the_root_of_the_volume_and_grows_with_large_grains
     one, two = grains(1e-3), grains(1e-3, size=16e-3)
     assert sampling_error(BOX, one, 0.64, 0.1) == pytest.approx(2.0 * sampling_error(BOX, one, 0.64, 0.4))
     assert sampling_error(BOX, two, 0.64, 0.1) == pytest.approx(8**0.5 * sampling_error(BOX, one, 0.64, 0.1))
-    # One stone among pebbles of the same total volume makes the bed scatter as stones do.
+    # One large grain among small ones of the same total volume increases the scatter of the bed.
     sizes = np.append(np.full(64, 4e-3), 16e-3)
     mixed = Grains(sizes, sizes**3, 1e-3, 16e-3, True)
     assert np.mean(mixed.volume) < mixed.volume @ mixed.volume / mixed.volume.sum() < 16e-3**3
@@ -176,7 +179,8 @@ def test_force_packs_what_cannot_be_evaluated_and_warnings_reach_the_page(tmp_pa
     assert "nothing is left to evaluate" in capsys.readouterr().err and not output.exists()
     assert main(["pack", path, str(output), "--force"]) == 0
     assert "warning" not in capsys.readouterr().err and read_packing(output).attrs["warnings"] == ""
-    # Nearly high enough: packed, with a warning on the screen, in the file, in the table and on the page.
+    # A bed of nearly sufficient height is packed, with a warning on the screen, in the file, in the table and on the
+    # page.
     path, log = write(tmp_path, specify_few_spheres(amount={"grains": 44})), tmp_path / "log.txt"
     assert main(["pack", path, str(output), "--log", str(log)]) == 0
     warned = read_packing(output).attrs["warnings"]
@@ -201,7 +205,7 @@ def test_a_campaign_of_low_beds_is_refused_before_its_first_job():
 
 @pytest.mark.parametrize("kind", ["sphere", "ellipsoid"])
 def test_typical_grains_represent_those_drawn(kind):
-    """The campaign's check reads no grain."""
+    """The check of a campaign reads no grain."""
     shapes = {"kind": kind}
     if kind == "ellipsoid":
         shapes |= {"choice": "form", "flatness": 0.6, "elongation": 0.7}

@@ -1,4 +1,4 @@
-"""The watchdog, with a stand-in for the packing: no hang, no orphan, no half file, one clear line, and it goes on."""
+"""The watchdog with a stand-in for the packing: no hang, no orphan, no half file, one clear line, and a resumed run."""
 
 import contextlib
 import os
@@ -43,7 +43,7 @@ class Run:
         self.ranks = ranks
 
     def rank(self, number):
-        """Process id of a rank, once it steps."""
+        """Return the process id of a rank, once it makes steps."""
         file = self.output.with_name(f"{self.output.name}.pid.{number}")
         wait_until(lambda: file.exists() and file.read_text())
         wait_until(self.begun)
@@ -53,11 +53,11 @@ class Run:
         return (self.output.parent / "kept" / "stand_in.npz").exists()
 
     def family(self):
-        """All processes of this launch, itself not counted: found by what they inherited from it."""
+        """Return all processes of this launch except the launcher, found by the mark that they inherited."""
         return marked(self.process.pid)
 
     def end(self):
-        """Exit status and last line said."""
+        """Return the exit status and the last line of the output."""
         said, _ = self.process.communicate(timeout=PATIENCE)
         assert "Traceback" not in said, said
         return self.process.returncode, said.strip().splitlines()[-1] if said.strip() else ""
@@ -66,12 +66,12 @@ class Run:
 def wait_until(condition):
     deadline = time.monotonic() + PATIENCE
     while not condition():
-        assert time.monotonic() < deadline, "waited in vain"
+        assert time.monotonic() < deadline, "the condition was not met in time"
         time.sleep(0.02)
 
 
 def marked(launcher):
-    """Living processes whose mark is that of the children of this launcher."""
+    """Return the living processes that have the mark of the children of this launcher."""
     with contextlib.suppress(psutil.Error):
         tokens = {child.environ().get(MARK) for child in psutil.Process(launcher).children()} - {None}
         return [process for process in psutil.process_iter() if mark_of(process) in tokens]
@@ -86,7 +86,7 @@ def assert_none_left(family):
 
 @pytest.fixture(scope="module")
 def uninterrupted(tmp_path_factory):
-    """What these steps on one rank give."""
+    """Return the numbers after these steps on one rank, without an interruption."""
     run = Run(tmp_path_factory.mktemp("whole"), ranks=1, steps=STEPS)
     assert run.end()[0] == 0
     return numbers(run.output)
@@ -167,7 +167,7 @@ def test_an_interruption_reaches_the_ranks(tmp_path, number, ranks, uninterrupte
     np.testing.assert_array_equal(numbers(again.output), uninterrupted)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a child that its parent died")
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux notifies a child that its parent died")
 @pytest.mark.parametrize(("ranks", "stopped"), [(1, False), (2, False), (2, True)])
 def test_a_killed_launcher_leaves_no_orphans(tmp_path, ranks, stopped):
     run = Run(tmp_path, ranks=ranks)
@@ -178,7 +178,7 @@ def test_a_killed_launcher_leaves_no_orphans(tmp_path, ranks, stopped):
     run.process.kill()
     run.process.communicate(timeout=PATIENCE)
     assert_none_left(family)
-    # Neither is its lock.
+    # Its lock is not left either.
     again = Run(tmp_path, ranks=1, steps=SHORT)
     assert again.end()[0] == 0
 
@@ -227,7 +227,7 @@ def test_what_cannot_be_started_is_one_clear_line(tmp_path, arguments, message):
 
 
 def test_the_command_of_srun(tmp_path):
-    """A script in its place shows what it is given: the number of ranks, and the threads of each."""
+    """A script instead of srun prints what it is given: the number of ranks and the threads of each."""
     srun = tmp_path / "srun"
     srun.write_text('#!/bin/sh\necho "$SRUN_CPUS_PER_TASK" "$@"\n')
     srun.chmod(0o755)

@@ -1,4 +1,4 @@
-"""A packing of meshes and ellipsoids in one bed: poured, filed, sliced, drawn."""
+"""A packing of polyhedra and ellipsoids in one bed: packed, saved, sliced, drawn."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ SPECIFICATION = {
     "shaking": {"duration": "0.1 s"},
     "numerics": {"contact_time": "1 ms"},
 }
-SPHERE = 3  # index of the base shape after three grains
+SPHERE = 3  # index of the sphere's base shape, after three grains
 
 
 def load_grains(group):
@@ -55,7 +55,7 @@ def test_both_kinds_lie_in_one_bed_at_rest(made):
 
 
 def test_only_hulls_have_patches(made):
-    """A contact of a smooth body is a point: it gives the lever of its force and no torque of its own."""
+    """A contact of a smooth body is a point, so its torque is that of its force alone."""
     packed, dataset = made
     contacts, walls = packed.contacts, packed.walls
     smooth = dataset["shape"].values == SPHERE
@@ -82,14 +82,14 @@ def test_it_is_filed_sliced_and_evaluated(made, tmp_path):
     each = slab_volumes(read, edges, "exact", per_grain=True)
     np.testing.assert_allclose(each.sum(axis=1), read["volume"].values, rtol=1e-12)
     found = evaluate(read, cut=8e-3)
-    # Closest packings of equal ellipsoids have some 0.23, loose beds of rough angular grains up to 0.5.
+    # Closest packings of equal ellipsoids have porosities of some 0.23, loose beds of rough angular grains up to 0.5.
     assert 0.25 < float(found.n_exact) < 0.5
     assert float(found.n) == pytest.approx(float(found.n_exact), abs=0.05)
     assert 3.0 < float(found.coordination_number) < 9.0
 
 
 def test_the_picture_frames_the_bed(made):
-    """Scales of meshes are factors and of ellipsoids lengths: the frame must not take one for the other."""
+    """The scale of a polyhedron is a factor and that of an ellipsoid a length; the frame must not confuse them."""
     _, dataset = made
     image, extent = render(dataset, np.tile([1.0, 0.0, 0.0], (70, 1)), azimuth=-90.0, elevation=90.0, pixels=200)
     assert extent[1] - extent[0] < 0.045 and extent[3] - extent[2] < 0.045

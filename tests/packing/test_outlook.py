@@ -19,7 +19,7 @@ COST = PackingCost(
 
 
 def progress_line(phase, step, grains, end=None, name="bed: of 4 mm"):
-    """The line that Progress reports at a step, at exactly 100 steps per second."""
+    """Return the line that Progress reports at a step, at exactly 100 steps per second."""
     lines = []
     numerics = SimpleNamespace(progress_interval=0.0)
     scene = SimpleNamespace(name=name, numerics=numerics, shaking=SimpleNamespace(duration=2.0))

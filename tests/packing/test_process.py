@@ -1,4 +1,4 @@
-"""The packing process on a few grains: it ends at rest, carries its weight, repeats its bits, and fails with reason."""
+"""The packing process with a few grains: it ends at rest, repeats its bits, and fails with a reason."""
 
 import os
 import subprocess
@@ -34,10 +34,10 @@ def test_the_floor_carries_the_buoyant_weight():
     bodies = packed.bodies
     weight = bodies.mass.sum() * 9.81 * (1.0 - 1000.0 / 2650.0)
     floor = packed.walls.force[:, 2].sum()
-    # Contacts between grains cancel, so floor = weight + what is left unbalanced, to rounding.
+    # Contacts between grains cancel, so the floor carries the weight and the unbalanced force, to rounding.
     assert floor == pytest.approx(weight + bodies.net_force[:, 2].sum(), rel=1e-12)
-    # A grain carries some contacts of about its own share of the weight: 1e-3 of the forces is 1e-3 of the weight
-    # times the height of the bed in grains, five here.
+    # The unbalanced force is 1e-3 of the contact forces, so 1e-3 of the weight times the height of the bed in grains,
+    # which is five here.
     assert floor == pytest.approx(weight, rel=5e-3)
 
 
@@ -50,7 +50,7 @@ def test_net_force_is_that_of_its_contacts(packed):
     np.add.at(force, packed.walls.body, packed.walls.force)
     force[:, 2] -= bodies.mass * 9.81 * (1.0 - 1000.0 / 2650.0)
     np.testing.assert_allclose(bodies.net_force, force, atol=1e-12 * np.abs(contacts.force).max())
-    # Along the normal from a to b; only a contact that opens may pull, by its dashpot. Friction within Coulomb's limit
+    # Only a contact that opens may pull, by its dashpot, and friction is within Coulomb's limit.
     along = (contacts.force * contacts.direction).sum(axis=1)[rows]
     across = np.linalg.norm(contacts.force[rows] - along[:, None] * contacts.direction[rows], axis=1)
     a, b, point = contacts.body_a[rows], contacts.body_b[rows], contacts.point[rows]
@@ -72,9 +72,9 @@ def test_a_seed_repeats_its_bits_and_another_does_not(packed):
 
 
 def test_the_skin_of_the_list_changes_no_bit_of_spheres(packed):
-    """Lists of other lengths, made at other steps. Spheres remember a spring and nothing else.
+    """With another skin, lists are made at other steps. Spheres remember only a spring, so this has no effect.
 
-    Ellipsoids and hulls start from what a pair remembers, so a pair listed earlier may differ in the last bits.
+    Ellipsoids and polyhedra start from the remembered contact, so a pair listed earlier may differ in the last bits.
     """
     for skin in (0.02, 0.6):
         other = pack_few_spheres(numerics={"skin": skin})
@@ -118,7 +118,7 @@ for kind, dashpot in (({"kind": "sphere"}, {}), ({"kind": "sphere"}, implicit), 
 
 
 def test_two_threads_give_the_bits_of_one():
-    """Spheres, ellipsoids and hulls, all fields of bodies and contacts; in a process that may use two threads."""
+    """All fields of bodies and contacts are compared for spheres, ellipsoids and polyhedra in a process of its own."""
     done = subprocess.run(
         [sys.executable, "-c", THREADS],
         env={**os.environ, "NUMBA_NUM_THREADS": "2"},
@@ -184,7 +184,10 @@ def test_grains_that_fill_the_domain_without_a_pore_are_refused():
 
 
 def thrown(speed):
-    """A process whose first batch is to throw its highest grain up [m/s]; its domain falls through in 0.14 s."""
+    """Return a process that throws up the highest grain of its first batch [m/s], and the size of this batch.
+
+    A fall through the domain takes 0.14 s.
+    """
     made = set_up_few_spheres(amount={"grains": 120})
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     first = []
@@ -202,7 +205,7 @@ def thrown(speed):
 
 
 def test_a_batch_waits_for_a_grain_in_flight(monkeypatch):
-    """At 3 m/s it is under way for 0.98 s, and a batch may wait for the room of its predecessor for 0.28 s."""
+    """At 3 m/s the grain is in flight for 0.98 s, while a batch usually waits for space for at most 0.28 s."""
     running, first = thrown(3.0)
     running.generate()
     assert first[0] < running.state.inserted == 120
@@ -230,7 +233,7 @@ def test_grains_that_float_are_refused():
 
 
 def spoilt(made, grain, value):
-    """The draw of `made` with one random number of one grain, that of its horizontal velocity, set to a value."""
+    """Return the draw of `made` with one random number of a grain, that of its horizontal velocity, set to a value."""
 
     def draw(ids):
         drawn = made.draw(ids)

@@ -1,4 +1,4 @@
-"""Rules of rest: each measure by itself can refuse."""
+"""Rules of rest: each measure alone can reject a bed."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def test_still_asks_for_height_speed_and_force():
 
 
 def looks(rate, energy=0.0, seconds=0.5):
-    """A bed of 40 grains of 0.5 g whose mean height falls by that share a second, looked at every 10 ms from 1 s on."""
+    """Return checks every 10 ms from 1 s on, in which the mean height falls by the share `rate` per second."""
     times = 1.0 + 0.01 * np.arange(round(100 * seconds) + 1)
     heights = 0.05 * np.exp(-rate * (times - 1.0))
     return [
@@ -38,7 +38,7 @@ def judge(checks, since=1.0):
 
 
 def test_settled_asks_for_a_rate_of_compaction():
-    """5e-4 in 0.1 s is 5e-3 a second; the window is taken whole, to the rounding of the times of the looks."""
+    """The limit of 5e-4 in 0.1 s is 5e-3 per second; the window is complete to the rounding of the times."""
     assert judge(looks(4.95e-3)).at_rest
     verdict = judge(looks(5.05e-3))
     assert not verdict.at_rest and "solid fraction changed by 0.00051 (relative) in 0.1 s" in verdict.reason

@@ -1,4 +1,4 @@
-"""A run that goes wrong stops with one message that names the grain; one that does not is left alone."""
+"""A run that goes wrong stops with one message that names the grain; a sound run is not stopped."""
 
 import re
 
@@ -44,7 +44,7 @@ def test_a_sound_packing_is_not_stopped_and_its_margin_is_kept():
     assert not [line for line in lines if "warning" in line]
     found = packed.stability
     assert found.steps == 40.0 and found.expected.expected < 40.0 < found.expected.cautious
-    # By itself the stiffest grain needs more than a pinched one, and less than with twelve walls about it.
+    # The stiffest grain alone needs more steps than a pinched one, and fewer than a grain among twelve walls.
     assert 5.893 < found.needed < found.expected.cautious
     assert 3 <= found.contacts <= 14 and 0 <= found.grain < 40
     assert 0.0 < found.deepest < 0.5
@@ -68,7 +68,7 @@ def test_extreme_but_sound_packings_are_not_stopped(changes):
 
 
 def test_too_few_steps_are_warned_of_before_and_while_running_and_stop_the_run():
-    """Seven steps a contact time: a pinched grain is stable, one with five contacts is not."""
+    """At seven steps per contact time a pinched grain is stable, but a grain with five contacts is not."""
     error, lines = told_by(numerics={"steps_per_contact_time": 7})
     warned = [line for line in lines if "warning" in line]
     assert "7 steps per contact time are fewer than the 33.8 that a bed" in warned[0]
@@ -79,14 +79,14 @@ def test_too_few_steps_are_warned_of_before_and_while_running_and_stop_the_run()
 
 
 def test_forty_steps_are_too_few_for_contacts_damped_more():
-    """At a restitution of 0.01 a bed is expected to need 66; energy appears at 40, and none at 80 (above)."""
+    """At a restitution of 0.01 a bed is expected to need 66 steps: it gains energy at 40, and not at 80 (above)."""
     error, lines = told_by(material={"restitution": 0.01, "friction": 10.0})
     assert "fewer than the 66.2 that a bed" in lines[0]
     assert isinstance(error, str) and "the energy grew by" in error and "alone needs" in error
 
 
 def test_energy_from_nowhere_names_its_grain(settled):
-    """The highest grain is lifted by two centimetres between two looks; it is still falling at the second."""
+    """The highest grain is lifted by two centimetres between two checks; it is still falling at the second."""
     running = settled
     running.watch.begin_anew(running.state, running.bodies)
     running.advance(running.interval_steps, DAMPING)
@@ -100,7 +100,7 @@ def test_energy_from_nowhere_names_its_grain(settled):
     )
     with pytest.raises(PackingError, match=said) as error:
         running.advance(running.interval_steps, DAMPING)
-    # Damping has taken 7 % of the speed of its fall, 6 cm/s at the end
+    # Damping reduces the speed of its fall, 6 cm/s at the end, by 7 %.
     assert float(re.search(said, str(error.value))[1]) == pytest.approx(energy, rel=0.1)
     running.bodies.position[:] = kept
     running.bodies.velocity[:] = 0.0
@@ -108,7 +108,7 @@ def test_energy_from_nowhere_names_its_grain(settled):
 
 
 def test_the_energy_seen_falls_while_a_bed_is_damped():
-    """Fresh from shaking, nothing may be gained but the step's own error; 1e-3 of what moves is above any seen."""
+    """Just after shaking, only the error of the step may add energy, here less than 1e-2 of the kinetic energy."""
     running = process()
     running.generate()
     running.shake(running.shaking_steps)
@@ -124,7 +124,7 @@ def test_the_energy_seen_falls_while_a_bed_is_damped():
 
 
 def test_springs_hold_half_k_times_the_squares(settled):
-    """Tangential ones as far as friction holds them: slipping leaves more in them, which never comes back."""
+    """Tangential springs count up to the limit of friction: slipping stretches them further, but returns no energy."""
     bodies, (contacts, walls), law = settled.bodies, settled.candidates, compose(settled.scene).law
 
     def squares(rows, normal, p, k):
@@ -143,7 +143,7 @@ def test_springs_hold_half_k_times_the_squares(settled):
 
 
 def test_a_sliding_grain_gains_no_energy_in_the_eyes_of_the_watch(settled):
-    """A spring that slipping at u has stretched by d u / k, a thousand times what friction holds, counts as held."""
+    """A spring that slipping has stretched a thousand times beyond friction's limit counts only up to this limit."""
     bodies, near, law = settled.bodies, settled.candidates, compose(settled.scene).law
     before = spring_energy(bodies, near, law).sum()
     kept = near.walls.spring.copy()
@@ -153,7 +153,7 @@ def test_a_sliding_grain_gains_no_energy_in_the_eyes_of_the_watch(settled):
 
 
 def test_an_overlap_of_half_a_grain_names_both(settled):
-    """As if the grains of a bed at rest were ten thousand times as thin."""
+    """The check is given grains ten thousand times thinner than those of the bed at rest."""
     thin = 1e-4 * half_thickness(settled.bodies)
     with pytest.raises(PackingError, match=r"grain \d+ and (grain \d+|the wall) overlap by \S+ mm at step") as caught:
         settled.watch._check_overlap(settled.state, settled.bodies, settled.candidates, thin, falling=False)
@@ -161,13 +161,16 @@ def test_an_overlap_of_half_a_grain_names_both(settled):
 
 
 def test_an_impact_too_deep_stops_the_run_before_it_is_over():
-    """At 4 m/s and 10 ms grains sink 5 to 7 mm deep and are 2.8 to 4 mm in radius; few looks fall on an impact."""
+    """At 4 m/s and a contact time of 10 ms, grains with radii of 2.8 to 4 mm would sink in by 5 to 7 mm.
+
+    Few checks coincide with an impact, so the depth is predicted from the speed.
+    """
     error, _ = told_by(numerics={"contact_time": "10 ms"}, generation={"velocity_z": "-4 m/s"})
     assert isinstance(error, str)
     assert "would overlap what it hits by" in error and "Shorten numerics.contact_time, which is 0.01 s, to" in error
     grain, speed, depth = re.search(r"grain (\d+) moves at (\S+) m/s .* what it hits by (\S+) mm", error).groups()
-    # Largest overlap as in tests/physics/test_contact_law.py; on a grain that lies on the floor it is 1.33 times that,
-    # of which the next test has a simulation.
+    # The largest overlap is that of tests/physics/test_contact_law.py, times 1.33 on a grain that lies on the floor;
+    # the last test of this file simulates this.
     assert float(depth) / float(speed) == pytest.approx(1e3 * 1.33177 * 0.1290665 * 0.01, rel=0.01)
 
 
@@ -194,7 +197,7 @@ def test_a_deep_impact_is_foreseen():
 
 
 def test_the_stiffest_grain_of_a_bed_is_among_those_examined(settled):
-    """All forty instead of the 32 with the largest sums."""
+    """The result is the same with all forty grains instead of the 32 with the largest sums."""
     from simcore.dem import stability
 
     load = contact_load(compose(settled.scene).law, settled.dt)
@@ -207,7 +210,7 @@ def test_the_stiffest_grain_of_a_bed_is_among_those_examined(settled):
 
 
 def pressed(radii, overlaps):
-    """A process of a column of spheres of these radii [m] on the floor, each of which overlaps the one below it [m]."""
+    """Return a process of a column of spheres of these radii [m], each overlapping the one below [m], and its log."""
     made, lines = set_up_few_spheres(shapes={"kind": "sphere"}), []
     running = Process(made.scene, made.bases, made.draw, lines.append)
     size, n = np.array(radii), len(radii)
@@ -265,7 +268,7 @@ def test_it_is_not_once_beds_are_damped_nor_under_one_of_a_few_times_its_mass(ph
 
 @pytest.mark.parametrize("restitution", [0.1, 0.6, 1.0])
 def test_an_impact_on_a_grain_that_lies_on_the_floor_goes_as_deep_as_expected(restitution):
-    """Two spheres of 6 mm, the upper at 0.5 m/s: its deepest overlap, looked at every step; first order in it."""
+    """The upper of two spheres of 6 mm hits the lower one at 0.5 m/s; its overlap is measured at every step."""
     changes = {"shapes": {"kind": "sphere"}, "numerics": {"contact_time": "0.2 ms", "steps_per_contact_time": 1000}}
     running = process(**changes, material={"restitution": restitution}, shaking={"amplitude": "0 m", "duration": "0 s"})
     radius, place = np.full(2, 3e-3), np.array([[0.0, 0.0, 3e-3], [0.0, 0.0, 9e-3]])

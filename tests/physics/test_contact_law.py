@@ -1,4 +1,4 @@
-"""Impact of spheres against closed forms of the linear spring-dashpot and the oblique impact."""
+"""Impacts of spheres, compared with closed forms of the linear spring-dashpot and of the oblique impact."""
 
 import numpy as np
 import pytest
@@ -14,9 +14,10 @@ KINDS = pytest.mark.parametrize("attractive", [True, False], ids=["attractive", 
 
 
 def impact(attractive, restitution, dt, velocity, start=0.0, friction=0.0, spin=(0.0, 0.0, 0.0), radius=1.0, **choices):
-    """Spheres of one radius thrown at the floor, one for each row of velocity (n, 3), its gap start (n,).
+    """Throw spheres of one radius at the floor, one for each row of velocity (n, 3), with gaps start (n,).
 
-    They stand far from each other. Returns the Stage after all have left, with largest overlaps and times of contact.
+    The spheres are far from each other. It returns the SteppedBodies after all have left, the largest overlaps and the
+    times of contact.
     """
     velocity = np.atleast_2d(velocity)
     n = len(velocity)
@@ -52,7 +53,8 @@ def test_restitution_time_and_depth_are_the_limit_of_small_steps(attractive, nom
     steps = np.array([400, 800, 1600])
     errors, depths = [], []
     for n in steps:
-        # Averaged over phases of the first touch, which a single impact carries as noise of the same order
+        # Results are averaged over phases of the first touch, which change a single impact by an amount of the same
+        # order.
         phases = (np.arange(20) + 0.5) / 20.0 * T_C / n
         thrown, deepest, duration = impact(attractive, nominal, T_C / n, np.tile([0, 0, -1.0], (20, 1)), phases)
         errors.append(thrown.bodies.velocity[:, 2].mean() - e_limit)
@@ -62,7 +64,7 @@ def test_restitution_time_and_depth_are_the_limit_of_small_steps(attractive, nom
     errors = np.array(errors)
     orders = np.log2(errors[:-1] / errors[1:])
     np.testing.assert_allclose(orders, 1.0, atol=0.15)
-    # Richardson leaves the second order term, about the square of the relative error
+    # Richardson extrapolation leaves the second-order term, about the square of the relative error.
     assert abs(2.0 * errors[2] - errors[1]) < 5.0 * errors[2] ** 2 + 2e-6  # references have six digits
     extrapolated = 2.0 * depths[2] - depths[1]
     assert extrapolated == pytest.approx(CLOSED[nominal][2] * T_C, rel=1e-4)
@@ -85,7 +87,7 @@ def test_restitution_at_forty_steps(attractive, nominal):
     phases = (np.arange(400) + 0.5) / 400.0 * T_C / 40
     thrown, _, _ = impact(attractive, nominal, T_C / 40, np.tile([0, 0, -1.0], (400, 1)), phases)
     e = thrown.bodies.velocity[:, 2]
-    # Digits of the table; the extremes depend on which 400 phases were taken, by one phase's share of the range.
+    # The tolerance is a digit of the table; extremes depend on the phases taken, by one phase's share of the range.
     assert e.mean() == pytest.approx(mean, abs=1e-4)
     assert e.min() == pytest.approx(least, abs=1e-4 + (largest - least) / 100)
     assert e.max() == pytest.approx(largest, abs=1e-4 + (largest - least) / 100)
@@ -109,7 +111,7 @@ def test_oblique_impact(attractive):
     angles = np.radians(list(OBLIQUE))
     tangential, turning = np.array([values[0 if attractive else 1] for values in OBLIQUE.values()]).T
     velocity = np.column_stack([np.sin(angles), np.zeros(len(angles)), -np.cos(angles)])
-    # Averaged over phases of the first touch; between them e_t differs by µ times the spread of e_n.
+    # Results are averaged over phases of the first touch; between them e_t differs by µ times the spread of e_n.
     n_phases = 16
     phases = np.tile((np.arange(n_phases) + 0.5) / n_phases, len(angles))
     thrown_at = np.repeat(velocity, n_phases, axis=0)
@@ -121,18 +123,18 @@ def test_oblique_impact(attractive):
         spin = thrown.bodies.angular_velocity[:, 1].reshape(-1, n_phases).mean(axis=1)
         errors.append((e_t - tangential, spin - turning))
     coarse, fine, finest = errors
-    # At 40 steps a separate program is off by 0.003 and, clamped, by 0.006. Clamped at 60 degrees ours is off by
-    # 0.0073: the spring grows before it presses, which is another term of first order.
+    # At 40 steps a separate program has errors of 0.003 and, clamped, 0.006. Clamped at 60 degrees ours is 0.0073,
+    # because the spring grows before it presses, another first-order term.
     assert np.abs(coarse[0]).max() < (0.003 if attractive else 0.0075)
-    # First order: what is left after extrapolation is the square of the error at 400 steps, the digits of the table,
-    # and half the overlap over the radius, by which the arm of the friction is shorter than the radius (1e-4).
+    # Three errors remain after extrapolation: the square of the error at 400 steps, the digits of the table, and 1e-4,
+    # because the arm of the friction is half an overlap shorter than the radius.
     for k in range(2):
         assert np.abs(finest[k]).max() < 2.0 * 40 / 800 * (0.003 if attractive else 0.0075) + 1e-4
         assert np.abs(2.0 * finest[k] - fine[k]).max() < 1.5e-4
 
 
 def test_gross_sliding_is_exact():
-    """Clamped and slipping throughout, the tangential impulse is µ times the normal one whatever the step."""
+    """If a clamped contact slips throughout, the tangential impulse is µ times the normal one at any time step."""
     angles = np.radians([80.0, 85.0])
     velocity = np.column_stack([np.sin(angles), np.zeros(2), -np.cos(angles)])
     thrown, deepest, _ = impact(False, 0.1, T_C / 40, velocity, friction=0.5)
@@ -162,7 +164,7 @@ def test_slip_then_roll(friction):
         slip = rolling.bodies.velocity[0, 0] - radius * rolling.bodies.angular_velocity[0, 1]
         if ended is None and slip <= 1e-6 * u0:
             ended, x_end = step * dt, rolling.bodies.position[0, 0]
-    # Then the spring lets go, which takes a contact time or two until the slip is 1e-6 u0, and u0 is off by µ g T_c.
+    # The spring is released within two contact times, until the slip is 1e-6 u0; u0 has an error of µ g T_c.
     assert ended == pytest.approx(slip_time, abs=2.0 * contact_time)
     assert x_end == pytest.approx(12.0 * u0**2 / (49.0 * friction * g), abs=2.0 * u0 * contact_time)
     slack = 2.0 * friction * g * contact_time
@@ -177,12 +179,12 @@ def test_a_new_contact_starts_with_an_empty_spring():
     """
     thrown, _, _ = impact(True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, radius=5e-3)
     assert abs(thrown.bodies.velocity[0, 0]) <= 1e-6
-    # Linear law without slip: as at 5 degrees
+    # Without slip the law is linear, so the result is that at 5 degrees.
     assert thrown.bodies.velocity[0, 0] == pytest.approx(0.71036e-6, rel=0.006)
 
 
 def test_preloaded_friction_throws_as_the_r22_program_does():
-    """At the first touch its spring is loaded to the limit against what little slides (study_program.md, defects)."""
+    """At first touch the spring is loaded to the limit against slow sliding (study_program.md, defects)."""
     thrown, _, _ = impact(True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, radius=5e-3, preloaded=True)
     assert thrown.bodies.velocity[0, 0] == pytest.approx(-1.55e-3, rel=0.01)
     assert not thrown.walls.stuck.any()
@@ -191,7 +193,7 @@ def test_preloaded_friction_throws_as_the_r22_program_does():
 
 
 def test_preloaded_friction_throws_two_grains_as_a_floor_throws_one():
-    """Each of two equal spheres that meet in the plane between them does what one does on a floor there."""
+    """Each of two equal spheres that collide moves like one that hits a floor in the plane between them."""
     floor, _, _ = impact(True, 0.1, T_C / 40, [1e-6, 0.0, -0.1], friction=0.5, preloaded=True)
     velocity = np.array([[-0.1, 0.0, 1e-6], [0.1, 0.0, -1e-6]])
     place = [[1.0, 0.0, 9.0], [-1.0, 0.0, 9.0]]
@@ -204,7 +206,7 @@ def test_preloaded_friction_throws_two_grains_as_a_floor_throws_one():
 
 
 def test_preloaded_friction_differs_only_where_holding_begins():
-    """What slips throughout is the same to the bit; what is held from the first touch is not."""
+    """A contact that slips throughout is the same to the bit; one that sticks from the first touch is not."""
     for angle, same in ((85, True), (15, False)):
         velocity = [np.sin(np.radians(angle)), 0.0, -np.cos(np.radians(angle))]
         speeds = [
@@ -227,7 +229,7 @@ def test_the_limit_of_stability():
     assert limit / T_C == pytest.approx(0.292940, abs=1e-6)
     amplitudes = []
     for factor in (0.999, 1.001):
-        # Pressed deep by its weight, so that the contact never opens
+        # The weight presses it in deeply, so that the contact never opens.
         held = SteppedBodies(SPHERE, law, [1.0] * 3, [[0, 0, 1.0 - 1.001e4 / law.stiffness]], [0, 0, 0], gravity=1e4)
         start = 1e-3 * 1e4 / law.stiffness
         held.advance(factor * limit, 2000)

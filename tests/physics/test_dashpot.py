@@ -1,4 +1,4 @@
-"""The implicit dashpot: second order, stable where theory says, its beds at rest; and the limits of both dashpots."""
+"""The implicit dashpot: second order, limits of stability, beds at rest; and the limits of both dashpots."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ N_PHASES = 1000
 
 
 def rebounds(attractive, restitution, n):
-    """Restitutions of N_PHASES impacts on the floor with n steps per contact time, over the phases of first touch."""
+    """Return restitutions of N_PHASES impacts, over the phases of first touch, with n steps per contact time."""
     dt = T_C / n
     law = implicit_law(contact_law(restitution, T_C, NU, 0.0), dt)
     position = np.zeros((N_PHASES, 3))
@@ -36,28 +36,28 @@ def rebounds(attractive, restitution, n):
 @pytest.mark.parametrize("attractive", [True, False], ids=["attractive", "clamped"])
 @pytest.mark.parametrize("nominal", CLAMPED)
 def test_restitution_is_of_second_order_on_average_and_of_first_for_one_impact(attractive, nominal):
-    """A contact begins and ends within a step: one impact is off by a term of first order that the mean has not."""
+    """A contact begins and ends within a step, so one impact has a first-order error that the mean does not have."""
     limit = nominal if attractive else CLAMPED[nominal]
     found = [rebounds(attractive, nominal, n) - limit for n in (10, 20, 40)]
     means, largest = np.array([(e.mean(), np.abs(e).max()) for e in found]).T
-    # Of first order; the worst phase comes down to its own coefficient from above.
+    # The largest error is of first order; it approaches its leading term from above.
     orders = np.log2(largest[:-1] / largest[1:])
     assert ((orders > 0.9) & (orders < 1.6)).all()
-    if (attractive, nominal) == (True, 0.1):  # coefficients of second order cancel nearly, and higher ones show
+    if (attractive, nominal) == (True, 0.1):  # second-order terms nearly cancel, so higher ones are visible
         assert (np.abs(means) < 2.5e-3 * np.array([1.0, 1 / 4, 1 / 16])).all()
     else:
-        # 0.35 off where, attractive, few of the phases take a step more and carry the mean
+        # The order is off by 0.35 with attraction, where few of the phases take a step more and dominate the mean.
         np.testing.assert_allclose(np.log2(means[:-1] / means[1:]), 2.0, atol=0.5)
 
 
 @pytest.mark.parametrize("attractive", [True, False], ids=["attractive", "clamped"])
 def test_over_no_step_the_implicit_dashpot_is_the_explicit_one_to_the_bit(attractive):
-    """Two compiled steps: that of a scene without the implicit dashpot has nothing of it."""
+    """The two variants of the step are compiled separately; the explicit one contains no code of the implicit one."""
     law, dt = contact_law(0.1, T_C, NU, 0.5), T_C / 40
     assert implicit_law(law, 0.0) == law
     thrown = []
     for implicit in (False, True):
-        # Three in a row: the middle one is hit by the first while it lies on the floor and against the last.
+        # Three spheres are in a row: the first hits the middle one, which lies on the floor and against the last one.
         position = [[-2.5, 0.0, 1.0], [0.0, 0.1, 0.999], [1.9995, 0.0, 1.0]]
         velocity = [[1.0, 0.3, -0.2], [0.0, 0.0, -0.1], [0.0, 0.0, 0.0]]
         row = SteppedBodies(
@@ -71,19 +71,19 @@ def test_over_no_step_the_implicit_dashpot_is_the_explicit_one_to_the_bit(attrac
 
 
 def test_a_sphere_at_rest_sinks_in_by_what_the_softer_spring_says():
-    """The price of second order: at rest the spring is divided by 1 + γ h / 2."""
+    """At rest the implicit dashpot divides the stiffness by 1 + γ h / 2, which is the cost of second order."""
     dt, gravity = T_C / 10, 1e4
     continuous = contact_law(0.1, T_C, NU, 0.5)
     overlap = gravity * (1.0 + 0.5 * continuous.damping * dt) / continuous.stiffness
     law = implicit_law(continuous, dt)
     laid = SteppedBodies(SPHERE, law, [1.0] * 3, [0, 0, 1.0 - overlap], [0, 0, 0], gravity=gravity, implicit=True)
     laid.advance(dt, 100)
-    # Round-off of the height 1, against forces of 1e4
+    # The tolerance is the rounding error of the height 1.
     assert laid.bodies.position[0, 2] == pytest.approx(1.0 - overlap, abs=1e-15)
 
 
 def test_limits_of_the_explicit_dashpot_are_those_of_the_reference():
-    """A sphere among z fixed ones with tangential springs; the numbers were checked with eigenvalues."""
+    """A sphere is among z fixed ones with tangential springs; the reference was checked with eigenvalues."""
     law = contact_law(0.1, T_C, NU, 0.5)
     for z, moving, turning in ((2, 5.64, 8.49), (6, 14.65, 23.00), (12, 27.95, 44.60)):
         steps = minimum_steps_per_contact_time(law, contacts=z, normal=z / 3, tangential=2 * z / 3)
@@ -95,7 +95,7 @@ def test_limits_of_the_explicit_dashpot_are_those_of_the_reference():
 
 
 def test_limit_of_the_implicit_dashpot_is_the_root_of_its_cubic():
-    """One contact: h = 2 / ω whatever the damping. More: the root that longest_stable_step states."""
+    """For one contact, h = 2 / ω at any damping; for more, it is the root that longest_stable_step documents."""
     for restitution in (0.01, 0.1, 0.9):
         law = contact_law(restitution, T_C, NU, 0.5)
         omega, gamma = np.sqrt(law.stiffness), law.damping
@@ -104,15 +104,15 @@ def test_limit_of_the_implicit_dashpot_is_the_root_of_its_cubic():
             h = longest_stable_step(law, True, contacts=s)
             left = (4.0 + 2.0 * (s - 1) * gamma * h) * (1.0 + 0.5 * gamma * h)
             assert left == pytest.approx(s * (omega * h) ** 2 * (1.0 + (s - 0.5) * gamma * h), rel=1e-9)
-        # A tangential spring on one sphere: its own central difference, 2 / ω_t
+        # A tangential spring on one sphere has the limit of central differences, 2 / ω_t.
         steps = longest_stable_step(law, True, contacts=1, normal=0.0, tangential=LEVER)
         assert steps == pytest.approx(2.0 / np.sqrt(LEVER * law.tangential * law.stiffness), rel=1e-9)
 
 
 def growth(neighbours, law, implicit, dt, turning, n_steps=60):
-    """Factor a step by which a small motion along x, or turn about it, grows of a sphere that fixed ones hold.
+    """Return the growth per step of a small motion along x, or rotation about x, of a sphere held by fixed ones.
 
-    What is not looked at is held: other motions have limits of their own, and would grow from round-off.
+    All other motions are suppressed, because they have limits of their own and would grow from rounding.
     """
     overlap = 1e-3
     position = np.vstack([np.zeros(3), (2.0 - overlap) * np.asarray(neighbours)]) + [0.0, 0.0, 50.0]
@@ -123,7 +123,7 @@ def growth(neighbours, law, implicit, dt, turning, n_steps=60):
     bodies.inertia[1:] *= 1e15
     if not turning:
         bodies.inertia[0] *= 1e15
-    held.advance(dt, 1)  # the hold is that of the step before
+    held.advance(dt, 1)  # whether a contact sticks follows from the step before
     bodies.velocity[:] = 0.0
     bodies.angular_momentum[:] = 0.0
     bodies.angular_velocity[:] = 0.0
@@ -152,10 +152,10 @@ MODES = {
 @pytest.mark.parametrize("implicit", [False, True], ids=["explicit", "implicit"])
 @pytest.mark.parametrize("name", MODES)
 def test_a_held_sphere_at_the_limit(name, implicit):
-    """At 0.99 of the limit the compiled step lets a small motion die out, at 1.01 it grows; friction 1e3: all stick."""
+    """At 0.99 of the limit a small motion decays, and at 1.01 it grows; with friction 1e3 all contacts stick."""
     neighbours, friction, turning, mode = MODES[name]
     law = contact_law(0.1, T_C, NU, friction)
-    # Like radii but other masses: a contact weighs 2 on the light sphere (count_effective_contacts).
+    # Radii are equal but masses differ, so a contact counts as 2 on the light sphere (count_effective_contacts).
     limit = longest_stable_step(law, implicit, contacts=2.0 * len(neighbours), **mode)
     below, above = (growth(neighbours, law, implicit, factor * limit, turning) for factor in (0.99, 1.01))
     assert below < 1.0 < above
@@ -173,7 +173,7 @@ BED = {
 
 
 def rest(dashpot, steps):
-    """Kinetic energy of a bed poured with that dashpot, 0.2 s after damping, over that of a fall by one grain."""
+    """Return kinetic energy of a bed 0.2 s after damping, over that of a fall by a grain, and unbalanced force."""
     numerics = {"contact_time": "1 ms", "dashpot": dashpot, "steps_per_contact_time": steps}
     made = set_up(resolve({**BED, "numerics": numerics}), lambda group: [])
     process = Process(made.scene, made.bases, made.draw, lambda line: None)

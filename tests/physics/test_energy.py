@@ -1,7 +1,7 @@
 """Elastic, frictionless beds and single contacts keep their energy as well as the step allows.
 
-The scenes are those of benchmarks/studies/energy.py, which prints the whole table. Friction is off by its coefficient:
-these steps are compiled for other tests anyway, and the first test shows that a scene without friction takes the same.
+The scenes are those of benchmarks/studies/energy.py, which prints the whole table. The friction coefficient is
+0: these steps are compiled for other tests too, and the first test shows that a scene without friction is the same.
 """
 
 import numpy as np
@@ -42,7 +42,7 @@ BANDS = {
 
 @pytest.mark.parametrize("restitution, steps", BANDS)
 def test_a_central_impact_stays_within_its_band(restitution, steps):
-    """Pairs of spheres of two sizes, with the digits of the table."""
+    """The restitution of two spheres of different sizes is within the band, to the digits of the table."""
     least, largest = BANDS[restitution, steps]
     seen = impacts("sphere", restitution, steps, 300, eccentric=False).restitution
     digits = 5e-6 if restitution == 1.0 else 5e-5
@@ -52,11 +52,11 @@ def test_a_central_impact_stays_within_its_band(restitution, steps):
 @pytest.mark.parametrize("floor", [False, True], ids=["pairs", "floor"])
 @pytest.mark.parametrize("form", ["sphere", "ellipsoid", "needle", "pebble", "block", "rod"])
 def test_an_elastic_contact_gains_no_more_than_its_step_allows(form, floor):
-    """Off centre, grazing, spinning, against each other and the floor, at 40 steps a contact time.
+    """Impacts are off centre, grazing and spinning, between two grains or with the floor, at 40 steps.
 
-    Impacts.band is derived to leading order in ω dt = π √s / N. Where the deepest vertex or face changes in a contact
-    the force jumps, somewhere within a step, by ΔF along the velocity: an error of at most half a step's work of that,
-    dt/2 |ΔF v|, which is what Impacts.switched adds up. Neither has a sign, so the mean gain is none: within 4 σ.
+    Impacts.band is derived to leading order in ω dt = π √s / N. If the deepest vertex or face changes in a contact, the
+    force jumps by ΔF along the velocity within a step. The error is at most half a step's work of this, dt/2 |ΔF v|,
+    and Impacts.switched is the sum of these. Neither error has a preferred sign, so the mean gain is zero within 4 σ.
     """
     steps = 40
     seen = impacts(form, 1.0, steps, 200, floor)
@@ -75,16 +75,17 @@ def test_an_elastic_contact_gains_no_more_than_its_step_allows(form, floor):
      ("rod", True, False), ("pebble", False, True), ("block", False, True), ("rod", True, True)],
 )  # fmt: skip
 def test_a_damped_contact_gains_nothing(form, floor, patch):
-    """At the study's e = 0.1 and 40 steps no contact of any kind ends with more energy than it began with."""
+    """At e = 0.1, as in Rettinger et al., and 40 steps, no contact ends with more energy than it began with."""
     assert (impacts(form, 0.1, 40, 200, floor, patch=patch).gain <= 0.0).all()
 
 
 def test_an_elastic_contact_by_potentials_loses_little_on_average():
-    """Its overlap is not the depth and its force no gradient: unlike by a common normal, but not as along the contact
-    vector, whose impacts gain a tenth and more of all their energy (tests/benchmarks/test_ellipsoid_contact.py).
+    """Contacts by potentials keep their energy less well than by the common normal, and lose energy on average.
 
-    The overlap is the depth times a factor of the pose, which changes by about the depth over the size as the contact
-    slides, 0.02 here: so much of the normal energy, times a few where that is a small part of all.
+    Their overlap is not the depth, and their force is not a gradient. Along the contact vector, impacts would gain a
+    tenth and more of their energy (tests/benchmarks/test_ellipsoid_contact.py). The overlap is the depth times a factor
+    of the pose, which changes by about the depth over the size, 0.02 here, as the contact slides. The error is this
+    share of the normal energy.
     """
     step = Features(ELLIPSOID, True, potential=True)
     seen = energy.impacts("ellipsoid", step, 1.0, 40, 200)
@@ -97,7 +98,7 @@ def test_an_elastic_contact_by_potentials_loses_little_on_average():
 
 
 def test_an_elastic_patch_has_no_bias_in_a_single_contact():
-    """Its force depends on the pose alone but is no gradient: what a contact gains has no sign, and no order in dt."""
+    """The force depends on the pose alone but is no gradient, so gains have no preferred sign and no order in dt."""
     for form, floor in (("pebble", False), ("block", True)):
         gain = impacts(form, 1.0, 40, 200, floor, patch=True).gain
         assert abs(gain.mean()) < 4.0 * gain.std() / np.sqrt(len(gain))
@@ -105,11 +106,11 @@ def test_an_elastic_patch_has_no_bias_in_a_single_contact():
 
 
 def random_walk(bed, seen, deviation):
-    """Standard deviation of the energy, in units of that of motion, after DURATION of contacts of random gain.
+    """Return the standard deviation of the energy, in units of the kinetic energy, after DURATION with random gains.
 
-    deviation: of the gain of a contact, in units of the normal energy. With kT in each of f degrees of freedom of n
-    bodies, f n kT / 2 in all, a contact brings an energy of exponential distribution with mean kT, root mean square
-    √2 kT; as many contacts as touch at a time end in each contact time.
+    deviation: standard deviation of the gain of a contact, in units of the normal energy. With f degrees of freedom per
+    body, the energy of n bodies is f n kT / 2. The energy of a contact is distributed exponentially with mean kT, so
+    its root mean square is √2 kT. In each contact time, as many contacts end as touch at a time.
     """
     freedom = 3 if bed.features.kind == SPHERE else 6
     each = np.sqrt(2.0) * 2.0 / (freedom * len(bed.bodies.mass))
@@ -125,12 +126,12 @@ def run_bed(kind, steps, patch=False, restitution=1.0, duration=DURATION):
 
 @pytest.mark.parametrize("kind", ["sphere", "ellipsoid"])
 def test_smooth_elastic_beds_keep_their_energy(kind):
-    """10^5 steps of 40 a contact time, and the same time at 20 and 80: bounded by what falls with dt², and no drift.
+    """The energy error has a bound that falls with dt² and does not drift, at 20, 40 and 80 steps per contact time.
 
-    Within a contact leapfrog's energy is too high by (ω dt)²/4 of what is in its spring. Each contact gains
-    (ω dt)² [φ (1 − φ) − ψ (1 − ψ)] with phases of start and end, whose standard deviation for even φ, ψ is
-    (ω dt)² / √90. All errors are within 4 σ of the random walk of these; a drift would leave it.
-    With velocities as they stand, half a step behind, the error swings at first order.
+    Within a contact, the energy of leapfrog is too high by (ω dt)²/4 of the energy of the spring. Each contact gains (ω
+    dt)² [φ (1 − φ) − ψ (1 − ψ)] with the phases φ of its start and ψ of its end. For uniform phases the standard
+    deviation is (ω dt)² / √90. All errors are within 4 σ of the random walk of these gains; a drift would exceed it.
+    With velocities as stored, half a step behind, the error oscillates at first order.
     """
     swing, bounds = [], []
     for steps in (20, 40, 80):
@@ -142,15 +143,15 @@ def test_smooth_elastic_beds_keep_their_energy(kind):
         swing.append((seen.raw - seen.error).std())
         bounds.append(bound)
     assert bounds[0] / bounds[2] == pytest.approx(16.0, rel=0.3)  # the bound is of second order
-    # 500 samples, correlated: 10 % each
+    # The 500 samples are correlated, so each deviation is uncertain by 10 %.
     assert np.log2(swing[0] / swing[2]) / 2.0 == pytest.approx(1.0, abs=0.15)
 
 
 def test_elastic_beds_of_polyhedra_drift_as_stated():
-    """Pressed at the deepest point: 4 σ of a random walk whose step falls with dt.
+    """With point contacts, the error is within 4 σ of a random walk whose step falls with dt.
 
-    A contact's gain has a deviation of 0.36/N of its normal energy (benchmarks/studies/energy.py --impacts: 0.018,
-    0.009, 0.0045 for N = 20, 40, 80 steps), by where in a step the deepest vertex or face changes.
+    The gain of a contact has a standard deviation of 0.36/N of its normal energy at N steps
+    (benchmarks/studies/energy.py --impacts), because the deepest vertex or face changes at any time within a step.
     """
     for steps in (20, 40, 80):
         bed, seen = run_bed("polyhedron", steps)
@@ -158,9 +159,12 @@ def test_elastic_beds_of_polyhedra_drift_as_stated():
 
 
 def test_patches_heat_an_elastic_bed_but_not_one_with_restitution_below_one():
-    """Gains without sign, of no order in dt, make the energy diffuse, and there is more room above: it grows.
-    A restitution of 0.9 takes 0.19 in each contact, and wins."""
+    """Patches heat an elastic bed, but a restitution of 0.9 removes more energy.
+
+    Gains have no preferred sign and no order in dt, so the energy diffuses. It cannot become negative, so it grows on
+    average. A restitution of 0.9 takes 0.19 of the energy in each contact.
+    """
     bed, elastic = run_bed("polyhedron", 40, patch=True)
-    assert elastic.drift > 4.0 * random_walk(bed, elastic, 0.36 / 40)  # at the deepest point
+    assert elastic.drift > 4.0 * random_walk(bed, elastic, 0.36 / 40)  # the random walk of point contacts
     _, damped = run_bed("polyhedron", 40, patch=True, restitution=0.9, duration=500)
     assert damped.error[-1] < damped.error[50] < 0.0

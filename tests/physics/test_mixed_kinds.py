@@ -1,4 +1,4 @@
-"""Scenes of mixed kinds: hull and ellipsoid collide as the law says, and one kind alone steps as in its own scene."""
+"""Scenes of mixed kinds: polyhedra and ellipsoids collide by the law, and one kind alone moves as in its own scene."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ TOUCHED = {"face": [0, 0, 1], "edge": [1, 0, 1], "corner": [1, 1, 1]}
 @pytest.mark.parametrize("touched", TOUCHED)
 @pytest.mark.parametrize("restitution", [0.1, 0.9])
 def test_a_sphere_rebounds_from_a_cube(touched, first, restitution):
-    """Head on against face, edge and corner, either body first: −e times the speed, to the first order of the step."""
+    """After a central impact on face, edge or corner the speed is −e times that before, to first order of the step."""
     along = np.array(TOUCHED[touched]) / np.linalg.norm(TOUCHED[touched])
     to_z = Rotation.align_vectors([[0, 0, 1.0]], [along])[0].as_quat(scalar_first=True)
     height = 0.5 * np.abs(along).sum()  # support of the unit cube
@@ -35,7 +35,7 @@ def test_a_sphere_rebounds_from_a_cube(touched, first, restitution):
     steps = 800
     thrown.advance(T_C / steps, 3 * steps)
     velocity = thrown.bodies.velocity
-    # A step's phase at touch and release is worth some 2 π / steps of the speed.
+    # The phase of a step at touch and release changes the speed by about 2 π / steps.
     assert velocity[1, 2] - velocity[0, 2] == pytest.approx(-restitution * speed[1, 2], abs=2.0 * np.pi / steps)
     assert thrown.bodies.mass @ velocity[:, 2] == pytest.approx(thrown.bodies.mass[1] * speed[1, 2], rel=1e-13)
     assert np.abs(velocity[:, :2]).max() < 1e-9
@@ -43,7 +43,7 @@ def test_a_sphere_rebounds_from_a_cube(touched, first, restitution):
 
 
 def test_momentum_and_angular_momentum_are_kept():
-    """A cloud of boxes and ellipsoids that falls together: each step keeps both to rounding."""
+    """Boxes and ellipsoids that fly together keep both to rounding in each step."""
     rng = np.random.default_rng(1)
     bases = [make_box([1.8, 1.3, 1.0]), make_box([0.4, 0.4, 3.0]), unit_sphere()]
     n = 16
@@ -72,7 +72,7 @@ def test_momentum_and_angular_momentum_are_kept():
         kinds += np.bincount((smooth[c.body_a] + smooth[c.body_b])[c.touching > 0], minlength=3)
     assert (kinds > 10).all()
     after, turned = momenta()
-    # 800 steps, each rounds every body's share once or twice
+    # Each of 800 steps rounds every body's share once or twice.
     assert np.abs((after - linear).sum(axis=0)).max() < 1e-12 * np.abs(linear).sum()
     assert np.abs((turned - about).sum(axis=0)).max() < 1e-12 * np.abs(about).sum()
     assert np.abs(after - linear).max() > 0.1 * np.abs(linear).max()
@@ -96,7 +96,7 @@ def test_one_kind_alone_steps_to_the_same_bits_as_in_its_own_scene(kind):
         )  # fmt: skip
         pile.advance(T_C / 40, 20000)
         ends.append(pile.bodies)
-        # They start without spin: each has been struck
+        # They start without spin, so each has been hit.
         assert (np.abs(pile.bodies.angular_momentum).max(axis=1) > 0.0).all() and pile.on_floor().any()
     for name in ("position", "orientation", "velocity", "angular_momentum"):
         np.testing.assert_array_equal(getattr(ends[0], name), getattr(ends[1], name))

@@ -1,4 +1,4 @@
-"""Rotation against the closed forms of the free asymmetric top, and impacts that must keep energy and momentum."""
+"""Rotation, compared with closed forms of the free asymmetric top, and impacts that must keep energy and momentum."""
 
 import numba
 import numpy as np
@@ -25,7 +25,7 @@ INERTIA = np.array([1.0, 2.0, 3.0])
 
 @numba.njit(error_model="numpy")
 def spin_freely(q, momentum, inertia, dt, n_steps):
-    """Orientation after n_steps, and the largest relative deviation of the energy on the way."""
+    """Return the orientation after n_steps, and the largest relative deviation of the energy on the way."""
     w, x, y, z = q
     worst = 0.0
     energy0 = 0.0
@@ -52,7 +52,7 @@ def spin_freely(q, momentum, inertia, dt, n_steps):
 
 
 def free_top(spin, time, n_steps, inertia=INERTIA):
-    """Body angular velocity, orientation and largest energy error after `time`, of a top that starts upright."""
+    """Return body angular velocity, orientation and largest energy error after `time`, of a top that starts upright."""
     inertia = np.asarray(inertia, float)
     momentum = inertia * np.asarray(spin, float)
     q, worst = spin_freely(np.array([1.0, 0, 0, 0]), momentum, inertia, time / n_steps, n_steps)
@@ -68,7 +68,7 @@ def test_case_a_at_second_order():
     for time, (omega, q_true) in CASE_A.items():
         steps = round(time / 20.0 * 3200)
         found, q, _ = free_top((1, 0, 1), time, steps)
-        # 2.7e-5 rad at t = 20 s with 3200 steps for this scheme, growing with time at most linearly
+        # The error of this scheme is 2.7e-5 rad at t = 20 s with 3200 steps and grows with time at most linearly.
         assert attitude_error(q, q_true) < 6e-5
         np.testing.assert_allclose(found, omega, atol=6e-5)
     errors = [attitude_error(free_top((1, 0, 1), 20.0, n)[1], CASE_A[20.0][1]) for n in (400, 800, 1600)]
@@ -81,7 +81,7 @@ def test_case_b_turns_over_in_time():
     reference = np.array([0.00201721, 1.00004796, 0.00824761])
     errors = [np.abs(free_top((0.01, 1, 0.01), 40.0, n)[0] - reference).max() for n in (800, 1600, 3200)]
     np.testing.assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 2.0, atol=0.15)
-    # Each flip multiplies an error by the growth over half a period, so four are as many as 20000 steps each can tell.
+    # Errors grow over each half period, so 20000 steps per flip resolve four flips.
     for flips in range(1, 5):
         omega = free_top((0.01, 1, 0.01), flips * 19.552867099, flips * 20000)[0]
         assert omega[1] == pytest.approx((-1.0) ** flips, abs=1e-4)
@@ -106,16 +106,16 @@ def test_cases_c_and_d_at_second_order(case):
     errors = []
     for n in (steps, 2 * steps, 4 * steps):
         found, q, _ = free_top(spin, time, n, inertia)
-        # arccos near one tells angles from about 1e-8; the vector part of q* q_true tells all
+        # Near one, arccos resolves angles only from about 1e-8; the vector part of q* q_true resolves all.
         errors.append(2.0 * np.linalg.norm(q - np.sign(q @ q_true) * np.asarray(q_true)))
-        # ω turns with the body, by its own length per radian of attitude
+        # ω turns with the body, so an attitude error of a radian changes it by its own length.
         assert np.abs(found - omega).max() < 2.0 * errors[-1] * np.linalg.norm(spin)
     assert errors[0] < 1.1 * expected
     np.testing.assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 2.0, atol=0.15)
 
 
 def test_energy_does_not_drift_and_the_quaternion_stays_unit():
-    """A symmetric scheme: over 300 periods the deviation is no larger than over three."""
+    """The scheme is symmetric: over 300 periods the deviation is no larger than over three."""
     period = 6.935667541
     _, _, few = free_top((1, 0, 1), 3 * period, 3 * 200)
     _, q, many = free_top((1, 0, 1), 300 * period, 300 * 200)
@@ -134,10 +134,10 @@ def test_energy_does_not_drift_and_the_quaternion_stays_unit():
 
 @pytest.mark.parametrize("angle", [0.1, 0.3, 0.5, 1.0, 2.0])
 def test_high_spin_does_not_blow_up(angle):
-    """With |ω| dt up to half a radian the energy error is that of the first turns for 10^5 steps, of order angle².
+    """With |ω| dt up to half a radian, the energy error does not grow in 10^5 steps and is of order angle².
 
-    From about one radian a needle's energy wanders (a bed's steps turn by 1e-3), but as L is kept to the bit it cannot
-    leave [L²/2 I3, L²/2 I1].
+    From about one radian on, a needle's energy changes irregularly (steps of packings turn by 1e-3). As L is constant
+    to the bit, it cannot leave [L²/2 I3, L²/2 I1].
     """
     rng = np.random.default_rng(3)
     for inertia in np.array([(1, 2, 3), (0.01, 1, 1.0001), (0.202, 0.2021, 0.4), (1, 1, 1)]):
@@ -154,7 +154,7 @@ def test_high_spin_does_not_blow_up(angle):
 
 
 def test_the_series_of_cosine_and_sine_goes_over_smoothly():
-    """On either side of 0.05, where they take over from numpy's, and below, to two units in the last place."""
+    """On either side of 0.05, the limit of the series, both agree with numpy to two units in the last place."""
     angles = np.concatenate([0.05 + np.arange(-50, 51) * np.spacing(0.05), np.linspace(-0.06, 0.06, 1001)])
     found = np.array([_cos_sin(angle) for angle in angles])
     assert np.abs(found[:, 0] - np.cos(angles)).max() <= 2 * np.spacing(0.5)
@@ -162,7 +162,7 @@ def test_the_series_of_cosine_and_sine_goes_over_smoothly():
 
 
 def test_no_point_turns_farther_than_turned():
-    """The neighbour list trusts `turned`: no less than the sum of ways of any point, no more than a trifle above it."""
+    """The neighbour list relies on `turned`: it is at least the path of any point, and exceeds it only slightly."""
     rng = np.random.default_rng(4)
     n, steps = 50, 200
     scale = rng.uniform(0.1, 1.0, (n, 3))
@@ -183,12 +183,12 @@ def test_no_point_turns_farther_than_turned():
         farthest += chords.max(axis=1)
         assert (chords.max(axis=1) <= bodies.turned - turned).all()
     assert (way.max(axis=1) <= bodies.turned).all()
-    # Of 2000 points one lies within 0.1 rad of the circle that turns most
+    # One of 2000 points is within 0.1 rad of the circle that moves farthest.
     assert (bodies.turned <= farthest * 1.002 / np.cos(0.1)).all()
 
 
 def test_spheres_carry_no_rotation():
-    """A sphere's orientation matters to nothing: there is no array for `turn` to write to, and its spin is L / I."""
+    """The orientation of a sphere has no effect: there is no array for it, and the angular velocity is L / I."""
     bodies = make_bodies(
         [unit_sphere()],
         [0],
@@ -227,13 +227,13 @@ def test_a_free_body_keeps_its_angular_momentum_to_the_bit():
     assert (bodies.angular_momentum == before).all()
     # ω from L and the orientation: rotation matrix and quaternion agree
     np.testing.assert_allclose(bodies.rotation[0], rotation_matrix(bodies.orientation)[0], atol=1e-15)
-    # Deviation of this scheme is (ω dt)² times a number of order one
+    # The deviation of this scheme is (ω dt)² times a number of order one.
     assert (bodies.angular_momentum * bodies.angular_velocity).sum() == pytest.approx(energy, rel=(4e-3) ** 2)
     assert abs(np.linalg.norm(bodies.orientation) - 1.0) < 1e-15
 
 
 def off_centre(dt, restitution=1.0, friction=0.0):
-    """Two turned ellipsoids meet off centre in free fall of nothing; the Stage after they have parted."""
+    """Return two ellipsoids after an off-centre impact without gravity, and their energy and momenta before it."""
     law = contact_law(restitution, 1e-2, 0.22, friction)
     q = np.array([[0.9, 0.1, 0.3, -0.2], [0.5, -0.5, 0.6, 0.1]])
     pair = SteppedBodies(
@@ -263,14 +263,14 @@ def momenta(pair):
 
 
 def test_an_elastic_off_centre_impact_keeps_its_energy():
-    """Restitution 1, no friction: a normal that is not that of both surfaces would do work. What is left is dt's."""
+    """A normal that is not that of both surfaces would do work. The remaining error is that of the time step."""
     errors = []
     for n in (40, 80, 160, 320):
         pair, (energy, _) = off_centre(0.01 / n)
         errors.append(abs(pair.energy() / energy - 1.0))
     assert pair.bodies.velocity[0, 0] < -0.1, "hardly an impact"
-    # Semi-implicit Euler keeps a neighbouring energy, so the first order cancels between touch and release and the
-    # phase of first touch is left: a bound that falls with dt, not a clean order.
+    # Semi-implicit Euler keeps a nearby energy, so first-order errors of touch and release cancel up to the phase of
+    # first touch. The error has a bound that falls with dt, but no clean order.
     assert errors[0] < 1e-2
     assert errors[3] < 2e-3
     assert np.mean(errors[2:]) < 0.5 * np.mean(errors[:2])

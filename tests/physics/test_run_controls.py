@@ -21,11 +21,11 @@ def test_gravity_less_buoyancy():
 
 
 def test_free_fall():
-    """Semi-implicit Euler: v exact, z ahead by g t dt / 2."""
+    """With semi-implicit Euler v is exact, and z is ahead by g t dt / 2."""
     grain = SteppedBodies(SPHERE, LAW, [3e-3] * 3, [[0, 0, 10.0]], [0.1, 0, -1.0], gravity=GRAVITY, skin=500.0)
     grain.advance(DT, 40000)
     t = 40000 * DT
-    # 40 000 additions of rounding eps
+    # Each of 40 000 additions has a rounding error of eps.
     np.testing.assert_allclose(grain.bodies.velocity[0], [0.1, 0.0, -1.0 - GRAVITY * t], rtol=40000 * 2.3e-16)
     expected = 10.0 - t - 0.5 * GRAVITY * t * (t + DT)
     assert grain.bodies.position[0, 2] == pytest.approx(expected, rel=1e-11)
@@ -39,7 +39,7 @@ def test_terminal_speed_of_damping():
         SPHERE, LAW, [3e-3] * 3, [[0, 0, 10.0]], [0.0, 0, -0.88], gravity=GRAVITY, damping=factor, skin=500.0
     )
     grain.advance(DT, 400_000)
-    # Kick, then damp; 0.004 m/s of the start are left by 1e-3^2.
+    # A step accelerates, then damps; 1e-3^2 of the initial deviation of 0.004 m/s are left.
     assert -grain.bodies.velocity[0, 2] == pytest.approx(0.884224683, abs=1e-8)
 
 
@@ -54,7 +54,7 @@ def test_damping_takes_spin_as_it_takes_speed():
 
 
 def test_shaking_of_a_free_grain():
-    """Peak acceleration A (2π/T)², and a drift: x(t) = A (ωt − sin ωt)."""
+    """The peak acceleration is A (2π/T)², and the grain drifts: x(t) = A (ωt − sin ωt)."""
     shaking = Shaking(3e-4, 0.025, 1.0)
     assert shaking.acceleration == pytest.approx(18.94964, abs=1e-5)
     amplitude, rate = shaking.amplitude, shaking.rate
@@ -76,7 +76,7 @@ def test_shaking_of_a_free_grain():
 
 
 def test_grains_are_shaken_from_the_first_on_though_shaking_ends_with_the_last():
-    """As the study has it: t_s, also 0, counts after the last birth. What is not shaken at all has no amplitude."""
+    """The duration, also 0, counts from the last insertion, as in Rettinger et al.; amplitude 0 means no shaking."""
 
     def shaken(**shaking):
         spheres = {

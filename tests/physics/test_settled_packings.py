@@ -1,4 +1,4 @@
-"""Settled packings against published ones; over seeds, behind the marker `statistics`."""
+"""Settled packings of several seeds, compared with published ones (marker `statistics`)."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def run(seed, **groups):
 
 
 def spheres(seed, domain, grains, **groups):
-    """Equal spheres of 7 mm; porosity of the bed but for two diameters at floor and surface."""
+    """Return the porosity of equal spheres without two diameters at floor and surface, and the packing."""
     packed, dataset = run(
         seed,
         domain=domain,
@@ -38,9 +38,9 @@ def spheres(seed, domain, grains, **groups):
 
 
 def test_equal_frictional_spheres_lie_between_loose_and_close():
-    """µ = 0.5, poured and not shaken: solid fraction between 0.574 ± 0.015, the loosest for that friction, and 0.639.
+    """Without shaking and with µ = 0.5, solid fractions are between 0.574 ± 0.015 and 0.639.
 
-    Verification.md 4.1: critical fraction by friction, and random close packing.
+    These are the loosest packing at this friction and random close packing (shared/reference/verification.md, 4.1).
     """
     runs = [
         spheres(seed, {"width": "49 mm", "height": "0.4 m"}, 500, shaking={"amplitude": "0 m", "duration": "0 s"})
@@ -57,10 +57,11 @@ def test_equal_frictional_spheres_lie_between_loose_and_close():
 
 @pytest.mark.parametrize("ratio, grains", [(4, 150), (6, 350), (8, 620)])
 def test_equal_spheres_in_a_cylinder_follow_the_wall_effect(ratio, grains):
-    """Benyahia & O'Neil: n = 0.390 + 1.740 / (D/d + 1.140)², ± 0.02, for smooth beads. Mean of three seeds.
+    """Means of three seeds follow Benyahia and O'Neil, n = 0.390 + 1.740 / (D/d + 1.140)² ± 0.02 for smooth beads.
 
-    Its n far from walls is 0.390, so grains as smooth as beads (µ = 0.2), shaken for 1 s, are compared. With µ = 0.5
-    and shaken for 0.2 s the bed is looser by 0.02 to 0.034 at any D/d: friction, not the wall.
+    The formula has 0.390 far from walls, so grains are as smooth as beads (µ = 0.2) and are shaken for 1 s. With µ =
+    0.5 and 0.2 s of shaking, beds are looser by 0.02 to 0.034 at any D/d, which is an effect of friction and not of the
+    wall.
     """
     domain = {"type": "cylinder", "width": f"{7 * ratio} mm", "height": "0.4 m"}
     porosity = np.array(
@@ -75,14 +76,11 @@ def test_equal_spheres_in_a_cylinder_follow_the_wall_effect(ratio, grains):
 
 
 def test_the_settled_ellipsoids_of_r22():
-    """study_program.md: 265 ellipsoids 1 : 0.75 : 0.5, shaken until t = 0.3 s: two seeds of another program.
+    """265 ellipsoids 1 : 0.75 : 0.5, shaken until t = 0.3 s, agree with two seeds of another program.
 
-    Coordination 4.45, mean overlap 8.2e-8 m, largest 6e-7 to 1.4e-6 m, 4.95 pairs of bounding spheres per grain. Four
-    seeds of ours, at rest to 2e-4 m/s: coordination 4.75, 4.62, 4.82, 4.52 (mean 4.68, scatter 0.13), mean overlap
-    8.6e-8 m (scatter 0.3e-8), largest 6.1e-7 to 9.2e-7 m, 5.01 pairs. So ours has 5 % more contacts and overlap, two
-    standard errors of the difference; shaken 0.17 s longer it is 4.49 and 8.07e-8 m.
-
-    Bands: four standard errors of the difference of our three seeds and their two, 4 √(1/3 + 1/2) = 3.65 scatters.
+    shared/reference/study_program.md lists its results: a coordination number of 4.45, a mean overlap of 8.2e-8 m, and
+    largest overlaps of 6e-7 and 1.4e-6 m. Over our seeds the first two scatter by 0.13 and 0.3e-8 m. The bands are four
+    standard errors of the difference between our three seeds and those two, 4 √(1/3 + 1/2) = 3.65 scatters.
     """
     coordination, overlap, largest = [], [], []
     for seed in (1, 2, 3):
@@ -93,7 +91,7 @@ def test_the_settled_ellipsoids_of_r22():
             sizes={"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]},
             amount={"grains": 265},
             generation={"fill": "r22", "spacing": "12 mm"},
-            shaking={"duration": "0.13 s"},  # the second batch is born at 0.17 s
+            shaking={"duration": "0.13 s"},  # the second batch is inserted at 0.17 s
             numerics={"contact_time": "2e-4 s", "steps_per_contact_time": 40},
         )
         touching = packed.contacts.touching > 0
@@ -104,5 +102,5 @@ def test_the_settled_ellipsoids_of_r22():
     print("coordination", coordination, "mean overlap", overlap, "largest", largest)
     assert np.mean(coordination) == pytest.approx(4.45, abs=3.65 * 0.13)
     assert np.mean(overlap) == pytest.approx(8.2e-8, abs=3.65 * 0.3e-8)
-    # An extreme value: of two seeds it spread by a factor 2.3, so within that factor of the range.
+    # The largest overlap of two seeds differed by a factor of 2.3, so values within that factor of the range pass.
     assert 6e-7 / 2.3 < np.median(largest) < 1.4e-6 * 2.3

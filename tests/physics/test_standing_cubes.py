@@ -1,4 +1,4 @@
-"""Faces on faces: a cube on the floor and a column of five stand still, and an overhanging one falls where it must."""
+"""Faces on faces: a cube and a column of five stand still, and an overhanging cube falls if it is not supported."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ EQUILIBRIUM = GRAVITY * (T_C / np.pi) ** 2  # scale of a static overlap, g / k p
 
 
 def column(n, shift=0.0, turn=0.0, patch=True, contact_time=T_C):
-    """n cubes on top of each other from a hair above rest; each shifted and turned against that below."""
+    """Return n cubes stacked slightly above rest, each shifted and turned against the one below."""
     k = np.arange(n)
     position = np.column_stack([shift * EDGE * k, 0.0 * k, EDGE * (k + 0.5) + 1e-6 * (k + 1)])
     orientation = Rotation.from_rotvec(np.column_stack([0.0 * k, 0.0 * k, turn * k])).as_quat(scalar_first=True)
@@ -28,9 +28,10 @@ def column(n, shift=0.0, turn=0.0, patch=True, contact_time=T_C):
 
 @pytest.mark.parametrize("n, turn", [(1, 0.0), (5, 0.0), (5, 0.3)])
 def test_cubes_stand_for_ten_seconds(n, turn):
-    """Settled after 1 s, they stay to rounding for 9 s more.
+    """Settled after 1 s, they stay in place to rounding for 9 s more.
 
-    What is left of the speed decays as exp(-t / T_c) or not at all; positions carry eps of 0.05 m each step.
+    What is left of the speed decays as exp(-t / T_c) or not at all; positions are rounded to eps of 0.05 m in each
+    step.
     """
     stand = column(n, turn=turn)
     dt = T_C / 40.0
@@ -43,13 +44,13 @@ def test_cubes_stand_for_ten_seconds(n, turn):
     assert crept < 1e-3 * EQUILIBRIUM
     assert tilted < 1e-3 * EQUILIBRIUM / EDGE
     assert np.abs(stand.bodies.velocity).max() < 1e-9
-    # They have stood all the time: the lowest carries them all
+    # The lowest cube carries the weight of all.
     weight = GRAVITY * stand.bodies.mass.sum()
     assert stand.floor_force()[0] == pytest.approx(weight, rel=1e-6)
 
 
 def test_with_the_deepest_point_alone_a_cube_does_not_come_to_rest():
-    """The study's contact point jumps from corner to corner: the patch is what makes it stand."""
+    """The point contact of Rettinger et al. jumps from corner to corner; the cube comes to rest only with a patch."""
     speed = []
     for patch in (False, True):
         stand = column(1, patch=patch)
@@ -60,7 +61,7 @@ def test_with_the_deepest_point_alone_a_cube_does_not_come_to_rest():
 
 @pytest.mark.parametrize("shift, stands", [(0.45, True), (0.55, False)])
 def test_an_overhanging_cube_stands_while_its_centre_is_supported(shift, stands):
-    # Stiff: the upper one leans on a twentieth of its edge, and must not sink in by what would tip it.
+    # Contacts are stiff, because the upper cube rests on a twentieth of its edge and an overlap must not tip it.
     stand = column(2, shift=shift, contact_time=0.2 * T_C)
     stand.advance(0.2 * T_C / 40.0, 16000)
     fell = stand.bodies.position[1, 2] < 1.4 * EDGE
@@ -68,9 +69,9 @@ def test_an_overhanging_cube_stands_while_its_centre_is_supported(shift, stands)
 
 
 def test_a_spinning_cube_is_stopped_by_friction_of_its_face():
-    """A point would let it spin for ever. With limit µ F ρ it stops after I ω / µ F ρ.
+    """With a point contact it would spin for ever. With the limit µ F ρ it stops after I ω / (µ F ρ).
 
-    The floor's patch are the four corners, at e / √2 from the axis: ρ = e / √2, and I = m e² / 6.
+    The patch on the floor is the four corners, at e / √2 from the axis, so ρ = e / √2, and I = m e² / 6.
     """
     stand = column(1)
     dt = T_C / 40.0

@@ -1,4 +1,4 @@
-"""Packings with known outcomes: the cases hold together, the measures are right where the answer is known."""
+"""Packings with known outcomes: the cases are consistent, and measures are right where the answer is known."""
 
 import inspect
 
@@ -67,7 +67,7 @@ def test_a_run_that_is_none_is_refused():
 
 
 def test_the_middle_of_each_band_is_the_formula_s():
-    """To the digits with which they are written down."""
+    """The bands agree with the formulas to the digits with which they are written down."""
     band = {case.name: 0.5 * (case.low + case.high) for case in CASES}
     for ratio in (1.3, 1.5, 1.7):
         assert band[f"column_{ratio}"] == pytest.approx(zigzag_porosity(ratio), abs=1e-5)
@@ -81,7 +81,7 @@ def test_the_middle_of_each_band_is_the_formula_s():
 
 
 def test_the_committed_table_has_these_cases_bands_and_sources():
-    """So that a band cannot be moved after its packing without the table being made anew."""
+    """A band cannot be changed after its packing unless the table is made again."""
     committed = pd.read_csv(REFERENCE / "verification_packings.csv")
     assert list(committed.name) == [case.name for case in CASES]
     assert list(committed.source) == [case.source for case in CASES]
@@ -114,7 +114,7 @@ def test_rods_do_not_depend_on_how_sizes_are_split_ordered_or_scaled():
 
 
 def test_rods_of_very_different_sizes_fill_each_other_s_pores():
-    """Furnas, away from the optimum: few fine spheres lie in coarse ones' pores, few coarse ones in a fine bed."""
+    """As in Furnas, few fine spheres fit into the pores of coarse ones, and few coarse ones into a fine bed."""
     solid = 1.0 - rod_porosity([1.0], [1.0])
     coarse_bed = 1.0 - solid / 0.9
     fine_bed = 1.0 - 1.0 / (0.5 + 0.5 / solid)
@@ -132,7 +132,7 @@ def test_no_zigzag_where_there_is_none(ratio):
 
 
 def zigzag(ratio, count, diameter=7e-3):
-    """A column of touching spheres in a tube, by hand."""
+    """Return a column of touching spheres in a tube, placed by hand."""
     aside = 0.5 * (ratio - 1.0) * diameter
     rise = np.sqrt(diameter**2 - (2.0 * aside) ** 2)
     k = np.arange(count)
@@ -155,7 +155,7 @@ def test_a_column_that_is_no_zigzag_is_looser():
 
 @pytest.fixture(scope="module")
 def fcc():
-    """Touching spheres of 7 mm, 8 by 8 by 12 cells, with their contacts, about the vertical axis."""
+    """Return an FCC lattice of touching spheres of 7 mm about the vertical axis, 8 by 8 by 12 cells, with contacts."""
     centres, width = sphere_lattice("fcc", 8, 12)
     pairs, images = touching_pairs(centres, width)
     packing = make_packing(7e-3 * centres, 3.5e-3, width=7e-3 * width, contacts=pairs, images=images)
@@ -164,12 +164,12 @@ def fcc():
 
 
 def test_a_close_packed_lattice_has_its_porosity(fcc):
-    """But for the layers that the ends of the interval cut: half a layer of 0.7 diameters in 14."""
+    """The ends of the interval cut layers; the error is up to half a layer of 0.7 diameters in 14 diameters."""
     assert measures.porosity(fcc, floor=0.014, surface=0.014) == pytest.approx(FCC, abs=0.005)
 
 
 def test_the_core_of_a_lattice_has_the_lattice_s_porosity(fcc):
-    """Points within a radius of three diameters: their number, and where the cylinder cuts spheres, leave 0.006."""
+    """Within three diameters, the number of points and the spheres that the cylinder cuts leave an error of 0.006."""
     assert measures.core_porosity(fcc, 0.021, floor=0.014, surface=0.014) == pytest.approx(FCC, abs=0.006)
 
 
@@ -243,7 +243,7 @@ def test_the_table_has_means_standard_errors_and_marks_misses(monkeypatch):
 
 
 def test_eight_spheres_poured_into_a_tube_form_a_zigzag(tmp_path):
-    """From the case's own specification to its measure, as the workflow does it."""
+    """The case's own specification is packed and measured, as the workflow does it."""
     raw = packings.specification("column_1.5_seed1", "dice")
     raw["amount"], raw["shaking"] = {"grains": 8}, {"duration": "0.1 s"}
     (tmp_path / "column.yaml").write_text(yaml.safe_dump(raw))

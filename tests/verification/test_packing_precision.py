@@ -19,7 +19,7 @@ from simcore.verification.work_precision import settings_table
 
 
 def packings(shifts, costs, seeds=(1, 2, 3, 4), study="made", scatter=0.01):
-    """A study whose porosity is 0.4, plus what the seed does to every setting, plus the setting's shift."""
+    """Return a study with porosity 0.4 plus an effect of the seed, equal in all settings, plus the shift."""
     of_seed = dict(zip(seeds, scatter * np.random.default_rng(1).standard_normal(len(seeds)), strict=True))
     return pd.DataFrame(
         [
@@ -64,7 +64,7 @@ def test_as_a_table_of_work_precision_the_noise_is_the_reference_s_error():
 
 
 def test_the_cheapest_settings_share_the_wished_error():
-    """By hand: 0.006 + 0.001 fits into 0.01, 0.001 + 0.002 into 0.005, and within 0.002 only one may be coarse."""
+    """By hand: 0.006 + 0.002 fits into 0.01, 0.001 + 0.002 into 0.005, and within 0.002 only one may be coarse."""
     steps = porosity_errors(
         packings({40: 0.0, 20: 0.001, 10: -0.006}, (10.0, 5.0, 2.0), study="steps"), ["seed", "step"]
     )
@@ -86,14 +86,14 @@ def test_a_change_is_named_by_what_is_otherwise_than_in_the_first():
 
 
 def test_a_setting_that_is_not_set_is_the_default():
-    """As a table read from a file has it, and as the plan has it."""
+    """A table read from a file has nan for it, and the plan has None."""
     rows = pd.DataFrame({"study": "s", "seed": [1, 2] * 2, "skin": [np.nan, np.nan, 0.1, 0.1], "n": 0.4, "cpu_s": 9.0})
     planned = [{"varied": {"skin": 0.1, "seed": 1}, "is_base": False}, {"varied": {"skin": None}, "is_base": True}]
     assert base_setting(planned) == porosity_errors(rows, ["skin", "seed"]).setting[0] == "not set"
 
 
 def test_each_grain_has_its_own_reference():
-    """Both grains differ by more than the change: only differences within a grain are counted."""
+    """The grains differ by more than the change, so only differences within a grain are counted."""
     parts = [
         packings({40: 0.0, 20: shift}, (10.0, 5.0)).assign(grain=name) for name, shift in (("a", 0.01), ("b", 0.02))
     ]

@@ -30,7 +30,7 @@ def test_the_explicit_dashpot_is_of_first_order(impacts, end):
 
 
 def test_the_implicit_dashpot_is_of_second_order_on_average(impacts):
-    """Clamped; attractive, the coefficient of second order nearly vanishes at this restitution (test_dashpot)."""
+    """Contacts are clamped: with attraction the second-order term nearly vanishes here (test_dashpot)."""
     found = orders(impacts, case="clamped", method="implicit", quantity="restitution, mean")
     np.testing.assert_allclose(found, 2.0, atol=0.15)
     found = orders(impacts, case="clamped", method="implicit", quantity="restitution, one impact")
@@ -42,7 +42,7 @@ def test_the_implicit_dashpot_is_nearer_at_the_same_steps(impacts, end):
     for quantity in impacts["quantity"].unique():
         rows = impacts[(impacts["case"] == end) & (impacts["quantity"] == quantity)]
         explicit, implicit = (rows[rows["method"] == name]["error"].to_numpy() for name in ("explicit", "implicit"))
-        # Where the contact pulls, both share the term of first order that is left of the tangential restitution.
+        # Where the contact pulls, both have the same first-order error of the tangential restitution.
         assert (implicit < (1.02 if quantity.startswith("tangential") else 1.0) * explicit).all()
 
 
@@ -61,7 +61,7 @@ OBLIQUE = {
 
 @pytest.mark.parametrize("angle", OBLIQUE)
 def test_the_reference_of_an_oblique_impact(angle):
-    """To the digits of the table, which was found with small steps."""
+    """The reference has the digits of the table, which was computed with small steps."""
     for attractive, stated in zip((True, False), OBLIQUE[angle], strict=True):
         found = one_contact.reference_impact(attractive, np.radians(angle))
         assert found.tangential == pytest.approx(stated, abs=1e-5)
@@ -70,7 +70,7 @@ def test_the_reference_of_an_oblique_impact(angle):
 
 @ENDS
 def test_small_steps_tend_to_the_reference(end):
-    """Extrapolated from first order, the compiled step meets it to the square of its error."""
+    """Extrapolated from first order, the compiled step agrees with the reference to the square of its error."""
     attractive = end == "attractive"
     exact = one_contact.reference_impact(attractive)
     coarse, fine = (
@@ -78,7 +78,7 @@ def test_small_steps_tend_to_the_reference(end):
         for n in (400, 800)
     )
     off = 2.0 * fine - coarse - [exact.normal, exact.tangential]
-    # What second order leaves of errors of 1e-3, with coefficients of order one, and the reference's own 6e-8
+    # The limit is the second-order part of errors of 1e-3 plus the error of the reference, 6e-8.
     assert np.abs(off).max() < 5e-6
 
 
@@ -97,7 +97,7 @@ def test_orders_of_rotation(case):
     for method, order in rotation.ORDERS.items():
         chosen = table[table["setting"].isin(STEPS_IN_THE_ASYMPTOTIC_RANGE[order])]
         found = orders(chosen, case=case, method=method, quantity="attitude")
-        # First-order schemes are still off by a radian's tenth there; the fourth order begins to show round-off.
+        # First-order schemes still have errors of a tenth of a radian there; the fourth order begins to show round-off.
         np.testing.assert_allclose(found, order, atol=0.5 if order == 4 else 0.2)
     energy = orders(
         table[table["setting"].isin((200, 400, 800))], case=case, method=next(iter(rotation.ORDERS)), quantity="energy"
@@ -127,7 +127,7 @@ def queries():
 
 @pytest.mark.parametrize("case, slope", [("polyhedra", 0.5), ("ellipsoids", 1.0)])
 def test_directions_come_near_as_their_spacing(queries, case, slope):
-    """n directions lie n^(−1/2) apart; the overlap that one shows grows with its angle, of smooth bodies its square."""
+    """n directions are n^(−1/2) apart; the error of the overlap is as this angle, for smooth bodies as its square."""
     rows = queries[(queries["case"] == case) & (queries["method"] == contact_query.SCAN)].query("quantity == 'depth'")
     found = -np.polyfit(np.log(rows["setting"].astype(float)), np.log(rows["error"]), 1)[0]
     assert found == pytest.approx(slope, abs=0.25)

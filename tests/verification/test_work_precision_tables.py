@@ -1,4 +1,4 @@
-"""The front of error against CPU time, and what a table of runs must hold."""
+"""The front of error against CPU time, and the columns that a table of runs must have."""
 
 import numpy as np
 import pandas as pd
@@ -37,7 +37,7 @@ def test_equal_points_are_both_on_the_front():
 
 
 def test_errors_below_that_of_the_reference_are_alike():
-    """What is not known cannot make a dearer setting worth its price."""
+    """An error below that of the reference is no reason to prefer a dearer setting."""
     runs = table([1.0, 2.0, 3.0], [1e-3, 1e-9, 1e-12], reference=1e-8)
     assert settings_table(runs)["on_front"].tolist() == [True, True, False]
     assert settings_table(runs.assign(reference_error=0.0))["on_front"].all()

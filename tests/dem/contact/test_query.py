@@ -1,4 +1,4 @@
-"""The stand-alone query: known values, symmetries, what it refuses."""
+"""The stand-alone query: known values, symmetries and rejected input."""
 
 import numpy as np
 import pytest
@@ -87,15 +87,17 @@ def test_known_ellipsoids(name, size):
 
 
 def check_points(found, size):
-    """Unit normal; the points lie as far apart along it as the distance says: sums of coordinates, 100 eps; the slope
-    that Newton's iteration leaves, 1e-11."""
+    """Assert that the normal has length 1 and that the points are the signed distance apart along it.
+
+    The tolerance covers sums of coordinates (100 eps) and the slope that Newton's iteration leaves (1e-11).
+    """
     assert abs(np.linalg.norm(found.normal) - 1.0) < 1e-14
     step = found.point_b - found.point_a - found.signed_distance * found.normal
     assert np.abs(step).max() <= 2e-11 * size
 
 
 def test_shapes_that_hold_each_other():
-    """Sphere and ellipsoid against hull, where symmetry gives the answer."""
+    """Spheres and ellipsoids have the distances from a polyhedron that follow from symmetry."""
     cube = convex(CUBE)
     for depth, position in ((-0.1, 1.4), (0.25, 1.75), (-1.5, 0.0)):
         for ball in (sphere(1.0), ellipsoid(1.0, 1.0, 1.0)):
@@ -107,15 +109,18 @@ def test_shapes_that_hold_each_other():
     assert found.signed_distance == pytest.approx(0.1, abs=1e-14)
     np.testing.assert_allclose(found.normal, -np.full(3, np.sqrt(1 / 3)), atol=1e-14)
     np.testing.assert_allclose(found.point_b, [0.5, 0.5, 0.5], atol=1e-14)
-    # An ellipsoid upright in the middle of a plate: out through the plate's face
+    # An upright ellipsoid in the middle of a plate separates through the plate's face.
     plate = convex(CUBE * [4, 4, 0.1])
     found = query(plate, ORIGIN, ellipsoid(0.3, 0.3, 2.0), ((0, 0, 1.0), IDENTITY))
     assert found.signed_distance == pytest.approx(-1.05, abs=1e-14)
 
 
 def test_hull_against_ellipsoid_agrees_with_a_general_optimiser():
-    """Gap: the closest point of the hull by a quadratic programme over weights of its corners (SLSQP), independent of
-    support functions. Overlap: the least support value over many starts of a simplex search (Nelder & Mead)."""
+    """Gaps agree with a quadratic programme (SLSQP), and overlaps with a simplex search (Nelder and Mead).
+
+    The programme optimises weights of the polyhedron's corners, so it does not use support functions. The simplex
+    search minimises the support value from many starts.
+    """
     rng = np.random.default_rng(5)
     for _ in range(12):
         points = rng.standard_normal((8, 3))
@@ -129,7 +134,7 @@ def test_hull_against_ellipsoid_agrees_with_a_general_optimiser():
         turn = Rotation.from_quat(q, scalar_first=True).as_matrix()
 
         def apart(x, points=points, semi=semi, turn=turn, far=far):
-            """Squared distance of Σ w v from the ellipsoid's point at s ∘ u, u = x[8:] / |x[8:]|."""
+            """Return the squared distance of Σ w v from the ellipsoid's point at s ∘ u, u = x[8:] / |x[8:]|."""
             u = x[8:] / np.linalg.norm(x[8:])
             return np.sum((x[:8] @ points - far[0] - turn @ (semi * u)) ** 2)
 
@@ -144,7 +149,7 @@ def test_hull_against_ellipsoid_agrees_with_a_general_optimiser():
             ).fun
             for _ in range(4)
         )
-        # SLSQP ends where the squared distance, of order 10, is stationary to about 1e-9
+        # SLSQP ends where the squared distance, of order 10, is stationary to about 1e-9.
         assert found.signed_distance == pytest.approx(np.sqrt(best), abs=1e-7)
 
         near = (0.4 * unit, q)
@@ -161,7 +166,7 @@ def test_hull_against_ellipsoid_agrees_with_a_general_optimiser():
             for n in starts
         )
         assert -found.signed_distance <= best + 1e-12
-        assert -found.signed_distance == pytest.approx(best, abs=1e-8)  # fatol, and kinks where a simplex stalls
+        assert -found.signed_distance == pytest.approx(best, abs=1e-8)  # fatol, and kinks where the search stalls
 
 
 def some_shapes(rng):
@@ -174,8 +179,11 @@ def some_shapes(rng):
 
 
 def test_exchange_rotation_and_translation():
-    """The distance is stationary in the normal: it changes by rounding only, here that of coordinates moved by 100
-    (1e-14 each), and for an overlap found through all directions by 2e-9 of the size, 3 at most."""
+    """The distance is stationary in the normal, so these operations change it only by rounding.
+
+    Coordinates are moved by up to 100, so rounding errors are 1e-14. An overlap that is found through all directions
+    may differ by 2e-9 of the size, which is at most 3.
+    """
     rng = np.random.default_rng(6)
     shapes = some_shapes(rng)
     n = 3000
@@ -200,14 +208,14 @@ def test_exchange_rotation_and_translation():
         assert error[apart].max() < 1e-12
         assert error.max() < 1e-8
         assert np.median(error) < 1e-14
-    # A gap has one normal, known to the slope's tolerance over the distance
+    # A gap has one normal, whose error is the tolerance of the slope over the distance.
     wide = there.signed_distance > 0.01
     np.testing.assert_allclose(back.normal[wide], -there.normal[wide], atol=1e-8)
     np.testing.assert_allclose(moved.normal[wide], turn.apply(there.normal[wide]), atol=1e-8)
 
 
 def test_offsets_of_a_million_sizes():
-    """Positions that are exact in binary: the relative pose, formed first, is exact too."""
+    """The positions are exact in binary, so the relative pose, which is formed first, is exact too."""
     cube, ball = convex(CUBE), ellipsoid(1.0, 0.5, 0.25)
     far = np.array([2.0**20, -(2.0**20), 2.0**19])
     near = query(cube, ORIGIN, ball, ((0.5, 0.25, 0.625), (1, 2, 3, 4)))
@@ -217,7 +225,7 @@ def test_offsets_of_a_million_sizes():
 
 
 def test_the_frame_of_a_hull_is_its_own():
-    """Neither recentred nor aligned: points far from the origin turn about the origin."""
+    """A polyhedron is neither recentred nor aligned: points far from the origin turn about the origin."""
     moved = convex(CUBE + [10.0, 0.0, 0.0])
     found = query(moved, ((0, 0, 0), turn_about_axis("z", 90)), convex(CUBE), ((0, 12.0, 0), IDENTITY))
     assert found.signed_distance == pytest.approx(1.0, abs=1e-14)
@@ -235,9 +243,9 @@ def test_duplicates_and_points_inside_change_nothing():
 @pytest.mark.parametrize("n", [150, 1300])
 @pytest.mark.parametrize("offset", [0.0, 0.3])
 def test_deep_round_hulls(n, offset):
-    """More facets near the origin than EPA has room for: against every facet's support value from Qhull.
+    """The depth agrees with Qhull's facets if more of them are near the origin than the search can store.
 
-    The Minkowski difference of a hull P and −P is P + P: its depth at an offset is that of twice the hull.
+    The Minkowski difference of a polyhedron P and −P is P + P: its depth at an offset is that of twice the polyhedron.
     """
     from scipy.spatial import ConvexHull
 

@@ -1,10 +1,13 @@
-"""10 000 random and adversarial pairs of every kind against references that try everything (`brute_force`).
+"""Random and adversarial pairs of every kind, compared with references that try everything (`brute_force`).
 
-What is asserted is relative to the pair's size. Polytopes: 1e-9 is asked for; sums of products of coordinates give some
-hundred eps, 1e-13, and a face tilted by points 1e-15 to 1e-9 off it some more, so 1e-11. Ellipsoids: 1e-8 is asked for,
-and the search through all directions ends with its bounds 2e-9 apart. The distance between the points bounds a gap from
-above as the normal does from below, so for gaps `points` is the error; of parallel faces it is limited by the
-direction, which over a gap g is known to eps / g: at g = √eps both are 1e-8.
+There are 10 000 pairs, and tolerances are relative to the pair's size. Polytopes must be exact to 1e-9. Sums of
+products of coordinates give some hundred eps, 1e-13, and faces with points 1e-15 to 1e-9 off their plane somewhat more,
+so depths are tested to 1e-11. Ellipsoids must be exact to 1e-8, because the search through all directions ends with its
+bounds 2e-9 apart.
+
+The distance between the two points is an upper bound of a gap, and the normal gives a lower bound, so `points` is the
+error of a gap. For parallel faces it is limited by the direction, which has an error of eps / g over a gap g: at g =
+√eps both are 1e-8.
 """
 
 import numpy as np
@@ -25,7 +28,7 @@ def test_pairs(family):
     assert 0.2 < (distance < 0.0).mean() < 0.95
     polytopes = family in POLYTOPES
     assert errors["normal"].max() < 1e-14
-    assert errors["shown"].max() < 1e-12  # what the normal shows is the distance
+    assert errors["shown"].max() < 1e-12  # the distance along the normal is the distance
     assert np.nanmax(errors["depth"]) < (1e-11 if polytopes else 1e-8)
     assert errors["exchange"].max() < (1e-9 if polytopes else 1e-8)
     gaps = distance > 0.0

@@ -1,4 +1,4 @@
-"""Shaken beds of hulls, and of hulls beside ellipsoids: what contacts remember is what a search from nothing gives."""
+"""Shaken beds of polyhedra, and of polyhedra and ellipsoids: remembered contacts equal those of a new search."""
 
 import os
 import subprocess
@@ -24,7 +24,7 @@ from tests.helpers.rotations import random_orientations
 
 ROOT = Path(__file__).parents[3]
 WIDTH = 0.030
-BETWEEN_BOUNDS = 3e-9  # of the size, more than deep_overlap.CERTAIN: how well the overlap of deep ellipsoids is known
+BETWEEN_BOUNDS = 3e-9  # of the size, more than deep_overlap.CERTAIN: error of the overlap of deep ellipsoids
 
 
 NEEDLE, PLATE = (1.6, 0.3, 0.3), (1.2, 1.2, 0.2)
@@ -32,13 +32,13 @@ SMOOTH = [(1.0, 1.0, 1.0), (1.0, 0.75, 0.5), NEEDLE, PLATE]  # axes of ellipsoid
 
 
 def make_hulls():
-    """Pebbles of 8 to 40 points, a needle, a plate, and a cube, whose faces, edges and corners are all degenerate."""
+    """Return pebbles of 8 to 40 points, a needle, a plate, and a cube, whose contacts are all degenerate."""
     bases = [make_pebble(k, n) for k, n in enumerate((8, 16, 24, 40))]
     return bases + [make_pebble(4, 24, NEEDLE), make_pebble(5, 32, PLATE), make_polyhedron(1.6 * CUBE)]
 
 
 def make_bed(kind=POLYHEDRON):
-    """48 grains, 5 to 9 mm across, above the floor of a periodic box four grains wide: hulls, or ellipsoids as well."""
+    """Return 48 grains, 5 to 9 mm across, above the floor of a periodic box: polyhedra, or ellipsoids as well."""
     rng = np.random.default_rng(1)
     bases, axes = make_hulls(), np.ones((7, 3))
     if kind == MIXED:
@@ -55,13 +55,13 @@ def make_bed(kind=POLYHEDRON):
 
 
 def search_hulls(bases):
-    """Function that fills contacts without memory by the step's own search."""
+    """Return a function that fills contacts by the search of a step, without remembered contacts."""
     shapes = collect_shapes(bases)
     return lambda bodies, contacts: update_polyhedra(shapes, bodies, contacts, WIDTH)
 
 
 def query_bodies(bases):
-    """Function that fills contacts by the stand-alone query, for which every body is a shape of its own."""
+    """Return a function that fills contacts by the stand-alone query, for which every body is a shape of its own."""
     known = []
 
     def shape_of(base, scale):
@@ -82,9 +82,10 @@ def query_bodies(bases):
 
 
 def follow(end, kind=POLYHEDRON, searching=search_hulls):
-    """Step the bed to step `end` and compare: (touches by kind of pair, of hulls those otherwise, by how much).
+    """Step the bed to step `end` and compare remembered contacts with new ones.
 
-    Kinds of pairs: two ellipsoids, an ellipsoid and a hull, two hulls.
+    It returns the number of touching pairs of each kind (two ellipsoids, an ellipsoid and a polyhedron, two polyhedra),
+    the number of pairs of polyhedra in another local minimum, and their excess overlaps.
     """
     bases, bodies = make_bed(kind)
     shapes, search = collect_shapes(bases), searching(bases)
@@ -101,7 +102,7 @@ def follow(end, kind=POLYHEDRON, searching=search_hulls):
     near = list_candidates(bodies, shapes, Box(WIDTH), 0.5 * skin, features)
     step, touches, others, excess_others = 0, np.zeros(3, int), 0, []
     while step < end:
-        # Odd numbers of steps, so that the look falls anywhere between two lists
+        # The number of steps is odd, so that comparisons are made anywhere between two listings.
         done, stale = advance(State(shapes, bodies, *near, room), law, drive, clock, step, 37)
         step += done
         if stale:
@@ -121,7 +122,7 @@ def follow(end, kind=POLYHEDRON, searching=search_hulls):
         }
         for q in range(len(fresh.body_a)):
             key = (fresh.body_a[q], fresh.body_b[q], *fresh.image[q])
-            if key not in remembered:  # seen to be apart when the list was made
+            if key not in remembered:  # it was found to be apart when the list was made
                 assert not fresh.touching[q], "an overlapping pair is not listed"
                 continue
             p = remembered[key]
@@ -135,14 +136,14 @@ def follow(end, kind=POLYHEDRON, searching=search_hulls):
             hulls = int(hull[fresh.body_a[q]]) + int(hull[fresh.body_b[q]])
             touches[hulls] += 1
             excess = (contacts.overlap[p] - fresh.overlap[q]) / size
-            assert excess > -1e-12, "less overlap than the least"
+            assert excess > -1e-12, "the overlap is less than the minimum"
             if hulls < 2:
                 assert excess < BETWEEN_BOUNDS
             elif excess > 1e-9:
-                others += 1  # another local minimum: its depth is larger, its normal its own
+                others += 1  # another local minimum, with a larger depth and a normal of its own
                 excess_others.append(excess)
                 continue
-            # The least is unique, or two facets are equally near to rounding.
+            # The minimum is unique, or two facets are equally near within rounding.
             if excess < 1e-9:
                 assert contacts.direction[p] @ fresh.direction[q] > 1.0 - 1e-9
     return touches, others, excess_others
@@ -152,7 +153,7 @@ def test_the_memory_of_a_shaken_bed_is_right():
     touches, others, excess_others = follow(20000)
     touches = touches.sum()
     assert touches > 3000
-    # A bed's overlaps are small against its facets, so the local minimum is the global one nearly always.
+    # The overlaps are small compared with the facets, so the local minimum is nearly always the global one.
     assert others <= 0.002 * touches, (others, max(excess_others))
 
 
@@ -174,7 +175,7 @@ test_remembered_contacts.follow(3000)
 
 @pytest.mark.extremes
 def test_a_broken_check_is_noticed(tmp_path):
-    """The comparison above can fail: a check that takes any remembered facet for right does not pass."""
+    """The comparison above fails with a check that accepts any remembered facet."""
     script = BREAK.format(root=str(ROOT), constant="CHECK_TOLERANCE", value=1.0)
     environment = os.environ | {"SCREE_CACHE": str(tmp_path)}
     output = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True)

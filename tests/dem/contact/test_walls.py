@@ -1,4 +1,4 @@
-"""Floor and cylinder: the deepest point against vertices and against the surface itself."""
+"""Contacts with floor and cylinder: the deepest point, compared with all vertices and with the surface."""
 
 import numba
 import numpy as np
@@ -58,7 +58,7 @@ def place(bases, kind, scale, position, orientation, shape=None):
 
 
 class Met:
-    """What bodies found at each wall: overlap (n, 2), 0 where apart, and deepest point relative to the centre."""
+    """Contacts of bodies with both walls: overlap (n, 2), 0 if apart, and the deepest point relative to the centre."""
 
     def __init__(self, walls):
         assert len(walls.body) == 2 * (walls.body.max() + 1)  # with a wide skin every body is near both walls
@@ -73,7 +73,7 @@ def random_places(rng, n):
 
 
 def check_points(placed, wall, true):
-    """Overlaps where positive, and points that are that deep and belong to the overlap; rows that touch."""
+    """Assert that overlaps are the true ones and that the points are as deep; return the rows that touch."""
     bodies, met = placed
     overlap = met.overlap[:, wall]
     rows = np.flatnonzero(true > 1e-12)
@@ -114,7 +114,7 @@ def test_hulls_against_all_their_vertices():
 
 
 def deepest_in_cylinder(scale, rotation, position):
-    """Brute force: the farthest of many surface points from the axis, polished."""
+    """Return the overlap with the cylinder by brute force: the farthest of many surface points, refined."""
     u = np.random.default_rng(0).standard_normal((2000, 3))
     u /= np.linalg.norm(u, axis=1, keepdims=True)
 
@@ -137,10 +137,10 @@ def test_ellipsoids_against_their_surface(flattest):
     position, orientation = random_places(rng, n)
     scale = 1.4 * np.exp(rng.uniform(np.log(flattest), 0.0, (n, 3)))
     placed = bodies, met = place([UNIT_SPHERE], 1, scale, position, orientation)
-    # Lowest point in closed form: the support height along −z
+    # The lowest point has a closed form, the support height along −z.
     check_points(placed, FLOOR, np.linalg.norm(bodies.rotation[:, 2] * scale, axis=1) - position[:, 2])
     true = np.array([deepest_in_cylinder(scale[i], bodies.rotation[i], position[i]) for i in range(n)])
-    # The polished brute force is short by what the minimiser leaves, second order in 1e-7.
+    # The brute force is short by the error of the minimiser, which is of second order in 1e-7.
     overlap = met.overlap[:, CYLINDER]
     assert ((overlap > 1e-9) == (true > 1e-9)).all()
     rows = np.flatnonzero(true > 1e-9)
@@ -153,10 +153,10 @@ def test_ellipsoids_against_their_surface(flattest):
 
 
 def test_hard_case_the_grain_lies_across_the_cylinder():
-    """No offset along the longer axis of the shadow: both ends are as deep, and offsets near zero agree."""
+    """Without an offset along the longer axis of the projection both ends are equally deep; small offsets agree."""
     upright = [1.0, 0.0, 0.0, 0.0]
     for y in (0.0, 1e-14, 1e-9, 0.05):
-        # Shadow 1.6 x 0.4, centre off its short axis: λ stays at the longer eigenvalue while y p2 < p1 − p2
+        # The projection has semi-axes 1.6 and 0.4: λ stays at the larger eigenvalue while y p2 < p1 − p2.
         _, met = place([UNIT_SPHERE], 1, [[1.6, 0.4, 0.3]], [[0.0, y, 5.0]], [upright])
         t = np.linspace(0.0, 2.0 * np.pi, 400001)
         true = np.hypot(1.6 * np.cos(t), y + 0.4 * np.sin(t)).max() - WALL
@@ -164,18 +164,18 @@ def test_hard_case_the_grain_lies_across_the_cylinder():
     for x in (1e-15, 1e-12, -1e-10, 1e-8):
         near = place([UNIT_SPHERE], 1, [[1.6, 0.4, 0.3]], [[x, 0.02, 5.0]], [upright])[1].overlap[0, CYLINDER]
         exact = place([UNIT_SPHERE], 1, [[1.6, 0.4, 0.3]], [[0.0, 0.02, 5.0]], [upright])[1].overlap[0, CYLINDER]
-        # To first order the farthest point moves along: by the cosine of its direction. The rest is rounding.
+        # To first order the distance grows by the offset times the cosine of its direction. The rest is rounding.
         height = 0.02 * 0.16 / (1.6**2 - 0.16)
         cosine = 1.6 * np.sqrt(1.0 - (height / 0.4) ** 2) / (exact + WALL)
         assert near == pytest.approx(exact + abs(x) * cosine, abs=1e-13)
-    # A round shadow on the axis: every direction is as deep.
+    # If the projection is a circle on the axis, every direction is equally deep.
     _, met = place([UNIT_SPHERE], 1, [[1.6, 1.6, 0.3]], [[0.0, 0.0, 5.0]], [upright])
     assert met.overlap[0, CYLINDER] == pytest.approx(0.1)
     assert np.hypot(*met.point[0, CYLINDER, :2]) == pytest.approx(1.6)
 
 
 def test_a_tilted_needle_touches_with_its_end():
-    """Not only the point in the radial direction of the centre: that misses 27 µm of the study's long grains."""
+    """The radial direction of the centre is not enough: it misses 27 µm for long grains of Rettinger et al."""
     tilt = Rotation.from_euler("y", 60, degrees=True).as_quat(scalar_first=True)
     bodies, met = place([UNIT_SPHERE], 1, [[0.05, 0.05, 1.5]], [[0.0, 0.6, 5.0]], [tilt])
     true = deepest_in_cylinder(np.array([0.05, 0.05, 1.5]), bodies.rotation[0], bodies.position[0])

@@ -1,4 +1,4 @@
-"""Hertzian scenes: the law at an overlap, the limits of the time step, and what a specification may ask for."""
+"""Hertzian scenes: the law at an overlap, the limits of the time step, and rejected combinations of keys."""
 
 import re
 
@@ -19,7 +19,7 @@ from simcore.scene.impact import sphere_radius
 from tests.helpers.few_spheres import set_up_few_spheres
 
 HERTZ = {"law": "hertz", "youngs_modulus": "2 MPa", "end_of_contact": "clamped"}
-# Shaken like the others, so that its step is the one of tests/physics/test_hertz.py
+# It is shaken, so that it uses the compiled step of tests/physics/test_hertz.py.
 DEPOSIT = {
     "material": {**HERTZ, "friction_law": "dynamic"},
     "generation": {"placement": "random", "batch_grains": 12, "drop_height": "4 mm"},
@@ -43,7 +43,7 @@ def test_the_linear_law_at_an_overlap_gives_the_hertzian_force():
         k = law.modulus * np.sqrt(radius)
         push = normal_force.py_func(at, at.damping, mass, overlap, speed, False)
         assert push == pytest.approx(k * (overlap**1.5 - law.damping_time * np.sqrt(overlap) * speed), rel=1e-12)
-        # Its slope is the linear law's of small motions; along the tangent Mindlin's share of that.
+        # The stiffness for small motions is the slope of this force; the tangential one is Mindlin's share of it.
         small, step = linear_law(law, masses[0], partner, overlap), 1e-6 * overlap
         slope = (k * (overlap + step) ** 1.5 - k * (overlap - step) ** 1.5) / (2.0 * step)
         assert small.stiffness * mass == pytest.approx(slope, rel=1e-6)
@@ -89,14 +89,14 @@ def test_the_contact_time_is_that_of_the_smallest_grains():
     assert made.scene.numerics.contact_time == found.duration
     volume = made.sample(range(40)).volume
     assert found.least_mass == pytest.approx(2650.0 * volume.min(), rel=1e-12)
-    # Two halves of the effective mass and radius: as deep together as one of them against a wall at 2^0.2 the speed,
-    # (m / √R)^0.4 being (1/2)^0.2 of a wall's
+    # Two grains have half the mass and half the radius of a grain at a wall, and the depth scales as (m / √R)^0.4, so
+    # it is smaller by 0.5^0.2.
     against_wall = depth_of_impact(made.scene, expect(made.scene, made.bases, made.draw).fall_speed, found.least_mass)
     assert found.deepest == pytest.approx(against_wall * 0.5**0.2, rel=1e-12)
 
 
 def test_stiffer_and_faster_scenes_take_shorter_steps():
-    """T ~ (m² / k²)^(1/5) v^(-1/5)."""
+    """The contact time scales as (m² / k²)^(1/5) v^(-1/5)."""
     soft, stiff = scene(), scene(youngs_modulus="20 MPa")
     assert stiff.numerics.time_step / soft.numerics.time_step == pytest.approx(10.0**-0.4, rel=1e-9)
     tall = set_up_few_spheres(
@@ -112,7 +112,7 @@ def test_a_pinched_grain_sets_the_least_steps_and_fewer_are_refused():
     assert compose(made).continuous_law == law
     needed = made.numerics.contact_time / longest_stable_step(law, False)
     assert compose(made).least_steps == needed
-    # Jury's conditions for semi-implicit Euler with two contacts, which double the matrix
+    # This is Jury's condition for semi-implicit Euler; two contacts double the matrix.
     h = made.numerics.contact_time / needed
     assert 2.0 * (h**2 * law.stiffness + 2.0 * h * law.damping) == pytest.approx(4.0, rel=1e-9)
     with pytest.raises(ValueError, match=rf"at least {needed:.2f} steps are needed"):
@@ -132,7 +132,7 @@ def test_a_bed_is_expected_to_need_what_its_weight_calls_for():
 
 @pytest.fixture(scope="module")
 def deposit():
-    """Strewn and shaken, a while after the last birth."""
+    """Return a process of randomly inserted, shaken grains some time after the last insertion, and its insertions."""
     made = set_up_few_spheres(**DEPOSIT)
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     births = []
@@ -169,7 +169,7 @@ def test_its_contacts_remember_nothing_and_push_within_coulombs_limit(deposit):
 
 
 def test_the_watch_samples_the_stiffness_there_is(deposit):
-    """Far less than if all contacts were as stiff as the deepest expected one."""
+    """The load is less than if all contacts were as stiff as the deepest expected one."""
     running, _ = deposit
     made, composition = running.scene, compose(running.scene)
     law, stiffness_factor = composition.continuous_law, composition.stiffness_factor
@@ -178,7 +178,7 @@ def test_the_watch_samples_the_stiffness_there_is(deposit):
     found = stiffest_body(running.bodies, running.candidates, width, load, stiffness_factor=stiffness_factor)
     alike = stiffest_body(running.bodies, running.candidates, width, load)
     assert 0.0 < found.load < alike.load
-    # Half of the factor on springs and dashpots is half of the load, but for what slides.
+    # Half the factor on springs and dashpots gives half the load, without the load of sliding contacts.
     held = load._replace(sliding=0.0)
     whole, half = (
         stiffest_body(

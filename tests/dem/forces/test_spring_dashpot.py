@@ -1,4 +1,4 @@
-"""Leaves of the force law by themselves."""
+"""Single functions of the force law."""
 
 import numpy as np
 import pytest
@@ -12,12 +12,12 @@ from tests.helpers.patch import Patch
 
 @pytest.mark.parametrize("moment", [-1.3e-23, 0.0, 1e-8])
 def test_a_patch_whose_moments_are_round_off_gives_a_torque(moment):
-    """Second moments are differences: where a corner only just presses they came out as −1.3e-23 m², and √ as nan."""
+    """Second moments are differences: for a corner that barely touched, one was −1.3e-23 m², and its root nan."""
     law, mass = contact_law(0.1, 1e-3, 0.22, 0.5), 1e-3
     patch = Patch(spread=np.array([[moment, 0.0, 0.0, 0.0, 0.0, 0.0]]), twist=np.zeros(1))
     damping, tangential = explicit_dashpot.py_func(law)
     tangent = tangent_of.py_func(law, tangential, mass, 2.7)
     torque = patch_torque.py_func(damping * mass, tangent, 1e-5, Vec(0.0, 0.0, 1.0), Vec(3.0, 1.0, 2.0), patch, 0, True)
     assert np.isfinite(torque).all() and np.isfinite(patch.twist).all()
-    # Friction resists the turn about the normal, within its limit
+    # Friction resists the rotation about the normal, within its limit.
     assert -0.5 * 2.7 * np.sqrt(max(moment, 0.0)) * (1.0 + 1e-12) <= torque[2] <= 0.0

@@ -1,4 +1,4 @@
-"""The matrix of the benchmark `equality`, small: all kinds of scenes, on threads and ranks, stopped and resumed."""
+"""A small version of the benchmark `equality`: all kinds of scenes, on threads and ranks, stopped and resumed."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from benchmarks.correctness.equality import DISTURBED, RUNS, SCENES, launch
 from simcore.packing.file import differences, read_packing
 
-# Four ranks on two cores are slow: their second layout is for one scene of each kind.
+# Four ranks on two cores are slow, so their second layout is used for one scene of each kind only.
 FEWER = {"ranks_4_columns": ["spheres", "ellipsoids_cylinder", "polyhedra", "mixed"]}
 TIMEOUT = 600  # [s], of one run of all scenes; they take seconds once compiled
 
@@ -23,7 +23,7 @@ def packings(folder, name, scenes=SCENES):
 
 
 def test_the_scenes_have_all_there_is_to_get_wrong(folder):
-    """Grains that cross the box's sides and pairs through images; contacts; more than one batch."""
+    """Each scene has contacts and all three phases, and each periodic one has contacts through images."""
     for scene, packing in packings(folder, "one").items():
         assert len(packing["contact_overlap"]) > 40, scene
         assert set(packing["history_phase"].values) == {0, 1, 2}, scene

@@ -1,4 +1,7 @@
-"""Blocks: every place has one rank, loads are even where grains are not. What ranks compute: test_equality.py."""
+"""Blocks of ranks: every place has one rank, and loads are even where grains are not.
+
+What the ranks compute is tested in test_equality.py.
+"""
 
 import numpy as np
 import pytest
@@ -22,7 +25,7 @@ def cut(ranks, place, layout, box):
 @pytest.mark.parametrize("layout", [(1, 1), (2, 1), (1, 2), (3, 2), (4, 4)])
 @pytest.mark.parametrize("crowd", [0.0, 0.8])
 def test_blocks_have_even_loads_where_grains_are_uneven(ranks, layout, crowd):
-    """Bins are 1/512 of the width: in a crowd within a tenth of it a column of bins holds some 2 % of the grains."""
+    """A bin is 1/512 of the width, so a column of bins has about 2 % of grains crowded into a tenth of it."""
     rng = np.random.default_rng(4)
     place = rng.uniform(0.0, 1.0, (20_000, 2))
     crowded = rng.uniform(size=len(place)) < crowd
@@ -37,7 +40,7 @@ def test_blocks_of_a_cylinder_span_it(ranks):
     place = np.random.default_rng(5).uniform(-0.05, 0.05, (1000, 2))
     blocks = cut(ranks, place, (2, 2), Box(0.0, 0.05))
     assert set(blocks.rank_of(place)) == {0, 1, 2, 3}
-    assert set(blocks.rank_of(np.array([[-9.0, -9.0], [9.0, 9.0]]))) == {0, 3}  # what left it has a rank too
+    assert set(blocks.rank_of(np.array([[-9.0, -9.0], [9.0, 9.0]]))) == {0, 3}  # grains outside have a rank too
 
 
 def test_places_on_a_border_and_at_the_ends_have_a_rank():

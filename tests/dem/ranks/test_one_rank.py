@@ -1,4 +1,4 @@
-"""Decisions about all bodies: sums that do not depend on their order, ties that fall to the lowest id."""
+"""Results over all bodies: sums that do not depend on the order, and maxima that prefer the lowest id."""
 
 import math
 

@@ -1,7 +1,7 @@
-"""A scene computes nothing for what it does not have: what such code would read is not there, or is not a number.
+"""A step computes nothing for features that a scene lacks: the arrays and numbers of these features are absent or nan.
 
-What is left out: orientation, friction and its history, floor and wall, shaking, patches, periodic images, hulls.
-Damping is a factor on velocities that every packing ends with, so every step has it; 1 until then.
+The features are orientation, friction and its history, floor and wall, shaking, patches, periodic images and polyhedra.
+Every packing ends with damping, so every step has it, with a factor of 1 until then.
 """
 
 import numba
@@ -34,7 +34,7 @@ N = 20
 
 
 def bodies_of(base, kind, scale):
-    """A loose heap that flies together."""
+    """Return a loose group of bodies that fly towards each other."""
     rng = np.random.default_rng(3)
     position = 1.2e-2 * np.stack(np.unravel_index(np.arange(N), (3, 3, 3)), axis=-1) + [0.0, 0.0, 10.0]
     velocity = 30.0 * (position.mean(axis=0) - position) + 0.1 * rng.standard_normal((N, 3))
@@ -47,7 +47,7 @@ def bodies_of(base, kind, scale):
 
 
 def run(features, bodies, shapes, room, box, law, drive, steps=800):
-    """CandidatePairs pairs, all listed from the start, after some steps."""
+    """Step bodies whose pairs are all listed from the start; return their candidate pairs."""
     near = list_candidates(bodies, shapes, box, 1.0, features)
     clock = np.zeros(len(STAGES), np.int64)
     done, _ = make_advance(features)(State(shapes, bodies, *near, room), law, drive, clock, 0, steps)
@@ -56,7 +56,7 @@ def run(features, bodies, shapes, room, box, law, drive, steps=800):
 
 
 def poisoned(group):
-    """A copy in which no number is one: arrays of floats of nan, of integers of the least there is."""
+    """Return a copy without valid numbers: arrays of floats contain nan, arrays of integers the least integer."""
     return type(group)(
         *(np.full_like(array, np.nan if array.dtype.kind == "f" else np.iinfo(array.dtype).min) for array in group)
     )
@@ -64,7 +64,10 @@ def poisoned(group):
 
 @pytest.fixture(scope="module")
 def bare_and_full():
-    """The same spheres by a step with nothing, on poisoned numbers, and by one with all, on numbers that do nothing."""
+    """Return the same spheres after a step without features and after a step with all features.
+
+    The first step gets invalid numbers for the missing features, the second one numbers that have no effect.
+    """
     base = unit_sphere()
     shapes = collect_shapes([base])
     heaps = [bodies_of(base, SPHERE, np.full(3, 5e-3)) for _ in range(2)]
@@ -81,7 +84,7 @@ def test_the_bare_step_needs_none_of_the_numbers_left_out(bare_and_full):
     for name in ("position", "velocity", "angular_momentum", "net_force"):
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
     np.testing.assert_array_equal(bare.contacts.force, full.contacts.force)
-    # They have met: what flew straight is elsewhere.
+    # The spheres have collided: without contacts they would have their initial velocities.
     base = bodies_of(unit_sphere(), SPHERE, np.full(3, 5e-3))
     assert np.abs(first.velocity - base.velocity).max() > 0.1
 
@@ -97,7 +100,7 @@ def test_the_bare_scene_has_no_arrays_for_what_it_leaves_out(bare_and_full):
 
 
 def test_ellipsoids_read_no_hull():
-    """Their base has no vertices; what stands in its place may be anything."""
+    """The base of an ellipsoid has no vertices, so the arrays of vertices may contain anything."""
     base, features = unit_sphere(), Features(ELLIPSOID, True)
     shapes = collect_shapes([base])
     results = []

@@ -15,7 +15,7 @@ def packed():
 
 @pytest.mark.parametrize("shared", [False, True])
 def test_any_parts_make_the_whole(packed, shared):
-    """Shared parts tell of contacts between them twice, and of each once it counts."""
+    """Shared parts list the contacts between them twice, and each of these is counted once."""
     rng = np.random.default_rng(3)
     owner = rng.integers(0, 3, len(packed.bodies.mass))
     parts = [take_part(packed.bodies, packed.candidates, np.flatnonzero(owner == k), shared) for k in (2, 0, 1)]
@@ -24,7 +24,7 @@ def test_any_parts_make_the_whole(packed, shared):
 
 
 def test_what_is_not_here_is_left_out(packed):
-    """Own bodies 0 to 9 beside ghosts 10 to 19: contacts among ghosts and with others are not here."""
+    """With own bodies 0 to 9 and ghosts 10 to 19, contacts among ghosts and with other bodies are left out."""
     some = np.arange(20)
     bodies, near = assemble([take_part(packed.bodies, packed.candidates, some, shared=True)], np.arange(10))
     assert list(bodies.id) == list(some) and list(bodies.own) == list(range(10))

@@ -1,4 +1,4 @@
-"""The neighbour list against all pairs in all images."""
+"""The list of candidate pairs, compared with all pairs in all images."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ SHAPES = collect_shapes([unit_sphere()])
 
 
 def all_pairs(position, radius, width):
-    """Brute force: set of (a, b, image x, image y), a < b or a = b with a positive image."""
+    """Return the set of (a, b, image x, image y) by brute force, with a < b, or a = b and a positive image."""
     near = set()
     n = len(radius)
     if width > 0.0:
@@ -50,7 +50,7 @@ def found_pairs(position, radius, width):
         (0.0, 0.02, 300),  # open
         (0.0, 0.12, 300),  # open, sizes 1 : 12
         (0.3, 0.02, 300),
-        (0.3, 0.12, 300),  # the largest are wider than the box: own images, several images
+        (0.3, 0.12, 300),  # a pair may touch through several images
         (0.05, 0.06, 40),  # far narrower than the largest
         (1.0, 0.12, 300),
     ],
@@ -60,7 +60,7 @@ def test_the_list_holds_every_near_pair_once(width, largest, n):
     radius = np.exp(rng.uniform(np.log(0.01), np.log(largest), n))
     radius[0], radius[1] = 0.01, largest
     extent = width if width > 0.0 else 0.4
-    # Not wrapped: up to two widths away from the box
+    # Positions are not wrapped: they are up to two widths away from the box.
     position = rng.uniform([-2 * extent, -2 * extent, 0.0], [3 * extent, 3 * extent, 0.5], (n, 3))
     if width == 0.0:
         position = rng.uniform(0.0, 0.4, (n, 3))
@@ -161,7 +161,7 @@ def test_every_body_lists_its_contacts_in_order_of_partner_and_image():
 
 @pytest.mark.parametrize("kind", ["convex", "ellipsoid", "mixed"])
 def test_no_pair_that_is_left_out_can_touch_before_the_next_list(kind):
-    """Bodies whose points move by less than their margins: all that touch then was listed, though much was left out."""
+    """If points move by less than the margins, all pairs that touch then were listed, though many were left out."""
     rng = np.random.default_rng(4)
     n, width = 150, 5.0
     margin = rng.choice([0.02, 0.125, 0.3], n)
@@ -183,10 +183,10 @@ def test_no_pair_that_is_left_out_can_touch_before_the_next_list(kind):
     key = lambda c: set(zip(c.body_a, c.body_b, *c.image.T, strict=True))  # noqa: E731
     touched = 0
     for trial in range(20):
-        if trial == 10:  # with what the pairs remember by now
+        if trial == 10:  # list again with remembered contacts
             look(bodies, near.contacts)
             near = list_candidates(bodies, shapes, Box(width), margin, features, near)
-        share = rng.uniform(0.0, 1.0, (n, 1))  # of the way that is spent on moving; the rest on turning
+        share = rng.uniform(0.0, 1.0, (n, 1))  # of the margin, used for translation; the rest for rotation
         unit = rng.standard_normal((n, 3))
         way = 0.998 * margin[:, None]
         move = way * share * unit / np.linalg.norm(unit, axis=1, keepdims=True)

@@ -1,7 +1,7 @@
-"""The forces of all contacts, added by contact or by body, and in blocks of contacts or in whole loops: the same bits.
+"""Forces added by contact or by body, and in blocks or in separate loops, give the same bits.
 
-By default one thread adds each force to both bodies as soon as it is computed. The exact twin stores all forces first
-and adds them body by body. It is what several threads do, and one thread where a pair is listed through two images.
+By default, one thread adds each force to both bodies as soon as it is computed. The alternative stores all forces first
+and adds them body by body. Several threads use it, and so does one thread if a pair is listed through two images.
 """
 
 import numpy as np
@@ -31,12 +31,12 @@ LAWS = {
     "ellipsoids": (Features(ELLIPSOID, True, implicit=True), implicit_law(LINEAR, DT)),
     "polyhedra": (Features(POLYHEDRON, True, patch=True), LINEAR),
 }
-SPACING = {SPHERE: 1.9, ELLIPSOID: 1.6, POLYHEDRON: 1.4}  # in the largest half-axis
+SPACING = {SPHERE: 1.9, ELLIPSOID: 1.6, POLYHEDRON: 1.4}  # in units of the largest half-axis
 CLOSE = 48  # bodies that fly together and fall onto the floor; two more rest far above them
 
 
 def heap(base, features):
-    """A heap that contracts onto the floor, beyond the border of the box, and two bodies far above it."""
+    """Return a heap that contracts onto the floor, across the border of the box, and two bodies far above it."""
     rng = np.random.default_rng(5)
     scale = np.array([5e-3, 5e-3, 5e-3] if features.kind == SPHERE else [5.5e-3, 5e-3, 4.5e-3])
     reach = np.abs(base.vertices * scale).max() if len(base.vertices) else scale.max()
@@ -55,7 +55,7 @@ def heap(base, features):
 
 
 def stepped(features, law, by_body):
-    """Bodies and contacts after STEPS; by_body: the two bodies far above are listed once more, through an image."""
+    """Return bodies and contacts after STEPS; by_body: list the two bodies far above once more, through an image."""
     base = make_pebble(1) if features.kind == POLYHEDRON else unit_sphere()
     shapes, bodies, box = collect_shapes([base]), heap(base, features), Box(WIDTH)
     bodies.margin[:] = 0.06
@@ -74,7 +74,7 @@ def stepped(features, law, by_body):
 
 @pytest.fixture(params=LAWS, scope="module")
 def both(request):
-    """Bodies and contacts with the forces added by contact, and with the forces added by body."""
+    """Return bodies and contacts with the forces added by contact, and with the forces added by body."""
     return stepped(*LAWS[request.param], by_body=False), stepped(*LAWS[request.param], by_body=True)
 
 
@@ -85,7 +85,10 @@ def test_bodies_have_the_same_bits(both):
 
 
 def test_contacts_have_the_same_bits(both):
-    """Those of pairs that are apart too, of which some touched before. The last row is listed by the twin only."""
+    """Pairs that are apart are compared too; some of them touched before.
+
+    The last row is listed only where forces are added by body.
+    """
     (_, first), (_, second) = both
     rows = np.flatnonzero(first.touching)
     assert len(rows) > 20 and np.ptp(rows) > BLOCK // 2

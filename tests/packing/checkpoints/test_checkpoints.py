@@ -1,4 +1,4 @@
-"""Checkpoint files: they bring back the very bits, or are refused with their reason; and the folder that keeps them."""
+"""Checkpoint files, which restore the same bits or are rejected with a reason, and the folder that contains them."""
 
 import copy
 import errno
@@ -27,7 +27,7 @@ HEADER = {"key": KEY, "code": CODE, "step": 7, "time": 0.1, "checks": [[1e-300, 
 
 
 def a_state(n=40, seed=1):
-    """Sections with every type, odd bit patterns, arrays of no rows, of no dimension and not in C order."""
+    """Return sections with every type, odd bit patterns, arrays without rows or dimensions and not in C order."""
     rng = np.random.default_rng(seed)
     patterns = np.frombuffer(rng.bytes(8 * n), np.float64).copy()  # any bits, nan payloads among them
     patterns[:5] = np.nan, -0.0, np.inf, -np.inf, 5e-324
@@ -84,7 +84,7 @@ def test_what_is_read_has_the_bits_of_what_was_written(written):
     header, sections = read_checkpoint(written, KEY, CODE)
     assert header == HEADER and str(header["checks"][0][2]) == "-0.0"
     assert_same_bits(sections, a_state())
-    assert_same_bits(list(sections), a_state())  # once more: each is read when it is taken
+    assert_same_bits(list(sections), a_state())  # once more: a section is read when it is accessed
     assert [file.name for file in written.parent.iterdir()] == [written.name]
 
 
@@ -127,7 +127,7 @@ def test_other_types_are_not_written(written, array):
 
 
 def corrupted(whole, rng):
-    """The bytes of a file with one random fault: flipped bits, a truncation or an insertion, at its ends or inside."""
+    """Return the bytes of a file with one random fault: flipped bits, a truncation or an insertion."""
     n = len(whole)
     low, high = [(0, 20), (20, 200), (n - 48, n), (0, n)][rng.integers(4)]
     place = int(rng.integers(low, high))
@@ -152,7 +152,7 @@ def test_each_of_200_corruptions_is_refused_and_the_older_checkpoint_read_in_its
             header, sections = store.latest()
             assert header["step"] == 1 and lines[k:] == [reason]
             assert_same_bits(sections, a_state(seed=1))
-        newest.write_bytes(whole)  # it was the faults, not the file
+        newest.write_bytes(whole)  # the faults were the reason, not the file
         assert store.latest()[0]["step"] == 2 and len(lines) == 200
 
 
@@ -169,7 +169,7 @@ def test_reasons_of_refusal(written, tmp_path):
     assert "cannot be read (Too many levels of symbolic links)" in refusal(loop)
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
-    assert "not a regular file" in refusal(pipe)  # and does not wait for somebody to write into it
+    assert "not a regular file" in refusal(pipe)  # it does not wait for a writer
     for content, reason in [
         (b"", "is empty"),
         (b"\x89HDF\r\n\x1a\n" + whole, "does not start like a checkpoint"),
@@ -178,14 +178,14 @@ def test_reasons_of_refusal(written, tmp_path):
         (whole + whole, "truncated or damaged"),
         (whole[:300] + bytes([whole[300] ^ 1]) + whole[301:], "its checksum is wrong"),
         (whole[:-1] + bytes([whole[-1] ^ 1]), "its checksum is wrong"),
-        (whole[:8] + b"\x02" + whole[9:], "its checksum is wrong"),  # not: of another schema
+        (whole[:8] + b"\x02" + whole[9:], "its checksum is wrong"),  # the message does not name another schema
     ]:
         written.write_bytes(content)
         assert reason in refusal(written)
 
 
 def sealed(header, *tables, schema=1):
-    """A file of any content whose checksum holds. tables: texts, or bytes as they are."""
+    """Return a file of any content with a right checksum. tables: texts, or bytes that are used unchanged."""
     text = json.dumps(header).encode()
     content = struct.pack("<8sIQ", b"SCREE-CP", schema, len(text)) + text
     for table in tables:
@@ -267,7 +267,7 @@ def test_the_two_newest_are_kept_and_other_scenes_left_alone(tmp_path):
 
 
 def test_refused_checkpoints_push_no_good_one_out(tmp_path):
-    """A run that goes on from the older one is at earlier steps than the damaged one; one of new code at any."""
+    """A run resumed from the older one is at earlier steps than the damaged one; a run of new code at any step."""
     with Store(tmp_path, KEY, CODE, pytest.fail) as store:
         store.save({"step": 100}, [])
         store.save({"step": 200}, [])
@@ -285,7 +285,7 @@ def test_refused_checkpoints_push_no_good_one_out(tmp_path):
         assert names(tmp_path) == [f"{KEY}-10.checkpoint", f"{KEY}-20.checkpoint"]
 
 
-# The limit makes writing beyond it fail as on a full disk; python ignores the signal that goes with it, and so do we.
+# Writing beyond this limit fails as on a full disk. Python ignores the signal that this sends, and so does the script.
 FULL_DISK = """
     import resource, signal, sys
     import numpy as np
@@ -313,7 +313,7 @@ FULL_DISK = """
 """
 
 
-@pytest.mark.parametrize("limit", [4096, 700_000, 1_600_300])  # in the first section, in a later one, in the end
+@pytest.mark.parametrize("limit", [4096, 700_000, 1_600_300])  # in the first section, in a later one, at the end
 def test_a_full_disk_leaves_the_earlier_checkpoints_and_the_run(tmp_path, limit):
     with Store(tmp_path, KEY, CODE, pytest.fail) as store:
         store.save({"step": 1}, [])
@@ -349,7 +349,7 @@ def test_leftovers_of_a_killed_run_are_removed_by_the_next_of_its_key_alone(tmp_
         (tmp_path / name).write_text("")
     kept = sorted([others, older, f"{KEY}-5.checkpoint.partly", "notes.txt"])
     Store(tmp_path, KEY, CODE, pytest.fail, lock=False)
-    assert (tmp_path / mine).exists()  # it may be the writing process's
+    assert (tmp_path / mine).exists()  # another process may be writing it
     with Store(tmp_path, KEY, CODE, pytest.fail):
         assert names(tmp_path, "") == sorted([*kept, f"{KEY}.lock"])
     assert names(tmp_path, "") == kept
@@ -385,7 +385,7 @@ def test_a_second_process_is_refused_until_the_first_is_dead(tmp_path):
 
 
 def test_the_lock_that_counts_is_the_one_that_bears_the_name(tmp_path, monkeypatch):
-    """The first holder ends, and removes its lock file, between another's opening it and locking it."""
+    """The first process removes its lock file after another process has opened it and before that one locks it."""
     take, first = lock.lock_descriptor, Store(tmp_path, KEY, CODE, pytest.fail)
 
     def late(file, blocking):
@@ -439,7 +439,7 @@ def leaves(tree, path=()):
 
 
 def changed(tree, path):
-    """The tree with another value at the path; the smallest change there is of a float."""
+    """Return the tree with another value at the path; a float changes by the smallest possible amount."""
     tree = copy.deepcopy(tree)
     group = tree
     for key in path[:-1]:
@@ -461,7 +461,7 @@ def test_every_key_of_a_specification_counts_but_for_those_that_change_no_bits()
         ("sizes", "allow_few_top_grains"),
     }
     assert len(key) == 16 and int(key, 16) >= 0
-    # The schema has each of them: a key that is renamed there would count from then on.
+    # The schema must contain each of them: if a key were renamed there, it would count.
     for *groups, last in without:
         schema = read_schema("packing")
         for group in groups:

@@ -1,4 +1,4 @@
-"""A packing that was kept, stopped and resumed ends in the same bits, wherever it was stopped."""
+"""A packing that was saved, stopped and resumed ends in the same bits, wherever it was stopped."""
 
 import json
 
@@ -13,7 +13,7 @@ from tests.helpers.same_bits import arrays_of, assert_same_bits
 
 
 class Memory(Keeper):
-    """Keeps the latest in memory as JSON and arrays would be; wishes at given steps."""
+    """A Keeper that stores the latest state in memory, as JSON and arrays, and requests checkpoints at given steps."""
 
     def __init__(self, keeps=(), stops=()):
         self.wishes = sorted([(step, KEEP) for step in keeps] + [(step, KEEP_AND_STOP) for step in stops])
@@ -76,7 +76,7 @@ def test_it_goes_on_from_any_step(made, whole):
 
 
 def test_the_last_stretch_of_damping_is_gone_on_with(made, whole):
-    """Stopped within the stretch of 200 steps after which it converges, or where that is done but not judged."""
+    """The packing is stopped within the last interval of 200 steps, after which it converges."""
     keeper = Memory(stops=[whole.steps - 120])
     with pytest.raises(Interrupted):
         pack(made.scene, made.bases, made.draw, keeper=keeper)

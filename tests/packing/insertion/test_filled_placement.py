@@ -21,13 +21,13 @@ WIDE = {
 
 
 def pouring(**changes):
-    """The Pouring of spheres of a wide sieve curve."""
+    """Return the Pouring of spheres of a wide sieve curve, and its scene."""
     setup = set_up(resolve({**WIDE, **changes}), load_grains=None)
     return Pouring(setup.scene, setup.bases, setup.draw), setup.scene
 
 
 def overlapping(places, radius, width):
-    """Pairs (m, 2) of spheres that overlap in a box that is periodic with this width, or open for width 0."""
+    """Return pairs (m, 2) of spheres that overlap in a box that is periodic with this width, or open for width 0."""
     apart = places[:, None] - places[None]
     if width:
         apart[..., :2] -= width * np.round(apart[..., :2] / width)
@@ -95,7 +95,7 @@ def test_the_smaller_of_two_grains_that_touch_moves():
 
 @pytest.mark.parametrize("domain", [BOX, CYLINDER], ids=["periodic", "cylinder"])
 def test_mixed_sizes_find_places_at_a_third(domain):
-    """Half of the volume in spheres of three times the radius; strewn in any order they find none in this time."""
+    """Half of the volume is in spheres of three times the radius; in random order they would find no places."""
     radius = np.concatenate([np.full(12, 6e-3), np.full(324, 2e-3)])
     volumes = 4 / 3 * np.pi * radius**3
     turns = np.argsort(np.argsort(-radius, kind="stable"))

@@ -1,4 +1,4 @@
-"""Births: lattice, no overlap, inside the domain, velocities."""
+"""Inserted grains: lattice sites, no overlaps, positions inside the domain, velocities."""
 
 import numpy as np
 import pytest
@@ -60,7 +60,7 @@ def test_a_stretched_lattice_has_fewer_sites_by_the_product_of_the_factors(domai
 
 
 def corners(base, scale, rotation):
-    """Surface points of a grain about its centre."""
+    """Return surface points of a grain relative to its centre."""
     if len(base.vertices):
         return (base.vertices * scale) @ rotation.T
     u = np.random.default_rng(0).standard_normal((400, 3))
@@ -93,7 +93,7 @@ def test_no_overlap_at_birth(domain, orientation, kind):
     width = domain.width if domain.periodic else 0.0
     shapes = collect_shapes(bases)
     contacts = list_candidates(bodies, shapes, Box(width), 0.0025, ALL_FIELDS).contacts
-    assert len(contacts.body_a) > 0 or orientation == "random", "nothing was near: the test shows nothing"
+    assert len(contacts.body_a) > 0 or orientation == "random", "no pair was listed, so that the test shows nothing"
     if kind == "ellipsoid":
         update_ellipsoids(None, bodies, contacts, width)
     else:
@@ -115,9 +115,9 @@ def test_velocities_and_orientations_of_the_newborn():
     assert (states.velocity[:, 2] == -1.0).all()
     for values, limit in ((states.velocity[:, :2], 0.1), (states.angular_velocity, 0.1 / 0.005)):
         assert np.abs(values).max() <= limit
-        # Uniform: mean 0 and variance limit²/3, each within 5 standard errors
+        # Uniform values have mean 0 and variance limit²/3; both are tested to 5 standard errors.
         assert np.abs(values.mean(axis=0)).max() < 5.0 * limit / np.sqrt(3 * n)
         assert np.abs(values.var(axis=0) / (limit**2 / 3.0) - 1.0).max() < 5.0 * np.sqrt(0.8 / n)
-    # Uniform rotations: E[q q^T] = 1/4, the standard error of an entry is below 0.25/√n
+    # Uniform rotations have E[q q^T] = I / 4; the standard error of an entry is below 0.25/√n.
     q = states.orientation
     np.testing.assert_allclose(q.T @ q / n, 0.25 * np.eye(4), atol=5 * 0.25 / np.sqrt(n))

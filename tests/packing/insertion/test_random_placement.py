@@ -1,4 +1,4 @@
-"""Births at random places: none touches another, each belongs to (seed, id), and what does not fit is told."""
+"""Insertion at random places: no grain touches another, places follow from seed and id, and misfits are errors."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def reach():
 
 
 def near(reach, domain):
-    """Spheres of radius `reach` that touch: (m, 2), as the contacts of a scene of spheres would tell."""
+    """Return a function that returns the pairs (m, 2) of spheres of radius `reach` that touch at given places."""
 
     def touching(places):
         apart = places[:, None] - places[None]
@@ -51,13 +51,13 @@ def test_no_two_overlap_and_all_lie_in_the_zone(domain, reach):
         assert (np.hypot(places[:, 0], places[:, 1]) + reach < 0.5 * domain.width).all()
     assert len(near(reach, domain)(places)) == 0
     assert (places[:, 2] - reach >= 0.2).all() and (places[:, 2] + reach <= 0.2 + height).all()
-    # The spheres fill DILUTE of the zone but for what one grain stands out above its centre.
+    # The spheres fill the share DILUTE of the zone, less the diameter of the largest grain.
     filled = 4.0 / 3.0 * np.pi * (reach**3).sum() / (domain.area * (height - 2.0 * reach.max()))
     assert filled == pytest.approx(DILUTE, rel=1e-12)
 
 
 def test_of_two_that_touch_the_later_takes_its_next_place(reach):
-    """The second grain's first place is told to be taken: it goes on to its next, and the first stays."""
+    """The first place of the second grain is reported as taken: it takes its next place, and the first grain stays."""
     text = iter([np.array([[0, 1]]), np.zeros((0, 2), int)])
     free = release_places([3, 4], reach[:2], 0.3, BOX, 0.0, 5, lambda places: np.zeros((0, 2), int))
     moved = release_places([3, 4], reach[:2], 0.3, BOX, 0.0, 5, lambda places: next(text))
@@ -65,7 +65,7 @@ def test_of_two_that_touch_the_later_takes_its_next_place(reach):
 
 
 def test_places_are_spread_evenly():
-    """Grains too small to be in each other's way; along z as far as one does not stand out of the zone."""
+    """The grains are too small to touch each other; along z their centres fill the zone less one diameter."""
     r = np.full(2000, 1e-6)
     places, height = strewn(np.arange(2000), r, BOX, 0.0, seed=1)
     places[:, 2] -= r
@@ -82,7 +82,7 @@ def test_places_belong_to_the_seed_and_the_id(reach):
 
 @pytest.mark.parametrize("kind", ["ellipsoid", "polyhedron"])
 def test_grains_of_a_batch_are_apart_by_the_exact_query(kind):
-    """Closer than bounding spheres allow, through the sides of the box too, and nowhere overlapping."""
+    """Grains are closer than bounding spheres allow, also through the sides of the box, and do not overlap."""
     form = {"choice": "ratios", "eta": 2.5, "zeta": 2.5} if kind == "ellipsoid" else {"choice": "random"}
     made = set_up(
         resolve(

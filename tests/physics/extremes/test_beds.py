@@ -1,4 +1,4 @@
-"""Whole packings at the ends of what may be asked for, through the specification, and a bed left alone for a minute."""
+"""Packings at the extremes of what can be specified, and beds that rest for a minute."""
 
 import numpy as np
 import pytest
@@ -34,9 +34,9 @@ def packed(*changes):
 
 
 def check_rest(done, scene, deepest=0.05):
-    """At rest by the packing's own measures, nowhere deep in each other, and carried by the floor.
+    """Assert that nothing overlaps deeply and that the floor carries a packing; return its last observation.
 
-    Weight and floor differ by the unbalanced force, below 0.02 of a contact's, on each grain.
+    Weight and floor force differ by the unbalanced forces, which are below 0.02 of a contact force on each grain.
     """
     bodies, seen = done.bodies, done.observation
     weight = scene.material.effective_gravity * bodies.mass.sum()
@@ -51,7 +51,7 @@ def check_rest(done, scene, deepest=0.05):
 
 @pytest.mark.parametrize("gravity", [0.1, 100.0])
 def test_a_bed_under_weak_and_strong_gravity_rests(gravity):
-    """A hundredth and ten times the usual: overlaps at rest are as g T_c², so the contact time follows 1/√g."""
+    """Overlaps at rest are proportional to g T_c², so the contact time is proportional to 1/√g."""
     pace = float(np.sqrt(GRAVITY / gravity))
     done, scene = packed(
         {"material": {"gravity": f"{gravity} m/s2"}, "numerics": {"contact_time": f"{1e-3 * pace!r} s"}},
@@ -62,9 +62,9 @@ def test_a_bed_under_weak_and_strong_gravity_rests(gravity):
 
 
 def test_grains_that_have_just_begun_to_fall_are_not_taken_for_a_bed_at_rest():
-    """Born at rest under a two hundredth of gravity they move by 2.5e-6 m in the first interval, at 0.5 mm/s.
+    """Inserted at rest under 1/200 of gravity, grains move by 2.5e-6 m in the first interval, at 0.5 mm/s.
 
-    All below what counts as rest, but nothing carries them yet: they must lie on the floor in the end.
+    Both are below the limits of rest, but nothing carries the grains yet: they must lie on the floor in the end.
     """
     done, scene = packed(
         {"material": {"gravity": "0.05 m/s2"}, "numerics": {"contact_time": "10 ms"}, "damping": {"max_time": "60 s"}},
@@ -79,7 +79,7 @@ def test_without_gravity_a_packing_is_refused():
 
 
 def test_without_gravity_momentum_is_kept():
-    """A cloud of 27 spheres that fly into each other: Σ m v to rounding, and energy only falls."""
+    """When 27 spheres fly into each other, Σ m v is constant to rounding, and the energy only falls."""
     rng = np.random.default_rng(5)
     place = np.stack(np.unravel_index(np.arange(27), (3, 3, 3)), axis=-1) * 0.008 + [0.01, 0.01, 0.1]
     made = make_scene(material={"gravity": 0.0, "restitution": 0.5})
@@ -94,9 +94,9 @@ def test_without_gravity_momentum_is_kept():
 
 @pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.extremes), 10.0])
 def test_smooth_and_rough_beds_rest(friction):
-    """µ = 0 is a step of its own, without springs; µ = 10 leaves gaps that 0.5 would not. Isostatic limits: 6 and 4.
+    """Beds with µ = 0, a compiled step of its own without springs, and with µ = 10 come to rest.
 
-    The floor's contacts are not counted as neighbours, so the mean lies below.
+    The isostatic coordination numbers are 6 and 4. Contacts with the floor are not counted, so the mean is lower.
     """
     done, scene = packed({"material": {"friction": friction}, "amount": {"grains": 60}})
     seen = check_rest(done, scene)
@@ -106,7 +106,7 @@ def test_smooth_and_rough_beds_rest(friction):
 
 @pytest.mark.parametrize("restitution, steps", [(0.01, 120), (1.0, 40)])
 def test_dead_and_elastic_beds_rest(restitution, steps):
-    """Elastic ones lose by friction and by the damping to 1e-3 a second alone. Dead ones need more steps, see below."""
+    """Elastic beds lose energy only by friction and damping. With e = 0.01 more steps are needed, see below."""
     done, scene = packed(
         {"material": {"restitution": restitution}, "numerics": {"steps_per_contact_time": steps}},
         {"damping": {"max_time": "30 s"}},
@@ -115,9 +115,9 @@ def test_dead_and_elastic_beds_rest(restitution, steps):
 
 
 def test_a_dead_bed_at_forty_steps_is_not_taken_for_one_at_rest():
-    """At e = 0.01 a grain between two needs 11.7 steps, twice those at e = 0.1, one among six 40: its dashpots ring.
+    """With e = 0.01 forty steps are too few: an error names a grain or the number of steps, before or during the run.
 
-    That leaves an error that names a grain, before or while it runs, and no packing.
+    A grain between two others needs 11.7 steps, twice as many as with e = 0.1, and a grain among six others needs 40.
     """
     with pytest.raises((PackingError, ValueError), match=r"grain \d|steps_per_contact_time"):
         packed({"material": {"restitution": 0.01}, "damping": {"max_time": "2 s"}})
@@ -126,7 +126,7 @@ def test_a_dead_bed_at_forty_steps_is_not_taken_for_one_at_rest():
 @pytest.mark.extremes
 @pytest.mark.parametrize("contact_time", ["2e-6 s", "2e-3 s"])
 def test_beds_of_very_stiff_and_soft_grains_rest(contact_time):
-    """A hundredth and ten times the study's contact time; twelve grains; the stiff ones need 8 million steps."""
+    """The contact times are 1/100 and ten times that of Rettinger et al.; the stiff grains need 8 million steps."""
     done, scene = packed(
         {"numerics": {"contact_time": contact_time}, "amount": {"grains": 12}, "domain": {"width": "16 mm"}}
     )
@@ -142,22 +142,22 @@ FALL = {
 
 
 def test_a_packing_dropped_from_ten_metres_rests():
-    """Shaken for as long as they fall, and half a second more: damping would slow the fall to 1.4 m/s."""
+    """Grains are shaken while they fall and half a second more: damping would slow the fall to 1.4 m/s."""
     done, scene = packed(FALL, {"numerics": {"contact_time": "0.2 ms"}})
     check_rest(done, scene)
 
 
 def test_a_drop_from_ten_metres_on_soft_springs_is_refused():
-    """At a contact time of 10 ms a grain of 7 mm would sink in by 0.129 v T_c = 18 mm: an error that names a grain."""
+    """At a contact time of 10 ms a grain of 7 mm would sink in by 0.129 v T_c = 18 mm, so an error names a grain."""
     with pytest.raises((PackingError, ValueError), match=r"grain \d|contact_time"):
         packed(FALL, {"numerics": {"contact_time": "10 ms"}})
 
 
 def test_micrometres_with_the_default_contact_time_rest_or_are_refused():
-    """Born at 1 m/s, grains of 6 µm sink in by 0.129 v T_c = 26 µm: they may pass through each other as they fall.
+    """Inserted at 1 m/s, grains of 6 µm sink in by 0.129 v T_c = 26 µm: they may pass through each other as they fall.
 
-    At rest a grain gives by 2.6e-8 m under its own weight, and by 0.2 µm under those above it. So a bed may come of it,
-    at rest and not in each other, or an error.
+    At rest, a grain overlaps by 2.6e-8 m under its own weight and by 0.2 µm under the grains above it. The result must
+    be a bed at rest with small overlaps, or an error.
     """
     try:
         done, scene = packed(
@@ -183,7 +183,7 @@ def test_no_grain_is_refused():
 
 
 def test_a_mass_below_one_grain_is_one_grain():
-    """The grain that reaches the mass is the last, so the first one is."""
+    """The grain that reaches the mass is the last one, and the first grain reaches it here."""
     done, _ = packed({"amount": {"grains": None, "mass": "1 mg"}})
     assert len(done.bodies.mass) == 1
 
@@ -196,9 +196,9 @@ def test_a_grain_too_large_for_its_domain_is_refused(domain):
 
 
 def test_the_command_line_ends_with_one_line(tmp_path, capsys):
-    """One grain packs and has no porosity; none and one too large do not pack: a status and a line, no traceback.
+    """Each failure gives an exit status and one line without a traceback; a warning may come before it.
 
-    A warning may come before it.
+    One grain can be packed but has no porosity. No grain, and one that is too large, cannot be packed.
     """
 
     def command(*arguments):
@@ -224,7 +224,7 @@ def test_the_command_line_ends_with_one_line(tmp_path, capsys):
 
 
 def still(process, duration):
-    """Way of the grain that moved most [m], change of the energy [J], and largest speed [m/s], over `duration` [s]."""
+    """Return the largest displacement [m], change of energy [J] and largest speed [m/s] in `duration` [s]."""
     before, start = process.bodies.position.copy(), total_energy(process)
     fastest = 0.0
     for _ in range(20):
@@ -234,11 +234,11 @@ def still(process, duration):
 
 
 def test_a_bed_of_spheres_rests_for_a_minute():
-    """Settled for 3 s it neither creeps nor warms for 60 s, without any damping but that of the contacts.
+    """After settling for 3 s, the bed neither creeps nor gains energy for 60 s, damped only by its contacts.
 
-    Rounding is eps of a coordinate, 1e-18 m, a step of 1e-4 s: speeds of 1e-14 m/s, which a sphere without neighbours
-    rolls with for ever. Bounds: 1e-9 m/s, a hundredth of a static overlap of way, and of energy 1e-6 of what the
-    weight stores over that overlap.
+    Rounding of coordinates gives speeds of 1e-14 m/s, with which a sphere without neighbours rolls for ever. The limit
+    of the speed is 1e-9 m/s. The displacement must be below a hundredth of the static overlap, and the change of energy
+    below 1e-6 of the work of the weight over this overlap.
     """
     rng = np.random.default_rng(2)
     place = np.stack(np.unravel_index(np.arange(18), (2, 3, 3)), axis=-1)[:, ::-1] * 0.0085 + [0.004, 0.004, 0.005]
@@ -255,7 +255,7 @@ def test_a_bed_of_spheres_rests_for_a_minute():
 
 @pytest.mark.extremes
 def test_a_bed_of_bricks_rests_for_a_minute():
-    """As that of spheres: a dozen bricks of three forms, fallen together, then left alone for 60 s."""
+    """Twelve settled bricks of three forms neither creep nor gain energy for 60 s, as in the test of spheres."""
     rng = np.random.default_rng(3)
     place = np.stack(np.unravel_index(np.arange(12), (3, 2, 2)), axis=-1)[:, ::-1] * 0.0105 + [0.006, 0.006, 0.006]
     made = make_scene(

@@ -1,4 +1,4 @@
-"""Single contacts at the ends of the law's range: time, restitution, friction, depth and speed; closed forms."""
+"""Single contacts at extreme contact times, restitutions, frictions, depths and speeds, compared with closed forms."""
 
 import numpy as np
 import pytest
@@ -21,10 +21,10 @@ GRAVITY = 9.81
 
 @pytest.mark.parametrize("contact_time", [2e-6, 2e-5, 2e-4, 2e-3, 1e-2])
 def test_a_column_of_spheres_stands_at_its_static_overlaps(contact_time):
-    """From a hundredth of the study's contact time to ten times the laptop's: overlap = weight above / (k m_eff).
+    """Static overlaps are the weight above over k m_eff, for contact times from 2 µs to 10 ms.
 
-    What rounding leaves: positions of 0.03 m are known to eps, 4e-18 m, each step adds half of that, and a step of a
-    contact that is held forgets some 40 of them: 1e-16 m. Motion dies as exp(-t / 2 T_c) in the slowest mode.
+    Rounding limits them to 1e-16 m: positions of 0.03 m are rounded to 4e-18 m, each step adds half of that, and a
+    contact that sticks keeps the errors of some 40 steps. The slowest mode decays as exp(-t / 2 T_c).
     """
     made = make_scene(numerics={"contact_time": contact_time}, convergence={"interval": 10 * contact_time})
     height = R * (1.0 + 2.0 * np.arange(5))
@@ -36,15 +36,15 @@ def test_a_column_of_spheres_stands_at_its_static_overlaps(contact_time):
     found = [R - column.bodies.position[0, 2], *(pair_overlap(column, k, k + 1) for k in range(4))]
     np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-16)
     assert floor_force(column) == pytest.approx(above[0], rel=1e-6)
-    assert not column.bodies.position[:, :2].any()  # symmetry: not a bit to the side
+    assert not column.bodies.position[:, :2].any()  # by symmetry there is no lateral motion at all
 
 
 @pytest.mark.parametrize("restitution", [0.01, 0.1, 0.5, 0.9, 1.0])
 def test_a_bouncing_sphere_gains_nothing(restitution):
-    """Twenty impacts or until it lies: speed after the first within the step's error of e, and energy never rises.
+    """The speed after the first impact is right to the error of e, and in about twenty impacts the energy never rises.
 
-    At 40 steps the error of e is 0.010 (tests/physics/test_contact_law.py); an elastic contact keeps its energy within
-    (ω dt)² = (π / 40)² of it (tests/physics/test_energy.py).
+    At 40 steps the error of e is 0.010 (tests/physics/test_contact_law.py); an elastic contact keeps its energy to a
+    share of (ω dt)² = (π / 40)² (tests/physics/test_energy.py).
     """
     contact_time = 1e-4
     made = make_scene(
@@ -66,9 +66,9 @@ def test_a_bouncing_sphere_gains_nothing(restitution):
 
 @pytest.mark.parametrize("friction", [0.0, 0.01, 0.5, 10.0])
 def test_a_sliding_sphere_ends_rolling_whatever_the_friction(friction):
-    """Angular momentum about the contact is kept: u = 5/7 u0 for any µ > 0, and all of u0 without friction.
+    """Angular momentum about the contact is constant: u = 5/7 u0 for any µ > 0, and u = u0 without friction.
 
-    The contact lies half an overlap inside the sphere, so the arm is shorter by that.
+    The contact is half an overlap inside the sphere, so the arm is shorter by that.
     """
     contact_time, speed = 1e-4, 0.02
     made = make_scene(material={"friction": max(friction, 1e-300)}, numerics={"contact_time": contact_time})
@@ -85,9 +85,10 @@ def test_a_sliding_sphere_ends_rolling_whatever_the_friction(friction):
 @pytest.mark.parametrize("contact_time", [2e-4, 1e-2])
 @pytest.mark.parametrize("share", [0.5, 1.0, 2.0])
 def test_a_start_with_deep_overlaps_parts_or_is_refused(contact_time, share):
-    """Spheres that overlap by half a grain, a grain, and all (concentric): an error that names one, or they come apart.
+    """Spheres that overlap by half a radius, by a radius or entirely separate, or an error names one of them.
 
-    Elastic they would part at π/T_c times the overlap: 50 m/s at the study's contact time, more than any fall gives.
+    Elastic spheres would separate at π/T_c times the overlap: 50 m/s at the contact time of Rettinger et al., more than
+    in any fall.
     """
     made = make_scene(numerics={"contact_time": contact_time}, domain={"height": 0.1})
     distance = R * (2.0 - share)
@@ -104,9 +105,9 @@ def test_a_start_with_deep_overlaps_parts_or_is_refused(contact_time, share):
 
 @pytest.mark.parametrize("contact_time", [2e-4, 1e-3])
 def test_a_drop_from_ten_metres(contact_time):
-    """Lands at √(2 g h), sinks in by 0.129 v T_c, leaves at a tenth of the speed, and comes to rest at its overlap.
+    """A sphere lands at √(2 g h), sinks in by 0.129 v T_c, rebounds, and comes to rest at its static overlap.
 
-    0.3 mm of a grain of 6 mm at the study's contact time, 1.8 mm at the laptop's.
+    It sinks in by 0.4 mm at the contact time of Rettinger et al. and by 1.8 mm at 1 ms.
     """
     height = 10.0
     made = make_scene(domain={"height": 12.0}, numerics={"contact_time": contact_time})
@@ -117,7 +118,7 @@ def test_a_drop_from_ten_metres(contact_time):
     for _ in range(round(5 * contact_time / ball.dt)):
         ball.advance(1, UNDAMPED)
         deepest = max(deepest, R - ball.bodies.position[0, 2])
-    # One step of first order at 40 steps: 1/40 of the way, and of e as in tests/physics/test_contact_law.py
+    # The first-order error at 40 steps is 1/40 of the depth, and that of e as in tests/physics/test_contact_law.py.
     assert deepest == pytest.approx(0.1290665 * speed * contact_time, rel=0.05)
     away = ball.bodies.velocity[0, 2]
     assert away == pytest.approx(0.0899 * speed, abs=0.0065 * speed + 5 * GRAVITY * contact_time)

@@ -1,4 +1,4 @@
-"""Forms at the ends: plates and needles of 1:100, eight and five thousand faces, and spin as fast as a step can see."""
+"""Extreme forms and spins: plates and needles of 1:100, eight and five thousand faces, up to a radian per step."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def setting(kind, **groups):
 
 
 def thrown(kind, form, tilt, **groups):
-    """Process of one grain 1:100, tilted and just above the floor."""
+    """Return a process of one grain of 1:100, tilted and just above the floor."""
     edges = np.array(FORMS[form])
     reach = 0.5 * (LONG * np.sin(tilt) + THIN * np.cos(tilt))
     return place_bodies(
@@ -44,9 +44,9 @@ def thrown(kind, form, tilt, **groups):
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("kind", ["hull", pytest.param("ellipsoid", marks=pytest.mark.extremes)])
 def test_a_thin_grain_falls_flat(kind, form):
-    """Dropped at 40° it loses energy only, and ends lying: its centre half as high as it is thick.
+    """Dropped at 40° a grain only loses energy and ends flat: the height of its centre is half its thickness.
 
-    Contacts give g / k per mass; a rocking ellipsoid is held up to the same height by its curvature.
+    The static overlap is g / k; a rocking ellipsoid is held up to the same height by its curvature.
     """
     grain = thrown(kind, form, np.radians(40.0))
     energies = run_watched(grain, 1.0, damped=True)
@@ -58,9 +58,9 @@ def test_a_thin_grain_falls_flat(kind, form):
 
 @pytest.mark.parametrize("form", FORMS)
 def test_thin_grains_lie_on_each_other(form):
-    """Three plates, or three needles crosswise, 1:100: at rest the contacts carry what is above, n m g each.
+    """In a stack of three plates or crossed needles of 1:100, overlaps follow from the weight above, n m g.
 
-    They are stiffer than usual, so that what the springs give, 1e-8 m, is little of the thickness of 2e-4 m.
+    Contacts are stiffer than usual, so that overlaps of 1e-8 m are small compared with the thickness of 2e-4 m.
     """
     contact_time, n = 1e-4, 3
     edges = np.tile(FORMS[form], (n, 1))
@@ -82,7 +82,7 @@ def octahedron():
 
 
 def ball(faces=5000):
-    """Hull of faces / 2 + 2 points spread evenly over the unit sphere (a Fibonacci lattice and its mirror image)."""
+    """Return the hull of faces / 2 + 2 points spread evenly over the unit sphere (a Fibonacci lattice)."""
     n = faces // 2 + 2
     k = np.arange(n) + 0.5
     z, turn = 1.0 - 2.0 * k / n, np.pi * (1.0 + np.sqrt(5.0)) * k
@@ -91,9 +91,9 @@ def ball(faces=5000):
 
 
 def test_grains_of_8_and_of_5000_faces():
-    """Three of each tumble into a narrow box: they lose energy only, come to rest, and the floor carries them.
+    """Three grains of each kind fall into a narrow box, only lose energy, come to rest, and the floor carries them.
 
-    What friction's springs hold is not counted; given back, it shows as a gain of 1e-6.
+    The energy of tangential springs is not counted; when it is returned, it is seen as a gain of 1e-6.
     """
     bases = [octahedron(), ball()]
     assert [len(base.faces) for base in bases] == [8, 5000]
@@ -109,9 +109,10 @@ def test_grains_of_8_and_of_5000_faces():
 
 
 def test_a_ball_of_5000_faces_is_a_sphere_to_its_contacts():
-    """Stood on another one it lies as high as spheres would, but for the sagitta of a face, and what springs give.
+    """Two stacked balls are as high as spheres, apart from the sagitta of a face and static overlaps.
 
-    Faces of a unit ball of area 4 π / 5000 have circumradii of 0.04, at most twice that: sagitta below 0.0032.
+    Faces of area 4 π / 5000 of a unit ball have circumradii of 0.04, at most twice that, so the sagitta is below
+    0.0032.
     """
     size = 3e-3
     made = setting("hull")
@@ -126,7 +127,7 @@ def test_a_ball_of_5000_faces_is_a_sphere_to_its_contacts():
 @pytest.mark.parametrize("contact_time", [2e-4, 1e-2])
 @pytest.mark.parametrize("share", [0.5, 1.0])
 def test_cubes_that_start_within_each_other_part_or_are_refused(contact_time, share):
-    """By half an edge, and concentric, where no direction is special: an error that names one, or they come apart."""
+    """Cubes that overlap by half an edge, or are concentric, separate, or an error names one of them."""
     edge = 6e-3
     made = setting("hull", numerics={"contact_time": contact_time})
     away = np.array([0.8, 0.6, 0.0]) * edge * (1.0 - share) / 0.8
@@ -149,14 +150,14 @@ SPINS = [(form, per_step) for form in FORMS for per_step in (1e-3, 0.1)] + [
 
 @pytest.mark.parametrize("form, per_step", SPINS)
 def test_a_free_spinning_grain_keeps_spin_and_energy(form, per_step):
-    """Without gravity, up to a radian a step: angular momentum to the bit, energy bounded, the quaternion of length 1.
+    """At up to a radian per step, angular momentum is constant to the bit and the energy error is bounded.
 
-    The splitting is symmetric: its energy error does not drift, and is (ω dt)² / 12 at most. A needle that turns by a
-    radian a step is not resolved: of its moments, 1:5000, the small one gets the energy. That must not go unnoticed.
+    The splitting is symmetric, so its energy error does not drift and is at most (ω dt)² / 12. A needle that turns by a
+    radian per step is not resolved: of its moments, 1:5000, the small one gets the energy, which must be an error.
     """
     made = setting("hull", material={"gravity": 0.0})
     rate = per_step / made.numerics.time_step
-    # About the axis of the largest moment, a tenth beside it
+    # The spin is about the axis of the largest moment, with a tenth of it about another one.
     axis = np.array([0.1, 0.02, 1.0])
     grain = place_bodies(made, [FORMS[form]], [0, 0, 0.5], spin=rate * axis, bases=[make_box()])
     momentum = grain.bodies.angular_momentum.copy()
@@ -172,20 +173,20 @@ def test_a_free_spinning_grain_keeps_spin_and_energy(form, per_step):
 
 
 def test_a_grain_that_spins_fast_meets_its_neighbour():
-    """A needle at 200 turns a second sweeps a sphere's worth of room: the first touch is where its tip comes round.
+    """The tip of a needle at 200 turns per second touches a cube in the step that its rotation gives.
 
-    A list that did not count the turning would miss it, with the centres at rest.
+    The centres are at rest, so a neighbour list that ignored rotation would miss the contact.
     """
     # A step of the tip is 0.03 mm, a seventh of its thickness.
     made = setting("hull", material={"gravity": 0.0}, numerics={"contact_time": 1e-4})
     rate = 2.0 * np.pi * 200.0
-    # The other, a cube, stands where the tip passes after a quarter of a turn.
+    # The other body, a cube, is where the tip passes after a quarter of a turn.
     tip = 0.5 * LONG
     pair = place_bodies(
         made, [FORMS["needle"], [0.002] * 3], [[0, 0, 0.5], [0, 0.9 * tip + 0.001, 0.5]],
         spin=[[0, 0, rate], [0, 0, 0]], bases=[make_box()],
     )  # fmt: skip
-    # Its corner at x = 1 mm is met at the angle acos(0.001 / r), r to that corner.
+    # The tip meets its corner at x = 1 mm at the angle acos(0.001 / r), r being the distance of the corner.
     corner = np.array([0.001, 0.9 * tip])
     angle = np.arctan2(corner[1], corner[0])
     met = angle / rate / pair.dt
@@ -201,7 +202,7 @@ def test_a_grain_that_spins_fast_meets_its_neighbour():
 
 @pytest.mark.parametrize("rate", [100.0, 1000.0])
 def test_a_sphere_set_down_spinning_ends_rolling(rate):
-    """Angular momentum about the contact is kept: u = 2/7 R ω, up to 160 turns a second."""
+    """Angular momentum about the contact is constant: u = 2/7 R ω, up to 160 turns per second."""
     radius, contact_time = 3e-3, 1e-4
     made = make_scene(numerics={"contact_time": contact_time}, material={"friction": 0.5})
     sunk = GRAVITY / compose(made).law.stiffness

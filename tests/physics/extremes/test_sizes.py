@@ -1,4 +1,4 @@
-"""Masses and sizes far apart, far out, very small and very large."""
+"""Large ratios of mass and size, places far from the origin, very small and very large grains."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ STUDY = 2e-4  # [s], contact time
 
 
 def column(radii, contact_time=STUDY):
-    """Process of touching spheres on top of each other, and how far each contact must give: floor first."""
+    """Return a process of stacked spheres, the weight on each contact [N] and its static overlap [m], floor first."""
     radii = np.asarray(radii, float)
     height = np.cumsum(2.0 * radii) - radii
     made = make_scene(
@@ -30,9 +30,9 @@ def column(radii, contact_time=STUDY):
 
 @pytest.mark.parametrize("ratio", [1, 10, 100, 1000])
 def test_a_light_grain_carries_a_heavy_one(ratio):
-    """Static overlap in closed form: the spring of a pair follows the lighter mass, so it gives M/m times more.
+    """Static overlaps have a closed form: the spring of a pair follows the lighter mass, so it gives M/m times more.
 
-    That weak spring has as weak a dashpot: the heavy one comes to rest at a rate of 2.3 m / (M T_c), 12/s at 1:1000.
+    The dashpot is as weak as the spring: the heavy grain comes to rest at a rate of 2.3 m / (M T_c), 12/s at 1:1000.
     """
     light = 5e-4
     stood, above, expected = column([light, light * ratio ** (1.0 / 3.0), light])
@@ -44,7 +44,7 @@ def test_a_light_grain_carries_a_heavy_one(ratio):
 
 @pytest.mark.parametrize("ratio", [1e5, 1e6])
 def test_a_light_grain_crushed_by_a_heavy_one_is_refused(ratio):
-    """The spring of the light grain would have to give 1 and 10 times its diameter: an error that names a grain."""
+    """The static overlap would be 1 and 10 times the diameter of the light grain, so an error names a grain."""
     light = 5e-4
     stood, _, expected = column([light, light * ratio ** (1.0 / 3.0)])
     assert expected[0] > 2.0 * light
@@ -53,9 +53,9 @@ def test_a_light_grain_crushed_by_a_heavy_one_is_refused(ratio):
 
 
 def test_a_million_to_one_in_mass_and_a_hundred_to_one_in_size_in_one_bed():
-    """A boulder among 120 grains of a hundredth of its size: they come to rest, and the floor carries all.
+    """A boulder and 120 grains of a hundredth of its size come to rest, and the floor carries all of them.
 
-    The grains are in no other's way but the boulder's: they fall round it and on it, and none ends inside.
+    The grains meet only the boulder: they fall round it and on it, and none ends inside.
     """
     big, small = 0.05, 5e-4
     rng = np.random.default_rng(1)
@@ -79,7 +79,10 @@ def test_a_million_to_one_in_mass_and_a_hundred_to_one_in_size_in_one_bed():
 
 
 def heap(kind, scale=1.0, place=(0.0, 0.0), duration=0.2):
-    """Twelve grains fallen together in a box, its corner at `place` [m]; lengths times `scale`, times times √scale."""
+    """Return a process of twelve grains that fell together in a box with a corner at `place` [m].
+
+    Lengths are multiplied by `scale` and times by √scale.
+    """
     size, time = 6e-3 * scale, np.sqrt(scale)
     made = make_scene(
         SPHERE if kind == "sphere" else POLYHEDRON,
@@ -105,9 +108,9 @@ def heap(kind, scale=1.0, place=(0.0, 0.0), duration=0.2):
 @pytest.mark.parametrize("kind", ["sphere", "brick"])
 @pytest.mark.parametrize("scale", [4.0**-5, 4.0**4])
 def test_micrometres_and_metres_give_the_bits_of_millimetres(kind, scale):
-    """Gravity's only length is that of the grains: with times as √scale all is the same, and a power of four is exact.
+    """Grains of 6 µm and of 1.5 m move as those of 6 mm to the last bit; an absolute tolerance would be noticed.
 
-    So grains of 6 µm and of 1.5 m must move as those of 6 mm to the last bit; an absolute tolerance would show.
+    The only length is that of the grains: with times as √scale the motion is the same, and powers of four are exact.
     """
     usual, scaled = heap(kind), heap(kind, scale)
     assert usual.contacts.touching.sum() + usual.walls.touching.sum() > 10
@@ -119,11 +122,12 @@ def test_micrometres_and_metres_give_the_bits_of_millimetres(kind, scale):
 @pytest.mark.parametrize("kind", ["sphere", "brick"])
 @pytest.mark.parametrize("widths", [64, 50_000])
 def test_far_from_the_origin_grains_fall_as_they_do_there(kind, widths):
-    """1.3 m and 1 km out, in whole widths of the box: nothing but the rounding of the coordinates may differ.
+    """At 1.3 m and 1 km from the origin, in whole widths of the box, only the rounding of coordinates differs.
 
-    A coordinate x is known to eps x / 2. In a contact an error δ of the overlap becomes π δ / T_c of speed, and within
-    t a way of (π t / T_c) δ, which the next contact multiplies in the same way: two impacts one after the other, and a
-    corner's lever of up to four, in 0.01 s. Later the difference grows as that of any two packings.
+    A coordinate x has an error of eps x / 2. In a contact an error δ of the overlap becomes a speed of π δ / T_c, and
+    within a time t a displacement of (π t / T_c) δ, which the next contact multiplies in the same way. The limit allows
+    two successive impacts and a lever of up to four at a corner, in 0.01 s. Later the difference grows as that of any
+    two packings.
     """
     shift, duration = 0.02 * widths, 0.01
     usual = heap(kind, duration=duration)

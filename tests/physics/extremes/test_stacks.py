@@ -1,4 +1,4 @@
-"""Piles of cubes and bricks: statics says which stand and which fall."""
+"""Piles of cubes and bricks, which stand or fall as statics requires."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ CONTACT_TIME = 1e-3
 
 
 def pile(position, edges, contact_time=CONTACT_TIME, friction=0.5):
-    """Process of bricks of those edges (3,) or (n, 3), their centres at `position` (n, 3) when faces just touch."""
+    """Return a process of bricks of edges (3,) or (n, 3) with centres at `position` (n, 3), where faces just touch."""
     made = make_scene(
         POLYHEDRON,
         domain={"width": 0.4},
@@ -27,13 +27,13 @@ def pile(position, edges, contact_time=CONTACT_TIME, friction=0.5):
 
 
 def moved(process, start):
-    """How far the centres are from `start` (n, 3), horizontally and down [m]."""
+    """Return how far the centres have moved from `start` (n, 3), horizontally and down [m]."""
     way = process.bodies.position - start
     return np.abs(way[:, :2]).max(), (-way[:, 2]).max()
 
 
 def check_it_stands(stack, start, compliance):
-    """It has neither crept nor sunk by more than its contacts give, it is still, and the floor carries all of it."""
+    """Assert that a pile has moved by less than its contacts give, is at rest, and is carried by the floor."""
     sideways, down = moved(stack, start)
     print(f"moved {sideways:.1e} m, sunk {down:.1e} m, contacts give {compliance:.1e} m")
     assert sideways < compliance and down < compliance
@@ -42,13 +42,13 @@ def check_it_stands(stack, start, compliance):
 
 
 def gives(made, weights):
-    """Twice what contacts that carry `weights` [equal grains] one over the other give together [m]."""
+    """Return twice the sum of static overlaps [m] of stacked contacts that carry `weights` [equal grains]."""
     return 2.0 * sum(weights) * GRAVITY / (0.5 * compose(made).law.stiffness)
 
 
 @pytest.mark.parametrize("n", [2, 12])
 def test_a_column_of_cubes_stands(n):
-    """Twelve cubes for 1 s: the lowest contact carries all, and they have sunk in by what the springs give."""
+    """The lowest contact carries all cubes; in 1 s they have sunk by no more than the static overlaps."""
     start = np.column_stack([np.zeros(n), np.zeros(n), EDGE * (np.arange(n) + 0.5)])
     stack = pile(start, EDGE)
     run_watched(stack, 1.0)
@@ -56,13 +56,13 @@ def test_a_column_of_cubes_stands(n):
 
 
 def pyramid(rows):
-    """Centres of bricks 2 × 1 × 1 of a wall: each row has one less, and each brick lies on two."""
+    """Return the centres of bricks 2 × 1 × 1 of a wall: each row has one brick less, and each brick lies on two."""
     return EDGE * np.array([[2.0 * k + row, 0.0, row + 0.5] for row in range(rows) for k in range(rows - row)])
 
 
 @pytest.mark.parametrize("rows", [2, 4])
 def test_a_pyramid_of_bricks_stands(rows):
-    """Every brick's centre lies over the joint of two below: it stands for 1 s. Bricks of a row do not touch."""
+    """Every centre is over the joint of two bricks below, so it stands for 1 s. Bricks of a row do not touch."""
     start = pyramid(rows)
     stack = pile(start * [1.001, 1.0, 1.0], EDGE * np.array([2.0, 1.0, 1.0]))
     start = stack.bodies.position.copy()
@@ -71,7 +71,7 @@ def test_a_pyramid_of_bricks_stands(rows):
 
 
 def test_a_pyramid_of_cubes_stands():
-    """3 × 3, 2 × 2 and one: each cube lies on the corners of four."""
+    """In layers of 3 × 3 cubes, 2 × 2 cubes and one cube, each cube lies on the corners of four."""
     start = (
         EDGE
         * 1.001
@@ -87,10 +87,10 @@ def test_a_pyramid_of_cubes_stands():
 
 @pytest.mark.parametrize("share, stands", [(0.9, True), (1.1, False)])
 def test_the_leaning_tower_of_bricks(share, stands):
-    """Bricks over each other's edge by 1/2, 1/4, 1/6, ... of their half length, from the top, just balance.
+    """Bricks that overhang by 1/2, 1/4, 1/6, ... of their length, from the top, just balance.
 
-    By nine tenths of that the tower stands, by eleven tenths it must fall. Stiff, so that nothing sinks in by what
-    would tip it: the top brick leans on a tenth of its half length.
+    With nine tenths of that the tower stands, with eleven tenths it must fall. Contacts are stiff, so that overlaps do
+    not tip the top brick, which rests on a tenth of its half length.
     """
     contact_time, n, length = 2e-4, 4, 2.0 * EDGE
     steps = share * 0.5 * length / np.arange(n - 1, 0, -1.0)  # from the bottom: 1/3, 1/2, 1 of the half length
@@ -101,15 +101,15 @@ def test_the_leaning_tower_of_bricks(share, stands):
     sideways, down = moved(tower, start)
     print(f"moved {sideways:.1e} m, sunk {down:.1e} m")
     if stands:
-        assert max(sideways, down) < 0.01 * EDGE  # it sways on its springs, less and less
+        assert max(sideways, down) < 0.01 * EDGE  # it sways on its contacts, less and less
     else:
         assert down > 0.5 * EDGE
 
 
 def test_bricks_set_down_exactly_touching_carry_each_other():
-    """Their overlap starts at zero to the last digits, and in the first steps it can round to 0.0 again.
+    """Their overlap is zero to the last digits, and in the first steps it can be rounded to 0.0 again.
 
-    A contact that ended so was forgotten for millimetres: the bricks sank through each other, 0.5 mm in 0.01 s.
+    Such a contact must not be lost for millimetres: otherwise the bricks sink into each other by 0.5 mm in 0.01 s.
     """
     steps = 0.9 * EDGE / np.arange(3.0, 0.0, -1.0)
     start = np.column_stack([np.concatenate([[0.0], np.cumsum(steps)]), np.zeros(4), EDGE * (np.arange(4) + 0.5)])
@@ -119,7 +119,7 @@ def test_bricks_set_down_exactly_touching_carry_each_other():
 
 
 def test_a_pyramid_on_its_tip_falls():
-    """One brick, two on it, three on those: the outer ones have nothing below their centre."""
+    """With one brick, two on it and three on those, the outer bricks have nothing below their centres."""
     start = EDGE * np.array([[2.002 * k - 1.001 * row, 0.0, row + 0.5] for row in range(3) for k in range(row + 1)])
     stack = pile(start, EDGE * np.array([2.0, 1.0, 1.0]))
     run_watched(stack, 0.5)
@@ -135,7 +135,7 @@ def test_a_house_of_two_cards_stands_where_friction_holds_it(friction, stands):
     edge of one lies on the face of the other, whose normal is 30° off the horizontal.
     """
     length, thick, angle = 0.04, 0.001, np.pi / 6.0
-    # Centres such that the upper inner edges meet in the plane x = 0 and the lower outer ones stand on the floor.
+    # The upper inner edges meet in the plane x = 0, and the lower outer edges are on the floor.
     reach = 0.5 * (length * np.sin(angle) + thick * np.cos(angle))
     height = 0.5 * (length * np.cos(angle) + thick * np.sin(angle))
     made = make_scene(

@@ -10,7 +10,7 @@ from simcore.scene.setup import set_up
 
 
 def expected_steps(scene, **options):
-    """The expected steps of a scene of SCENES, and the warnings about its steps."""
+    """Return the expected steps of a scene of SCENES, and the warnings about its steps."""
     setup = set_up(thrown_bed(scene, **options), load_grains)
     expected = expect(setup.scene, setup.bases, setup.draw)
     return expected.stability.expected, [text for text in warnings(setup.scene, expected) if "per contact" in text]

@@ -26,7 +26,7 @@ def tube(width, kind=None, **groups):
 
 
 def test_a_sphere_on_the_axis_of_a_cylinder_stays_there():
-    """To the bit, by symmetry; also where it fills the cylinder but for a hair, and so is near the wall all round."""
+    """By symmetry it stays there to the bit, also if it nearly fills the cylinder and is near the wall all round."""
     for width in (2.000001 * R, 10 * R):
         ball = place_bodies(tube(width), R, [0, 0, 3 * R])
         run_watched(ball, 0.3, damped=True)
@@ -35,7 +35,7 @@ def test_a_sphere_on_the_axis_of_a_cylinder_stays_there():
 
 
 def test_a_sphere_too_wide_for_its_cylinder_is_squeezed_but_finite():
-    """It overlaps the wall all round; on the axis no side is special, and what it is pushed to must stay a number."""
+    """It overlaps the wall all round. On the axis no direction is special, and its position must stay finite."""
     ball = place_bodies(tube(1.99 * R), R, [0, 0, R])
     run_watched(ball, 0.05, damped=True)
     assert np.isfinite(ball.bodies.position).all()
@@ -44,7 +44,7 @@ def test_a_sphere_too_wide_for_its_cylinder_is_squeezed_but_finite():
 
 @pytest.mark.parametrize("ratio", [1.2, 1.6, 2.0])
 def test_a_cylinder_narrower_than_two_grains_is_filled(ratio):
-    """No site of the lattice lies within; grains are inserted on the axis, and stack in a column or a zigzag."""
+    """No lattice site is inside; grains are inserted on the axis and form a column or a zigzag."""
     raw = {
         "name": "tube",
         "domain": {"type": "cylinder", "width": f"{7.0 * ratio} mm", "height": "0.3 m"},
@@ -58,11 +58,11 @@ def test_a_cylinder_narrower_than_two_grains_is_filled(ratio):
     packed = pack(made.scene, made.bases, made.draw)
     position = packed.bodies.position
     assert len(position) == 12
-    # Friction wedges grains between the walls, so that they keep some of what they were pressed by in their fall.
+    # Friction wedges grains between the walls, so that some of the overlap from their fall remains.
     pressed = packed.walls.overlap[packed.walls.touching > 0].max()
     assert pressed < 0.02 * 3.5e-3
     assert np.hypot(*position[:, :2].T).max() < 3.5e-3 * (ratio - 1.0) + pressed + 1e-6  # sizes are up to 7.001 mm
-    # Neighbours up the column touch: their rise follows from the width where they lean on opposite sides.
+    # Neighbours along the column touch: their rise follows from the width if they lean on opposite sides.
     rise = np.diff(np.sort(position[:, 2]))
     across = 7e-3 * (ratio - 1.0)
     assert rise.max() < 7.01e-3 and rise.min() > 0.99 * np.sqrt(7e-3**2 - min(across, 7e-3) ** 2) - 1e-4
@@ -70,7 +70,7 @@ def test_a_cylinder_narrower_than_two_grains_is_filled(ratio):
 
 @pytest.mark.parametrize("angle", [0.0, 1.0, 2.5])
 def test_a_sphere_thrown_into_the_edge_of_a_cylinder_comes_to_rest_beside_it(angle):
-    """It meets wall and floor at once, loses energy only, and lies within, wherever it was thrown."""
+    """It hits wall and floor at once, only loses energy, and ends inside the cylinder, for any direction."""
     radius = 5 * R
     out = np.array([np.cos(angle), np.sin(angle), 0.0])
     ball = place_bodies(tube(2 * radius), R, (radius - 1.2 * R) * out + [0, 0, 1.2 * R], velocity=out - [0, 0, 1])
@@ -81,7 +81,7 @@ def test_a_sphere_thrown_into_the_edge_of_a_cylinder_comes_to_rest_beside_it(ang
 
 
 def test_a_ring_of_spheres_leans_on_the_cylinder():
-    """Six on the floor in the edge, touching the wall, and one on top of their middle: all at rest, and within."""
+    """Six spheres on the floor touch the wall, and two fall on their middle: all stay inside, carried by the floor."""
     radius = 3.05 * R
     turn = np.arange(6) * np.pi / 3.0
     low = np.column_stack([(radius - R) * np.cos(turn), (radius - R) * np.sin(turn), np.full(6, R)])
@@ -96,7 +96,7 @@ def test_a_ring_of_spheres_leans_on_the_cylinder():
 @pytest.mark.extremes
 @pytest.mark.parametrize("kind", ["hull", "ellipsoid"])
 def test_a_needle_falls_across_a_cylinder_shorter_than_it(kind):
-    """A needle of 1.2 diameters leans between floor and wall or both walls: at rest it is within, and carried."""
+    """A needle of 1.2 diameters leans between floor and wall or both walls: it comes to rest inside the cylinder."""
     width, length, thick = 0.02, 0.024, 0.002
     tilt = np.radians(50.0)
     edges = np.array([length, thick, thick])
@@ -118,7 +118,7 @@ def test_a_needle_falls_across_a_cylinder_shorter_than_it(kind):
 
 
 def test_a_sphere_wider_than_its_box_presses_on_its_own_images():
-    """In x and in y, each by the same: no net force, so it falls and lies as if it were alone."""
+    """The forces from its images along x and y cancel, so it falls and rests like a single sphere."""
     width = 2.0 * R * (1.0 - 2.0**-10)
     ball = place_bodies(
         make_scene(domain={"width": width}, numerics={"contact_time": CONTACT_TIME}), R, [0, 0, 1.5 * R]
@@ -131,7 +131,7 @@ def test_a_sphere_wider_than_its_box_presses_on_its_own_images():
 
 
 def test_a_pair_touches_through_two_images():
-    """Two spheres that fill the period in x: each meets the other on both sides, and is pressed from both alike."""
+    """Two spheres fill the period in x: each touches the other on both sides, with equal forces."""
     width = 4.0 * R * (1.0 - 2.0**-10)
     made = make_scene(domain={"width": width}, numerics={"contact_time": CONTACT_TIME})
     pair = place_bodies(made, R, [[0, 0, R], [0.5 * width, 0, R]])
@@ -145,9 +145,9 @@ def test_a_pair_touches_through_two_images():
 
 
 def test_needles_longer_than_their_box_are_packed_in_it():
-    """Born upright they have room, and fall over: a box of 16 mm holds needles of 22 mm, one through its own image.
+    """Needles of 22 mm are inserted upright into a box of 16 mm and fall over; one touches its own image.
 
-    At rest as any packing, the floor carries them, and no overlap is more than a hundredth of a needle's thickness.
+    The floor carries them at rest, and no overlap is more than a hundredth of a needle's thickness.
     """
     changes = {
         "domain": {"width": "16 mm"},
@@ -168,9 +168,9 @@ def test_needles_longer_than_their_box_are_packed_in_it():
 
 @pytest.mark.parametrize("kind", ["sphere", "hull", "ellipsoid"])
 def test_a_narrow_box_is_what_many_copies_side_by_side_are(kind):
-    """Three grains wider than the box that holds them, against 7 × 7 copies in the open: the same forces and torques.
+    """Three grains wider than their periodic box have the forces and torques of 7 × 7 copies in a wide box.
 
-    Grains are up to 2.5 periods long. Contacts are the same pairs seen from another place: to rounding.
+    Grains are up to 2.5 periods long. The contacts are the same pairs at other places, so results agree to rounding.
     """
     width, copies = 4e-3, 7
     rng = np.random.default_rng(3)
@@ -180,7 +180,7 @@ def test_a_narrow_box_is_what_many_copies_side_by_side_are(kind):
         scale = np.array([[10e-3, 0.8e-3, 0.6e-3], [6e-3, 2e-3, 1e-3], [2e-3, 2e-3, 2e-3]])
         scale = scale if kind == "hull" else scale * [[0.5], [0.8], [0.8]]
     turns = Rotation.random(3, rng=rng).as_quat(scalar_first=True)
-    # One long needle lies so that it passes its own images: along (3, 1) of the lattice, their gap is a tenth of that.
+    # One needle is turned along (3, 1) of the lattice, so that it passes its own images at a small gap.
     turns[0] = Rotation.from_rotvec([0.0, 0.0, np.arctan(1.0 / 3.0)]).as_quat(scalar_first=True)
     position = np.column_stack([rng.uniform(0.0, width, (3, 2)), [2.2e-3, 3.4e-3, 5.0e-3]])
     velocity, spin = 0.01 * rng.standard_normal((3, 3)), rng.standard_normal((3, 3))

@@ -1,4 +1,4 @@
-"""Contacts by potentials: against slow minimisation, known pairs, closed forms, and the roots of det(λA + B)."""
+"""Ellipsoid contacts by potentials, compared with slow minimisation, known pairs and the roots of det(λA + B)."""
 
 import dataclasses
 
@@ -30,7 +30,7 @@ update_by_potentials = make_update(check_potentials, search_potentials)
 
 @numba.njit(error_model="numpy")
 def points_between(m, rotation, i, j, r, out):
-    """Rows (found, overlapping, contact vector, normal, middle) of pairs i, j of form matrices, r apart."""
+    """Write rows (reached, overlapping, contact vector, normal, middle) of pairs i, j of form matrices m, r apart."""
     for k in range(len(i)):
         pair = Pair(i[k], j[k], read(r, k), 1.0)
         meeting = meeting_of(m, pair, start_normal(m, pair), MANY)
@@ -54,14 +54,14 @@ def characteristic_values(m, r, factors, out):
 
 
 def forms(semi, turns):
-    """Rotations (n, 3, 3), and form matrices (n, 6) and whole (n, 3, 3), of semi-axes (n, 3) and quaternions (n, 4)."""
+    """Return rotations (n, 3, 3) and form matrices, packed (n, 6) and full (n, 3, 3), of semi-axes and quaternions."""
     rotation = Rotation.from_quat(turns, scalar_first=True).as_matrix()
     whole = np.einsum("nij,nj,nkj->nik", rotation, semi**2, rotation)
     return rotation, np.ascontiguousarray(whole[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]), whole
 
 
 def touching_pairs(rng, n, flattest, depth):
-    """Semi-axes and turns (2 n, ...), offsets (n, 3) and common normals (n, 3) of pairs this deep along these."""
+    """Return semi-axes and quaternions (2 n, ...), offsets and common normals (n, 3) of pairs that overlap by depth."""
     semi = np.exp(rng.uniform(np.log(flattest), 0.0, (2 * n, 3)))
     turns = Rotation.random(2 * n, rng=rng).as_quat(scalar_first=True)
     _, _, whole = forms(semi, turns)
@@ -84,7 +84,10 @@ def find_points(semi, turns, offsets, swapped=False):
 
 
 def least_potential(of, on, centre):
-    """Least xᵀ of⁻¹ x over the surface of `on` about `centre`, by dense sampling and descent from the best; where."""
+    """Return the minimum of xᵀ of⁻¹ x over the surface of `on` about `centre`, and its point.
+
+    The surface is sampled densely, and a descent starts from each of the three best points.
+    """
     root, form = np.linalg.cholesky(on), np.linalg.inv(of)
 
     def value(u):
@@ -108,20 +111,21 @@ def test_no_point_of_the_surface_has_less_potential(flattest):
     for k, r in enumerate(offsets):
         a, b = whole[2 * k], whole[2 * k + 1]
         vector, middle = found[k, 2:5], found[k, 8:11]
-        of_a, of_b = middle + 0.5 * vector, middle - 0.5 * vector  # a's point, inside b; b's, inside a
+        of_a, of_b = middle + 0.5 * vector, middle - 0.5 * vector  # a's point, inside b; b's point, inside a
         condition = np.linalg.cond(a) + np.linalg.cond(b)
         here = np.zeros(3)
         for x, form, centre, other, origin in ((of_a, a, here, b, r), (of_b, b, r, a, here)):
-            # On its own surface, and deepest in the other
+            # The point is on the surface of its own body and deepest in the other one.
             assert (x - centre) @ np.linalg.solve(form, x - centre) == pytest.approx(1.0, abs=20 * EPS * condition)
             least, where = least_potential(other, form, centre - origin)
             potential_there = (x - origin) @ np.linalg.solve(other, x - origin)
             assert potential_there <= least + 20 * EPS * condition and potential_there < 1.0
-            # The slow minimum is known to about √(eps condition) of the size, descent being flat there
+            # The slow minimum has an error of about √(eps condition) of the size, because the potential is flat there.
             assert np.linalg.norm(x - origin - where) < 20 * np.sqrt(EPS * condition) * np.abs(semi).max()
 
 
-# Symmetric about the line of centres; a centre in the other body, so by the common normal
+# CLOSED: pairs symmetric about the line of centres. WITHIN: a centre is in the other body, so the common normal is
+# used.
 CLOSED = {"spheres", "triaxial", "needles crossed", "sphere on the flat side", "disc on rim"}
 WITHIN = {"concentric", "sphere at the tip", "sphere beside"}
 
@@ -129,7 +133,7 @@ WITHIN = {"concentric", "sphere at the tip", "sphere beside"}
 @pytest.mark.parametrize("name", KNOWN_PAIRS)
 @pytest.mark.parametrize("size", [1.0, 1e-6, 1e3])
 def test_known_pairs(name, size):
-    """Overlap or not; and its depth, where the contact vector is the common normal."""
+    """Pairs overlap as stated, and their depth is right where the contact vector is the common normal."""
     semi_a, semi_b, turn, centre, distance = KNOWN_PAIRS[name]
     bodies, _, contacts = place_pairs(
         [UNIT_SPHERE] * 2, [semi_a, semi_b], [IDENTITY, turn], np.atleast_2d(centre), size
@@ -149,7 +153,7 @@ def test_known_pairs(name, size):
         if name in CLOSED | WITHIN:
             assert contacts.overlap[0] / size == pytest.approx(-distance, abs=1e-12 * extent)
         elif name in ("parallel", "disc rims"):
-            # Equal and parallel: spheres, stretched. The contact vector lies along the centres.
+            # Equal and parallel ellipsoids are stretched spheres, so the contact vector is along the line of centres.
             stretched = np.linalg.norm(np.array(centre) / semi_a)
             overlap = np.linalg.norm(centre) * (2.0 / stretched - 1.0)
             assert contacts.overlap[0] / size == pytest.approx(overlap, abs=1e-12 * extent)
@@ -171,7 +175,7 @@ def test_the_known_roots_are_roots(name):
     semi_a, semi_b, turn, centre, _ = KNOWN_PAIRS[name]
     _, m, _ = forms(np.array([semi_a, semi_b], float), np.array([IDENTITY, turn], float))
     low, high = np.array(ROOTS[name])
-    # Given with six digits: it changes its sign within 1e-6 of them, and is positive between them.
+    # The roots are given with six digits: the polynomial changes sign within 3e-6 of them and is positive between them.
     factors = np.array([low * (1 - 3e-6), low * (1 + 3e-6), np.sqrt(low * high), high * (1 - 3e-6), high * (1 + 3e-6)])
     values = np.empty(5)
     characteristic_values(m, np.array(centre, float), factors, values)
@@ -179,7 +183,7 @@ def test_the_known_roots_are_roots(name):
 
 
 def positive_roots(whole_a, whole_b, r):
-    """Real positive roots of det(λA + B) of the 4 × 4 forms: eigenvalues of −A⁻¹ B."""
+    """Return the real positive roots of det(λA + B) of the 4 × 4 forms, which are eigenvalues of −A⁻¹ B."""
     forms = []
     for whole, centre in ((whole_a, np.zeros(3)), (whole_b, r)):
         inverse = np.linalg.inv(whole)
@@ -192,7 +196,7 @@ def positive_roots(whole_a, whole_b, r):
 
 
 def test_two_positive_roots_or_none_decide():
-    """Against all four roots; and the plane given for a separated pair separates it."""
+    """The decision agrees with all four roots, and the plane of a separated pair separates it."""
     rng = np.random.default_rng(5)
     n = 1000
     semi, turns, offsets = random_pairs(rng, n, 0.2)
@@ -224,7 +228,7 @@ def test_both_constructions_agree_on_who_touches(flattest):
     assert 0.05 * n < rows.sum() < 0.95 * n
     assert (contacts.overlap[rows] > 0.0).all()
     np.testing.assert_allclose(np.linalg.norm(contacts.direction, axis=1), 1.0, atol=8 * EPS)
-    # The least translation is the least: a gap along the plane that was found is no wider than the gap.
+    # The recorded gap is that along the direction that was found, which is at most the true gap.
     gaps = np.array([certain_gap(contacts, k) for k in np.flatnonzero(~rows)])
     a, b = bodies.rotation[0::2] * bodies.scale[0::2, None], bodies.rotation[1::2] * bodies.scale[1::2, None]
     n_k = contacts.direction
@@ -248,7 +252,7 @@ def test_spheres_are_in_closed_form_as_by_the_common_normal():
     overlap = radii.sum(axis=0) - distance
     rows = overlap > 0.0
     assert (rows == (contacts.touching > 0)).all() and 0.3 * n < rows.sum() < 0.9 * n
-    # Some ten roundings of numbers of order 3; the offset is that of positions up to 100
+    # The error is about ten roundings of numbers of order 3; offsets are differences of positions up to 100.
     np.testing.assert_allclose(contacts.overlap[rows], overlap[rows], atol=200 * EPS)
     np.testing.assert_allclose(contacts.overlap[rows], by_normal.overlap[rows], atol=200 * EPS)
     np.testing.assert_allclose(contacts.direction[rows], (offsets / distance[:, None])[rows], atol=200 * EPS)
@@ -265,7 +269,7 @@ def test_exchanged_grains_give_the_same_bits(flattest):
     assert one[:, :2].all()
     np.testing.assert_array_equal(one[:, :2], other[:, :2])
     np.testing.assert_array_equal(one[:, 2:8], -other[:, 2:8])
-    # The middle is told from the other centre: one more rounding
+    # The middle is relative to the other centre, which adds one rounding.
     np.testing.assert_allclose(one[:, 8:] - pairs[2], other[:, 8:], atol=8 * EPS)
 
 
@@ -278,7 +282,7 @@ def test_seen_from_elsewhere_and_in_other_units():
     moved = (turn * Rotation.from_quat(turns, scalar_first=True)).as_quat(scalar_first=True)
     for size in (1.0, 1e-6, 1e3):
         there, _ = find_points(size * semi, moved, size * turn.apply(offsets))
-        # Conditions of the forms are up to 1 / flattest²
+        # The condition number of a form is at most 1 / flattest².
         tolerance = 100 * EPS / flattest**2
         assert there[:, :2].all()
         np.testing.assert_allclose(there[:, 2:5] / size, turn.apply(one[:, 2:5]), atol=tolerance)
@@ -286,14 +290,14 @@ def test_seen_from_elsewhere_and_in_other_units():
 
 
 def test_the_normal_is_common_as_the_depth_goes_to_zero_and_the_contact_vector_is_not():
-    """What the direction is taken from: its angle to the common normal is of first order in the depth."""
+    """The angle between the normal of a contact and the common normal is of first order in the depth."""
     angles = []
     for depth in (1e-3, 1e-4, 1e-5):
         semi, turns, offsets, normal = touching_pairs(np.random.default_rng(7), 300, 0.4, depth)
         found, _ = find_points(semi, turns, offsets)
         vector = found[:, 2:5] / np.linalg.norm(found[:, 2:5], axis=1, keepdims=True)
         angles.append([np.linalg.norm(np.cross(x, normal), axis=1) for x in (found[:, 5:8], vector)])
-        # Along the normal it is the depth
+        # Along the normal, the contact vector is as long as the depth.
         along = (found[:, 2:5] * normal).sum(axis=1)
         np.testing.assert_allclose(along / depth, 1.0, atol=200.0 * depth)
     gradients, vectors = np.median(angles, axis=2).T
@@ -303,7 +307,7 @@ def test_the_normal_is_common_as_the_depth_goes_to_zero_and_the_contact_vector_i
 
 
 def test_the_last_normal_answers_as_a_search_does():
-    """Pairs that come together from a gap and turn: what is remembered leads to what a search finds."""
+    """For pairs that approach from a gap, the remembered normal gives the contact that a new search finds."""
     rng = np.random.default_rng(8)
     n = 200
     semi, turns, offsets = random_pairs(rng, n, 0.3)
@@ -327,11 +331,11 @@ def test_the_last_normal_answers_as_a_search_does():
         np.testing.assert_allclose(contacts.point[rows], fresh.point[rows], atol=1e-12)
         compared += rows.sum()
     assert compared > 50 * n
-    assert searched < 12 * n  # of 200 n
+    assert searched < 12 * n  # of 200 n updates
 
 
 def test_what_has_no_least_potential_still_has_a_contact():
-    """Concentric, aligned and nested pairs, at 1 : 100: a contact with a normal, and where grains are within reach."""
+    """Concentric, aligned and nested pairs with axes of 1 : 100 get a contact with a unit normal."""
     needle, disc = (1.0, 0.01, 0.01), (1.0, 1.0, 0.01)
     cases = [(a, b, r) for a in (needle, disc) for b in (needle, disc, (0.5, 0.5, 0.5)) for r in (0.0, 1e-9, 1e-3)]
     scale = np.array([axes for a, b, _ in cases for axes in (a, b)])

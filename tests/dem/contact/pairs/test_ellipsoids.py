@@ -1,4 +1,4 @@
-"""Ellipsoids against known pairs, against many directions, and against the conditions of a common normal."""
+"""Ellipsoid contacts, compared with known pairs, many directions and the conditions of a common normal."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from tests.helpers.rotations import IDENTITY
 
 
 def support_points(bodies, rows, normals):
-    """Points (n, 3) of bodies farthest along normals, relative to the centres."""
+    """Return the points (n, 3) of bodies farthest along normals, relative to the centres."""
     r = bodies.rotation[rows]
     matrix = np.einsum("nij,nj,nkj->nik", r, bodies.scale[rows] ** 2, r)
     image = np.einsum("nij,nj->ni", matrix, normals)
@@ -19,7 +19,7 @@ def support_points(bodies, rows, normals):
 
 
 def residual(bodies, contacts):
-    """How far the line between the surface points of touching pairs is from their normal, and their depth (n,)."""
+    """Return the distance of the line between surface points of touching pairs from the normal, and the depth (n,)."""
     rows = np.flatnonzero(contacts.touching)
     a, b, n = 2 * rows, 2 * rows + 1, contacts.direction[rows]
     # The surface point of b along −n is minus that along n.
@@ -35,13 +35,13 @@ def test_known_pairs(name, size):
     bodies, contacts = search_pairs(semi_a, semi_b, IDENTITY, turn, centre, size)
     extent = (bodies.radius.sum()) / size
     if distance >= 0.0 and contacts.touching[0] == 0:
-        # A gap wider than 2 % of the size needs no more than a certain bound
+        # For a gap wider than 2 % of the size, the search needs only a lower bound.
         gap = certain_gap(contacts, 0) / size
         assert gap <= distance + 1e-12 * extent
         assert gap >= min(distance - 1e-12 * extent, 0.02 * extent)
     else:
         assert contacts.touching[0] == 1
-        # The references have 12 digits
+        # The references have 12 digits.
         assert contacts.overlap[0] / size == pytest.approx(-distance, abs=1e-12 * max(extent, 1.0) + 1e-12)
     if name == "golden, tangent":
         np.testing.assert_allclose(contacts.direction[0], (0.135045, 0.353553, 0.925615), atol=1e-6)
@@ -49,7 +49,7 @@ def test_known_pairs(name, size):
 
 @pytest.mark.parametrize("flattest", [0.3, 0.02])
 def test_no_direction_shows_less_overlap_and_the_normal_is_common(flattest):
-    """The distance is the maximum of f(n): 20 000 directions and as many surface normals of each body stay below."""
+    """The distance is the maximum of f(n): 3000 directions and as many surface normals of each body stay below."""
     rng = np.random.default_rng(1)
     n = 250
     semi, turns, offsets = random_pairs(rng, n, flattest)
@@ -73,7 +73,7 @@ def test_no_direction_shows_less_overlap_and_the_normal_is_common(flattest):
         if contacts.touching[k]:
             missed += f.max() > -contacts.overlap[k] + 1e-12
         else:
-            # A certain gap: never wider than the true one, which no direction shows less of than this one
+            # The recorded gap is at most the gap along its own direction, which is at most the true gap.
             n_k, gap = contacts.direction[k], certain_gap(contacts, k)
             f_k = n_k @ offsets[k] - sum(np.linalg.norm(n_k @ matrix) for matrix in matrices)
             assert 0.0 < gap <= f_k + 1e-14
@@ -112,16 +112,16 @@ def test_a_pair_seen_from_the_other_body_and_from_elsewhere():
     assert rows.sum() > 0.3 * n
     for observed in (other, there):
         assert (observed.touching == one.touching).all()
-        # The depth is stationary in the normal, so it is known to rounding; 100 eps by the common offset.
+        # The depth is stationary in the normal, so its error is rounding; the common offset adds 100 eps.
         np.testing.assert_allclose(observed.overlap[rows], one.overlap[rows], atol=1e-12)
-    # The normal is known to TOLERANCE / curvature radius of the flattest side, 0.09 here
+    # The error of the normal is TOLERANCE over the radius of curvature, which is at least 0.09 here.
     np.testing.assert_allclose(other.direction[rows], -one.direction[rows], atol=1e-8)
     np.testing.assert_allclose(other.point[rows] + offsets[rows], one.point[rows], atol=1e-8)
     np.testing.assert_allclose(there.direction[rows], turn.apply(one.direction[rows]), atol=1e-8)
 
 
 def test_the_last_normal_answers_as_a_search_does():
-    """Pairs that come together from a gap and turn: the climb from the last normal finds what a search finds."""
+    """For pairs that approach from a gap, the climb from the last normal finds what a new search finds."""
     rng = np.random.default_rng(4)
     n = 200
     semi, turns, offsets = random_pairs(rng, n, 0.3)

@@ -1,7 +1,8 @@
-"""The contact search of the source study's program: pair by pair as a plain one, and against what there is.
+"""The contact search of Rettinger et al. (2022), compared with a plain version and with the true overlap.
 
-The plain one keeps a list of faces, asks all of them whether they see a new point, and looks at every corner of a hull.
-Pebbles of 300 faces and 6.7 mm with an overlap of 1e-7 m are what the study's beds are made of.
+The plain version stores a list of faces, tests for each of them whether a new point is in front of it, and goes through
+every corner of a polyhedron. The packings of Rettinger et al. consist of pebbles with 300 faces and a size of 6.7 mm,
+which overlap by 1e-7 m.
 """
 
 import dataclasses
@@ -28,12 +29,15 @@ START = np.array([0.0, 0.6, 0.8])  # the search's first direction
 
 
 def support(a, b, n):
-    """Point of the rounded Minkowski difference of corners a, b (n, 3) along the unit vector n."""
+    """Return the point of the rounded Minkowski difference of corners a, b (n, 3) farthest along the unit vector n."""
     return a[np.argmax(a @ n)] - b[np.argmin(b @ n)] + 2.0 * MARGIN * n
 
 
 def nearest(simplex):
-    """(corners of the part of a simplex next to the origin, its point there); None where the origin is within."""
+    """Return the corners of the part of a simplex nearest to the origin, and its nearest point.
+
+    It returns None if the origin is inside the simplex.
+    """
     points = np.array(simplex)
     if len(points) == 4:
         weights = np.linalg.solve(np.vstack([points.T, np.ones(4)]), [0.0, 0.0, 0.0, 1.0])
@@ -53,7 +57,7 @@ def nearest(simplex):
 
 
 def plane(points, face):
-    """Unit normal, outward, and distance of a face's plane from the origin within."""
+    """Return the outward unit normal of a face and the distance of its plane from the origin, which is inside."""
     p, q, s = (points[k] for k in face)
     n = np.cross(q - p, s - p)
     n /= np.linalg.norm(n)
@@ -61,7 +65,7 @@ def plane(points, face):
 
 
 def slow_search(a, b, direction, room=MAX_FACES):
-    """(overlap or 0 where no contact is found, normal) of corners a, b (n, 3) in the world; room: faces at most."""
+    """Return overlap, 0 if none is found, and normal of corners a, b (n, 3); room: maximum number of faces."""
     points = [support(a, b, direction)]
     found = (points, points[0])
     while found is not None:
@@ -96,7 +100,7 @@ def slow_search(a, b, direction, room=MAX_FACES):
 
 @pytest.fixture(scope="module")
 def pebbles():
-    """Pairs of fine pebbles: hulls, index, quaternions, offsets, and what is found: overlap, normal."""
+    """Return pairs of pebbles: polyhedra, index, rotations, offsets, true normals, overlaps found, normals found."""
     rng = np.random.default_rng(5)
     hulls = [convex(make_pebble(seed, n=152).vertices * 3.35e-3) for seed in range(8)]
     return find_pairs(hulls, PAIRS, rng)
@@ -115,7 +119,7 @@ def find_pairs(hulls, n, rng):
 
 
 def corners(pairs, k):
-    """Corners of a and of b (n, 3) from the centre of a, of pair k."""
+    """Return the corners (n, 3) of both bodies of pair k, relative to the centre of a."""
     hulls, index, rotation, apart = pairs[:4]
     a, b = (hulls[index[i]].base.vertices * hulls[index[i]].scale @ rotation[i].T for i in (2 * k, 2 * k + 1))
     return a, b + apart[k]
@@ -125,7 +129,7 @@ def test_pair_by_pair_as_a_plain_search(pebbles):
     overlap, along = pebbles[5:]
     for k in range(PAIRS):
         slow, normal = slow_search(*corners(pebbles, k), START)
-        # Distances of 2e-4 m, each a chain of some ten operations on coordinates of 1e-2 m
+        # The distances of 2e-4 m result from some ten operations on coordinates of 1e-2 m.
         assert overlap[k] == pytest.approx(slow, abs=1e-14), k
         if slow > 0.0:
             np.testing.assert_allclose(along[k], normal, atol=1e-9)
@@ -133,7 +137,7 @@ def test_pair_by_pair_as_a_plain_search(pebbles):
 
 def test_fine_hulls_are_found_too_shallow_or_not_at_all(pebbles):
     overlap = pebbles[5]
-    # The polytope lies inside the bodies; what the search takes for converged is TOLERANCE of 2 MARGIN short.
+    # The polytope is inside the bodies, and a converged search is short by at most TOLERANCE times 2 MARGIN.
     assert overlap.max() <= OVERLAP * (1.0 + 1e-6)
     short = overlap < OVERLAP - 4.0 * MARGIN * TOLERANCE
     assert 0.2 < short.mean() < 0.8
@@ -141,7 +145,7 @@ def test_fine_hulls_are_found_too_shallow_or_not_at_all(pebbles):
 
 
 def test_it_is_the_room_that_is_short(pebbles):
-    """With ten times the faces the plain search finds more of what there is, mostly all of it."""
+    """With ten times as many faces, the plain search finds more of the overlap, mostly all of it."""
     overlap, right = pebbles[5], 0
     short = [k for k in range(PAIRS) if overlap[k] < 0.99 * OVERLAP][:10]
     for k in short:
@@ -153,7 +157,7 @@ def test_it_is_the_room_that_is_short(pebbles):
 
 @numba.njit(error_model="numpy")
 def step(shapes, bodies, contacts):
-    """What a step does to contacts before it presses them; returns how many were lost."""
+    """Update contacts as a step does before it computes forces; return how many contacts were lost."""
     lost = 0
     for p in range(len(contacts.body_a)):
         check_polyhedra(shapes, bodies, contacts, p, 0.0, False)
@@ -175,7 +179,7 @@ def test_a_lost_contact_forgets_its_springs_and_is_looked_for_again(pebbles):
         apart,
     )
     update_polyhedra(shapes, bodies, contacts, 0.0)
-    # Positions of bodies on a grid are rounded, to 1e-16 m, and so is their difference.
+    # Bodies are placed on a grid, so positions and offsets are rounded to 1e-16 m.
     np.testing.assert_allclose(contacts.overlap, OVERLAP, rtol=1e-6)
     contacts.spring[:] = 1e-9
     exact = contacts.point.copy()
@@ -184,12 +188,12 @@ def test_a_lost_contact_forgets_its_springs_and_is_looked_for_again(pebbles):
     assert lost == gone.sum() > 0
     np.testing.assert_array_equal(gone, pebbles[5] == 0.0)
     assert (contacts.spring[gone] == 0.0).all() and (contacts.spring[~gone] != 0.0).all()
-    # Where the overlap is found, so is the point, but for what the normal's angle does over 2 MARGIN; an angle α costs
-    # 2 MARGIN α² / 2 of depth.
+    # Where the overlap is right, so is the point, apart from the effect of the normal's angle α over 2 MARGIN. This
+    # angle reduces the depth by 2 MARGIN α² / 2.
     right = ~gone & (contacts.overlap > OVERLAP - 4.0 * MARGIN * TOLERANCE)
     off = np.linalg.norm(contacts.point - exact, axis=1)[right]
     assert right.sum() > 20 and off.max() < 2.0 * MARGIN * np.sqrt(8.0 * TOLERANCE)
-    # Nothing has moved: the next step finds the same, and the exact search all of them.
+    # Nothing has moved, so the next step loses the same contacts, and the exact search finds all of them.
     assert step(shapes, bodies, contacts) == lost
     np.testing.assert_array_equal(contacts.touching == 0, gone)
     update_polyhedra(shapes, bodies, contacts, 0.0)

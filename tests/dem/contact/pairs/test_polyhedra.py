@@ -1,8 +1,8 @@
-"""Polyhedra against the exact signed distance from the hull of the Minkowski difference.
+"""Polyhedron contacts, compared with the exact distance from the hull of the Minkowski difference.
 
-Tolerances: depth and gap are sums of products of coordinates of the pair's size, in chains of some ten operations
-(rotation, offset, plane, mean), so 1e-9 of the size, as the contact law needs, is generous; 1e-13 is what double
-precision gives (some hundred eps), and that is asserted.
+Depth and gap are sums of products of coordinates of the pair's size, in some ten operations (rotation, offset, plane,
+mean). Double precision then gives 1e-13 of the size, some hundred eps, and this is asserted. The contact law needs only
+1e-9.
 """
 
 import itertools
@@ -27,7 +27,7 @@ def directions(n, rng):
 
 
 def differences(bases, bodies):
-    """Points of the Minkowski difference of every pair, and the pair's size."""
+    """Yield the points of the Minkowski difference of every pair, and the pair's size."""
     for k in range(len(bodies.mass) // 2):
         corners = [
             (bases[i].vertices * bodies.scale[i])
@@ -40,11 +40,11 @@ def differences(bases, bodies):
 
 
 def compare(bases, bodies, contacts):
-    """Assert every contact against the oracle; returns how many pairs touch."""
+    """Compare every contact with the exact distance; return how many pairs touch."""
     for k, (points, size) in enumerate(differences(bases, bodies)):
         distance = signed_distance(points)
         normal = contacts.direction[k]
-        reach = (points @ normal).max()  # of the Minkowski difference along the normal: an upper bound of the depth
+        reach = (points @ normal).max()  # extent of the difference along the normal: an upper bound of the depth
         assert abs(np.linalg.norm(normal) - 1.0) < 1e-14
         if contacts.touching[k]:
             assert abs(contacts.overlap[k] + distance) <= ROUNDING * size
@@ -53,8 +53,8 @@ def compare(bases, bodies, contacts):
             assert distance > -ROUNDING * size, "an overlap was missed"
             gap = certain_gap(contacts, k)
             assert gap <= distance + ROUNDING * size, "a gap that is not certain"
-            # A direction is known to eps size / distance and shows a gap that is short by as much of the size: so the
-            # promised share can be had while eps size² / distance is less than the slack of the distance.
+            # A direction has an error of eps size / distance, and its gap is short by this share of the size. The gap
+            # is within the slack only if eps size² / distance is less than the slack of the distance.
             if distance > np.sqrt(10.0 * EPS / GAP_SLACK) * size:
                 assert gap >= (1.0 - GAP_SLACK) * distance
     return int(contacts.touching.sum())
@@ -62,7 +62,7 @@ def compare(bases, bodies, contacts):
 
 @pytest.fixture(scope="module")
 def clouds():
-    """800 hulls of 8 to 40 vertices: on spheres, in cubes, normal clouds."""
+    """Return 800 polyhedra with 8 to 40 vertices: on spheres, in cubes, or normally distributed."""
     rng = np.random.default_rng(1)
     hulls = []
     for k in range(800):
@@ -99,7 +99,7 @@ def test_random_hulls_of_every_size_agree_with_the_oracle(clouds, size, common):
 
 
 def test_hulls_that_just_touch_are_decided_right(clouds):
-    """Offsets along the normal so that the distance becomes ±1e-2 .. ±1e-9 of the size."""
+    """Pairs are moved until their distance is ±1e-2 to ±1e-9 of their size."""
     rng = np.random.default_rng(3)
     n = 100
     bases, scale = clouds[: 2 * n], np.ones((2 * n, 3))
@@ -107,7 +107,7 @@ def test_hulls_that_just_touch_are_decided_right(clouds):
     offsets = directions(n, rng)
     bodies, _, _ = place_pairs(bases, scale, orientation, offsets)
     for k, (points, size) in enumerate(differences(bases, bodies)):
-        # Along a fixed direction the distance is monotonic beyond the first touch: move the pair apart or together.
+        # Along a fixed direction the distance is monotonic beyond the first touch, so the offset is found by bisection.
         unit = offsets[k]
         wanted = (-1.0) ** k * 10.0 ** -rng.uniform(2, 9) * size
         low, high = 0.0, 4.0
@@ -154,7 +154,7 @@ def test_known_pairs(name):
     scales = np.full((2, 3), scale)
     bodies, shapes, contacts = place_pairs(bases, scales, [turn_a, turn_b], [offset])
     update_polyhedra(shapes, bodies, contacts, 0.0)
-    # The references are given to 12 digits
+    # The references have 12 digits.
     if distance < 0.0:
         assert contacts.touching[0] == 1
         assert contacts.overlap[0] == pytest.approx(-distance, abs=1e-12)
@@ -168,7 +168,7 @@ def test_known_pairs(name):
 
 @pytest.mark.parametrize("scale", [(1, 1, 1), (1, 1, 0.01), (1, 0.01, 0.01)], ids=["cubes", "plates", "needles"])
 def test_parallel_faces_edges_and_corners(scale):
-    """Aligned blocks on a grid of offsets, all turned together: nothing but degenerate facets."""
+    """Aligned blocks on a grid of offsets, all turned together, have only degenerate facets."""
     rng = np.random.default_rng(4)
     base = make_polyhedron(CUBE)
     n = 200
@@ -199,7 +199,7 @@ def test_a_pair_seen_from_the_other_body(clouds):
     size = (bodies.radius[0::2] + bodies.radius[1::2])[touching]
     assert touching.sum() > 0.5 * n
     assert (np.abs(one.overlap - other.overlap)[touching] <= ROUNDING * size).all()
-    # The nearest facet is unique but for pairs whose two nearest facets lie equally far: none here.
+    # The nearest facet is unique unless two facets are equally near, which does not occur here.
     np.testing.assert_allclose(one.direction[touching], -other.direction[touching], atol=1e-9)
     np.testing.assert_allclose(one.point[touching], (offsets + other.point)[touching], atol=1e-9)
 
@@ -218,13 +218,13 @@ def test_turning_and_moving_a_pair_changes_nothing(clouds):
     update_polyhedra(shapes, bodies, there, 0.0)
     touching = here.touching > 0
     assert (here.touching == there.touching).all() and touching.any()
-    # Positions at 100 of the size lose 100 eps
+    # At positions of 100 times the size, rounding errors are 100 eps.
     np.testing.assert_allclose(here.overlap[touching], there.overlap[touching], atol=1e-12)
     np.testing.assert_allclose(turn.apply(here.direction[touching]), there.direction[touching], atol=1e-9)
 
 
 def test_the_contact_point_is_midway_between_points_of_both_bodies(clouds):
-    """Half the overlap along the normal lies a point of a, as far against it one of b."""
+    """Half an overlap along the normal there is a point of a, and half an overlap against it a point of b."""
     rng = np.random.default_rng(7)
     n = 200
     bases, scale = clouds[: 2 * n], np.ones((2 * n, 3))
@@ -246,7 +246,7 @@ def test_the_contact_point_is_midway_between_points_of_both_bodies(clouds):
 
 
 def test_memory_answers_as_a_search_does(clouds):
-    """Small moves of shallow contacts: the remembered facet, or a gap, gives what a search from nothing gives."""
+    """After small moves of shallow contacts, the remembered facet or gap gives what a new search gives."""
     rng = np.random.default_rng(8)
     n = 300
     bases, scale = clouds[: 2 * n], np.ones((2 * n, 3))
@@ -265,14 +265,14 @@ def test_memory_answers_as_a_search_does(clouds):
         offsets = bodies.position[1::2] - bodies.position[0::2]
         fresh_bodies, _, fresh = place_pairs(bases, scale, orientation, offsets)
         update_polyhedra(shapes, fresh_bodies, fresh, 0.0)
-        # Who touches is known to rounding.
+        # Whether a pair touches may differ by rounding.
         one, other = contacts.touching > 0, fresh.touching > 0
         overlap = np.where(one, contacts.overlap, fresh.overlap)
         assert (overlap[one != other] <= ROUNDING * size[one != other]).all()
         both = one & other
         excess = (contacts.overlap - fresh.overlap) / size
-        # A remembered facet is a local minimum of the overlap, so never less than the global one, and where it is
-        # another one, the contact is not small against its facet. Seldom so shallow.
+        # A remembered facet is a local minimum of the overlap, so its overlap is never below the global minimum. It is
+        # another facet only where the contact is not small compared with its facet, which is rare for shallow contacts.
         assert (excess[both] >= -ROUNDING).all()
         same = both & (excess <= ROUNDING)
         assert same.sum() > 0.99 * both.sum()
@@ -280,14 +280,14 @@ def test_memory_answers_as_a_search_does(clouds):
         assert alike.all()
         compared += same.sum()
     assert compared > 30 * n / 4
-    assert searched < 0.3 * 30 * n, "the memory answered nearly nothing"
+    assert searched < 0.3 * 30 * n, "remembered contacts were hardly ever reused"
 
 
 def test_a_corner_that_slides_over_an_edge_keeps_the_least_overlap():
-    """A spike in a cube's top, slid beyond its side: the depth shrinks with the way that is left to the side.
+    """A spike in a cube's top slides over the edge: the overlap falls with the distance that is left to the side.
 
-    The remembered top face stays a local minimum until the spike has left it. Kept that long, the contact would lose
-    all its elastic energy at once.
+    The remembered top face stays a local minimum until the spike has left it. If it were used that long, the contact
+    would lose all its elastic energy at once.
     """
     spike = make_polyhedron(np.array([[0, 0, 0], [0.2, 0, 1], [0.1, 0.1, 1], [0.1, -0.1, 1.0]]))  # leans outward
     apex = spike.vertices[:, 2].argmin()
@@ -300,5 +300,5 @@ def test_a_corner_that_slides_over_an_edge_keeps_the_least_overlap():
         searched.append(update_polyhedra(shapes, bodies, contacts, 0.0))
         overlap = max(min(depth, -x), 0.0)
         assert contacts.overlap[0] * contacts.touching[0] == pytest.approx(overlap, abs=ROUNDING)
-    # Farther from the edge than CERTAIN_REACH times the depth the memory answers, once it has been searched.
+    # Farther from the edge than CERTAIN_REACH times the depth, the remembered facet is used after the first search.
     assert not any(searched[1:20])

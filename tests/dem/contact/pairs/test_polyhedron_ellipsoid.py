@@ -1,4 +1,4 @@
-"""Hull against ellipsoid within the step: from memory and from nothing it gives what the stand-alone query gives."""
+"""Contacts of a polyhedron and an ellipsoid in a step, new and remembered, compared with the stand-alone query."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from tests.helpers.polyhedra import CUBE, make_pebble, make_polyhedron
 from tests.helpers.rotations import random_orientations
 
 AXES = [(1.0, 1.0, 1.0), (1.0, 0.75, 0.5), (1.6, 0.3, 0.3), (1.2, 1.2, 0.2), (1.0, 0.9, 0.9)]
-# The walk to a deep overlap ends where its bounds are within `deep_overlap.CERTAIN` = 2e-9 of the size.
+# The search for a deep overlap ends when its bounds are within `deep_overlap.CERTAIN` = 2e-9 of the size.
 DEEP = 3e-9
 
 
@@ -60,7 +60,7 @@ class Pairs:
         return query_many(self.query_shapes, self.index[0], poses[0], self.index[1], poses[1])
 
     def compare(self, found):
-        """The contacts against a query; returns where both overlap."""
+        """Compare the contacts with the result of a query; return the rows in which both overlap."""
         contacts, extent = self.contacts, self.extent
         touching = contacts.touching > 0
         deep = found.signed_distance < 0.0
@@ -69,15 +69,15 @@ class Pairs:
         rows = touching & deep
         excess = (contacts.overlap + found.signed_distance) / extent
         assert np.abs(excess[rows]).max(initial=0.0) <= DEEP
-        # Where both found the same least overlap, normal and point are the same too; it grows with the square of
-        # what the normal is off.
+        # Where both find the same overlap, normal and point agree too: the overlap grows with the square of the error
+        # of the normal.
         same = rows & (np.abs(excess) < 1e-13)
         assert same.sum() >= 0.9 * rows.sum()
         np.testing.assert_allclose(contacts.direction[same], found.normal[same], atol=1e-6)
         middle = 0.5 * (found.point_a + found.point_b) - self.bodies.position[0::2]
         assert (np.abs(contacts.point[same] - middle[same]).max(axis=1) <= 1e-6 * extent[same]).all()
         for k in np.flatnonzero(~touching & ~deep):
-            # What is remembered of a gap is certain.
+            # The remembered gap is a lower bound.
             reach = self.bodies.position[2 * k + 1] - self.bodies.position[2 * k] - contacts.apart_at[k]
             left = contacts.safe_until[k] - self.bodies.turned[2 * k : 2 * k + 2].sum() - np.linalg.norm(reach)
             assert left <= found.signed_distance[k] + 1e-12 * extent[k]
@@ -91,12 +91,12 @@ def test_a_pair_without_memory_is_what_the_query_says(size):
     assert searched == pairs.n
     rows = pairs.compare(pairs.query())
     assert 0.4 * pairs.n < rows.sum() < 0.95 * pairs.n
-    # The other body's view of it
+    # Both orders of polyhedron and ellipsoid occur.
     assert rows[pairs.first].sum() > 0.2 * rows.sum() < rows[~pairs.first].sum()
 
 
 def test_no_direction_shows_less_overlap():
-    """Independent of all searches: the overlap is the least over 4000 directions and all face normals of the hull."""
+    """The overlap is the least over 4000 directions and all face normals, which are tried without any search."""
     pairs = Pairs(150, 1.4, 2)
     update_mixed(pairs.shapes, pairs.bodies, pairs.contacts, 0.0)
     rng = np.random.default_rng(3)
@@ -129,7 +129,7 @@ def test_a_pair_is_the_same_from_its_other_body():
     for observed in (pairs, other):
         update_mixed(observed.shapes, observed.bodies, observed.contacts, 0.0)
     one, two = pairs.contacts, other.contacts
-    # Both look from the hull, so only the sum that gives the point is rounded anew.
+    # Both searches start from the polyhedron, so only the sum that gives the point is rounded differently.
     np.testing.assert_array_equal(one.touching, two.touching)
     np.testing.assert_array_equal(one.overlap, two.overlap)
     np.testing.assert_array_equal(one.direction, -two.direction)
@@ -139,11 +139,11 @@ def test_a_pair_is_the_same_from_its_other_body():
 
 
 def test_what_is_remembered_answers_as_the_query_does():
-    """Pairs that come together from a gap, turn, slide and part again: nothing is missed, and little is searched."""
+    """Pairs approach, turn, slide and separate again: no contact is missed, and few searches are needed."""
     pairs = Pairs(120, 2.0, 5)
     b = pairs.bodies
     size = pairs.extent[:, None]
-    for _ in range(3):  # from anywhere to a narrow gap
+    for _ in range(3):  # move all pairs to a narrow gap
         found = pairs.query()
         b.position[1::2] += (0.02 * pairs.extent - found.signed_distance)[:, None] * found.normal
     unit = found.normal
@@ -162,5 +162,6 @@ def test_what_is_remembered_answers_as_the_query_does():
         searched += update_mixed(pairs.shapes, b, pairs.contacts, 0.0)
         touched += pairs.compare(pairs.query()).sum()
     assert touched > 100 * pairs.n
-    # Each once at first. Then few: overlaps are below the rolling radius of the thinnest, 0.017 of the size, mostly.
+    # Each pair is searched once at first and rarely later, because most overlaps are below the smallest rolling radius,
+    # 0.017 of the size.
     assert searched < pairs.n + 0.01 * touched

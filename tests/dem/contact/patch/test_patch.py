@@ -1,4 +1,4 @@
-"""The patch of two overlapping polyhedra against their intersection itself, and how it moves."""
+"""The patch of two overlapping polyhedra, compared with their exact intersection, and its motion."""
 
 import numba
 import numpy as np
@@ -32,7 +32,7 @@ def press_patches(shapes, bodies, contacts, workspace):
 
 @numba.njit(error_model="numpy")
 def slow_moments(shapes, bodies, contacts, workspace, p):
-    """The general way alone, without the short cuts for single corners and edges and without their bounds."""
+    """Return the moments of pair p by the general method alone, without short cuts for single corners and edges."""
     offset = partner_offset(bodies, contacts, p, 0.0, False)
     pair = pair_of(bodies, contacts.body_a[p], contacts.body_b[p], offset)
     axes = axes_about(read(contacts.direction, p))
@@ -41,7 +41,7 @@ def slow_moments(shapes, bodies, contacts, workspace, p):
 
 
 def press_pairs(bases, scale, orientation, offsets):
-    """Bodies, shapes and contacts of pairs whose overlaps are found as patches."""
+    """Return bodies, shapes and contacts of pairs whose overlaps are evaluated as patches."""
     bodies, shapes, contacts = place_pairs(bases, scale, orientation, offsets)
     update_polyhedra(shapes, bodies, contacts, 0.0)
     press_patches(shapes, bodies, contacts, make_workspace(shapes, 1))
@@ -49,7 +49,7 @@ def press_pairs(bases, scale, orientation, offsets):
 
 
 def half_spaces(base, bodies, i):
-    """Planes (m, 4) of body i, relative to the position of the first of its pair."""
+    """Return the planes (m, 4) of body i, relative to the position of the first body of its pair."""
     turn = Rotation.from_quat(bodies.orientation[i], scalar_first=True)
     corners = turn.apply(base.vertices * bodies.scale[i]) + bodies.position[i] - bodies.position[i - i % 2]
     sides = corners[base.faces]
@@ -59,14 +59,14 @@ def half_spaces(base, bodies, i):
 
 
 def intersection_moments(planes):
-    """Centroid and second moments (3, 3) of the volume within half spaces, from its vertices."""
+    """Return the centroid and the second moments (3, 3) of the volume within half spaces, from its vertices."""
     centre = linprog(
         [0.0, 0.0, 0.0, -1.0],
         A_ub=np.column_stack([planes[:, :3], np.ones(len(planes))]),
         b_ub=-planes[:, 3],
         bounds=[(None, None)] * 3 + [(0.0, None)],
     ).x
-    # The overlap is flat: scaled by its inner radius it is well conditioned for Qhull.
+    # Qhull needs a point well inside, here the centre of the largest inscribed sphere, because the overlap is flat.
     points = HalfspaceIntersection(planes, centre[:3]).intersections
     hull = ConvexHull(points)
     middle = points.mean(axis=0)
@@ -82,7 +82,7 @@ def intersection_moments(planes):
 
 
 def shallow_pairs(n, seed, depth):
-    """Pairs of pebbles with about that overlap, relative to the pair's size."""
+    """Return pairs of pebbles whose overlap is about `depth` times the pair's size."""
     rng = np.random.default_rng(seed)
     bases = [make_pebble(k, 12 + 7 * (k % 5)) for k in range(10)]
     bases = [bases[k % 10] for k in rng.permutation(2 * n)]
@@ -114,17 +114,17 @@ def compare(bases, bodies, contacts, tolerance):
 
 
 def test_pebbles_against_their_intersection():
-    """The reference is exact up to its own conditioning."""
+    """The reference is exact up to its own condition number."""
     for depth in (1e-6, 1e-5, 0.9 * PATCH_DEPTH):
         bases, scale, orientation, offsets = shallow_pairs(120, 1, depth)
         bodies, shapes, contacts = press_pairs(bases, scale, orientation, offsets)
         assert compare(bases, bodies, contacts, 1e-7) > 100
     single = (contacts.facet[:, [1, 2]] == contacts.facet[:, [0]]).all(axis=1)
-    assert 20 < single[contacts.touching > 0].sum() < 100  # corners of a on faces, and others
+    assert 20 < single[contacts.touching > 0].sum() < 100  # contacts of a corner of a with a face, and others
 
 
 def test_overhanging_and_turned_cubes():
-    """Faces on faces: any part of the one may lie on the other."""
+    """The overlapping part of two faces may be any part of either face."""
     rng = np.random.default_rng(2)
     n = 60
     base = make_polyhedron(CUBE)
@@ -153,7 +153,7 @@ def test_the_general_way_is_exact_at_any_depth_and_deep_pairs_are_taken_apart():
         n = contacts.direction[p]
         trace = np.trace(second) - n @ second @ n
         assert (mxx + myy) / m0 - (mx**2 + my**2) / m0**2 == pytest.approx(trace, rel=1e-7)
-        if thin.direction[p] @ n > 1.0 - 1e-12:  # the thinner pair's least overlap may lie elsewhere
+        if thin.direction[p] @ n > 1.0 - 1e-12:  # the least overlap of the thinner pair may be at another place
             across = (contacts.point[p] - thin.point[p]) - ((contacts.point[p] - thin.point[p]) @ n) * n
             assert np.linalg.norm(across) < 1e-9
             np.testing.assert_allclose(contacts.spread[p], thin.spread[p], rtol=1e-6, atol=1e-12)
@@ -170,7 +170,7 @@ def test_the_short_cut_for_corners_is_the_general_way():
         m0, mx, my, mxx, mxy, myy = slow_moments(shapes, bodies, contacts, workspace, p)
         trace = (mxx + myy) / m0 - (mx**2 + my**2) / m0**2
         size = bodies.radius[2 * p] + bodies.radius[2 * p + 1]
-        # Second moments are differences of squares of at most the size
+        # Second moments are differences of squares, which are at most the size squared.
         assert abs(trace - contacts.spread[p, :3].sum()) <= 1e-6 * trace + 1e-13 * size**2
         seen += 1
     assert seen > 150
@@ -178,10 +178,10 @@ def test_the_short_cut_for_corners_is_the_general_way():
 
 @pytest.mark.parametrize("way", ["tilt", "slide", "turn"])
 def test_the_point_moves_continuously(way):
-    """A cube rocks, slides off and turns on another: in n and 10 n steps of the same way the largest jump falls by 10.
+    """With ten times as many steps of the same motion, the largest jump of the contact point is a tenth.
 
-    Down to the pose's own steps, times what the patch gains: its point crosses the face while the cube tilts by
-    overlap / edge, here 1e-3.
+    A cube tilts, slides or turns on another one. The point moves farther than the cube: it crosses the face while the
+    cube tilts by overlap / edge, here 1e-3.
     """
     base = make_polyhedron(CUBE)
     jumps = []
@@ -207,7 +207,7 @@ def test_the_point_moves_continuously(way):
 
 
 def test_second_moments_that_rounding_made_negative_hold_nothing():
-    """Of a single vertex behind a wall they are differences of equal numbers; examples/cylinder.yaml met -2e-22 m²."""
+    """For a single vertex behind a wall they are differences of equal numbers; examples/cylinder.yaml had -2e-22 m²."""
     law, mass = contact_law(0.1, 1e-3, 0.22, 0.5), 1e-3
     patch = Patch(spread=np.array([[-2e-22, 0.0, 0.0, -1e-22, 0.0, 0.0]]), twist=np.array([1e-3]))
     damping, tangential = explicit_dashpot.py_func(law)

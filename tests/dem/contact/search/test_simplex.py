@@ -1,4 +1,4 @@
-"""The point of a simplex next to the origin, against all of its faces taken one by one."""
+"""The point of a simplex nearest to the origin, compared with the nearest points of all its faces."""
 
 from itertools import combinations
 
@@ -9,7 +9,7 @@ from simcore.dem.contact.search.simplex import Simplex, has_point, keep_weighted
 
 
 def nearest_by_faces(points):
-    """Distance of the simplex's point next to the origin: the least of the faces whose own nearest point is inside."""
+    """Return the distance of a simplex from the origin: the least over faces with their own nearest point inside."""
     best = np.inf
     for n in range(1, len(points) + 1):
         for face in combinations(points, n):
