@@ -1,6 +1,7 @@
 """The bed predicted before a run: its height, the part that is evaluated, its sampling error, and what is rejected."""
 
 import dataclasses
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -79,7 +80,7 @@ def test_a_packed_bed_is_as_high_as_predicted(tmp_path):
     assert bed.height == pytest.approx(float(found.bed_top), rel=0.1)
     assert bed.evaluated == pytest.approx(float(found.z_upper - found.z_lower), abs=0.1 * bed.height)
     assert bed.at_floor == pytest.approx(float(found.z_lower))
-    assert bed.sampling_error == pytest.approx(float(found.n_std_error), rel=3.0)
+    assert 0.25 < bed.sampling_error / float(found.n_std_error) < 4.0
 
 
 def committed_errors():
@@ -236,7 +237,9 @@ def test_specified_and_drawn_fractions_are_both_reported():
     fine = sample.D < 4e-3
     assert drawn == pytest.approx([sample.volume[fine].sum() / sample.volume.sum(), drawn[1]])
     lines = "\n".join(grain_lines(setup, sample))
-    assert f"4 to 8 mm{drawn[1]:>17.1%}" not in lines and f"{0.5:.1%}" in lines and f"{drawn[0]:.1%}" in lines
+    for name, share in zip(("2 to 4 mm", "4 to 8 mm"), drawn, strict=True):
+        assert re.search(rf"{name} +50\.0% +{share:.1%}\n?", lines)
+    assert abs(drawn[0] - drawn[1]) > 0.01, "the drawn fractions are as the specified ones and show nothing"
     assert "The grains are spheres" in lines and "FL = S/I is 1.000" in lines
     few_grains = set_up_few_spheres(sizes={**sizes, "allow_few_top_grains": True}, amount={"grains": 12})
     message = [text for text in setup_warnings(few_grains) if "do not represent the sieve curve" in text]
@@ -251,7 +254,6 @@ def draw_12(setup):
 def test_volume_added_by_hulls_is_reported_and_warned_of():
     cube = make_grain("cube", np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, -1).T * 0.01)
     setup = set_up_few_spheres()._replace(grains=(cube,))
-    setup = setup._replace(sample=lambda ids, sample=setup.sample: sample(ids))
     lines = "\n".join(grain_lines(setup, draw_packing(setup)))
     assert "convex hull" in lines
 

@@ -235,8 +235,9 @@ def test_the_table_has_means_standard_errors_and_marks_misses(monkeypatch):
     figure = outside_figure(table)
     labels = [label.get_text() for label in figure.axes[0].get_yticklabels()]
     assert labels == ["mean: 2", "missed: 2", "difference: 1.5"]
-    colours = {tuple(line.get_color()): len(line.get_xdata()) for line in figure.axes[0].lines if len(line.get_xdata())}
-    assert len(colours) >= 2  # what lies outside is drawn in another colour
+    markers = {line.get_marker(): line for line in figure.axes[0].lines}
+    assert list(markers["o"].get_ydata()) == [2, 0] and list(markers["D"].get_ydata()) == [1]
+    assert markers["o"].get_color() != markers["D"].get_color(), "values outside have a colour of their own"
 
 
 # -- the real way -------------------------------------------------------------------------------------------------

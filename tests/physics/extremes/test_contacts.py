@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from simcore.dem.from_scene import compose
-from simcore.packing.packed import PackingError
 from tests.helpers.hand_placed_bodies import (
     UNDAMPED,
     floor_force,
@@ -84,8 +83,8 @@ def test_a_sliding_sphere_ends_rolling_whatever_the_friction(friction):
 
 @pytest.mark.parametrize("contact_time", [2e-4, 1e-2])
 @pytest.mark.parametrize("share", [0.5, 1.0, 2.0])
-def test_a_start_with_deep_overlaps_parts_or_is_refused(contact_time, share):
-    """Spheres that overlap by half a radius, by a radius or entirely separate, or an error names one of them.
+def test_spheres_that_start_with_deep_overlaps_separate(contact_time, share):
+    """Spheres separate that overlap by half a radius, by a radius, or entirely.
 
     Elastic spheres would separate at π/T_c times the overlap: 50 m/s at the contact time of Rettinger et al., more than
     in any fall.
@@ -93,11 +92,7 @@ def test_a_start_with_deep_overlaps_parts_or_is_refused(contact_time, share):
     made = make_scene(numerics={"contact_time": contact_time}, domain={"height": 0.1})
     distance = R * (2.0 - share)
     pair = place_bodies(made, R, [[0, 0, R], [distance, 0, R]])
-    try:
-        energies = run_watched(pair, 100 * contact_time + 0.3, damped=True)
-    except PackingError as error:
-        assert "grain 0" in str(error) or "grain 1" in str(error)
-        return
+    energies = run_watched(pair, 100 * contact_time + 0.3, damped=True)
     assert np.isfinite(pair.bodies.position).all()
     assert np.linalg.norm(pair.bodies.position[1] - pair.bodies.position[0]) >= 2.0 * R * (1.0 - 1e-3)
     assert energies[-1] < energies[0]

@@ -65,18 +65,18 @@ def test_no_direction_shows_less_overlap_and_the_normal_is_common(flattest):
     u /= np.linalg.norm(u, axis=1, keepdims=True)
     missed = 0
     for k in range(n):
+        if not contacts.touching[k]:
+            # The recorded gap is at most the gap along its own direction, which is at most the true gap.
+            n_k, gap = contacts.direction[k], certain_gap(contacts, k)
+            along = [np.linalg.norm(n_k @ (bodies.rotation[i] * bodies.scale[i])) for i in (2 * k, 2 * k + 1)]
+            assert 0.0 < gap <= n_k @ offsets[k] - sum(along) + 1e-14
+            continue
         matrices = [bodies.rotation[i] * bodies.scale[i] for i in (2 * k, 2 * k + 1)]  # columns are semi-axes
         normals = [u] + [(u / bodies.scale[i]) @ bodies.rotation[i].T for i in (2 * k, 2 * k + 1)]
         normals = np.concatenate(normals)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         f = normals @ offsets[k] - sum(np.linalg.norm(normals @ matrix, axis=1) for matrix in matrices)
-        if contacts.touching[k]:
-            missed += f.max() > -contacts.overlap[k] + 1e-12
-        else:
-            # The recorded gap is at most the gap along its own direction, which is at most the true gap.
-            n_k, gap = contacts.direction[k], certain_gap(contacts, k)
-            f_k = n_k @ offsets[k] - sum(np.linalg.norm(n_k @ matrix) for matrix in matrices)
-            assert 0.0 < gap <= f_k + 1e-14
+        missed += f.max() > -contacts.overlap[k] + 1e-12
     assert missed == 0
 
 
