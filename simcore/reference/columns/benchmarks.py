@@ -11,7 +11,7 @@ _DIGEST = Column("digest", "", "digest of the code that was measured")
 _LOAD = Column("load_average", "", "load average of the machine at the end")
 _CONTACTS = Column("contacts_per_grain", "", "contacts over the number of grains; each contact counts once")
 _PAIRS = Column("near_pairs_per_grain", "", "listed candidate pairs over the number of grains")
-_CPU = Column("cpu_us_per_grain_step", "µs", "CPU time per grain and time step, median of the runs")
+_CPU = Column("cpu_us_per_grain_step", "µs", "CPU time per grain and time step, mean of ten stretches of time steps")
 _WALL = Column("wall_us_per_grain_step", "µs", "wall time per grain and time step")
 _FACES = Column("faces", "", "maximum number of faces of a polyhedron")
 
@@ -27,8 +27,8 @@ FEATURES = (
     _PAIRS,
     Column("solid_fraction", "", "solid fraction of the bed"),
     Column("bytes_per_grain", "B", "memory of the arrays of the grains, per grain"),
-    Column("cpu_us_least", "µs", "smallest CPU time per grain and time step of the runs"),
-    Column("cpu_us_most", "µs", "largest CPU time per grain and time step of the runs"),
+    Column("cpu_us_least", "µs", "smallest CPU time per grain and time step of the stretches"),
+    Column("cpu_us_most", "µs", "largest CPU time per grain and time step of the stretches"),
     _DIGEST,
 )
 SCALING = (
@@ -70,7 +70,7 @@ SETTLING = (
     _FACES,
     Column("cpu_s", "s", "CPU time of the packing"),
     Column("simulated_s", "s", "simulated time"),
-    Column("n", "", "bulk porosity by volume-equivalent spheres"),
+    Column("n", "", "bulk porosity from exact slices"),
     Column("n_std_error", "", "sampling error of n"),
     Column("coordination", "", "mean number of contacts of a grain"),
     Column("mean_overlap_m", "m", "mean overlap of contacts"),
