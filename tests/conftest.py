@@ -1,6 +1,6 @@
-"""Settings that hold for all tests."""
+"""Settings for all tests."""
 
 import os
 
-# Before numba is imported: workers with a pool of threads each take turns at the cores while they wait for each other.
+# Set before numba is imported: the thread pools of parallel test workers would compete for the same cores.
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")

@@ -1,4 +1,4 @@
-"""`python -m simcore`: exit status, one line for what is wrong, and no half-written file."""
+"""`python -m simcore`: exit status, errors of one line, and no half-written file."""
 
 import json
 import re
@@ -90,7 +90,7 @@ def test_fabric_of_one_packing_and_of_two_seeds(folder, capsys):
         assert fabric["seed"].values.tolist() == [1, 2]
         assert 0.4 < float(fabric["solid_fraction"]) < 0.7 and 3.0 < float(fabric["coordination_number"]) < 12.0
         assert f"{float(fabric['solid_fraction']):.4f} ± {float(fabric['solid_fraction_std_error']):.4f}" in told
-    # Forty spheres are too low a bed for the rule; the line says which file and what to do.
+    # A bed of forty spheres is too low for the rule; the error names the file and what to do.
     assert main(["fabric", beds[0]]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1 and re.search(r"scree fabric: .*1\.nc: .*too low to cut .* smaller cut", error)

@@ -1,4 +1,4 @@
-"""What compiled code is known by: changes of the code that is compiled, or compiled in, and of nothing else."""
+"""The digest of compiled code changes with the code that is compiled or compiled in, and with nothing else."""
 
 import contextlib
 import os
@@ -30,7 +30,7 @@ NEITHER = [
 
 @pytest.fixture
 def sources(tmp_path, monkeypatch):
-    """A copy of simcore; changed(path, text, code) adds text to a file, and returns whether the code has changed."""
+    """Yield changed(path, text, code): add text to a file of a copy of simcore and return whether the code changed."""
     shutil.copytree(ROOT / "simcore", tmp_path / "simcore", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(ROOT / "config", tmp_path / "config")
     monkeypatch.setattr(compilation, "ROOT", tmp_path)
@@ -71,7 +71,7 @@ def test_a_comment_refuses_no_checkpoint(sources, path):
 
 @pytest.fixture
 def project(tmp_path):
-    """A small project with a kernel that inlines a leaf of another file; run() -> (value, hits, misses, files kept)."""
+    """Return run() -> (value, hits, misses, files kept); a kernel of the project inlines a leaf of another file."""
     provenance = ("provenance/__init__.py", "provenance/digest.py", "provenance/version.py", "provenance/version.txt")
     for path in ("__init__.py", "paths.py", "compilation.py", *provenance):
         (tmp_path / "simcore" / path).parent.mkdir(exist_ok=True, parents=True)
@@ -190,7 +190,7 @@ def test_too_many_threads_are_refused():
 
 
 def test_two_writers_of_one_file_do_not_share_a_place(tmp_path, monkeypatch):
-    """Both read the index before either writes it, unless a lock keeps them apart; then one would load the other's."""
+    """Without a lock both read the index before either writes it, and then one would load the code of the other."""
     monkeypatch.setenv("SCREE_CACHE", str(tmp_path))
     meeting = threading.Barrier(2)
 

@@ -1,4 +1,4 @@
-"""The example in docs/how_to/fit_a_table.md is what the command prints, and its table is made as the page says."""
+"""The example in docs/how_to/fit_a_table.md is what the command prints, and its table follows the page."""
 
 import re
 

@@ -33,7 +33,7 @@ ORDER = (
 # Functions that may have more positional arguments than structure.MOST_ARGUMENTS, with the reason.
 LONG_SIGNATURES = {}
 
-# Data of a scene, and what Snakemake reads again for each job.
+# These packages contain the data of a scene, and Snakemake imports them again for each job.
 WITHOUT_NUMBA = """
 import importlib, pkgutil, sys
 import simcore.campaign.plan, simcore.grains, simcore.scene
@@ -66,7 +66,7 @@ def test_grains_scenes_and_plans_need_no_numba():
 
 @pytest.fixture
 def checkout(tmp_path):
-    """A checkout with two packages that import each other, one from inside a function, and a third."""
+    """Return a checkout with two packages that import each other, one from inside a function, and a third."""
     sources = {
         "__init__": "",
         "top": "from simcore.a import one\n",

@@ -1,4 +1,4 @@
-"""What is known of the bias of a study's porosities, from tables of beds that differ in one thing."""
+"""The biases of a study's porosities, estimated from tables of packings that differ in one setting."""
 
 import numpy as np
 import pandas as pd
@@ -29,19 +29,22 @@ def specification(**changes):
 
 
 def bias_note(specifications, biases):
-    """The effects of the settings of these packings as one text."""
+    """Return the effects of the settings of these packings as one text."""
     return "; ".join(f"{kind}: {text}" for kind, text in bias_effects(specifications, biases))
 
 
 @pytest.fixture
 def folder(tmp_path):
-    """Made-up beds: draft 0.01 looser than paper, 300 grains 0.02 denser than 1200, 6 s of shaking 0.005 looser."""
+    """Return a folder of made-up tables with known differences.
+
+    Draft is 0.01 looser than r22, 300 grains are 0.02 denser than 1200, and 6 s of shaking are 0.005 looser than 12 s.
+    """
     n = 0.35 + 0.001 * np.arange(4)
     pd.concat(
         pd.DataFrame({"accuracy": accuracy, "case": "U1", "seed": range(4), "grains": 600, "n": n + more})
         for accuracy, more in (("r22", 0.0), ("draft", 0.01), ("standard", [0.001, 0.003, 0.001, 0.003]))
     ).to_csv(tmp_path / "accuracy.csv", index=False)
-    # Of grains that fall from the study's heights, with what a packing's row says of its settings.
+    # These packings were inserted at the heights of Rettinger et al.; their rows list the settings.
     settings = ["accuracy", "polyhedron_contact", "contact_time_s"]
     pd.concat(
         pd.DataFrame(
@@ -53,7 +56,7 @@ def folder(tmp_path):
             ("standard", "point", 1e-3, -0.003),
         )
     ).to_csv(tmp_path / "accuracy_heights.csv", index=False)
-    # Ellipsoids, 0.005 denser at 1 ms than at 0.2 ms; other steps are not asked for.
+    # Ellipsoids are 0.005 denser at 1 ms than at 0.2 ms; rows with other steps or dashpots must be ignored.
     pd.concat(
         pd.DataFrame({"case": "U1", "grain": list("abcd"), "seed": 1, "grains": 600, "n": n + more}).assign(
             dashpot=dashpot, steps_per_contact_time=steps, contact_time_s=time
@@ -76,7 +79,7 @@ def folder(tmp_path):
     other = {"study": "precision_skin", "setting": ["not set"], "seeds": 2, "difference": [0.0]}
     rows = pd.concat([pd.DataFrame(shaking), pd.DataFrame(other)]).assign(difference_std_error=0.0003)
     rows.to_csv(tmp_path / "work_precision/packings.csv", index=False)
-    # Five seeds, of which one lacks its partner; a row that differs in more is nobody's partner.
+    # Seed 4 has no partner, and rows that also differ in the spacing must not become partners.
     in_bed = pd.DataFrame({"case": "U1", "fill": "bed", "spacing": np.nan, "seed": range(5), "grains": 600, "n": 0.35})
     other = in_bed[:4].assign(fill="r22", n=0.35 - 0.001 * np.array([8, 10, 8, 10]))
     pd.concat([in_bed, other, other.assign(spacing=0.016, n=0.2)]).to_csv(
@@ -98,11 +101,11 @@ def test_differences_are_those_of_the_pairs(folder):
     assert found.difference[SETTINGS, "draft"] == pytest.approx(0.01)
     assert found.difference_std_error[SETTINGS, "draft"] == pytest.approx(0.0, abs=1e-12)
     assert found.difference[SETTINGS, "standard"] == pytest.approx(0.002)
-    # Four differences 0.001 from their mean: standard deviation 0.001 (4/3)^1/2, of which the half.
+    # Four differences deviate by 0.001 from their mean: standard deviation 0.001 (4/3)^1/2, half of it for the mean.
     assert found.difference_std_error[SETTINGS, "standard"] == pytest.approx(0.5e-3 * (4 / 3) ** 0.5)
     assert found.difference[SIZE, "300 grains in 45 mm"] == pytest.approx(-0.02)
     assert found.beds[SIZE, "300 grains in 45 mm"] == 3
-    assert (SIZE, "300 grains in 32 mm") not in found.index  # two pairs tell no error
+    assert (SIZE, "300 grains in 32 mm") not in found.index  # two pairs are too few for an error
     assert found.difference[SHAKING, "6 s"] == 0.005 and found.against[SHAKING, "6 s"] == "12 s"
     assert found.difference[INSERTIONS, "just above the bed"] == pytest.approx(0.009)
     assert found.beds[INSERTIONS, "just above the bed"] == 4
@@ -126,7 +129,7 @@ def test_settings_are_named_by_their_preset_and_contact_time():
     assert describe_settings(specification(numerics={"polyhedron_contact": "inflated"})) is None
     assert describe_settings(specification(shaking={"duration": "1 s"})) is None
     assert describe_settings(specification(accuracy=None)) is None
-    # Grains of a campaign come decimated, ellipsoids have no faces.
+    # Faces do not belong to the settings: campaign grains are already decimated, and ellipsoids have none.
     assert describe_settings(specification(faces="original")) == "standard"
 
 
@@ -139,7 +142,7 @@ def test_the_note_of_a_study_gives_the_bias_of_its_own_packings(folder):
     )
     assert "size of the bed: −0.0200" in note and "instead of 1200 grains in 63 mm; single forms)" in note
     assert "time of shaking: +0.0050 ± 0.0003 (6 s instead of 12 s;" in note
-    # The same settings, where grains fall from the study's heights; no bias is told of both.
+    # The bias of the settings depends on the insertion, so a study with both kinds of insertion has none.
     poured = specification(generation={"fill": "r22"})
     assert "settings: +0.0040 ± 0.0000 (standard instead of r22; 600" in bias_note([poured], biases)
     assert "settings: not measured for standard;" in bias_note([poured, specification()], biases)
@@ -153,7 +156,7 @@ def test_the_note_of_a_study_gives_the_bias_of_its_own_packings(folder):
         "insertion: +0.0090 ± 0.0006 (just above the bed instead of at the heights of Rettinger et al.; 600 "
         "grains of all forms)"
     )
-    # Ellipsoids have a bias of their own where it was measured, and else that of grains.
+    # Ellipsoids have a bias of their own where it was measured, and otherwise that of grains.
     point = {"numerics": {"contact_time": "1 ms", "polyhedron_contact": "point"}, "generation": {"fill": "r22"}}
     note = bias_note([specification(**point)], biases)
     assert "settings: −0.0030 ± 0.0000 (standard at the deepest point and contact time 1 ms instead of r22; 600" in note
@@ -164,7 +167,7 @@ def test_the_note_of_a_study_gives_the_bias_of_its_own_packings(folder):
     assert "time of 0.2 ms; 600 ellipsoids of one of 4 forms, inserted at the heights of Rettinger et al.)" in note
     poured_ellipsoids = specification(generation={"fill": "r22"}, shapes={"kind": "ellipsoid"})
     assert "settings: +0.0040 ± 0.0000 (standard instead of r22; 600 grains" in bias_note([poured_ellipsoids], biases)
-    # One packing of three has shorter steps, of which nothing is known.
+    # One packing of three has shorter steps, for which no bias was measured.
     shorter = specification(numerics={"steps_per_contact_time": 14})
     note = bias_note([specification(), shorter, specification(seed=2)], biases)
     assert "settings: for 2 packings +0.0020 ± 0.0006 (standard instead of r22;" in note

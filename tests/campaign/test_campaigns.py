@@ -1,4 +1,4 @@
-"""The campaigns of config/, as they are laid over each other."""
+"""The campaigns of config/, with overlays merged over each other."""
 
 import functools
 from pathlib import Path
@@ -16,20 +16,20 @@ from simcore.scene.setup import set_up
 from simcore.scene.sizes import size_curve
 from simcore.scene.specification import read_presets, resolve
 
-# Means and deviations of flatness that draw the thinnest grains; the first is a mixture's, the last the application's.
+# Means and standard deviations of flatness that draw the thinnest grains: of a mixture and of the application.
 THIN = [(0.4, 0.2), (0.647, 0.175)]
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 
 
 @functools.cache
 def campaign(*overlays):
-    """All packings of config.yaml with overlays over it, as Snakemake lays them."""
+    """Return all packings of config.yaml with overlays merged over it, in Snakemake's order."""
     raw = [yaml.safe_load((CONFIG / f"{name}.yaml").read_text()) for name in ("config", *overlays)]
     return expand(resolve(merge(*raw), "config"))
 
 
 def test_the_settings_of_the_r22_campaign_are_those_of_its_preset():
-    """Nothing that the default campaign states for its own sizes may leak through."""
+    """No setting that the default campaign makes for its own sizes may remain."""
     r22 = read_presets("accuracy")["r22"]
     for row in campaign("r22").itertuples():
         numerics = row.specification["numerics"]
@@ -46,7 +46,7 @@ def test_the_workstation_has_what_its_tables_are_to_hold():
     assert set(packings.specification.map(lambda s: s["accuracy"])) == {"standard"}
     assert set(packings.specification.map(lambda s: s["generation"]["fill"])) == {"r22"}
     assert packings.specification.map(lambda s: s["numerics"]["contact_time"]).max() == 1e-3
-    # A stone that falls on a pebble of a thousandth of its mass: stiffness goes with the lighter one.
+    # The other curves need 0.2 ms: the stiffness follows the lighter grain, with down to 1/1000 of the other's mass.
     uneven = [s for s in packings.specification if s["sizes"]["case"] not in ("U1", "U3")]
     assert uneven and {s["numerics"]["contact_time"] for s in uneven} == {2e-4}
     assert {s["numerics"]["polyhedron_contact"] for s in uneven} == {"patch"}, (
@@ -77,8 +77,10 @@ def test_real_grains_need_a_path_and_nothing_else(tmp_path):
 
 @pytest.mark.parametrize("overlays", [("deposits",), ("deposits", "deposits_large")])
 def test_boxes_of_deposits_are_four_long_axes_wide_and_leave_two_of_bulk(overlays):
-    """Heights from the densest deposit there is, 0.74; the bulk is what simcore.evaluation.bulk_region leaves. Long
-    axes: mean by volume, of grains of the mid-range radius; forms that are spread may be a third longer."""
+    """The bulk is what simcore.evaluation.bulk_region keeps of a bed of solid fraction 0.74, the densest deposit.
+
+    The long axis is that of a grain of mean form and mid-range radius; some grains are a third longer.
+    """
     packings = campaign(*overlays)
     deposits = packings[packings.study.str.startswith("deposit_")]
     assert len(deposits) > 200
@@ -119,15 +121,17 @@ def test_campaigns_do_not_write_over_each_other():
 
 @pytest.mark.parametrize("overlays", [(), ("workstation",)])
 def test_no_impact_goes_through_a_grain(overlays):
-    """A packing is ended where an overlap is as deep as half a grain is thick. What falls through the whole domain into
-    the thinnest of a thousand grains stays below that; beds of 600 pebbles expected at 0.57 had 0.35 to 0.55 as their
-    deepest (those behind results/reference/accuracy.csv), mixtures of 1200 expected at 0.86 had 0.59 to 0.89."""
+    """A packing stops if an overlap reaches half the thickness of a grain; the estimate must stay below 0.9 of that.
+
+    The estimate is for a fall through the whole domain onto the thinnest grain. The packings behind
+    results/reference/accuracy.csv reached 0.55 where 0.57 was estimated; mixtures reached 0.89 instead of 0.86.
+    """
     grains = synthetic_grains(seed=1, n=63)
     flattest = min(grains, key=lambda grain: grain.flatness).name
     observed = set()
     for specification in campaign(*overlays).specification:
         shapes, flatness = dict(specification["shapes"]), specification["shapes"]["flatness"]
-        # The thinnest: the flattest grain, and of the mixtures the flattest and widest. Ellipsoids are as thick.
+        # Only the thinnest shapes are checked: the flattest grain and the mixtures in THIN. Ellipsoids are as thick.
         if shapes["kind"] != "polyhedron" or (
             isinstance(flatness, dict) and (flatness["mean"], flatness["std"]) not in THIN
         ):

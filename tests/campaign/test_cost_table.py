@@ -1,4 +1,4 @@
-"""What studies cost, counted by hand."""
+"""The table of the costs of studies, compared with sums by hand."""
 
 import pandas as pd
 import pytest
@@ -19,7 +19,7 @@ def test_hours_of_each_study_and_of_all():
     assert list(table.index) == ["a", "b", "all"]
     assert table.loc["a", ["packings", "grains", "cpu_h", "cpu_h_per_packing"]].tolist() == [2, 400, 2.0, 1.0]
     assert table.loc["a", "grain_steps"] == 100 * 1000 + 300 * 2000
-    # The second is a packing of the source study.
+    # Study b has the grains and steps of one packing of Rettinger et al. (2022).
     assert table.loc["b", "r22_cpu_h"] == pytest.approx(230.0)
     assert table.loc["b", "cpu_us_per_grain_step"] == pytest.approx(1.2)
     assert table.loc["all", "cpu_h"] == pytest.approx(12.0)

@@ -1,4 +1,4 @@
-"""Deposits as tables and what they show, of made-up rows whose maximum, differences and symmetry are known."""
+"""Tables of deposits and their analysis, from made-up rows with a given maximum, differences and symmetry."""
 
 import json
 
@@ -25,7 +25,7 @@ PEAK = 1.6
 
 
 def made_up(eta, zeta, seed, study="deposit_map", change="", noise=0.0, **other):
-    """A row whose density is greatest at eta = zeta = PEAK, a parabola in the logarithms; contacts go with it."""
+    """Return a row whose solid fraction and contacts are parabolas in ln eta and ln zeta with the maximum at PEAK."""
     x, y = np.log(eta / PEAK), np.log(zeta / PEAK)
     value = 0.72 - 0.2 * (x**2 + y**2) + noise
     row = {"study": study, "packing": f"{eta}_{zeta}-seed_{seed}", "eta": eta, "zeta": zeta, "seed": seed}
@@ -35,7 +35,7 @@ def made_up(eta, zeta, seed, study="deposit_map", change="", noise=0.0, **other)
 
 
 def campaign(noise=0.0):
-    """All families, five seeds, as a table with its families; noise: standard deviation over seeds."""
+    """Return a table of all families: five seeds of the curves, one of the map; noise is the scatter over seeds."""
     rng = np.random.default_rng(3)
     ratios = [1.0, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0, 2.5]
     rows = []
@@ -51,18 +51,20 @@ def test_the_maximum_of_a_parabola_is_found_exactly():
     table = campaign()
     line = curve(table, "diagonal")
     top = maximum(line["ratio"], line["solid_fraction"])
-    # Round-off: of values near 1 fitted over 0.6 in ln(ratio).
+    # The tolerances are the rounding errors of a fit to values near 1 over a range of 0.6 in ln(ratio).
     assert top.ratio == pytest.approx(PEAK, abs=1e-9) and top.value == pytest.approx(0.72, abs=1e-12)
     assert top.ratio_error < 1e-9
     found = maxima(table).set_index(["of", "family"])
-    # Of spheroids the other ratio stays 1: they lose by 0.2 ln² of the peak.
+    # The other ratio of spheroids is 1, so their maximum is lower by 0.2 ln²(PEAK).
     assert found.loc[("solid_fraction", "prolate"), "value"] == pytest.approx(0.72 - 0.2 * np.log(PEAK) ** 2, abs=1e-9)
     assert found.loc[("coordination_number", "diagonal"), "value"] == pytest.approx(7.2, abs=1e-9)
 
 
 def test_a_lopsided_maximum_is_found_where_it_is():
-    """Morse's curve, which rises by 0.08 from the sphere to 1.4 and falls by 0.02 to 2.5, as deposits do; a parabola
-    through the same window lies 0.07 off."""
+    """A Morse curve rises by 0.08 from the sphere to 1.4 and falls by 0.02 to 2.5, as deposits do.
+
+    The maximum of a parabola through the same points is displaced by 0.07.
+    """
     ratio = np.array([1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0, 2.5])
     steep = 2.5
     value = 0.725 - 0.0458 * (1.0 - np.exp(-steep * np.log(ratio / 1.4))) ** 2
@@ -73,16 +75,16 @@ def test_a_lopsided_maximum_is_found_where_it_is():
 
 
 def test_errors_of_the_maximum_are_those_of_repeated_campaigns():
-    """The standard errors that are told, against the scatter of 60 campaigns: equal within three errors of either."""
+    """The stated standard errors equal the scatter of 60 campaigns within three standard errors of the two."""
     rng = np.random.default_rng(5)
     ratio = np.repeat([1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0], 5)
     exact = 0.72 - 0.4 * np.log(ratio / PEAK) ** 2
-    # 400 draws know an error to 1/√800, and differ from campaign to campaign.
+    # A standard error from 400 draws has a relative error of 1/√800; each campaign has other draws.
     found = [maximum(ratio, exact + 0.001 * rng.normal(size=len(ratio)), seed, 400) for seed in range(60)]
     for value, error in ((0, 1), (2, 3)):
         scatter = np.std([top[value] for top in found], ddof=1)
         text = np.sqrt(np.mean([top[error] ** 2 for top in found]))
-        # A standard deviation from 60 is known to 1/√118; the told one from a few ratios of five to about 1/√40.
+        # The scatter of 60 campaigns has a relative error of 1/√118, the stated standard error one of about 1/√40.
         assert text == pytest.approx(scatter, rel=3.0 * np.hypot(1 / np.sqrt(118), 1 / np.sqrt(40)))
     assert np.mean([top.ratio for top in found]) == pytest.approx(
         PEAK, abs=4 * found[0].ratio_error / np.sqrt(60) + 0.01
@@ -106,7 +108,7 @@ def test_the_diagonal_above_the_spheroids_in_standard_errors():
 def test_symmetry_separates_a_difference_from_scatter():
     table = campaign(noise=0.002)
     even = symmetry(table).set_index("of").loc["solid_fraction"]
-    # Spheroids of nine ratios, and the forms of the map (4 x 4) that are none of them.
+    # The pairs are spheroids of nine ratios, and three pairs of the 4 x 4 map that are not spheroids.
     assert even.pairs == 9 + 3
     assert abs(even["mean"]) < 3.0 * even.mean_error
     assert even.rms == pytest.approx(even.expected_rms, rel=3.0 / np.sqrt(2 * even.pairs))
@@ -138,7 +140,7 @@ def test_the_family_is_read_from_the_name_of_the_study():
 
 
 def deposit_of_lattice(seed, ratio=1.3, spread=0.0):
-    """deposit() of a lattice of touching spheres, packed as if eta = zeta = ratio."""
+    """Return deposit() of a lattice of touching spheres whose specification has eta = zeta = ratio."""
     centres, width = sphere_lattice("sc", 4, 9)
     pairs, images = touching_pairs(centres, width)
     scene = {
@@ -164,9 +166,9 @@ def test_a_row_has_the_settings_and_results_of_its_deposit():
     row = table.iloc[0]
     assert (row.eta, row.zeta, row.spread, row.seed, row.grains, row.steps, row.cpu_s) == (1.3, 1.3, 0, 1, 144, 7, 3.0)
     assert row.solid_fraction == pytest.approx(np.pi / 6, rel=0.02) and row.coordination_number == 6
-    # Normals of a simple cubic lattice: one of three upright.
+    # One of three normals of a simple cubic lattice is vertical.
     assert row.P2_contact_normal == pytest.approx(0.0, abs=1e-12) and np.isnan(row.P2_long_axis)
-    # Overlap over the diameter of 1.
+    # The overlap is divided by the diameter, which is 1.
     assert row.mean_overlap == pytest.approx(2e-3)
     assert list(table.change) == ["none", "width_m 8"]
     assert set(deposit_rows("deposit_diagonal", rows, deposits, rows[0]).change) == {""}
@@ -191,7 +193,7 @@ def test_fabrics_over_the_spread_of_sizes_are_of_the_form_with_most_spreads():
 
 
 def test_deposits_are_tabulated_study_by_study():
-    """Each beside the first packing of its own study, in whatever order the packings stand."""
+    """Each packing is compared with the first one of its own study, whatever the order of the packings."""
     studies = ["deposit_change", "deposit_map", "deposit_change"]
     widths = (4.0, 6.0, 8.0)
     rows = [{"packing": f"p{width:g}", "varied": {"eta": 1.3, "width_m": width}} for width in widths]

@@ -28,7 +28,7 @@ def specify(seed=1, **shapes):
 
 
 def evaluated(specification, axes=(0.011, 0.009, 0.007), n=None):
-    """Evaluation of a bed of 300 grains at random places, as if packed by a specification; n replaces its porosity."""
+    """Return the evaluation of 300 grains at random places with this specification; n overrides the porosity."""
     packing = make_packing(
         np.random.default_rng(4).uniform(0.005, 0.06, (300, 3)),
         np.tile(0.5 * np.array(axes), (300, 1)),
@@ -193,7 +193,7 @@ def test_a_key_that_is_left_open_is_the_same_in_a_file(tmp_path):
 
 
 def test_the_summary_remains_when_the_packings_are_deleted(tmp_path):
-    """Gathered twice, from the packings of two machines: the second has only those that were left."""
+    """Packings are gathered on two machines, and the second has only those that the first left."""
     plan = [{"row": {"packing": f"p{seed}"}, "specification": specify(seed), "cpu_h": 0.5} for seed in (1, 2, 3)]
 
     def made(*numbers):
@@ -229,7 +229,7 @@ def test_a_row_of_other_settings_is_no_row_of_a_packing(tmp_path):
 
 
 def test_a_campaign_keeps_the_entry_of_another_for_a_study(tmp_path):
-    """An overlay holds the studies that it lies over, in other sizes, and gathers none of them."""
+    """An overlay also contains the studies of the file below it, with other sizes, but gathers none of them."""
 
     def tell(seed, command, *made, source="synthetic"):
         plan = [{"row": {"packing": "p"}, "specification": specify(seed), "cpu_h": 0.5 * seed}]
@@ -265,7 +265,7 @@ def test_the_models_are_fitted_to_gathered_rows(tmp_path):
 
 
 def test_keys_that_came_later_decide_nothing_at_their_defaults():
-    """Rows were committed before `grains.bodies` and `sizes.own` were there."""
+    """Rows were committed before `grains.bodies` and `sizes.own` existed."""
     now = specify()
     before = {**now}
     for group, key in (("grains", "bodies"), ("sizes", "own")):

@@ -1,4 +1,4 @@
-"""The plan of a campaign: hours of studies, their pieces, ranks, time and memory, what is left, what is fitted."""
+"""The plan of a campaign: hours, pieces, ranks, time and memory of studies, packings left and models fitted."""
 
 import copy
 
@@ -32,7 +32,7 @@ CAMPAIGN = {
 
 
 def plan_of(tmp_path=None, overlays=(), **changes):
-    """The Plan of CAMPAIGN with some of its groups changed."""
+    """Return the Plan of CAMPAIGN with some of its groups changed."""
     raw = copy.deepcopy(CAMPAIGN) | changes
     raw["pathvars"] = {"results": str(tmp_path or "results")}
     if tmp_path is not None:

@@ -11,7 +11,7 @@ BOX = {"domain": {"width": "45 mm", "height": "0.4 m"}, "amount": {"grains": 300
 
 @pytest.fixture
 def campaign():
-    """Cylinders of U1 and U3, boxes of one form and of many, and mixtures."""
+    """Return a campaign with cylinders of U1 and U3, boxes of one form and of many, and mixtures."""
     means = [(0.4, 0.6), (0.6, 0.6), (0.8, 0.4), (0.4, 0.8), (0.8, 0.8), (0.4, 0.4)]
     return resolve(
         {

@@ -1,4 +1,4 @@
-"""The beds of the study size_and_form meet what docs/appendices/size_and_form_plan.md says of them."""
+"""The packings of the study size_and_form meet the requirements of docs/appendices/size_and_form_plan.md."""
 
 import pytest
 
@@ -27,7 +27,7 @@ def test_every_family_has_beds_and_every_form_its_base(beds):
     assert set(wide["family"]) == FAMILIES and set(bases["curve"]) == {"U1"}
     assert (wide[wide["form"] != "sphere"].groupby("family").size() >= 3).all()
     assert set(wide["form"]) == {"all", "sphere", "G50", "G08", "G59"} <= set(bases["form"])
-    # A form that is left out is still seen in other families with other forms.
+    # Each form occurs in three families, beside other forms.
     for form in ("G50", "G08", "G59"):
         assert wide["family"][wide["form"] == form].nunique() == 3
 
@@ -40,7 +40,7 @@ def test_a_stop_leaves_bases_first_and_then_several_families(beds):
 
 
 def test_all_beds_have_one_process():
-    """Only curve, form, size of the bed and seed differ."""
+    """Packings differ only in curve, form, contact of polyhedra, size of the bed, spacing and seed."""
     processes = set()
     for specification in planned().values():
         numerics = specification["numerics"]

@@ -1,4 +1,4 @@
-"""Studies: the product of what they vary, and what is refused before the first job."""
+"""A study expands to the product of its varied settings; a wrong one is refused before the first job."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ STUDY = {
 
 
 def campaign(**changes):
-    """Resolved campaign of one study `s`, with other keys of it, or of the campaign."""
+    """Return the resolved campaign of one study `s`, with changed keys of the study or of the campaign."""
     study = {**STUDY, **{key: changes.pop(key) for key in ("fixes", "varies", "forms") if key in changes}}
     return resolve({"studies": {"s": study}, **changes}, "config")
 
@@ -59,7 +59,7 @@ def test_lists_of_groups_vary_with_short_names_and_their_text():
 
 
 def test_groups_that_set_different_keys_are_named_by_all_of_them():
-    """Else a mean over the seeds would take them for one."""
+    """Otherwise a mean over the seeds would combine different packings."""
     groups = [{"faces": 300}, {"shapes.kind": "ellipsoid"}, {"generation.fill": "r22"}]
     rows = [row["varied"] for row in expand(campaign(varies={"sizes.case": ["U7"], "change": groups})).row]
     assert [row["faces"] for row in rows] == [300, 100, 100]
@@ -197,7 +197,7 @@ def test_bad_campaigns_are_refused(changes, message):
 
 
 def test_fewer_than_five_grains_of_the_top_class_are_refused_unless_allowed_by_name():
-    """3 kg of U7: 0.04 · 3 kg / (2650 kg/m³ · π/6 · (31.5³ - 22.4³) / (3 ln(31.5 / 22.4)) mm³) = 4.4 grains."""
+    """3 kg of U7 have 0.04 · 3 kg / (2650 kg/m³ · π/6 · (31.5³ - 22.4³) / (3 ln(31.5 / 22.4)) mm³) = 4.4 grains."""
     fixes = {**STUDY["fixes"], "amount": {"mass": "3 kg"}}
     with pytest.raises(ValueError, match=r"studies\.s, packing U7: .* 4\.4 grains of the coarsest class"):
         expand(campaign(fixes=fixes))
@@ -206,7 +206,7 @@ def test_fewer_than_five_grains_of_the_top_class_are_refused_unless_allowed_by_n
 
 
 def test_a_key_that_some_packings_of_a_study_use_is_no_mistake():
-    """Nor is one that studies have in common, which none of them uses."""
+    """Neither is a common key of the studies that none of them uses."""
     forms = {"flatness": FORMS, "elongation": FORMS}
     fixes = {**STUDY["fixes"], "shapes": forms, "sizes": {"case": "U1"}}
     table = expand(campaign(fixes=fixes, varies={"shapes.choice": ["random", "form_distribution"]}))
@@ -217,7 +217,7 @@ def test_a_key_that_some_packings_of_a_study_use_is_no_mistake():
 
 @pytest.fixture
 def scans(tmp_path):
-    """Two folders of grains."""
+    """Return two folders of grains."""
     for name in ("a", "b"):
         folder = tmp_path / f"scans_{name}"
         folder.mkdir()
@@ -226,7 +226,7 @@ def scans(tmp_path):
 
 
 def test_a_study_takes_its_own_grains(scans):
-    """Under `fixes` and under `varies`, beside one of the campaign's grains; each set has its folder."""
+    """Grains are set under `fixes`, under `varies` or by the campaign; each grain set has its own folder."""
     studies = {
         "own": {**STUDY, "fixes": {**STUDY["fixes"], "grains": {"source": scans[0], "unit": "mm"}}},
         "both": {**STUDY, "varies": {"sizes.case": ["U1"], "grains.source": scans}, "forms": {"spread": 2}},
@@ -289,17 +289,17 @@ def test_spread_covers_more_than_chance():
 
 
 def test_near_spheres_are_a_sphere_and_ten_ellipsoids_up_to_twice_as_long_as_thick():
-    """What the default campaign sets beside the ellipsoids of the grains, by the axes of the grains it draws."""
+    """The study is that of the default campaign; the axes are those of the grains that it draws."""
     config = yaml.safe_load((CONFIG / "config.yaml").read_text())
     campaign = resolve({**config, "studies": {"near_spheres": config["studies"]["near_spheres"]}}, "config")
     specifications = list(expand(campaign).specification)
     assert [specification["shapes"]["kind"] for specification in specifications] == ["sphere"] + 10 * ["ellipsoid"]
     ratios = []
     for specification in specifications:
-        sample = set_up(specification, None).sample(np.arange(3))  # of no grain: none is loaded
+        sample = set_up(specification, None).sample(np.arange(3))  # these shapes need no grains, so none are loaded
         ratios.append(sample.L / sample.S)
         np.testing.assert_allclose(sample.L / sample.I, sample.I / sample.S)
-    # The four digits of FL = EL = (L/S)^-1/2 leave L/S within 2 (L/S)^1.5 0.5e-4.
+    # FL = EL = (L/S)^-1/2 is rounded to four digits, so the error of L/S is at most 2 (L/S)^1.5 0.5e-4.
     np.testing.assert_allclose(ratios, np.repeat(np.linspace(1.0, 2.0, 11)[:, None], 3, axis=1), atol=3e-4)
 
 

@@ -16,7 +16,7 @@ from tests.helpers.packings import make_packing
 
 
 class Line:
-    """A model n = 2 x."""
+    """A model that predicts n = 2 x."""
 
     def predict(self, features):
         return 2 * features["x"].to_numpy()
@@ -24,7 +24,7 @@ class Line:
 
 @pytest.fixture
 def evaluation():
-    """Evaluation of 300 spheres of two sizes at random places in a periodic box, 0.1 m wide and about as high."""
+    """Return the evaluation of 300 spheres of two sizes at random places in a periodic box, 0.1 m wide and high."""
     rng = np.random.default_rng(4)
     radius = np.repeat([0.008, 0.01], 150)
     position = rng.uniform(0.01, 0.1, (300, 3))
@@ -70,7 +70,7 @@ def test_means_are_over_the_seeds_alone():
     np.testing.assert_allclose(table.n_std, [0.02, 0.0], atol=1e-15)
     np.testing.assert_allclose(table.n_seed_error, [0.02 / np.sqrt(3), 0.0], atol=1e-15)
     np.testing.assert_allclose(table.n_std_error, 0.03 / np.sqrt(3))
-    np.testing.assert_allclose(table.cpu_h, 1.5)  # of all three
+    np.testing.assert_allclose(table.cpu_h, 1.5)  # the sum over all three packings
 
 
 def test_a_setting_that_only_some_packings_have_leaves_none_out():
@@ -95,7 +95,7 @@ def test_shape_kinds_are_paired_by_case_and_grain():
     assert sorted(pairs.index) == ["a", "c"]
     assert pairs.loc["c", ["EQ", "n_mesh", "n_ellipsoid"]].tolist() == [0.3, 0.6, 0.63]
     assert pairs.loc["a", "n_ellipsoid"] == pytest.approx(0.41)
-    # Two packings of the one.
+    # Grain a has two packings of ellipsoids.
     assert pairs.loc["a", ["n_mesh_error", "n_ellipsoid_error"]].tolist() == pytest.approx([4e-3, 4e-3 / np.sqrt(2)])
 
 

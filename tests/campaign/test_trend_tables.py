@@ -15,9 +15,9 @@ ROW = {"packing": "p", "varied": {}}
 
 
 def evaluation(seed, sorted_by_height=False, n=4000, turned=0):
-    """What simcore.evaluation.evaluate keeps of the trends of n grains with two sizes, isotropic, at random heights.
+    """Return the trends over height that are stored for n grains of two sizes, isotropic, at random heights.
 
-    turned: another seed for how they lie.
+    turned: another seed of the orientations.
     """
     rng = np.random.default_rng(seed)
     height = np.sort(rng.uniform(0.0, 1.0, n))
@@ -35,10 +35,10 @@ def test_mixed_grains_have_no_trend_and_point_anywhere():
     trends = tabulate_trends("s", [ROW, ROW], evaluations)
     assert len(trends) == 2 * 4
     table = summarise_trends(trends).set_index("quantity")
-    # One form: flatness and elongation have nothing to change.
+    # With one form, flatness and elongation have no trend.
     assert list(table.index) == ["D", "angle"]
     assert (table.packings == 2).all() and (table.seeds == 2).all() and (table.grains == 8000).all()
-    # Two independent normal numbers, both within four standard errors but for 1e-4.
+    # Both numbers are standard normal and exceed four with a probability of about 1e-4.
     assert (table.spearman_z.abs() < 4.0).all()
     angle = table.loc["angle"]
     assert angle.isotropic == 1.0 and np.isnan(table.isotropic["D"])
@@ -51,14 +51,14 @@ def test_grains_sorted_by_size_show():
     table = summarise_trends(tabulate_trends("s", [ROW], [evaluation(3, sorted_by_height=True)]))
     size = table.set_index("quantity").loc["D"]
     assert (size.study, size.case, size.kind) == ("s", "U3", "ellipsoid")
-    # Half small below, half large above: with ties, r = sqrt(3)/2 of a two-valued step.
+    # The lower half is small and the upper half large: the rank correlation of such a step is sqrt(3)/2 with ties.
     assert size.spearman_r == pytest.approx(np.sqrt(0.75), abs=0.01)
     assert size.spearman_z == pytest.approx(size.spearman_r * np.sqrt(3999))
     assert size.relative_change > 0.3
 
 
 def test_packings_of_one_seed_share_their_sizes_but_not_how_their_grains_lie():
-    """Sizes drawn with one seed have by chance the same trend in each packing: more of them make it no surer."""
+    """Sizes of one seed have the same random trend in each packing; more packings do not reduce the error."""
     evaluations = [evaluation(1, turned=turned) for turned in range(6)]
     one = summarise_trends(tabulate_trends("s", [ROW], evaluations[:1])).set_index("quantity")
     six = summarise_trends(tabulate_trends("s", [ROW] * 6, evaluations)).set_index("quantity")

@@ -16,7 +16,7 @@ from tests.packing.test_outlook import progress_line
 
 
 def write(folder, name, log=None, done=False, beat=None):
-    """Files of one packing: its specification and, if given, log, output and heartbeat of this age [s]."""
+    """Write the files of one packing: its specification and, if given, log, output and heartbeat of this age [s]."""
     specification = folder / "packings" / f"{name}.yaml"
     specification.parent.mkdir(parents=True, exist_ok=True)
     specification.write_text(yaml.safe_dump(FEW_SPHERES))
@@ -43,7 +43,7 @@ def campaign(tmp_path):
     write(tmp_path, "b/crashed", log="Traceback\nKeyError: 'x'\n")
     write(tmp_path, "b/stopped", log=f"{line}\nfew: interrupted at step 300, t = 0.3 s, by request.\n")
     write(tmp_path, "b/waiting")
-    # A packing that is made again: its former output is there.
+    # This packing is made again while its former output still exists.
     write(tmp_path, "b/again", log=f"{line}\n", done=True, beat=0.0)
     return tmp_path
 

@@ -1,4 +1,4 @@
-"""The run of a page notices a line that is not printed, a command that fails, and an error that is gone."""
+"""PageRun reports a line that is not printed, a command that fails, and an error that no longer occurs."""
 
 import pytest
 

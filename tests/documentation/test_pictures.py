@@ -22,7 +22,7 @@ def test_every_picture_can_be_drawn_or_says_how():
 
 @pytest.fixture
 def rows(tmp_path, monkeypatch):
-    """A manifest of one picture in a temporary folder, and the rows that it shows."""
+    """Write a manifest of one picture in a temporary folder and return the path of the rows that it shows."""
     path = tmp_path / "rows.csv"
     path.write_text("n\n0.4\n")
     monkeypatch.setattr(pictures, "MANIFEST", tmp_path / "pictures.yaml")

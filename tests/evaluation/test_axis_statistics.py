@@ -1,4 +1,4 @@
-"""Statistics of axes against closed forms, and their errors against what random axes do."""
+"""Statistics of axes, compared with closed forms, and their errors, compared with the scatter of random axes."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def random_axes(n, seed):
 
 
 def sphere_rule(n_heights=12, n_azimuths=24):
-    """Directions and weights that integrate polynomials up to degree 23 over the sphere exactly."""
+    """Return directions and weights that integrate polynomials up to degree 23 over the sphere exactly."""
     height, weight = np.polynomial.legendre.leggauss(n_heights)
     phi = 2.0 * np.pi * (np.arange(n_azimuths) + 0.5) / n_azimuths
     z, phi = (grid.ravel() for grid in np.meshgrid(height, phi, indexing="ij"))
@@ -40,14 +40,14 @@ def test_isotropic_axes_have_a_flat_density(edges):
     density, error = density_per_solid_angle(random_axes(n, 1), np.ones(n), edges)
     share = -np.diff(np.cos(edges))
     assert np.sum(density * share) == pytest.approx(1.0, rel=1e-12)
-    # Pearson's test at a level fixed beforehand, and the binomial error of each bin.
+    # Pearson's test has the level 1e-4, and the error of each bin is binomial.
     assert n * np.sum(share * (density - 1.0) ** 2) < chi2.ppf(1 - 1e-4, len(share) - 1)
     counts = density * share
     assert error == pytest.approx(np.sqrt(counts * (1 - counts) / (n - 1)) / share, rel=1e-9)
 
 
 def test_stated_errors_are_the_scatter_over_samples():
-    """Of 400 samples the ratio of scatter to stated error has itself an error of 1/√800; four of them are allowed."""
+    """The ratio of scatter to stated error over 400 samples has an error of 1/√800; four of these are allowed."""
     found = []
     for seed in range(400):
         axes, ones = random_axes(300, seed), np.ones(300)
@@ -72,7 +72,7 @@ def test_weights_count_as_repeated_axes_do():
         lambda a, w: azimuth_moments(a, w)[0],
     ):
         np.testing.assert_allclose(mean(axes, some), mean(many, ones), rtol=1e-12, atol=1e-14)
-    # But what counts twice is one observation: the error is not that of twice as many.
+    # An axis of weight 2 is still one observation, so the error does not fall.
     single, double = (legendre_moments(axes, np.full(30, w))[1] for w in (1.0, 2.0))
     np.testing.assert_allclose(double, single, rtol=1e-12)
 
@@ -130,7 +130,7 @@ def test_rayleigh_s_test_is_right_where_azimuths_are_uniform_and_finds_a_directi
     tilted /= np.linalg.norm(tilted, axis=1, keepdims=True)
     moments, number = azimuth_moments(tilted, np.ones(200))
     assert rayleigh_test(np.hypot(*moments[0]), number) < 1e-6
-    # A cross along x and y is seen by the fourfold resultant alone.
+    # Only the fourfold resultant detects a cross along x and y.
     cross = np.array([[1.0, 0, 0], [0, 1.0, 0]] * 10)
     moments, number = azimuth_moments(cross, np.ones(20))
     np.testing.assert_allclose(moments, [[0, 0], [1, 0]], atol=1e-15)

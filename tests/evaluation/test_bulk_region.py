@@ -1,4 +1,4 @@
-"""The bulk: floor, surface and side wall left out by the stated rule."""
+"""The bulk region excludes the floor, the surface and the side wall by the stated rule."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def test_default_leaves_out_the_stated_number_of_long_axes():
 
 
 def test_deposits_of_four_long_axes_keep_a_bulk():
-    """Upright and lying ellipsoids, in beds four to four and a half long axes high."""
+    """The beds of upright and horizontal ellipsoids are four to four and a half long axes high."""
     semi_axes = np.array([2e-3, 3e-3, 6e-3])
     lying = np.sqrt([0.5, 0.0, 0.5, 0.0])  # long axis along x
     for orientation, cell in (([1.0, 0, 0, 0], 2 * semi_axes), (lying, 2 * semi_axes[[2, 1, 0]])):
@@ -30,7 +30,7 @@ def test_deposits_of_four_long_axes_keep_a_bulk():
         bed = make_packing(centres, np.tile(semi_axes, (len(centres), 1)), [orientation] * len(centres), width=24e-3)
         inner = bulk(bed)
         assert 0 < inner.grains.sum() < len(centres)
-        assert float(inner.porosity["n"]) == pytest.approx(1 - np.pi / 6, abs=0.12)  # a layer is cut anywhere
+        assert float(inner.porosity["n"]) == pytest.approx(1 - np.pi / 6, abs=0.12)  # the ends may cut a layer
 
 
 def test_one_long_grain_does_not_move_the_ends():

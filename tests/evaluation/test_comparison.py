@@ -15,7 +15,7 @@ from tests.helpers.packings import make_packing, sphere_lattice, touching_pairs
 
 
 def bed(kind="sc", seed=1, friction=0.5, **attrs):
-    """Lattice bed of touching 10 mm spheres that claims to be made by these settings."""
+    """Return a lattice bed of touching 10 mm spheres whose specification has these settings."""
     centres, width = sphere_lattice(kind, 3, 8)
     contacts, images = touching_pairs(centres, width)
     scene = {"name": f"bed_{seed}", "seed": seed, "material": {"friction": friction}, "domain": {"width": 0.03}}
@@ -27,7 +27,7 @@ def bed(kind="sc", seed=1, friction=0.5, **attrs):
 
 @pytest.fixture
 def stand_in(monkeypatch):
-    """Replaces the evaluation by numbers from the packings' attributes, so that differences are known."""
+    """Replace the evaluation by numbers from the packings' attributes, so that the differences are given."""
 
     def evaluate(packing, cut):
         n = packing.attrs["n"]
@@ -78,7 +78,7 @@ def test_groups_without_a_common_seed_are_compared_by_their_means(stand_in):
 
 
 def test_two_groups_of_several_seeds_have_the_freedom_of_welch(stand_in):
-    """Both scatter over two seeds, by 0.01 and 0.02; the formula is that of scipy's own test."""
+    """The groups have standard errors of 0.01 and 0.02 over two seeds; the expected interval is that of scipy."""
     a, b = (0.40, 0.42), (0.36, 0.40)
     beds = {f"a{seed}": bed(seed=seed, n=n) for seed, n in zip((1, 2), a, strict=True)}
     beds |= {f"b{seed}": bed(seed=seed, friction=0.3, n=n) for seed, n in zip((3, 4), b, strict=True)}

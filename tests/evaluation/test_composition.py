@@ -1,4 +1,4 @@
-"""The composition of a bed: shares by volume and number of the whole and a part; sizes that separate are noticed."""
+"""The composition of a bed: shares by volume and number of the whole and a part, and warnings of separated sizes."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from tests.helpers.packings import make_packing, sphere_lattice
 
 
 def bed(radius, z, seed=1, bounds=None):
-    """Spheres of these radii at these heights, at random places of a wide box, with the classes of a sieve curve."""
+    """Return spheres of these radii and heights, at random places of a wide box, with the classes of a sieve curve."""
     radius, z = np.asarray(radius, float), np.asarray(z, float)
     place = np.random.default_rng(seed).uniform(size=(len(z), 2))
     packing = make_packing(np.column_stack([place, z]), np.repeat(radius[:, None], 3, axis=1))
@@ -19,7 +19,7 @@ def bed(radius, z, seed=1, bounds=None):
 
 
 def mixed_bed(seed, lift=0.0, n=600):
-    """Two sizes in one bed of height 1 m; lift moves the coarse ones upwards."""
+    """Return a bed of two sizes, 1 m high; lift raises the lowest coarse grains."""
     rng = np.random.default_rng(seed)
     coarse = rng.random(n) < 0.15
     z = np.where(coarse, rng.uniform(lift, 1.0, n), rng.uniform(0.0, 1.0, n))
@@ -61,7 +61,7 @@ def test_form_moments_are_those_of_the_grains():
 
 
 def test_beds_without_separation_are_warned_of_as_often_as_chance_has_it():
-    """Two rules, each with a chance of 0.3 % at most."""
+    """Each of the two rules gives a false warning with a probability of at most 0.3 %."""
     count = sum(bool(separation_warnings(composition(mixed_bed(seed), 0.1, 0.9))) for seed in range(300))
     assert count <= 6
 
@@ -80,7 +80,7 @@ def test_fine_grains_on_the_floor_are_warned_of():
 
 
 def test_shares_of_coarse_grains_of_the_bed_and_of_its_evaluated_part():
-    """Large spheres above small ones: the share in the evaluated part follows from the volumes it contains."""
+    """Large spheres are above small ones, so the share in the evaluated part follows from the volumes it contains."""
     radius, z = np.r_[np.full(10, 0.02), np.full(80, 0.01)], np.r_[np.full(10, 0.5), np.full(80, 0.1)]
     result = composition(bed(radius, z), 0.0, 1.0)
     np.testing.assert_allclose(result["coarse_share_of_part"], [0.5, 0.5])

@@ -11,7 +11,7 @@ from tests.helpers.rotations import random_orientations
 
 def test_both_ends_of_a_contact_across_the_border():
     bed = make_packing([[0.2, 0.5, 1.0], [0.9, 0.5, 1.0]], [0.1, 0.2], width=1.0, contacts=[[0, 1]], images=[[-1, 0]])
-    # The line of centres is 0.3 long, from 0.2 to -0.1; the contact lies on the first one's surface.
+    # The line of centres is 0.3 long, from x = 0.2 to -0.1, and the contact is on the surface of the first grain.
     radii = contact_radii(bed, np.array([0, 0]), np.array([False, True]))
     np.testing.assert_allclose(radii, [1.0, 1.0], rtol=1e-12)
 
@@ -48,9 +48,9 @@ def test_surface_of_spheres_is_at_one():
 
 
 def test_surface_of_a_prolate_spheroid():
-    """Area between the equator and height z of a spheroid (a, a, c), e² = 1 - a²/c²: linear in arcsine and square root.
+    """The area between the equator and height z of a spheroid (a, a, c) with e² = 1 - a²/c² has a closed form.
 
-    A(z) = 2 π a/c ∫ √(c² - e² z²) dz, and rho² = a² + e² z² over (a² c)^(2/3).
+    A(z) = 2 π a/c ∫ √(c² - e² z²) dz, and rho² = (a² + e² z²) / (a² c)^(2/3).
     """
     a, c = 1.0, 2.0
     e = np.sqrt(1 - (a / c) ** 2)
@@ -61,7 +61,7 @@ def test_surface_of_a_prolate_spheroid():
     area = (np.arcsin(x) + x * np.sqrt(1 - x**2)) / (np.arcsin(e) + e * np.sqrt(1 - e**2))
     bed = make_packing([[0, 0, 0]], [[a, a, c]], random_orientations(1, 1))
     density = surface_radii(bed, np.array([0]), np.array([3.0]), edges)
-    # 64 nodes along the meridian, of which one at each end of a bin falls in or out: 1/64 of the area at most twice.
+    # Each end of a bin includes or excludes one of the 64 nodes along the meridian, at most 1/64 of the area.
     np.testing.assert_allclose(density * BIN_WIDTH, np.diff(area), atol=2 / 64)
     assert np.sum(density) * BIN_WIDTH == pytest.approx(1.0)
 
@@ -74,7 +74,7 @@ def test_surface_of_a_cube_and_of_a_mixture():
     # Within 0.5 of a face's middle the area is that of a circle: π (rho² r² - 1/4), from the inscribed radius on.
     below = np.flatnonzero(edges * r < np.sqrt(0.5))[-1]
     circle = np.pi * ((edges[below] * r) ** 2 - 0.25)
-    # 2 triangles a face are cut into 16 each: 1/32 of a face, four times where parts move in or out by symmetry.
+    # A face is cut into 32 triangles, of which up to four, by symmetry, fall in or out of a bin together.
     assert np.sum(density[:below]) * BIN_WIDTH == pytest.approx(circle, abs=4 / 32)
     assert np.sum(density) * BIN_WIDTH == pytest.approx(1.0)
     weighted = make_packing(np.zeros((2, 3)), [[1.0, 1.0, 1.0], [1.0, 1.0, 2.0]])

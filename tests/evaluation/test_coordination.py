@@ -7,38 +7,38 @@ from tests.helpers.packings import make_packing, sphere_lattice
 
 
 def test_contacts_and_rattlers_are_counted():
-    # A triangle 0-1-2 on the floor, a tail 2-3-4 that hangs on it, grain 5 touches only the floor.
+    # Grains 0, 1 and 2 form a triangle on the floor, 3 and 4 a chain that ends free, and 5 touches only the floor.
     contacts = [[0, 1], [1, 2], [0, 2], [2, 3], [3, 4], [0, -1], [5, -1]]
     bed = make_packing([[0, 0, z] for z in (1, 2, 3, 4, 5, 6)], 0.5, contacts=contacts)
     result = coordination_number(bed)
     assert result["contacts"].values.tolist() == [2, 2, 3, 2, 1, 0]
     assert float(result["coordination_number"]) == pytest.approx(10 / 6)
-    # 4 and 5 go first, then 3 is left with one contact; the triangle stays.
+    # Grains 4 and 5 are removed first; then 3 has only one contact and is removed, and the triangle remains.
     assert float(result["rattler_fraction"]) == pytest.approx(3 / 6)
     assert float(result["coordination_number_without_rattlers"]) == pytest.approx(2.0)
     upper = coordination_number(bed, grains=[False, False, True, True, False, False])
     assert float(upper["coordination_number"]) == pytest.approx(2.5)
-    # Grain 4 is not looked at: it stays and bears 3.
+    # Grain 4 is not evaluated, so it remains and supports grain 3.
     assert float(upper["coordination_number_without_rattlers"]) == pytest.approx(2.5)
     assert float(upper["rattler_fraction"]) == 0.0
     tail = coordination_number(bed, grains=[False, False, True, True, True, False])
     assert float(tail["coordination_number_without_rattlers"]) == pytest.approx(2.0)
     assert float(tail["rattler_fraction"]) == pytest.approx(2 / 3)
-    # Two grains with 3 and 2 contacts: the mean's error is half their difference.
+    # For two grains with 3 and 2 contacts the error of the mean is half the difference.
     assert float(upper["coordination_number_std_error"]) == pytest.approx(0.5)
 
 
 def test_rattlers_are_found_along_a_chain_and_by_the_given_number():
-    # A tetrahedron 0-1-2-3 and a chain 3-4-5-6 that ends in the air: 6, then 5, then 4 go, one after the other.
+    # A tetrahedron 0-1-2-3 has a chain 3-4-5-6 with a free end, so 6, 5 and 4 are removed one after the other.
     contacts = [[a, b] for a in range(4) for b in range(a + 1, 4)] + [[3, 4], [4, 5], [5, 6]]
     bed = make_packing([[0, 0, z] for z in range(1, 8)], 0.5, contacts=contacts)
     result = coordination_number(bed)
     assert float(result["rattler_fraction"]) == pytest.approx(3 / 7)
     assert float(result["coordination_number_without_rattlers"]) == pytest.approx(3.0)
-    # Of the tetrahedron each has three contacts once the chain is gone, too few where four are asked for.
+    # Without the chain, each grain of the tetrahedron has three contacts, too few if four are required.
     none = coordination_number(bed, bearing_contacts=4)
     assert float(none["rattler_fraction"]) == 1.0 and float(none["coordination_number_without_rattlers"]) == 0.0
-    # A ring that closes over the floor bears itself.
+    # A ring that is closed by the floor has no rattlers.
     ring = make_packing([[0, 0, z] for z in (1, 2, 3)], 0.5, contacts=[[0, -1], [0, 1], [1, 2], [2, -1]])
     assert float(coordination_number(ring)["rattler_fraction"]) == 0.0
 

@@ -8,7 +8,7 @@ from simcore.evaluation.crossing_angle import crossing_angle
 
 
 def made(moments, scatter=0.0, seeds=4, seed=1):
-    """Fabrics with given means of P2, P4, P6 over seeds, and some scatter."""
+    """Return a fabric whose P2, P4 and P6 have these means over seeds and this scatter."""
     rng = np.random.default_rng(seed)
     noise = scatter * rng.normal(size=(seeds, 3))
     values = np.asarray(moments) + noise - noise.mean(axis=0)
@@ -48,7 +48,7 @@ def test_forms_on_a_line_cross_in_one_point():
 
 
 def test_the_stated_error_is_the_scatter_of_the_angle():
-    """Of 200 repetitions; the scatter's own relative error is 1/√400, and that of the mean square error is less."""
+    """The scatter of 200 repetitions has a relative error of 1/√400, and the mean square error has a smaller one."""
     angles, errors = [], []
     for repetition in range(200):
         rng = np.random.default_rng(repetition)

@@ -15,7 +15,7 @@ from tests.helpers.packings import make_packing, sphere_lattice, touching_pairs
 from tests.helpers.polyhedra import CUBE
 from tests.helpers.rotations import random_orientations
 
-# kind: contacts a sphere, <P4> of the normals
+# kind: (contacts per sphere, <P4> of the normals)
 CRYSTALS = {"sc": (6, (2 * 3 / 8 + 1) / 3), "bcc": (8, -7 / 18), "fcc": (12, -7 / 48)}
 
 
@@ -26,7 +26,7 @@ def crystal(kind, cells=3, layers=7, **attrs):
 
 
 def random_bed(seed, n=600, semi_axes=(0.3, 0.4, 0.5), scene=None, turned=None):
-    """Grains anywhere in a tall box, touching whom it may be: contact normals and axes are isotropic."""
+    """Return grains at random places of a tall box, with random pairs as contacts: normals and axes are isotropic."""
     rng = np.random.default_rng(seed)
     position = rng.uniform(0, 1, (n, 3)) * [6.0, 6.0, 12.0]
     pairs = rng.integers(0, n, (3 * n, 2))
@@ -40,7 +40,7 @@ def random_bed(seed, n=600, semi_axes=(0.3, 0.4, 0.5), scene=None, turned=None):
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     for name in ("contact_normal", "contact_force"):
         bed[name] = (("contact", "xyz"), normals)
-    # Solid everywhere: the grains overlap, and their surface is where they end.
+    # With larger volumes the bed is solid everywhere, so its surface is at the highest grains.
     bed["volume"] = bed["volume"] * 3.0
     return bed
 
@@ -49,7 +49,7 @@ def random_bed(seed, n=600, semi_axes=(0.3, 0.4, 0.5), scene=None, turned=None):
 def test_crystals(kind):
     neighbours, fourth = CRYSTALS[kind]
     found = fabric(crystal(kind))
-    # Although the bulk ends between layers, whose contacts outwards have one end in it, not two.
+    # The number is exact although contacts across the ends of the bulk have only one end in it.
     assert float(found["coordination_number"]) == neighbours
     assert float(found["coordination_number_without_rattlers"]) == neighbours
     assert float(found["coordination_number_std_error"]) == 0.0 == float(found["rattler_fraction"])
@@ -58,7 +58,7 @@ def test_crystals(kind):
     assert float(normal["legendre"].sel(order=4)) == pytest.approx(fourth, rel=1e-9)
     np.testing.assert_allclose(normal["tensor"], np.eye(3) / 3, atol=1e-12)
     assert float(normal["anisotropy"]) == pytest.approx(0.0, abs=1e-12)
-    # Spheres have no axes, and all their contacts at the radius.
+    # Spheres have no axes, and all their contacts are at the radius.
     assert np.isnan(found["density"].sel(direction=["long_axis", "short_axis"])).all()
     assert float(found["contact_radius"]) == pytest.approx(1.0, rel=1e-9)
     at_one = np.isclose(found["radius"], 1.0) / BIN_WIDTH
@@ -68,13 +68,13 @@ def test_crystals(kind):
 
 def test_normals_of_a_face_centred_crystal_are_in_two_bins():
     found = fabric(crystal("fcc")).sel(direction="contact_normal")
-    # Of six normals two are level and four at 45°; bins of 20 equal heights have 1/20 of the hemisphere each.
+    # Two of six normals are horizontal and four at 45°; each of 20 bins of equal height has 1/20 of the hemisphere.
     expected = np.zeros(20)
     expected[19], expected[5] = 20 * 2 / 6, 20 * 4 / 6  # the sixth from the pole reaches from 0.75 down to 0.70
     np.testing.assert_allclose(found["density"], expected, rtol=1e-12)
     bounds = np.degrees(found["angle_bounds"].values)
     assert bounds[5][0] < 45.0 < bounds[5][1]
-    # Azimuths: level ones along the diagonals, the others along x and y.
+    # Horizontal normals are along the diagonals, the others along x and y.
     np.testing.assert_allclose(found["azimuth_moment"], [[0, 0], [1 / 3, 0]], atol=1e-12)
 
 
@@ -83,7 +83,7 @@ def test_solid_fraction_is_that_of_the_porosity_of_the_bulk():
     found = fabric(bed)
     inner = bulk(bed).porosity
     assert float(found["solid_fraction"]) == pytest.approx(1 - float(inner["n"]), rel=1e-12)
-    # A crystal's mean over any height is its own but for a part of one layer: 2 layers of 0.71 of some 7.
+    # The ends may cut a layer, so the mean over the bulk differs from the crystal's by a part of one layer.
     assert float(found["solid_fraction"]) == pytest.approx(np.pi / np.sqrt(18), abs=0.05)
     assert float(found["z_lower"]) == pytest.approx(2.0)
 
@@ -111,7 +111,7 @@ def test_contacts_with_walls_are_no_normals_but_bear():
 
 
 def test_random_beds_are_isotropic_within_their_errors():
-    """Each of many statistics in standard errors, none beyond the normal distribution's 1e-5."""
+    """No statistic deviates by more standard errors than a normal variable with probability 1e-5."""
     found = fabric(random_bed(1))
     limit = norm.isf(0.5e-5)
     for name, expected in (("density", 1.0), ("legendre", 0.0)):
@@ -146,10 +146,10 @@ def test_turning_the_bed_about_the_vertical_changes_no_statistic():
 
 
 def test_lying_grains():
-    """All long axes level, all short ones upright, as flat stones lie."""
+    """All long axes are horizontal and all short ones vertical, as in flat stones at rest."""
     rng = np.random.default_rng(3)
     half = np.sqrt(0.5)
-    # A quarter turn about y takes the long axis (z) to x and the short one (x) to -z; then any turn about the vertical.
+    # A quarter turn about y takes the long axis (z) to x and the short one (x) to -z; a random turn about z follows.
     angle = rng.uniform(0, np.pi, 600)
     lying = half * np.stack([np.cos(angle), -np.sin(angle), np.cos(angle), np.sin(angle)], axis=1)
     found = fabric(random_bed(3, turned=lying))
@@ -170,7 +170,7 @@ def test_polyhedra_are_served():
     # make_packing puts contacts at the first body's scale, 1; here they are in the middle between two.
     bed["contact_point"] -= (1.0 - 0.5 * apart) * bed["contact_normal"]
     found = fabric(bed, cut=1.0)
-    # Any height of the interval, some 4, has this of a square but for one gap of 0.1 more or less.
+    # The ends of the interval, which is about 4 high, may include one gap of 0.1 more or less.
     assert float(found["solid_fraction"]) == pytest.approx(apart**-3, abs=0.1 / 4)
     assert float(found["contact_radius"]) == pytest.approx(0.5 * apart / (3 / (4 * np.pi)) ** (1 / 3), rel=1e-9)
     assert float((found["surface_radius_density"] * BIN_WIDTH).sum()) == pytest.approx(1.0)
@@ -186,7 +186,7 @@ def test_over_seeds():
         np.testing.assert_array_equal(found[f"{name}_of_seed"], values)
     assert found["seed"].values.tolist() == [1, 2, 3, 4, 5] and "seed" not in found.attrs
     assert int(found["grains"]) == sum(int(one["grains"]) for one in single)
-    # The mean tensor's eigenvalues, not the mean of eigenvalues, which finite samples push apart.
+    # The eigenvalues are those of the mean tensor, because finite samples push the eigenvalues of one apart.
     tensor = np.mean([one["tensor"].values for one in single], axis=0)
     np.testing.assert_allclose(found["eigenvalues"], np.linalg.eigvalsh(tensor)[:, ::-1], rtol=1e-12)
     assert (found["anisotropy"] < found["anisotropy_of_seed"].mean("seed")).all()
@@ -196,7 +196,7 @@ def test_over_seeds():
 
 
 def test_jackknife_of_a_linear_invariant_is_the_error_of_the_mean():
-    """Upright and lying axes in shares that differ by seed: the anisotropy is then linear in the tensor."""
+    """Vertical and horizontal axes have shares that differ by seed, so the anisotropy is linear in the tensor."""
     single = []
     for seed, share in enumerate((0.6, 0.7, 0.75, 0.9)):
         one = fabric(random_bed(seed + 1)).copy(deep=True)
@@ -208,7 +208,7 @@ def test_jackknife_of_a_linear_invariant_is_the_error_of_the_mean():
 
 
 def test_radial_bins_of_several_seeds_are_put_together():
-    """The second's contacts lie at twice the radius of one sphere, in the centre of the other."""
+    """The contacts of the second bed are at the centre of one sphere and at twice the radius of the other."""
     first, second = (crystal("sc", seed=seed) for seed in (1, 2))
     second["contact_point"] += 0.5 * second["contact_normal"]
     found = fabric_over_seeds([fabric(first), fabric(second)])

@@ -1,4 +1,4 @@
-"""Trends over height: found where they are, not where they are not."""
+"""Trends over height are detected where they exist, and only there."""
 
 import numpy as np
 import pytest

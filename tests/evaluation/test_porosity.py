@@ -1,4 +1,4 @@
-"""Profile and bulk porosity: lattices, the study's interval, and errors for beds that have none."""
+"""Profile and bulk porosity: lattices, the evaluated interval, and errors for beds that have none."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from simcore.evaluation.porosity import bed_top, bulk_porosity, evaluation_inter
 from tests.helpers.packings import make_packing, sphere_lattice
 from tests.helpers.polyhedra import CUBE
 
-# Porosity of the lattice, height after which its layers repeat, in sphere diameters
+# The values are the porosity and the height after which the layers repeat, in sphere diameters.
 LATTICES = {
     "sc": (1 - np.pi / 6, 1.0),
     "bcc": (1 - np.pi * np.sqrt(3) / 8, 2 / np.sqrt(3)),
@@ -17,7 +17,7 @@ LATTICES = {
 
 @pytest.fixture
 def simple_cubic():
-    """Simple cubic bed of 10 mm spheres, 4 x 4 x 12."""
+    """Return a simple cubic bed of 4 x 4 x 12 spheres of 10 mm."""
     centres, width = sphere_lattice("sc", 4, 12)
     return make_packing(1e-2 * centres, 5e-3, width=1e-2 * width, seed=3)
 
@@ -64,7 +64,7 @@ def test_profile_follows_cf(simple_cubic):
 
 
 def test_cylinder_is_measured_from_the_floor_on_its_own_area():
-    # One disc-like ellipsoid layer would not do: equal solid in every slice needs upright prisms that fill half.
+    # An upright prism has the same solid area in every slice, so the bulk porosity is known exactly.
     cube = make_packing([[0, 0, 10e-3]], [[8e-3, 8e-3, 20e-3]], vertices=CUBE, width=1e-2, domain="cylinder")
     bulk = bulk_porosity(cube, "exact")
     assert (float(bulk["z_lower"]), float(bulk["z_upper"])) == (0.0, pytest.approx(20e-3))
@@ -72,7 +72,7 @@ def test_cylinder_is_measured_from_the_floor_on_its_own_area():
 
 
 def test_surface_is_the_uppermost_crossing_and_ends_are_cut():
-    # Slabs of solid fraction 0.64 in 0-20 mm, 0.16 in 20-30 mm and 0.64 in 30-40 mm: a void under the surface.
+    # The solid fraction is 0.64 in 0-20 mm, 0.16 in 20-30 mm and 0.64 in 30-40 mm: a loose layer below the surface.
     width = 10e-3
     bed = make_packing(
         [[0, 0, 10e-3], [0, 0, 25e-3], [0, 0, 35e-3]],
@@ -85,7 +85,7 @@ def test_surface_is_the_uppermost_crossing_and_ends_are_cut():
     assert bed_top(profile) == pytest.approx(40e-3)
     n = float(bulk_porosity(bed, "exact", cut=5e-3)["n"])
     assert n == pytest.approx(1 - (15 * 0.64 + 10 * 0.16 + 5 * 0.64) / 30, rel=1e-12)
-    # A cut inside a slice is exact too, and the mean over slices is the same where it is not.
+    # A cut inside a slice is exact too.
     n = float(bulk_porosity(bed, "exact", cut=7.3e-3)["n"])
     assert n == pytest.approx(1 - ((20 - 7.3) * 0.64 + 10 * 0.16 + (10 - 7.3) * 0.64) / (40 - 14.6), rel=1e-12)
 
@@ -96,7 +96,7 @@ def test_surface_is_the_uppermost_crossing_and_ends_are_cut():
     ids=["five median grains", "a third of a low bed", "the largest size in a very low one"],
 )
 def test_what_shaking_packs_closer_at_the_surface_is_no_bulk(layers, at_surface):
-    """Cubes of 5 mm, stacked; the sieve's largest is 8 mm."""
+    """The beds are stacked cubes of 5 mm, and the largest size of the sieve curve is 8 mm."""
     heights = 5e-3 * (np.arange(layers) + 0.5)
     bed = make_packing(
         np.column_stack([0 * heights, 0 * heights, heights]),

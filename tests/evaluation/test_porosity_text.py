@@ -16,7 +16,7 @@ from tests.helpers.rotations import random_orientations
 
 
 def cubes(warnings=""):
-    """Bed of 300 tilted cubes of 4 to 6 mm, strewn so that it is denser than half; overlaps do not matter here."""
+    """Return a bed of 300 tilted cubes of 4 to 6 mm, more than half solid; their overlaps do not matter."""
     rng = np.random.default_rng(1)
     position = rng.uniform([0, 0, 0.004], [0.04, 0.04, 0.034], (300, 3))
     scale = np.tile(rng.uniform(4e-3, 6e-3, (300, 1)), 3)

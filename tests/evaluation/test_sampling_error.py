@@ -1,4 +1,4 @@
-"""The sampling error from one packing against the known scatter over many."""
+"""The sampling error of one packing, compared with the known scatter over many."""
 
 import json
 
@@ -16,7 +16,7 @@ def area(width, domain):
 
 
 def poisson_bed(seed, domain, width, height, number, radii):
-    """Spheres placed independently; all centres stay a radius away from the cylinder wall by taking points only."""
+    """Return independently placed spheres with centres anywhere in the domain, also next to the wall of a cylinder."""
     rng = np.random.default_rng(seed)
     n = rng.poisson(number)
     position = rng.uniform(0.0, 1.0, (n, 3)) * [width, width, height + 4.0] - [0, 0, 2.0]
@@ -27,7 +27,7 @@ def poisson_bed(seed, domain, width, height, number, radii):
 
 
 def random_sequential_bed(seed, width, height, fraction):
-    """Equal spheres of diameter one that do not overlap, added at random in a periodic box."""
+    """Return spheres of diameter one that do not overlap, added at random in a periodic box."""
     rng = np.random.default_rng(seed)
     box = np.array([width, width, height + 4.0])
     target = int(fraction * box.prod() * 6 / np.pi)
@@ -49,7 +49,7 @@ def random_sequential_bed(seed, width, height, fraction):
 
 @pytest.mark.parametrize(("domain", "width", "height"), [("periodic", 6, 5), ("cylinder", 8, 6), ("periodic", 4, 12)])
 def test_error_of_independent_grains_is_shot_noise(domain, width, height):
-    """Var = density <v²> / volume if a grain is small against the blocks; the mean over 60 beds has 2-3 % error."""
+    """The variance is density <v²> / volume for grains much smaller than the blocks; 60 beds give it to 2 to 3 %."""
     radii, number = np.array([0.15, 0.3]), 400
     errors = [
         sampling_error(poisson_bed(seed, domain, width, height, number, radii), 0.0, height)["n_std_error"]
@@ -62,7 +62,7 @@ def test_error_of_independent_grains_is_shot_noise(domain, width, height):
 
 
 def test_error_agrees_with_the_scatter_over_hard_sphere_beds():
-    """40 beds: the scatter has a relative error of 1/sqrt(78) = 11 %, the mean error far less; 3 of it are allowed."""
+    """The scatter of 40 beds has a relative error of 1/sqrt(78) = 11 %, of which three are allowed."""
     width, height = 5.0, 5.0
     fractions, errors = [], []
     for seed in range(40):
@@ -71,13 +71,13 @@ def test_error_agrees_with_the_scatter_over_hard_sphere_beds():
         errors.append(sampling_error(bed, 0.0, height)["n_std_error"])
     scatter = np.std(fractions, ddof=1)
     assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(scatter, rel=3 / np.sqrt(2 * 39))
-    # Independent grains would scatter far more: the estimate sees that hard spheres exclude each other.
+    # Independent grains would scatter far more, because hard spheres exclude each other.
     shot_noise = np.sqrt(0.25 * np.pi / 6 / (width**2 * height))
     assert np.sqrt(np.mean(np.square(errors))) < 0.7 * shot_noise
 
 
 def test_error_does_not_take_a_profile_for_scatter():
-    """A bed whose density depends on height only, and on radius only in a cylinder, has almost no error."""
+    """A bed whose density depends on height alone, in a cylinder on height and radius, has almost no error."""
     rng = np.random.default_rng(4)
     z = 8.0 * np.sqrt(rng.uniform(size=40000))
     x, y = rng.uniform(0, 5, (2, len(z)))
@@ -110,9 +110,9 @@ def test_blocks_are_thicker_than_the_correlation_length():
 
 
 def bed_of_cells(seed, draw):
-    """A bed of 8 x 8 x 12 cells of volume 1, each with one large sphere or eight small ones, in random order.
+    """Return a bed of 8 x 8 x 12 cells of volume 1, each with one large sphere or eight small ones, in random order.
 
-    By quota half of the cells have large spheres, at random each cell has one with probability 1/2.
+    By quota half of the cells have large spheres; at random each cell has one with probability 1/2.
     """
     rng = np.random.default_rng(seed)
     shape = (8, 8, 12)
@@ -128,9 +128,9 @@ def bed_of_cells(seed, draw):
 
 @pytest.mark.parametrize("draw", ["quota", "random"])
 def test_error_agrees_with_the_scatter_of_beds_that_differ_in_the_order_of_sizes(draw):
-    """The lower half of the bed is evaluated. 60 beds: the scatter has a relative error of 9 %; 3 of it are allowed.
+    """The lower half of 60 beds is evaluated; their scatter has a relative error of 9 %, of which three are allowed.
 
-    By quota only the exchange with the upper half varies: the variance is half of that with a random draw.
+    By quota only the exchange with the upper half varies, so the variance is half of that with a random draw.
     """
     fractions, errors = [], []
     for seed in range(60):

@@ -1,4 +1,4 @@
-"""Solid volume between planes: closed forms, against numerical integration, and exact sums."""
+"""Solid volume between planes, compared with closed forms, numerical integration and exact sums."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_tilted_ellipsoid_agrees_with_its_cross_sections(seed):
     semi_axes = np.array([1.0, 2.0, 3.5])
     orientation = random_orientations(1, seed)
     ellipsoid = make_packing([[0, 0, 0]], semi_axes[None], orientation)
-    # Section of x^T A x <= 1 at height z: area pi sqrt(det A)^-1 ... from the 2 x 2 block and its Schur complement.
+    # The area of the section of x^T A x <= 1 at height z follows from the 2 x 2 block and its Schur complement.
     R = Rotation.from_quat(orientation[0], scalar_first=True).as_matrix()
     A = R @ np.diag(semi_axes**-2.0) @ R.T
     block = A[:2, :2]
@@ -89,7 +89,7 @@ def test_polyhedron_agrees_with_clipping(seed):
         expected.append(ConvexHull(HalfspaceIntersection(planes, inner).intersections).volume)
     volumes = slab_volumes(grain, edges, "exact")
     np.testing.assert_allclose(volumes, expected, rtol=1e-9)
-    # The slices telescope: their sum is the volume up to the round-off of as many terms as there are faces.
+    # The slices sum to the volume, up to the rounding error of as many terms as there are faces.
     assert volumes.sum() == pytest.approx(hull.volume, rel=len(hull.simplices) * EPS)
 
 

@@ -1,4 +1,4 @@
-"""Frames of a running packing: the series that ParaView reads, and a result that does not depend on it."""
+"""Frames of a running packing: ParaView reads the series, and the result does not depend on it."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from tests.helpers.same_bits import arrays_of, assert_same_bits
 
 
 class Notes(Keeper):
-    """A keeper that wants a checkpoint at each wish, resumes from `header`, and notes what it gets."""
+    """A keeper that requests a checkpoint at every opportunity, resumes from `header` and records what it receives."""
 
     def __init__(self, header=None):
         self.header, self.states, self.grains = header, [], []
@@ -40,7 +40,7 @@ def keep_frames(folder, keeper, interval=0.05, report=print):
 
 @pytest.fixture(scope="module")
 def series(tmp_path_factory):
-    """Folder with the series of a packing, the packing, and the keeper of its checkpoints."""
+    """Return the folder with the series of a packing, the packing, and the keeper of its checkpoints."""
     folder, notes = tmp_path_factory.mktemp("frames"), Notes()
     setup, keeper, ranks = keep_frames(folder, notes)
     return folder, pack(setup.scene, setup.bases, setup.draw, ranks=ranks, keeper=keeper), notes

@@ -12,7 +12,7 @@ from tests.helpers.random_beds import strew
 
 
 def grain_edges(network, node):
-    """Number of contacts of a node with grains."""
+    """Return the number of contacts of a node with grains."""
     return sum(network.nodes[end]["kind"] == "grain" for _, end in network.edges(node))
 
 

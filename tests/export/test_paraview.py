@@ -14,7 +14,7 @@ from tests.helpers.random_beds import KINDS, WIDTH, strew
 
 
 def lattice():
-    """Body-centred cubic bed of 10 mm spheres on a floor, with all its contacts through the sides of the box."""
+    """Return a body-centred cubic bed of 10 mm spheres on a floor, with all contacts through the sides of the box."""
     centres, width = sphere_lattice("bcc", 2, 3)
     pairs, images = touching_pairs(centres, width)
     floor = [(int(g), -1) for g in np.flatnonzero(centres[:, 2] == 0.5)]
@@ -24,7 +24,7 @@ def lattice():
 
 
 def columns(packing):
-    """What a grain has in the files."""
+    """Return the columns of the grains in the files."""
     length, middle, short = (packing[name].values for name in "LIS")
     numbers = {name: packing[name].values for name in ("D", "L", "I", "S", "volume")}
     contacts = coordination_number(packing)["contacts"].values
@@ -88,7 +88,7 @@ def test_contacts_have_their_force_and_overlap(tmp_path, suffix):
     np.testing.assert_array_equal(
         np.column_stack([lines["first"], lines["second"]]), packing["contact_body"].values[touching]
     )
-    # From centre to centre of touching spheres is one diameter, to the floor one radius.
+    # Lines between touching spheres are one diameter long, lines to the floor one radius.
     lengths = np.linalg.norm(np.diff(lines.points.reshape(-1, 2, 3), axis=1)[:, 0], axis=1)
     np.testing.assert_allclose(lengths, np.where(lines["second"] >= 0, 1e-2, 5e-3), rtol=1e-5)
 

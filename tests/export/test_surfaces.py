@@ -15,7 +15,7 @@ TOLERANCE = 1e-6  # of a volume
 
 
 def read_grains(path):
-    """Closed meshes of a file in the axes of the packing, dict from the number of a grain to its volumes."""
+    """Return a dict from the number of a grain to the volumes of its closed meshes in a file."""
     loaded = trimesh.load(path)
     volumes = {}
     if path.suffix == ".glb":
@@ -71,7 +71,7 @@ def test_copies_are_whole_and_fill_the_box(kind):
 
 
 def inside(vertices, faces, points):
-    """Whether points (k, 3) are in a convex polyhedron, (k,) bool."""
+    """Return whether points (k, 3) are in a convex polyhedron, as (k,) bool."""
     corners = np.asarray(vertices)[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return (points @ normals.T <= np.sum(normals * corners[:, 0], axis=1)).all(axis=1)

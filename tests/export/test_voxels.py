@@ -1,4 +1,4 @@
-"""Voxels: volumes against exact slices with the derived error, spacing, and files that other programs read."""
+"""Voxels: volumes compared with exact slices and the derived error, spacing, and files for other programs."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from tests.helpers.random_beds import HEIGHT, KINDS, WIDTH, strew
 
 
 def spaced(kind, seed=0):
-    """Grains on a lattice with random forms and orientations: none overlaps, and many extend through the sides."""
+    """Return grains on a lattice with random forms and orientations; none overlaps, and many cross the sides."""
     n = 27
     bed = strew(kind, n, seed)
     places = np.stack(np.meshgrid(*[np.arange(3)] * 3, indexing="ij"), -1).reshape(-1, 3) * 0.01
@@ -26,7 +26,7 @@ def spaced(kind, seed=0):
 
 
 def test_the_constant_is_epsteins_sum():
-    """Terms up to |k| = 60, and the rest as an integral: 4 π / R, to a relative error of order 1/R²."""
+    """The sum has the terms up to |k| = R = 60 and the integral 4 π / R of the rest; its error is of order 1/R²."""
     k = np.arange(-60, 61)
     squares = (k[:, None, None] ** 2 + k[:, None] ** 2 + k**2).ravel().astype(float)
     squares = squares[(squares > 0) & (squares <= 60.0**2)]
@@ -36,9 +36,9 @@ def test_the_constant_is_epsteins_sum():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_volumes_scatter_about_the_exact_ones_as_derived(kind):
-    """For 5 beds of 27 grains, each with its own error: mean 0, standard deviation 1 (4 standard errors each).
+    """The errors of 5 beds of 27 grains, divided by the derived ones, have the mean 0 and standard deviation 1.
 
-    A sphere has no orientation to average over, but its sieve size varies; a polyhedron has edges, of higher order.
+    A sphere has no orientation to average over, but its size varies; the edges of polyhedra have higher-order effects.
     """
     ratios = []
     for seed in range(5):
@@ -56,7 +56,7 @@ def test_volumes_scatter_about_the_exact_ones_as_derived(kind):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("size", [1e-3, 0.5e-3, 0.25e-3])
 def test_porosity_is_that_of_exact_slices_within_its_error(kind, size):
-    """Between planes that are faces of voxels, where the cut itself has no error; 4 standard errors."""
+    """The planes are faces of voxels, so the cut itself has no error; four standard errors are allowed."""
     bed = spaced(kind)
     grid = voxels(bed, size)
     low, high = 0.008, 0.022
@@ -67,12 +67,12 @@ def test_porosity_is_that_of_exact_slices_within_its_error(kind, size):
     volume = WIDTH**2 * (high - low)
     exact = 1.0 - slab_volumes(bed, [low, high], "exact")[0] / volume
     assert porosity == pytest.approx(exact, abs=4.0 * grid.volume_error / volume)
-    # The strict bound: a voxel errs only if the surface is within half its diagonal.
+    # The strict bound: a voxel can be wrong only if the surface is within half its diagonal.
     assert abs(porosity - exact) < surface_areas(bed).sum() * np.sqrt(3.0) * size / volume
 
 
 def test_a_lattice_has_its_porosity():
-    """Simple cubic: symmetric to the grid, so that errors do not average over grains; bound by one grain's error."""
+    """In a simple cubic lattice all grains have the same error, so the bound is four times that of a single grain."""
     centres, width = sphere_lattice("sc", 3, 3)
     bed = make_packing(1e-2 * centres, 5e-3, width=1e-2 * width)
     grid = voxels(bed, 0.25e-3)
@@ -90,7 +90,7 @@ def test_an_upright_cube_fills_its_voxels_and_no_other():
 
 
 def test_an_upright_prism_ends_at_its_sides():
-    """A cube that is turned by 45° about the vertical; its base is no box along the grid."""
+    """The cube is turned by 45° about the vertical, so its base is no box along the grid."""
     turned = [[np.cos(np.pi / 8), 0.0, 0.0, np.sin(np.pi / 8)]]
     bed = make_packing([[0.0151, 0.0152, 0.006]], [[1e-2, 1e-2, 4e-3]], turned, CUBE, width=WIDTH)
     grid = voxels(bed, 1e-3)
@@ -128,7 +128,7 @@ def test_npz_and_vti_have_labels_and_spacing(tmp_path):
     image = pyvista.read(tmp_path / "bed.vti")
     np.testing.assert_allclose(image.spacing, grid.spacing, rtol=1e-14)
     np.testing.assert_array_equal(image["label"].reshape(grid.labels.shape, order="F"), grid.labels)
-    # A voxel is where its grain is.
+    # The voxel at the centre of a grain has the label of the grain.
     x, y, z = bed["position"].values[5]
     assert image["label"][image.find_containing_cell((x, y, z))] == 6
 
@@ -144,7 +144,7 @@ def test_tif_has_its_spacing_and_is_read_as_grains(tmp_path):
     grid = voxels(bed, 0.25e-3, "leave")
     np.testing.assert_array_equal(labels.transpose(2, 1, 0), grid.labels)
     assert pages in (1, labels.shape[0])
-    # Our own reader of label images finds the grains again, with their volumes.
+    # Our own reader of label images returns the grains with their volumes.
     bodies = image_bodies(labels.transpose(2, 1, 0), 0.25e-3)
     volumes = [sum(body.volume for body in parts) for _, parts in bodies]
     assert [name for name, _ in bodies] == [str(grain + 1) for grain in range(27)]

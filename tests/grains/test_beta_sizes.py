@@ -1,4 +1,4 @@
-"""Beta-distributed volume over size: moments of shared references, and a sampler that has them."""
+"""Beta-distributed volume over size: moments of shared references, and samples that have them."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from scipy import stats
 from simcore.grains.beta_sizes import BetaSizes
 from simcore.grains.sampling import ShapeChoice, grain_uniforms, sample_grains, sample_sizes
 
-# (exponent + 1, spread): means of r, r², r³ and standard deviation over mean, mid-range radius 1
+# The keys are (exponent + 1, spread); the values are the means of r, r², r³ and std / mean for mid-range radius 1.
 CHECKS = {
     (4, 0.5): (0.91089, 0.85726, 0.83239, 0.18220),
     (2, 0.5): (0.84025, 0.75000, 0.71006, 0.24958),
@@ -23,7 +23,7 @@ def test_moments_are_the_references(exponent, spread):
     found = first, second, third, np.sqrt(second - first**2) / first
     np.testing.assert_allclose(found, CHECKS[exponent, spread], atol=5e-6)  # five digits are given
     assert sizes.number_fractions() @ sizes.class_diameters**3 == pytest.approx(8.0 * third, rel=1e-12)
-    # The sampler, at the midpoints of equal shares: these are off by 1 / (24 N²) of what the size changes with them.
+    # The samples are taken at the midpoints of N equal shares, so the error of their means is of order 1 / (24 N²).
     r = 0.5 * sizes.sizes(((np.arange(N) + 0.5) / N)[:, None])
     np.testing.assert_allclose([np.mean(r**power) for power in (1, 2, 3)], [first, second, third], rtol=2e-6)
     assert (r > 1.0 - spread).all() and (r < 1.0 + spread).all()
@@ -31,13 +31,13 @@ def test_moments_are_the_references(exponent, spread):
 
 @pytest.mark.parametrize("alpha, beta", [(3.0, 3.0), (0.0, 0.0), (0.5, 4.0)])
 def test_the_volume_is_beta_distributed(alpha, beta):
-    """Drawn grains, each weighed by its volume, against the distribution function; seeds decide."""
+    """Drawn grains, each weighted by its volume, follow the distribution function."""
     sizes = BetaSizes(2e-3, 0.6, alpha, beta)
     r = 0.5 * sample_sizes(sizes, np.arange(N), seed=3)
     order = np.argsort(r)
     share = np.cumsum(r[order] ** 3) / np.sum(r**3)
     x = (r[order] - 0.8e-3) / (3.2e-3 - 0.8e-3)
-    # Kolmogorov's bound at 1e-3, of as many grains as the weights are worth
+    # The bound is Kolmogorov's at the level 1e-3 for the effective number of weighted grains.
     worth = np.sum(r**3) ** 2 / np.sum(r**6)
     assert np.abs(share - stats.beta.cdf(x, alpha + 1.0, beta + 1.0)).max() < 1.95 / np.sqrt(worth)
 

@@ -36,7 +36,7 @@ SEVERAL = {
 
 def write(path, mesh):
     if path.name.endswith(".ascii.stl"):
-        # each body a solid of its own, as several exporters write it
+        # Each body is a solid of its own, as several exporters write it.
         parts = mesh.split(only_watertight=False)
         path.write_text("\n".join(part.export(file_type="stl_ascii") for part in parts))
     else:

@@ -1,4 +1,4 @@
-"""Form: closed forms of boxes and ellipsoids, the 13 factors against hand-computed values."""
+"""Form: closed forms of boxes and ellipsoids, and the 13 form factors, compared with hand-computed values."""
 
 import warnings
 

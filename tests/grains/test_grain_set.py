@@ -1,4 +1,4 @@
-"""A grain set survives its file bit by bit."""
+"""A grain set is the same, bit by bit, after it is written to a file and read."""
 
 import numpy as np
 import pytest

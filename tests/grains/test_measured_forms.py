@@ -1,4 +1,4 @@
-"""Measured forms: what is read from which columns, and one clear line for what is wrong."""
+"""Measured forms: the columns that are read, and errors of one clear line."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def read(tmp_path):
 
 @pytest.fixture
 def notices_of(tmp_path):
-    """Samples and notices of a text, without the folder's name."""
+    """Return a function that returns the samples and notices of a text, without the folder's name."""
 
     def read_text(text, column=None):
         (tmp_path / "bed.csv").write_text(text, encoding="utf-8")
@@ -180,7 +180,7 @@ def test_statistics_by_other_names_are_the_same_sample(read, header):
 
 
 def test_rows_that_summarise_others_are_left_out_and_named(notices_of):
-    """Whatever the column is called; of their numbers none is read, as some of them are no form."""
+    """The name of the column does not matter, and the numbers of these rows are not read, as some are no form."""
     (expected,), nothing = notices_of("FL,EL\n0.5,0.7\n0.6,0.8\n")
     assert nothing == []
     for labels in (
@@ -197,14 +197,14 @@ def test_rows_that_summarise_others_are_left_out_and_named(notices_of):
     samples, (left_out, *_) = notices_of("sample,FL,EL\nx,0.5,0.7\nx,0.6,0.8\nTotal,1.1,1.5\n")
     assert [sample.name for sample in samples] == ["x"]
     assert left_out.endswith("row 4 (Total) summarises others and is left out")
-    # What pandas describes.
+    # These rows are those of pandas.DataFrame.describe.
     below = "".join(f"{label},2,2\n" for label in ("count", "mean", "std", "min", "25%", "50%", "75%", "max"))
     samples, (left_out, *_) = notices_of(",FL,EL\n0,0.5,0.7\n1,0.6,0.8\n" + below)
     assert samples == [expected] and "row 4 (count), row 5 (mean)" in left_out and "row 11 (max)" in left_out
 
 
 def test_names_that_look_like_summaries_are_no_summaries(notices_of):
-    """A grain n among letters, a place SD, a place that begins with Max, stones that Max measured."""
+    """The names are a grain n among letters, a place SD, places that begin with Max, and the person Max."""
     letters = "".join(f"{letter},0.5,0.7\n" for letter in "lmnop")
     assert notices_of("stone,FL,EL\n" + letters + "Mean,0.5,0.7\n")[0][0].grains == 5
     assert notices_of("place,FL,EL\nSD,0.5,0.7\nSE,0.5,0.7\nTX,0.5,0.7\n")[0][0].grains == 3
@@ -240,7 +240,7 @@ def test_a_column_that_numbers_the_rows_is_no_count(notices_of):
     (sample,), (running,) = notices_of("n,FL,EL\n1,0.5,0.7\n2,0.9,0.7\n3,0.9,0.7\n")
     assert (sample.grains, sample.mu_FL) == (3, pytest.approx(2.3 / 3))
     assert "the column n numbers the rows, so it is not used as a number of grains" in running
-    # Of statistics a row is a sample, whatever it was measured from.
+    # In a table of statistics a row is a sample, whatever number of grains it was measured from.
     (sample, _), (unused,) = notices_of("mean_FL,std_FL,mean_EL,std_EL,n\n.6,.1,.7,.1,9\n.6,.1,.8,.1,5\n")
     assert sample.grains == 0 and unused.endswith("columns that are not used: n")
 
@@ -253,7 +253,7 @@ def test_a_column_that_may_separate_samples_is_named(notices_of):
     assert "give --sample 'river'" in hint and unused.endswith("not used: D50")
     samples, (unused,) = notices_of(text, "River")
     assert [sample.name for sample in samples] == ["Rhine", "Kall"] and unused.endswith("not used: D50")
-    # A name for each grain, one for all, or a sample's own column: nothing was merged.
+    # With a name per grain, one name for all, or a column `sample`, no grains of different samples were merged.
     assert notices_of("stone,FL,EL\nx,.5,.7\ny,.6,.7\n")[1] == ["bed.csv: columns that are not used: stone"]
     assert notices_of("river,FL,EL\nx,.5,.7\nx,.6,.7\n")[1] == ["bed.csv: columns that are not used: river"]
     assert notices_of("Sample,FL,EL\nx,.5,.7\nx,.6,.7\ny,.6,.7\n")[1] == []

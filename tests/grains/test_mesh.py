@@ -13,7 +13,7 @@ RNG = np.random.default_rng(7)
 
 
 def pebble(n=400, seed=3):
-    """Points of a lopsided convex body without any symmetry."""
+    """Return the points of a lopsided convex body without any symmetry."""
     points = np.random.default_rng(seed).normal(size=(n, 3))
     points /= np.linalg.norm(points, axis=1)[:, None]
     return points * (1 + 0.2 * points[:, :1] + 0.1 * points[:, 1:2]) * [0.003, 0.005, 0.008]
@@ -24,7 +24,7 @@ def test_box_has_its_closed_form():
     inside = RNG.uniform(-0.004, 0.004, (50, 3))
     turned = Rotation.random(rng=2).apply(np.vstack([points, inside])) + [5.0, -3.0, 1.0]
     grain = make_grain("box", turned)
-    # round-off: coordinates of size 6 carry 1e-15 m, a part 1e-13 of the edge
+    # Coordinates of size 6 have a rounding error of 1e-15 m, which is 1e-13 of the edge.
     assert (grain.L, grain.I, grain.S) == pytest.approx(np.array([0.03, 0.02, 0.01]) * np.sqrt(5 / 3), rel=1e-12)
     assert grain.volume == pytest.approx(6e-6, rel=1e-12)
     assert grain.vertices.shape == (8, 3) and grain.faces.shape == (12, 3)
@@ -40,7 +40,7 @@ def test_ellipsoid_mesh_converges_to_its_closed_form_at_second_order():
         grain = make_grain("e", sphere.vertices * [0.006, 0.01, 0.004])
         axes = np.array([grain.L, grain.I, grain.S])
         errors.append(1 - axes / [0.02, 0.012, 0.008])
-        # affine to a mesh inside the unit sphere: relative to that one's axes the form is exact
+        # The mesh is an affine image of one inside the unit sphere, so the ratio of their axes is exact.
         own = make_grain("s", sphere.vertices)
         np.testing.assert_allclose(axes / [0.02, 0.012, 0.008], own.L / 2, rtol=1e-9)
     assert np.all(errors[1] > 0) and np.all(np.abs(errors[0] / errors[1] - 4) < 0.1)
@@ -72,7 +72,7 @@ def test_moments_agree_with_trimesh():
 
 
 def test_third_moment_of_a_tetrahedron():
-    # unit corner tetrahedron: mean of x is 1/4, of x³ is 6 * 3! / 6! = 1/20
+    # In the unit corner tetrahedron the mean of x is 1/4 and that of x³ is 6 * 3! / 6! = 1/20.
     vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     np.testing.assert_allclose(third_moments(vertices, faces), 1 / 20, rtol=1e-14)
@@ -83,7 +83,7 @@ def test_result_does_not_depend_on_pose():
     grain = make_grain("g", points)
     for seed in range(5):
         turned = make_grain("g", Rotation.random(rng=seed).apply(points) + 0.1)
-        # the same corners, in whatever order the hull lists them; round-off of 0.1 m coordinates
+        # The corners are the same in any order; coordinates of 0.1 m have a rounding error.
         order = np.lexsort(grain.vertices.T)
         other = np.lexsort(turned.vertices.T)
         np.testing.assert_allclose(turned.vertices[other], grain.vertices[order], atol=1e-11 * grain.L)
@@ -105,12 +105,12 @@ def test_decimation_obeys_the_target_and_keeps_the_volume(faces):
     coarse = decimate(grain, faces)
     assert faces * 0.8 <= len(coarse.faces) <= faces
     assert coarse.volume == pytest.approx(grain.volume, rel=1e-12)
-    # quadrics place vertices outside the surface too: less is lost than by an inscribed mesh, 10.9 / faces
+    # Quadrics also place vertices outside the surface, so less is lost than by an inscribed mesh, 10.9 / faces.
     assert -10.9 / faces < coarsen(grain, faces).volume / grain.volume - 1 < 0
     _, centre, products = volume_moments(coarse.vertices, coarse.faces)
     np.testing.assert_allclose(centre, 0, atol=1e-12 * grain.L)
     np.testing.assert_allclose(products, np.diag(coarse.second_moments), atol=1e-12 * grain.L**2)
-    if faces == 300:  # what shared conventions promise of hulls at 300 faces
+    if faces == 300:  # required of hulls at 300 faces by the shared conventions
         assert coarse.flatness == pytest.approx(grain.flatness, rel=3e-3)
         assert coarse.elongation == pytest.approx(grain.elongation, rel=3e-3)
 
@@ -145,7 +145,7 @@ def test_impossible_points_are_refused_with_the_grains_name(points, reason):
 
 
 def dented_cloud(count, seed):
-    """Points of a lumpy, dented stone, so dense that its hull has slivers."""
+    """Return the points of a lumpy, dented stone, so dense that its hull has slivers."""
     rng = np.random.default_rng(seed)
     directions, dents = spiral_directions(count), rng.normal(size=(12, 3))
     dents /= np.linalg.norm(dents, axis=1)[:, None]
@@ -154,7 +154,7 @@ def dented_cloud(count, seed):
 
 
 def latitude_longitude(count, axes):
-    """Corners of an ellipsoid on a grid of count x count angles."""
+    """Return the corners of an ellipsoid on a grid of count x count angles."""
     polar, around = np.meshgrid(
         np.linspace(0, np.pi, count), np.linspace(0, 2 * np.pi, count, endpoint=False), indexing="ij"
     )

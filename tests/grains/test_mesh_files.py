@@ -1,4 +1,4 @@
-"""OBJ and PLY files of all kinds give the same body."""
+"""Mesh files of all kinds (OBJ, PLY, STL, OFF) give the same body."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from simcore.grains.readers import read_grain, read_grains_of
 BOX = trimesh.creation.box((10, 7, 5))
 CORNERS = np.array([[x, y, z] for x in (-5, 5) for y in (-3.5, 3.5) for z in (-2.5, 2.5)])
 QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-# The first side as two triangles, the others as quads.
+# The first side is two triangles; the others are quads.
 MIXED = [QUADS[0][:3], (QUADS[0][0], *QUADS[0][2:]), *QUADS[1:]]
 AXES = np.array([5, 3.5, 2.5]) * 2e-3 * np.sqrt(5 / 3)
 
@@ -23,7 +23,7 @@ def assert_is_box(path):
 
 
 def obj_text(faces, negative=False, slash=""):
-    """Each face after its own vertices, or all vertices first."""
+    """Return the text of an OBJ file with each face after its own vertices (negative), or all vertices first."""
     if not negative:
         rows = [f"v {x} {y} {z}" for x, y, z in CORNERS]
         return "\n".join([*rows, *("f " + " ".join(f"{i + 1}{slash}" for i in face) for face in faces)])
@@ -66,7 +66,7 @@ def test_broken_obj(tmp_path, text, reason):
 
 
 def ply_bytes(faces, form, extra="", corner_type="uchar"):
-    """A PLY file; `extra`: a property of the faces before their list."""
+    """Return a PLY file; `extra` is the type of a property of the faces before their list."""
     order = {"ascii": None, "binary_little_endian": "<", "binary_big_endian": ">"}[form]
     header = [
         "ply", f"format {form} 1.0", "comment scanned", "element vertex 8", "property float x", "property float y",
@@ -167,7 +167,7 @@ def test_a_mesh_too_far_from_the_origin_for_its_precision_is_refused(tmp_path, n
 
 
 def surface_of(voxels):
-    """Faces (m, 4, 3) of the solid voxels' sides that border on empty ones, outward, edge 1."""
+    """Return the outward faces (m, 4, 3) between solid and empty voxels of edge 1."""
     quads = []
     for place in np.argwhere(voxels):
         for axis in range(3):

@@ -15,7 +15,7 @@ from simcore.scene.specification import resolve
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Scans of five ellipsoids of 4 to 12 mm."""
+    """Return a folder of scans of five ellipsoids of 4 to 12 mm."""
     place = tmp_path_factory.mktemp("scans")
     for number, size in enumerate((2.0, 3.0, 4.0, 5.0, 6.0)):
         mesh = trimesh.creation.icosphere(3, size)
@@ -44,7 +44,7 @@ def test_each_grain_is_packed_at_its_own_size(folder, kind):
     setup, grains = set_up(spec, load_grains), load_grains(spec["grains"])
     ids = np.arange(2000)
     sample = setup.sample(ids)
-    # the axes of decimated hulls differ from the grain's by up to half a percent
+    # The axes of decimated hulls differ from those of the grain by up to half a percent.
     own = np.array([[grain.L, grain.I, grain.S] for grain in grains])
     drawn = np.column_stack([sample.L, sample.I, sample.S])
     nearest = np.abs(drawn[:, None] / own - 1).max(axis=2)
@@ -55,7 +55,7 @@ def test_each_grain_is_packed_at_its_own_size(folder, kind):
         np.testing.assert_allclose(sample.volume, volumes[sample.shape], rtol=1e-12)
     counts = np.bincount(nearest.argmin(axis=1), minlength=5)
     assert np.abs(counts - 400).max() < 4 * np.sqrt(400 * 0.8)  # four standard errors of equal chances
-    # any subset of ids, in any order, is the same grains
+    # Any subset of ids, in any order, gives the same grains.
     np.testing.assert_array_equal(setup.sample(ids[700:650:-7]).D, sample.D[700:650:-7])
     assert setup.scene.generation.spacing == pytest.approx(UPRIGHT_REACH * setup.curve.largest)
 
@@ -69,7 +69,7 @@ def test_one_grain_keeps_its_size(folder, kind):
 
 
 def test_the_grains_of_a_sieve_curve_stay_as_they_were(folder):
-    """With one class of no width all grains have that size, whatever their own."""
+    """With one very narrow class all grains have its size, whatever their own."""
     spec = specification(folder, {"bounds": ["5 mm", "5.0001 mm"], "mass_fractions": [1.0]})
     np.testing.assert_allclose(set_up(spec, load_grains).sample(np.arange(50)).D, 5e-3, rtol=1e-4)
 

@@ -11,7 +11,7 @@ POINTS = np.round(spiral_directions(60) * [3.0, 4.5, 6.5] + [0.2, -0.3, 0.1], 4)
 
 
 def lines(mark=",", before=(), after=()):
-    """The points as text, one a line, with fields before and after x, y, z."""
+    """Return the points as text, one per line, with fields before and after x, y, z."""
     return [mark.join([*before, *(f"{value:.4f}" for value in point), *after]) for point in POINTS]
 
 
@@ -127,7 +127,7 @@ def test_axes_without_header_are_no_cloud(tmp_path):
     text = "\n".join(",".join(f"{value:.3f}" for value in row) for row in AXES)
     with pytest.raises(ValueError, match="like a table of axes"):
         read(tmp_path, "a.csv", text)
-    # said to be points, they are points
+    # With the header x,y,z the same numbers are points.
     assert read(tmp_path, "a.csv", "x,y,z\n" + text).volume > 0
 
 

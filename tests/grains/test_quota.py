@@ -1,4 +1,4 @@
-"""Sizes and forms by quota represent their distribution, whatever the seed; random draws stay as they are."""
+"""Sizes and forms by quota represent their distribution, whatever the seed."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ SPHERES = ShapeChoice("sphere")
 
 
 def draw(curve, number, seed, shapes=SPHERES, grains=()):
-    """All grains of a packing, drawn by quota."""
+    """Return all grains of a packing, drawn by quota."""
     return sample_grains(np.arange(number), seed, curve, shapes, list(grains), quota_uniforms(curve, number, seed))
 
 
@@ -53,7 +53,7 @@ def test_each_class_has_its_number_of_grains_at_mid_quantiles(seed):
 def test_masses_of_the_classes_are_those_of_the_curve():
     drawn = draw(B50, 8000, 1)
     expected = B50.expected_fractions()
-    # Each class is off by at most one grain, and the whole, to which shares refer, by at most the sum of that.
+    # Each class deviates by at most one grain, and the total, to which shares refer, by at most the sum of these.
     grain = B50.class_means(3) / (8000 * B50.mean(3))
     assert np.all(np.abs(class_fractions(B50, drawn.D, drawn.volume) - expected) < grain + expected * grain.sum())
     by_chance = sample_grains(np.arange(8000), 1, B50, SPHERES, [])
@@ -72,7 +72,7 @@ def test_seeds_differ_in_the_order_alone_and_the_order_is_random():
 
 
 def test_forms_represent_their_distribution_in_every_class():
-    """Means over at least 100 grains; those of a random draw scatter by the standard deviation over the root of m."""
+    """The means are over m >= 100 grains; random ones scatter by the standard deviation over the root of m."""
     drawn = draw(B50, 4000, 3, FORMS)
     index = B50.class_of(drawn.D)
     for values, mean, std in ((drawn.S / drawn.I, 0.6, 0.1), (drawn.I / drawn.L, 0.7, 0.12)):
@@ -80,7 +80,7 @@ def test_forms_represent_their_distribution_in_every_class():
             inside = values[index == k]
             m = len(inside)
             if m >= 100:
-                assert abs(inside.mean() - mean) < 0.2 * std / np.sqrt(m) + 0.003  # 0.003: cut off at 0.1 and 1
+                assert abs(inside.mean() - mean) < 0.2 * std / np.sqrt(m) + 0.003  # 0.003: limits 0.1 and 1
                 assert inside.std() == pytest.approx(std, rel=0.06)
     # Flatness and elongation stay independent: four standard deviations of a correlation of 4000 pairs.
     assert abs(np.corrcoef(drawn.S / drawn.I, drawn.I / drawn.L)[0, 1]) < 4 / np.sqrt(4000)

@@ -1,4 +1,4 @@
-"""Every format gives the same grain; every kind of bad input its one clear error."""
+"""Every format gives the same grain, and every kind of bad input gives one clear error."""
 
 import os
 import warnings
@@ -16,7 +16,7 @@ SHARED = Path(os.environ.get("SCREE_SHARED", "/work/shared")) / "grains"
 
 @pytest.fixture(scope="module")
 def body():
-    """A pebble of about 10 mm, in mm, as a closed mesh."""
+    """Return a pebble of about 10 mm, in mm, as a closed mesh."""
     points = np.random.default_rng(8).normal(size=(120, 3))
     points /= np.linalg.norm(points, axis=1)[:, None]
     points *= (1 + 0.2 * points[:, :1]) * [3, 4.5, 6.5]
@@ -29,7 +29,7 @@ def test_mesh_formats_give_the_same_grain(tmp_path, body, extension):
     body.export(path)
     grain, expected = read_grain(path, "mm"), make_grain("G07", body.vertices * 1e-3)
     assert grain.name == "G07"
-    # single precision (STL, PLY) or eight digits
+    # STL and PLY have single precision, the others eight digits.
     assert (grain.L, grain.I, grain.S) == pytest.approx((expected.L, expected.I, expected.S), rel=1e-6)
     assert len(grain.faces) == len(expected.faces)
 
@@ -111,7 +111,7 @@ def test_bad_meshes_are_refused(tmp_path, body, kind, extension):
     mesh, reason = bad_meshes(body)[kind]
     path = tmp_path / f"bad.{extension}"
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of the writer
+        warnings.simplefilter("ignore")  # the writer warns
         path.write_bytes(data if isinstance(data := mesh.export(file_type=extension), bytes) else data.encode())
     with pytest.raises(ValueError, match=rf"bad\.{extension}: .*{reason}") as error:
         read_grain(path, "mm")
@@ -145,7 +145,7 @@ def test_broken_files_are_refused(tmp_path, name, content, reason):
 
 @pytest.mark.parametrize("factor, unit", [(1.0, "m"), (1e-3, "mm")])
 def test_units_wrong_by_a_thousand_are_refused(tmp_path, body, factor, unit):
-    for size in (0.3, 1.0, 4.0):  # grains of 3 to 40 mm, the study's sizes
+    for size in (0.3, 1.0, 4.0):  # grains of 3 to 40 mm, the sizes of Rettinger et al.
         body.copy().apply_scale(factor * size).export(tmp_path / "a.ply")
         with pytest.raises(ValueError, match=r"a\.ply.*sieve size.*`unit`"):
             read_grain(tmp_path / "a.ply", unit)

@@ -1,4 +1,4 @@
-"""Random sizes, forms and shapes: they belong to the grain's id and follow the stated laws."""
+"""Random sizes, forms and shapes depend on the grain's id and follow the stated distributions."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_numbers_belong_to_the_id():
 
 def test_numbers_are_uniform_and_uncorrelated():
     numbers = grain_uniforms(IDS, seed=4)
-    # eight columns at once: Bonferroni-corrected 1e-3
+    # Eight columns are tested at once, so the level 1e-3 is divided by 8.
     assert min(stats.kstest(column, "uniform").pvalue for column in numbers.T) > 1e-3 / 8
     correlation = np.corrcoef(np.hstack([numbers[:-1], numbers[1:]]).T) - np.eye(16)
     assert np.abs(correlation).max() < 5 / np.sqrt(len(IDS))
@@ -103,7 +103,7 @@ def test_a_mixture_of_kinds_has_the_grains_of_meshes_some_as_their_ellipsoids(gr
     axes = np.stack([mixed.S, mixed.I, mixed.L], axis=1)[smooth]
     np.testing.assert_array_equal(mixed.scale[smooth], axes / 2)
     np.testing.assert_allclose(mixed.volume[smooth], np.pi / 6 * axes.prod(axis=1), rtol=1e-14)
-    # Which they are has nothing to do with what they are, and a larger share only adds to them.
+    # Ellipsoids are chosen independently of size and shape, and a larger share only adds to them.
     for values in (mesh.D, mesh.shape):
         assert abs(stats.pearsonr(smooth, values).statistic) < 4 / np.sqrt(len(IDS))
     more = sample_grains(IDS, 3, CURVE, ShapeChoice("mixed", ellipsoid_share=0.6), grains)

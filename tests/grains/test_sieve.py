@@ -1,4 +1,4 @@
-"""Sieve curves: what is refused, mass to number, the table of cases."""
+"""Sieve curves: errors, numbers of grains from mass fractions, and the table of named curves."""
 
 from pathlib import Path
 
@@ -32,7 +32,7 @@ RATIOS, MOST_CLASSES, CURVES = (1.05, 16.0), 8, 50
 
 
 def random_curve(rng, k, accept=None):
-    """Curve of k classes with ratios log-uniform over RATIOS and Dirichlet fractions, a quarter of them 0."""
+    """Return a curve of k classes with ratios log-uniform over RATIOS and Dirichlet fractions, a quarter of them 0."""
     while True:
         ratios = np.exp(rng.uniform(*np.log(RATIOS), k))
         fractions = rng.dirichlet(np.ones(k)) * (rng.uniform(size=k) > 0.25)
@@ -44,7 +44,7 @@ def random_curve(rng, k, accept=None):
 
 
 def test_the_expected_mass_in_each_class_is_the_specified_one():
-    """Exactly, for curves of any width; the mean volume of a class is that of the sizes that are drawn in it."""
+    """This is exact for curves of any width: the mean volume of a class is that of the sizes drawn in it."""
     rng = np.random.default_rng(1)
     within = (np.arange(4000) + 0.5) / 4000
     for number in range(CURVES):
@@ -52,7 +52,7 @@ def test_the_expected_mass_in_each_class_is_the_specified_one():
         np.testing.assert_allclose(curve.expected_fractions(), curve.mass_fractions, rtol=1e-13)
         mass = curve.expected_numbers(2.0, 2650) * 2650 * np.pi / 6 * curve.class_means(3)
         np.testing.assert_allclose(mass, 2.0 * curve.mass_fractions, rtol=1e-13)
-        # The slow twin: the midpoint rule over all random numbers within the class, of one class alone.
+        # The mean is also computed by the midpoint rule over all random numbers within a class.
         for bounds, mean in zip(
             np.column_stack([curve.bounds[:-1], curve.bounds[1:]]), curve.class_means(3), strict=True
         ):
@@ -64,13 +64,12 @@ def test_the_expected_mass_in_each_class_is_the_specified_one():
 
 
 def test_two_million_draws_have_the_specified_masses():
-    """Fifty random curves at 4 standard errors.
+    """The mass fractions of fifty random curves are within 4 standard errors.
 
-    With Y the D³ of a grain and X_i the same where it is in class i, else 0, X_i - f_i Y has the mean 0 and the
-    variance Σ_k p_k m6_k ([k = i] - f_i)²: exactly, at any number of draws and however heavy the tail of the masses, as
-    no ratio is taken. Divided by the mean of Y it is the standard error of a drawn mass fraction. That the mean of N is
-    normal takes draws of every class: curves are drawn anew until two classes or more have mass, and at least 50 of the
-    two million grains are expected in each of them.
+    Let Y be the D³ of a grain, and X_i = Y if it is in class i, otherwise 0. X_i - f_i Y has the mean 0 and the
+    variance Σ_k p_k m6_k ([k = i] - f_i)², exactly and at any number of draws, as no ratio is taken. Divided by the
+    mean of Y it gives the standard error of a drawn mass fraction. The mean of N draws is normal only if each class
+    is drawn often: curves are drawn anew until two classes or more have mass, each with more than 50 expected grains.
     """
     rng, n = np.random.default_rng(2), 2_000_000
 
@@ -90,7 +89,7 @@ def test_two_million_draws_have_the_specified_masses():
         z = (shares - f)[f > 0] * y.mean() / error[f > 0]
         assert np.abs(z).max() < 4.0, (curve.bounds, f, shares)
         coarsest.append(z[-1])
-    # The errors are not too wide: the mean square of fifty is 1 to 4 times its own standard error of √(2 / 50).
+    # The errors are not too wide: the mean square of fifty ratios is 1 within 4 of its standard errors, √(2 / 50).
     assert np.mean(np.square(coarsest)) == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / CURVES))
 
 
@@ -140,7 +139,7 @@ def test_cases_keep_the_rule_of_their_source():
 
 def test_class_fractions_weigh_volumes():
     curve = SieveCurve([1e-3, 2e-3, 4e-3, 8e-3], [0.2, 0.5, 0.3])
-    # On a bound a grain counts to the coarser class; beyond the curve, by rounding, to the last.
+    # A grain on a bound belongs to the coarser class; one beyond the curve, by rounding, belongs to the last.
     found = class_fractions(curve, [1e-3, 1.9e-3, 2e-3, 5e-3, 8.0001e-3], [1.0, 2.0, 3.0, 5.0, 9.0])
     np.testing.assert_allclose(found, np.array([3.0, 3.0, 14.0]) / 20.0, rtol=1e-15)
     with pytest.raises(ValueError, match="there is no grain"):

@@ -1,4 +1,4 @@
-"""Statistics of sieve curves against a run of GRADISTAT and closed forms of a normal distribution; their words."""
+"""Statistics of sieve curves, compared with a run of GRADISTAT and with a normal distribution, and their words."""
 
 import numpy as np
 import pytest
@@ -9,12 +9,12 @@ from simcore.grains.sieve_table import SieveTable
 
 
 def table_of(openings_mm, retained):
-    """Table of shares retained between the openings."""
+    """Return a table of shares retained between the openings."""
     return SieveTable(np.array(openings_mm) * 1e-3, np.r_[0.0, np.cumsum(retained)] / np.sum(retained))
 
 
 def log_normal(mean, deviation, classes, reach=5.0):
-    """Table of classes of equal width in phi of a normal distribution, from +reach to -reach deviations."""
+    """Return a table of classes of equal width in phi of a normal distribution, from +reach to -reach deviations."""
     phi = np.linspace(mean + reach * deviation, mean - reach * deviation, classes + 1)
     return table_of(2.0**-phi, -np.diff(norm.cdf(phi, mean, deviation)))
 
@@ -41,7 +41,7 @@ def test_a_run_of_gradistat_is_reproduced_to_its_digits():
 
 def test_a_log_normal_curve_has_its_parameters():
     result = sieve_statistics(log_normal(-3.2, 0.9, 2000))
-    # Folk and Ward's formulas with the quantiles z of the standard normal, z16 = -z84 and so on.
+    # The expected values are Folk and Ward's formulas with quantiles z of the standard normal; z16 = -z84 and so on.
     z = {p: norm.ppf(p / 100) for p in (75, 84, 95)}
     graphical = [-3.2, 0.9 * (z[84] / 2 + z[95] / 3.3), 0.0, z[95] / (2.44 * z[75])]
     # The ends at five deviations leave out 6e-7 of the mass, and linear interpolation adds less than (0.0045)²/2.
@@ -69,7 +69,7 @@ def test_one_class_has_no_skewness_of_moments():
     assert result.percentiles[50] == pytest.approx(np.sqrt(32) * 1e-3)
     assert (result.phi_moments.sorting, result.folk_ward.skewness) == (0.0, pytest.approx(0.0))
     assert np.isnan(result.phi_moments.skewness)
-    # Uniform in phi: (0.9 / 2.44) / 0.5.
+    # The distribution is uniform in phi.
     assert result.folk_ward.kurtosis == pytest.approx(0.9 / 2.44 / 0.5)
 
 
@@ -116,8 +116,8 @@ def test_a_small_open_end_is_closed_by_an_assumption_that_is_stated():
 def test_words_follow_from_the_numbers(percentiles, words):
     """Percentiles are made so that Folk and Ward's formulas return these numbers."""
     mean, sorting, skewness, kurtosis = percentiles
-    # Half distances s of phi16 and phi84, 1.65 s of phi5 and phi95, make both terms of the sorting s/2, and their
-    # middles, shifted by the skewness times the half distance, both terms of the skewness half of it.
+    # phi16 and phi84 are s away from their middle, phi5 and phi95 1.65 s, so both terms of the sorting are s/2. The
+    # middles are shifted by the skewness times these distances, so both terms of the skewness are half of it.
     s, tail = sorting, 1.65 * sorting
     p50 = mean - 2 * skewness * s / 3
     p16, p84 = p50 + skewness * s - s, p50 + skewness * s + s
@@ -138,7 +138,7 @@ def test_sizes_have_words_with_the_limits_of_blott_and_pye():
 
 
 def test_geometric_measures_are_those_of_the_logarithms_of_sizes():
-    """Recomputed with natural logarithms of sizes in mm, without phi."""
+    """The expected values are computed from natural logarithms of sizes in mm, without phi."""
     rng = np.random.default_rng(2)
     for _ in range(20):
         openings = 1e-3 * np.cumprod(rng.uniform(1.2, 3.0, 7))

@@ -1,4 +1,4 @@
-"""What a specification's grains are: warnings about them, files that are left out, and the digest of their content."""
+"""The grains of a specification: warnings about them, files that are left out, and the digest of their content."""
 
 import os
 
@@ -25,7 +25,7 @@ def group(source, **settings):
 
 
 def dented_ball():
-    """A ball with a deep dent: its hull is 1.2 times its volume."""
+    """Return a ball with a deep dent, whose hull has 1.2 times its volume."""
     mesh = trimesh.creation.icosphere(3, 5.0)
     mesh.vertices[mesh.vertices[:, 2] > 2.5] *= [1.0, 1.0, 0.0]
     return mesh
@@ -110,7 +110,7 @@ def test_bodies_of_a_specification_reach_the_reader(tmp_path):
 
 
 def digest_of(paths):
-    """As a new process has it."""
+    """Return the digest of the content of these files and folders."""
 
     return content_digest(paths)
 

@@ -1,4 +1,4 @@
-"""Spherical-harmonic radii against closed forms, in both file formats."""
+"""Spherical-harmonic radii in both file formats, compared with closed forms."""
 
 import numpy as np
 import pytest
@@ -32,14 +32,14 @@ def write(path, rows, comments=""):
 def test_radius_is_the_closed_form_in_both_formats(tmp_path, rows, comments):
     u = spiral_directions(500)
     coefficients = read_coefficients(write(tmp_path / "a.dat", rows, comments))
-    # ten decimals in the file
+    # The file has ten decimals.
     np.testing.assert_allclose(radius(coefficients, u), expected(u), atol=1e-9)
 
 
 def test_only_the_mean_radius_gives_a_sphere(tmp_path):
     points = surface_points(read_coefficients(write(tmp_path / "a.dat", HALF[:1])))
     grain = make_grain("sphere", points)
-    # 4000 points of an inscribed hull with 7996 faces: 10.9 / faces of the volume are lost, a third of it in length
+    # The inscribed hull of 4000 points has 7996 faces; it loses 10.9 / faces of the volume, a third of that in length.
     assert 1 - grain.volume / (4 / 3 * np.pi * 1000) == pytest.approx(10.9 / 7996, rel=0.15)
     assert grain.L == pytest.approx(20, rel=10.9 / 7996 / 2)
 

@@ -1,4 +1,4 @@
-"""Synthetic pebbles: exact statistics of their form, sizes in the sieve classes, shapes like the scans'."""
+"""Synthetic pebbles: exact statistics of their form, sizes in the sieve classes, and shapes like those of scans."""
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,7 @@ def grains():
 
 @pytest.fixture(scope="module")
 def anew(grains):
-    """The same grains hulled and aligned again from their vertices: nothing is taken from the generator."""
+    """Return the same grains hulled and aligned again from their vertices; nothing is taken from the generator."""
     return [make_grain(grain.name, grain.vertices) for grain in grains]
 
 
@@ -27,7 +27,7 @@ def test_form_statistics_are_those_of_r22(anew):
     elongation = np.array([grain.elongation for grain in anew])
     log_size = np.log([grain.sieve_size for grain in anew])
     statistics = [flatness.mean(), flatness.std(ddof=1), elongation.mean(), elongation.std(ddof=1)]
-    # eigenvalues of 3x3 moments: a few eps, times a condition of about 10
+    # Eigenvalues of 3x3 moments have errors of a few eps, times a condition number of about 10.
     np.testing.assert_allclose(statistics, [0.647, 0.175, 0.682, 0.139], rtol=1e-12)
     correlation = np.corrcoef([log_size, flatness, elongation])
     np.testing.assert_allclose(correlation[[0, 0, 1], [1, 2, 2]], [-0.11, 0.23, -0.089], atol=1e-12)
@@ -54,10 +54,10 @@ def test_shapes_lie_within_those_of_the_scans(anew):
     measured = pd.DataFrame([shape_measures(grain) for grain in anew])
     ranges = scan_ranges()
     for measure in ("sphericity", "facet_share", "sphericity_300", "facet_share_300", "relative_sphericity"):
-        # the table is rounded to four digits
+        # The table is rounded to four digits.
         assert measured[measure].min() >= ranges.loc[measure, "min"] - 1e-4, measure
         assert measured[measure].max() <= ranges.loc[measure, "max"] + 1e-4, measure
-    # in the middle of the range too: the mean within one standard deviation of the scans' mean
+    # Shapes are also in the middle of the range: the mean is within one standard deviation of the mean of the scans.
     distance = (measured.mean() - ranges["mean"]) / ranges["std"]
     assert distance[["facet_share_300", "relative_sphericity"]].abs().max() < 1
 
@@ -82,7 +82,7 @@ def test_same_seed_same_grains_other_seed_others(grains):
 
 
 def test_grains_are_not_mirror_images_of_themselves(grains):
-    # centrally symmetric bodies would pack differently: their support widths agree on both sides
+    # Centrally symmetric bodies, whose support widths agree on both sides, would pack differently.
     for grain in grains:
         reach = np.abs(grain.vertices.max(0) + grain.vertices.min(0)) / np.ptp(grain.vertices, axis=0)
         assert reach.max() > 0.01

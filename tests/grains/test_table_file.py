@@ -1,4 +1,4 @@
-"""Tables as people's programs save them: encodings, separators, decimals, workbooks."""
+"""Tables as common programs save them: encodings, separators, decimals, workbooks."""
 
 import builtins
 
@@ -121,7 +121,7 @@ def test_a_workbook_is_read_as_the_same_rows_in_text(tmp_path, expected):
     path = workbook(tmp_path / "bed.xlsx", notes=[["dry"]], grains=[["L", "I", "S"], *ROWS])
     with pytest.raises(ValueError, match="is an axis or a form; .*; only the sheet notes is read, not grains"):
         read_measured(path)
-    # The content decides, not the name; whole numbers, text and empty cells are what they look like.
+    # The content determines the type of a file, not its name; numbers, text and empty cells keep their meaning.
     rows = [["sample", "FL", "EL", "count"], [7, 0.5, 0.7, 3], [7, "0,9", 0.7, 1], [None, None, None, None]]
     workbook(tmp_path / "bed.xlsx", grains=rows).rename(tmp_path / "bed.csv")
     (sample,), _ = read_measured(tmp_path / "bed.csv")

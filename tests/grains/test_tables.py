@@ -1,4 +1,4 @@
-"""Tables about a set of grains, against the study's numbers where it states them and against plain numpy."""
+"""Tables about a set of grains, compared with numbers of Rettinger et al. (2022) and with plain numpy."""
 
 import numpy as np
 import pandas as pd
@@ -52,7 +52,7 @@ def test_two_components_explain_the_factors_as_in_r22(table):
     assert components.cumulative.iloc[1] > 0.95
     loadings = components[list(FORM_FACTORS)].to_numpy()
     np.testing.assert_allclose(loadings @ loadings.T, np.eye(13), atol=1e-10)
-    # the eigenvalues of the correlation matrix are the same thing
+    # The eigenvalues of the correlation matrix give the same shares.
     eigenvalues = np.linalg.eigvalsh(factor_correlations(table))[::-1]
     np.testing.assert_allclose(components.explained, eigenvalues / 13, atol=1e-12)
 
@@ -73,10 +73,10 @@ def test_decimation_changes(grains):
     assert row.volume_change_percent == pytest.approx(100 * (coarse.volume / some[-1].volume - 1))
     summary = decimation_summary(table)
     assert list(summary.index) == [300, 50]
-    # the study lost 0.2 % at 300 faces and 3.6 % at 50, of its grains of the same face counts
+    # Rettinger et al. lost 0.2 % at 300 faces and 3.6 % at 50, for grains of the same face counts.
     assert -1 < summary.volume_change_percent[300] < 0
     assert -6 < summary.volume_change_percent[50] < summary.volume_change_percent[300]
-    # conventions: form within 0.3 % at 300 faces, on average
+    # The conventions require the form to change by less than 0.3 % at 300 faces, on average.
     assert abs(summary.flatness_change_percent[300]) < 0.3 and abs(summary.elongation_change_percent[300]) < 0.3
 
 

@@ -13,7 +13,7 @@ RNG = np.random.default_rng(2)
 
 
 def digitised(semi_axes, rng):
-    """Voxels whose centres lie in a turned ellipsoid at a random place of the lattice, edge 1."""
+    """Return the voxels of edge 1 whose centres are in a turned ellipsoid at a random place of the lattice."""
     n = int(2 * semi_axes.max()) + 4
     centre, turn = n / 2 + rng.random(3), Rotation.random(rng=rng).as_matrix()
     x = np.stack(np.meshgrid(*[np.arange(n)] * 3, indexing="ij"), -1) - centre
@@ -21,7 +21,7 @@ def digitised(semi_axes, rng):
 
 
 def errors(shape, radius, points, repeats=6):
-    """Mean error of the semi-axes [voxels] (3,) and of the volume, relative."""
+    """Return the mean error of the semi-axes [voxels] (3,) and the relative mean error of the volume."""
     semi_axes = radius * np.array(shape)
     found = [make_grain("v", points(digitised(semi_axes, RNG))) for _ in range(repeats)]
     axes = np.mean([[g.S, g.I, g.L] for g in found], axis=0) / 2 - semi_axes
@@ -30,7 +30,7 @@ def errors(shape, radius, points, repeats=6):
 
 @pytest.mark.parametrize("shape", [np.ones(3), ELLIPSOID], ids=["sphere", "ellipsoid"])
 def test_bias_is_removed(shape):
-    # a first-order bias is constant in voxels; the mean over the axes has none, single axes keep 0.1 voxel
+    # A bias of first order is constant in voxels. The mean over the axes has none; single axes keep 0.1 voxel.
     for radius, tolerance in ((10, 0.015), (20, 0.006), (30, 0.005)):
         axes, volume = errors(shape, radius, lambda mask: mask_surface(mask, 1.0))
         centres_axes, centres_volume = errors(shape, radius, np.argwhere)
@@ -49,10 +49,10 @@ def test_spacing_scales_and_place_is_kept():
 
 
 def test_box_on_the_lattice_keeps_its_faces():
-    # a box of 24 x 32 x 40 voxels: faces lie half a voxel outside the centres, edges are smoothed away a little
+    # The faces of a box of 24 x 32 x 40 voxels are half a voxel outside the centres; edges are smoothed a little.
     mask = np.ones((24, 32, 40), bool)
     points = mask_surface(mask, 1.0)
-    # on a plane face the smoothed step crosses 1/2 at its middle; linear interpolation keeps it by symmetry
+    # On a plane face the smoothed step crosses 1/2 at its middle, which linear interpolation keeps by symmetry.
     middle = points[np.all(np.abs(points[:, 1:] - [15.5, 19.5]) < 3, axis=1)]
     np.testing.assert_allclose(np.abs(middle[:, 0] - 11.5), 12.0, atol=1e-3)
 
@@ -72,7 +72,7 @@ def test_impossible_masks_are_refused(mask, spacing, reason):
 
 
 def ball_image(shape, *balls):
-    """Image of labels 1, 2, … of balls (x, y, z, radius) in voxels."""
+    """Return an image with the labels 1, 2, … of balls (x, y, z, radius) in voxels."""
     image = np.zeros(shape, np.uint16)
     places = np.stack(np.meshgrid(*[np.arange(n) for n in shape], indexing="ij"), -1)
     for number, (*centre, radius) in enumerate(balls, start=1):
@@ -129,7 +129,7 @@ def test_voxels_that_touch_at_a_corner_are_one_body(tmp_path):
 
 
 def smooth_grey():
-    """A grain of grey values, bright in the middle, with air of 0."""
+    """Return a grain of grey values, bright in the middle, in air of 0."""
     places = np.stack(np.meshgrid(*[np.arange(40) - 19.5] * 3, indexing="ij"), -1)
     return np.clip(300 - (places**2).sum(-1), 0, 255)
 

@@ -7,5 +7,5 @@ from tests.helpers.reference_rows import write_reference
 
 @pytest.fixture
 def reference(tmp_path):
-    """A folder of committed rows as a campaign leaves them, see simcore.models.fitting.fit_reference_models."""
+    """Return a folder of committed rows as a campaign writes them, see simcore.models.fitting.fit_reference_models."""
     return write_reference(tmp_path)

@@ -1,4 +1,4 @@
-"""Corrections of a model and prediction intervals, against statsmodels and against draws of a known truth."""
+"""Corrections of a model and prediction intervals, compared with statsmodels and with draws of a known truth."""
 
 from dataclasses import replace
 
@@ -30,7 +30,7 @@ def base_model(rng, number=40, scatter=0.005):
 
 
 def exact(base):
-    """The same model with coefficients that are known exactly."""
+    """Return the same model with coefficients that have no error."""
     return replace(base, covariance=tuple(map(tuple, np.zeros((3, 3)))))
 
 
@@ -87,7 +87,7 @@ def test_an_offset_is_the_mean_difference_with_one_degree_of_freedom_less():
 
 
 def test_the_slopes_of_an_inexact_model_count_with_the_distance_from_the_beds():
-    """Offset: the variance is scatter² (1 + 1/n) + (x - mean)ᵀ V (x - mean), with V of the slopes."""
+    """The variance of an offset is scatter² (1 + 1/n) + (x - mean)ᵀ V (x - mean), with V of the slopes."""
     rng = np.random.default_rng(1)
     base = base_model(rng)
     forms, new = random_forms(8, rng, (1.6, 1.15), (2.2, 1.3)), random_forms(6, rng)

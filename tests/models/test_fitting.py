@@ -1,4 +1,4 @@
-"""Models from committed rows whose truth is known, and from a campaign's files."""
+"""Models fitted to committed rows whose truth is given, and models from the files of a campaign."""
 
 import numpy as np
 import pandas as pd
@@ -22,7 +22,7 @@ def test_the_rows_of_a_campaign_are_what_is_fitted(reference):
     assert fitted.models["unified", "U1"].n_samples == 20 + 16
     both = fit_reference_models(reference)
     assert both.models["single_form", "U1"].n_samples == 40
-    assert both.models["single_form", "U1"].scatter == pytest.approx(0.005, rel=0.3)  # half of what the sources differ
+    assert both.models["single_form", "U1"].scatter == pytest.approx(0.005, rel=0.3)  # half of the sources' difference
     with pytest.raises(ValueError, match="no grains of source clay; choose one of the sources: scans, synthetic"):
         fit_reference_models(reference, source="clay")
     with pytest.raises(ValueError, match="nor its default/ has tables"):
@@ -52,7 +52,7 @@ def test_what_a_campaign_has_not_finished_is_taken_from_the_default_one(referenc
     assert "default" not in fitted.behind["single_form", "U1"]
     assert "default" in fitted.behind["form_mixture", "U1"]
     assert fitted.models["form_mixture", "U1"].coefficients[0] == pytest.approx(0.5, abs=1e-5)
-    # Both kinds of bed of one campaign: the whole one.
+    # The unified model takes both kinds of bed from one campaign, the complete one.
     assert fitted.models["unified", "U1"].n_samples == 8 + 16
 
 

@@ -8,7 +8,7 @@ from simcore.models.regression import fit_and_validate
 
 
 def test_the_formula_is_that_of_the_fit():
-    """Read back from its text, it gives the porosity that the model predicts, to the digits it shows."""
+    """The text of the formula, evaluated, gives the porosity that the model predicts, to the digits it shows."""
     rng = np.random.default_rng(1)
     features = pd.DataFrame({"EQ_inv": rng.uniform(1.2, 4.0, 30), "EL_inv": rng.uniform(1.0, 2.5, 30)})
     n = 0.27 + 0.02 * features["EQ_inv"] - 0.015 * features["EL_inv"] + rng.normal(0.0, 0.002, 30)

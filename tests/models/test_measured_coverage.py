@@ -1,4 +1,4 @@
-"""Beds made by a known model come back within the intervals, as often as docs/how_to/fit_a_table.md says."""
+"""Intervals from beds made by a known model contain the truth as often as docs/how_to/fit_a_table.md states."""
 
 import re
 
@@ -18,7 +18,7 @@ def base():
 
 
 def documented():
-    """Rows of the table in docs/how_to/fit_a_table.md: (truth, beds) and three shares."""
+    """Return the rows of the table in docs/how_to/fit_a_table.md: (truth, beds) and three shares."""
     rows = re.findall(
         r"^\| (\w+) \| (\d+) \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \|$",
         (ROOT / "docs/how_to/fit_a_table.md").read_text(),
@@ -28,7 +28,7 @@ def documented():
 
 
 def test_known_models_come_back_within_their_intervals(base):
-    """Over 200 draws each. The model of the true kind keeps its 95 %; choosing among three kinds costs a little."""
+    """In 200 draws the model of the true kind keeps its 95 %; choosing among three kinds costs a little."""
     table = documented()
     assert list(table) == list(CONFIGURATIONS)
     for kind, beds in LEAST:

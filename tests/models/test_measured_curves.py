@@ -1,4 +1,4 @@
-"""Fits to measured beds with sieve curves: known truths come back, files keep them, wrong input is named."""
+"""Fits to measured beds with sieve curves: known truths are recovered, files keep them, wrong input is named."""
 
 import json
 from dataclasses import replace

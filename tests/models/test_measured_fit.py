@@ -1,4 +1,4 @@
-"""Fits to measured beds whose truth is known: what is chosen, what is refused, what `predict` makes of it."""
+"""Fits to measured beds whose truth is given: what is chosen and refused, and how `predict` uses the result."""
 
 import json
 
@@ -22,7 +22,7 @@ from tests.helpers.reference_rows import porosity_of_form, random_forms, sample_
 
 @pytest.fixture
 def fitted(reference):
-    """Our models, known exactly: porosity_of_form for beds of one form."""
+    """Return our models without error: porosity_of_form for beds of one form."""
     return fit_reference_models(reference, source="synthetic")
 
 
@@ -196,7 +196,7 @@ def write_table(path, beds, **columns):
 
 
 def test_predict_takes_the_model_that_fit_wrote(tmp_path, capsys):
-    """From the committed models: an offset of 0.02 of what is predicted, and a distribution is remarked."""
+    """An offset of 0.02 from the committed models is fitted, and a note is given for a distribution of form."""
     rng = np.random.default_rng(0)
     forms = pd.DataFrame(rng.uniform(0.5, 0.85, (5, 2)), columns=["FL", "EL"])
     forms["sample"] = [f"bed {i}" for i in range(5)]
@@ -301,7 +301,7 @@ def test_text_and_json_have_the_same_numbers(tmp_path, capsys):
 
 
 def test_sentences_name_what_the_beds_do_not_show(fitted):
-    """Equancy and elongation that vary together, and an effect of form that is not there."""
+    """Equancy and elongation vary together in these beds, and form has no effect."""
     beds = [
         MeasuredBed(Sample(f"bed {i}", 1, FL, 0.0, FL + 0.05, 0.0, FL * (FL + 0.05), 0.0), 0.36 + d, np.nan, "U1")
         for i, (FL, d) in enumerate(zip(np.linspace(0.5, 0.9, 9), 0.004 * np.sin(np.arange(9)), strict=True))

@@ -1,4 +1,4 @@
-"""Prediction for measured grains: rows whose truth is known, the data sets of Rettinger et al., what is refused."""
+"""Prediction for measured grains: rows with a given truth, the data sets of Rettinger et al., and refusals."""
 
 from pathlib import Path
 
@@ -29,7 +29,7 @@ def test_one_form_and_a_distribution_take_their_own_models(reference):
     assert ours.n["wide"] == pytest.approx(0.31 + 0.03 / 0.42 - 0.003 / 0.12 + 0.02 / 0.7 - 0.002 / 0.15, rel=1e-8)
     mixture = table.query("name == 'narrow' and by == 'ours' and model == 'form_mixture'").iloc[0]
     assert "sigma_EQ_inv = 100, fitted from" in mixture.outside
-    # The unified model does not jump where the study's runs away.
+    # The unified model is continuous where the model of Rettinger et al. diverges.
     unified = table.query("model == 'unified'").set_index("name").n
     assert unified["narrow"] == pytest.approx(unified["one"], abs=1e-3)
     study = table.query("name == 'narrow' and by == 'r22'").iloc[0]
@@ -38,7 +38,7 @@ def test_one_form_and_a_distribution_take_their_own_models(reference):
 
 
 def test_of_our_models_the_one_that_errs_less_is_taken(reference):
-    """Of mixtures that scatter about the unified model's truth."""
+    """The mixtures scatter about the truth of the unified model."""
     rows = random_mixtures()
     rows["n"] = 0.30 + 0.02 / rows.mu_EQ + 0.01 / rows.mu_EL + 0.2 * (rows.sigma_EL / rows.mu_EL) ** 2
     committed = pd.read_csv(reference / "form_mixture.csv").assign(n=rows.n)
@@ -65,7 +65,7 @@ def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
 
 
 def test_what_lies_outside_is_said_of_ours_and_of_r22(reference):
-    """Just outside it is said and the interval is wider; far outside nothing is predicted."""
+    """Just outside the range a note is given and the interval is wider; far outside nothing is predicted."""
     fitted = fit_reference_models(reference)
     inside, outside = (
         predict_samples([sample_of_one_form(*form)], "U1", fitted) for form in ((0.65, 0.7), (0.28, 0.5))
@@ -81,7 +81,7 @@ def test_what_lies_outside_is_said_of_ours_and_of_r22(reference):
 
 
 def random_samples(number, seed=0):
-    """Samples over all forms that a table may hold, many of them alike or nearly so."""
+    """Return samples over all forms that a table may contain, many of them equal or nearly so."""
     rng = np.random.default_rng(seed)
     samples = []
     for i in range(number):
@@ -119,7 +119,7 @@ def test_every_number_is_a_porosity_and_every_refusal_has_its_reason(reference):
 
 
 def test_an_interval_grows_with_distance_and_by_the_rule_beyond_a_tenth(reference):
-    """Along rays from the middle of the fit, against least squares written out."""
+    """Points along rays from the middle of the fit are compared with least squares written out."""
     rng = np.random.default_rng(0)
     X = pd.DataFrame({"EQ_inv": rng.uniform(1.5, 5, 40), "EL_inv": rng.uniform(1.1, 2.5, 40)})
     y = 0.3 + 0.02 * X.EQ_inv + 0.01 * X.EL_inv + 0.005 * rng.normal(size=40)
@@ -144,7 +144,7 @@ def test_an_interval_grows_with_distance_and_by_the_rule_beyond_a_tenth(referenc
 
 
 def test_the_models_of_r22_follow_the_same_rule(reference):
-    """Their published ranges of FL, EL and deviations, half a width beyond; 1/sigma is not evaluated near 0."""
+    """The published ranges of FL, EL and deviations are extended by half a width; 1/sigma is not evaluated near 0."""
     fitted = fit_reference_models(reference)
 
     def refused(mu_FL, sigma_FL, mu_EL, sigma_EL):
@@ -157,10 +157,10 @@ def test_the_models_of_r22_follow_the_same_rule(reference):
     assert refused(0.6, 0.051, 0.6, 0.15) == "" and "sigma_FL = 0.049 is below 0.05" in refused(0.6, 0.049, 0.6, 0.15)
     assert refused(0.6, 0.15, 0.6, 0.249) == "" and "sigma_EL = 0.251 is above 0.25" in refused(0.6, 0.15, 0.6, 0.251)
     assert refused(0.3, 0.15, 0.6, 0.15) == ""
-    # Within the reach of mu_FL and mu_EL, not within that of their product; ours have no answer either.
+    # The means of FL and EL are within reach of their ranges, but their product is not; ours have no answer either.
     with pytest.raises(ValueError, match="Rettinger et al. form_mixture: mu_EQ_inv = 12.5 is above 8.59, fitted from"):
         refused(0.25, 0.1, 0.32, 0.1)
-    # All grains of one EQ, though FL and EL differ.
+    # All grains have the same EQ, although FL and EL differ.
     sample = Sample("s", 2, 0.65, 0.15, 0.65, 0.15, 0.4, 0.0)
     table = predict_samples([sample], "U1", fitted).set_index(["by", "model"])
     assert "sigma_EQ_inv = inf is above" in table.loc[("r22", "form_mixture"), "refused"]
@@ -185,9 +185,9 @@ def test_a_formula_or_an_interval_that_leaves_0_to_1_is_refused(reference):
 
 
 def test_table_2_is_that_of_r22_and_gives_its_predictions():
-    """The example against the study's table, and its first data set against what Table 11 predicts for it.
+    """The example has the numbers of Table 2, and its first data set the predictions of Table 11.
 
-    The published coefficients have three decimals: 5e-4 in each, times 1, 2.3, 6.2, 1.5 (and 7.2).
+    The published coefficients have three decimals: an error of 5e-4 in each, times 1, 2.3, 6.2, 1.5 (and 7.2).
     """
     theirs, ours = read_r22_table("table2_form_statistics"), pd.read_csv(TABLE_2)
     names = {"mu_FL": "mean_FL", "sigma_FL": "std_FL", "mu_EL": "mean_EL", "sigma_EL": "std_EL"}
@@ -205,7 +205,7 @@ def test_table_2_is_that_of_r22_and_gives_its_predictions():
 
 
 def test_the_grains_of_a_bed_give_what_their_statistics_give(reference, tmp_path):
-    """Two samples in one file, and the second again by its means: EQ as of independence, and so its porosity."""
+    """The second sample is also given by its means; flatness and elongation are independent, so n is the same."""
     rng = np.random.default_rng(0)
     flatness, elongation = np.meshgrid(rng.uniform(0.4, 0.9, 12), rng.uniform(0.5, 0.9, 12))
     flatness, elongation = flatness.ravel(), elongation.ravel()  # every pair: independent to the last digit

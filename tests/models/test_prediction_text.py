@@ -80,7 +80,7 @@ def run(capsys, *words):
 
 
 def test_a_sample_far_outside_is_refused_before_anything_is_printed(capsys, tmp_path):
-    """Needles and thin slate between good samples, in each of the three forms of output."""
+    """Needles and thin slate are between good samples, in each of the three output formats."""
     path = tmp_path / "bed.csv"
     path.write_text(
         "sample,FL,EL\ngood,0.6,0.7\ngood,0.7,0.6\nneedles,0.12,0.12\nneedles,0.15,0.13\nslate,0.023,0.72\n"
@@ -95,7 +95,7 @@ def test_a_sample_far_outside_is_refused_before_anything_is_printed(capsys, tmp_
 
 
 def test_no_number_is_printed_for_a_model_near_sigma_0(capsys, tmp_path):
-    """Two grains that are nearly alike: the model with 1/sigma has no answer, the unified one has."""
+    """For two nearly equal grains the model with 1/sigma gives no number, but the unified one does."""
     path = tmp_path / "two.csv"
     path.write_text("L (mm) ,I  (mm), S(mm)\n30,22,14\n41,30,22\n")
     status, text, err = run(capsys, path)
@@ -128,7 +128,7 @@ def test_notices_go_to_the_error_output_and_into_json(capsys, tmp_path):
 
 
 def test_where_none_of_ours_can_be_evaluated_it_is_said(reference):
-    """Ours far outside, the model of Rettinger et al. inside its range."""
+    """Our models are far outside their ranges, and the model of Rettinger et al. is inside its own."""
     rows = pd.read_csv(reference / "single_form.csv")
     narrow = rows.assign(S=rows.I * (0.9 + rows.S / rows.I / 10), L=rows.I / (0.9 + rows.I / rows.L / 10))
     narrow.to_csv(reference / "single_form.csv", index=False)

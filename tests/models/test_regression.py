@@ -1,4 +1,4 @@
-"""Correlation, screening, cross-validation and fit on data whose answer is known."""
+"""Correlation, screening, cross-validation and fit, on data whose result is given."""
 
 import logging
 
@@ -23,14 +23,14 @@ from simcore.models.regression import (
 
 
 def forms(n, seed=0):
-    """L, I, S of n grains with flatness and elongation spread over [0.35, 0.95]."""
+    """Return L, I, S of n grains with flatness and elongation spread over [0.35, 0.95]."""
     rng = np.random.default_rng(seed)
     flatness, elongation = rng.uniform(0.35, 0.95, (2, n))
     return 1.0 / elongation, np.ones(n), flatness
 
 
 def test_known_coefficients_are_recovered_within_their_intervals():
-    """95 % intervals of three coefficients over 200 data sets: 600 tries, 570 expected, binomial with sd 5.3."""
+    """Of 600 intervals (three coefficients, 200 data sets) 570 should contain the truth, with a binomial sd of 5.3."""
     truth, noise = np.array([0.278, 0.019, 0.014]), 0.006
     features = form_features(*forms(63))[["EQ_inv", "EL_inv"]]
     mean = truth[0] + features.to_numpy() @ truth[1:]
@@ -41,7 +41,7 @@ def test_known_coefficients_are_recovered_within_their_intervals():
         hits += np.sum((np.array(model.lower) <= truth) & (truth <= np.array(model.upper)))
         rmse.append(model.rmse)
     assert abs(hits - 570) < 4 * 5.3
-    # Mean square residual: noise² (n - 3)/n
+    # The mean square residual is noise² (n - 3)/n.
     assert np.mean(np.square(rmse)) == pytest.approx(noise**2 * 60 / 63, rel=4 * np.sqrt(2 / 60 / 200))
 
 
@@ -62,7 +62,7 @@ def test_exact_data_give_exact_coefficients_and_predictions():
 
 
 def test_cross_validated_errors_are_those_of_the_noise():
-    """Gauss: E|e| = sqrt(2/pi) s and median |e| = 0.6745 s; s is the noise but for 3/3600 of its variance."""
+    """For normal errors E|e| = sqrt(2/pi) s and median |e| = 0.6745 s; s² is noise² to 3/3600."""
     rng = np.random.default_rng(2)
     n, noise = 4000, 0.005
     features = pd.DataFrame({"a": rng.normal(size=n), "b": rng.normal(size=n)})
@@ -132,7 +132,7 @@ def test_too_few_samples_are_refused(function):
 
 
 def test_a_prediction_interval_holds_a_new_form_as_often_as_it_says():
-    """Given a fit, the chance that its interval holds a new porosity is known; its mean over fits is the level."""
+    """The probability that an interval contains a new porosity is exact for a fit; its mean over fits is the level."""
     rng = np.random.default_rng(5)
     truth, noise = np.array([0.278, 0.019, 0.014]), 0.006
     new = pd.DataFrame({"EQ_inv": [2.0, 8.0], "EL_inv": [1.4, 2.6]})  # amid the forms, and far outside them
@@ -144,11 +144,11 @@ def test_a_prediction_interval_holds_a_new_form_as_often_as_it_says():
             model = fit(features, truth[0] + features.to_numpy() @ truth[1:] + noise * rng.normal(size=12))
             n, lower, upper = model.predict_interval(new, level)
             np.testing.assert_allclose((lower + upper) / 2, n, rtol=1e-12)
-            # The mean of two at a time: nothing is lost by the two being of one fit.
+            # The probability is computed for both forms, and that of the first is compared with the level.
             chance.append(norm.cdf((upper - expected) / noise) - norm.cdf((lower - expected) / noise))
         amid = np.array(chance)[:, 0]
         assert amid.mean() == pytest.approx(level, abs=4 * amid.std() / np.sqrt(150))
-    # Far outside the coefficients' own errors count.
+    # Far outside the forms, the errors of the coefficients widen the interval.
     widths = upper - lower
     assert widths[1] > 1.2 * widths[0]
 
@@ -167,7 +167,7 @@ def test_what_lies_outside_the_fit_is_named():
 
 
 def test_the_bootstrap_includes_scatter_that_grows():
-    """Its deviations are the sandwich estimate's to 1/sqrt(2 RESAMPLES) = 1.6 % and the order of 3/400."""
+    """The deviations of the draws are the sandwich estimate's to 1/sqrt(2 RESAMPLES) = 1.6 % and the order of 3/400."""
     rng = np.random.default_rng(6)
     features = pd.DataFrame({"a": rng.uniform(1.0, 5.0, 400), "b": rng.normal(size=400)})
     n = 0.3 + 0.01 * features["a"] + 1e-3 * features["a"] ** 2 * rng.normal(size=400)
@@ -175,14 +175,14 @@ def test_the_bootstrap_includes_scatter_that_grows():
     assert drawn.shape == (RESAMPLES, 3)
     ols = sm.OLS(n.to_numpy(), sm.add_constant(features.to_numpy())).fit()
     np.testing.assert_allclose(drawn.std(axis=0), ols.HC0_se, rtol=4 * 0.016 + 3 / 400)
-    assert ols.HC0_se[1] > 1.1 * ols.bse[1]  # least squares alone does not know
+    assert ols.HC0_se[1] > 1.1 * ols.bse[1]  # least squares alone underestimates it
     np.testing.assert_array_equal(bootstrap(features, n, seed=3), drawn)
     model = fit(features, n)
     assert model.bootstrap_upper[1] - model.bootstrap_lower[1] > 1.1 * (model.upper[1] - model.lower[1])
 
 
 def test_draws_that_carry_no_model_are_left_out():
-    """Without the one row that differs there is no slope: (4/5)^5 = 0.328 of the draws, binomial with sd 21."""
+    """Draws without the one row that differs have no slope: (4/5)^5 = 0.328 of all, binomial with sd 21."""
     drawn = bootstrap(pd.DataFrame({"a": [0.0, 0.0, 0.0, 0.0, 1.0]}), [0.3, 0.31, 0.29, 0.3, 0.4])
     assert abs(len(drawn) - 0.672 * RESAMPLES) < 4 * 21
     assert np.abs(drawn).max() < 1.0

@@ -1,4 +1,4 @@
-"""The study's tables from synthetic packings, beside values made up for the study."""
+"""The tables of Rettinger et al. (2022) from synthetic packings, beside values made up for the paper."""
 
 import logging
 
@@ -67,7 +67,7 @@ def test_single_form_tables_are_compared_with_r22(single_form_packings):
     assert np.isnan(r.loc[("B50", "EQ_inv"), "r22_r"]) and not r.loc[("U1", "EQ"), "kept"]
     errors = tables["second_features"].set_index(["case", "feature"])
     assert errors.loc[("U1", "EL_inv"), "r22_error"] == pytest.approx(4.66e-3)
-    # EL_inv is what the data hold: its error is that of the noise, sqrt(2/pi) 1e-4, and the least of all.
+    # The data depend on EL_inv, so its error is that of the noise, sqrt(2/pi) 1e-4, and the least of all.
     assert errors.loc["U1"]["mean_absolute_error"].idxmin() == "EL_inv"
     assert errors.loc[("U1", "EL_inv"), "mean_absolute_error"] == pytest.approx(8e-5, rel=0.5)
     assert errors.loc[("U1", "EQ_inv"), "mean_absolute_error"] > 1e-3

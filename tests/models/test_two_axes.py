@@ -144,7 +144,7 @@ def test_a_sheet_of_libreoffice_is_read(tmp_path):
     frame.to_excel(tmp_path / "bed.ods", index=False, engine="odf")
     (sample,), _ = read_measured(tmp_path / "bed.ods")
     assert (sample.mu_FL, sample.mu_EL) == (pytest.approx(0.5), pytest.approx(0.65))
-    (tmp_path / "bed.ods").rename(tmp_path / "bed.csv")  # the content decides, not the name
+    (tmp_path / "bed.ods").rename(tmp_path / "bed.csv")  # the content determines the type, not the name
     assert read_measured(tmp_path / "bed.csv")[0][0].mu_EL == pytest.approx(0.65)
     (tmp_path / "bad.ods").write_bytes(b"PK\x03\x04" + bytes(50))
     with pytest.raises(ValueError, match="bad.ods: the file cannot be read as an OpenDocument sheet"):

@@ -31,7 +31,7 @@ def truth(statistics):
 
 @pytest.fixture(scope="module")
 def beds():
-    """30 forms and 24 mixtures about 12 mean forms, two seeds each; noise 1e-4."""
+    """Return 30 forms and 24 mixtures about 12 mean forms, with two seeds each and a noise of 1e-4."""
     rng = np.random.default_rng(0)
     flatness, elongation = np.repeat(rng.uniform(0.35, 0.95, (2, 30)), 2, axis=1)
     forms = pd.DataFrame({"case": "U1", "L": 1 / elongation, "I": 1.0, "S": flatness})
@@ -57,7 +57,7 @@ def beds():
 def test_its_coefficients_are_recovered(beds):
     model = fit_unified(*beds)["unified", "U1"]
     assert model.n_samples == 30 + 24
-    # Half the 95 % interval is two standard errors: four of them.
+    # Four standard errors are allowed.
     assert np.all(np.abs(model.coefficients - TRUTH) < 4 * np.array(model.std_errors))
     assert np.all(np.array(model.std_errors) < [1e-3, 1e-3, 1e-3, 1e-2, 2e-2])
 
@@ -70,9 +70,9 @@ def test_it_becomes_the_model_of_one_form_as_the_width_goes_to_zero(beds):
     n = model.predict(features)
     b = model.coefficients
     assert n[0] == pytest.approx(b[0] + b[1] / 0.4 + b[2] / 0.7, rel=1e-12)
-    # Smooth: the difference goes with the square of the width.
+    # The difference is smooth: it is proportional to the square of the width.
     np.testing.assert_allclose((n - n[0])[2:] / widths[2:] ** 2, b[3] / 0.4**2 + b[4] / 0.7**2, rtol=1e-8)
-    assert features.sigma_EQ_inv[0] == np.inf  # what the study's model of distributions has in its place
+    assert features.sigma_EQ_inv[0] == np.inf  # the feature of the model of Rettinger et al. in its place
 
 
 def test_the_set_that_holds_the_truth_has_the_least_error(beds):
@@ -83,7 +83,7 @@ def test_the_set_that_holds_the_truth_has_the_least_error(beds):
     assert ours.mean_absolute_error.idxmin() == " ".join(UNIFIED)
     best = ours.loc[" ".join(UNIFIED)]
     assert (best.single_forms, best.form_mixtures, best.folds) == (30, 24, 10)
-    # Two seeds: the noise is 1e-4/sqrt(2), its mean size 0.8 of that; 54 beds in 10 repeats, not independent.
+    # The noise is 1e-4/sqrt(2) over two seeds, its mean size 0.8 of that; 54 beds in 10 repeats are not independent.
     assert best.mean_absolute_error == pytest.approx(0.8e-4 / np.sqrt(2), rel=4 * 0.76 / np.sqrt(54))
     separate = table[table.model == "separate"].iloc[0]
     assert separate.form_mixture_error > 3 * best.form_mixture_error  # 1/sigma is not in the truth

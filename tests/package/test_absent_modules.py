@@ -32,7 +32,7 @@ numerics: {contact_time: 1 ms}
 
 
 def without(folder, *words):
-    """Run a command without these modules; returns its exit status, output and errors."""
+    """Run a command without these modules and return its exit status, output and errors."""
     command = [sys.executable, "-c", WITHOUT, *map(str, words)]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     return done.returncode, done.stdout, done.stderr
@@ -71,7 +71,7 @@ def test_a_bed_is_packed_on_one_rank_and_evaluated(tmp_path):
     words = ("pack", "tiny.yaml", "tiny.nc", "--force", "--checkpoints", "kept")
     status, _, errors = without(tmp_path, *words)
     assert status == 0, errors
-    assert "cannot be locked" in errors  # without fcntl there is no lock, and the log says so
+    assert "cannot be locked" in errors  # without fcntl there is no lock, and the log reports it
     status, said, errors = without(tmp_path, "porosity", "tiny.nc", "--cut", "2 mm", "--json")
     assert status == 0, errors
     assert 0.3 < json.loads(said)["n"] < 0.6

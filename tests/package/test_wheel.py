@@ -1,4 +1,4 @@
-"""The built package works without the clone: in an environment that has nothing of it but the wheel."""
+"""The built package works without the clone, in an environment that contains only its wheel."""
 
 import json
 import os
@@ -35,7 +35,7 @@ DIGESTS = (
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """The path of the wheel, built from a copy of the sources, so that the clone stays clean."""
+    """Return the path of the wheel, built from a copy of the sources, so that the clone stays clean."""
     folder = tmp_path_factory.mktemp("sources")
     for name in SOURCES:
         shutil.copy(ROOT / name, folder)
@@ -50,7 +50,7 @@ def wheel(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def installed(wheel, tmp_path_factory):
-    """A function that runs words in an empty folder, with the programs of an environment that has the wheel.
+    """Return a function that runs words in an empty folder, with the programs of an environment that has the wheel.
 
     The environment takes the libraries, but not this project, from the one of the tests.
     """
@@ -75,7 +75,7 @@ def installed(wheel, tmp_path_factory):
 
 
 def run(words, folder):
-    """Run a program without the clone in Python's path; returns its output, and fails the test if it fails."""
+    """Run a program without the clone in Python's path and return its output; fail the test if it fails."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     if "--no-build-isolation" in words:
         environment["PYTHONPATH"] = os.environ.get("PYTHONPATH", "")

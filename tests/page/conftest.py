@@ -21,14 +21,14 @@ def page_file(fitted, tmp_path_factory):
 
 @pytest.fixture(scope="module")  # playwright allows one at a time in a process
 def browser():
-    """Chromium without a network; skips with a warning where it is not installed."""
+    """Yield Chromium without a network; skip with a warning where it is not installed."""
     with chromium() as browser:
         yield browser
 
 
 @pytest.fixture
 def open_page(browser, page_file):
-    """A function that opens the page offline, with the part of an address after #; a failed script fails the test."""
+    """Yield a function that opens the page offline, at an address fragment; a failed script fails the test."""
     contexts, errors = [], []
 
     def open_at(fragment="", width=1400):

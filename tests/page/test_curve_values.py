@@ -95,7 +95,7 @@ def by_command(folder, entry, fitted):
 
 
 def assert_equal(page, expected, entry, folder, fitted):
-    """Compare one answer of the page and of the command; returns the number of porosities that were compared."""
+    """Compare one answer of the page and of the command, and return the number of porosities that were compared."""
     assert page.get("error") == expected.get("error")
     if "error" in expected:
         return 0

@@ -86,7 +86,7 @@ def page_words(text):
 
 
 def assert_equal(page, command):
-    """Compare one answer of the page and of the command; returns the number of porosities that were compared."""
+    """Compare one answer of the page and of the command, and return the number of porosities that were compared."""
     assert page.get("error") == command.get("error")
     if "error" in command:
         return 0

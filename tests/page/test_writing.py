@@ -31,7 +31,7 @@ def test_the_data_are_those_of_the_models(data, fitted, page_file):
     for model in data["models"]:
         freedom = model["n_samples"] - len(model["coefficients"])
         for level in LEVELS:
-            # The definition: the probability between minus and plus the quantile is the level.
+            # By definition the probability between minus and plus the quantile is the level.
             t = model["quantiles"][f"{level:g}"]
             assert student.cdf(t, freedom) - student.cdf(-t, freedom) == pytest.approx(level, abs=1e-12)
 

@@ -1,4 +1,4 @@
-"""Tortuosity by diffusion: closed forms of channels, and a lattice of spheres."""
+"""Tortuosity by diffusion, compared with closed forms of channels and with a lattice of spheres."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ def image(pores, periodic=True, spacing=(1.0, 1.0, 1.0)):
 
 
 def staircase():
-    """A path that climbs one layer for each step along x, and passes the sides of the box twice."""
+    """Return a path that climbs one layer for each step along x and passes the sides of the box twice."""
     pores = np.zeros((4, 1, 8), bool)
     for z in range(8):
         pores[[z % 4, (z + 1) % 4], 0, z] = True
@@ -31,7 +31,7 @@ def test_straight_pores_have_the_tortuosity_one():
 
 
 def test_a_path_through_the_sides_of_the_box_has_its_resistance():
-    """In series: two ends of 3/8, seven steps up and six sideways; no path without the periodic sides."""
+    """Two ends of 3/8, seven steps up and six sideways are in series; without the periodic sides there is no path."""
     expected = (8.0 / 4.0) / (2.0 * 3.0 / 8.0 + 7.0 + 6.0)
     assert effective_diffusion(image(staircase())) == pytest.approx(expected, rel=1e-6)
     assert tortuosity(image(staircase(), periodic=False)) == np.inf
@@ -53,10 +53,10 @@ def test_closed_pores_are_infinitely_tortuous():
 
 @pytest.mark.parametrize("solid", [0.2, 0.3])
 def test_a_lattice_of_spheres_conducts_as_rayleigh_computed(solid):
-    """Insulating spheres, simple cubic: D_eff/D = 1 − 3 c / (2 + c − 0.979 c^(10/3)), next term c^(14/3).
+    """For insulating spheres, simple cubic, D_eff/D = 1 − 3 c / (2 + c − 0.979 c^(10/3)); the next term is c^(14/3).
 
-    Rayleigh (1892), with the coefficient as corrected by Runge, 1.305 · 3/4 here. The extrapolated value is within a
-    quarter of the error that the command prints, the difference between the two sizes of voxels.
+    The formula is Rayleigh's (1892), with the coefficient as corrected by Runge, 1.305 · 3/4 here. The extrapolated
+    value is within a quarter of the error that the command prints, the difference between the two sizes of voxels.
     """
     edge = 0.01
     radius = edge * (3.0 * solid / (4.0 * np.pi)) ** (1.0 / 3.0)
@@ -68,7 +68,7 @@ def test_a_lattice_of_spheres_conducts_as_rayleigh_computed(solid):
 
 
 def test_touching_spheres_converge_with_the_first_order():
-    """Three sizes of voxels: the differences halve, to 15 %."""
+    """The difference between successive sizes of voxels halves, to 15 %."""
     centres, _ = sphere_lattice("sc", 1, 3)
     bed = make_packing(0.01 * centres, 0.005, width=0.01)
     a, b, c = (effective_diffusion(pore_image(bed, 0.01, 0.02, 0.01 / count)) for count in (20, 40, 80))

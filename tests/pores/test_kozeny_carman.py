@@ -1,4 +1,4 @@
-"""Kozeny–Carman against published permeabilities, and the limit of Darcy's law."""
+"""Kozeny–Carman, compared with published permeabilities, and the limit of Darcy's law."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def test_conductivity_of_water_at_ten_degrees():
 
 
 def test_at_the_limit_of_darcys_law_inertia_is_a_tenth_of_friction():
-    """Both terms of Macdonald et al. (1979), with the flow that the limit gives."""
+    """Both terms are those of Macdonald et al. (1979), with the flow at the limit."""
     n, d = 0.38, 8e-3
     rho, mu, g = kozeny_carman.DENSITY, kozeny_carman.VISCOSITY, kozeny_carman.GRAVITY
     gradient = kozeny_carman.darcy_limit(n, 6.0 / d)

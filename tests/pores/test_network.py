@@ -1,6 +1,6 @@
-"""Permeability of the pore network against published lattices and Kozeny–Carman, and pore sizes by local thickness.
+"""Permeability of the pore network, compared with published lattices and Kozeny–Carman, and local thickness.
 
-The bands are what PoreSpy 3.2 and OpenPNM 3.6 reach, as docs/how_to/pores.md has them; nothing is fitted.
+The bands are what PoreSpy 3.2 and OpenPNM 3.6 reach, as docs/how_to/pores.md states; nothing is fitted.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ D = 0.01  # [m]
 
 @pytest.mark.parametrize("kind, low, high", [("sc", 1.2, 1.45), ("bcc", 1.2, 1.4), ("fcc", 0.8, 0.95)])
 def test_lattices_are_missed_by_what_the_page_says(kind, low, high):
-    """Zick and Homsy (1982), at 20 voxels a diameter."""
+    """The values are those of Zick and Homsy (1982), at 20 voxels per diameter."""
     ratio = network_permeability(lattice_image(kind, 20, D), D) / lattice_permeability(kind, D)
     assert low < ratio < high
 
@@ -56,9 +56,9 @@ def test_the_thickness_of_a_slit_is_its_width():
 
 
 def test_the_largest_pores_are_those_of_the_lattices():
-    """A sphere of (√3 − 1) d fits between the spheres of a simple cubic lattice, one of (√2 − 1) d in fcc; 4 voxels.
+    """A sphere of (√3 − 1) d fits between the spheres of a simple cubic lattice, one of (√2 − 1) d in fcc.
 
-    The nearest voxel is up to √3/2 of its edge away from the centre of the pore, and radii are rounded down.
+    Four voxels are allowed: the nearest is up to √3/2 of its edge away from the centre, and radii are rounded down.
     """
     for kind, exact in (("sc", np.sqrt(3.0) - 1.0), ("fcc", np.sqrt(2.0) - 1.0)):
         diameters, _ = pore_sizes(lattice_image(kind, 40, D), D)
@@ -67,7 +67,7 @@ def test_the_largest_pores_are_those_of_the_lattices():
 
 @pytest.fixture(scope="module")
 def bed():
-    """Random packing of 110 spheres, about four diameters wide and five high."""
+    """Return a random packing of 110 spheres, about four diameters wide and five high."""
     specification = {
         "domain": {"width": "32 mm", "height": "0.3 m"},
         "shapes": {"kind": "sphere"},
@@ -80,7 +80,7 @@ def bed():
 
 
 def test_a_random_packing_is_within_the_spread_of_kozeny_and_carman(bed):
-    """The constant 180 of spheres, with a spread of 50 %, on the same surface and porosity; voxels of d/20."""
+    """The constant is 180 for spheres, with a spread of 50 %, on the same surface and porosity; voxels are d/20."""
     results = bulk_pores(bed)
     n = results["porosity"]
     assert results["specific_surface"] == pytest.approx(6.0 / 8e-3, rel=0.05)
@@ -89,7 +89,7 @@ def test_a_random_packing_is_within_the_spread_of_kozeny_and_carman(bed):
     found, sizes = voxel_pores(bed, results["z_lower"], results["z_upper"], 0.4e-3)
     assert abs(found["network_permeability"] / constant_180 - 1.0) < results["kozeny_carman_spread"]
     assert found["voxel_porosity"] == pytest.approx(n, abs=0.01)
-    # Between the bound of Hashin and Shtrikman and the straight path that grazes half spheres.
+    # The bounds are that of Hashin and Shtrikman and the straight path that grazes half spheres.
     assert 1.0 + 0.5 * (1.0 - n) < found["tortuosity"] < 0.5 * np.pi
     assert 0.1 * 8e-3 < found["pore_diameter_d50"] < 0.5 * 8e-3
     assert sizes[1].sum() == pytest.approx(1.0)

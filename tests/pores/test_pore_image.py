@@ -28,7 +28,7 @@ def test_porosity_is_that_of_the_bulk():
 
 
 def test_outside_a_cylinder_there_are_no_pores():
-    """Five columns of spheres in a cylinder: the porosity of its whole section, to the missing rim of 0.5 %."""
+    """The porosity is that of the whole section of a cylinder with five columns of spheres, except a rim of 0.5 %."""
     found = pore_image(lattice("cylinder"), 0.01, 0.03, 0.2e-3)
     exact = 1.0 - 5.0 * (np.pi / 6.0) / (np.pi * 1.5**2)
     assert not found.periodic

@@ -40,7 +40,7 @@ def test_json_is_in_si_units(bed, without_extra, capsys):
     assert found["specific_surface"] == pytest.approx(6.0 / D)
     assert (found["z_lower"], found["z_upper"]) == pytest.approx((0.009, 0.039))  # three periods of the lattice
     assert (found["voxel_coarse"], found["voxel_fine"]) == pytest.approx((0.5e-3, 0.25e-3))
-    # Between the bound of Hashin and Shtrikman and the path along half a circle.
+    # The bounds are that of Hashin and Shtrikman and the path along half a circle.
     assert 1.0 + 0.5 * (1.0 - found["porosity"]) < found["tortuosity"] < 0.5 * 3.1416
     assert found["tortuosity_resolution"] > 0.0
     assert found["kozeny_carman_permeability"] == pytest.approx(2.19e-3 * D**2, rel=0.01)

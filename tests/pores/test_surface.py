@@ -22,7 +22,7 @@ def test_spheroids_have_the_areas_of_their_closed_forms():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_slabs_add_up_to_the_whole_surface(kind):
-    """Also for ellipsoids, whose zones are integrated, and whose whole area is an elliptic integral: round-off."""
+    """The sum is exact to round-off, also for ellipsoids: zones are integrated, whole areas are elliptic integrals."""
     bed = strew(kind, 12, 3)
     edges = np.linspace(-0.01, 0.07, 24)
     slabs = sum(areas_between(bed, low, high) for low, high in zip(edges[:-1], edges[1:], strict=True))
@@ -31,13 +31,13 @@ def test_slabs_add_up_to_the_whole_surface(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_whole_surfaces_are_those_of_the_meshes(kind):
-    """Exact meshes of polyhedra; those of ellipsoids are right to 0.2 %."""
+    """Meshes of polyhedra are exact; those of ellipsoids have an error of 0.2 %."""
     bed = strew(kind, 6, 1)
     np.testing.assert_allclose(areas_between(bed, -1.0, 1.0), surface_areas(bed), rtol=2e-3)
 
 
 def test_the_zone_of_a_flat_ellipsoid_is_that_of_points_on_it():
-    """Points on the unit sphere, weighted with the area element; 4 standard errors of 200 000 points."""
+    """Points on the unit sphere are weighted with the area element; 4 standard errors of 200 000 points are allowed."""
     half, turn = np.array([1e-3, 3e-3, 8e-3]), np.array([[0.5, 0.5, -0.1, 0.7]])
     bed = make_packing([[0.0, 0.0, 0.01]], half[None], turn / np.linalg.norm(turn))
     u = np.random.default_rng(2).normal(size=(200_000, 3))
@@ -66,7 +66,7 @@ def test_an_upright_cube_has_its_sides_and_the_lids_between_the_planes():
 
 
 def test_spheres_of_one_size_have_six_over_their_diameter():
-    """Between planes through the contacts, and as the mean over planes at all heights of a period."""
+    """The planes pass through the contacts; then a mean over planes at all heights of a period is taken."""
     centres, width = sphere_lattice("sc", 2, 5)
     bed = make_packing(8e-3 * centres, 4e-3, width=8e-3 * width)
     assert specific_surface(bed, 8e-3, 24e-3) == pytest.approx(6.0 / 8e-3, rel=1e-12)

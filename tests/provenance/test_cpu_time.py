@@ -1,4 +1,4 @@
-"""CPU time leaves out what compiling takes, and only that."""
+"""CPU time excludes compilation, and only that."""
 
 import time
 

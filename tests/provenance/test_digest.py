@@ -1,4 +1,4 @@
-"""The digest of code: it changes with what a result depends on, and with nothing else."""
+"""The digest of code changes with everything that a result depends on, and with nothing else."""
 
 import pytest
 
@@ -8,7 +8,7 @@ from simcore.provenance import digest as provenance
 
 @pytest.fixture
 def project(tmp_path, monkeypatch):
-    """A project with packages a -> b -> c, and d on its own."""
+    """Return a function that changes a file in a project of modules a -> b -> c and d and returns a's digest."""
     monkeypatch.setattr(provenance, "ROOT", tmp_path)
     monkeypatch.setattr(paths, "ROOT", tmp_path)
     monkeypatch.setattr(paths, "DATA", tmp_path)
@@ -46,7 +46,7 @@ def test_what_is_not_imported_does_not_count(project):
 
 
 def test_packings_do_not_depend_on_how_they_are_evaluated():
-    """The digest of the rule `packing` must not see modules that only evaluate or report."""
+    """The digest of the rule `packing` must not include modules that only evaluate or report."""
     found, todo = set(), [provenance.ROOT / p for p in ("simcore/scene/setup.py", "simcore/packing/process.py")]
     while todo:
         path = todo.pop()

@@ -1,4 +1,4 @@
-"""The version: one place, the same number in all files that state it, and no part of what decides about results."""
+"""The version is stated in one place, is the same in all files, and has no effect on the digests of results."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""The rule of which packings the porosity models are fitted to."""
+"""The rule that selects the packings to which the porosity models are fitted."""
 
 import pandas as pd
 import pytest
@@ -64,6 +64,6 @@ def test_predict_and_the_report_have_the_same_model_where_they_take_the_same_sou
     for source in (SOURCE_OF_MIXTURES, "scans"):
         model = fit_reference_models(folder, source).models["single_form", "U1"]
         reported = tables["single_form"].query("source == @source and model == 'single_form'")
-        # They take inverses in another order, which rounds otherwise; the sources differ by 0.01.
+        # Inverses are taken in another order, so rounding differs; the sources differ by 0.01.
         assert reported.coefficient.tolist() == pytest.approx(model.coefficients, abs=1e-12)
         assert set(reported.samples) == {model.n_samples} == {20}

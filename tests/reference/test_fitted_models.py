@@ -14,7 +14,7 @@ def tables():
 
 
 def test_committed_tables_are_those_of_the_committed_rows(tables):
-    """If this fails after new rows: python -m benchmarks.studies.fitted_models --write."""
+    """If this test fails after new rows, run python -m benchmarks.studies.fitted_models --write."""
     # tests/models/size_and_form/test_committed_fit.py tests the other tables.
     assert {path.stem for path in FOLDER.glob("*.csv") if not path.stem.startswith("size_and_form_")} == set(tables)
     for name, table in tables.items():

@@ -6,13 +6,13 @@ from benchmarks.studies.grain_tables import FOLDER, grain_tables
 
 
 def test_committed_tables_are_those_of_the_grains():
-    """If this fails: python -m benchmarks.studies.grain_tables --write."""
+    """If this test fails, run python -m benchmarks.studies.grain_tables --write."""
     tables = grain_tables()
     assert {path.stem for path in FOLDER.glob("*.csv")} == set(tables)
     for name, table in tables.items():
         committed = pd.read_csv(FOLDER / f"{name}.csv")
         assert [str(column) for column in table] == [column.replace("Unnamed: 0", "") for column in committed], name
-        # The signs and the last of the principal components are round-off.
+        # The signs of the principal components, and the last component, are round-off.
         if name != "components":
             committed.columns = table.columns
             pd.testing.assert_frame_equal(

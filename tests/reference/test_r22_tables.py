@@ -1,4 +1,4 @@
-"""The source study's values beside ours; expected values are read off its tables by hand."""
+"""Values of Rettinger et al. (2022) beside ours; the expected values were read off their tables by hand."""
 
 import numpy as np
 import pandas as pd
@@ -30,7 +30,7 @@ def test_a_setting_that_r22_do_not_have_stays_empty():
 
 
 def test_single_forms_take_the_fitted_model():
-    """Eq. 17 for EQ = 0.5 and EL = 0.8: 0.278 + 0.019 / 0.5 + 0.014 / 0.8 = 0.3335."""
+    """Eq. 17 with EQ = 0.5 and EL = 0.8 gives 0.278 + 0.019 / 0.5 + 0.014 / 0.8 = 0.3335."""
     form = {"EQ": [0.5, 0.5], "EL": [0.8, 0.8], "sigma_EQ": [0.0, 0.0], "sigma_EL": [0.0, 0.0]}
     table = beside("single_form", case=["U1", "own"], **form)
     assert table.r22_n[0] == pytest.approx(0.3335)
@@ -38,7 +38,7 @@ def test_single_forms_take_the_fitted_model():
 
 
 def test_mixtures_take_the_fitted_model():
-    """Eq. 24 at EQ 0.4 ± 0.1, EL 0.8 ± 0.2: 0.239 + 0.024/0.4 − 0.003/0.1 + 0.002/0.8 + 0.001/0.2 = 0.2765."""
+    """Eq. 24 at EQ 0.4 ± 0.1, EL 0.8 ± 0.2 gives 0.239 + 0.024/0.4 − 0.003/0.1 + 0.002/0.8 + 0.001/0.2 = 0.2765."""
     table = beside("form_mixtures", case=["U7"], EQ=[0.4], EL=[0.8], sigma_EQ=[0.1], sigma_EL=[0.2])
     assert table.r22_n[0] == pytest.approx(0.2765)
 
@@ -49,7 +49,7 @@ def test_application_separates_drawn_from_continuous_forms():
 
 
 def test_the_difference_is_counted_in_standard_errors_of_both():
-    """Table 6, U1: 0.383 with 0.002 over three runs, divided by their number, so 0.002/sqrt(2) of the mean."""
+    """Table 6 gives 0.383 ± 0.002 for U1, the deviation of three runs with ddof = 0, so its error is 0.002/sqrt(2)."""
     table = beside("validation", case=["U1", "own"], n=[0.393, 0.4])
     error = np.hypot(2e-3 / np.sqrt(2.0), 1e-3 / np.sqrt(12.0))
     assert table.r22_n_error[0] == pytest.approx(error)
@@ -59,17 +59,17 @@ def test_the_difference_is_counted_in_standard_errors_of_both():
 
 
 def test_r22_deviations_divide_by_the_number_of_runs():
-    """What add_reference takes for granted, on the only table that gives the runs themselves."""
+    """add_reference assumes ddof = 0; only this table gives the runs themselves, so the assumption is checked on it."""
     table = read_r22_table("table6_validation")
     runs = table[["run1", "run2", "run3"]]
     agree = {ddof: (runs.std(axis=1, ddof=ddof).round(3) == table["std"]).sum() for ddof in (0, 1)}
-    # B70's runs differ by less than they are rounded by.
+    # The runs of B70 differ by less than their rounding.
     assert agree[0] == len(table) - 1
     assert agree[1] <= len(table) // 2
 
 
 def test_the_validation_is_compared_with_the_experiment():
-    """U3 was measured at 0.356, the study's packings are 3.76 % above."""
+    """U3 was measured at 0.356, and the packings of Rettinger et al. are 3.76 % above."""
     table = beside("validation", case=["U3", "own"], n=[0.3738, 0.4])
     assert table.experiment_n[0] == 0.356
     assert table.experiment_error_percent[0] == pytest.approx(5.0)
@@ -85,7 +85,7 @@ def test_r22_run_times_are_in_the_table_with_ours():
 
 
 def test_predictions_of_r22_models_have_the_error_of_their_cross_validation():
-    """U1: 4.66e-3 is Table 9's mean magnitude with EL^-1, 4.33e-3 Table 10's with all four features."""
+    """For U1 the mean errors are 4.66e-3 (Table 9, with EL^-1) and 4.33e-3 (Table 10, with all four features)."""
     form = {"EQ": [0.5], "EL": [0.8], "sigma_EQ": [0.1], "sigma_EL": [0.1], "case": ["U1"]}
     expected = {"single_form": 4.66e-3, "form_mixtures": 4.33e-3}
     for study, magnitude in expected.items():

@@ -15,14 +15,14 @@ from simcore.scene.specification import resolve
 
 # Grains that are not part of the clone: their rows need a folder of this name, which need not contain them.
 ELSEWHERE = {"scans", "rhine"}
-# Rows of U7 with ten steps per contact time, which the findings announce to be packed again with 14.
+# These rows of U7 have ten steps per contact time; the findings announce that they are packed again with 14.
 SUPERSEDED = {("single_form_wide", f"U7_0.1m_1m_4kg-form{form:02}") for form in (1, 2, 3, 4, 5, 6)}
 ABOVE = REFERENCE / "born_above_bed"
 
 
 @functools.cache
 def packings(overlays, studies, source=None):
-    """The packings of some studies, with the files in the order in which Snakemake lays them over each other."""
+    """Return the packings of some studies, with the files merged over each other in Snakemake's order."""
     names = (*overlays, "config.yaml", "work_precision.yaml", *overlays)
     raw = [yaml.safe_load((CONFIG / name).read_text(encoding="utf-8")) for name in names]
     grains = {"grains": {"source": str(source), "unit": "mm"}} if source else {}
@@ -32,7 +32,7 @@ def packings(overlays, studies, source=None):
 
 
 def digests(*arguments):
-    """The digests of their settings, dict by study and packing."""
+    """Return the digests of their settings as a dict by study and packing."""
     return {(row.study, row.packing): result_digest(row.specification) for row in packings(*arguments).itertuples()}
 
 
@@ -45,7 +45,7 @@ def compare(rows, overlays, source=None):
 
 
 def gathered():
-    """The rows of gathered.csv by the overlays of their command and their source of grains."""
+    """Return the rows of gathered.csv by the overlays of their command and their source of grains."""
     commands = pd.read_csv(REFERENCE / "collected.csv").dropna(subset="command")[["study", "source", "command"]]
     ledger = pd.read_csv(REFERENCE / "gathered.csv", dtype={"settings": str}).merge(commands, on=["study", "source"])
     groups = []

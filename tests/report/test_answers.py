@@ -1,4 +1,4 @@
-"""The answer of a page, how sure it is, and the check against committed packings."""
+"""The answer of a page, its uncertainty, and the check against committed packings."""
 
 import numpy as np
 import pandas as pd
@@ -19,7 +19,7 @@ TERMS = {"intercept": 0.28, "EQ_inv": 0.02, "EL_inv": 0.01}
 
 @pytest.fixture
 def tables(tmp_path):
-    """Tables of a campaign whose model of one form is n = 0.28 + 0.02 L/S + 0.01 L/I, up to L/S = 4."""
+    """Return tables of a campaign whose model of one form is n = 0.28 + 0.02 L/S + 0.01 L/I, up to L/S = 4."""
 
     def write(name, rows):
         pd.DataFrame(rows).to_csv(tmp_path / f"{name}.csv", index=False)
@@ -39,7 +39,7 @@ def tables(tmp_path):
 def test_the_answer_is_a_sentence_and_a_table_of_typical_forms(tables):
     sentence, examples, formulas = answer({"single_form": tables["single_form"]})
     assert sentence["kind"] == "answer"
-    # The densest and the loosest of the forms inside the fit.
+    # These are the densest and the loosest of the forms inside the fit.
     assert (
         "has a porosity of 0.32 if the grains are nearly round and 0.37 if the grains are flat and long"
         in (sentence["text"])

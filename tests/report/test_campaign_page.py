@@ -1,4 +1,4 @@
-"""The page of a campaign whose packings are there."""
+"""The page of a campaign with finished packings."""
 
 import re
 from types import SimpleNamespace
@@ -27,7 +27,7 @@ MODEL |= {"samples": 9, "feature_min": float("nan"), "feature_max": float("nan")
 
 @pytest.fixture
 def files(tmp_path):
-    """Files of a campaign of two studies, with no model and no grains of its own."""
+    """Return the files of a campaign of two studies, with no model and no grains of its own."""
 
     def write(folder, name, **columns):
         path = tmp_path / folder / name
@@ -102,7 +102,7 @@ def test_the_largest_committed_campaign_comes_first_and_then_its_check(files):
         f"{OWN_STUDIES}Measured",
         "Cost, and order in the beds",
     ]
-    # Two comparisons with measurements; that of small beds refers to the larger ones.
+    # There are two comparisons with measurements; that of small beds refers to the larger ones.
     assert whole.count("Is it right?") == 2 and "same comparison gives +3.5 to +3.5 %" in whole
     assert said(whole)[-3:] == ["<figure", "table of cost", "table of collected"]
     # The settings that both have in common differ by more than the errors.

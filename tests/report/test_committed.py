@@ -20,7 +20,7 @@ def single(L, I, S):  # noqa: E741
 
 @pytest.fixture
 def folder(tmp_path):
-    """Rows of a made-up campaign whose porosities follow straight lines, ellipsoids 0.01 below their grains."""
+    """Return a folder of made-up rows whose porosities follow straight lines, ellipsoids 0.01 below their grains."""
     forms = [(12e-3, 12e-3 * EL, 12e-3 * EL * FL) for FL, EL in product((0.4, 0.6, 0.85), (0.5, 0.75, 0.9))]
     rows = [
         {"source": "synthetic", "case": "U1", "grain": f"G{i}", "representation": kind, "seed": seed}
@@ -29,7 +29,7 @@ def folder(tmp_path):
         for kind, lower in (("polyhedron", 0.0), ("ellipsoid", 0.01))
         for seed in (1, 2)
     ]
-    # Scans of the same forms, and looser by as much as can be seen.
+    # Scans have the same forms and a porosity that is higher by 0.03.
     rows += [{**row, "source": "scans", "n": row["n"] + 0.03} for row in rows if row["representation"] == "polyhedron"]
     pd.DataFrame(rows).to_csv(tmp_path / "single_form.csv", index=False)
     rows = []

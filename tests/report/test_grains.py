@@ -1,4 +1,4 @@
-"""What a page says of a set of grains."""
+"""The tables and figures of a set of grains on a page."""
 
 import pandas as pd
 import pytest

@@ -10,7 +10,7 @@ from tests.helpers.browser import chromium
 
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory):
-    """A function that opens a page with a table and a figure, offline, in a window of some width."""
+    """Yield a function that opens a page with a table and a figure, offline, in a window of some width."""
     folder = tmp_path_factory.mktemp("report")
     Figure(figsize=(9, 3)).savefig(folder / "wide.png", dpi=150)
     rows = pd.DataFrame(

@@ -1,4 +1,4 @@
-"""Sentences on what came out of a study."""
+"""Sentences about the outcome of a study."""
 
 import numpy as np
 import pandas as pd

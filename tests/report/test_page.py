@@ -30,7 +30,7 @@ def test_a_picture_is_in_the_page_in_its_own_size_with_its_caption(tmp_path):
     html = html_of(part)
     assert base64.b64encode(path.read_bytes()).decode() in html
     assert "<b>Figure 1.</b> Beds &amp; their porosity. <span" in html and str(path) in html
-    # Five inches at 96 pixels: letters have one size in all figures.
+    # Five inches are 480 pixels, so that letters have one size in all figures.
     assert 'style="width: 480px"' in html
     assert '<button type="button" class="enlarge" aria-label="Enlarge figure 1">' in html
     assert is_picture(part) and not is_picture(paragraph("text"))
@@ -117,7 +117,7 @@ def test_the_template_and_the_library_with_its_licence_are_package_data():
 
 
 def test_captions_are_sentences():
-    """Snakemake's report takes them for reStructuredText, the page as they are: so they hold no markup of either."""
+    """Snakemake's report reads them as reStructuredText and the page as plain text, so they contain no markup."""
     texts = {path.stem: path.read_text(encoding="utf-8") for path in (ROOT / "workflow/report").glob("*.rst")}
     assert len(texts) > 20
     for name, text in texts.items():

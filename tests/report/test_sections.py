@@ -13,7 +13,7 @@ PNG = b"\x89PNG\r\n\x1a\n" + bytes(8) + (1).to_bytes(4, "big") + (1).to_bytes(4,
 
 
 def test_the_answer_comes_first_and_each_table_once_under_its_heading(tmp_path):
-    """Models of synthetic grains first; a study's table with its effects; what has no table has no heading."""
+    """Models of synthetic grains come first, a study's table has its effects, and what has no table has no heading."""
     names = ("single_form", "single_form_mean_form", "unified", "single_form_porosities", "validation", "collected")
     for name in names:
         rows = pd.DataFrame({"n": [0.36], "packing": [f"this is {name}"]})
@@ -39,7 +39,7 @@ def test_the_answer_comes_first_and_each_table_once_under_its_heading(tmp_path):
         "collected",
     ]
     assert all(f"<i>n</i> = {beds}" in html for beds in ("0.111", "0.333"))
-    # Nothing is known of the grains' source and of the study.
+    # The rows name neither the source of the grains nor the study.
     headings = [words.strip() for words in re.findall("<th[^>]*>([^<]+)", html)]
     assert headings[:4] == ["grains", "porosity, U1", "flatness S/I", "elongation I/L"]
     assert headings[4:8] == ["beds", "porosity", "mean error of porosity, cross-validated", "samples"]
@@ -78,7 +78,7 @@ def test_a_study_without_published_values_has_a_caption_without_them(tmp_path):
 
 
 def _model(name):
-    """Of a table of coefficients what its formula is made of."""
+    """Return the columns of a table of coefficients from which its formula is made."""
     known = {"intercept": {"single_form": 0.111, "unified": 0.333}[name], "samples": 9}
     known["mean_absolute_error"] = {"single_form": 0.005, "unified": 0.006}[name]
     columns = {"model": name, "case": "U1", "term": "intercept", "coefficient": known.pop("intercept")}

@@ -10,7 +10,7 @@ from simcore.reference.columns.headings import ERRORS, HEADINGS
 from simcore.report.tables import show_table
 from simcore.report.words import feature_in_words, formula_markup, value_in_words
 
-# Columns that no table of the page has, or whose names a pattern describes
+# No table of the page has these columns, or a pattern describes their names.
 NOT_SHOWN = {
     "note",
     "code",
@@ -86,7 +86,7 @@ def test_details_come_last_and_are_hidden_at_first():
         ("grains", True),
         ("n_exact", True),
     ]
-    # They are the results of tables without porosities.
+    # In tables without porosities these columns are results, not details.
     others = show_table(pd.DataFrame({"source": ["a", "b"], "sigma_FL": [0.1, 0.2], "cpu_h": [1.0, 2.0]}), "grains/x")
     assert not any(column.is_detail for column in others.columns)
 

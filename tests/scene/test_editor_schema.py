@@ -1,4 +1,4 @@
-"""Schemas for editors accept what users write and refuse what an editor can know to be wrong."""
+"""Schemas for editors accept what users write and reject errors that an editor can detect."""
 
 import copy
 import json
@@ -23,7 +23,7 @@ def read(path):
 
 
 def errors(content, name):
-    """Paths of the errors that a validator of plain JSON Schema finds."""
+    """Return the paths of the errors that a validator of plain JSON Schema reports."""
     found = jsonschema.Draft202012Validator(editor_schema(name)).iter_errors(content)
     return [".".join(map(str, error.absolute_path)) for error in found]
 

@@ -1,4 +1,4 @@
-"""When two packings are the same: each relation by the keys that count for it and those that do not."""
+"""When two packings are the same: each relation ignores some keys and depends on all others."""
 
 import copy
 
@@ -26,7 +26,7 @@ SPECIFICATION = resolve(
 
 
 def changed(path, value):
-    """SPECIFICATION with one key changed, such as "damping.max_time"."""
+    """Return SPECIFICATION with one key changed, such as "damping.max_time"."""
     other = copy.deepcopy(SPECIFICATION)
     *groups, key = path.split(".")
     group = other
@@ -67,7 +67,7 @@ def test_keys_that_differ_are_named_with_their_groups():
 
 
 def test_a_key_that_was_added_later_changes_no_digest_at_its_earlier_value():
-    """Specifications of committed rows do not have it."""
+    """Specifications of committed rows do not have this key."""
     for path, value in ADDED.items():
         *groups, key = path
         earlier = copy.deepcopy(SPECIFICATION)

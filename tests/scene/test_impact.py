@@ -1,4 +1,4 @@
-"""Impacts of viscoelastic spheres: closed forms, the series of small damping, and what a material is turned into."""
+"""Impacts of viscoelastic spheres: closed forms, the series of small damping, and parameters of a material."""
 
 from types import SimpleNamespace
 
@@ -19,8 +19,8 @@ from simcore.scene.impact import (
     sphere_radius,
 )
 
-# Of the series 1 - C1 β + (3/5) C1² β² (Ramírez et al. 1999), 1.15344 there; the energy that the dashpot takes along
-# the elastic path is ∫ β √x v dx there and back, v² = 1 - (4/5) x^2.5.
+# C1 belongs to the series 1 - C1 β + (3/5) C1² β² of Ramírez et al. (1999), 1.15344 there. The energy that the dashpot
+# takes along the elastic path is ∫ β √x v dx there and back, with v² = 1 - (4/5) x^2.5.
 C1 = 2.0 * 1.25**0.6 * 0.4 * beta(0.6, 1.5)
 MATERIAL = SimpleNamespace(
     density=2650.0,
@@ -35,12 +35,12 @@ MATERIAL = SimpleNamespace(
 
 
 def test_the_elastic_impact_lasts_as_hertz_has_it():
-    """2.94 of depth over speed (Landau & Lifshitz § 9), and a depth at which the energy is (2/5) k ξ^2.5."""
+    """The duration is 2.94 depth/speed (Landau & Lifshitz § 9), and the energy at the depth is (2/5) k ξ^2.5."""
     modulus, mass, radius, speed = 1e7, 3e-4, 2e-3, 0.8
     depth = impact_depth(modulus, mass, radius, speed)
     k = modulus * np.sqrt(radius)
     assert 0.4 * k * depth**2.5 == pytest.approx(0.5 * mass * speed**2, rel=1e-12)
-    # dx / v with x = 1 - s², which takes the pole at the turning point away
+    # In the integral of dx / v, x = 1 - s² removes the pole at the turning point.
     half, _ = quad(lambda s: 2.0 * s / np.sqrt(1.0 - (1.0 - s * s) ** 2.5) if s > 0.0 else 2.0 / np.sqrt(5.0), 0.0, 1.0)
     assert pytest.approx(2.0 * half, rel=1e-6) == DURATION
     assert impact_duration(modulus, mass, radius, speed) == pytest.approx(DURATION * depth / speed, rel=1e-12)
@@ -51,7 +51,7 @@ def test_the_elastic_impact_lasts_as_hertz_has_it():
 
 @pytest.mark.parametrize("attractive", [True, False])
 def test_restitution_is_that_of_the_series_for_small_damping(attractive):
-    """The next term is β³, of a factor of order one; how a contact ends enters at β^2.2 and beyond."""
+    """The next term is β³ times a factor of order one; the end of a contact has an effect from β^2.2 on."""
     assert pytest.approx(1.15344, abs=1e-5) == C1
     for number in (1e-3, 1e-2):
         expected = 1.0 - C1 * number + 0.6 * (C1 * number) ** 2

@@ -14,7 +14,7 @@ def specification(mass):
 
 
 def test_a_mass_of_too_many_grains_is_refused():
-    # Spheres of 2650 kg/m³ between 1 and 2 mm, uniform in log D: 4.67 mg each, so that ten million have 46.7 kg.
+    # Spheres of 2650 kg/m³ between 1 and 2 mm, uniform in log D, have 4.67 mg each, so that ten million have 46.7 kg.
     with pytest.raises(ValueError, match=r"amount\.mass: 1e\+09 kg are about 2\.1e\+14 grains.*at most 46\.7 kg"):
         set_up(specification("1e9 kg"), load_grains=None)
     with pytest.raises(ValueError, match="more than 10000000"):

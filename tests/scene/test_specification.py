@@ -16,7 +16,7 @@ MINIMAL = {
 
 
 def specification(path, value):
-    """MINIMAL with `value` at the dotted `path`."""
+    """Return MINIMAL with `value` at the dotted `path`."""
     raw = copy.deepcopy(MINIMAL)
     *parents, last = path.split(".")
     group = raw
@@ -47,7 +47,7 @@ def test_quantity_is_the_float_nearest_to_what_was_written(text, unit, expected)
 
 
 def test_defaults_are_the_parameters_of_r22():
-    """Values of Rettinger et al. (2022) as listed in results/reference/r22/README.md."""
+    """The values are those of Rettinger et al. (2022), as listed in results/reference/r22/README.md."""
     spec = resolve(MINIMAL)
     assert spec["domain"] == {"type": "periodic", "width": 0.2, "height": 0.8}
     assert spec["material"] == {

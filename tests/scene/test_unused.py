@@ -1,4 +1,4 @@
-"""Keys without effect: each that a choice does not use is refused, by name, and passes where it is used."""
+"""A key that has no effect beside the other settings is refused by name, and accepted where it has an effect."""
 
 import pytest
 import yaml
@@ -31,7 +31,7 @@ HERTZ = {"material": {"law": "hertz", "youngs_modulus": "5 MPa"}}
 SLIDING = {"material": {"friction_law": "viscous"}}
 STRANGE = {"generation": {"placement": "random"}}
 SETTLED = {"convergence": {"rule": "settled"}}
-# Of each key of the schema that needs others: what it is given beside where it has no effect, and where it has one.
+# For each key that needs others: a setting of it, settings beside which it has no effect, and ones beside which it has.
 CASES = {
     "grains": ({"grains": {"source": "synthetic"}}, SPHERES, ELLIPSOIDS),
     "grains.unit": ({"grains": {"unit": "mm"}}, {}, FILES),
@@ -86,7 +86,7 @@ CASES = {
 
 
 def marked(schema, above=""):
-    """Dotted paths of all keys that need others."""
+    """Yield the dotted paths of all keys that need others."""
     for key, sub in schema.get("properties", {}).items():
         if "x-used-with" in sub:
             yield f"{above}{key}"
@@ -103,7 +103,7 @@ def test_a_key_that_is_not_used_is_refused_by_name(key):
     with pytest.raises(ValueError, match=rf"^{key}: it has no effect (while|with).*; leave it out"):
         resolve(merge(BED, without, given), unused="refuse")
     resolve(merge(BED, having, given), unused="refuse")
-    # What packings have in common is kept, as it was given.
+    # Without `unused="refuse"` the specification is accepted, and the key is named as unused.
     assert why_unused(next(given_keys(given)), resolve(merge(BED, without, given)), read_schema("packing"))[0] == key
 
 
@@ -124,7 +124,7 @@ def test_null_is_not_given():
 
 
 def test_keys_of_a_specification_that_was_written_out_are_no_choices():
-    """As the workflow writes it: every key is there, whether or not it has an effect."""
+    """The workflow writes every key, whether or not it has an effect."""
     resolved = resolve(merge(BED, ELLIPSOIDS, {"faces": 50, "numerics": {"polyhedron_contact": "point"}}))
     assert resolve(express(resolved), unused="refuse") == resolved
     written = express(resolved)

@@ -9,15 +9,15 @@ from tests.helpers.workplace import Workplace
 
 @pytest.fixture
 def workplace(tmp_path):
-    """An empty workplace."""
+    """Return an empty workplace."""
     return Workplace(tmp_path)
 
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory):
-    """A workplace in which a small campaign of three studies has run, and the arguments it was run with.
+    """Return a workplace in which a small campaign of three studies has run, and the arguments of the run.
 
-    What Snakemake said, with its own log, stands in the workplace's said.txt.
+    The output of Snakemake, with its own log, is in the workplace's said.txt.
     """
     workplace = Workplace(tmp_path_factory.mktemp("campaign"))
     arguments = ["--configfile", "config/smoke.yaml", str(Path(__file__).with_name("three_studies.yaml"))]

@@ -29,7 +29,7 @@ def test_every_table_and_the_report_are_marked_as_tests(finished):
     for table in tables:
         assert (pd.read_csv(table).note == "test only").all(), table
     assert "Test only" in (results / "report.html").read_text()
-    # As text of a data URL, base64, Chromium shows it up to 2 MB.
+    # Chromium shows a page as a base64 data URL up to 2 MB.
     assert "Test only" in (results / "tables.html").read_text()
     assert (results / "tables.html").stat().st_size < 1.4e6
 
@@ -40,7 +40,7 @@ def test_each_column_of_each_table_is_described(finished):
 
 
 def test_snakemake_looks_for_jobs_when_one_has_ended(finished):
-    """It looks every second and more else, for as long as jobs wait: the Snakefile takes off its limit of starts."""
+    """The Snakefile removes the limit of starts; with it, Snakemake looks at least every second while jobs wait."""
     workplace, _ = finished
     said = (workplace.folder / "said.txt").read_text()
     jobs = said.count("Finished jobid:")

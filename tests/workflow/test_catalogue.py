@@ -1,4 +1,4 @@
-"""What the catalogue of workflows and Zenodo read: their files, and the workflow without the Snakefile at the root."""
+"""Files that the catalogue of workflows and Zenodo read, and the workflow without the Snakefile at the root."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Rows of finished packings in committed tables, while others are missing; the cost that a dry run tells."""
+"""Rows of finished packings in committed tables, while others are missing, and the cost that a dry run prints."""
 
 import json
 import re
@@ -36,7 +36,7 @@ studies:
 
 @pytest.fixture
 def campaign(workplace):
-    """A campaign of which some beds are there, made up: workplace, arguments, and a function that adds beds."""
+    """Return a campaign with some made-up beds: its folder, run(), and add(), which adds beds."""
     (workplace.folder / "mine.yaml").write_text(CAMPAIGN)
     raw = [yaml.safe_load((ROOT / "config" / "config.yaml").read_text()), yaml.safe_load(CAMPAIGN)]
     plan = expand(resolve(merge(*raw), "config"))
@@ -81,7 +81,7 @@ def test_half_of_a_campaign_is_gathered_and_the_rest_later(campaign):
     first = pd.read_csv(kept / "heights.csv")
     (first_bed,) = pd.read_csv(kept / "gathered.csv").packing + ".nc"
     assert list(first) == ["case", "drop_height", "seed", "n", "n_error", "grains", "cpu_s"] and len(first) == 1
-    # On another machine, where nothing is: what has a row is not packed again.
+    # On another machine, where there are no files, packings that have a row are not packed again.
     beds = campaign.folder / "results" / "mine" / "porosity" / "heights"
     for bed in beds.iterdir():
         bed.rename(bed.with_suffix(".gone"))
@@ -106,7 +106,7 @@ def test_committed_rows_give_tables_and_figures_without_a_packing(campaign):
     assert status == 0 and said.count("rule committed_studies:") == 1 and "rule packing:" not in said, said
     made = campaign.folder / "results" / "mine" / "committed"
     assert sorted(path.name for path in made.glob("n*")) == [f"near_spheres.{kind}" for kind in ("csv", "pdf", "png")]
-    # Of this campaign's own studies there is no row, of models neither.
+    # There are no rows of this campaign's own studies, and no models.
     headings = re.findall("<h2[^>]*>([^<]+)", (made / "report.html").read_text())
     assert headings == []
 
@@ -126,7 +126,7 @@ def test_beds_of_other_settings_and_other_campaigns_are_left_out(campaign, workp
 
 
 def test_a_dry_run_prints_packings_hours_and_pieces(workplace):
-    """Of the study's own sizes: more hours than a machine has, and as many pieces as packings of more than two."""
+    """With the sizes of Rettinger et al. the packings take many hours, and long packings are single pieces."""
     status, said = workplace.run("--dry-run", "--configfile", "config/r22.yaml", "--", "validation_piece_1")
     assert status == 0, said
     line = re.search(r"^validation +(\d+) +\d+ +([0-9.]+) +([0-9.]+) +(\d+)$", said, re.MULTILINE)
@@ -134,5 +134,5 @@ def test_a_dry_run_prints_packings_hours_and_pieces(workplace):
     assert packings == 21 and longest > 2 and 21 * longest > hours > 21
     assert 1 < pieces <= 21
     assert re.search(r"^all +624 ", said, re.MULTILINE)
-    # The other pieces have one each at least.
+    # Each of the other pieces has at least one packing.
     assert 1 <= said.count("rule packing:") <= packings - (pieces - 1)

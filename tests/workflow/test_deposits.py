@@ -58,7 +58,7 @@ def test_deposits_are_a_target_of_their_own(workplace):
 
 
 def test_committed_rows_become_tables_and_figures_without_a_packing(workplace, tmp_path):
-    """Rows of the repository, and those of the diagonal alone: what the others would show is left out."""
+    """The rows are those of the repository, and those of the diagonal alone; what has no rows is left out."""
     rows = pd.read_csv(REFERENCE / "deposits.csv")
     (tmp_path / "deposits.csv").write_text(rows[rows.study == "deposit_diagonal"].to_csv(index=False))
     for name, folder in (("whole", REFERENCE), ("part", tmp_path)):
@@ -75,7 +75,7 @@ def test_committed_rows_become_tables_and_figures_without_a_packing(workplace, t
 
 @pytest.fixture(scope="session")
 def deposited(tmp_path_factory):
-    """A workplace in which a tiny campaign of deposits has run."""
+    """Return a workplace in which a tiny campaign of deposits has run."""
     workplace = Workplace(tmp_path_factory.mktemp("deposits"))
     (workplace.folder / "tiny.yaml").write_text(TINY)
     status, said = workplace.run("--configfile", "tiny.yaml", "--", "deposits")

@@ -17,7 +17,7 @@ studies:
 
 @pytest.fixture
 def planned(workplace):
-    """Function that gives the texts of a dry run, those of the packing of 500 grains and of that of 5000."""
+    """Return a function that returns the texts of a dry run for the packings of 500 and of 5000 grains."""
     (workplace.folder / "spheres.yaml").write_text(CAMPAIGN)
 
     def plan(*arguments):
@@ -32,7 +32,7 @@ def planned(workplace):
 
 
 def asked(job):
-    """Resources of a planned job, as dict of text."""
+    """Return the resources of a planned job as a dict of text."""
     line = next(line for line in job.splitlines() if line.strip().startswith("resources:"))
     return {key: value for key, _, value in (each.strip().partition("=") for each in line.split(":", 1)[1].split(","))}
 
@@ -45,7 +45,7 @@ def test_one_rank_with_one_thread_where_nothing_is_said(planned):
 
 
 def test_ranks_and_threads_of_the_config_are_accounted(planned):
-    """As many cores as ranks times threads; few grains take fewer ranks."""
+    """Cores are ranks times threads, and few grains take fewer ranks."""
     small, large = planned("--config", "ranks=4", "threads=2", "--cores", "16")
     assert "threads: 2" in small and "--ranks 1 --threads 2" in small
     assert "threads: 8" in large and "--ranks 4 --threads 2" in large
@@ -63,7 +63,7 @@ def test_the_profile_for_slurm_asks_for_tasks_memory_and_time(planned):
 
 
 def test_jobs_take_the_python_that_runs_snakemake(workplace):
-    """Also where its environment is not activated: the system's python has no simcore."""
+    """This also works if its environment is not activated; the system's Python has no simcore."""
     (workplace.folder / "spheres.yaml").write_text(CAMPAIGN)
     specification = "results/packings/spheres/grains_500.yaml"
     status, said = workplace.run(specification, "--configfile", "spheres.yaml", path="/usr/bin:/bin")

@@ -28,7 +28,7 @@ def test_the_smoke_campaign_has_one_packing_a_study_and_a_dozen_for_the_model(wo
 
 
 def test_the_r22_campaign_has_its_number_of_packings(workplace):
-    """Counts by hand from the study's tables; the shapes are 63 in three cases, the mixtures 52 sets in two."""
+    """The counts are those of the tables of Rettinger et al.: 63 shapes in three cases, 52 mixtures in two."""
     jobs = workplace.plan("--configfile", "config/r22.yaml")
     packings = [study for rule, study in jobs if rule == "packing"]
     assert {study: packings.count(study) for study in STUDIES} == {
@@ -63,7 +63,7 @@ studies:
 
 
 def test_studies_that_need_no_meshes_make_none(workplace):
-    """Neither for their packings nor for the report, whose whole campaign they are here."""
+    """Neither the packings nor the report of this campaign needs meshes."""
     (workplace.folder / "round.yaml").write_text(NO_MESHES + NULL_STUDIES)
     for target in ([], ["spheres"], ["ellipsoids"]):
         rules = [rule for rule, _ in workplace.plan(*target, "--configfile", "round.yaml")]
@@ -73,7 +73,7 @@ def test_studies_that_need_no_meshes_make_none(workplace):
 
 
 def test_a_campaign_of_beds_too_low_to_be_evaluated_is_refused(workplace):
-    """Unless the campaign cuts less from both ends."""
+    """The campaign is accepted if it cuts less from both ends."""
     low = NO_MESHES.replace("grains: 300", "grains: 60") + NULL_STUDIES
     (workplace.folder / "low.yaml").write_text(low)
     status, said = workplace.run("--dry-run", "--configfile", "low.yaml", "--", "spheres")
@@ -86,7 +86,7 @@ def test_a_campaign_of_beds_too_low_to_be_evaluated_is_refused(workplace):
 
 
 def test_a_target_asks_only_for_its_own_inputs(workplace):
-    """Files of each kind, with all the rules that it takes and no other."""
+    """Each file needs the rules listed beside it, and no other."""
     packing = {"grain_set", "decimated_grain_set", "packing_specification", "packing"}
     evaluated = packing | {"porosity"}
     wanted = (
@@ -124,7 +124,7 @@ def test_a_target_asks_only_for_its_own_inputs(workplace):
 
 
 def _behind(file, by_file):
-    """The jobs that make a file, and what they read, and so on."""
+    """Return the jobs that make a file, those that make what they read, and so on."""
     found, ahead = {}, [file]
     while ahead:
         file = ahead.pop()
@@ -191,7 +191,7 @@ studies:
 
 
 def test_a_study_has_grain_sets_of_its_own(workplace):
-    """Beside the campaign's in the same folder; their content decides whether they are made anew, not their age."""
+    """They are in the folder of the campaign's sets, and are made again if their content changes, not their age."""
     (workplace.folder / "own.yaml").write_text(OWN + NULL_STUDIES)
     for number, name in enumerate("ab"):
         folder = workplace.folder / f"scans_{name}"

@@ -1,4 +1,4 @@
-"""What Slurm is asked for: the command lines that the executor gives to a stand-in for sbatch."""
+"""Requests to Slurm: the command lines that the executor gives to a stand-in for sbatch."""
 
 import os
 import shlex
@@ -26,7 +26,7 @@ studies:
 {NULL_STUDIES}
 """
 PACKING = "results/packings/spheres/seed_1.nc"
-# It refuses every job, as a cluster without nodes does, so that each attempt asks again.
+# This program refuses every job, as a cluster without nodes does, so that each attempt submits again.
 SBATCH = f"""#!{sys.executable}
 import sys
 with open("sbatch.txt", "a") as file:
@@ -38,7 +38,7 @@ OTHERS = {"sinfo": "echo 'day*'", "sacctmgr": "echo lab", "sshare": "echo lab", 
 
 @pytest.fixture
 def slurm(workplace):
-    """Function that runs Snakemake with the profile and returns the words of each call of sbatch."""
+    """Return a function that runs Snakemake with the profile and returns the words of each call of sbatch."""
     programs = workplace.folder / "programs"
     programs.mkdir()
     for name, text in {"sbatch": SBATCH, **{name: f"#!/bin/sh\n{text}\n" for name, text in OTHERS.items()}}.items():
@@ -62,7 +62,7 @@ def slurm(workplace):
 
 
 def asked(call):
-    """The options of a call of sbatch up to the command, as a dict; `-t 10` and `--mem 10` as `--nodes=1`."""
+    """Return the options of a call of sbatch up to the command as a dict; `-t 10` counts as `-t=10`."""
     words = call[: next(i for i, word in enumerate(call) if word.startswith("--wrap"))]
     options = {}
     for word, following in zip(words, [*words[1:], ""], strict=True):
@@ -73,7 +73,7 @@ def asked(call):
 
 
 def machine(ranks, **keys):
-    """Keys of the configuration, which replace those of the profile."""
+    """Return keys of the configuration that replace those of the profile."""
     keys = {"cores_per_node": 64, "longest_job": "24 h", "mpiexec": "srun --mpi=pmi2"} | keys
     return ["--config", f"ranks={ranks}", *(f"{key}={value}" for key, value in keys.items())]
 
@@ -107,7 +107,7 @@ def test_attempts_ask_for_more_time_up_to_the_longest_job_and_for_double_the_mem
 
 
 def test_a_job_compiles_before_the_first_packing(slurm):
-    """With the keys of the profile itself; nothing else is submitted before it has ended."""
+    """The keys are those of the profile itself; nothing else is submitted before this job has ended."""
     (call,) = slurm([PACKING], "--retries", "0")
     options = asked(call)
     assert "rule_compiled_steps" in options["--comment"]

@@ -26,7 +26,7 @@ def test_parts_keep_mass_classes_and_width(law):
 
 
 def test_parts_by_number_are_what_scree_draws():
-    """Mean log size by mass of drawn grains, class by class; the drawn sizes are uniform in log D by number."""
+    """The mean log size by mass equals that of drawn grains, whose sizes are uniform in log D by number."""
     curve = SieveCurve([1e-3, 8e-3], [1.0])
     sizes, fractions, _ = parts(curve, "number")
     drawn = np.geomspace(1e-3, 8e-3, 200_001)
@@ -72,9 +72,9 @@ def test_log2_deviation_of_uniform_and_split_curves():
 
 
 def test_predictors_on_the_measured_gravels():
-    """Errors by an independent program, given to 0.001; those of the medians only as bounds.
+    """An independent program gave the errors to 0.001; those of the medians are only bounds.
 
-    It is not known how that program counts the width of a class in σφ, which is all there is of it in U1: 0.002 there.
+    Its rule for the width of a class in σφ is unknown; in U1 this width is all of σφ, so 0.002 is allowed there.
     """
     measured = pd.read_csv(R22_TABLES / "table3_cases.csv").set_index("case")["n_exp"]
     errors = {

@@ -1,4 +1,4 @@
-"""Packing models of the literature at their limits, and against numbers of an independent program.
+"""Packing models of the literature at their limits, compared with numbers of an independent program.
 
 That program gave errors on the gravels of Rettinger et al. (2022) to 0.001, with one size per class.
 """
@@ -19,7 +19,7 @@ OTHERS = ("U3", "U5", "U7", "B30", "B50", "B70")
 
 
 def many_rods(sizes, fractions, porosities):
-    """Rods on a line, which take one prediction and one porosity, called as the other models are."""
+    """Return porosities by the model of rods, which takes one mixture at a time, for arrays as the other models do."""
     sizes, fractions, porosities = np.broadcast_arrays(sizes, fractions, porosities)
     rows = [array.reshape(-1, array.shape[-1]) for array in (sizes, fractions, porosities)]
     n = [rods(d, y, p[0]) for d, y, p in zip(*rows, strict=True)]
@@ -56,7 +56,7 @@ def test_permutation_scale_and_empty_classes_change_nothing(model):
     before = model(sizes, fractions, n)
     order = rng.permutation(sizes.shape[1])
     np.testing.assert_allclose(model(sizes[:, order], fractions[:, order], n), before, atol=1e-12)
-    # Rods differ by round-off in where equal gaps are placed.
+    # The results of rods differ because rounding changes which of equal gaps is filled.
     np.testing.assert_allclose(model(1e-3 * sizes, fractions, n), before, atol=1e-6)
     for extra in (0.01, 4.0, 500.0):
         d = np.column_stack([sizes[:, :2], np.full(len(sizes), extra), sizes[:, 2:]])
@@ -75,7 +75,7 @@ def test_mixtures_of_one_porosity_are_denser_but_not_full(model):
 
 @pytest.mark.parametrize("model", [linear, MODELS["linear mixture"], many_rods], ids=["linear", "mixture", "rods"])
 def test_furnas_limit_of_infinite_ratio(model):
-    """V = max(y_c V_c, y_c + y_f V_f): fines fill pores only, or coarse grains replace bulk fines only."""
+    """V = max(y_c V_c, y_c + y_f V_f) is exact if fines only fill pores, or coarse grains only replace bulk fines."""
     y = np.linspace(0.05, 0.95, 19)
     n = 0.38
     V = 1 / (1 - n)
@@ -102,7 +102,7 @@ def test_large_k_is_the_linear_model():
 
 
 def test_the_compressible_model_solves_its_equation():
-    """K = Σ (y_i/β_i) / (1/Φ - 1/γ_i) with γ_i from de Larrard's own form, written with β, a and b."""
+    """K = Σ (y_i/β_i) / (1/Φ - 1/γ_i) is checked with γ_i in de Larrard's own form, written with β, a and b."""
     sizes, fractions, n = random_mixtures(np.random.default_rng(4), 5, 4)
     for d, y, porosity in zip(sizes, fractions, n[:, 0], strict=True):
         K = 5.0
@@ -123,7 +123,7 @@ def test_the_compressible_model_solves_its_equation():
 
 
 def test_splitting_a_class_of_one_size_changes_nothing():
-    """The mixture model does not promise it: its term in x_h - x_l is that of two components."""
+    """The linear mixture model is left out, because its term in x_h - x_l is defined for two components."""
     sizes, fractions, n = random_mixtures(np.random.default_rng(5))
     halves = np.repeat(fractions, 2, axis=1) / 2
     for name, model in MODELS.items():
@@ -180,7 +180,7 @@ def test_errors_on_the_measured_gravels_are_those_of_the_independent_program(mod
     ids=["linear", "linear mixture", "K 9", "rods"],
 )
 def test_periodic_beds_of_the_independent_program(model, expected):
-    """U7 and B50 at 0.342. Its rods had classes of some width, which one size per class lacks."""
+    """The one-class porosity is 0.342. The program's rods had classes of some width, unlike one size per class."""
     tolerance = 2.5e-3 if model is many_rods else 1.1e-3
     np.testing.assert_allclose(of_gravels(model, 0.342, ("U7", "B50")), expected, atol=tolerance)
 
@@ -195,7 +195,7 @@ def test_periodic_beds_of_the_independent_program(model, expected):
     ],
 )
 def test_densest_binary_spheres_of_the_independent_program(R, expected):
-    """Section 5.3: rods, linear, linear mixture, flat compressible at K = 9, base 0.3565, shares in steps of 0.05."""
+    """The columns are rods, linear, linear mixture and flat compressible at K = 9; the one-class porosity is 0.3565."""
     y = np.arange(0.5, 0.901, 0.05)
     shares = np.column_stack([y, 1 - y])
     models = [many_rods, linear, linear_mixture, lambda *c: compressible(*c, 9.0, functions=(filling, occupying))]
@@ -204,7 +204,7 @@ def test_densest_binary_spheres_of_the_independent_program(R, expected):
 
 
 def test_rods_of_equal_spheres():
-    """Farr and Groot: f = 0.7654 gives 0.6435 (section 1.7)."""
+    """According to Farr and Groot, f = 0.7654 gives the solid fraction 0.6435."""
     lengths = rod_lengths(np.ones(1), np.ones(1), 20000)
     assert solid_fraction(lengths, 0.7654) == pytest.approx(0.6435, abs=5e-5)
     assert np.all(np.diff(lengths) <= 0)
@@ -213,7 +213,7 @@ def test_rods_of_equal_spheres():
 
 
 def test_rods_place_as_a_slow_search_does():
-    """The largest gap by searching a list."""
+    """The slow search takes the largest gap of a list."""
     lengths = rod_lengths(np.array([1.0, 3.0, 8.0]), np.array([0.3, 0.3, 0.4]), 300)
     f, gaps = 0.8, [0.8 * lengths[0]]
     for length in lengths[1:]:
@@ -223,7 +223,7 @@ def test_rods_place_as_a_slow_search_does():
 
 
 def test_rods_of_a_mixture_follow_their_law():
-    """Share of rods longer than L from mixed spheres, by drawing lines: number times D² of each size."""
+    """The share of rods longer than L is that of random lines through the spheres, weighted by number times D²."""
     sizes, fractions = np.array([1.0, 2.0]), np.array([0.25, 0.75])
     lengths = rod_lengths(sizes, fractions, 200_000)
     met = fractions / sizes

@@ -62,7 +62,7 @@ def test_one_sieve_class_has_the_prediction_and_the_interval_of_one_class(fitted
 
 
 def test_the_stated_error_is_that_on_the_known_beds():
-    """Six measured gravels and our packings of them, each from the U1 of its own set."""
+    """The beds are six measured gravels and our packings of them, each predicted from the U1 of its own set."""
     table = pd.read_csv(REFERENCE / "size_and_form_known.csv")
     table = table[table["set"].isin(["measured", "packed"])]
     model = unfitted_model()
@@ -94,7 +94,7 @@ def test_the_interval_adds_its_three_errors(fitted):
 
 
 def test_the_effect_of_form_is_known_to_be_carried_over_too_far():
-    """The published models carry 0.69 (U7) and 0.51 (B50) of it, this model 0.99 and 0.92."""
+    """The published models transfer 0.69 (U7) and 0.51 (B50) of the effect of form, this model 0.99 and 0.92."""
     wide = np.array([unfitted_model().predict(all_cases()[case].curve, 0.342) for case in ("U7", "B50")])
     decreases = 1 - wide / 0.342
     expected = np.array([0.9857 - 0.6911, 0.9167 - 0.5116]) / decreases
@@ -111,7 +111,7 @@ def test_random_curves_have_a_porosity_below_that_of_one_class(fitted):
 
 
 def written_curves(count, folder):
-    """Yield functions that read or make a curve: as many very wide ones, and tables of which every fourth is faulty."""
+    """Yield functions that return a curve: half of them are very wide, half are tables, every fourth of them faulty."""
     rng = np.random.default_rng(9)
     for index in range(count // 2):
         k = int(rng.integers(1, 12))

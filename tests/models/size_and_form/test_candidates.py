@@ -24,7 +24,7 @@ def porosity(name, curve, one_class=0.342, parameters=None, forms=FORMS, **optio
 
 
 def far_values(name):
-    """Parameters away from their starts, within their bounds."""
+    """Return parameters away from their start values, within their bounds."""
     return {
         key: parameter.start + 0.4 * (parameter.high - parameter.start)
         for key, parameter in CANDIDATES[name].parameters.items()
@@ -58,7 +58,7 @@ def test_scale_and_empty_classes_change_nothing(name):
     for curve in CURVES.values():
         before = porosity(name, curve)
         larger = SieveCurve(37.0 * curve.bounds, curve.mass_fractions)
-        assert porosity(name, larger) == pytest.approx(before, abs=1e-6)  # rods: round-off in equal gaps
+        assert porosity(name, larger) == pytest.approx(before, abs=1e-6)  # rods: rounding in equal gaps
         bounds = np.concatenate([[0.1 * curve.bounds[0]], curve.bounds, [9 * curve.bounds[-1]]])
         padded = SieveCurve(bounds, np.concatenate([[0.0], curve.mass_fractions, [0.0]]))
         assert porosity(name, padded) == pytest.approx(before, abs=1e-12)
@@ -66,7 +66,7 @@ def test_scale_and_empty_classes_change_nothing(name):
 
 @every_candidate
 def test_every_curve_gives_a_porosity_up_to_the_one_class_porosity(name):
-    """Random curves of up to nine classes of 1.1 to 4; looser grains give looser beds."""
+    """Random curves have up to nine classes of ratios 1.1 to 4, and looser grains give looser beds."""
     rng = np.random.default_rng(6)
     for _ in range(15):
         k = rng.integers(1, 10)
@@ -74,7 +74,7 @@ def test_every_curve_gives_a_porosity_up_to_the_one_class_porosity(name):
         n1 = np.array([[0.28], [0.33], [0.38], [0.45]])
         n = porosity(name, curve, n1)
         assert n.shape == (4,) and np.all(n > 0) and np.all(n <= n1[:, 0] + 1e-12)
-        assert np.all(np.diff(n) > -2e-4), (n, curve)  # rods: the noise of 8000
+        assert np.all(np.diff(n) > -2e-4), (n, curve)  # 8000 rods have noise
 
 
 @every_candidate
@@ -95,7 +95,7 @@ def test_equal_forms_by_class_are_those_of_all_grains(name):
 
 @every_candidate
 def test_form_by_class_lies_between_the_forms(name):
-    """Coarse grains of one form and fine ones of another, and the reverse."""
+    """Coarse grains have one form and fine ones another, and the reverse."""
     low, high = porosity(name, BINARY, 0.32), porosity(name, BINARY, 0.40)
     for values in ([0.32, 0.36, 0.40], [0.40, 0.36, 0.32]):
         mixed = float(porosity(name, BINARY, np.array([values]))[0])
@@ -129,12 +129,12 @@ def test_stretch_takes_the_coarser_grain_of_a_pair():
         return float((with_stretch - without)[0])
 
     assert effect(coarse=0.40, fine=REFERENCE_POROSITY) < -0.01
-    assert abs(effect(coarse=REFERENCE_POROSITY, fine=0.40)) < 4e-3  # of mixing within their own class
+    assert abs(effect(coarse=REFERENCE_POROSITY, fine=0.40)) < 4e-3  # from mixing within their own class
 
 
 @every_candidate
 def test_a_looser_process_is_not_taken_for_form(name):
-    """Of the Rhine's grains, m is m0 in every process; D: the curve alone sets the porosity."""
+    """For the Rhine's grains m is m0 in every process, and in damped candidates the curve alone sets the porosity."""
     parameters = far_values(name)
     fixed = {key: 0.0 for key in ("kappa", "c") if key in parameters}
     for n1 in (0.30, 0.342, 0.40):

@@ -54,6 +54,6 @@ def test_the_simplest_that_is_not_worse_is_chosen():
     assert choose({**family, "literature": Score(0.005, 0.001, 0.002)}, family, parameters) == "L"
     close = {**family, "literature": Score(0.005, 0.001, 0.002)}
     assert choose(close, close, parameters) == "literature"
-    # Where each fails in one of the two, the error over families decides.
+    # If each candidate fails one of the two comparisons, the error over families decides.
     failing = {name: Score(0.01, 0.005, 0.001) for name in parameters}
     assert choose(family, failing, parameters) == "H"

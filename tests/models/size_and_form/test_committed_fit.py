@@ -1,6 +1,6 @@
 """The committed comparison of candidates belongs to the committed rows of packed beds.
 
-If a test fails after new rows: python -m benchmarks.studies.size_and_form_fit --write.
+If a test fails after new rows, run python -m benchmarks.studies.size_and_form_fit --write.
 """
 
 import numpy as np
@@ -30,7 +30,7 @@ def test_beds_and_their_one_class_porosities_follow_from_the_rows(committed):
 
 
 def test_errors_follow_from_the_predictions(committed):
-    """Mean absolute errors lie between the least and the largest error, and one model is chosen."""
+    """Mean absolute errors are between the least and the largest error, and one model is chosen."""
     beds, table = committed["beds"], committed["candidates"]
     assert (table["chosen"] == "yes").sum() == 1 and set(PREFERENCE) < set(table["model"])
     for row in table.itertuples():

@@ -1,4 +1,4 @@
-"""Fit of the candidates to beds that a known candidate made, and the rows from which beds are read."""
+"""Fits of the candidates to beds made by a known candidate, and the rows from which beds are read."""
 
 import numpy as np
 import pandas as pd
@@ -23,7 +23,7 @@ FALL = 0.24  # [s], time of the fall of a grain from the top of the box
 
 
 def made_beds(seed=1, scatter=0.0, parameters=None, name="L"):
-    """Beds of all curves of CURVES and three one-class porosities by a candidate, with errors of ERROR."""
+    """Return beds of all CURVES at three one-class porosities, made by a candidate, with errors of ERROR."""
     rng = np.random.default_rng(seed)
     names, n1 = np.tile(CURVES, 3), np.repeat([0.33, 0.36, 0.40], len(CURVES))
     curves = tuple(all_cases()[name].curve for name in names)
@@ -98,7 +98,7 @@ def test_the_model_that_made_the_beds_is_chosen():
 
 
 def test_intervals_of_a_family_follow_from_the_errors_of_the_others():
-    """Errors of 0.1 of the decrease everywhere are covered; in a family with ten times that error no bed is."""
+    """Errors of 0.1 of the decrease are covered everywhere; in a family with an error of 0.9 no bed is covered."""
     beds = made_beds()
     sign = np.where(np.arange(len(beds.n)) % 2, 1.0, -1.0)
     decrease = beds.one_class - beds.n
@@ -157,7 +157,7 @@ SLOPES = {"time": -0.01, "rate": 0.006, "size": 0.02}
 
 
 def made_bases(scatter=0.0, seed=0):
-    """Rows of bases of two forms, packed in many ways, with SLOPES about 0.31 and 0.36 at time, rate and size of 1."""
+    """Return bases of two forms, packed in many ways; SLOPES apply about 0.31 and 0.36 at time, rate, size 1."""
     rng = np.random.default_rng(seed)
     rows = []
     for form, constant in (("", 0.31), ("G01", 0.36)):

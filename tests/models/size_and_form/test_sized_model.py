@@ -1,4 +1,4 @@
-"""The model that predictions use: fitted once its tables meet the conditions of the plan, else without parameters."""
+"""The model of predictions: fitted if its tables meet the conditions of the plan, otherwise without parameters."""
 
 import numpy as np
 import pandas as pd
@@ -74,7 +74,7 @@ def test_the_error_grows_beyond_the_widest_curve(tmp_path):
 
 
 def test_the_effect_of_form_is_compared_with_the_published_models(tmp_path):
-    """A candidate that carries over less of it than another has the smaller error of form."""
+    """A candidate that transfers less of the effect than another has the smaller error of form."""
     weak = fitted_model(write_tables(tmp_path))
     assert weak.form_error < unfitted_model().form_error
 

@@ -14,7 +14,7 @@ from tests.helpers.rotations import random_orientations
 
 
 def ellipsoids(n=400):
-    """Ellipsoids strewn densely: overlaps do not matter to the figure."""
+    """Return densely strewn ellipsoids; their overlaps do not matter to the figure."""
     rng = np.random.default_rng(0)
     position = rng.uniform([0, 0, 0.003], [0.03, 0.03, 0.05], (n, 3))
     scale = rng.uniform(0.8, 1.2, (n, 1)) * [1.6e-3, 2.2e-3, 3e-3]
@@ -24,7 +24,7 @@ def ellipsoids(n=400):
 
 
 def panels(figure):
-    """Axes of the figure by their title or label."""
+    """Return the axes of the figure by their title or label."""
     return {axes.get_title() or axes.get_xlabel(): axes for axes in figure.axes}
 
 

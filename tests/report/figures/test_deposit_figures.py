@@ -1,4 +1,4 @@
-"""Figures of deposits draw what the rows hold."""
+"""Figures of deposits show the numbers of their rows."""
 
 import numpy as np
 import pandas as pd
@@ -45,7 +45,7 @@ def test_the_map_has_the_mean_of_each_form_in_its_cell(rows, tmp_path):
     axes = figure.axes[0]
     image = axes.images[0].get_array()
     assert image.shape == (4, 4) and image[3, 0] == pytest.approx(0.66)
-    # On the diagonal the map's seed and two of the finer family.
+    # A cell of the diagonal is the mean over the seed of the map and two seeds of the diagonal.
     assert image[1, 1] == pytest.approx((0.645 + 0.71 + 0.73) / 3)
     assert axes.get_xlabel() == "η = a/b [-]" and len(axes.texts) == 16
 
@@ -71,7 +71,7 @@ def test_sizes_and_bridge(rows, tmp_path):
     bridge = bridge_figure(rows)
     bridge.savefig(tmp_path / "bridge.png", dpi=40)
     points = [container.lines[0].get_xydata() for container in bridge.axes[0].containers]
-    # The diagonal, and the sphere in both families of spheroids; not shaken, shaken, deposits.
+    # The lines are the diagonal, and the sphere in both families of spheroids: not shaken, shaken, deposits.
     np.testing.assert_allclose(points[0], [[1.0, 0.45], [4.0, 0.45]])
     np.testing.assert_allclose(points[3], [[1.0, 0.39], [4.0, 0.39]])
     assert [len(each) for each in points] == [2, 1, 1] * 3
@@ -79,7 +79,7 @@ def test_sizes_and_bridge(rows, tmp_path):
 
 
 def test_distributions_of_size_have_the_means_of_what_is_drawn():
-    """The mean radius of 40 000 drawn sizes, and their mean by volume, are where the circles are."""
+    """The circles are at the mean radius of 40 000 drawn sizes, and at their mean by volume."""
     figure = size_distributions_figure([0.2, 0.8])
     drawn = 0.5 * BetaSizes(1.0, 0.8, 3.0, 3.0).sizes(np.random.default_rng(1).random((40_000, 1)))
     for axes, weights in zip(figure.axes, (drawn**3, np.ones(len(drawn))), strict=True):
@@ -88,7 +88,7 @@ def test_distributions_of_size_have_the_means_of_what_is_drawn():
         assert np.trapezoid(density, radius) == pytest.approx(1.0, abs=1e-9)
         (mark,) = axes.lines[3].get_xdata()
         mean = np.average(drawn, weights=weights)
-        # Four standard errors of a weighted mean.
+        # Four standard errors of a weighted mean are allowed.
         error = np.sqrt(np.average((drawn - mean) ** 2, weights=weights**2) * (weights**2).sum()) / weights.sum()
         assert mark == pytest.approx(mean, abs=4 * error)
         assert "[-]" in axes.get_xlabel() and "[-]" in axes.get_ylabel()

@@ -1,4 +1,4 @@
-"""Figures of the fabric draw what the datasets hold."""
+"""Figures of the fabric show the numbers of the datasets."""
 
 import numpy as np
 import pytest
@@ -10,10 +10,10 @@ from simcore.report.figures.fabric import STYLES, contact_radius_figure, fabric_
 
 
 def fabric(second, axes=True, n_bins=4):
-    """Fabric with one P2 term, of axes too or of normals alone, and a made-up radial distribution."""
+    """Return a fabric with one P2 term, of axes too or of normals alone, and a made-up radial distribution."""
     edges = equal_solid_angles(n_bins)
     height = np.cos(edges)
-    # Mean over a bin of 1 + 5 a P2, whose integral is c + 5 a (c³ - c) / 2.
+    # The density is the mean over a bin of 1 + 5 a P2, whose integral is c + 5 a (c³ - c) / 2.
     density = np.diff(height + 2.5 * second * (height**3 - height)) / np.diff(height)
     present = np.array([1.0, 1.0 if axes else np.nan, 1.0 if axes else np.nan])[:, None]
     return xr.Dataset(
@@ -72,7 +72,7 @@ def test_contacts_are_drawn_in_front_of_the_surface(tmp_path):
     np.testing.assert_allclose(surface.values, [0, 0, 16, 4, 0])
     np.testing.assert_allclose(contacts.values, [0, 0, 12, 8, 0])
     np.testing.assert_allclose(surface.edges, 0.025 + 0.05 * np.arange(6))
-    # Only where something is: from the edge at 0.125 to that at 0.225, with a margin.
+    # The axis shows only the occupied range, from the edge at 0.125 to that at 0.225, with a margin.
     assert axes.get_xlim() == pytest.approx((0.025, 0.325))
 
 

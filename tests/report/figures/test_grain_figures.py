@@ -1,4 +1,4 @@
-"""Figures about grains show what their tables hold, with units on every axis."""
+"""Figures about grains show the numbers of their tables, with units on every axis."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Figures of packings and models are drawn from what they are given, with units on every axis."""
+"""Figures of packings and models show the given data, with units on every axis."""
 
 import numpy as np
 import pandas as pd
@@ -30,7 +30,7 @@ def forms():
 
 
 def check(figure, path):
-    """Every axis with data states its unit; the figure can be saved as a picture and as a vector file."""
+    """Check that every axis with data has its unit, and that the figure can be saved as a picture and as vectors."""
     assert isinstance(figure, Figure)
     for axes in figure.axes:
         if axes.axison:
@@ -60,7 +60,7 @@ def test_packings_are_drawn_with_a_size_scale(bed, domain, tmp_path):
 
 
 def test_grains_of_one_size_and_form_are_coloured_by_the_angle_of_their_long_axes(tmp_path):
-    """The longest axis is a grain's own z: upright without rotation, level after a quarter turn about x."""
+    """The longest axis is a grain's own z: vertical without rotation, horizontal after a quarter turn about x."""
     level = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
     bed = make_packing([[0, 0, 0.01], [0.03, 0, 0.01]], [[3e-3, 4e-3, 6e-3]] * 2, [[1.0, 0, 0, 0], level])
     figure = packing_figure(bed, pixels=150)
@@ -75,7 +75,7 @@ def test_grains_of_one_size_and_form_are_coloured_by_the_angle_of_their_long_axe
 
 @pytest.fixture
 def study():
-    """The study's r, and its models as models.csv has them."""
+    """Return the correlations of Rettinger et al., and their models as in models.csv."""
     r = pd.DataFrame({"study": ["single_form"], "case": ["U1"], "feature": ["EQ_inv"], "r": [0.964]})
     models = pd.DataFrame({"model": "single_form", "case": ["U1"], "intercept": [0.278], "EQ_inv": [0.019]})
     return r, models.assign(EL_inv=0.014, equation_arxiv=17)
@@ -89,7 +89,7 @@ def test_form_figure_has_a_fit_for_each_case_and_feature(forms, study, tmp_path)
     figure = form_figure(forms, r22_correlations=study[0], r22_models=study[1])
     figure.savefig(tmp_path / "figure.pdf")
     assert len(figure.axes) == 2 * 3
-    # Panels share their axes: the labels stand below and at the left.
+    # Panels share their axes; the labels are below and at the left.
     assert [axes.get_ylabel() for axes in figure.axes[::3]] == ["U1: porosity n [-]", "U7: porosity n [-]"]
     assert [axes.get_xlabel() for axes in figure.axes[3:]] == [
         "longest over shortest axis L/S [-]", "inverse Janke form factor [-]", "Wentworth flatness (L + I)/(2 S) [-]",

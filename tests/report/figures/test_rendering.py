@@ -1,4 +1,4 @@
-"""The rendered picture shows what is there, where it is."""
+"""The rendered picture shows each grain at its place."""
 
 import numpy as np
 import pytest
@@ -11,13 +11,13 @@ RED, BLUE = [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]
 
 
 def shown_area(image, extent):
-    """Area covered by grains [m²]."""
+    """Return the area covered by grains [m²]."""
     rows, columns = image.shape[:2]
     return image[..., 3].sum() * (extent[1] - extent[0]) / columns * (extent[3] - extent[2]) / rows
 
 
 def test_silhouettes_have_their_area():
-    """Pixel counting errs by about the outline's pixels to the power 1/2 over the area: far below 1 % at 400 pixels."""
+    """The error of counting pixels, about the root of the outline's pixels over the area, is far below 1 %."""
     sphere = make_packing([[1.0, 2.0, 3.0]], 0.7)
     image, extent = render(sphere, [RED], pixels=400)
     assert shown_area(image, extent) == pytest.approx(np.pi * 0.49, rel=5e-3)

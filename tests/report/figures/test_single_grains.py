@@ -34,7 +34,7 @@ def test_a_sheet_of_few_grains_has_fewer_classes(grains, given, shown):
 
 
 def test_a_grain_is_turned_as_its_quaternion_says(grains):
-    """From above it is as wide as its mesh along L and as high as along I; along L as wide as along I."""
+    """Seen from above it is as wide as its mesh along L and as high as along I; seen along L as wide as along I."""
     grain = grains[0]
     sizes = np.ptp(grain.vertices, axis=0)  # along S, I, L
     for quaternion, expected in ((single_grains.FROM_ABOVE, sizes[[2, 1]]), (single_grains.ALONG_L, sizes[[1, 0]])):

@@ -1,4 +1,4 @@
-"""The map of what is stable: every cell has its colour, lightness falls towards what is wrong, and counts are told."""
+"""The stability map: every cell has its colour, lightness falls from stable to wrong, and counts are shown."""
 
 import numpy as np
 import pandas as pd
@@ -33,7 +33,7 @@ def test_every_cell_is_drawn_with_its_outcome(cells, tmp_path):
 
 
 def test_it_reads_in_grey():
-    """Lightness (luma) of each outcome is below that of the one before by a tenth at least."""
+    """The lightness (luma) of each outcome is lower than that of the one before by at least a tenth."""
     luma = [np.dot([0.299, 0.587, 0.114], to_rgb(color)) for color, _, _ in OUTCOMES.values()]
     assert (np.diff(luma) < -0.1).all()
 

@@ -1,4 +1,4 @@
-"""A study's porosities are drawn over what it varies, beside the source study's."""
+"""A study's porosities are drawn over its settings, beside those of Rettinger et al. (2022)."""
 
 import numpy as np
 import pandas as pd

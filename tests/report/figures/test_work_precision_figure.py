@@ -1,4 +1,4 @@
-"""What a figure of error against CPU time shows."""
+"""The figure of error over CPU time: axes, Pareto front, default and reference."""
 
 import numpy as np
 import pandas as pd
@@ -50,7 +50,7 @@ def test_front_default_and_reference_are_marked():
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert {"method 0", "method 1", "Pareto front", "default", "error of the reference"} == set(labels)
     on_front = settings_table(table).query("case == 'first' and on_front")
-    assert set(on_front["method"]) == {"method 0"}  # the other is twice as far off at the same cost
+    assert set(on_front["method"]) == {"method 0"}  # the other has twice the error at the same cost
     rings = [line for line in figure.axes[0].lines if line.get_markersize() == 9]
     np.testing.assert_allclose(np.sort(rings[0].get_xdata()), 1e6 * np.sort(on_front["cpu_s"]))
     stars = [line for line in figure.axes[0].lines if line.get_marker() == "*"]

@@ -1,4 +1,4 @@
-"""Zingg diagrams hold every packing, and the model's lines only among the forms it was fitted to."""
+"""Zingg diagrams show every packing, and lines of the model only among the forms to which it was fitted."""
 
 import numpy as np
 import pandas as pd
