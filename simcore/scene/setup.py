@@ -123,7 +123,7 @@ def make_scene(specification: dict, curve, masses, number: int | None = None) ->
 
 
 def _number_of_mass(specification, curve, choice, grains) -> int:
-    """Number of grains drawn by quota whose mass comes closest to the mass that is specified."""
+    """Return the number of grains drawn by quota that have about the specified mass."""
     mass, density, seed = specification["amount"]["mass"], specification["material"]["density"], specification["seed"]
     number = max(1, round(mass / (density * np.pi / 6.0 * curve.mean(3))))
     # The mean volume of the grains drawn differs from that of spheres of the same sieve sizes; it hardly depends on

@@ -31,7 +31,9 @@ def campaign(*overlays):
 def test_the_settings_of_the_r22_campaign_are_those_of_its_preset():
     """No setting that the default campaign makes for its own sizes may remain."""
     r22 = read_presets("accuracy")["r22"]
-    for row in campaign("r22").itertuples():
+    packings = campaign("r22")
+    assert len(packings) > 100
+    for row in packings.itertuples():
         numerics = row.specification["numerics"]
         assert numerics["contact_time"] == 2e-4 and numerics["steps_per_contact_time"] == 40, row.packing
         assert numerics["dashpot"] == r22["numerics"]["dashpot"]

@@ -55,9 +55,9 @@ def test_all_beds_have_one_process():
 
 def test_ratios_of_binary_curves_are_those_of_their_names():
     ratios = {"R2": 2.0, "R3": 2.83, "R4": 4.0, "R6": 5.66, "R8": 8.0}
-    for name, case in all_cases().items():
-        if not case.family.startswith("binary"):
-            continue
+    binary = {name: case for name, case in all_cases().items() if case.family.startswith("binary")}
+    assert len(binary) == 18
+    for name, case in binary.items():
         curve, (kind, coarse) = case.curve, name.split("_")
         centres = (curve.bounds[1:] * curve.bounds[:-1]) ** 0.5
         fine, top = centres[curve.mass_fractions > 0]

@@ -5,6 +5,7 @@ import pytest
 from scipy.stats import kstest
 
 from simcore.evaluation.height_trends import height_trends, long_axis_angle
+from simcore.evaluation.porosity import bed_top, porosity_profile
 from tests.helpers.packings import make_packing, sphere_lattice
 from tests.helpers.rotations import random_orientations
 
@@ -66,6 +67,7 @@ def test_default_interval_cuts_the_largest_size_off_both_ends():
     bed = make_packing(1e-2 * centres, 5e-3, width=1e-2 * width, domain="cylinder")
     trends = height_trends(bed)
     assert trends["z_bounds"].values.min() == pytest.approx(1e-2)
+    assert trends["z_bounds"].values.max() == pytest.approx(bed_top(porosity_profile(bed)) - 1e-2)
 
 
 def test_too_few_grains_are_refused():

@@ -83,14 +83,14 @@ def test_error_does_not_take_a_profile_for_scatter():
     x, y = rng.uniform(0, 5, (2, len(z)))
     graded = make_packing(np.column_stack([x, y, z]), 0.1, width=5.0)
     shot_noise = np.sqrt(4 / 3 * np.pi * 1e-3 * float(graded["volume"].sum())) / (25 * 8)
-    assert sampling_error(graded, 0.0, 8.0)["n_std_error"] < 2.5 * shot_noise
+    assert 0.5 < sampling_error(graded, 0.0, 8.0)["n_std_error"] / shot_noise < 3.0
 
     radius, angle = 2.5 * rng.uniform(size=len(z)), rng.uniform(0, 2 * np.pi, len(z))
     ringed = make_packing(
         np.column_stack([radius * np.cos(angle), radius * np.sin(angle), z]), 0.1, width=5.0, domain="cylinder"
     )
     shot_noise = np.sqrt(4 / 3 * np.pi * 1e-3 * float(ringed["volume"].sum())) / (np.pi * 6.25 * 8)
-    assert sampling_error(ringed, 0.0, 8.0)["n_std_error"] < 2.5 * shot_noise
+    assert 0.5 < sampling_error(ringed, 0.0, 8.0)["n_std_error"] / shot_noise < 3.0
 
 
 def test_error_falls_with_the_root_of_the_volume():
@@ -105,7 +105,7 @@ def test_error_falls_with_the_root_of_the_volume():
 def test_blocks_are_thicker_than_the_correlation_length():
     bed = random_sequential_bed(1, 6.0, 6.0, 0.3)
     result = sampling_error(bed, 0.0, 6.0)
-    assert result["block_size"] >= 1.5 > result["correlation_length"]
+    assert result["block_size"] >= 1.5 and 0.3 < result["correlation_length"] < 0.5
     assert 8 <= result["n_contrasts"] <= 48
 
 

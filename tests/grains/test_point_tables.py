@@ -128,7 +128,8 @@ def test_axes_without_header_are_no_cloud(tmp_path):
     with pytest.raises(ValueError, match="like a table of axes"):
         read(tmp_path, "a.csv", text)
     # With the header x,y,z the same numbers are points.
-    assert read(tmp_path, "a.csv", "x,y,z\n" + text).volume > 0
+    expected = make_grain("a", np.round(AXES, 3) * 1e-3)
+    assert read(tmp_path, "a.csv", "x,y,z\n" + text).volume == pytest.approx(expected.volume)
 
 
 def test_a_spreadsheet_is_refused_with_the_way_to_do_it(tmp_path):

@@ -138,7 +138,7 @@ NO_MASK = {
     "inverted": (APART == 0, "seems inverted"),
     "grey values with noise": (RNG.integers(1, 200, (30, 30, 30)).astype(np.uint8), "no 0 among them"),
     "grey grain in air": (np.where(APART > 0, RNG.integers(90, 200, APART.shape), 0), "grey values"),
-    "smooth grey": (smooth_grey().astype(np.uint8), "grey values|scattered"),
+    "smooth grey": (smooth_grey().astype(np.uint8), "grey values"),
     "fractions": (smooth_grey() / 255, "grey values"),
     "NaN outside": (np.where(APART > 0, 1.0, np.nan), r"NaN.*np\.isfinite"),
     "infinite": (np.where(APART > 0, np.inf, 0.0), "infinite"),
@@ -146,7 +146,7 @@ NO_MASK = {
     "labels without 0": (APART + 1, "no 0 among them"),
     "grain fills the box": (np.pad(np.ones((20, 20, 20)), ((0, 0), (0, 0), (0, 1))), r"np\.pad"),
     "negative": (np.where(APART > 0, -APART.astype(int), 0), "grey values"),
-    "text": (np.full((4, 4, 4), "grain"), "not numbers|voxel mask"),
+    "text": (np.full((4, 4, 4), "grain"), "not numbers"),
     "empty": (np.zeros((9, 9, 9)), "at least one solid voxel"),
 }
 

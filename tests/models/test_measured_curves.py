@@ -127,7 +127,8 @@ def test_the_interval_for_another_form_contains_it_as_often_as_stated(fitted, fo
             (at,), (width,) = drawn.apply([0.3], [0.0], [0.0], of_one_class)
             ends = norm.cdf((np.array([at - width, at + width]) - 0.3) / spread)
             chances[name].append(ends[1] - ends[0])
-    assert np.mean(chances["with"]) > 0.95 - 4 * 0.0126 > np.mean(chances["without"])
+    assert np.mean(chances["with"]) == pytest.approx(0.95, abs=4 * 0.0126)
+    assert np.mean(chances["without"]) < 0.95 - 4 * 0.0126
 
 
 def test_predict_takes_the_file_that_fit_wrote(tmp_path, capsys):

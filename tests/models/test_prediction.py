@@ -114,7 +114,7 @@ def test_every_number_is_a_porosity_and_every_refusal_has_its_reason(reference):
         refused = table[table.refused != ""]
         not_evaluated += len(refused)
         assert refused[["n", "lower", "upper"]].isna().all(axis=None) and not refused.preferred.any()
-        assert (refused.distance > 0.5).all() | refused.refused.str.contains("outside (0, 1)", regex=False).all()
+        assert ((refused.distance > 0.5) | refused.refused.str.contains("outside (0, 1)", regex=False)).all()
     assert min(answers, refusals, not_evaluated) > 50
 
 

@@ -72,7 +72,7 @@ def test_wrong_units_types_keys_and_choices_are_marked(change, place):
 def test_descriptions_tell_unit_and_bounds():
     width = editor_schema()["properties"]["domain"]["properties"]["width"]
     assert "A length, such as '0.2 m'; " in width["description"]
-    assert "more than 0" in width["description"] or "at least" in width["description"]
+    assert "more than 0 m and at most 100 m" in width["description"]
 
 
 @pytest.mark.parametrize("name", ["packing", "config"])

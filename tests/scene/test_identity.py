@@ -68,6 +68,7 @@ def test_keys_that_differ_are_named_with_their_groups():
 
 def test_a_key_that_was_added_later_changes_no_digest_at_its_earlier_value():
     """Specifications of committed rows do not have this key."""
+    assert ADDED
     for path, value in ADDED.items():
         *groups, key = path
         earlier = copy.deepcopy(SPECIFICATION)

@@ -152,11 +152,8 @@ def test_bad_input_is_refused_with_the_path_of_the_key(path, value, message):
 
 
 def test_a_missing_key_is_named():
-    with pytest.raises(ValueError, match=r"study one: domain\.height is missing; a length is needed"):
-        try:
-            resolve({**MINIMAL, "domain": {"width": "1 m"}})
-        except ValueError as error:
-            raise ValueError(f"study one: {error}") from None
+    with pytest.raises(ValueError, match=r"^domain\.height is missing; a length is needed"):
+        resolve({**MINIMAL, "domain": {"width": "1 m"}})
 
 
 def test_the_path_starts_with_where():

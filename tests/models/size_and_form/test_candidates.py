@@ -132,7 +132,7 @@ def test_stretch_takes_the_coarser_grain_of_a_pair():
     assert abs(effect(coarse=REFERENCE_POROSITY, fine=0.40)) < 4e-3  # from mixing within their own class
 
 
-@every_candidate
+@pytest.mark.parametrize("name", [name for name in CANDIDATES if {"kappa", "c"} & set(far_values(name))])
 def test_a_looser_process_is_not_taken_for_form(name):
     """For the Rhine's grains m is m0 in every process, and in damped candidates the curve alone sets the porosity."""
     parameters = far_values(name)
