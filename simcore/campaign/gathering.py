@@ -65,7 +65,7 @@ COMPOSED = {
 }  # fmt: skip
 # Studies whose name begins with a key share that table; any other study has its own table.
 TABLES = {"single_form": "single_form", "equivalent_ellipsoids": "single_form", "form_mixtures": "form_mixture"}
-TABLES |= {"flat_coarse_grains": "form_by_size", "flat_fine_grains": "form_by_size"}
+TABLES |= {"flat_coarse_grains": "form_by_size", "flat_fine_grains": "form_by_size", "base_forms": "base_forms"}
 DECIMALS = {"n": 6, "n_error": 6, "cpu_s": 1} | dict.fromkeys("LIS", 7)
 DECIMALS |= dict.fromkeys(["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"], 6)
 

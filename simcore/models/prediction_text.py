@@ -126,17 +126,30 @@ def _remarks(rows, column):
     return [f"  {row['name']}, {describe_model(row.by, row.model)}: {row[column]}" for _, row in rows.iterrows()]
 
 
+def measured_caveats(names, grains, of_one_form) -> list[str]:
+    """Return the lines on samples whose form statistics are uncertain, because few grains were measured.
+
+    names, grains, of_one_form (n,): name and number of grains of each sample (0: only its statistics are given), and
+    whether its grains have one form.
+    """
+    lines, grains = [], np.asarray(grains)
+    few = dict.fromkeys(np.asarray(names)[(grains > 1) & (grains < FEW_GRAINS)])
+    if few:
+        lines.append(
+            f"Fewer than {FEW_GRAINS} grains do not determine the spread of form well: {', '.join(map(str, few))}."
+        )
+    if (grains > 0).any() and not np.all(of_one_form):
+        lines.append("The intervals do not include the sampling error of a sample's own statistics.")
+    return lines
+
+
 def _caveats(table, level):
     lines = []
     if (table.grains == 0).any():
         lines.append(
             "If only means and deviations are given, FL and EL are assumed independent, as by Rettinger et al."
         )
-    few = table[(table.grains > 1) & (table.grains < FEW_GRAINS)].name.unique()
-    if len(few):
-        lines.append(f"Fewer than {FEW_GRAINS} grains do not determine the spread of form well: {', '.join(few)}.")
-    if (table.grains > 0).any() and (table.taken_as != "one form").any():
-        lines.append("The intervals do not include the sampling error of a sample's own statistics.")
+    lines += measured_caveats(table.name, table.grains, table.taken_as == "one form")
     lines.append(
         "The interval contains the porosity of a new sample, poured and shaken in the same way, with "
         f"{100 * level:g} % probability; Rettinger et al. publish no interval."

@@ -9,6 +9,7 @@ from simcore.grains.sieve_table import read_curve
 from simcore.grains.text_columns import text_columns
 from simcore.models.fitting import FittedModels
 from simcore.models.measured_prediction import check_level, models_for
+from simcore.models.prediction_text import measured_caveats
 from simcore.models.size_and_form.bed_prediction import (
     other_predictors,
     predict_curve,
@@ -67,6 +68,7 @@ def describe(table, curve, path, level=0.95, fitted=NO_MODELS) -> str:
         *_samples(table),
         "",
         *_state(fitted.curve),
+        *measured_caveats(table["sample"], table["grains"], (table["sigma_FL"] == 0) & (table["sigma_EL"] == 0)),
     ]
     first = table[table["refused"] == ""].iloc[0]
     change = 1e4 * _sensitivity(curve, first["n_one_class"], fitted)
