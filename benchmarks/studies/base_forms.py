@@ -1,0 +1,95 @@
+"""How the form of grains acts on the porosity of beds of one sieve class, inserted as a rain and on lattices.
+
+    python -m benchmarks.studies.base_forms
+
+The beds are the bases of real forms of size_and_form.csv and those of base_forms.csv, which are a rain. The formula of
+simcore.models.unified is fitted to them, and compared with the same model of beds on lattices, which `predict` uses
+(docs/appendices/size_and_form_plan.md, "Bases of more forms"). Printed are the coefficients of both, the porosity of
+each bed by both, and that of beds with the same forms on lattices, from single_form.csv and form_mixture.csv. Seconds.
+"""
+
+import numpy as np
+import pandas as pd
+
+from benchmarks.studies.size_and_form_fit import STUDY, read_rows
+from simcore.models.fitting import fit_reference_models
+from simcore.models.regression import fit
+from simcore.models.size_and_form.beds import ALL_FORMS, BASE, form_labels
+from simcore.models.unified import STATISTICS, UNIFIED, unified_features
+from simcore.paths import REFERENCE
+from simcore.reference.columns import COMMITTED_NAMES, SPECIFIED_FORM
+
+MORE_FORMS = "base_forms"
+SETS = [COMMITTED_NAMES.get(name, name) for name in SPECIFIED_FORM]
+
+
+def evaluated_statistics(rows):
+    """Return the STATISTICS of the evaluated part of each bed, for `unified_features`."""
+    return rows[[f"{name}_evaluated" for name in STATISTICS]].set_axis(list(STATISTICS), axis=1)
+
+
+def rain_bases():
+    """Return the rows of the bases of real forms that are a rain, seed 1, with `form`; ValueError if none is packed."""
+    plan = read_rows(STUDY)
+    plan = plan[(plan["case"] == BASE) & (plan["seed"] == 1) & (plan["representation"] == "polyhedron")]
+    plan = plan.assign(form=form_labels(plan))
+    more = read_rows(MORE_FORMS)
+    named = more["grain"].fillna(more[SETS].map("{:g}".format).agg("_".join, axis=1))
+    return pd.concat([plan, more.assign(form=named)], ignore_index=True)
+
+
+def rain_model(rows=None):
+    """Return the unified model of beds that are a rain, a PorosityModel; rows: as of `rain_bases`."""
+    rows = rain_bases() if rows is None else rows
+    features = unified_features(evaluated_statistics(rows))
+    return fit(features[list(UNIFIED)], rows["n"].to_numpy(), "unified", BASE)
+
+
+def on_lattices(rows):
+    """Return the mean porosity over the seeds of beds on lattices with the forms of each row; nan if there is none."""
+    single = pd.read_csv(REFERENCE / "single_form.csv").query("case == @BASE and representation == 'polyhedron'")
+    single = single[single["source"] == "synthetic"].groupby("grain")["n"].mean()
+    mixed = pd.read_csv(REFERENCE / "form_mixture.csv").query("case == @BASE").groupby(SETS)["n"].mean()
+    sets = pd.MultiIndex.from_frame(rows[SETS])
+    return rows["grain"].map(single).fillna(pd.Series(mixed.reindex(sets).to_numpy(), rows.index))
+
+
+def compare_coefficients(rain, lattice):
+    """Return a table of the coefficients of two models; `ratio`: their difference over its standard error."""
+    of_model = {"lattice": lattice, "rain": rain}
+    tables = [
+        model.to_rows().set_index("term")[["coefficient", "std_error"]].add_suffix(f"_{name}")
+        for name, model in of_model.items()
+    ]
+    table = tables[0].join(tables[1])
+    difference = table["coefficient_rain"] - table["coefficient_lattice"]
+    error = np.hypot(table["std_error_rain"], table["std_error_lattice"])
+    return table.assign(difference=difference, error=error, ratio=difference / error)
+
+
+def compare_beds(rows, rain, lattice):
+    """Return one row per bed: form, mu_EQ, mu_EL, n, and minus n: rain, lattice (models) and on_lattices (beds)."""
+    features = unified_features(evaluated_statistics(rows))
+    table = rows[["form", "mu_EQ_evaluated", "mu_EL_evaluated", "n", "n_error"]]
+    models = {"rain": rain.predict(features) - rows["n"], "lattice": lattice.predict(features) - rows["n"]}
+    return table.assign(**models, on_lattices=on_lattices(rows) - rows["n"]).sort_values("mu_EL_evaluated")
+
+
+def main() -> None:
+    """Print the coefficients and the beds."""
+    try:
+        rows = rain_bases()
+    except ValueError as error:
+        raise SystemExit(f"base_forms: {error}") from None
+    rain, lattice = rain_model(rows), fit_reference_models().models["unified", BASE]
+    print(compare_coefficients(rain, lattice).to_string(float_format="%.4f"))
+    beds = compare_beds(rows, rain, lattice)
+    print(beds.to_string(index=False, float_format="%.4f"))
+    rms = {name: np.sqrt(np.mean(np.square(beds[name].dropna()))) for name in ("rain", "lattice", "on_lattices")}
+    print(f"{len(beds)} beds, root mean square differences:", ", ".join(f"{k} {value:.4f}" for k, value in rms.items()))
+    at_all = beds[beds["form"] == ALL_FORMS]["lattice"].item()
+    print(f"of which the same for all beds: the model of beds on lattices is {at_all:+.4f} off at the Rhine's forms")
+
+
+if __name__ == "__main__":
+    main()
