@@ -69,7 +69,7 @@ def size_effects():
     least = int(np.argmin(n))
     for share, text, place in (
         (0.28, "stones replace fine grains\nand their pores", (14.0, 0.26)),
-        (0.9, "fine grains fill\nthe pores of stones", (91.0, 0.255)),
+        (0.9, "fine grains fill\nthe pores of stones", (77.0, 0.305)),
     ):
         at = 100 * share, float(np.interp(share, SHARES, n))
         axes.annotate(text, at, place, fontsize=9, ha="center", arrowprops={"arrowstyle": "->", "color": DARK})

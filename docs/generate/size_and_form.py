@@ -61,8 +61,8 @@ _CAUSES = (
      "Both formulas contain 1/σ, and reach forms far flatter and longer than the Rhine's.",
      "The porosity of U1 is up to 0.47, and that of the Rhine's gravel 0.35."),
 )  # fmt: skip
-_BLIND = """The measured gravels and our packings of them were known when the candidates were proposed, so they are no blind
-test of the list of candidates. One of these was chosen, and its parameters were fitted, on other beds.
+_BLIND = """The measured gravels and our packings of them were known when the candidates were proposed, so they are no
+blind test of the list of candidates. One of these was chosen, and its parameters were fitted, on other beds.
 """
 _MIXTURES = """## Distributions of form in U7
 
