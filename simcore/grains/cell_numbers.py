@@ -3,6 +3,11 @@
 import re
 from math import isfinite
 
+# A number at the beginning of a cell, before its unit; one that may have separators of thousands; one with decimals.
+_LEADING = re.compile(r"[-+\u2212]?[\d.,]+(?:[eE][-+]?\d+)?")
+_IN_GROUPS = re.compile(r"[-+\u2212]?[1-9]\d{0,2}(?:(?:\.\d{3})+|(?:,\d{3})+)")
+_DECIMAL = re.compile(r"[-+\u2212]?\d*[.,]\d+(?:[eE][-+]?\d+)?")
+_MARKS = {".": "a point", ",": "a comma"}
 NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity)", re.IGNORECASE)
 
 
@@ -25,3 +30,29 @@ def read_number(where, name, text):
     if not isfinite(value):
         raise ValueError(f"{where}: {name} is {text}; a finite number is needed; remove the row if it is unknown")
     return value
+
+
+def check_decimal_marks(path, names, cells):
+    """Raise ValueError if a number has separators of thousands, which would be read as a decimal mark.
+
+    path: file, for the message. cells: DataFrame of str, its index is the row. names: dict from the columns of `cells`
+    with numbers to their names. A number such as 1.410 is refused if other cells have decimals behind a comma and none
+    has decimals behind a point.
+    """
+    decimals, in_groups = {}, []
+    for row, *texts in cells[list(names)].itertuples(name=None):
+        for name, text in zip(names.values(), texts, strict=True):
+            leading = _LEADING.match(text)
+            number = leading[0] if leading else ""
+            mark = next((mark for mark in _MARKS if mark in number), None)
+            if _IN_GROUPS.fullmatch(number):
+                in_groups.append((row, name, text, mark))
+            elif _DECIMAL.fullmatch(number):
+                decimals.setdefault(mark, number)
+    for row, name, text, mark in in_groups:
+        if len(decimals) == 1 and mark not in decimals:
+            ((used, example),) = decimals.items()
+            raise ValueError(
+                f"{path}, row {row}: {name} is '{text}', but this table writes decimals with {_MARKS[used]} "
+                f"({example}); write numbers without separators of thousands"
+            )

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from simcore.grains.cell_numbers import NUMBER, read_number
+from simcore.grains.cell_numbers import NUMBER, check_decimal_marks, read_number
 from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, has_two_axes, may_number_rows, recognise_columns
 from simcore.grains.statistics import equancy_statistics
 from simcore.grains.summary_rows import find_summary_rows
@@ -155,6 +155,7 @@ def _read_rows(path, table, columns):
     if cells.empty:
         raise ValueError(f"{path}: there are no rows below the header; {NEEDED}")
     counts, count_notices = _read_counts(path, table.header, cells, columns)
+    check_decimal_marks(path, {position: name for name, position in columns.forms.items()}, cells)
     groups = {}
     for row, texts in cells.iterrows():
         where = f"{path}, row {row}"

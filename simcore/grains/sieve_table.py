@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from simcore.grains.cell_numbers import read_number
+from simcore.grains.cell_numbers import check_decimal_marks, read_number
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_columns import (
     CUMULATIVE,
@@ -142,6 +142,8 @@ def read_sieve_table(path, coarsest=None):
     cells, notices = _leave_out_totals(path, text.cells, columns, list(text.notices))
     if cells.empty:
         raise ValueError(f"{path}: there are no rows below the header; {NEEDED}")
+    used = [columns.opening, *(column.position for column in columns.amounts)]
+    check_decimal_marks(path, {position: text.header[position] for position in used}, cells)
     rows, openings, pan = _read_openings(path, text.header, cells, columns)
     results = []
     for column in columns.amounts:
@@ -159,7 +161,6 @@ def read_sieve_table(path, coarsest=None):
             )
         notices.append(f"the columns {name} and {other} agree; {name} is used")
     _check_classes(path, table)
-    used = {columns.opening, *(column.position for column in columns.amounts)}
     unused = [text.header[i] or f"(column {i + 1}, no name)" for i in cells if i not in used]
     if unused:
         notices.append(f"columns that are not used: {', '.join(unused)}")

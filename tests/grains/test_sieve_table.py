@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 from simcore.grains.sieve_table import read_sieve_table
+from tests.helpers.table_cases import SIEVES
 
 OPENINGS = [2, 4, 8, 16]  # mm
 PASSING = [0.1, 0.4, 0.8, 1.0]
@@ -148,6 +149,16 @@ def test_each_fault_has_one_line_that_says_what_to_do(read, text, message):
     with pytest.raises(ValueError, match=message) as error:
         read(text)
     assert "curve.csv" in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("case", SIEVES)
+def test_each_case_that_the_page_shares_has_its_words(read, case):
+    if case.error:
+        with pytest.raises(ValueError) as error:
+            read(case.text)
+        assert str(error.value).partition("curve.csv")[2].lstrip(",: ") == case.error
+    else:
+        assert any(case.notice in notice for notice in read(case.text)[1])
 
 
 def test_open_ends_are_closed_by_the_sizes_given(read):

@@ -4,7 +4,7 @@ import numpy as np
 
 SIEVES = [0.5, 1, 2, 2.8, 4, 5.6, 8, 11.2, 16, 22.4, 31.5, 45, 63, 90]  # mm
 OPENINGS = {"opening [mm]": 1.0, "Siebweite (mm)": 1.0, "size [cm]": 0.1, "mesh [µm]": 1e3, "phi": None, "D": "mm"}
-FAULTS = ("", "abc", "-3", "1.234,5", "1e4", "2 m", "500", "no 8")
+FAULTS = ("", "abc", "-3", "1.234,5", "1.234", "1,234", "1e4", "2 m", "500", "no 8")
 
 
 def random_sieves(rng, faulty=False):

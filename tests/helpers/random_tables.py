@@ -4,7 +4,7 @@ import numpy as np
 
 KINDS = ("axes", "ratios", "means", "one form", "two axes")
 # These texts replace a cell of a table to make it faulty.
-FAULTS = ("", "abc", "1.234,5", "0", "-3", "65 %", "nan", "1e9", "1,2,3")
+FAULTS = ("", "abc", "1.234,5", "1.234", "1,234", "0", "-3", "65 %", "nan", "1e9", "1,2,3")
 
 
 def random_table(rng, faulty=False):

@@ -18,6 +18,7 @@ from simcore.models.two_axes import predict_two_axes
 from simcore.page.data import LEVELS
 from simcore.paths import CONFIG, ROOT
 from tests.helpers.random_tables import random_table
+from tests.helpers.table_cases import GRAINS
 
 CASES = ("one-class", "U1", "U7", "B50")
 NUMBERS = ["n", "lower", "upper", "distance"]
@@ -139,6 +140,11 @@ def test_500_random_inputs(open_page, fitted, tmp_path):
 def test_faulty_inputs_have_the_same_messages(open_page, fitted, tmp_path):
     porosities, errors = compare(open_page(), inputs(2, 200, faulty=True), fitted, tmp_path)
     assert errors > 50
+
+
+def test_shared_cases_have_the_same_words(open_page, fitted, tmp_path):
+    entries = [{"text": case.text, "choice": "one-class", "level": 0.95} for case in GRAINS]
+    compare(open_page(), entries, fitted, tmp_path)
 
 
 def test_the_table_to_take_away_is_that_of_the_command(open_page, fitted):

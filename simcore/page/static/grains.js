@@ -16,6 +16,7 @@ const Grains = (() => {
     const [rows, summaries] = leaveOutSummaries(name, table, columns);
     if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${needed}`);
     const [counts, countNotices] = readCounts(name, table.header, rows, columns);
+    Numbers.checkDecimalMarks(name, columns.forms.map((position, i) => [position, columns.kind[i]]), rows);
     const groups = new Map();
     for (const { row, cells } of rows) {
       const where = `${name}, row ${row}`;

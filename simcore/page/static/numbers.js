@@ -1,6 +1,11 @@
 // Numbers: reading the cells of a table, and writing values as Python's format "g" does.
 const Numbers = (() => {
   const NUMBER = /^(?:[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity))$/i;
+  // A number at the beginning of a cell, before its unit; one that may have separators of thousands; one with decimals.
+  const LEADING = /^[-+\u2212]?[\d.,]+(?:e[-+]?\d+)?/i;
+  const IN_GROUPS = /^[-+\u2212]?[1-9]\d{0,2}(?:(?:\.\d{3})+|(?:,\d{3})+)$/;
+  const DECIMAL = /^[-+\u2212]?\d*[.,]\d+(?:e[-+]?\d+)?$/i;
+  const MARKS = { ".": "a point", ",": "a comma" };
 
   class InputError extends Error {}
 
@@ -32,6 +37,28 @@ const Numbers = (() => {
     return value;
   }
 
+  // Refuses separators of thousands, which would be read as a decimal mark: 1.410 where all other decimals have a comma.
+  // columns: [position, name] of the columns with numbers.
+  function checkDecimalMarks(file, columns, rows) {
+    const [decimals, inGroups] = [new Map(), []];
+    for (const { row, cells } of rows) {
+      for (const [position, name] of columns) {
+        const text = cells[position];
+        const number = LEADING.exec(text)?.[0] ?? "";
+        const mark = Object.keys(MARKS).find((key) => number.includes(key));
+        if (IN_GROUPS.test(number)) inGroups.push({ row, name, text, mark });
+        else if (DECIMAL.test(number) && !decimals.has(mark)) decimals.set(mark, number);
+      }
+    }
+    const refused = inGroups.find(({ mark }) => decimals.size === 1 && !decimals.has(mark));
+    if (!refused) return;
+    const [[used, example]] = decimals;
+    throw new InputError(
+      `${file}, row ${refused.row}: ${refused.name} is '${refused.text}', but this table writes decimals with ` +
+        `${MARKS[used]} (${example}); write numbers without separators of thousands`
+    );
+  }
+
   // Writes a value with at most this number of digits, without zeros at the end.
   function general(value, digits = 6) {
     if (Number.isNaN(value)) return "nan";
@@ -52,5 +79,5 @@ const Numbers = (() => {
     return /^50*$/.test(all.slice(digits)) && Number(all[digits - 1]) % 2 === 0;
   }
 
-  return { NUMBER, InputError, read, general };
+  return { NUMBER, InputError, read, checkDecimalMarks, general };
 })();

@@ -19,6 +19,8 @@ const SieveTable = (() => {
     const notices = [...table.notices];
     const rows = leaveOutTotals(table.rows, columns, notices);
     if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${rules.needed}`);
+    const used = [columns.opening, ...columns.amounts.map(({ position }) => position)];
+    Numbers.checkDecimalMarks(name, used.map((position) => [position, table.header[position]]), rows);
     const sieves = readOpenings(name, table.header, rows, columns);
     const results = columns.amounts.map((column) => {
       const title = table.header[column.position];
@@ -42,8 +44,7 @@ const SieveTable = (() => {
       notices.push(`the columns ${title} and ${other.title} agree; ${title} is used`);
     }
     checkClasses(name, sieves.openings, passing);
-    const used = new Set([columns.opening, ...columns.amounts.map(({ position }) => position)]);
-    const unused = table.header.flatMap((t, i) => (used.has(i) ? [] : [t || `(column ${i + 1}, no name)`]));
+    const unused = table.header.flatMap((t, i) => (used.includes(i) ? [] : [t || `(column ${i + 1}, no name)`]));
     if (unused.length) notices.push(`columns that are not used: ${unused.join(", ")}`);
     return { openings: sieves.openings, passing, notices: notices.map((notice) => `${name}: ${notice}`) };
   }

@@ -1,0 +1,45 @@
+"""Tables with a fault or a notice: the command and the page must have the same words for them.
+
+Each case is a table as text, and the error or a notice that it must have, without the name of the file.
+"""
+
+from typing import NamedTuple
+
+
+class Case(NamedTuple):
+    """A table, and the end of its error or of one of its notices."""
+
+    text: str
+    error: str = ""
+    notice: str = ""
+
+
+SIEVES = [
+    Case(
+        "opening [mm];mass [g]\n16;0\n11,2;1.410\n8;1.930\n4;300\npan;10\n",
+        error="row 3: mass [g] is '1.410', but this table writes decimals with a comma (11,2); write numbers without "
+        "separators of thousands",
+    ),
+    Case(
+        'opening,mass [g]\n16 mm,0\n11.2 mm,"1,410"\n8 mm,"1,930"\n4 mm,300\npan,10\n',
+        error="row 3: mass [g] is '1,410', but this table writes decimals with a point (11.2); write numbers without "
+        "separators of thousands",
+    ),
+    Case(
+        "opening [mm];retained [%];note\n16;0;2,5\n8;50,5 %;wet\n4;49.500 %;\npan;0;\n",
+        error="row 4: retained [%] is '49.500 %', but this table writes decimals with a comma (50,5); write numbers "
+        "without separators of thousands",
+    ),
+    # Both marks are decimals elsewhere, or no cell shows which mark is.
+    Case("opening [mm];mass [kg];note\n16;0,5;a\n8;1.410;b\n4;0.7;c\npan;0;d\n", notice="are not used: note"),
+    Case("opening [mm];mass [kg];note\n16;0;a\n8;1.410;2,5\n4;1.125;c\npan;0;d\n", notice="are not used: note"),
+]
+
+GRAINS = [
+    Case(
+        "L;I;S\n40,5;30;10\n1.250;800;500,5\n",
+        error="row 3: L is '1.250', but this table writes decimals with a comma (40,5); write numbers without "
+        "separators of thousands",
+    ),
+    Case("L;I;S;note\n40,5;30;10\n4.5;2;1\n4.125;2;1;wet\n", notice="columns that are not used: note"),
+]
