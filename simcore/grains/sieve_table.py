@@ -151,6 +151,11 @@ def read_sieve_table(path, coarsest=None):
         values = {row: _read_amount(f"{path}, row {row}", name, cells.loc[row, column.position], row == pan)
                   for row in cells.index}  # fmt: skip
         results.append((name, _passing(path, name, column, (rows, openings, pan), values, coarsest, notices)))
+    if pan is None and all(_is_mass_retained(column) for column in columns.amounts):
+        notices.append(
+            f"there is no row `pan`: nothing is taken to pass {openings[0] * 1e3:g} mm; if finer grains were weighed, "
+            "add them in a row `pan`"
+        )
     name, table = results[0]
     for other, further in results[1:]:
         difference = np.abs(further.passing - table.passing).max()
@@ -197,6 +202,11 @@ def _check_classes(path, table):
         "mass are needed. To pack a single class, write "
         f"`sizes: {{bounds: [{sieves[used - 1]}, {sieves[used]}], mass_fractions: [1]}}` in a specification"
     )
+
+
+def _is_mass_retained(column):
+    """Return whether an AmountColumn has masses retained; a column without a unit is taken as masses."""
+    return column.meaning == RETAINED and column.unit not in (PERCENT, FRACTION)
 
 
 def _leave_out_totals(path, cells, columns, notices):
@@ -281,7 +291,7 @@ def _passing(path, name, column, sieves, values, coarsest, notices):
     in_pan = values[pan] if pan is not None else np.nan
     whole = {PERCENT: 100.0, FRACTION: 1.0}.get(column.unit)
     if column.meaning == RETAINED:
-        return _from_retained(path, name, openings, (amounts, np.nan_to_num(in_pan)), column.unit, notices)
+        return _from_retained(path, name, openings, (amounts, None if pan is None else in_pan), column.unit, notices)
     if column.unit in MASSES:
         whole = None
         if column.meaning == CUMULATIVE and np.isfinite(in_pan):
@@ -320,8 +330,9 @@ def _passing(path, name, column, sieves, values, coarsest, notices):
 
 
 def _from_retained(path, name, openings, amounts, unit, notices):
-    """Return the SieveTable of the amounts retained on the sieves and in the pan."""
-    retained, in_pan = amounts
+    """Return the SieveTable of the amounts: retained on the sieves, and in the pan (None if there is no such row)."""
+    retained, has_pan = amounts[0], amounts[1] is not None
+    in_pan = np.nan_to_num(amounts[1]) if has_pan else 0.0
     total = float(retained.sum() + in_pan)
     if total <= 0.0:
         raise ValueError(f"{path}: all amounts in {name} are 0; give those of the sieves that retained grains")
@@ -333,6 +344,10 @@ def _from_retained(path, name, openings, amounts, unit, notices):
         )
     if whole is not None and abs(total / whole - 1.0) > 1e-9:
         notices.append(f"{name} sums to {total:.6g} instead of {whole:g}; it is divided by its sum")
+        if total < whole and not has_pan:
+            notices[-1] += (
+                f"; there is no row `pan`: if the missing part passed {openings[0] * 1e3:g} mm, give it in a row `pan`"
+            )
     if unit is None:
         notices.append(f"the column {name} has no unit; its values are taken relative to their sum, {total:.6g}")
     passing = (in_pan + np.r_[0.0, np.cumsum(retained)[:-1]]) / total

@@ -161,6 +161,16 @@ def test_each_case_that_the_page_shares_has_its_words(read, case):
         assert any(case.notice in notice for notice in read(case.text)[1])
 
 
+def test_a_pan_is_only_missed_where_it_may_be_missing(read):
+    for text in (
+        MASSES,
+        "opening [mm],mass [g],passing [%]\n16,0,100\n8,20,80\n4,80,0\n",
+        "opening [mm],retained [%]\n16,0\n8,20\n4,80\n",
+        "opening [mm],retained [%]\n16,0\n8,20\n4,79.7\npan,\n",
+    ):
+        assert not any("no row `pan`" in notice for notice in read(text)[1]), text
+
+
 def test_open_ends_are_closed_by_the_sizes_given(read):
     table, _ = read("opening [mm],mass [g]\n8,20\n4,40\n2,30\npan,10\n")
     assert (table.below, table.above) == (pytest.approx(0.1), pytest.approx(0.2))

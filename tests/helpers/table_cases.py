@@ -30,6 +30,16 @@ SIEVES = [
         error="row 4: retained [%] is '49.500 %', but this table writes decimals with a comma (50,5); write numbers "
         "without separators of thousands",
     ),
+    Case(
+        "opening [mm],mass [g]\n16,0\n11.2,410\n8,930\n5.6,760\n",
+        notice="there is no row `pan`: nothing is taken to pass 5.6 mm; if finer grains were weighed, add them in a "
+        "row `pan`",
+    ),
+    Case(
+        "opening [mm];retained [%]\n16;0\n8;70,2\n4;28,0\n2;1,4\n",
+        notice="retained [%] sums to 99.6 instead of 100; it is divided by its sum; there is no row `pan`: if the "
+        "missing part passed 2 mm, give it in a row `pan`",
+    ),
     # Both marks are decimals elsewhere, or no cell shows which mark is.
     Case("opening [mm];mass [kg];note\n16;0,5;a\n8;1.410;b\n4;0.7;c\npan;0;d\n", notice="are not used: note"),
     Case("opening [mm];mass [kg];note\n16;0;a\n8;1.410;2,5\n4;1.125;c\npan;0;d\n", notice="are not used: note"),

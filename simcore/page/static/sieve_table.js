@@ -32,6 +32,12 @@ const SieveTable = (() => {
       );
       return { title, passing: passingOf({ name, title, column, sieves, values, coarsest, notices }) };
     });
+    if (sieves.pan === null && columns.amounts.every(isMassRetained)) {
+      notices.push(
+        `there is no row \`pan\`: nothing is taken to pass ${general(sieves.openings[0])} mm; if finer grains were ` +
+          "weighed, add them in a row `pan`"
+      );
+    }
     const [{ title, passing }, ...others] = results;
     for (const other of others) {
       const difference = Math.max(...other.passing.map((share, i) => Math.abs(share - passing[i])));
@@ -48,6 +54,9 @@ const SieveTable = (() => {
     if (unused.length) notices.push(`columns that are not used: ${unused.join(", ")}`);
     return { openings: sieves.openings, passing, notices: notices.map((notice) => `${name}: ${notice}`) };
   }
+
+  // A column without a unit is taken as masses.
+  const isMassRetained = ({ meaning, unit }) => meaning === RETAINED && ![PERCENT, FRACTION].includes(unit);
 
   function leaveOutTotals(rows, columns, notices) {
     const found = Summaries.find(rows, [columns.opening]);
@@ -196,7 +205,7 @@ const SieveTable = (() => {
     return passing.map((share) => Math.min(Math.max(share, 0), 1));
   }
 
-  function fromRetained({ name, title, column, notices }, retained, inPan) {
+  function fromRetained({ name, title, column, sieves, notices }, retained, inPan) {
     const total = sum(retained) + inPan;
     if (!(total > 0)) {
       throw new InputError(
@@ -211,7 +220,12 @@ const SieveTable = (() => {
       );
     }
     if (whole !== undefined && Math.abs(total / whole - 1) > 1e-9) {
-      notices.push(`${title} sums to ${general(total)} instead of ${general(whole)}; it is divided by its sum`);
+      const pan =
+        total < whole && sieves.pan === null
+          ? `; there is no row \`pan\`: if the missing part passed ${general(sieves.openings[0])} mm, give it in a row ` +
+            "`pan`"
+          : "";
+      notices.push(`${title} sums to ${general(total)} instead of ${general(whole)}; it is divided by its sum${pan}`);
     }
     if (column.unit === null) {
       notices.push(`the column ${title} has no unit; its values are taken relative to their sum, ${general(total)}`);
