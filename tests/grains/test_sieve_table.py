@@ -171,6 +171,19 @@ def test_a_pan_is_only_missed_where_it_may_be_missing(read):
         assert not any("no row `pan`" in notice for notice in read(text)[1]), text
 
 
+def test_masses_of_single_sieves_are_not_taken_for_sums(read):
+    """The most is in the pan, in the middle, on three rows only, on each sieve alike, or another column agrees."""
+    for text in (
+        "opening [mm],mass [g]\n16,0\n8,20\n4,40\n2,60\npan,90\n",
+        MASSES,
+        "opening [mm],mass [g]\n8,10\n4,20\npan,21\n",
+        "opening [mm],mass [g]\n16,10\n8,10\n4,10\npan,10\n",
+        "opening [mm],mass [g]\n16,400\n8,300\n4,200\npan,100\n",
+        "opening [mm],mass [g],passing [%]\n16,0,100\n8,20,80\n4,39,41\npan,41,0\n",
+    ):
+        assert not any("name the column" in notice for notice in read(text)[1]), text
+
+
 def test_open_ends_are_closed_by_the_sizes_given(read):
     table, _ = read("opening [mm],mass [g]\n8,20\n4,40\n2,30\npan,10\n")
     assert (table.below, table.above) == (pytest.approx(0.1), pytest.approx(0.2))

@@ -40,6 +40,16 @@ SIEVES = [
         notice="retained [%] sums to 99.6 instead of 100; it is divided by its sum; there is no row `pan`: if the "
         "missing part passed 2 mm, give it in a row `pan`",
     ),
+    Case(
+        "opening [mm];mass [g]\n16;0\n11,2;410\n8;1340\n5,6;2100\n4;2400\n2,8;2490\npan;2500\n",
+        notice="mass [g] rises from the coarsest sieve to the pan; if these are sums, name the column `cumulative "
+        "retained [g]`",
+    ),
+    Case(
+        "opening [mm];Masse\n2,8;10\n4;100\n5,6;400\n8;1160\n11,2;2090\n16;2500\n",
+        notice="Masse falls from the coarsest sieve to the finest; if these masses pass the sieves, name the column "
+        "`passing [g]`",
+    ),
     # Both marks are decimals elsewhere, or no cell shows which mark is.
     Case("opening [mm];mass [kg];note\n16;0,5;a\n8;1.410;b\n4;0.7;c\npan;0;d\n", notice="are not used: note"),
     Case("opening [mm];mass [kg];note\n16;0;a\n8;1.410;2,5\n4;1.125;c\npan;0;d\n", notice="are not used: note"),

@@ -30,7 +30,13 @@ const SieveTable = (() => {
           return [row, readAmount(where, title, cells[column.position], row === sieves.pan)];
         })
       );
-      return { title, passing: passingOf({ name, title, column, sieves, values, coarsest, notices }) };
+      const passing = passingOf({ name, title, column, sieves, values, coarsest, notices });
+      if (columns.amounts.length === 1 && isMassRetained(column)) {
+        const fromCoarsest = [...sieves.rows].reverse().concat(sieves.pan ?? []);
+        const masses = fromCoarsest.map((row) => values.get(row) || 0);
+        notices.push(...noticesOfSums(title, column.unit ?? "g", masses, sieves.pan !== null));
+      }
+      return { title, passing };
     });
     if (sieves.pan === null && columns.amounts.every(isMassRetained)) {
       notices.push(
@@ -57,6 +63,26 @@ const SieveTable = (() => {
 
   // A column without a unit is taken as masses.
   const isMassRetained = ({ meaning, unit }) => meaning === RETAINED && ![PERCENT, FRACTION].includes(unit);
+
+  // Returns a notice if masses, from the coarsest sieve to the finest row, look like sums over sieves.
+  function noticesOfSums(title, unit, masses, hasPan) {
+    const steps = masses.slice(1).map((mass, i) => mass - masses[i]);
+    const little = rules.small_step * Math.max(...masses);
+    if (masses.length < rules.fewest_sums || steps.filter((step) => step !== 0).length < 2) return [];
+    if (hasPan && steps.every((step) => step >= 0) && steps.at(-1) < little) {
+      return [
+        `${title} rises from the coarsest sieve to the pan; if these are sums, name the column ` +
+          `\`cumulative retained [${unit}]\``,
+      ];
+    }
+    if (steps.every((step) => step <= 0) && masses.at(-1) < little) {
+      return [
+        `${title} falls from the coarsest sieve to the finest; if these masses pass the sieves, name the column ` +
+          `\`passing [${unit}]\``,
+      ];
+    }
+    return [];
+  }
 
   function leaveOutTotals(rows, columns, notices) {
     const found = Summaries.find(rows, [columns.opening]);
