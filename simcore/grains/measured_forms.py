@@ -24,7 +24,7 @@ from simcore.grains.cell_numbers import NUMBER, check_decimal_marks, read_number
 from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, has_two_axes, may_number_rows, recognise_columns
 from simcore.grains.statistics import equancy_statistics
 from simcore.grains.summary_rows import find_summary_rows
-from simcore.grains.table_file import read_table
+from simcore.grains.table_file import advice_on_fields, read_table
 
 log = logging.getLogger(__name__)
 
@@ -159,7 +159,7 @@ def _read_rows(path, table, columns):
     groups = {}
     for row, texts in cells.iterrows():
         where = f"{path}, row {row}"
-        values = _read_forms(where, table.header, texts, columns)
+        values = _read_forms(where, table, texts, columns, row)
         name = _name_of(where, table.header, texts, columns, row, Path(path).stem)
         groups.setdefault(name, []).append((where, values, row))
     notices = [*table.notices, *notices, *count_notices, *_describe_unused(table.header, cells, columns)]
@@ -178,14 +178,17 @@ def _leave_out_summaries(path, cells, columns):
     return cells.drop(index=list(labels)), [f"{rows} {verb} left out"]
 
 
-def _read_forms(where, header, texts, columns):
+def _read_forms(where, table, texts, columns, row):
     """Return the numbers in the columns of the form in one row, list of float."""
-    width = max((i + 1 for i, text in enumerate(texts) if text), default=0)
-    if max(columns.forms.values()) >= width:
+    fields = table.short.get(row, len(table.header))
+    if max(columns.forms.values()) >= fields:
         raise ValueError(
-            f"{where}: the row has {width} fields, but the header has {len(header)}; add or remove fields, and write "
-            "decimals with a point if commas separate the fields"
+            f"{where}: the row has {fields} fields, but the header has {len(table.header)}; "
+            f"{advice_on_fields(table.separator)}"
         )
+    for name, position in columns.forms.items():
+        if not texts[position]:
+            raise ValueError(f"{where}: {name} is empty; measure it, or remove the row")
     return [read_number(where, name, texts[position]) for name, position in columns.forms.items()]
 
 

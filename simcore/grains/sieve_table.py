@@ -220,7 +220,7 @@ def _notices_of_sums(name, unit, masses, has_pan):
     """Return a notice if masses, from the coarsest sieve to the finest row, look like sums over sieves.
 
     Sums retained rise down to the pan, which adds little; masses that pass fall from the total to nearly nothing. Such
-    masses may also be retained on single sieves, so that they are no error. has_pan: whether the last mass is in the pan.
+    masses may also be retained on single sieves, so that they are no error. has_pan: whether the last is in the pan.
     """
     steps, little = np.diff(masses), SMALL_STEP * masses.max()
     if len(masses) < FEWEST_SUMS:

@@ -1,9 +1,10 @@
 """Reads a table from a text file or a workbook as text, with any common encoding and separator."""
 
+import csv
 import io
 import re
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
@@ -36,12 +37,16 @@ class TextTable:
 
     path: the file. header: names of the columns, with single spaces. cells: DataFrame of str, columns 0, 1, ...; its
     index is the row as a spreadsheet or an editor counts it, from 1. notices: sentences on how the file was read.
+    short: dict from each row of a text file that has fewer fields than the header to the number of its columns.
+    separator: of the columns, "" in a workbook.
     """
 
     path: Path
     header: list
     cells: pd.DataFrame
     notices: list
+    short: dict = field(default_factory=dict)
+    separator: str = ""
 
 
 def read_table(path):
@@ -65,13 +70,18 @@ def read_table(path):
     if data.startswith(_ZIP) or path.suffix.lower() in _WORKBOOKS:
         open_document = _OPEN_DOCUMENT_MARK in data[:200] or path.suffix.lower() == ".ods"
         cells, notices = _read_workbook(path, data, *(_OPEN_DOCUMENT if open_document else _EXCEL))
-    else:
-        cells, notices = _read_text(path, data)
-    return _split_header(path, cells, notices)
+        return _split_header(path, cells, notices)
+    return _split_header(path, *_read_text(path, data))
+
+
+def advice_on_fields(separator):
+    """Return what to do about a row with another number of fields than the header."""
+    of_commas = ", and write decimals with a point, because commas separate the fields" if separator == "," else ""
+    return f"add or remove fields{of_commas}"
 
 
 def _read_text(path, data):
-    """Return all cells of a text file, DataFrame of str, and notices."""
+    """Return all cells of a text file, DataFrame of str, notices, the number of fields in each row, the separator."""
     text, notices = _decode(path, data)
     lines = _leave_out_settings(text.split("\n"))
     # The line of `sep=` becomes empty instead of being removed, so that rows are counted as in an editor.
@@ -83,7 +93,7 @@ def _read_text(path, data):
     else:
         separator = _find_separator("\n".join(lines[start:]))
     if not any(line.strip() for line in lines):
-        return pd.DataFrame(dtype=str), notices
+        return pd.DataFrame(dtype=str), notices, [], separator
     parts = (line.split() if separator == _SPACES else line.split(separator) for line in lines)
     try:
         cells = pd.read_csv(
@@ -99,7 +109,17 @@ def _read_text(path, data):
         )
     except pd.errors.ParserError:
         raise ValueError(f'{path}: a quotation mark (") is not closed; close it or remove it') from None
-    return cells, notices
+    return cells, notices, _count_fields(lines, separator), separator
+
+
+def _count_fields(lines, separator):
+    """Return the number of fields in each row, which pandas fills up; an empty list if a field is too long to count."""
+    if separator == _SPACES:
+        return [len(line.split()) for line in lines]
+    try:
+        return [len(row) for row in csv.reader(lines, delimiter=separator, skipinitialspace=True)]
+    except csv.Error:
+        return []
 
 
 def _leave_out_settings(lines):
@@ -168,8 +188,8 @@ def _read_workbook(path, data, kind, library, engine):
     return filled[name].map(lambda cell: "" if pd.isna(cell) else str(cell)).astype(str), notices
 
 
-def _split_header(path, cells, notices):
-    """Return the TextTable of all cells; the first row that is not empty is the header."""
+def _split_header(path, cells, notices, fields=(), separator=""):
+    """Return the TextTable of all cells; the first row that is not empty is the header. fields: number in each row."""
     cells = cells.map(lambda text: " ".join(text.split()))
     cells.index, cells.columns = range(1, len(cells) + 1), range(cells.shape[1])
     cells = cells[(cells != "").any(axis=1)]
@@ -179,17 +199,15 @@ def _split_header(path, cells, notices):
     width = max((position + 1 for position in names.index if names[position]), default=0)
     for row, texts in cells.loc[:, width:].iterrows():
         if (texts != "").any():
-            remedy = (
-                "remove the rows above the names of the columns"
-                if width == 1
-                else "add or remove fields, and write decimals with a point if commas separate the fields"
-            )
+            remedy = "remove the rows above the names of the columns" if width == 1 else advice_on_fields(separator)
             raise ValueError(
                 f"{path}, row {row}: the row has {_width(cells.loc[row])} fields, but the header has {width}; {remedy}"
             )
     kept = [position for position in range(width) if names[position] or (cells[position] != "").any()]
     cells = cells[kept].set_axis(range(len(kept)), axis=1)
-    return TextTable(path, [names[position] for position in kept], cells, notices)
+    numbers = {row: sum(position < number for position in kept) for row, number in enumerate(fields, start=1)}
+    short = {row: numbers[row] for row in cells.index if numbers.get(row, len(kept)) < len(kept)}
+    return TextTable(path, [names[position] for position in kept], cells, notices, short, separator)
 
 
 def plain_words(text):

@@ -109,7 +109,7 @@ def test_statistics_are_samples_of_independent_flatness_and_elongation(read, nam
         ("L,I,S\n0.04,0.02,0.0001\n", "row 2: L = 0.04 is 400 times S = 0.0001, .* give all axes in one unit"),
         ("L,L [mm],I,S\n4,4,2,1\n", "the columns L and L .mm. are both L"),
         ("L,I,S\n4 mm,2,1\n", "row 2: L is '4 mm'; a number is needed; write its unit, if any, in the header"),
-        ("L,I,S\n4,,1\n", "row 2: I is ''; a number is needed"),
+        ("L,I,S\n4,,1\n", "row 2: I is empty; measure it, or remove the row"),
         ("L,I,S\n4,nan,1\n", "row 2: I is nan; a finite number is needed"),
         ("L,I,S\n4,2\n", "row 2: the row has 2 fields, but the header has 3"),
         (

@@ -61,5 +61,16 @@ GRAINS = [
         error="row 3: L is '1.250', but this table writes decimals with a comma (40,5); write numbers without "
         "separators of thousands",
     ),
+    Case("L;I;S\n40;30;10\n\n12;10;\n", error="row 4: S is empty; measure it, or remove the row"),
+    Case("L;I;S;note\n40;;10;wet\n", error="row 2: I is empty; measure it, or remove the row"),
+    Case("L;I;S\n40;30\n", error="row 2: the row has 2 fields, but the header has 3; add or remove fields"),
+    Case(
+        "L,,I,S,\n40,,30\n",
+        error="row 2: the row has 2 fields, but the header has 3; add or remove fields, and "
+        "write decimals with a point, because commas separate the fields",
+    ),
+    Case("L;I;S\n40;30;10;5;3\n", error="row 2: the row has 5 fields, but the header has 3; add or remove fields"),
+    Case('note;L;I;S\n"wet;\ncold";40;30;10\n"dry";40;30;\n', error="row 3: S is empty; measure it, or remove the row"),
+    Case("L I S\n40 30\n", error="row 2: the row has 2 fields, but the header has 3; add or remove fields"),
     Case("L;I;S;note\n40,5;30;10\n4.5;2;1\n4.125;2;1;wet\n", notice="columns that are not used: note"),
 ]

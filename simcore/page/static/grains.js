@@ -18,9 +18,9 @@ const Grains = (() => {
     const [counts, countNotices] = readCounts(name, table.header, rows, columns);
     Numbers.checkDecimalMarks(name, columns.forms.map((position, i) => [position, columns.kind[i]]), rows);
     const groups = new Map();
-    for (const { row, cells } of rows) {
+    for (const { row, cells, fields } of rows) {
       const where = `${name}, row ${row}`;
-      const values = readForms(where, table.header, cells, columns);
+      const values = readForms(where, table, cells, columns, fields);
       const group = nameOf(where, table.header, cells, columns, row, name);
       if (!groups.has(group)) groups.set(group, []);
       groups.get(group).push({ where, values, row });
@@ -53,14 +53,14 @@ const Grains = (() => {
     return [rows.filter((_, i) => !places.has(i)), [`${listed} ${verb} left out`]];
   }
 
-  function readForms(where, header, cells, columns) {
-    const width = cells.reduce((most, text, i) => (text ? i + 1 : most), 0);
-    if (Math.max(...columns.forms) >= width) {
+  function readForms(where, { header, separator }, cells, columns, fields) {
+    if (Math.max(...columns.forms) >= fields) {
       throw new InputError(
-        `${where}: the row has ${width} fields, but the header has ${header.length}; add or remove fields, and write ` +
-          "decimals with a point if commas separate the fields"
+        `${where}: the row has ${fields} fields, but the header has ${header.length}; ${Table.adviceOnFields(separator)}`
       );
     }
+    const empty = columns.forms.findIndex((position) => !cells[position]);
+    if (empty >= 0) throw new InputError(`${where}: ${columns.kind[empty]} is empty; measure it, or remove the row`);
     return columns.forms.map((position, i) => Numbers.read(where, columns.kind[i], cells[position]));
   }
 

@@ -34,7 +34,8 @@ const Table = (() => {
     return { text, notices };
   }
 
-  // Returns {header, rows, notices}: rows are {row, cells}, with the number of the row as a spreadsheet counts it.
+  // Returns {header, rows, notices, separator}: rows are {row, cells, fields}, with the number of the row as a spreadsheet
+  // counts it, and the number of columns for which the row has fields.
   function read(name, text, notices = []) {
     text = text.replace(/\r\n?|[\u2028\u2029\x0b\x0c\x85]/g, "\n").replaceAll("\ufeff", "").replace(/\x1a+$/, "");
     if (/[\x00-\x08\x0e-\x1f]/.test(text)) {
@@ -51,7 +52,13 @@ const Table = (() => {
       separator = findSeparator(lines.slice(Math.max(start, 0)).join("\n"));
     }
     if (!lines.some((line) => line.trim())) return { header: [], rows: [], notices };
-    return splitHeader(name, splitCells(name, lines.join("\n"), separator), notices);
+    return splitHeader(name, splitCells(name, lines.join("\n"), separator), notices, separator);
+  }
+
+  // Returns what to do about a row with another number of fields than the header.
+  function adviceOnFields(separator) {
+    const ofCommas = separator === "," ? ", and write decimals with a point, because commas separate the fields" : "";
+    return `add or remove fields${ofCommas}`;
   }
 
   function leaveOutSettings(lines) {
@@ -115,7 +122,7 @@ const Table = (() => {
   }
 
   // The first row that is not empty is the header; rows and columns without any text are left out.
-  function splitHeader(name, cells, notices) {
+  function splitHeader(name, cells, notices, separator) {
     const clean = cells.map((row, i) => ({
       row: i + 1,
       cells: row.map((text) => text.trim().split(/\s+/).join(" ")),
@@ -128,15 +135,17 @@ const Table = (() => {
     for (const { row, cells: texts } of rows) {
       if (width(texts) > columns) {
         throw new InputError(
-          `${name}, row ${row}: the row has ${width(texts)} fields, but the header has ${columns}; add or remove ` +
-            "fields, and write decimals with a point if commas separate the fields"
+          `${name}, row ${row}: the row has ${width(texts)} fields, but the header has ${columns}; ` +
+            adviceOnFields(separator)
         );
       }
     }
     const kept = [...Array(columns).keys()].filter((i) => names[i] || rows.some(({ cells: texts }) => texts[i]));
     const pick = (texts) => kept.map((i) => texts[i] ?? "");
-    return { header: pick(names), rows: rows.map(({ row, cells: t }) => ({ row, cells: pick(t) })), notices };
+    const fieldsOf = (texts) => kept.filter((i) => i < texts.length).length;
+    const picked = rows.map(({ row, cells: t }) => ({ row, cells: pick(t), fields: fieldsOf(t) }));
+    return { header: pick(names), rows: picked, notices, separator };
   }
 
-  return { decode, read };
+  return { adviceOnFields, decode, read };
 })();
