@@ -50,6 +50,10 @@ SIEVES = [
         notice="Masse falls from the coarsest sieve to the finest; if these masses pass the sieves, name the column "
         "`passing [g]`",
     ),
+    Case(
+        "Siebanalyse Isar;;\n\nMaschenweite [mm];Rückstand [g];Bemerkung\n16;0;\n8;930;verstopft\n4;300;\nSchale;10;\n",
+        error="row 3: the row has 3 fields, but the header has 1; remove the rows above the names of the columns",
+    ),
     # Both marks are decimals elsewhere, or no cell shows which mark is.
     Case("opening [mm];mass [kg];note\n16;0,5;a\n8;1.410;b\n4;0.7;c\npan;0;d\n", notice="are not used: note"),
     Case("opening [mm];mass [kg];note\n16;0;a\n8;1.410;2,5\n4;1.125;c\npan;0;d\n", notice="are not used: note"),
@@ -71,6 +75,10 @@ GRAINS = [
     ),
     Case("L;I;S\n40;30;10;5;3\n", error="row 2: the row has 5 fields, but the header has 3; add or remove fields"),
     Case('note;L;I;S\n"wet;\ncold";40;30;10\n"dry";40;30;\n', error="row 3: S is empty; measure it, or remove the row"),
+    Case(
+        "Kiesprobe Isar km 120;;;\nDatum: 12.03.2021;;;\n;;;\nNr.;a [cm];b [cm];c [cm]\n1;1,45;1,03;0,40\n",
+        error="row 4: the row has 4 fields, but the header has 1; remove the rows above the names of the columns",
+    ),
     Case("L I S\n40 30\n", error="row 2: the row has 2 fields, but the header has 3; add or remove fields"),
     Case("L;I;S;note\n40,5;30;10\n4.5;2;1\n4.125;2;1;wet\n", notice="columns that are not used: note"),
 ]

@@ -134,9 +134,10 @@ const Table = (() => {
     const columns = width(names);
     for (const { row, cells: texts } of rows) {
       if (width(texts) > columns) {
+        const remedy =
+          columns === 1 ? "remove the rows above the names of the columns" : adviceOnFields(separator);
         throw new InputError(
-          `${name}, row ${row}: the row has ${width(texts)} fields, but the header has ${columns}; ` +
-            adviceOnFields(separator)
+          `${name}, row ${row}: the row has ${width(texts)} fields, but the header has ${columns}; ${remedy}`
         );
       }
     }
