@@ -25,9 +25,9 @@ _WITH_UNIT = rf"(?:\s*\[\s*({_UNIT})\s*\]|\s*\(\s*({_UNIT})\s*\)|\s*[/,]\s*({_UN
 _AXIS_WORD = r"(?:[\s_-]*(?:axis|axes|diameter|dimension|length|side))?"
 # Dmax, Dmed and Dmin are the axes in exports of G3Point (Steer et al. 2022).
 _AXIS_NAMES = {
-    "L": r"L|a|longest|long|length|major|Dmax",
-    "I": r"I|b|intermediate|medium|middle|width|Dmed",
-    "S": r"S|c|shortest|short|thickness|minor|Dmin",
+    "L": r"L|a|longest|long|length|major|Dmax|l(?:ä|ae)nge",
+    "I": r"I|b|intermediate|medium|middle|width|breadth|Dmed|breite",
+    "S": r"S|c|shortest|short|thickness|height|minor|Dmin|h(?:ö|oe)he",
 }
 _NO_UNIT = r"(?:\s*[\[(]\s*[-–1]?\s*[\])])?"
 _RATIO_NAMES = {

@@ -1,29 +1,20 @@
 """Reads the forms of the grains of each sieve class from a table with a column of classes.
 
-The column is named `class`, `size class` or `sieve class`; its cells are such as "8-11.2 mm".
+The column is named `class`, `size class`, `sieve class`, `Klasse` or `Siebklasse`; its cells are such as "8-11.2 mm".
 """
 
-import re
-
 from simcore.grains.cell_numbers import read_number
-from simcore.grains.measured_forms import read_measured
+from simcore.grains.class_labels import CLASS_LABEL, CLASS_NAME
+from simcore.grains.measured_forms import samples_of_table
 from simcore.grains.sieve_columns import LENGTHS, known_unit
 from simcore.grains.table_file import read_table
-
-_NAME = re.compile(r"(?:(?:size|sieve)[ _-]*)?class(?:\s*[\[(](\w+)[\])])?", re.IGNORECASE)
-_LABEL = re.compile(r"([\d.,]+)\s*([a-zµ]*)\s*(?:-|–|to|\.\.)\s*([\d.,]+)\s*([a-zµ]*)", re.IGNORECASE)
-
-
-def class_patterns():
-    """Return the regular expressions of the name of the column and of its cells; whole texts match, in any case."""
-    return _NAME.pattern, _LABEL.pattern
 
 
 def class_column(path):
     """Return the name of the column of sieve classes of the table at `path`, or None if it has none."""
     if path is None:
         return None
-    return next((name for name in read_table(path).header if _NAME.fullmatch(name)), None)
+    return next((name for name in read_table(path).header if CLASS_NAME.fullmatch(name)), None)
 
 
 def read_classes(path, column):
@@ -31,17 +22,21 @@ def read_classes(path, column):
 
     ValueError if a label is no class, or if two classes overlap.
     """
-    samples, notices = read_measured(path, column)
-    unit = _NAME.fullmatch(column).group(1)
-    classes = dict(sorted((_bounds(path, column, sample.name, unit), sample) for sample in samples))
-    ends = list(classes)
+    table = read_table(path)
+    samples, notices = samples_of_table(table, column)
+    labels = table.cells[table.header.index(column)]
+    rows = {label: row for row, label in reversed(list(labels.items()))}  # the first row of each class
+    unit = CLASS_NAME.fullmatch(column).group(1)
+    classes = [(_bounds(f"{path}, row {rows[sample.name]}", column, sample.name, unit), sample) for sample in samples]
+    classes.sort(key=lambda entry: entry[0])
+    ends = [bounds for bounds, _ in classes]
     for (low, high), (lower, upper) in zip(ends, ends[1:], strict=False):
         if lower < high * (1 - 1e-9):
             raise ValueError(
                 f"{path}: the classes {low * 1e3:g} to {high * 1e3:g} mm and {lower * 1e3:g} to {upper * 1e3:g} mm "
                 f"overlap; correct the column {column}"
             )
-    return classes, notices
+    return dict(classes), notices
 
 
 def sample_of_class(curve, index, classes):
@@ -59,25 +54,28 @@ def sample_of_class(curve, index, classes):
     )
 
 
-def _bounds(path, column, label, unit):
-    match = _LABEL.fullmatch(label.strip())
+def _bounds(where, column, label, unit):
+    """Return the bounds [m] of a class. where: file and row, for messages. unit: in the name of the column, or None."""
+    match = CLASS_LABEL.fullmatch(label)
+    in_header = "" if unit else f", or put the unit in the header, `{column} [mm]`"
     if not match:
-        raise ValueError(f"{path}: {column} is {label!r}, which is no sieve class; write it as '8-11.2 mm'")
+        example = "8-11.2" if unit else "8-11.2 mm"
+        raise ValueError(f"{where}: {column} is '{label}'; give both sieves, such as '{example}'{in_header}")
     low, low_unit, high, high_unit = match.groups()
     high_unit = high_unit or unit
     if not high_unit:
-        raise ValueError(f"{path}: {column} is {label!r} without a unit; write it as '{label} mm'")
+        raise ValueError(f"{where}: {column} is '{label}' without a unit; write it as '{label} mm'{in_header}")
     lower, upper = (
-        read_number(f"{path}, {column} {label!r}", "size", text) * _factor(path, column, label, of_text)
+        read_number(f"{where}, {column} '{label}'", "size", text) * _factor(where, column, label, of_text)
         for text, of_text in ((low, low_unit or high_unit), (high, high_unit))
     )
     if not 0.0 < lower < upper:
-        raise ValueError(f"{path}: {column} is {label!r}; give the smaller size first, and sizes above 0")
+        raise ValueError(f"{where}: {column} is '{label}'; give the smaller size first, and sizes above 0")
     return lower, upper
 
 
-def _factor(path, column, label, text):
+def _factor(where, column, label, text):
     unit = known_unit(text)
     if unit not in LENGTHS:
-        raise ValueError(f"{path}: {column} is {label!r}; its unit {text!r} is unknown, use {', '.join(LENGTHS)}")
+        raise ValueError(f"{where}: {column} is '{label}'; its unit '{text}' is unknown, use {', '.join(LENGTHS)}")
     return LENGTHS[unit]

@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from simcore.grains.cell_numbers import NUMBER, check_decimal_marks, read_number
+from simcore.grains.class_labels import CLASS_NAME, look_like_classes
 from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, has_two_axes, may_number_rows, recognise_columns
 from simcore.grains.statistics import equancy_statistics
 from simcore.grains.summary_rows import find_summary_rows
@@ -197,7 +198,9 @@ def _name_of(where, header, texts, columns, row, stem):
     if columns.sample is None:
         return f"row {row}" if columns.kind == MEANS else stem
     if not texts[columns.sample]:
-        raise ValueError(f"{where}: {header[columns.sample]} is empty; name the sample in every row")
+        name = header[columns.sample]
+        remedy = "write it in every row" if CLASS_NAME.fullmatch(name) else "name the sample in every row"
+        raise ValueError(f"{where}: {name} is empty; {remedy} (merged cells of a workbook count as empty)")
     return texts[columns.sample]
 
 
@@ -241,6 +244,13 @@ def _describe_unused(header, cells, columns):
     """Return notices on the columns that are not read, and on columns that may name samples."""
     unused = {i: header[i] or f"(column {i + 1}, no name)" for i in cells if i not in columns.used}
     notices = []
+    for position in list(unused) if columns.sample is None else []:
+        values = [text for text in dict.fromkeys(cells[position]) if text]
+        if header[position] and not CLASS_NAME.fullmatch(header[position]) and look_like_classes(values):
+            notices.append(
+                f"the column {unused.pop(position)} is not used; its values look like sieve classes "
+                f"({_join_first(values)}); to give forms by class beside a sieve curve, rename the column to `class`"
+            )
     may_name_samples = columns.sample is None and columns.kind != MEANS
     for position in list(unused) if may_name_samples else []:
         values = [text for text in dict.fromkeys(cells[position]) if text]

@@ -5,7 +5,7 @@ from dataclasses import asdict
 import pandas as pd
 from scipy.stats import t as student
 
-from simcore.grains.forms_by_class import class_patterns
+from simcore.grains.class_labels import class_patterns
 from simcore.grains.sieve_table import table_rules
 from simcore.models.packing_models.curves import WIDEST
 from simcore.models.packing_models.empirical import PREDICTORS

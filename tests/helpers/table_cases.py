@@ -79,6 +79,56 @@ GRAINS = [
         "Kiesprobe Isar km 120;;;\nDatum: 12.03.2021;;;\n;;;\nNr.;a [cm];b [cm];c [cm]\n1;1,45;1,03;0,40\n",
         error="row 4: the row has 4 fields, but the header has 1; remove the rows above the names of the columns",
     ),
+    Case(
+        "Fraktion;L;I;S\n8-11,2;14;10;4\n8-11,2;13;10;6\n11,2–16 mm;16;11;3\n",
+        notice="the column Fraktion is not used; its values look like sieve classes (8-11,2, 11,2–16 mm); to give "
+        "forms by class beside a sieve curve, rename the column to `class`",
+    ),
+    Case("date;L;I;S\n2021-03;14;10;4\n2021-03;13;10;6\n", notice="columns that are not used: date"),
+    Case("Klasse;L;I;S\n8-16;14;10;4\n", notice="columns that are not used: Klasse"),
+    Case(
+        "sample;L;I;S\na;14;10;4\n;13;10;6\n",
+        error="row 3: sample is empty; name the sample in every row (merged cells of a workbook count as empty)",
+    ),
+    Case("Nr.;Länge;Breite;Höhe\n1;14,5;10,3;4,0\n", notice="columns that are not used: Nr."),
+    Case("grain,length [mm],breadth [mm],height [mm]\n1,14.5,10.3,4.0\n", notice="are not used: grain"),
     Case("L I S\n40 30\n", error="row 2: the row has 2 fields, but the header has 3; add or remove fields"),
     Case("L;I;S;note\n40,5;30;10\n4.5;2;1\n4.125;2;1;wet\n", notice="columns that are not used: note"),
+]
+
+# Tables with a column of sieve classes. Those without an error and a notice are read.
+CLASSES = [
+    Case(
+        "class;L;I;S\n8-11,2 mm;14;10;4\n8;13;10;6\n",
+        error="row 3: class is '8'; give both sieves, such as '8-11.2 mm', or put the unit in the header, `class [mm]`",
+    ),
+    Case(
+        "class [mm];L;I;S\n8-11,2;14;10;4\n\n8;13;10;6\n",
+        error="row 4: class [mm] is '8'; give both sieves, such as '8-11.2'",
+    ),
+    Case(
+        "Klasse;L;I;S\n11,2-16 mm;14;10;4\n11,2-16 mm;13;10;6\n8-11,2;13;10;6\n",
+        error="row 4: Klasse is '8-11,2' without a unit; write it as '8-11,2 mm', or put the unit in the header, "
+        "`Klasse [mm]`",
+    ),
+    Case(
+        "Siebklasse;FL;EL\n8-11,2 mm;0,5;0,7\n;0,6;0,8\n",
+        error="row 3: Siebklasse is empty; write it in every row (merged cells of a workbook count as empty)",
+    ),
+    Case(
+        "class;L;I;S\n8-11,2 ells;14;10;4\n",
+        error="row 2: class is '8-11,2 ells'; its unit 'ells' is unknown, use m, cm, mm, µm, in",
+    ),
+    Case(
+        "class;L;I;S\n16-8 mm;14;10;4\n",
+        error="row 2: class is '16-8 mm'; give the smaller size first, and sizes above 0",
+    ),
+    Case(
+        "class;L;I;S\n8-16 mm;14;10;4\n0,8-1,6 cm;14;10;4\n",
+        error="the classes 8 to 16 mm and 8 to 16 mm overlap; correct the column class",
+    ),
+    Case("Klasse;L;I;S\n8-11,2 mm;14;10;4\n11,2-16 mm;13;10;6\n"),
+    Case("Siebklasse [mm];L;I;S\n8-11,2;14;10;4\n11,2-16;13;10;6\n"),
+    Case("Kornklasse (cm);L;I;S\n0,8-1,12;14;10;4\n11,2-16 mm;13;10;6\n"),
+    Case("size class [µm];L;I;S\n8000-11200;14;10;4\n1.12-1.6 cm;13;10;6\n"),
 ]

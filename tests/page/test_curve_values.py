@@ -26,7 +26,7 @@ from simcore.page.data import LEVELS
 from simcore.paths import ROOT
 from tests.helpers.random_sieves import random_sieves
 from tests.helpers.random_tables import random_table
-from tests.helpers.table_cases import SIEVES
+from tests.helpers.table_cases import CLASSES, SIEVES
 
 TOLERANCE = 1e-9
 NUMBERS = ["n", "lower", "upper", "n_not_shaken", "n_one_class", "one_class_lower", "one_class_upper"]
@@ -210,6 +210,25 @@ def test_a_form_for_each_sieve_class(open_page, fitted, tmp_path):
         keys = [*NUMBERS, "mu_FL", "sigma_FL", "mu_EL", "sigma_EL"]
         got = [float(answer[key]) for key in keys]
         assert got == pytest.approx(row[keys].astype(float).tolist(), abs=TOLERANCE, nan_ok=True)
+
+
+def test_classes_of_shared_cases_have_the_same_words(open_page):
+    script = """
+    texts => texts.map((text) => {
+      try {
+        const column = Bed.classColumn("table.csv", text);
+        const classes = Bed.readClasses("table.csv", column, Grains.read("table.csv", text, column).samples);
+        return classes.map(({ low, high }) => [low, high]);
+      } catch (error) {
+        return error instanceof Numbers.InputError ? error.message : String(error.stack);
+      }
+    })
+    """
+    for answer, case in zip(open_page().evaluate(script, [case.text for case in CLASSES]), CLASSES, strict=True):
+        if case.error:
+            assert answer.removeprefix("table.csv").lstrip(",: ") == case.error
+        else:
+            np.testing.assert_allclose(answer, [[8, 11.2], [11.2, 16]], rtol=1e-12)
 
 
 def test_a_candidate_without_a_port_is_refused():

@@ -30,7 +30,7 @@ const Bed = (() => {
   // Returns [{low, high [mm], sample}] of samples that are named by their sieve class; column: its name.
   function readClasses(name, column, samples) {
     const unit = CLASS_NAME.exec(column)[1];
-    const classes = samples.map((sample) => ({ ...boundsOf(name, column, sample.name, unit), sample }));
+    const classes = samples.map((sample) => ({ ...boundsOf(`${name}, row ${sample.row}`, column, sample.name, unit), sample }));
     classes.sort((a, b) => a.low - b.low || a.high - b.high);
     classes.slice(1).forEach((coarser, i) => {
       const finer = classes[i];
@@ -41,20 +41,25 @@ const Bed = (() => {
     return classes;
   }
 
-  function boundsOf(name, column, label, unitOfColumn) {
-    const match = CLASS_LABEL.exec(label.trim());
-    const is = `${name}: ${column} is '${label}'`;
-    if (!match) throw new InputError(`${is}, which is no sieve class; write it as '8-11.2 mm'`);
+  // where: file and row, for messages. unitOfColumn: that in the name of the column, or undefined.
+  function boundsOf(where, column, label, unitOfColumn) {
+    const match = CLASS_LABEL.exec(label);
+    const is = `${where}: ${column} is '${label}'`;
+    const inHeader = unitOfColumn ? "" : `, or put the unit in the header, \`${column} [mm]\``;
+    if (!match) {
+      const example = unitOfColumn ? "8-11.2" : "8-11.2 mm";
+      throw new InputError(`${is}; give both sieves, such as '${example}'${inHeader}`);
+    }
     const [, low, lowUnit, high, given] = match;
     const highUnit = given || unitOfColumn;
-    if (!highUnit) throw new InputError(`${is} without a unit; write it as '${label} mm'`);
+    if (!highUnit) throw new InputError(`${is} without a unit; write it as '${label} mm'${inHeader}`);
     const [lower, upper] = [[low, lowUnit || highUnit], [high, highUnit]].map(([text, unit]) => {
+      const value = Numbers.read(`${where}, ${column} '${label}'`, "size", text);
       const known = SieveColumns.knownUnit(unit);
       if (!SieveColumns.isLength(known)) {
         const lengths = Object.keys(DATA.curve.reading.lengths).join(", ");
         throw new InputError(`${is}; its unit '${unit}' is unknown, use ${lengths}`);
       }
-      const value = Numbers.read(`${name}, ${column} '${label}'`, "size", text);
       return known === "mm" ? value : value * DATA.curve.reading.lengths[known] * 1e3;
     });
     if (!(lower > 0 && lower < upper)) {

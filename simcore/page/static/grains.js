@@ -5,7 +5,11 @@ const Grains = (() => {
   const { longest, max_grains: maxGrains, alike, shown, needed } = DATA.reading;
   const AMBIGUOUS = /^[1-9]\d{0,2}[.,]\d{3}$/;
 
-  // Returns {samples, notices, kind, columns}. A sample has a name, its number of grains (0: only statistics), mu_FL,
+  const [CLASS_NAME, CLASS_LABEL] = ["name", "label"].map(
+    (key) => new RegExp(`^(?:${DATA.curve.classes[key]})$`, "iu")
+  );
+
+  // Returns {samples, notices, kind, columns}. A sample has a name, its first row, its number of grains (0: only statistics), mu_FL,
   // sigma_FL, ..., sigma_EQ, and the forms [FL, EL] of its rows; with two axes only, it has no FL and no EQ.
   // forBed: whether a bed with a sieve curve is predicted, which needs three axes.
   function read(name, text, sample = "", notices = [], forBed = false) {
@@ -26,8 +30,9 @@ const Grains = (() => {
       groups.get(group).push({ where, values, row });
     }
     const samples = [...groups].map(([group, entries]) => {
-      if (columns.kind === MEANS) return fromMeans(group, entries);
-      return fromGrains(name, group, entries, columns.kind, counts);
+      const isMean = columns.kind === MEANS;
+      const sample = isMean ? fromMeans(group, entries) : fromGrains(name, group, entries, columns.kind, counts);
+      return { ...sample, row: entries[0].row };
     });
     const unused = describeUnused(table.header, rows, columns);
     const all = [...table.notices, ...summaries, ...countNotices, ...unused].map((notice) => `${name}: ${notice}`);
@@ -67,7 +72,9 @@ const Grains = (() => {
   function nameOf(where, header, cells, columns, row, name) {
     if (columns.sample < 0) return columns.kind === MEANS ? `row ${row}` : name.replace(/(?<=.)\.[^.]+$/, "");
     if (!cells[columns.sample]) {
-      throw new InputError(`${where}: ${header[columns.sample]} is empty; name the sample in every row`);
+      const title = header[columns.sample];
+      const remedy = CLASS_NAME.test(title) ? "write it in every row" : "name the sample in every row";
+      throw new InputError(`${where}: ${title} is empty; ${remedy} (merged cells of a workbook count as empty)`);
     }
     return cells[columns.sample];
   }
@@ -108,22 +115,43 @@ const Grains = (() => {
     const used = new Set([...columns.forms, columns.counts, columns.sample]);
     const unused = new Map(header.flatMap((t, i) => (used.has(i) ? [] : [[i, t || `(column ${i + 1}, no name)`]])));
     const notices = [];
+    for (const [position, title] of columns.sample < 0 ? [...unused] : []) {
+      const values = [...new Set(rows.map(({ cells }) => cells[position]))].filter((text) => text);
+      if (!header[position] || CLASS_NAME.test(title) || !lookLikeClasses(values)) continue;
+      unused.delete(position);
+      notices.push(
+        `the column ${title} is not used; its values look like sieve classes (${joinFirst(values)}); to give forms by ` +
+          "class beside a sieve curve, rename the column to `class`"
+      );
+    }
     if (columns.sample < 0 && columns.kind !== MEANS) {
       for (const [position, title] of [...unused]) {
         const values = [...new Set(rows.map(({ cells }) => cells[position]))].filter((text) => text);
         const names = values.length > 1 && values.length < rows.length && !values.every((text) => NUMBER.test(text));
         if (!names || !header[position]) continue;
         unused.delete(position);
-        const some = values.slice(0, shown).join(", ");
-        const list = values.length <= shown ? some : `${some} and ${values.length - shown} more`;
         notices.push(
-          `the column ${title} has repeated values (${list}) and is not used, so all grains are one sample; if its ` +
+          `the column ${title} has repeated values (${joinFirst(values)}) and is not used, so all grains are one sample; if its ` +
             "values are samples, choose it below the table"
         );
       }
     }
     if (unused.size) notices.push(`columns that are not used: ${[...unused.values()].join(", ")}`);
     return notices;
+  }
+
+  function joinFirst(texts) {
+    const some = texts.slice(0, shown).join(", ");
+    return texts.length <= shown ? some : `${some} and ${texts.length - shown} more`;
+  }
+
+  // Whether there are texts, and each of them is a range of sizes, the smaller one first.
+  function lookLikeClasses(texts) {
+    const number = (text) => Number(text.replaceAll(",", "."));
+    return texts.length > 0 && texts.every((text) => {
+      const match = CLASS_LABEL.exec(text);
+      return match !== null && number(match[1]) < number(match[3]);
+    });
   }
 
   // Returns [FL, EL] of a row; FL is null with two axes only.

@@ -19,6 +19,7 @@ from simcore.paths import ROOT
 from simcore.scene.setup import shape_choice
 from simcore.scene.sizes import size_curve
 from simcore.scene.specification import read_specification
+from tests.helpers.table_cases import CLASSES
 
 CURVE = SieveCurve([2e-3, 4e-3, 8e-3, 16e-3], [0.3, 0.3, 0.4], "three classes")
 FLAT, ROUND = "0.45,0.15,0.6,0.13", "0.7,0.15,0.75,0.13"
@@ -89,7 +90,7 @@ def test_a_table_without_classes_has_no_such_column(table):
 @pytest.mark.parametrize(
     "rows, fault",
     [
-        ([f"coarse,{FLAT}"], "class is 'coarse', which is no sieve class; write it as '8-11.2 mm'"),
+        ([f"coarse,{FLAT}"], "row 2: class is 'coarse'; give both sieves, such as '8-11.2 mm'"),
         ([f"2-16,{FLAT}"], "class is '2-16' without a unit; write it as '2-16 mm'"),
         ([f"2-16 furlong,{FLAT}"], "its unit 'furlong' is unknown, use m, cm, mm"),
         ([f"16-2 mm,{FLAT}"], "give the smaller size first"),
@@ -99,6 +100,19 @@ def test_a_table_without_classes_has_no_such_column(table):
 def test_wrong_classes_have_one_clear_error(table, rows, fault):
     with pytest.raises(ValueError, match=fault):
         classes_of(table(*rows))
+
+
+@pytest.mark.parametrize("case", CLASSES)
+def test_each_case_that_the_page_shares_has_its_words(tmp_path, case):
+    path = tmp_path / "forms.csv"
+    path.write_text(case.text, encoding="utf-8")
+    if case.error:
+        with pytest.raises(ValueError) as error:
+            classes_of(path)
+        assert str(error.value).partition("forms.csv")[2].lstrip(",: ") == case.error
+    else:
+        bounds = np.array(list(classes_of(path)))
+        np.testing.assert_allclose(bounds, [[8e-3, 11.2e-3], [11.2e-3, 16e-3]], rtol=1e-12)
 
 
 def test_a_class_without_forms_is_refused(fitted, table):
