@@ -40,6 +40,7 @@ from simcore.models.measured_file import MEASURED, write_measured_models
 from simcore.models.measured_prediction import models_for
 from simcore.models.mixtures import MIXTURE
 from simcore.models.prediction import (
+    ONE_CLASS,
     describe_model,
     kind_of_bed,
     model_case,
@@ -67,7 +68,8 @@ AGREEMENT = ["by", "model", "beds", "bias", "bias_error", "scatter", "inside"]
 class CaseFit:
     """The fit to the beds of one case.
 
-    beds: DataFrame with one row per bed: name, n, n_error (nan if unknown), repeats, and all features of the models.
+    case: of the models. given: its name in messages: ONE_CLASS if the case of all beds was given so, else `case`. beds:
+    DataFrame with one row per bed: name, n, n_error (nan if unknown), repeats, and all features of the models.
     only_kind: "one form" or "a distribution of form" if all beds are of this kind, else None. repeat_scatter: standard
     deviation of repeats about their means, nan without repeats. agreement: DataFrame with the columns AGREEMENT, one
     row per model: number of beds for which it is evaluated, bias (mean of predicted minus measured porosity) with its
@@ -78,6 +80,7 @@ class CaseFit:
     """
 
     case: str
+    given: str
     beds: pd.DataFrame
     only_kind: str | None
     repeat_scatter: float
@@ -189,11 +192,12 @@ def fit_case(measured, case, fitted, features="single_form"):
     ValueError if there are too few beds for any of the models.
     """
     samples, beds, repeat_scatter = average_repeats(measured)
+    given = given_case(measured, case)
     if len(beds) < min(BEDS_NEEDED.values()):
         rows = f"{len(measured)} {'row' if len(measured) == 1 else 'rows'}"
         forms = f"{len(beds)} {'form' if len(beds) == 1 else 'different forms'}"
         raise ValueError(
-            f"case {case}: {rows} with {forms}; the simplest model, an offset, needs {BEDS_NEEDED['offset']} beds of "
+            f"case {given}: {rows} with {forms}; the simplest model, an offset, needs {BEDS_NEEDED['offset']} beds of "
             "different form; measure more beds"
         )
     predictions = _predict(samples, case, fitted)
@@ -202,10 +206,11 @@ def fit_case(measured, case, fitted, features="single_form"):
     candidates = fit_candidates(base_model, beds, case, features, reason)
     if not any(item.model for item in candidates):
         reasons = "; ".join(dict.fromkeys(item.reason for item in candidates))
-        raise ValueError(f"case {case}: no model can be fitted to its {len(beds)} beds: {reasons}")
+        raise ValueError(f"case {given}: no model can be fitted to its {len(beds)} beds: {reasons}")
     kinds = {kind_of_bed(sample) for sample in samples}
     return CaseFit(
         case=case,
+        given=given,
         beds=beds,
         only_kind=kinds.pop() if len(kinds) == 1 else None,
         repeat_scatter=repeat_scatter,
@@ -218,6 +223,11 @@ def fit_case(measured, case, fitted, features="single_form"):
         candidates=tuple(candidates),
         chosen=choose(candidates),
     )
+
+
+def given_case(measured, case):
+    """Return the name of a case of the models in messages: ONE_CLASS if it was given so for all of the MeasuredBeds."""
+    return ONE_CLASS if all(bed.case == ONE_CLASS for bed in measured) else case
 
 
 def average_repeats(measured):

@@ -37,7 +37,7 @@ def describe_fit(result, path, out=None):
         lines += describe_curves(result.curves, path)
     for sentence in result.left_out:
         lines += [wrap(f"Left out: {sentence}."), ""]
-    cases = [case.case for case in result.cases]
+    cases = [case.given for case in result.cases]
     if out is None:
         lines.append("No model is written; give --out MODEL.json to use it in `predict`.")
     elif cases:
@@ -63,7 +63,7 @@ def _describe_case(case, path):
     beds = case.beds
     rows = int(beds.repeats.sum())
     of_rows = f" (means of {rows} rows)" if rows > len(beds) else ""
-    lines = [f"Measured porosities of {path}: {len(beds)} beds{of_rows}, case {case.case}", ""]
+    lines = [f"Measured porosities of {path}: {len(beds)} beds{of_rows}, case {case.given}", ""]
     lines += _describe_agreement(case)
     lines += ["Models, with the mean absolute error of predicting each bed from the others", ""]
     lines += [
@@ -79,7 +79,7 @@ def _describe_case(case, path):
 def _describe_agreement(case):
     """Return the lines on the models as they are, before any correction."""
     if case.agreement.empty:
-        return [wrap(f"No model, ours or that of Rettinger et al., is evaluated for beds of case {case.case}."), ""]
+        return [wrap(f"No model, ours or that of Rettinger et al., is evaluated for beds of case {case.given}."), ""]
     cells = [["model as it is", "beds", "bias", "± error", "scatter", "in interval"]]
     for row in case.agreement.itertuples():
         inside = "-" if math.isnan(row.inside) else f"{row.inside:.0f}"

@@ -282,6 +282,19 @@ def test_several_cases_are_fitted_and_small_ones_left_out(tmp_path, capsys):
     assert read_campaign_models(tmp_path / "model.json").cases() == ["U1"]
 
 
+def test_the_hint_has_the_case_that_was_given(tmp_path, capsys):
+    path, out = write_table(tmp_path / "beds.csv", beds_of_one_form(3, ours, scatter=0.004)), tmp_path / "model.json"
+    for case in ("one-class", "U1"):
+        assert main(["fit", str(path), "--case", case, "--out", str(out)]) == 0
+        text = capsys.readouterr().out
+        assert f"beds.csv: 3 beds, case {case}\n" in text
+        hint = f"The model of case {case} is written. Use it: scree predict FORMS.csv --case {case} --models {out}"
+        assert text.rstrip().endswith(hint)
+        words = hint.split("scree ")[1].replace("FORMS.csv", str(path)).split()
+        assert main(words) == 0, "the hint is a command that works"
+        assert "your fit" in capsys.readouterr().out
+
+
 def test_text_and_json_have_the_same_numbers(tmp_path, capsys):
     path = write_table(tmp_path / "beds.csv", beds_of_one_form(10, ours, scatter=0.004), n_error=0.003)
     assert main(["fit", str(path), "--case", "U1"]) == 0
