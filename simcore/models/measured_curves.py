@@ -26,6 +26,7 @@ from simcore.models.measured_candidates import (
     rows_of_coefficients,
     too_few,
 )
+from simcore.models.measured_plausibility import question_repeats
 from simcore.models.prediction import ONE_CLASS, kind_of_bed, model_case, predict_preferred
 from simcore.models.size_and_form.bed_prediction import (
     error_parts,
@@ -58,6 +59,7 @@ class CurveFit:
     base_error: float
     candidates: tuple
     chosen: Candidate
+    notices: tuple = ()
 
     @property
     def model(self):
@@ -115,6 +117,7 @@ def fit_curves(measured, fitted):
         base_error=float(np.abs(rows.n - beds.n).mean()),
         candidates=tuple(chosen if item.kind == chosen.kind else item for item in candidates),
         chosen=chosen,
+        notices=tuple(question_repeats(groups, rows.n)),
     )
 
 

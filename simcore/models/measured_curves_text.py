@@ -9,6 +9,7 @@ from simcore.models.measured_text_parts import (
     plain_candidate,
     records,
     sentences_on_reasons,
+    table_of_beds,
     table_of_candidates,
     table_of_coefficients,
     wrap,
@@ -27,6 +28,7 @@ def describe_curves(fit, path):
         "the one-class porosity from our models."
     )
     lines += ["", *wrap(_describe_bias(fit)), ""]
+    lines += table_of_beds(fit.beds, f"our model of {OURS} as it is")
     lines += ["Models, with the mean absolute error of predicting each bed from the others", ""]
     lines += [*table_of_candidates(fit, f"ours, {OURS}, as it is"), "", *table_of_coefficients(fit), ""]
     lines += [*wrap(_describe_choice(fit)), "", "What these beds show, and what they do not show", ""]

@@ -37,6 +37,7 @@ from simcore.models.measured_candidates import (
 )
 from simcore.models.measured_curves import CurveFit, fit_curves
 from simcore.models.measured_file import MEASURED, write_measured_models
+from simcore.models.measured_plausibility import question_repeats
 from simcore.models.measured_prediction import models_for
 from simcore.models.mixtures import MIXTURE
 from simcore.models.prediction import (
@@ -69,7 +70,8 @@ class CaseFit:
     """The fit to the beds of one case.
 
     case: of the models. given: its name in messages: ONE_CLASS if the case of all beds was given so, else `case`. beds:
-    DataFrame with one row per bed: name, n, n_error (nan if unknown), repeats, and all features of the models.
+    DataFrame with one row per bed: name, n, n_error (nan if unknown), repeats, all features of the models, and
+    predicted: by `base`, or, if there is none, by that of our models which is preferred for the bed, else nan.
     only_kind: "one form" or "a distribution of form" if all beds are of this kind, else None. repeat_scatter: standard
     deviation of repeats about their means, nan without repeats. agreement: DataFrame with the columns AGREEMENT, one
     row per model: number of beds for which it is evaluated, bias (mean of predicted minus measured porosity) with its
@@ -77,6 +79,7 @@ class CaseFit:
     (nan for Rettinger et al., who publish none). base, base_model: name of our model that is corrected, and the
     PorosityModel itself; "" and None if there is none, for the reason base_reason. base_error: its mean absolute error
     without a correction. features: name of the set. candidates: a Candidate of each kind; chosen: one of them.
+    notices: on porosities that differ much from the predicted ones.
     """
 
     case: str
@@ -92,6 +95,7 @@ class CaseFit:
     features: str
     candidates: tuple
     chosen: Candidate
+    notices: tuple = ()
 
     @property
     def model(self):
@@ -111,8 +115,8 @@ class CaseFit:
 class MeasuredFit(NamedTuple):
     """The fits to a table.
 
-    cases: list of CaseFit. left_out: sentences on cases that are left out. notices: on how the table was read. curves:
-    CurveFit of the rows with sieve curves, or None.
+    cases: list of CaseFit. left_out: sentences on cases that are left out. notices: on how the table was read, and on
+    porosities that differ much from the predicted ones. curves: CurveFit of the rows with sieve curves, or None.
     """
 
     cases: list
@@ -177,6 +181,8 @@ def fit(
     if out is not None:
         written = [(item.model, item.describe(), item.only_kind) for item in cases]
         write_measured_models(out, written, of_curves and of_curves.model)
+    fits = [*cases, of_curves] if of_curves is not None else cases
+    notices = [*notices, *(notice for item in fits for notice in item.notices)]
     return MeasuredFit(cases, left_out, notices, of_curves)
 
 
@@ -203,6 +209,7 @@ def fit_case(measured, case, fitted, features="single_form"):
     predictions = _predict(samples, case, fitted)
     base, reason = _find_base(predictions, samples, case, fitted)
     base_model = fitted.models[base, case] if base else None
+    beds["predicted"] = base_model.predict(beds) if base else _preferred(predictions, len(beds))
     candidates = fit_candidates(base_model, beds, case, features, reason)
     if not any(item.model for item in candidates):
         reasons = "; ".join(dict.fromkeys(item.reason for item in candidates))
@@ -217,11 +224,12 @@ def fit_case(measured, case, fitted, features="single_form"):
         agreement=_compare(predictions, beds.n.to_numpy()),
         base=base,
         base_model=base_model,
-        base_error=float(np.abs(base_model.predict(beds) - beds.n).mean()) if base else np.nan,
+        base_error=float(np.abs(beds.predicted - beds.n).mean()) if base else np.nan,
         base_reason=reason,
         features=features,
         candidates=tuple(candidates),
         chosen=choose(candidates),
+        notices=tuple(question_repeats(group_repeats(measured), beds.predicted)),
     )
 
 
@@ -248,6 +256,16 @@ def _predict(samples, case, fitted):
         for row in predict_sample(sample, case, fitted, published):
             predictions.setdefault((row["by"], row["model"]), [None] * len(samples))[i] = row
     return predictions
+
+
+def _preferred(predictions, number):
+    """Return the porosity of each of `number` beds by that of our models which is preferred for it, nan without one."""
+    n = np.full(number, np.nan)
+    for (by, _), rows in predictions.items():
+        for i, row in enumerate(rows):
+            if by == "ours" and row is not None and row["preferred"]:
+                n[i] = row["n"]
+    return n
 
 
 def _compare(predictions, n):

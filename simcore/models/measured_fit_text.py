@@ -17,6 +17,7 @@ from simcore.models.measured_text_parts import (
     plain_candidate,
     records,
     sentences_on_reasons,
+    table_of_beds,
     table_of_candidates,
     table_of_coefficients,
     wrap,
@@ -65,6 +66,7 @@ def _describe_case(case, path):
     of_rows = f" (means of {rows} rows)" if rows > len(beds) else ""
     lines = [f"Measured porosities of {path}: {len(beds)} beds{of_rows}, case {case.given}", ""]
     lines += _describe_agreement(case)
+    lines += table_of_beds(beds, f"{_name(case.base)} as it is" if case.base else "our models")
     lines += ["Models, with the mean absolute error of predicting each bed from the others", ""]
     lines += [
         *table_of_candidates(case, f"{describe_model('ours', case.base)} as it is"),
@@ -200,7 +202,7 @@ def fit_as_json(result, path):
     cases = [
         {
             "case": case.case,
-            "beds": records(case.beds[["name", "n", "n_error", "repeats", *(name for name, _ in _AXES)]]),
+            "beds": records(case.beds[["name", "n", "n_error", "repeats", "predicted", *(name for name, _ in _AXES)]]),
             "agreement": records(case.agreement),
             "corrected": case.base or None,
             "features": case.features,

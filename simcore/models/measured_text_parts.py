@@ -8,6 +8,7 @@ import numpy as np
 from simcore.grains.text_columns import text_columns
 
 WIDTH = 116
+LISTED = 10  # maximum number of beds in the text of a fit
 
 
 def table_of_candidates(case, as_it_is):
@@ -20,6 +21,25 @@ def table_of_candidates(case, as_it_is):
         mark = "chosen" if item is case.chosen else "not fitted" if item.reason else ""
         cells.append([item.kind, count, str(item.needed), number(item.error), number(item.error_se), mark])
     return text_columns(cells)
+
+
+def table_of_beds(beds, model):
+    """Return the lines on the measured and predicted porosities of a CaseFit or CurveFit; the last line is empty.
+
+    model: name of the one that predicts. No lines are returned if no bed is predicted. If there are more than LISTED
+    beds, those with the largest differences are listed, the largest first.
+    """
+    if beds.predicted.isna().all():
+        return []
+    beds, text = beds.assign(difference=beds.predicted - beds.n), f"Measured porosity and the prediction of {model}"
+    if len(beds) > LISTED:
+        largest = beds.difference.abs().sort_values(ascending=False, kind="stable").index[:LISTED]
+        beds, text = beds.loc[largest], f"{text}: the {LISTED} of {len(beds)} beds with the largest difference"
+    cells = [["bed", "measured", "predicted", "difference"]]
+    for bed in beds.itertuples():
+        difference = "-" if math.isnan(bed.difference) else f"{bed.difference:+.4f}"
+        cells.append([bed.name, f"{bed.n:.4f}", number(bed.predicted), difference])
+    return [*wrap(text), "", *text_columns(cells), ""]
 
 
 def table_of_coefficients(case):

@@ -15,6 +15,7 @@ from simcore.grains.measured_forms import Sample
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.fitting import fit_reference_models, read_campaign_models
 from simcore.models.measured_curves import CORRECTED, OURS, fit_curves
+from simcore.models.measured_fit import MeasuredFit
 from simcore.models.measured_fit_text import describe_fit
 from simcore.models.prediction import predict_samples
 from simcore.models.size_and_form.bed_prediction import predict_curve
@@ -90,6 +91,16 @@ def test_too_few_beds_and_repeats(fitted):
         fit_curves(2 * beds[:2], fitted)
     same_form = [MeasuredBed(beds[0].sample, bed.n, np.nan, bed.case, bed.curve) for bed in beds]
     assert len(fit_curves(same_form, fitted).beds) == 3, "beds of one form with different curves are different beds"
+
+
+def test_a_solid_fraction_of_a_bed_with_a_sieve_curve_is_questioned(fitted):
+    beds = beds_of(lambda n: n + 0.01, 4, fitted)
+    result = fit_curves([*beds[:3], replace(beds[3], n=1 - beds[3].n)], fitted)
+    (notice,) = result.notices
+    assert notice.startswith("bed 3: measured 0.") and notice.endswith("the solid fraction, 1 − n?")
+    text = describe_fit(MeasuredFit([], [], [], result), "beds.csv")
+    assert "Measured porosity and the prediction of our model of size and form as it is" in text
+    assert f"{1 - beds[3].n:.4f}" in text
 
 
 def test_a_bed_that_is_not_evaluated_is_named(fitted):

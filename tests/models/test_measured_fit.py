@@ -1,6 +1,8 @@
 """Fits to measured beds whose truth is given: what is chosen and refused, and how `predict` uses the result."""
 
 import json
+import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -15,6 +17,7 @@ from simcore.models.fitting import FittedModels, fit_reference_models, read_camp
 from simcore.models.measured_file import read_measured_models, write_measured_models
 from simcore.models.measured_fit import Candidate, MeasuredFit, average_repeats, choose, fit_case, left_out_errors
 from simcore.models.measured_fit_text import describe_fit, sentences
+from simcore.models.measured_plausibility import question_beds
 from simcore.models.prediction import predict_samples
 from simcore.models.single_form import single_form_models
 from tests.helpers.reference_rows import porosity_of_form, random_forms, sample_of_one_form
@@ -280,6 +283,67 @@ def test_several_cases_are_fitted_and_small_ones_left_out(tmp_path, capsys):
     assert "Left out: case B30: 1 row with 1 form" in text
     assert "The model of case U1 is written. Use it: scree predict FORMS.csv --case U1 --models" in text
     assert read_campaign_models(tmp_path / "model.json").cases() == ["U1"]
+
+
+@pytest.mark.parametrize(
+    ("n", "question"),
+    [
+        (0.62, "bed A: measured 0.62, predicted 0.35; is 0.62 the solid fraction, 1 − n?"),
+        (0.51, "bed A: measured 0.51, predicted 0.35; is 0.51 the solid fraction, 1 − n?"),
+        (
+            0.95,
+            "bed A: measured 0.95, predicted 0.35; check that 0.95 is the volume of the pores over the volume of the",
+        ),
+        (
+            0.15,
+            "bed A: measured 0.15, predicted 0.35; check that 0.15 is the volume of the pores over the volume of the",
+        ),
+        (0.49, None),
+        (0.21, None),
+    ],
+)
+def test_a_porosity_far_from_the_prediction_is_questioned(n, question):
+    bed = MeasuredBed(Sample("A", 0, 0.6, 0.1, 0.7, 0.1, 0.42, 0.1), n, np.nan, "U1")
+    told = question_beds([bed], [0.35])
+    assert (told == []) if question is None else told[0].startswith(question)
+    assert question_beds([bed], [np.nan]) == []
+
+
+def test_fit_names_the_bed_whose_column_n_has_the_solid_fraction(tmp_path, capsys):
+    head, form = "sample,n,mean_FL,std_FL,mean_EL,std_EL\n", "0.62,0.13,0.72,0.12"
+    rest = "B,0.36,0.55,0.13,0.7,0.12\nC,0.345,0.66,0.12,0.74,0.11\n"
+    path = tmp_path / "beds.csv"
+    path.write_text(f"{head}A,0.62,{form}\n{rest}")
+    assert main(["fit", str(path), "--case", "one-class"]) == 0
+    told = capsys.readouterr()
+    assert told.err == "scree fit: bed A: measured 0.62, predicted 0.35; is 0.62 the solid fraction, 1 − n?\n"
+    assert re.search(r"^A +0.6200 +0.3498 +-0.2702$", told.out, re.MULTILINE)
+    path.write_text(f"{head}A,0.36,{form}\nA,0.62,{form}\nA,0.36,{form}\n{rest}")
+    result = simcore.fit(path, case="U1")
+    assert [notice.split(":")[0] for notice in result.notices] == ["bed A (row 3)"], "each repeat is compared by itself"
+    assert result.cases[0].beds.predicted.iloc[0] == pytest.approx(0.3498, abs=1e-4)
+
+
+@pytest.mark.parametrize("number", [10, 11])
+def test_a_long_table_lists_the_ten_beds_with_the_largest_differences(fitted, number):
+    beds = beds_of_one_form(number, ours)
+    beds = [replace(bed, n=bed.n + 0.001 * (i + 1) * (-1) ** i) for i, bed in enumerate(beds)]
+    text = describe_fit(MeasuredFit([fit_case(beds, "U1", fitted)], [], []), "beds.csv")
+    rows = re.findall(r"^bed (\d+) .* ([+-]\d\.\d{4})$", text, re.MULTILINE)
+    expected = [(str(i), f"{-0.001 * (i + 1) * (-1) ** i:+.4f}") for i in range(number)]
+    assert rows == (expected if number == 10 else expected[:0:-1])
+    assert ("the 10 of 11 beds with the largest difference" in text) == (number == 11)
+
+
+def test_beds_without_a_prediction_are_not_questioned(fitted):
+    """Without a model of the case nothing is listed; of a model that does not suit all beds, the others are."""
+    beds = beds_of_one_form(9, own, scatter=1e-6)
+    result = fit_case([replace(bed, n=bed.n + 0.3) for bed in beds], "my curve", fitted)
+    assert result.beds.predicted.isna().all() and result.notices == ()
+    assert "prediction of" not in describe_fit(MeasuredFit([result], [], []), "beds.csv")
+    far = MeasuredBed(sample_of_one_form(0.2, 0.3), 0.6, np.nan, "U1")
+    result = fit_case([*beds_of_one_form(9, ours, scatter=0.004), far], "U1", fitted)
+    assert result.beds.predicted.notna().tolist() == [True] * 9 + [False] and result.notices == ()
 
 
 def test_the_hint_has_the_case_that_was_given(tmp_path, capsys):
