@@ -1,9 +1,10 @@
-"""The example in docs/how_to/fit_a_table.md is what the command prints, and its table follows the page."""
+"""The examples in docs/how_to/fit_a_table.md are what the commands print, and their tables follow the page."""
 
 import re
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from simcore.__main__ import main
 from simcore.grains.measured_beds import read_measured_beds
@@ -11,13 +12,17 @@ from simcore.paths import REFERENCE, ROOT
 from simcore.reference.r22_tables import read_r22_table
 
 
-def test_the_example_is_what_the_command_prints(capsys, monkeypatch):
-    monkeypatch.chdir(ROOT)
+def test_the_examples_are_what_the_commands_print(capsys, monkeypatch, tmp_path):
+    """Of a block with several commands, the output of the last one is shown; files are written beside examples/."""
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
     text = (ROOT / "docs" / "how_to" / "fit_a_table.md").read_text(encoding="utf-8")
     blocks = re.findall(r"^```(?:text)?\n(.*?)\n```", text, re.DOTALL | re.MULTILINE)
-    assert len(blocks) == 4
-    for command, output in zip(blocks[::2], blocks[1::2], strict=True):
-        assert main(command.removeprefix("scree ").split()) == 0
+    assert len(blocks) == 6
+    for commands, output in zip(blocks[::2], blocks[1::2], strict=True):
+        for command in commands.splitlines():
+            capsys.readouterr()
+            assert main(command.removeprefix("scree ").split()) == 0
         told = capsys.readouterr()
         assert told.out.rstrip("\n") == output and told.err == ""
 
@@ -30,11 +35,18 @@ def test_the_table_of_gravels_is_that_of_the_paper():
         assert (rows[column] == forms[name]).all()
 
 
-def test_the_table_of_the_example_is_that_of_committed_packings():
+@pytest.mark.parametrize(
+    ("table", "selection", "number"),
+    [
+        ("measured.csv", "sigma_FL_nominal == 0.2", 13),
+        ("measured_later.csv", "sigma_FL_nominal == 0.1 and mu_FL_nominal in (0.5, 0.7)", 4),
+    ],
+)
+def test_the_tables_of_the_examples_are_those_of_committed_packings(table, selection, number):
     rows = pd.read_csv(REFERENCE / "born_above_bed" / "form_mixture.csv")
-    rows = rows[(rows.sigma_FL_nominal == 0.2) & (rows.sigma_EL_nominal == 0.1)]
-    beds, _ = read_measured_beds(ROOT / "examples" / "measured.csv", "U1")
-    assert len(beds) == len(rows) == 13
+    rows = rows.query(f"sigma_EL_nominal == 0.1 and {selection}")
+    beds, _ = read_measured_beds(ROOT / "examples" / table, "U1")
+    assert len(beds) == len(rows) == number
     for bed, row in zip(beds, rows.itertuples(), strict=True):
         given = (bed.n, bed.n_error, bed.sample.mu_EL, bed.sample.sigma_EL)
         np.testing.assert_allclose(given, (row.n, row.n_error, row.mu_EL, row.sigma_EL), atol=0.51e-4)

@@ -11,7 +11,8 @@ def add(commands) -> None:
         help="compare measured porosities with our models, and correct or fit a model to them",
         description="Bias and scatter of our models on beds whose porosity you measured, and the simplest model that "
         "predicts them: an offset or a rescaling of ours, or a model of your own. An offset needs 3 beds of different "
-        "form, a rescaling 6, and features 3 per coefficient.",
+        "form, a rescaling 6, and features 3 per coefficient. With --models MODEL.json, the file of an earlier fit, "
+        "its models are tested on these beds, and nothing is fitted.",
     )
     parser.add_argument(
         "measured",
@@ -28,7 +29,9 @@ def add(commands) -> None:
     parser.add_argument("--finest", metavar="SIZE", help='with sieve curves: size of the finest grains, "0.02 mm"')
     parser.add_argument("--coarsest", metavar="SIZE", help='with sieve curves: size of the coarsest grains, "90 mm"')
     sizes.add_argument(
-        "--case", help="sieve curve of all beds, without a column case: U1, ..., or one-class: any single sieve class"
+        "--case",
+        help="sieve curve of all beds, without a column case: U1, ..., or one-class: any single sieve class; it is "
+        "that of the models if --models is a file of an earlier fit",
     )
     parser.add_argument(
         "--features",
@@ -47,7 +50,8 @@ def add(commands) -> None:
         "--models",
         type=Path,
         metavar="PATH",
-        help="other models to compare and correct: folder results/models of a campaign, or the file of an earlier fit",
+        help="file of an earlier fit, to test its models on these beds, with --out to correct them; or folder "
+        "results/models of a campaign, to compare and correct its models",
     )
     parser.add_argument("--source", help="use only the committed packings of one form with grains of this source")
     parser.add_argument("--json", action="store_true", help="print JSON")
@@ -55,26 +59,41 @@ def add(commands) -> None:
 
 
 def run(options) -> int:
-    """Print the comparison and the models, write the file if it is asked for, and return 0."""
+    """Print the test of models, or the comparison and the fitted models, write their file, and return 0."""
     from simcore.commands.sieve import read_size
+    from simcore.models.measured_file import is_file_of_fit
+
+    given = {
+        "case": options.case,
+        "sieve": options.sieve,
+        **{name: read_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")},
+        "source": options.source,
+        "column": options.sample,
+    }
+    tested = options.out is None and options.models is not None and is_file_of_fit(options.models)
+    result, text = (_test if tested else _fit)(options, given)
+    if not options.json:
+        for notice in result.notices:
+            print(f"scree fit: {notice}", file=sys.stderr)
+    print(text)
+    return 0
+
+
+def _test(options, given):
+    """Return the MeasuredCheck of the models of an earlier fit, and its text."""
+    from simcore.models.measured_check import check_models
+    from simcore.models.measured_check_text import check_as_json, describe_check
+
+    result = check_models(options.measured, options.models, **given)
+    return result, (check_as_json if options.json else describe_check)(result, options.measured, options.models)
+
+
+def _fit(options, given):
+    """Return the MeasuredFit, and its text."""
     from simcore.models.measured_fit import fit
     from simcore.models.measured_fit_text import describe_fit, fit_as_json
 
-    result = fit(
-        options.measured,
-        case=options.case,
-        sieve=options.sieve,
-        **{name: read_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")},
-        features=options.features,
-        models=options.models,
-        source=options.source,
-        column=options.sample,
-        out=options.out,
-    )
+    result = fit(options.measured, **given, features=options.features, models=options.models, out=options.out)
     if options.json:
-        print(fit_as_json(result, options.measured))
-        return 0
-    for notice in result.notices:
-        print(f"scree fit: {notice}", file=sys.stderr)
-    print(describe_fit(result, options.measured, options.out))
-    return 0
+        return result, fit_as_json(result, options.measured)
+    return result, describe_fit(result, options.measured, options.out)

@@ -78,19 +78,22 @@ class CurveReader:
         return self._read[path], notices
 
 
-def read_measured_beds(path, case=None, column=None, sieve=None, curves=None):
+def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, default=None):
     """Read a table and return (beds, notices): a list of MeasuredBed in the order of the rows, and a list of sentences.
 
     path: a text file or a workbook, see simcore.grains.table_file. case: sieve curve of all beds, for a table without
-    the columns case and sieve. sieve: path of the sieve curve of all beds instead. curves: CurveReader. column:
-    name of the column with the names of the beds; with None it is "sample", if there is such a column. Rows of one name
-    are repeats with the same form. ValueError names the file, the row as a spreadsheet counts it, and the remedy.
+    the columns case and sieve. sieve: path of the sieve curve of all beds instead. default: the case if neither these
+    columns nor case nor sieve are given. curves: CurveReader. column: name of the column with the names of the beds;
+    with None it is "sample", if there is such a column. Rows of one name are repeats with the same form. ValueError
+    names the file, the row as a spreadsheet counts it, and the remedy.
     """
     table = read_table(path)
     if not table.header or table.cells.empty:
         raise ValueError(f"{table.path}: there are no rows below a header; {NEEDED}")
     positions, percent = _recognise(table.path, table.header)
     curves = curves or CurveReader()
+    if case is None and sieve is None and not {"case", "sieve"} & set(positions):
+        case = default
     _check_case(table.path, positions, case, sieve)
     of_all = None if sieve is None else curves.read("--sieve", str(sieve))
     forms, names, given = _name_rows(_without(table, positions.values()), column)

@@ -7,7 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from simcore.models.files import read_models
-from simcore.models.measured_file import not_written_by_fit, read_curve_models, read_measured_models
+from simcore.models.measured_file import is_file_of_fit, not_written_by_fit, read_curve_models, read_measured_models
 from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import fewest_samples, fit_and_validate
 from simcore.models.single_form import SINGLE_FORM
@@ -112,7 +112,7 @@ def read_campaign_models(path):
     ValueError if there is no model.
     """
     path = Path(path)
-    if path.is_file() and path.suffix != ".nc":
+    if is_file_of_fit(path):
         return FittedModels(*read_measured_models(path), _read_curve_correction(path))
     models, behind = {}, {}
     files = [path / f"{name}.nc" for name in ("single_form", "form_mixture", "unified")]

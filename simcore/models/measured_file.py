@@ -30,6 +30,11 @@ def write_measured_models(path, models, curve=None):
     Path(path).write_text(text + "\n", encoding="utf-8")
 
 
+def is_file_of_fit(path):
+    """Return whether a path of models is taken for a file of `fit`, and not for a folder or a file of a campaign."""
+    return Path(path).is_file() and Path(path).suffix != ".nc"
+
+
 def _entries(fitted):
     """Return the entries of FittedModels with their own names."""
     return [

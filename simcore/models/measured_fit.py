@@ -19,7 +19,6 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from simcore.grains.measured_beds import CurveReader, read_measured_beds
 from simcore.models.correction import CORRECTIONS, correct_model, regressors
 from simcore.models.measured_candidates import (
     BEDS_NEEDED,
@@ -39,6 +38,7 @@ from simcore.models.measured_curves import CurveFit, fit_curves
 from simcore.models.measured_file import MEASURED, write_measured_models
 from simcore.models.measured_plausibility import question_repeats
 from simcore.models.measured_prediction import models_for
+from simcore.models.measured_table import read_beds
 from simcore.models.mixtures import MIXTURE
 from simcore.models.prediction import (
     ONE_CLASS,
@@ -53,7 +53,6 @@ from simcore.models.regression import PorosityModel
 from simcore.models.regression import fit as fit_features
 from simcore.models.single_form import SINGLE_FORM
 from simcore.models.unified import UNIFIED
-from simcore.scene.sizes import all_cases
 
 BEDS_PER_COEFFICIENT = 3
 FEATURE_SETS = {
@@ -152,15 +151,15 @@ def fit(
     as in simcore.grains.measured_beds. case: sieve curve, if there is no such column; "one-class" for any single sieve
     class. sieve: path of a table with the sieve curve of all beds instead; beds with such a curve are compared with the
     model of size and form. features: key of FEATURE_SETS. models: folder results/models of a campaign, or a file of an
-    earlier fit, instead of the models of the committed packings; source: only those of grains from this source. column:
-    with the names of the beds. finest, coarsest [m]: as in simcore.grains.sieve_table.read_curve. out: file for the
-    chosen models, for `predict(..., models=out)`.
+    earlier fit, instead of the models of the committed packings; such a file with one case gives the case. source: only
+    those of grains from this source. column: with the names of the beds. finest, coarsest [m]: as in
+    simcore.grains.sieve_table.read_curve. out: file for the chosen models, for `predict(..., models=out)`.
     ValueError if the table or an argument is wrong, or if there are too few beds for any model.
     """
     _check_features(features)
-    curves = CurveReader({name: of_case.curve for name, of_case in all_cases().items()}, finest, coarsest)
-    beds, notices = read_measured_beds(path, case, column, sieve, curves)
-    fitted = models_for(models, source)
+    fitted = None if models is None else models_for(models, source)
+    beds, notices = read_beds(path, fitted, models, case, sieve, column, finest, coarsest)
+    fitted = fitted or models_for(None, source)
     by_case, cases, left_out = {}, [], []
     for bed in beds:
         if bed.curve is None:

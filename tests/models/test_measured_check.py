@@ -1,0 +1,132 @@
+"""The models of an earlier fit are tested on later beds, from one bed on, and nothing is fitted."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import simcore
+from simcore.__main__ import main
+from simcore.models.measured_check import check_models
+from simcore.models.measured_check_text import describe_check
+from simcore.paths import ROOT
+
+HEAD = "sample,n,mean_FL,std_FL,mean_EL,std_EL\n"
+FORM, OTHER = "0.62,0.13,0.72,0.12", "0.55,0.13,0.7,0.12"
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    """Return the path of an offset that was fitted to the 13 beds of the example."""
+    path = tmp_path_factory.mktemp("model") / "model.json"
+    assert simcore.fit(ROOT / "examples" / "measured.csv", case="one-class", out=path).cases[0].chosen.kind == "offset"
+    return path
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write_beds(*rows, head=HEAD):
+        (tmp_path / "new.csv").write_text(head + "".join(f"{row}\n" for row in rows))
+        return tmp_path / "new.csv"
+
+    return write_beds
+
+
+def test_bias_scatter_and_share_are_those_of_the_predictions(write, model):
+    """The beds are predicted as by `predict`, and lie at known distances from the predictions."""
+    forms = [f"f{i},{form}" for i, form in enumerate((FORM, OTHER, FORM, OTHER))]
+    path = write(*forms, head=HEAD.replace("n,", ""))
+    predicted = simcore.predict(path, "U1", models=model).query("by == 'ours'")
+    added = np.array([0.0, 0.002, -0.004, 0.05])
+    n = predicted.n.to_numpy() + added
+    path = write(*(f"f{i},{value!r},{(FORM, OTHER)[i % 2]}" for i, value in enumerate(n.tolist())))
+    (check,) = check_models(path, model).checks
+    np.testing.assert_allclose(check.beds[["predicted", "lower", "upper"]], predicted[["n", "lower", "upper"]])
+    assert check.beds.inside.tolist() == [True, True, True, False] and check.inside == 0.75
+    assert check.bias == pytest.approx(-added.mean()) and check.scatter == pytest.approx(added.std(ddof=1))
+    for case in ("U1", "one-class"):
+        assert check_models(path, model, case=case).checks[0].beds.equals(check.beds)
+
+
+def test_one_bed_and_beds_of_one_form_are_tested(write, model, capsys):
+    path = write(f"A,0.35,{FORM}")
+    assert main(["fit", str(path), "--models", str(model)]) == 0
+    told = capsys.readouterr()
+    assert told.err == "" and "new.csv: 1 bed, case U1\n" in told.out
+    assert f"Model: offset of unified, 13 measured beds: {model}\n" in told.out
+    (check,) = check_models(path, model).checks
+    bed = check.beds.iloc[0]
+    difference, interval = f"{bed.predicted - 0.35:+.4f}", f"{bed.lower:.4f} to {bed.upper:.4f}"
+    assert f"A    0.3500    {bed.predicted:.4f}     {interval}  {difference}     yes" in told.out.splitlines()
+    assert f"1     {difference}  -        1 of 1 (100 %)" in told.out.splitlines()
+    assert np.isnan(check.scatter)
+    assert main(["fit", str(path), "--models", str(model), "--json"]) == 0
+    (test,) = json.loads(capsys.readouterr().out)["tests"]
+    assert test["scatter"] is None and test["inside"] == 1 and test["beds"][0]["predicted"] == bed.predicted
+    path = write(f"A,0.35,{FORM}", f"B,0.36,{FORM}", f"B,0.40,{FORM}")
+    (check,) = check_models(path, model).checks
+    assert check.beds.name.tolist() == ["A", "B", "B (row 4)"] and check.scatter == pytest.approx(0.0264575, abs=1e-6)
+
+
+def test_a_case_that_contradicts_the_model_is_an_error(write, model, tmp_path, capsys):
+    path = write(f"A,0.35,{FORM}")
+    for more in ([], ["--out", str(tmp_path / "new.json")]):
+        assert main(["fit", str(path), "--models", str(model), "--case", "U7", *more]) == 2
+        told = capsys.readouterr()
+        assert told.out == "" and not (tmp_path / "new.json").exists()
+        assert told.err == f"scree fit: --case U7: {model} is for case U1; leave out --case, or give other models\n"
+    head = HEAD.replace("n,", "case,n,")
+    result = check_models(write(f"A,one-class,0.35,{FORM}", f"B,U7,0.3,{FORM}", head=head), model)
+    assert [check.beds.name.tolist() for check in result.checks] == [["A"]]
+    assert result.left_out == [f"case U7: 1 row; {model} is for case U1"]
+    assert "Left out: case U7: 1 row;" in describe_check(result, path, model)
+    with pytest.raises(ValueError, match="new.csv: case U7: 1 row; .*model.json is for case U1$"):
+        check_models(write(f"B,U7,0.3,{FORM}", head=head), model)
+    with pytest.raises(ValueError, match="new.csv: 1 row with a sieve curve; .*model.json is for case U1$"):
+        check_models(write(f"A,0.35,{FORM}"), model, sieve=ROOT / "examples" / "sieve_curve.csv")
+
+
+def test_with_out_the_model_is_corrected(write, model, tmp_path, capsys):
+    path, out = write(f"A,0.35,{FORM}", f"B,0.36,{OTHER}", "C,0.345,0.66,0.12,0.74,0.11"), tmp_path / "new.json"
+    assert main(["fit", str(path), "--models", str(model), "--out", str(out)]) == 0
+    assert "The chosen model is the offset of your fit" in " ".join(capsys.readouterr().out.split())
+    assert out.exists()
+    out.unlink()
+    assert main(["fit", str(write(f"A,0.35,{FORM}")), "--models", str(model), "--out", str(out)]) == 2
+    assert "case U1: 1 row with 1 form; the simplest model" in capsys.readouterr().err and not out.exists()
+
+
+def test_beds_outside_the_range_and_unlikely_porosities_are_named(write, model, capsys):
+    path = write(f"A,0.62,{FORM}", "flat,0.5,0.12,0.02,0.3,0.02")
+    assert main(["fit", str(path), "--models", str(model)]) == 0
+    told = capsys.readouterr()
+    assert told.err.startswith("scree fit: bed A: measured 0.62, predicted 0.3") and told.err.count("\n") == 1
+    assert "is 0.62 the solid fraction, 1 − n?" in told.err
+    assert "- Bed flat is not predicted: mu_EQ_inv = " in told.out and "0 of 1 (0 %)" in told.out
+    with pytest.raises(ValueError, match="the model is evaluated for none of the beds; flat: mu_EQ_inv = "):
+        check_models(write("flat,0.5,0.12,0.02,0.3,0.02"), model)
+    path = write("A,0.35,0.62,0.72", head="sample,n,FL,EL\n")
+    text = describe_check(check_models(path, model), path, model)
+    expected = "Bed A differs from the beds behind the model: it was fitted only to beds with a distribution of form."
+    assert expected in " ".join(text.split())
+
+
+def test_a_correction_for_sieve_curves_is_tested(tmp_path, capsys):
+    """Each gravel of the example is predicted by the offset that the seven give."""
+    example, path = ROOT / "examples" / "measured_curves.csv", tmp_path / "model.json"
+    fitted = simcore.fit(example, out=path).curves
+    (check,) = check_models(example, path).checks
+    assert check.case == "" and check.bias == pytest.approx(0, abs=1e-9)
+    np.testing.assert_allclose(check.beds.predicted, fitted.beds.predicted + fitted.model.coefficients[0])
+    assert check.scatter == pytest.approx(fitted.model.scatter)
+    rows = pd.read_csv(example).iloc[:1]
+    rows.drop(columns="sieve").to_csv(tmp_path / "one.csv", index=False)
+    assert main(["fit", str(tmp_path / "one.csv"), "--models", str(path)]) == 2
+    assert "the sieve curve of the beds is not given" in capsys.readouterr().err
+    curve = ROOT / "examples" / "sieve_curve.csv"
+    assert main(["fit", str(tmp_path / "one.csv"), "--models", str(path), "--sieve", str(curve)]) == 0
+    text = capsys.readouterr().out
+    assert "one.csv: 1 bed with sieve curves\n" in text and "offset of the model of size and form, 7 measured" in text
+    assert main(["fit", str(tmp_path / "one.csv"), "--models", str(path), "--case", "U1"]) == 2
+    assert "is for beds with sieve curves; leave out --case" in capsys.readouterr().err
