@@ -27,6 +27,13 @@ def test_the_examples_are_what_the_commands_print(capsys, monkeypatch, tmp_path)
         assert told.out.rstrip("\n") == output and told.err == ""
 
 
+def test_the_porosity_from_a_bulk_density_is_that_of_the_page():
+    text = (ROOT / "docs" / "how_to" / "fit_a_table.md").read_text(encoding="utf-8")
+    pattern = r"n = 1 − ρ_bulk/ρ_grain, for example 1 − (\d+)/(\d+) = ([\d.]+)\."
+    bulk, grain, n = re.search(pattern, " ".join(text.split())).groups()
+    assert f"{1 - int(bulk) / int(grain):.3f}" == n
+
+
 def test_the_table_of_gravels_is_that_of_the_paper():
     rows = pd.read_csv(ROOT / "examples" / "measured_curves.csv").set_index("sieve")
     cases, forms = read_r22_table("table3_cases").set_index("case"), read_r22_table("table2_form_statistics").iloc[0]
