@@ -7,6 +7,7 @@ import pytest
 from benchmarks.studies import form_by_size
 from benchmarks.studies.form_by_size import USED, comparison, confirmed, ranges, statistics_by_class
 from simcore.grains.statistics import equancy_statistics
+from simcore.models.fitting import fit_reference_models
 from simcore.scene.sizes import all_cases
 
 
@@ -45,8 +46,11 @@ def test_a_bed_that_is_not_packed_is_named(monkeypatch, tmp_path):
 
 
 def test_predict_says_what_the_packed_beds_show():
-    """NOT_CONFIRMED in bed_prediction_text is a sentence on these beds; if this fails, take the sentence out."""
-    assert not confirmed(comparison())
+    """CHECK_BY_CLASS in bed_prediction_text is a sentence on these beds; if this fails, change the sentence."""
+    for of_form in (None, fit_reference_models().models["unified", "U1"]):
+        table = comparison(of_form=of_form)
+        by_class, together = (np.sqrt(np.mean(table[f"{kind}_{USED}"] ** 2)) for kind in ("by_class", "together"))
+        assert 0.75 < by_class / together < 1.25
 
 
 @pytest.mark.parametrize("by_class, expected", [([0.01, -0.02], False), ([0.01, -0.01], True), ([0.0, 0.015], True)])

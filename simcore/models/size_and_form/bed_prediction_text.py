@@ -22,9 +22,7 @@ from simcore.models.size_and_form.forms_by_class import BY_CLASS, predict_by_cla
 
 NO_MODELS = FittedModels({}, {})
 # The rule is in docs/appendices/size_and_form_plan.md, the beds in results/reference/form_by_size.csv.
-NOT_CONFIRMED = (
-    "Not confirmed: on two packed beds, forms by sieve class err as much as the form of all grains together."
-)
+CHECK_BY_CLASS = "On two packed beds, forms by sieve class err about as much as the form of all grains together."
 
 
 def predict_curve_file(
@@ -91,7 +89,7 @@ def describe(table, curve, path, level=0.95, fitted=NO_MODELS) -> str:
         ),
         "",
         f"Model of size and form: candidate {model.candidate}; {model.behind}",
-        *([NOT_CONFIRMED] if first["sample"] == BY_CLASS else []),
+        *([CHECK_BY_CLASS] if first["sample"] == BY_CLASS else []),
         *([f"Correction: {fitted.curve.behind}"] if fitted.curve else []),
     ]
     outside = table[(table["outside"] != "") & (table["refused"] == "")]

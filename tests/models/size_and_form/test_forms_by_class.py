@@ -136,9 +136,9 @@ def test_the_command_and_the_function_use_the_classes(table, capsys):
 def test_the_text_says_that_predictions_by_class_were_not_confirmed(table, capsys):
     curve = ROOT / "examples" / "sieve_curve.csv"
     assert main(["predict", str(table(f"1.9-16 mm,{FLAT}")), "--sieve", str(curve)]) == 0
-    assert "Not confirmed: on two packed beds" in capsys.readouterr().out
+    assert "On two packed beds, forms by sieve class err" in capsys.readouterr().out
     assert main(["predict", str(ROOT / "examples" / "forty_grains.csv"), "--sieve", str(curve)]) == 0
-    assert "Not confirmed" not in capsys.readouterr().out
+    assert "On two packed beds" not in capsys.readouterr().out
 
 
 def test_pack_writes_the_forms_of_each_class(table, tmp_path):
