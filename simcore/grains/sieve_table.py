@@ -26,14 +26,13 @@ from simcore.grains.sieve_columns import (
     reading_rules,
     recognise_sieve_columns,
 )
+from simcore.grains.sieve_sums import FEWEST_SUMS, SMALL_STEP, notices_of_sums
 from simcore.grains.summary_rows import find_summary_rows
 from simcore.grains.table_file import read_table
 
 SMALL_END = 0.01  # open ends with at most this share of the mass get a bound by assumption
 ROUNDING = 0.005  # deviation of a sum from 1 that rounded percentages explain; it is removed, with a notice
 AGREEMENT = 0.01  # two columns of one table agree if their shares passing differ by at most this
-FEWEST_SUMS = 4  # rows from which masses that only rise or only fall may be sums
-SMALL_STEP = 0.1  # maximum of the last step of sums, as a share of the largest sum
 _PAN = re.compile(r"pan|receiver|bottom|base|tray|boden|bodenschale|schale|fond|rest|< ?\S.*", re.IGNORECASE)
 _WITH_UNIT = re.compile(r"(.*?)\s*([a-zA-Zµμφϕ]+)\.?")
 
@@ -155,7 +154,7 @@ def read_sieve_table(path, coarsest=None):
         results.append((name, _passing(path, name, column, (rows, openings, pan), values, coarsest, notices)))
         if len(columns.amounts) == 1 and _is_mass_retained(column):
             coarse_to_fine = [values[row] for row in [*rows[::-1], *([] if pan is None else [pan])]]
-            notices += _notices_of_sums(name, column.unit, np.nan_to_num(coarse_to_fine), pan is not None)
+            notices += notices_of_sums(name, column.unit, np.nan_to_num(coarse_to_fine), pan is not None)
     if pan is None and all(_is_mass_retained(column) for column in columns.amounts):
         notices.append(
             f"there is no row `pan`: nothing is taken to pass {openings[0] * 1e3:g} mm; if finer grains were weighed, "
@@ -214,28 +213,6 @@ def _check_classes(path, table):
 def _is_mass_retained(column):
     """Return whether an AmountColumn has masses retained; a column without a unit is taken as masses."""
     return column.meaning == RETAINED and column.unit not in (PERCENT, FRACTION)
-
-
-def _notices_of_sums(name, unit, masses, has_pan):
-    """Return a notice if masses, from the coarsest sieve to the finest row, look like sums over sieves.
-
-    Sums retained rise down to the pan, which adds little; masses that pass fall from the total to nearly nothing. Such
-    masses may also be retained on single sieves, so that they are no error. has_pan: whether the last is in the pan.
-    """
-    steps, little = np.diff(masses), SMALL_STEP * masses.max()
-    if len(masses) < FEWEST_SUMS:
-        return []
-    if has_pan and np.all(steps >= 0) and np.count_nonzero(steps) >= 2 and steps[-1] < little:
-        return [
-            f"{name} rises from the coarsest sieve to the pan; if these are sums, name the column "
-            f"`cumulative retained [{unit or 'g'}]`"
-        ]
-    if np.all(steps <= 0) and np.count_nonzero(steps) >= 2 and masses[-1] < little:
-        return [
-            f"{name} falls from the coarsest sieve to the finest; if these masses pass the sieves, name the column "
-            f"`passing [{unit or 'g'}]`"
-        ]
-    return []
 
 
 def _leave_out_totals(path, cells, columns, notices):
