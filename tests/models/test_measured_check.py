@@ -52,14 +52,14 @@ def test_bias_scatter_and_share_are_those_of_the_predictions(write, model):
 def test_one_bed_and_beds_of_one_form_are_tested(write, model, capsys):
     path = write(f"A,0.35,{FORM}")
     assert main(["fit", str(path), "--models", str(model)]) == 0
-    told = capsys.readouterr()
-    assert told.err == "" and "new.csv: 1 bed, case U1\n" in told.out
-    assert f"Model: offset of unified, 13 measured beds: {model}\n" in told.out
+    printed = capsys.readouterr()
+    assert printed.err == "" and "new.csv: 1 bed, case U1\n" in printed.out
+    assert f"Model: offset of unified, 13 measured beds: {model}\n" in printed.out
     (check,) = check_models(path, model).checks
     bed = check.beds.iloc[0]
     difference, interval = f"{bed.predicted - 0.35:+.4f}", f"{bed.lower:.4f} to {bed.upper:.4f}"
-    assert f"A    0.3500    {bed.predicted:.4f}     {interval}  {difference}     yes" in told.out.splitlines()
-    assert f"1     {difference}  -        1 of 1 (100 %)" in told.out.splitlines()
+    assert f"A    0.3500    {bed.predicted:.4f}     {interval}  {difference}     yes" in printed.out.splitlines()
+    assert f"1     {difference}  -        1 of 1 (100 %)" in printed.out.splitlines()
     assert np.isnan(check.scatter)
     assert main(["fit", str(path), "--models", str(model), "--json"]) == 0
     (test,) = json.loads(capsys.readouterr().out)["tests"]
@@ -73,9 +73,9 @@ def test_a_case_that_contradicts_the_model_is_an_error(write, model, tmp_path, c
     path = write(f"A,0.35,{FORM}")
     for more in ([], ["--out", str(tmp_path / "new.json")]):
         assert main(["fit", str(path), "--models", str(model), "--case", "U7", *more]) == 2
-        told = capsys.readouterr()
-        assert told.out == "" and not (tmp_path / "new.json").exists()
-        assert told.err == f"scree fit: --case U7: {model} is for case U1; leave out --case, or give other models\n"
+        printed = capsys.readouterr()
+        assert printed.out == "" and not (tmp_path / "new.json").exists()
+        assert printed.err == f"scree fit: --case U7: {model} is for case U1; leave out --case, or give other models\n"
     head = HEAD.replace("n,", "case,n,")
     result = check_models(write(f"A,one-class,0.35,{FORM}", f"B,U7,0.3,{FORM}", head=head), model)
     assert [check.beds.name.tolist() for check in result.checks] == [["A"]]
@@ -100,10 +100,10 @@ def test_with_out_the_model_is_corrected(write, model, tmp_path, capsys):
 def test_beds_outside_the_range_and_unlikely_porosities_are_named(write, model, capsys):
     path = write(f"A,0.62,{FORM}", "flat,0.5,0.12,0.02,0.3,0.02")
     assert main(["fit", str(path), "--models", str(model)]) == 0
-    told = capsys.readouterr()
-    assert told.err.startswith("scree fit: bed A: measured 0.62, predicted 0.3") and told.err.count("\n") == 1
-    assert "is 0.62 the solid fraction, 1 − n?" in told.err
-    assert "- Bed flat is not predicted: mu_EQ_inv = " in told.out and "0 of 1 (0 %)" in told.out
+    printed = capsys.readouterr()
+    assert printed.err.startswith("scree fit: bed A: measured 0.62, predicted 0.3") and printed.err.count("\n") == 1
+    assert "is 0.62 the solid fraction, 1 − n?" in printed.err
+    assert "- Bed flat is not predicted: mu_EQ_inv = " in printed.out and "0 of 1 (0 %)" in printed.out
     with pytest.raises(ValueError, match="the model is evaluated for none of the beds; flat: mu_EQ_inv = "):
         check_models(write("flat,0.5,0.12,0.02,0.3,0.02"), model)
     path = write("A,0.35,0.62,0.72", head="sample,n,FL,EL\n")

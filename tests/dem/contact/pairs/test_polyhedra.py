@@ -81,6 +81,7 @@ def test_a_climb_from_a_hint_ends_at_the_farthest_vertex(clouds):
         start = hint(shapes, shape, *direction)
         assert shapes.vertex_start[shape] <= start < shapes.vertex_start[shape + 1]
         heights = clouds[shape].vertices @ direction
+        assert heights[start - shapes.vertex_start[shape]] > heights.max() - 0.5 * np.ptp(heights), "not near it"
         assert climb(shapes, start, *direction) == shapes.vertex_start[shape] + np.argmax(heights)
     assert hint(shapes, 7, 0.0, 0.0, 0.0) == shapes.vertex_start[7]
 
