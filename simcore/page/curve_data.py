@@ -13,6 +13,7 @@ from simcore.models.packing_models.literature import COMPACTION, LITERATURE
 from simcore.models.packing_models.rods import LARGEST_FACTOR, RODS, SMALLEST_FACTOR
 from simcore.models.size_and_form import skeletons
 from simcore.models.size_and_form.bed_prediction import COLUMNS, MORE_MASS, loosest, rhine_sample
+from simcore.models.size_and_form.bed_prediction_text import CHECK_BY_CLASS, STATE
 from simcore.models.size_and_form.candidates import CANDIDATES, FIXED_Q
 from simcore.models.size_and_form.forms_by_class import BY_CLASS
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
@@ -44,7 +45,8 @@ def curve_data(levels, model=None):
     model = model or current_model()
     class_name, class_label = class_patterns()
     return {
-        "classes": {"name": class_name, "label": class_label, "by_class": BY_CLASS},
+        "classes": {"name": class_name, "label": class_label, "by_class": BY_CLASS, "check": CHECK_BY_CLASS},
+        "state": STATE,
         "model": model_data(model, levels),
         "reference": {
             "bounds": [1e3 * float(bound) for bound in skeletons.REFERENCE.bounds],

@@ -4,6 +4,7 @@ from urllib.parse import urlencode
 
 import pytest
 
+from simcore.models.size_and_form.bed_prediction_text import CHECK_BY_CLASS, STATE
 from simcore.scene.specification import read_specification
 
 SIEVES = "Siebweite [mm];Masse [g]\n16;0\n8;400,5\n4;200\n2;50\n"
@@ -29,6 +30,7 @@ def porosity(page):
 def test_a_curve_alone_has_the_porosity_of_the_rhines_form(open_page):
     page = open_curve(open_page)
     assert "the form is the Rhine's mean form" in page.locator("#notices").inner_text()
+    assert STATE in page.locator("#answer").inner_text()
     assert "placed and not shaken" in page.locator("#answer").inner_text()
     labels = page.locator("#predictions svg").get_attribute("aria-label")
     assert all(name in labels for name in ("shaken to not shaken", "linear mixture", "rods", "Wooster 2008"))
@@ -101,10 +103,12 @@ def test_the_specification_is_accepted(open_page, tmp_path, table):
 def test_each_sieve_class_may_have_its_form(open_page):
     page = open_curve(open_page, table="class;FL;EL\n2-8 mm;0,6;0,7\n8-16 mm;0,4;0,7\n")
     by_class = porosity(page)
-    together = porosity(open_curve(open_page, table="FL;EL\n0,6;0,7\n"))
-    assert float(by_class.replace(",", ".")) > float(together.replace(",", "."))
+    assert CHECK_BY_CLASS in page.locator("#answer").inner_text()
     assert "candidate" in page.locator("#formula").inner_text()
     assert page.get_by_role("button", name="Specification that packs it").is_disabled()
+    page = open_curve(open_page, table="FL;EL\n0,6;0,7\n")
+    assert CHECK_BY_CLASS not in page.locator("#answer").inner_text()
+    assert float(by_class.replace(",", ".")) > float(porosity(page).replace(",", "."))
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ const BedOutput = (() => {
   const marked = (text) => text.replace(/(\d)\.(\d)/g, `$1${byId("mark").value}$2`);
   const interval = ({ lower, upper }) => `${number(lower)} to ${number(upper)}`;
 
-  // Returns the paragraphs with the answer.
-  function answer(bed, level) {
+  // Returns the paragraphs with the answer; byClass: whether each sieve class has its own form.
+  function answer(bed, level, byClass) {
     if (bed.refused) {
       return [
         node("p", "The porosity of this sample cannot be predicted.", "refused"), node("p", `The reason: ${bed.refused}.`),
@@ -20,9 +20,10 @@ const BedOutput = (() => {
     const oneClass = `${number(bed.n_one_class)} (${number(bed.one_class_lower)} to ${number(bed.one_class_upper)})`;
     const texts = [
       node("p", `${100 * level} % prediction interval: ${interval(bed)}`, "interval"),
-      node("p", `This is a bed that is shaken until it settles no more. A bed that is placed and not shaken has up to ${number(bed.n_not_shaken)}.`),
+      node("p", `${DATA.curve.state} A bed that is placed and not shaken has up to ${number(bed.n_not_shaken)}.`),
       node("p", `One sieve class of these grains has ${oneClass}, and the sizes take ${number(bed.n_one_class - bed.n)} of it.`),
     ];
+    if (byClass) texts.push(node("p", DATA.curve.classes.check));
     if (bed.outside) texts.push(node("p", `* Outside the fitted range: ${bed.outside}.`, "outside"));
     return [value, ...texts];
   }

@@ -131,12 +131,12 @@ const Page = (() => {
     const oneForm = bed.oneClass.quantities.length > 0; // not one for each sieve class
     const lines = BedOutput.lines(bed, curve);
     const label = `Porosity by each model: ${lines.map((line) => line.label).join("; ")}`;
-    byId("answer").replaceChildren(...BedOutput.answer(bed, Number(byId("level").value)));
+    const known = !Number.isNaN(bed.n_one_class);
+    byId("answer").replaceChildren(...BedOutput.answer(bed, Number(byId("level").value), !oneForm && known));
     byId("predictions").replaceChildren(...(lines.length ? [Drawings.intervals(lines, number, label)] : []));
     byId("literature").hidden = !lines.length;
     byId("brief").textContent = BedOutput.brief(bed);
     byId("zingg").replaceChildren(Drawings.zingg(sample, oneForm ? bed.oneClass : null, number));
-    const known = !Number.isNaN(bed.n_one_class);
     byId("place-part").hidden = byId("formula-part").hidden = !known;
     byId("place").replaceChildren(...(known ? [...placeInRange(bed.oneClass), ...placeInRange({ quantities: [BedOutput.width(curve)] })] : []));
     byId("classes").replaceChildren(...(bed.refused ? [] : BedOutput.classRows(bed, curve)));

@@ -25,6 +25,7 @@ from simcore.models.size_and_form.bed_prediction import (
     rhine_sample,
     sensitivity,
 )
+from simcore.models.size_and_form.bed_prediction_text import STATE
 from simcore.models.size_and_form.sized_model import current_model, unfitted_model
 from simcore.paths import REFERENCE, ROOT
 from simcore.scene.sizes import all_cases
@@ -76,6 +77,14 @@ def test_the_stated_error_is_that_on_the_known_beds():
     # No other candidate without fitted parameters has a smaller error over these beds.
     candidates = ["error_H, K = 4.1", "error_L", "error_F", "error_H, K = 4.75", "error_H, K = 9"]
     assert np.square(table[candidates]).mean().idxmin() == "error_H, K = 4.1"
+
+
+def test_the_stated_effect_of_longer_shaking_is_that_of_the_published_table():
+    """If this fails, change STATE in bed_prediction_text."""
+    table = pd.read_csv(REFERENCE / "r22" / "table8_shaking_periodic.csv").pivot(index="t_s", columns="case", values="n")
+    denser = (table.loc[1] - table.loc[6]).max()
+    assert "about a second; in six it becomes up to 0.01 denser" in STATE
+    assert denser == pytest.approx(0.01, abs=0.0015)
 
 
 def test_the_interval_adds_its_three_errors(fitted):
