@@ -20,7 +20,7 @@ def folder(tmp_path):
 
 def test_statistics_plot_and_specification(folder, capsys):
     curve, plot, specification = (str(folder / name) for name in ("field.csv", "curve.png", "field.yaml"))
-    arguments = ["sieve", curve, "--plot", plot, "--specification", specification, "--finest", "2.8 mm"]
+    arguments = ["sieve", curve, "--plot", plot, "--specification", specification, "--finest", "2,8 mm"]
     assert main(arguments) == 0
     text = capsys.readouterr().out
     for part in ("5 sieves from 2.8 to 11.2 mm, 2.31 kg", "D50", "fine gravel, well sorted", "Cu = D60/D10 ="):
@@ -81,6 +81,7 @@ def test_wrong_input_ends_with_one_line_and_leaves_no_file(folder, capsys):
     curve, specification = str(folder / "field.csv"), str(folder / "field.yaml")
     for arguments, message in (
         ([curve, "--specification", specification], "0.4% of the mass pass the finest sieve, 4 mm; give the size of"),
+        ([curve, "--finest", "1,000 µm"], "--finest: '1,000 µm' is not a number with a unit; a length is needed"),
         ([curve, "--finest", "4 kg"], "--finest: '4 kg' is a mass; a length is needed"),
         ([curve, "--coarsest", "0 mm"], "--coarsest: '0 mm' is not a length above 0"),
         ([curve, "--finest", "4 mm"], "the finest grains, 4 mm, is not below the finest sieve"),

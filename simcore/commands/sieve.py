@@ -1,7 +1,10 @@
 """`scree sieve CURVE.csv`: percentiles and statistics of a measured sieve curve, its plot, and a packing of it."""
 
+import re
 import sys
 from pathlib import Path
+
+_DECIMAL_COMMA = re.compile(r"^(\s*(?:0|\d+(?!,\d{3}(?!\d)))),(?=\d)")  # not the comma of 1,000
 
 
 def add(commands) -> None:
@@ -16,8 +19,8 @@ def add(commands) -> None:
         "curve",
         type=Path,
         metavar="CURVE.csv",
-        help="table as text, .xlsx or .ods: a row per sieve and `pan`; openings [mm], [µm] or phi; mass [g], retained "
-        "[%%], passing [%%] or cumulative retained [%%]",
+        help="table as text, .xlsx or .ods: a row per sieve and `pan`; openings [mm], [µm] or phi, or classes such as "
+        "8-11.2 mm; mass [g], retained [%%], passing [%%] or cumulative retained [%%]",
     )
     parser.add_argument("--finest", metavar="SIZE", help='size of the finest grains in the pan, such as "0.02 mm"')
     parser.add_argument(
@@ -77,13 +80,16 @@ def _plot(options, table):
 
 
 def read_size(option, text):
-    """Return the size [m] of an option, or None if it is not given; ValueError unless it is a length above 0."""
+    """Return the size [m] of an option, or None if it is not given; ValueError unless it is a length above 0.
+
+    The number may have a decimal comma. 1,000 is refused, because it may mean 1000.
+    """
     from simcore.scene.quantity import parse_quantity
 
     if text is None:
         return None
     try:
-        size = parse_quantity(text, "m")
+        size = parse_quantity(_DECIMAL_COMMA.sub(r"\1.", text), "m")
     except ValueError as error:
         raise ValueError(f"{option}: {error}") from None
     if not size > 0.0:

@@ -6,6 +6,7 @@ from math import isfinite
 # A number at the beginning of a cell, before its unit; one that may have separators of thousands; one with decimals.
 _LEADING = re.compile(r"[-+\u2212]?[\d.,]+(?:[eE][-+]?\d+)?")
 _IN_GROUPS = re.compile(r"[-+\u2212]?[1-9]\d{0,2}(?:(?:\.\d{3})+|(?:,\d{3})+)")
+_LARGE = re.compile(r"[-+\u2212]?[1-9]\d{2,}")  # a whole number that may be beside one with separators
 _DECIMAL = re.compile(r"[-+\u2212]?\d*[.,]\d+(?:[eE][-+]?\d+)?")
 _MARKS = {".": "a point", ",": "a comma"}
 NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity)", re.IGNORECASE)
@@ -37,22 +38,30 @@ def check_decimal_marks(path, names, cells):
 
     path: file, for the message. cells: DataFrame of str, its index is the row. names: dict from the columns of `cells`
     with numbers to their names. A number such as 1.410 is refused if other cells have decimals behind a comma and none
-    has decimals behind a point.
+    has decimals behind a point, or if no cell has other decimals and its column has whole numbers of three digits.
     """
-    decimals, in_groups = {}, []
+    decimals, in_groups, large = {}, [], set()
     for row, *texts in cells[list(names)].itertuples(name=None):
         for name, text in zip(names.values(), texts, strict=True):
             leading = _LEADING.match(text)
             number = leading[0] if leading else ""
             mark = next((mark for mark in _MARKS if mark in number), None)
             if _IN_GROUPS.fullmatch(number):
-                in_groups.append((row, name, text, mark))
+                in_groups.append((row, name, text, number, mark))
             elif _DECIMAL.fullmatch(number):
                 decimals.setdefault(mark, number)
-    for row, name, text, mark in in_groups:
+            elif _LARGE.fullmatch(number):
+                large.add(name)
+    for row, name, text, number, mark in in_groups:
+        is_text = f"{path}, row {row}: {name} is '{text}'"
         if len(decimals) == 1 and mark not in decimals:
             ((used, example),) = decimals.items()
             raise ValueError(
-                f"{path}, row {row}: {name} is '{text}', but this table writes decimals with {_MARKS[used]} "
-                f"({example}); write numbers without separators of thousands"
+                f"{is_text}, but this table writes decimals with {_MARKS[used]} ({example}); write numbers without "
+                "separators of thousands"
+            )
+        if not decimals and name in large:
+            raise ValueError(
+                f"{is_text}; if it is {number.replace(mark, '')}, write it so, without a separator of thousands; if "
+                f"not, write another number of decimals, such as {number}0"
             )

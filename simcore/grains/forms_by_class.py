@@ -3,10 +3,8 @@
 The column is named `class`, `size class`, `sieve class`, `Klasse` or `Siebklasse`; its cells are such as "8-11.2 mm".
 """
 
-from simcore.grains.cell_numbers import read_number
-from simcore.grains.class_labels import CLASS_LABEL, CLASS_NAME
+from simcore.grains.class_labels import CLASS_NAME, class_bounds
 from simcore.grains.measured_forms import samples_of_table
-from simcore.grains.sieve_columns import LENGTHS, known_unit
 from simcore.grains.table_file import read_table
 
 
@@ -27,7 +25,9 @@ def read_classes(path, column):
     labels = table.cells[table.header.index(column)]
     rows = {label: row for row, label in reversed(list(labels.items()))}  # the first row of each class
     unit = CLASS_NAME.fullmatch(column).group(1)
-    classes = [(_bounds(f"{path}, row {rows[sample.name]}", column, sample.name, unit), sample) for sample in samples]
+    classes = [
+        (class_bounds(f"{path}, row {rows[sample.name]}", column, sample.name, unit), sample) for sample in samples
+    ]
     classes.sort(key=lambda entry: entry[0])
     ends = [bounds for bounds, _ in classes]
     for (low, high), (lower, upper) in zip(ends, ends[1:], strict=False):
@@ -52,30 +52,3 @@ def sample_of_class(curve, index, classes):
         f"{curve.name}: the class {low * 1e3:g} to {high * 1e3:g} mm has mass, but lies in none of the classes of the "
         "table of forms; add its forms, or remove the column of classes"
     )
-
-
-def _bounds(where, column, label, unit):
-    """Return the bounds [m] of a class. where: file and row, for messages. unit: in the name of the column, or None."""
-    match = CLASS_LABEL.fullmatch(label)
-    in_header = "" if unit else f", or put the unit in the header, `{column} [mm]`"
-    if not match:
-        example = "8-11.2" if unit else "8-11.2 mm"
-        raise ValueError(f"{where}: {column} is '{label}'; give both sieves, such as '{example}'{in_header}")
-    low, low_unit, high, high_unit = match.groups()
-    high_unit = high_unit or unit
-    if not high_unit:
-        raise ValueError(f"{where}: {column} is '{label}' without a unit; write it as '{label} mm'{in_header}")
-    lower, upper = (
-        read_number(f"{where}, {column} '{label}'", "size", text) * _factor(where, column, label, of_text)
-        for text, of_text in ((low, low_unit or high_unit), (high, high_unit))
-    )
-    if not 0.0 < lower < upper:
-        raise ValueError(f"{where}: {column} is '{label}'; give the smaller size first, and sizes above 0")
-    return lower, upper
-
-
-def _factor(where, column, label, text):
-    unit = known_unit(text)
-    if unit not in LENGTHS:
-        raise ValueError(f"{where}: {column} is '{label}'; its unit '{text}' is unknown, use {', '.join(LENGTHS)}")
-    return LENGTHS[unit]

@@ -30,6 +30,7 @@ from simcore.grains.table_file import advice_on_fields, read_table
 log = logging.getLogger(__name__)
 
 LONGEST = 100.0  # maximum L/S, that of FL = EL = 0.1, the minimum in Rettinger et al. (2022)
+SLIP = 0.1  # maximum of S/I and I/L that is noticed, that of equal axes if the decimal mark of one slips
 MAX_GRAINS = 1e12  # maximum of a count in one row
 ALIKE = 1e-9  # relative deviation; measured grains differ by more, copies of one row only by rounding
 SHOWN = 5  # maximum number of values that a notice lists
@@ -93,6 +94,7 @@ def samples_of_table(table, column=None):
     else:
         check = _check_axes if kind == AXES else _check_ratios
         samples = [_from_grains(path, name, entries, check, counts) for name, entries in rows.groups.items()]
+        rows.notices.extend(_describe_slips(path, rows.groups, check))
     return samples, rows.notices
 
 
@@ -118,10 +120,11 @@ def read_two_axes(path, column=None):
     rows = _read_rows(path, table, _recognise(path, table, column, two_axes=True))
     samples = []
     for name, entries in rows.groups.items():
-        EL = np.array([_check_two_axes(where, values) for where, values, _ in entries])
+        EL = np.array([_check_two_axes(where, values)[-1] for where, values, _ in entries])
         weights, grains = _weigh(path, name, entries, rows.counts)
         mean, std = _mean_and_std(EL, weights)
         samples.append(TwoAxisSample(name, grains, float(mean), float(std if std > ALIKE * mean else 0.0)))
+    rows.notices.extend(_describe_slips(path, rows.groups, _check_two_axes))
     return samples, rows.notices
 
 
@@ -264,6 +267,20 @@ def _describe_unused(header, cells, columns):
     return notices
 
 
+def _describe_slips(path, groups, check):
+    """Return a notice on grains so thin or long that a decimal mark may have slipped in one of their axes."""
+    entries = sorted((entry for group in groups.values() for entry in group), key=lambda entry: entry[-1])
+    forms = [(row, check(where, values)) for where, values, row in entries]
+    rows = [str(row) for row, form in forms if min(form) <= SLIP]
+    if not rows:
+        return []
+    ratios = "I/L" if len(forms[0][1]) == 1 else "S/I or I/L"
+    return [
+        f"{path}: row{'s' * (len(rows) > 1)} {_join_first(rows)}: {ratios} is {SLIP:g} or less, which is rare for "
+        "gravel; check the decimal marks"
+    ]
+
+
 def _join_first(texts):
     """Return the first SHOWN texts separated by commas, and the number of further ones."""
     shown = ", ".join(texts[:SHOWN])
@@ -288,7 +305,7 @@ def _check_axes(where, values):
 
 
 def _check_two_axes(where, values):
-    """Return EL of a grain with these two axes; ValueError if they are not axes of a grain."""
+    """Return (EL,) of a grain with these two axes; ValueError if they are not axes of a grain."""
     L, I = values
     if I <= 0:
         raise ValueError(f"{where}: I = {I:g} is not positive; L >= I > 0 is needed")
@@ -296,7 +313,7 @@ def _check_two_axes(where, values):
         raise ValueError(f"{where}: L = {L:g}, I = {I:g}; L >= I is needed: sort the axes, and give both in one unit")
     if L > LONGEST * I:
         raise ValueError(f"{where}: L = {L:g} is {L / I:.4g} times I = {I:g}, more than for any gravel; correct them")
-    return min(I / L, 1.0)
+    return (min(I / L, 1.0),)
 
 
 def _check_ratios(where, values):

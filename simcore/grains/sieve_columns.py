@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from simcore.grains.table_file import plain_words
 
 NEEDED = (
-    "give a column of sieve openings, such as `opening [mm]` or `phi`, and one of amounts, such as `mass [g]`, "
-    "`retained [%]` or `passing [%]`"
+    "give a column of sieve openings, such as `opening [mm]` or `phi`, or of classes, such as `class [mm]` with "
+    "8-11.2, and one of amounts, such as `mass [g]`, `retained [%]` or `passing [%]`"
 )
 # Lengths in metres; phi is -log2 of the opening in mm.
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "in": 0.0254}
@@ -15,6 +15,9 @@ PHI = "phi"
 PERCENT, FRACTION = "%", "1"
 MASSES = {"mg": 1e-6, "g": 1e-3, "kg": 1.0, "t": 1000.0, "lb": 0.45359237}
 RETAINED, PASSING, CUMULATIVE = "retained", "passing", "cumulative retained"
+OPENING = "opening"
+# Cells of the column of openings that mean what passes the finest sieve.
+PAN = re.compile(r"pan|receiver|bottom|base|tray|boden|bodenschale|schale|fond|rest|< ?\S.*", re.IGNORECASE)
 
 _SPELLINGS = {
     "um": "µm", "μm": "µm", "micron": "µm", "microns": "µm", "micrometer": "µm", "micrometre": "µm",
@@ -66,9 +69,8 @@ def recognise_sieve_columns(path, header):
     """
     openings, amounts = [], []
     for position, name in enumerate(header):
-        words, unit = _split(path, name)
-        meaning = _meaning(path, name, words, unit)
-        if meaning == "opening":
+        meaning, unit = column_meaning(path, name)
+        if meaning == OPENING:
             openings.append((position, unit))
         elif meaning is not None:
             amounts.append(AmountColumn(position, meaning, unit))
@@ -88,6 +90,12 @@ def recognise_sieve_columns(path, header):
     return SieveColumns(*openings[0], amounts)
 
 
+def column_meaning(path, name):
+    """Return (OPENING, RETAINED, PASSING, CUMULATIVE or None, unit or None) of a column with this name."""
+    words, unit = _split(path, name)
+    return _meaning(path, name, words, unit), unit
+
+
 def known_unit(text):
     """Return a unit in the spelling of this module, or None if it is unknown."""
     unit = _SPELLINGS.get(text, _SPELLINGS.get(text.lower(), text.lower()))
@@ -105,7 +113,7 @@ def reading_rules():
         "spellings": _SPELLINGS,
         "lengths": LENGTHS,
         "masses": MASSES,
-        "patterns": {"brackets": _BRACKETS.pattern, "trailing": _TRAILING.pattern},
+        "patterns": {"brackets": _BRACKETS.pattern, "trailing": _TRAILING.pattern, "pan": PAN.pattern},
         "needed": NEEDED,
     }
 
@@ -117,7 +125,7 @@ def _split(path, name):
     if bare == PHI:
         return {PHI}, PHI
     if bare in LENGTHS:
-        return {"opening"}, bare
+        return {OPENING}, bare
     if bare in MASSES or bare == PERCENT:
         return {"retained"}, bare
     match = _BRACKETS.search(name) or _TRAILING.search(name)
@@ -136,7 +144,7 @@ def _split(path, name):
 
 
 def _meaning(path, name, words, unit):
-    """Return "opening", the meaning of an amount, or None for a column that is not needed."""
+    """Return OPENING, the meaning of an amount, or None for a column that is not needed."""
     if words & _PASSING_WORDS:
         meaning = PASSING
     elif words & _COARSER_WORDS or words & _SUMMED_WORDS and words & _RETAINED_WORDS - {"percent"}:
@@ -147,12 +155,12 @@ def _meaning(path, name, words, unit):
     elif words & _RETAINED_WORDS:
         meaning = RETAINED
     elif words & _OPENING_WORDS:
-        meaning = "opening"
+        meaning = OPENING
     else:
         return None
     of_length = unit in LENGTHS or unit == PHI
-    if meaning == "opening" and unit is not None and not of_length:
+    if meaning == OPENING and unit is not None and not of_length:
         raise ValueError(f"{path}: the column {name} is in {unit}, but sieve openings are a length; correct its name")
-    if meaning != "opening" and of_length:
+    if meaning != OPENING and of_length:
         raise ValueError(f"{path}: the column {name} is in {unit}, but amounts are masses or percent; correct its name")
     return meaning

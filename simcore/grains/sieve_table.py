@@ -1,7 +1,8 @@
 """Reads a sieve curve from a table: openings in mm or phi, and masses or percent, retained or passing.
 
 A row is a sieve. The amount retained on it lies between its opening and that of the next coarser sieve. A row `pan` has
-what passes the finest sieve. The rows may run from coarse to fine or from fine to coarse.
+what passes the finest sieve. The rows may run from coarse to fine or from fine to coarse. A row may also be a class
+between two sieves, such as 8-11.2 mm, with its amount.
 """
 
 import re
@@ -12,12 +13,21 @@ import numpy as np
 
 from simcore.grains.cell_numbers import check_decimal_marks, read_number
 from simcore.grains.sieve import SieveCurve
+from simcore.grains.sieve_classes import (
+    BELOW,
+    LOWER_SIEVE,
+    OPEN_END,
+    SAME_SIEVE,
+    retained_only,
+    with_lower_sieves,
+)
 from simcore.grains.sieve_columns import (
     CUMULATIVE,
     FRACTION,
     LENGTHS,
     MASSES,
     NEEDED,
+    PAN,
     PASSING,
     PERCENT,
     PHI,
@@ -33,7 +43,6 @@ from simcore.grains.table_file import read_table
 SMALL_END = 0.01  # open ends with at most this share of the mass get a bound by assumption
 ROUNDING = 0.005  # deviation of a sum from 1 that rounded percentages explain; it is removed, with a notice
 AGREEMENT = 0.01  # two columns of one table agree if their shares passing differ by at most this
-_PAN = re.compile(r"pan|receiver|bottom|base|tray|boden|bodenschale|schale|fond|rest|< ?\S.*", re.IGNORECASE)
 _WITH_UNIT = re.compile(r"(.*?)\s*([a-zA-Zµμφϕ]+)\.?")
 
 
@@ -136,15 +145,18 @@ def read_sieve_table(path, coarsest=None):
     share passing the coarsest sieve may be less than 1 in a column of passing percent. ValueError names the file, the
     row and the remedy.
     """
-    text = read_table(path)
-    if not text.header:
+    given = read_table(path)
+    if not given.header:
         raise ValueError(f"{path}: the file is empty; {NEEDED}")
+    text, has_classes = with_lower_sieves(path, given)
     columns = recognise_sieve_columns(path, text.header)
+    columns = retained_only(path, columns) if has_classes else columns
     cells, notices = _leave_out_totals(path, text.cells, columns, list(text.notices))
     if cells.empty:
         raise ValueError(f"{path}: there are no rows below the header; {NEEDED}")
     used = [columns.opening, *(column.position for column in columns.amounts)]
-    check_decimal_marks(path, {position: text.header[position] for position in used}, cells)
+    written = given.cells.loc[given.cells.index.isin(cells.index)]  # classes as they were before with_lower_sieves
+    check_decimal_marks(path, {position: given.header[position] for position in used}, written)
     rows, openings, pan = _read_openings(path, text.header, cells, columns)
     results = []
     for column in columns.amounts:
@@ -178,7 +190,7 @@ def read_sieve_table(path, coarsest=None):
 
 def table_rules():
     """Return all that a reader of such tables in another language needs, as plain values: dict of words and numbers."""
-    patterns = {"pan": _PAN.pattern, "with_unit": _WITH_UNIT.pattern}
+    patterns = {"with_unit": _WITH_UNIT.pattern, "open_end": OPEN_END.pattern}
     rules = reading_rules()
     return {
         **rules,
@@ -188,6 +200,9 @@ def table_rules():
         "agreement": AGREEMENT,
         "fewest_sums": FEWEST_SUMS,
         "small_step": SMALL_STEP,
+        "below": BELOW,
+        "lower_sieve": LOWER_SIEVE,
+        "same_sieve": SAME_SIEVE,
     }
 
 
@@ -228,7 +243,7 @@ def _read_openings(path, header, cells, columns):
     name, pans, openings = header[columns.opening], [], {}
     for row, text in cells[columns.opening].items():
         where = f"{path}, row {row}"
-        opening = None if _PAN.fullmatch(text) else _opening(path, where, name, text, columns.unit)
+        opening = None if PAN.fullmatch(text) else _opening(path, where, name, text, columns.unit)
         if opening is None or opening == 0.0:
             pans.append(row)
         else:

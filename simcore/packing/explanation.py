@@ -95,8 +95,8 @@ def explain(setup: Setup) -> str:
         f"  generating  {_about(cost.generating)}, in {batches}",
         f"  shaking     {cost.shaking}, {scene.shaking.duration:g} s after the last insertion",
         f"  damping     about {cost.damping}, until the grains rest; at most {cost.longest_damping}",
-        f"Time        {_duration(cost.cpu_seconds)} on one core ({cost.cpu_seconds / 3600:.2g} CPU hours), at "
-        f"{scene_step_cost(scene):.3g} µs per grain and step",
+        f"Time        {describe_duration(cost.cpu_seconds)} on one core "
+        f"({_two_digits(cost.cpu_seconds / 3600)} CPU hours), at {scene_step_cost(scene):.3g} µs per grain and step",
         "            Compiling takes a minute or two more where a step of this kind has not run before",
         f"Memory      {_size(estimated.memory)} of arrays: {estimated.bytes_per_grain} bytes per grain, and "
         f"{estimated.bytes_per_pair} per candidate pair; a grain has about "
@@ -175,11 +175,17 @@ def _about(steps):
     return f"about {steps}" if steps else "0"
 
 
-def _duration(seconds):
+def describe_duration(seconds):
+    """Return a duration [s] in hours, minutes or seconds, with two digits."""
     for unit, length in (("hours", 3600.0), ("minutes", 60.0)):
         if seconds >= 2.0 * length:
-            return f"about {seconds / length:.2g} {unit}"
-    return f"about {seconds:.2g} s"
+            return f"about {_two_digits(seconds / length)} {unit}"
+    return f"about {_two_digits(seconds)} s"
+
+
+def _two_digits(value):
+    """Return a number rounded to two digits, without an exponent from 0.0001 to 1 million."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _size(number):

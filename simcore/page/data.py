@@ -79,6 +79,7 @@ def _reading():
         "patterns": all_patterns(),
         "labels": label_patterns(),
         "longest": measured_forms.LONGEST,
+        "slip": measured_forms.SLIP,
         "max_grains": measured_forms.MAX_GRAINS,
         "alike": measured_forms.ALIKE,
         "shown": measured_forms.SHOWN,

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from simcore.grains.sieve_table import read_sieve_table
-from tests.helpers.table_cases import SIEVES
+from tests.helpers.table_cases import SAME_SIEVES, SIEVES
 
 OPENINGS = [2, 4, 8, 16]  # mm
 PASSING = [0.1, 0.4, 0.8, 1.0]
@@ -50,6 +50,16 @@ def test_a_curve_is_the_same_however_it_is_written(read, text):
     np.testing.assert_allclose(table.openings, np.array(OPENINGS) * 1e-3, rtol=1e-7)
     np.testing.assert_allclose(table.passing, PASSING, atol=1e-9)
     assert table.below == pytest.approx(0.1) and table.above == 0.0
+
+
+@pytest.mark.parametrize(("classes", "sieves"), SAME_SIEVES)
+def test_a_table_of_classes_is_one_of_sieves(read, classes, sieves):
+    of_classes, notices = read(classes)
+    of_sieves, _ = read(sieves)
+    np.testing.assert_allclose(of_classes.openings, of_sieves.openings, rtol=1e-12)
+    np.testing.assert_allclose(of_classes.passing, of_sieves.passing, atol=1e-15)
+    assert of_classes.mass == of_sieves.mass
+    assert not any("finer grains were weighed" in notice for notice in notices) or "pan" not in sieves
 
 
 def test_a_workbook_and_a_byte_order_mark_are_read(tmp_path):

@@ -21,6 +21,8 @@ def random_sieves(rng, faulty=False):
     kind = ("mass [g]", "Retained (%)", "passing [%]", "cumulative retained [%]", "finer", "mass")[rng.integers(6)]
     names = [title, kind]
     _as_kind(rows, kind, in_pan)
+    if rng.random() < 0.2 and OPENINGS[title] is not None and kind[0] in "mR":
+        names[0], rows = _as_classes(rng, title, rows)
     if rng.random() < 0.5:
         rows.reverse()
     if kind.startswith(("mass", "Ret", "cum")):
@@ -53,6 +55,17 @@ def _as_kind(rows, kind, in_pan):
     amounts |= {"c": 100 - 100 * below / total, "f": below / total}
     for row, amount in zip(rows, amounts[kind[0]], strict=True):
         row[1] = float(amount)
+
+
+def _as_classes(rng, title, rows):
+    """Return the name of a column of classes, and the rows with a class instead of its lower sieve."""
+    sizes = [float(row[0].split()[0]) if isinstance(row[0], str) else row[0] for row in rows]
+    unit = " mm" if isinstance(rows[0][0], str) else ""
+    mark = ("-", " – ", "/", " bis ", " to ")[rng.integers(5)]
+    classes = [[f"{low:g}{mark}{high:g}{unit}", row[1]] for low, high, row in zip(sizes, sizes[1:], rows, strict=False)]
+    if rows[-1][1] > 0.0:
+        classes.append([f"> {sizes[-1]:g}{unit}", rows[-1][1]])
+    return ("class" if unit else title), classes
 
 
 def _write(cell, mark):

@@ -54,9 +54,74 @@ SIEVES = [
         "Siebanalyse Isar;;\n\nMaschenweite [mm];Rückstand [g];Bemerkung\n16;0;\n8;930;verstopft\n4;300;\nSchale;10;\n",
         error="row 3: the row has 3 fields, but the header has 1; remove the rows above the names of the columns",
     ),
+    Case(
+        "opening [mm];mass [g]\n16;0\n8;1.410\n4;850\npan;12\n",
+        error="row 3: mass [g] is '1.410'; if it is 1410, write it so, without a separator of thousands; if not, write "
+        "another number of decimals, such as 1.4100",
+    ),
+    Case(
+        "Klasse [mm];Masse [g]\n8-16;930\n2-4;300\nSchale;10\n",
+        error="no row has the class 4 to 8 mm, between rows 3 and 2; add it, with 0 if it is empty",
+    ),
+    Case(
+        "class;mass [g]\n8-16 mm;930\n4-9 mm;300\n",
+        error="the classes 4 to 9 mm (row 3) and 8 to 16 mm (row 2) overlap; correct the column class",
+    ),
+    Case(
+        "class;mass [g]\n> 20 mm;5\n8-16 mm;930\n",
+        error="no row has the class 16 to 20 mm, between rows 3 and 2; add it, with 0 if it is empty",
+    ),
+    Case(
+        "class;mass [g]\n8-16 mm;930\n< 9 mm;300\n",
+        error="the classes below 9 mm (row 3) and 8 to 16 mm (row 2) overlap; correct the column class",
+    ),
+    Case(
+        "class;mass [g]\n8-16 mm;930\n< 8;300\n",
+        error="row 3: class is '< 8' without a unit of length; use m, cm, mm, µm, in",
+    ),
+    Case(
+        "class [mm];passing [%]\n8-16;100\n4-8;30\n",
+        error="sieve classes need the mass or the percent of each class, such as `mass [g]` or `retained [%]`; if you "
+        "have what passes, give the openings of the sieves instead of classes",
+    ),
+    Case(
+        "grain size [mm];mass [g]\n8-16;930\n4;300\n",
+        error="row 3: grain size [mm] is '4'; give both sieves, such as '8-11.2'",
+    ),
+    Case("class;mass [kg];passing [%]\n8-16 mm;1,410;100\n4-8 mm;0,3;20\npan;0;0\n", notice="not used: passing [%]"),
+    Case(
+        "opening [in];mass [g]\n3/4;10\n3/8;20\n",
+        error="row 2: opening [in] is '3/4'; a number is needed; write its unit, if any, in the header",
+    ),
+    Case("sieve [mm];class;mass [g]\n8;8-16 mm;10\n4;4-8 mm;20\npan;;1\n", notice="columns that are not used: class"),
+    Case(
+        "class;mass [g]\n8-16 mm;930\nmany;300\n",
+        error="row 3: class is 'many'; give both sieves, such as "
+        "'8-11.2 mm', or put the unit in the header, `class [mm]`",
+    ),
     # Both marks are decimals elsewhere, or no cell shows which mark is.
     Case("opening [mm];mass [kg];note\n16;0,5;a\n8;1.410;b\n4;0.7;c\npan;0;d\n", notice="are not used: note"),
     Case("opening [mm];mass [kg];note\n16;0;a\n8;1.410;2,5\n4;1.125;c\npan;0;d\n", notice="are not used: note"),
+]
+
+# Tables of classes, and the same table of sieves.
+SAME_SIEVES = [
+    (
+        "class [mm];mass [g]\n8-16;930\n4-8;300\n0-4;10\n",
+        "opening [mm];mass [g]\n16;0\n8;930\n4;300\npan;10\n",
+    ),
+    (
+        "Korngröße [mm];Masse [g]\nSchale;10,5\n4 – 8;300\n11,2/16;70\n8 bis 11,2;1930\nSumme;2310,5\n",
+        "opening [mm];mass [g]\n16;0\n11,2;70\n8;1930\n4;300\npan;10,5\n",
+    ),
+    (
+        "sieve class;retained [%];passing [%]\n> 16 mm;0.5;100\n8-16 mm;60;99.5\n4-8 mm;39;39.5\n< 4 mm;0.5;0.5\n",
+        "opening [mm];retained [%]\n16;0.5\n8;60\n4;39\npan;0.5\n",
+    ),
+    (
+        "size [µm];mass [g]\n500-1000;20\n1000-2000;30\n",
+        "opening [mm];mass [g]\n2;0\n1;30\n0.5;20\n",
+    ),
 ]
 
 GRAINS = [
@@ -84,6 +149,15 @@ GRAINS = [
         notice="the column Fraktion is not used; its values look like sieve classes (8-11,2, 11,2–16 mm); to give "
         "forms by class beside a sieve curve, rename the column to `class`",
     ),
+    Case(
+        "L;I;S\n40;30;10\n41;30;2,1\n453;31;12\n42;30;9\n",
+        notice="rows 3, 4: S/I or I/L is 0.1 or less, which is rare for gravel; check the decimal marks",
+    ),
+    Case(
+        "FL;EL\n0.06;0.7\n",
+        notice="row 2: S/I or I/L is 0.1 or less, which is rare for gravel; check the decimal marks",
+    ),
+    Case("month;L;I;S\n3/2021;14;10;4\n4/2021;13;10;6\n", notice="columns that are not used: month"),
     Case("date;L;I;S\n2021-03;14;10;4\n2021-03;13;10;6\n", notice="columns that are not used: date"),
     Case("Klasse;L;I;S\n8-16;14;10;4\n", notice="columns that are not used: Klasse"),
     Case(
@@ -121,13 +195,18 @@ CLASSES = [
     ),
     Case(
         "class;L;I;S\n16-8 mm;14;10;4\n",
-        error="row 2: class is '16-8 mm'; give the smaller size first, and sizes above 0",
+        error="row 2: class is '16-8 mm'; give the smaller size first",
+    ),
+    Case(
+        "class [in];L;I;S\n3/8;14;10;4\n",
+        error="row 2: class [in] is '3/8', which may be a fraction of an inch; write a class as '3-8'",
     ),
     Case(
         "class;L;I;S\n8-16 mm;14;10;4\n0,8-1,6 cm;14;10;4\n",
         error="the classes 8 to 16 mm and 8 to 16 mm overlap; correct the column class",
     ),
     Case("Klasse;L;I;S\n8-11,2 mm;14;10;4\n11,2-16 mm;13;10;6\n"),
+    Case("class;L;I;S\n8/11,2 mm;14;10;4\n11,2 bis 16 mm;13;10;6\n"),
     Case("Siebklasse [mm];L;I;S\n8-11,2;14;10;4\n11,2-16;13;10;6\n"),
     Case("Kornklasse (cm);L;I;S\n0,8-1,12;14;10;4\n11,2-16 mm;13;10;6\n"),
     Case("size class [µm];L;I;S\n8000-11200;14;10;4\n1.12-1.6 cm;13;10;6\n"),

@@ -13,7 +13,7 @@ import yaml
 from simcore.__main__ import main
 from simcore.dem.state.features import Features
 from simcore.packing.cost import step_cost
-from simcore.packing.explanation import KINDS, PARTS, estimate_cost, parts
+from simcore.packing.explanation import KINDS, PARTS, describe_duration, estimate_cost, parts
 from simcore.packing.process import Process
 from simcore.scene.shapes import POLYHEDRON, SPHERE
 from simcore.scene.specification import express, read_specification, resolve
@@ -96,6 +96,14 @@ def test_the_estimate_is_that_of_the_grains_themselves():
     assert cost.shaking == 4000
     steps = cost.shaking + cost.damping
     assert cost.cpu_seconds == pytest.approx(40 * steps * step_cost("sphere", "patch", 1e-3, 2.5e-5) * 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(1.2e6, "about 330 hours"), (9000, "about 2.5 hours"), (7199, "about 120 minutes"), (3, "about 3 s")],
+)
+def test_durations_are_written_without_an_exponent(seconds, text):
+    assert describe_duration(seconds) == text
 
 
 def test_amounts_by_mass_and_several_batches():

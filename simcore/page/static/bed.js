@@ -3,7 +3,7 @@ const Bed = (() => {
   const { InputError, general } = Numbers;
   const { one_class: range, rhine, loosest, model, more_mass: moreMass, compaction } = DATA.curve;
   const CLASSES = DATA.curve.classes;
-  const [CLASS_NAME, CLASS_LABEL] = [CLASSES.name, CLASSES.label].map((pattern) => new RegExp(`^(?:${pattern})$`, "iu"));
+  const { CLASS_NAME, boundsOf } = SieveClasses;
   const RHINE = { ...rhine, forms: [] };
 
   // Returns the preferred row of one sieve class of a sample's grains; without one, numbers are NaN and `refused` says why.
@@ -39,33 +39,6 @@ const Bed = (() => {
       throw new InputError(`${name}: the classes ${first} and ${second} overlap; correct the column ${column}`);
     });
     return classes;
-  }
-
-  // where: file and row, for messages. unitOfColumn: that in the name of the column, or undefined.
-  function boundsOf(where, column, label, unitOfColumn) {
-    const match = CLASS_LABEL.exec(label);
-    const is = `${where}: ${column} is '${label}'`;
-    const inHeader = unitOfColumn ? "" : `, or put the unit in the header, \`${column} [mm]\``;
-    if (!match) {
-      const example = unitOfColumn ? "8-11.2" : "8-11.2 mm";
-      throw new InputError(`${is}; give both sieves, such as '${example}'${inHeader}`);
-    }
-    const [, low, lowUnit, high, given] = match;
-    const highUnit = given || unitOfColumn;
-    if (!highUnit) throw new InputError(`${is} without a unit; write it as '${label} mm'${inHeader}`);
-    const [lower, upper] = [[low, lowUnit || highUnit], [high, highUnit]].map(([text, unit]) => {
-      const value = Numbers.read(`${where}, ${column} '${label}'`, "size", text);
-      const known = SieveColumns.knownUnit(unit);
-      if (!SieveColumns.isLength(known)) {
-        const lengths = Object.keys(DATA.curve.reading.lengths).join(", ");
-        throw new InputError(`${is}; its unit '${unit}' is unknown, use ${lengths}`);
-      }
-      return known === "mm" ? value : value * DATA.curve.reading.lengths[known] * 1e3;
-    });
-    if (!(lower > 0 && lower < upper)) {
-      throw new InputError(`${is}; give the smaller size first, and sizes above 0`);
-    }
-    return { low: lower, high: upper };
   }
 
   // Returns {sample, bed} of grains that have another form in each sieve class, as simcore.models.size_and_form has it.

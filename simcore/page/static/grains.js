@@ -2,12 +2,10 @@
 const Grains = (() => {
   const { InputError, NUMBER, general } = Numbers;
   const { AXES, RATIOS, MEANS, TWO_AXES } = Columns;
-  const { longest, max_grains: maxGrains, alike, shown, needed } = DATA.reading;
+  const { longest, slip, max_grains: maxGrains, alike, shown, needed } = DATA.reading;
   const AMBIGUOUS = /^[1-9]\d{0,2}[.,]\d{3}$/;
 
-  const [CLASS_NAME, CLASS_LABEL] = ["name", "label"].map(
-    (key) => new RegExp(`^(?:${DATA.curve.classes[key]})$`, "iu")
-  );
+  const { CLASS_NAME, CLASS_LABEL } = SieveClasses;
 
   // Returns {samples, notices, kind, columns}. A sample has a name, its first row, its number of grains (0: only statistics), mu_FL,
   // sigma_FL, ..., sigma_EQ, and the forms [FL, EL] of its rows; with two axes only, it has no FL and no EQ.
@@ -35,7 +33,8 @@ const Grains = (() => {
       return { ...sample, row: entries[0].row };
     });
     const unused = describeUnused(table.header, rows, columns);
-    const all = [...table.notices, ...summaries, ...countNotices, ...unused].map((notice) => `${name}: ${notice}`);
+    const slips = columns.kind === MEANS ? [] : describeSlips(groups, columns.kind);
+    const all = [...table.notices, ...summaries, ...countNotices, ...unused, ...slips].map((notice) => `${name}: ${notice}`);
     return { samples, notices: all, kind: columns.kind, header: table.header };
   }
 
@@ -140,17 +139,31 @@ const Grains = (() => {
     return notices;
   }
 
+  // Returns a notice on grains so thin or long that a decimal mark may have slipped in one of their axes.
+  function describeSlips(groups, kind) {
+    const entries = [...groups.values()].flat().sort((a, b) => a.row - b.row);
+    const rows = entries.filter(({ where, values }) => {
+      return formOf(where, values, kind).some((ratio) => ratio !== null && ratio <= slip);
+    });
+    if (!rows.length) return [];
+    const ratios = kind === TWO_AXES ? "I/L" : "S/I or I/L";
+    return [
+      `row${rows.length > 1 ? "s" : ""} ${joinFirst(rows.map(({ row }) => `${row}`))}: ${ratios} is ${general(slip)} or ` +
+        "less, which is rare for gravel; check the decimal marks",
+    ];
+  }
+
   function joinFirst(texts) {
     const some = texts.slice(0, shown).join(", ");
     return texts.length <= shown ? some : `${some} and ${texts.length - shown} more`;
   }
 
-  // Whether there are texts, and each of them is a range of sizes, the smaller one first.
+  // Whether there are texts, and each of them is a range of sizes; 3/2021, without a unit, is a date.
   function lookLikeClasses(texts) {
     const number = (text) => Number(text.replaceAll(",", "."));
     return texts.length > 0 && texts.every((text) => {
       const match = CLASS_LABEL.exec(text);
-      return match !== null && number(match[1]) < number(match[3]);
+      return match !== null && (match[3] !== "/" || match[5]) && number(match[1]) < number(match[4]);
     });
   }
 

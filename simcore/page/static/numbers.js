@@ -4,6 +4,7 @@ const Numbers = (() => {
   // A number at the beginning of a cell, before its unit; one that may have separators of thousands; one with decimals.
   const LEADING = /^[-+\u2212]?[\d.,]+(?:e[-+]?\d+)?/i;
   const IN_GROUPS = /^[-+\u2212]?[1-9]\d{0,2}(?:(?:\.\d{3})+|(?:,\d{3})+)$/;
+  const LARGE = /^[-+\u2212]?[1-9]\d{2,}$/; // a whole number that may be beside one with separators
   const DECIMAL = /^[-+\u2212]?\d*[.,]\d+(?:e[-+]?\d+)?$/i;
   const MARKS = { ".": "a point", ",": "a comma" };
 
@@ -37,26 +38,37 @@ const Numbers = (() => {
     return value;
   }
 
-  // Refuses separators of thousands, which would be read as a decimal mark: 1.410 where all other decimals have a comma.
+  // Refuses separators of thousands, which would be read as a decimal mark: 1.410 where all other decimals have a comma,
+  // or where no cell has other decimals and its column has whole numbers of three digits.
   // columns: [position, name] of the columns with numbers.
   function checkDecimalMarks(file, columns, rows) {
-    const [decimals, inGroups] = [new Map(), []];
+    const [decimals, inGroups, large] = [new Map(), [], new Set()];
     for (const { row, cells } of rows) {
       for (const [position, name] of columns) {
         const text = cells[position];
         const number = LEADING.exec(text)?.[0] ?? "";
         const mark = Object.keys(MARKS).find((key) => number.includes(key));
-        if (IN_GROUPS.test(number)) inGroups.push({ row, name, text, mark });
+        if (IN_GROUPS.test(number)) inGroups.push({ row, name, text, number, mark });
         else if (DECIMAL.test(number) && !decimals.has(mark)) decimals.set(mark, number);
+        else if (LARGE.test(number)) large.add(name);
       }
     }
-    const refused = inGroups.find(({ mark }) => decimals.size === 1 && !decimals.has(mark));
-    if (!refused) return;
-    const [[used, example]] = decimals;
-    throw new InputError(
-      `${file}, row ${refused.row}: ${refused.name} is '${refused.text}', but this table writes decimals with ` +
-        `${MARKS[used]} (${example}); write numbers without separators of thousands`
-    );
+    for (const { row, name, text, number, mark } of inGroups) {
+      const is = `${file}, row ${row}: ${name} is '${text}'`;
+      if (decimals.size === 1 && !decimals.has(mark)) {
+        const [[used, example]] = decimals;
+        throw new InputError(
+          `${is}, but this table writes decimals with ${MARKS[used]} (${example}); write numbers without separators of ` +
+            "thousands"
+        );
+      }
+      if (!decimals.size && large.has(name)) {
+        throw new InputError(
+          `${is}; if it is ${number.replaceAll(mark, "")}, write it so, without a separator of thousands; if not, write ` +
+            `another number of decimals, such as ${number}0`
+        );
+      }
+    }
   }
 
   // Writes a value with at most this number of digits, without zeros at the end.

@@ -6,6 +6,7 @@ const SieveColumns = (() => {
   const BRACKETS = new RegExp(patterns.brackets, "u");
   const TRAILING = new RegExp(patterns.trailing, "iu");
   const [PHI, PERCENT, FRACTION] = ["phi", "%", "1"];
+  const OPENING = "opening";
   const [RETAINED, PASSING, CUMULATIVE] = ["retained", "passing", "cumulative retained"];
   const UNITS = new Set([...Object.keys(lengths), ...Object.keys(masses), PHI, PERCENT, FRACTION]);
   const OPENING_UNITS = [...Object.keys(lengths), PHI].join(", ");
@@ -19,9 +20,8 @@ const SieveColumns = (() => {
   function recognise(name, header) {
     const [openings, amounts] = [[], []];
     header.forEach((title, position) => {
-      const [words, unit] = split(name, title);
-      const meaning = meaningOf(name, title, words, unit);
-      if (meaning === "opening") openings.push({ position, unit });
+      const { meaning, unit } = meaningOf(name, title);
+      if (meaning === OPENING) openings.push({ position, unit });
       else if (meaning !== null) amounts.push({ position, meaning, unit });
     });
     const columns = header.map((title) => title || "(no name)").join(", ");
@@ -54,7 +54,7 @@ const SieveColumns = (() => {
     const text = title.toLowerCase();
     const bare = knownUnit(text);
     if (bare === PHI) return [new Set([PHI]), PHI];
-    if (isLength(bare)) return [new Set(["opening"]), bare];
+    if (isLength(bare)) return [new Set([OPENING]), bare];
     if (isMass(bare) || bare === PERCENT) return [new Set(["retained"]), bare];
     const match = BRACKETS.exec(title) ?? TRAILING.exec(title);
     let unit = match ? knownUnit(match[1]) : null;
@@ -70,7 +70,9 @@ const SieveColumns = (() => {
     return [words, unit];
   }
 
-  function meaningOf(name, title, words, unit) {
+  // Returns {meaning, unit} of a column with this title: OPENING, RETAINED, PASSING, CUMULATIVE or null.
+  function meaningOf(name, title) {
+    const [words, unit] = split(name, title);
     const summed = have(words, "summed");
     const retained = have(words, "retained");
     let meaning;
@@ -82,24 +84,24 @@ const SieveColumns = (() => {
         `${name}: the column ${title} may be passing or retained; name it \`passing [%]\` or \`cumulative retained [%]\``
       );
     } else if (retained) meaning = RETAINED;
-    else if (have(words, "opening")) meaning = "opening";
-    else return null;
+    else if (have(words, "opening")) meaning = OPENING;
+    else return { meaning: null, unit };
     const ofLength = isLength(unit) || unit === PHI;
-    if (meaning === "opening" && unit !== null && !ofLength) {
+    if (meaning === OPENING && unit !== null && !ofLength) {
       throw new InputError(
         `${name}: the column ${title} is in ${unit}, but sieve openings are a length; correct its name`
       );
     }
-    if (meaning !== "opening" && ofLength) {
+    if (meaning !== OPENING && ofLength) {
       throw new InputError(
         `${name}: the column ${title} is in ${unit}, but amounts are masses or percent; correct its name`
       );
     }
-    return meaning;
+    return { meaning, unit };
   }
 
   return {
-    PHI, PERCENT, FRACTION, RETAINED, PASSING, CUMULATIVE, OPENING_UNITS,
-    isLength, isMass, knownUnit, recognise,
+    PHI, PERCENT, FRACTION, OPENING, RETAINED, PASSING, CUMULATIVE, OPENING_UNITS,
+    isLength, isMass, knownUnit, meaningOf, recognise,
   };
 })();

@@ -13,14 +13,18 @@ const SieveTable = (() => {
   // Returns {openings, passing, notices}: ascending openings [mm] and the share of the mass that passes each. coarsest:
   // size of the coarsest grains [mm] or null.
   function read(name, text, coarsest = null, notes = []) {
-    const table = Table.read(name, text, [...notes]);
-    if (!table.header.length) throw new InputError(`${name}: the file is empty; ${rules.needed}`);
-    const columns = SieveColumns.recognise(name, table.header);
+    const given = Table.read(name, text, [...notes]);
+    if (!given.header.length) throw new InputError(`${name}: the file is empty; ${rules.needed}`);
+    const [table, hasClasses] = SieveClasses.withLowerSieves(name, given);
+    const recognised = SieveColumns.recognise(name, table.header);
+    const columns = hasClasses ? SieveClasses.retainedOnly(name, recognised) : recognised;
     const notices = [...table.notices];
     const rows = leaveOutTotals(table.rows, columns, notices);
     if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${rules.needed}`);
     const used = [columns.opening, ...columns.amounts.map(({ position }) => position)];
-    Numbers.checkDecimalMarks(name, used.map((position) => [position, table.header[position]]), rows);
+    const kept = new Set(rows.map(({ row }) => row));
+    const written = given.rows.filter(({ row }) => kept.has(row)); // classes as they were before withLowerSieves
+    Numbers.checkDecimalMarks(name, used.map((position) => [position, given.header[position]]), written);
     const sieves = readOpenings(name, table.header, rows, columns);
     const results = columns.amounts.map((column) => {
       const title = table.header[column.position];

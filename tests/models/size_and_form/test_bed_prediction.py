@@ -81,7 +81,9 @@ def test_the_stated_error_is_that_on_the_known_beds():
 
 def test_the_stated_effect_of_longer_shaking_is_that_of_the_published_table():
     """If this fails, change STATE in bed_prediction_text."""
-    table = pd.read_csv(REFERENCE / "r22" / "table8_shaking_periodic.csv").pivot(index="t_s", columns="case", values="n")
+    table = pd.read_csv(REFERENCE / "r22" / "table8_shaking_periodic.csv").pivot(
+        index="t_s", columns="case", values="n"
+    )
     denser = (table.loc[1] - table.loc[6]).max()
     assert "about a second; in six it becomes up to 0.01 denser" in STATE
     assert denser == pytest.approx(0.01, abs=0.0015)
