@@ -20,7 +20,7 @@ const BedOutput = (() => {
     const oneClass = `${number(bed.n_one_class)} (${number(bed.one_class_lower)} to ${number(bed.one_class_upper)})`;
     const texts = [
       node("p", `${100 * level} % prediction interval: ${interval(bed)}`, "interval"),
-      node("p", `${DATA.curve.state} A bed that is placed and not shaken has up to ${number(bed.n_not_shaken)}.`),
+      node("p", `${marked(DATA.curve.state)} A bed that is placed and not shaken has up to ${number(bed.n_not_shaken)}.`),
       node("p", `One sieve class of these grains has ${oneClass}, and the sizes take ${number(bed.n_one_class - bed.n)} of it.`),
     ];
     if (byClass) texts.push(node("p", DATA.curve.classes.check));
