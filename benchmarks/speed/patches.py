@@ -72,6 +72,7 @@ def main(arguments=None):
     bed = settled_bed(settings, options.beds, lambda text: print(text, file=sys.stderr, flush=True))
     process = start(setup, bed)
     process.advance(round(WARM_UP / process.dt), SHAKING)
+    process.evaluate()  # a step moves the bodies after it has found the contacts, which belong to the former positions
     cost, closed = patch_cost(process)
     contacts = int(process.contacts.touching.sum())
     print(f"{contacts / options.grains:.2f} contacts per grain, {closed:.0%} of the patches in closed form")
