@@ -8,6 +8,7 @@ _LEADING = re.compile(r"[-+\u2212]?[\d.,]+(?:[eE][-+]?\d+)?")
 _IN_GROUPS = re.compile(r"[-+\u2212]?[1-9]\d{0,2}(?:(?:\.\d{3})+|(?:,\d{3})+)")
 _LARGE = re.compile(r"[-+\u2212]?[1-9]\d{2,}")  # a whole number that may be beside one with separators
 _DECIMAL = re.compile(r"[-+\u2212]?\d*[.,]\d+(?:[eE][-+]?\d+)?")
+_SPLIT = re.compile(r"\d[ \u00a0\u202f'\u2019]\d")
 _MARKS = {".": "a point", ",": "a comma"}
 NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity)", re.IGNORECASE)
 
@@ -20,7 +21,7 @@ def read_number(where, name, text):
     plain = text.replace("\u2212", "-")
     if plain.rstrip().endswith("%"):
         raise ValueError(f"{where}: {name} is '{text}'; give a fraction, 0.65 instead of 65 %")
-    if "." in plain and "," in plain or plain.count(",") > 1 or plain.count(".") > 1:
+    if "." in plain and "," in plain or max(plain.count(mark) for mark in ",.") > 1 or _SPLIT.search(plain):
         raise ValueError(
             f"{where}: {name} is '{text}'; a number is needed, without separators of thousands; write its unit, if "
             "any, in the header"

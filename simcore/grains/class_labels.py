@@ -1,19 +1,31 @@
-"""Recognises a column of sieve classes by its name, and reads its cells, such as "8-11.2 mm"."""
+"""Recognises a column of sieve classes by its name, and reads its cells, such as "8-11.2 mm" and "> 63 mm"."""
 
+import math
 import re
 
 from simcore.grains.cell_numbers import read_number
-from simcore.grains.sieve_columns import LENGTHS, known_unit
+from simcore.grains.sieve_columns import LENGTHS, PHI, known_unit
 
 CLASS_NAME = re.compile(
-    r"(?:(?:(?:size|sieve)[ _-]*)?class|(?:sieb|korn)?klasse)(?:\s*[\[(]([a-zµμ]+)[\])])?", re.IGNORECASE
+    r"(?:(?:(?:size|sieve)[ _-]*)?class|(?:sieb|korn|korngrößen)?klasse|classe)(?:\s*[\[(]([a-zµμφ]+)[\])])?",
+    re.IGNORECASE,
 )
-CLASS_LABEL = re.compile(r"([\d.,]+)\s*([a-zµ]*)\s*(-|–|/|to|bis|\.\.)\s*([\d.,]+)\s*([a-zµ]*)", re.IGNORECASE)
+CLASS_LABEL = re.compile(
+    r"([\d.,]+)\s*([a-zµμ]*)\s*(-|–|—|−|/|to|bis|à|…|\.\.+)\s*([\d.,]+)\s*([a-zµμ]*)", re.IGNORECASE
+)
+OPEN_END = re.compile(
+    r"(<=?|>=?|≤|≥|\+|-|−|unter|über|kleiner|größer|below|above|under|over|finer than|coarser than|smaller than"
+    r"|larger than|less than|more than)\s*([\d.,]+)\s*([a-zµμ]*)|([\d.,]+)\s*([a-zµμ]*)\s*\+",
+    re.IGNORECASE,
+)
+BELOW = ("<", "<=", "≤", "-", "−", "unter", "kleiner", "below", "under", "finer than", "smaller than", "less than")
+# What a spreadsheet makes of the class 2-4.
+DATE = re.compile(r"\d{4}-\d\d-\d\d.*|\d{1,2}[-. ]+[a-zä]{3,4}|[a-zä]{3,4}[-. ]+\d\d", re.IGNORECASE)
 
 
 def class_patterns():
-    """Return the regular expressions of the name of the column and of its cells; whole texts match, in any case."""
-    return CLASS_NAME.pattern, CLASS_LABEL.pattern
+    """Return the regular expressions that whole texts match, in any case, dict by what they recognise."""
+    return {"name": CLASS_NAME.pattern, "label": CLASS_LABEL.pattern, "end": OPEN_END.pattern, "date": DATE.pattern}
 
 
 def look_like_classes(texts):
@@ -28,38 +40,55 @@ def look_like_classes(texts):
 
 
 def class_bounds(where, column, label, unit):
-    """Return the bounds [m] of a class; the lower one may be 0.
+    """Return the bounds [m] of a class; those of "< 2 mm" are 0 and 2 mm, those of "> 63 mm" 63 mm and infinity.
 
     where: file and row, for messages. unit: text of the unit in the name of the column, or None. ValueError if the
     label is no class, or has no unit or an unknown one.
     """
-    match = CLASS_LABEL.fullmatch(label)
+    is_text = f"{where}: {column} is '{label}'"
     in_header = "" if unit else f", or put the unit in the header, `{column} [mm]`"
+    end = OPEN_END.fullmatch(label)
+    if end:
+        mark, size, of_size = (end[1], end[2], end[3]) if end[1] else ("+", end[4], end[5])
+        value = _size(where, column, label, size, of_size or unit, in_header)
+        return (0.0, value) if mark.lower() in BELOW else (value, math.inf)
+    match = CLASS_LABEL.fullmatch(label)
+    if not match and DATE.fullmatch(label):
+        raise ValueError(f"{is_text}; a spreadsheet took the class for a date: format the column as text, and enter it")
     if not match:
-        example = "8-11.2" if unit else "8-11.2 mm"
-        raise ValueError(f"{where}: {column} is '{label}'; give both sieves, such as '{example}'{in_header}")
+        units = ("8-11.2", "> 63") if unit else ("8-11.2 mm", "> 63 mm")
+        raise ValueError(
+            f"{is_text}; give both sieves, such as '{units[0]}', or an end such as '{units[1]}'{in_header}; remove "
+            "rows that are no class"
+        )
     low, low_unit, mark, high, high_unit = match.groups()
     high_unit = high_unit or unit
-    if not high_unit:
-        raise ValueError(f"{where}: {column} is '{label}' without a unit; write it as '{label} mm'{in_header}")
-    if mark == "/" and known_unit(high_unit) == "in":
-        raise ValueError(
-            f"{where}: {column} is '{label}', which may be a fraction of an inch; write a class as '{low}-{high}'"
-        )
-    lower, upper = (
-        read_number(f"{where}, {column} '{label}'", "size", text) * _factor(where, column, label, of_text)
-        for text, of_text in ((low, low_unit or high_unit), (high, high_unit))
-    )
+    if mark == "/" and known_unit(high_unit or "") == "in":
+        raise ValueError(f"{is_text}, which may be a fraction of an inch; write a class as '{low}-{high}'")
+    lower = _size(where, column, label, low, low_unit or high_unit, in_header)
+    upper = _size(where, column, label, high, high_unit, in_header)
     if not lower < upper:
-        raise ValueError(f"{where}: {column} is '{label}'; give the smaller size first")
+        raise ValueError(f"{is_text}; give the smaller size first")
     return lower, upper
 
 
-def _factor(where, column, label, text):
-    unit = known_unit(text)
-    if unit not in LENGTHS:
-        raise ValueError(f"{where}: {column} is '{label}'; its unit '{text}' is unknown, use {', '.join(LENGTHS)}")
-    return LENGTHS[unit]
+def class_text(low, high):
+    """Return the text of a class with these bounds [m]."""
+    if low == 0.0:
+        return f"below {1e3 * high:g} mm"
+    return f"{1e3 * low:g} to {1e3 * high:g} mm" if math.isfinite(high) else f"above {1e3 * low:g} mm"
+
+
+def _size(where, column, label, text, unit, in_header):
+    """Return a size [m] in the text of a label; unit: text, or None."""
+    if not unit:
+        raise ValueError(f"{where}: {column} is '{label}' without a unit; write it as '{label} mm'{in_header}")
+    known = known_unit(unit)
+    if known == PHI:
+        raise ValueError(f"{where}: {column} is '{label}' in phi; give classes in mm, or the openings in phi")
+    if known not in LENGTHS:
+        raise ValueError(f"{where}: {column} is '{label}'; its unit '{unit}' is unknown, use {', '.join(LENGTHS)}")
+    return read_number(f"{where}, {column} '{label}'", "size", text) * LENGTHS[known]
 
 
 def _number(text):

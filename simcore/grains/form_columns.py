@@ -27,7 +27,7 @@ _AXIS_WORD = r"(?:[\s_-]*(?:axis|axes|diameter|dimension|length|side))?"
 _AXIS_NAMES = {
     "L": r"L|a|longest|long|length|major|Dmax|l(?:ä|ae)nge",
     "I": r"I|b|intermediate|medium|middle|width|breadth|Dmed|breite",
-    "S": r"S|c|shortest|short|thickness|height|minor|Dmin|h(?:ö|oe)he",
+    "S": r"S|c|shortest|short|thickness|height|minor|Dmin|h(?:ö|oe)he|dicke",
 }
 _NO_UNIT = r"(?:\s*[\[(]\s*[-–1]?\s*[\])])?"
 _RATIO_NAMES = {

@@ -3,7 +3,7 @@
 The column is named `class`, `size class`, `sieve class`, `Klasse` or `Siebklasse`; its cells are such as "8-11.2 mm".
 """
 
-from simcore.grains.class_labels import CLASS_NAME, class_bounds
+from simcore.grains.class_labels import CLASS_NAME, class_bounds, class_text
 from simcore.grains.measured_forms import samples_of_table
 from simcore.grains.table_file import read_table
 
@@ -33,8 +33,8 @@ def read_classes(path, column):
     for (low, high), (lower, upper) in zip(ends, ends[1:], strict=False):
         if lower < high * (1 - 1e-9):
             raise ValueError(
-                f"{path}: the classes {low * 1e3:g} to {high * 1e3:g} mm and {lower * 1e3:g} to {upper * 1e3:g} mm "
-                f"overlap; correct the column {column}"
+                f"{path}: the classes {class_text(low, high)} and {class_text(lower, upper)} overlap; correct the "
+                f"column {column}"
             )
     return dict(classes), notices
 

@@ -1,30 +1,27 @@
 """Reads a table of sieve classes, such as "8-11.2 mm" with its mass, as a table of sieves."""
 
 import math
-import re
 from dataclasses import replace
 
-from simcore.grains.cell_numbers import read_number
-from simcore.grains.class_labels import CLASS_LABEL, CLASS_NAME, class_bounds
-from simcore.grains.sieve_columns import LENGTHS, OPENING, PAN, RETAINED, column_meaning, known_unit
+from simcore.grains.class_labels import CLASS_LABEL, CLASS_NAME, OPEN_END, class_bounds, class_text
+from simcore.grains.sieve_columns import LENGTHS, OPENING, PAN, RETAINED, column_meaning, known_unit, unit_in_name
 from simcore.grains.summary_rows import find_summary_rows
 
-LOWER_SIEVE = "lower sieve"  # name of the column of openings that replaces the classes
-OPEN_END = re.compile(r"(<=?|>=?|≤|≥|unter|über|below|above|under|over)\s*([\d.,]+)\s*([a-zµμ]*)", re.IGNORECASE)
-BELOW = ("<", "<=", "≤", "unter", "below", "under")
 SAME_SIEVE = 1e-6  # relative deviation
+NEARLY = 0.01  # relative deviation of two sizes that may be meant as the same sieve, such as 3.99 and 4
 
 
 def with_lower_sieves(path, table):
-    """Return (TextTable, whether it has classes), with each class replaced by the sieve on which it is retained.
+    """Return (TextTable, position of the column of classes), with each class replaced by the sieve that retains it.
 
     The rows are in the order of the sieves, finest first, and the upper sieve of the coarsest class is added, on which
-    nothing is retained. Ends such as "< 2 mm", "> 63 mm" and `pan` may stand beside the classes. A table without
-    classes is returned as it is. ValueError names a label that is no class, and classes that overlap or leave a gap.
+    nothing is retained; its row number is one above all others. Ends such as "< 2 mm", "> 63 mm" and `pan` may stand
+    beside the classes. Without classes the result is (table, None). ValueError names a label that is no class, and
+    classes that overlap or leave a gap.
     """
     position, unit = _column_of_classes(path, table)
     if position is None:
-        return table, False
+        return table, None
     name = table.header[position]
     totals = find_summary_rows(table.cells[[position]])
     classes, others = [], []
@@ -32,17 +29,16 @@ def with_lower_sieves(path, table):
         if row in totals or PAN.fullmatch(label) and not OPEN_END.fullmatch(label):
             others.append(row)
         else:
-            classes.append((*_bounds(f"{path}, row {row}", name, label, unit), row))
+            classes.append((*class_bounds(f"{path}, row {row}", name, label, unit), row))
     classes.sort()
     _check_neighbours(path, name, classes)
-    header = [LOWER_SIEVE if k == position else text for k, text in enumerate(table.header)]
     cells = table.cells.loc[[*others, *(row for *_, row in classes)]].copy()
     for lower, _, row in classes:
         cells.loc[row, position] = f"{1e3 * lower:.12g} mm"
     if math.isfinite(classes[-1][1]):
         cells.loc[table.cells.index.max() + 1] = "0"
         cells.loc[cells.index[-1], position] = f"{1e3 * classes[-1][1]:.12g} mm"
-    return replace(table, header=header, cells=cells), True
+    return replace(table, cells=cells), position
 
 
 def retained_only(path, columns):
@@ -51,42 +47,39 @@ def retained_only(path, columns):
     if not amounts:
         raise ValueError(
             f"{path}: sieve classes need the mass or the percent of each class, such as `mass [g]` or `retained [%]`; "
-            "if you have what passes, give the openings of the sieves instead of classes"
+            "if you have sums, give the openings of the sieves instead: what passes belongs to the upper sieve of a "
+            "class, and what is retained in sum to its lower one"
         )
     return replace(columns, amounts=amounts)
 
 
 def _column_of_classes(path, table):
     """Return the position of the column of classes and the text of its unit; (None, None) if there are openings."""
-    found = []
+    found, named_only = [], []
     for position, name in enumerate(table.header):
         named = CLASS_NAME.fullmatch(name)
-        meaning, unit = (None, named[1]) if named else column_meaning(path, name)
-        if any(_is_class(label, unit) for label in table.cells[position]):
-            if named or meaning == OPENING:
-                found.append((position, unit))
-        elif meaning == OPENING:
+        unit = named[1] if named else unit_in_name(name)
+        is_class = any(_is_class(label, unit, named) for label in table.cells[position])
+        if is_class:
+            found.append((position, unit))
+        elif named:
+            named_only.append((position, unit))
+        elif column_meaning(path, name)[0] == OPENING:
             return None, None
-    return found[0] if found else (None, None)
+    return [*found, *named_only, (None, None)][0]
 
 
-def _is_class(label, unit):
-    """Return whether a cell is a class; 3/8 is one only with a unit other than inches, of which it is a fraction."""
+def _is_class(label, unit, named):
+    """Return whether a cell is a class.
+
+    3/8 inches are a fraction. In a column that is not named for classes, a class has a unit of length, since 2021-03 is
+    a date.
+    """
     match = CLASS_LABEL.fullmatch(label)
-    return bool(match) and (match[3] != "/" or known_unit(match[5] or unit or "") not in (None, "in"))
-
-
-def _bounds(where, name, label, unit):
-    """Return the bounds [m] of a class, or of an end, which reaches from 0 or to infinity."""
-    end = OPEN_END.fullmatch(label)
-    if not end:
-        return class_bounds(where, name, label, unit)
-    mark, size, of_size = end.groups()
-    length = known_unit(of_size or unit or "")
-    if length not in LENGTHS:
-        raise ValueError(f"{where}: {name} is '{label}' without a unit of length; use {', '.join(LENGTHS)}")
-    value = read_number(f"{where}, {name} '{label}'", "size", size) * LENGTHS[length]
-    return (0.0, value) if mark.lower() in BELOW else (value, math.inf)
+    length = known_unit(match[5] or unit or "") if match else None
+    return bool(match) and (
+        length in LENGTHS and (match[3] != "/" or length != "in") or bool(named) and match[3] != "/"
+    )
 
 
 def _check_neighbours(path, name, classes):
@@ -94,17 +87,16 @@ def _check_neighbours(path, name, classes):
     for (low, high, row), (lower, upper, next_row) in zip(classes, classes[1:], strict=False):
         if lower < high * (1 - SAME_SIEVE):
             raise ValueError(
-                f"{path}: the classes {_text(low, high)} (row {row}) and {_text(lower, upper)} (row {next_row}) "
-                f"overlap; correct the column {name}"
+                f"{path}: the classes {class_text(low, high)} (row {row}) and {class_text(lower, upper)} (row "
+                f"{next_row}) overlap; correct the column {name}"
+            )
+        if lower > high * (1 + NEARLY):
+            raise ValueError(
+                f"{path}: no row has the class {class_text(high, lower)}, between rows {row} and {next_row}; add it, "
+                "with 0 if it is empty"
             )
         if lower > high * (1 + SAME_SIEVE):
             raise ValueError(
-                f"{path}: no row has the class {_text(high, lower)}, between rows {row} and {next_row}; add it, with 0 "
-                "if it is empty"
+                f"{path}: the classes of rows {row} and {next_row} end and begin at {1e3 * high:g} and "
+                f"{1e3 * lower:g} mm; write the same sieve in both"
             )
-
-
-def _text(low, high):
-    if low == 0.0:
-        return f"below {1e3 * high:g} mm"
-    return f"{1e3 * low:g} to {1e3 * high:g} mm" if math.isfinite(high) else f"above {1e3 * low:g} mm"

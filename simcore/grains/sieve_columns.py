@@ -22,19 +22,37 @@ PAN = re.compile(r"pan|receiver|bottom|base|tray|boden|bodenschale|schale|fond|r
 _SPELLINGS = {
     "um": "µm", "μm": "µm", "micron": "µm", "microns": "µm", "micrometer": "µm", "micrometre": "µm",
     "millimeter": "mm", "millimetre": "mm", "inch": "in", "inches": "in", "φ": PHI, "Φ": PHI, "ϕ": PHI, "phi": PHI,
-    "percent": PERCENT, "pct": PERCENT, "wt%": PERCENT, "mass%": PERCENT, "gram": "g", "grams": "g", "lbs": "lb",
+    "percent": PERCENT, "pct": PERCENT, "wt%": PERCENT, "wt.%": PERCENT, "wt-%": PERCENT, "mass%": PERCENT,
+    "mass-%": PERCENT, "masse-%": PERCENT, "m-%": PERCENT, "m.-%": PERCENT, "ma.-%": PERCENT, "gew%": PERCENT,
+    "gew.%": PERCENT, "gew-%": PERCENT, "gew.-%": PERCENT, "gram": "g", "grams": "g", "lbs": "lb",
     "-": FRACTION,
 }  # fmt: skip
 _OPENING_WORDS = {
     "opening", "openings", "aperture", "mesh", "size", "sieve", "sieves", "diameter", "d", "grainsize", "maschenweite",
-    "siebweite", "korngröße", "tamis", PHI,
+    "siebweite", "sieb", "siebe", "korngröße", "korndurchmesser", "tamis", "ouverture", PHI,
 }  # fmt: skip
-_PASSING_WORDS = {"passing", "passes", "finer", "undersize", "durchgang", "passant"}
+_PASSING_WORDS = {"passing", "passes", "finer", "undersize", "durchgang", "siebdurchgang", "unterkorn", "passant"}
 _COARSER_WORDS = {"coarser", "oversize"}
-_SUMMED_WORDS = {"cumulative", "cumulated", "cum", "cumul", "summe"}
+_SUMMED_WORDS = {
+    "cumulative",
+    "cumulated",
+    "cum",
+    "cumul",
+    "cumulé",
+    "cumulée",
+    "cumulés",
+    "accumulated",
+    "running",
+    "kumuliert",
+    "kumulativ",
+    "kum",
+    "aufsummiert",
+    "summe",
+    "σ",
+}
 _RETAINED_WORDS = {
     "retained", "mass", "masses", "weight", "weights", "fraction", "fractions", "rückstand", "masse", "gewicht",
-    "refus", "percent", "wt",
+    "refus", "percent", "wt", "siebrückstand", "auswaage", "anteil", "anteile", "massenanteil", "gew",
 }  # fmt: skip
 _BRACKETS = re.compile(r"\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 # A unit without brackets: "opening_mm", "mass g", "size, mm".
@@ -61,15 +79,16 @@ class SieveColumns:
     amounts: list
 
 
-def recognise_sieve_columns(path, header):
+def recognise_sieve_columns(path, header, classes=None):
     """Return the SieveColumns of a table with these names of columns.
 
+    classes: position of a column of classes whose cells have been replaced by openings, with their unit, or None.
     ValueError, which names the file `path`, if a needed column is missing, if two have the same meaning, or if a unit
     is unknown or of the wrong kind.
     """
     openings, amounts = [], []
     for position, name in enumerate(header):
-        meaning, unit = column_meaning(path, name)
+        meaning, unit = (OPENING, None) if position == classes else column_meaning(path, name)
         if meaning == OPENING:
             openings.append((position, unit))
         elif meaning is not None:
@@ -94,6 +113,12 @@ def column_meaning(path, name):
     """Return (OPENING, RETAINED, PASSING, CUMULATIVE or None, unit or None) of a column with this name."""
     words, unit = _split(path, name)
     return _meaning(path, name, words, unit), unit
+
+
+def unit_in_name(name):
+    """Return the text of the unit in the name of a column, or None."""
+    match = _BRACKETS.search(name) or _TRAILING.search(name)
+    return match[1] if match else None
 
 
 def known_unit(text):

@@ -5,7 +5,6 @@ what passes the finest sieve. The rows may run from coarse to fine or from fine 
 between two sieves, such as 8-11.2 mm, with its amount.
 """
 
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,29 +12,19 @@ import numpy as np
 
 from simcore.grains.cell_numbers import check_decimal_marks, read_number
 from simcore.grains.sieve import SieveCurve
-from simcore.grains.sieve_classes import (
-    BELOW,
-    LOWER_SIEVE,
-    OPEN_END,
-    SAME_SIEVE,
-    retained_only,
-    with_lower_sieves,
-)
+from simcore.grains.sieve_classes import NEARLY, SAME_SIEVE, retained_only, with_lower_sieves
 from simcore.grains.sieve_columns import (
     CUMULATIVE,
     FRACTION,
-    LENGTHS,
     MASSES,
     NEEDED,
-    PAN,
     PASSING,
     PERCENT,
-    PHI,
     RETAINED,
-    known_unit,
     reading_rules,
     recognise_sieve_columns,
 )
+from simcore.grains.sieve_openings import FRACTION_OF_ONE, LEAST_COARSEST, WITH_UNIT, read_openings
 from simcore.grains.sieve_sums import FEWEST_SUMS, SMALL_STEP, notices_of_sums
 from simcore.grains.summary_rows import find_summary_rows
 from simcore.grains.table_file import read_table
@@ -43,7 +32,6 @@ from simcore.grains.table_file import read_table
 SMALL_END = 0.01  # open ends with at most this share of the mass get a bound by assumption
 ROUNDING = 0.005  # deviation of a sum from 1 that rounded percentages explain; it is removed, with a notice
 AGREEMENT = 0.01  # two columns of one table agree if their shares passing differ by at most this
-_WITH_UNIT = re.compile(r"(.*?)\s*([a-zA-Zµμφϕ]+)\.?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,16 +136,19 @@ def read_sieve_table(path, coarsest=None):
     given = read_table(path)
     if not given.header:
         raise ValueError(f"{path}: the file is empty; {NEEDED}")
-    text, has_classes = with_lower_sieves(path, given)
-    columns = recognise_sieve_columns(path, text.header)
-    columns = retained_only(path, columns) if has_classes else columns
+    try:
+        text, classes = with_lower_sieves(path, given)
+        columns = recognise_sieve_columns(path, text.header, classes)
+    except ValueError as error:
+        raise ValueError("; ".join([str(error), *given.notices])) from None
+    columns = columns if classes is None else retained_only(path, columns)
     cells, notices = _leave_out_totals(path, text.cells, columns, list(text.notices))
     if cells.empty:
         raise ValueError(f"{path}: there are no rows below the header; {NEEDED}")
     used = [columns.opening, *(column.position for column in columns.amounts)]
     written = given.cells.loc[given.cells.index.isin(cells.index)]  # classes as they were before with_lower_sieves
     check_decimal_marks(path, {position: given.header[position] for position in used}, written)
-    rows, openings, pan = _read_openings(path, text.header, cells, columns)
+    rows, openings, pan = read_openings(path, text.header, cells, columns)
     results = []
     for column in columns.amounts:
         name = text.header[column.position]
@@ -165,7 +156,8 @@ def read_sieve_table(path, coarsest=None):
                   for row in cells.index}  # fmt: skip
         results.append((name, _passing(path, name, column, (rows, openings, pan), values, coarsest, notices)))
         if len(columns.amounts) == 1 and _is_mass_retained(column):
-            coarse_to_fine = [values[row] for row in [*rows[::-1], *([] if pan is None else [pan])]]
+            listed = [row for row in rows[::-1] if row in given.cells.index]  # without the sieve above all classes
+            coarse_to_fine = [values[row] for row in [*listed, *([] if pan is None else [pan])]]
             notices += notices_of_sums(name, column.unit, np.nan_to_num(coarse_to_fine), pan is not None)
     if pan is None and all(_is_mass_retained(column) for column in columns.amounts):
         notices.append(
@@ -190,7 +182,7 @@ def read_sieve_table(path, coarsest=None):
 
 def table_rules():
     """Return all that a reader of such tables in another language needs, as plain values: dict of words and numbers."""
-    patterns = {"with_unit": _WITH_UNIT.pattern, "open_end": OPEN_END.pattern}
+    patterns = {"with_unit": WITH_UNIT.pattern, "fraction": FRACTION_OF_ONE.pattern}
     rules = reading_rules()
     return {
         **rules,
@@ -198,11 +190,11 @@ def table_rules():
         "small_end": SMALL_END,
         "rounding": ROUNDING,
         "agreement": AGREEMENT,
+        "least_coarsest": LEAST_COARSEST,
         "fewest_sums": FEWEST_SUMS,
         "small_step": SMALL_STEP,
-        "below": BELOW,
-        "lower_sieve": LOWER_SIEVE,
         "same_sieve": SAME_SIEVE,
+        "nearly": NEARLY,
     }
 
 
@@ -238,61 +230,6 @@ def _leave_out_totals(path, cells, columns, notices):
     return cells.drop(index=list(labels)), notices
 
 
-def _read_openings(path, header, cells, columns):
-    """Return the rows of sieves from fine to coarse, their openings [m], ascending, and the row of the pan or None."""
-    name, pans, openings = header[columns.opening], [], {}
-    for row, text in cells[columns.opening].items():
-        where = f"{path}, row {row}"
-        opening = None if PAN.fullmatch(text) else _opening(path, where, name, text, columns.unit)
-        if opening is None or opening == 0.0:
-            pans.append(row)
-        else:
-            openings[row] = opening
-    if len(pans) > 1:
-        raise ValueError(f"{path}, row {pans[1]}: this is a second pan, after row {pans[0]}; remove one")
-    if len(openings) < 2:
-        raise ValueError(
-            f"{path}: the table has {len(openings) or 'no'} sieve{'s' * (not openings)}; at least two are needed"
-        )
-    rows, values = list(openings), np.array(list(openings.values()))
-    steps = np.diff(values)
-    if not (np.all(steps > 0) or np.all(steps < 0)):
-        wrong = int(np.flatnonzero(np.sign(steps) != np.sign(values[-1] - values[0]))[0]) + 1
-        raise ValueError(
-            f"{path}, row {rows[wrong]}: the opening {values[wrong] * 1e3:g} mm follows "
-            f"{values[wrong - 1] * 1e3:g} mm; order the sieves from coarse to fine or from fine to coarse, each once"
-        )
-    order = slice(None) if values[0] < values[-1] else slice(None, None, -1)
-    return rows[order], values[order], pans[0] if pans else None
-
-
-def _opening(path, where, name, text, unit):
-    """Return the opening in a cell [m]; 0 only for a length of 0, which is the pan."""
-    if unit is None:
-        match = _WITH_UNIT.fullmatch(text)
-        unit = known_unit(match[2]) if match else None
-        if match and unit is None:
-            raise ValueError(f"{where}: {name} is '{text}'; its unit is unknown; use {', '.join([*LENGTHS, PHI])}")
-        if unit is None:
-            raise ValueError(
-                f"{path}: the unit of the column {name} is missing, and units are never guessed; write it in the "
-                f"header, such as `{name} [mm]` or `{name} [phi]`"
-            )
-        text = match[1]
-    if re.match(r"(?:no|nr|#)", text, re.IGNORECASE):
-        raise ValueError(f"{where}: {name} is '{text}', a number of a sieve; give its opening instead, in mm")
-    value = read_number(where, name, text)
-    if unit == PHI:
-        if abs(value) > 20:
-            raise ValueError(f"{where}: {name} = {value:g} phi is no sieve; phi is -log2 of the opening in mm")
-        return 2.0**-value * 1e-3
-    if unit not in LENGTHS:
-        raise ValueError(f"{where}: {name} is in {unit}, which is not a length; use {', '.join([*LENGTHS, PHI])}")
-    if value < 0:
-        raise ValueError(f"{where}: the opening {name} = {value:g} {unit} is negative; write [phi] if it is in phi")
-    return value * LENGTHS[unit]
-
-
 def _read_amount(where, name, text, of_pan):
     """Return the amount in a cell; nan if it is the empty cell of a pan."""
     if not text and of_pan:
@@ -311,6 +248,11 @@ def _passing(path, name, column, sieves, values, coarsest, notices):
     amounts = np.array([values[row] for row in rows])
     in_pan = values[pan] if pan is not None else np.nan
     whole = {PERCENT: 100.0, FRACTION: 1.0}.get(column.unit)
+    if column.unit == PERCENT and 0.0 < np.nanmax([*amounts, in_pan]) <= 1.0:
+        raise ValueError(
+            f"{path}: {name} has no value above 1, so that its values look like fractions; write percent, such as 85 "
+            "instead of 0.85, or leave the % out of the name"
+        )
     if column.meaning == RETAINED:
         return _from_retained(path, name, openings, (amounts, None if pan is None else in_pan), column.unit, notices)
     if column.unit in MASSES:

@@ -5,7 +5,7 @@ from dataclasses import asdict
 import pandas as pd
 from scipy.stats import t as student
 
-from simcore.grains.class_labels import class_patterns
+from simcore.grains.class_labels import BELOW, class_patterns
 from simcore.grains.sieve_table import table_rules
 from simcore.models.packing_models.curves import WIDEST
 from simcore.models.packing_models.empirical import PREDICTORS
@@ -43,9 +43,8 @@ def curve_data(levels, model=None):
     has no port of its candidate.
     """
     model = model or current_model()
-    class_name, class_label = class_patterns()
     return {
-        "classes": {"name": class_name, "label": class_label, "by_class": BY_CLASS, "check": CHECK_BY_CLASS},
+        "classes": class_patterns() | {"below": BELOW, "by_class": BY_CLASS, "check": CHECK_BY_CLASS},
         "state": STATE,
         "model": model_data(model, levels),
         "reference": {

@@ -77,27 +77,105 @@ SIEVES = [
     ),
     Case(
         "class;mass [g]\n8-16 mm;930\n< 8;300\n",
-        error="row 3: class is '< 8' without a unit of length; use m, cm, mm, µm, in",
+        error="row 3: class is '< 8' without a unit; write it as '< 8 mm', or put the unit in the header, `class [mm]`",
     ),
     Case(
         "class [mm];passing [%]\n8-16;100\n4-8;30\n",
         error="sieve classes need the mass or the percent of each class, such as `mass [g]` or `retained [%]`; if you "
-        "have what passes, give the openings of the sieves instead of classes",
+        "have sums, give the openings of the sieves instead: what passes belongs to the upper sieve of a class, and "
+        "what is retained in sum to its lower one",
     ),
     Case(
         "grain size [mm];mass [g]\n8-16;930\n4;300\n",
-        error="row 3: grain size [mm] is '4'; give both sieves, such as '8-11.2'",
+        error="row 3: grain size [mm] is '4'; give both sieves, such as '8-11.2', or an end such as '> 63'; remove "
+        "rows that are no class",
     ),
     Case("class;mass [kg];passing [%]\n8-16 mm;1,410;100\n4-8 mm;0,3;20\npan;0;0\n", notice="not used: passing [%]"),
     Case(
         "opening [in];mass [g]\n3/4;10\n3/8;20\n",
-        error="row 2: opening [in] is '3/4'; a number is needed; write its unit, if any, in the header",
+        error="row 2: opening [in] is '3/4'; write a fraction as a decimal number, 0.75",
     ),
     Case("sieve [mm];class;mass [g]\n8;8-16 mm;10\n4;4-8 mm;20\npan;;1\n", notice="columns that are not used: class"),
     Case(
         "class;mass [g]\n8-16 mm;930\nmany;300\n",
         error="row 3: class is 'many'; give both sieves, such as "
-        "'8-11.2 mm', or put the unit in the header, `class [mm]`",
+        "'8-11.2 mm', or an end such as '> 63 mm', or put the unit in the header, `class [mm]`; remove rows that are "
+        "no class",
+    ),
+    # Tables of a reader who tried what laboratories write.
+    Case(
+        "Kornklasse [mm];Rückstand kumuliert [g]\n8-16;300\n4-8;900\n2-4;1000\n",
+        error="sieve classes need the mass or the percent of each class, such as `mass [g]` or `retained [%]`; if you "
+        "have sums, give the openings of the sieves instead: what passes belongs to the upper sieve of a class, and "
+        "what is retained in sum to its lower one",
+    ),
+    Case(
+        "class [mm];mass [g]\n16-31.5;1000\n8-16;600\n4-8;300\n2-4;90\n",
+        notice="mass [g] falls from the coarsest sieve "
+        "to the finest; if these masses pass the sieves, name the column `passing [g]`",
+    ),
+    Case(
+        "Klasse [µm];Masse [g]\n< 1.000;50\n1.000/2.000;100\n2.000/4.000;150\n",
+        error="the coarsest sieve is 0.004 mm, "
+        "finer than sand; correct the unit of Klasse [µm], and write sizes without separators of thousands",
+    ),
+    Case(
+        "Siebweite [mm];Durchgang [%]\n63;1\n31,5;0,85\n16;0,5\n",
+        error="Durchgang [%] has no value above 1, so that its "
+        "values look like fractions; write percent, such as 85 instead of 0.85, or leave the % out of the name",
+    ),
+    Case(
+        "opening [mm];retained [%]\n16;0\n8;0.75\n4;0.25\n",
+        error="retained [%] has no value above 1, so that its "
+        "values look like fractions; write percent, such as 85 instead of 0.85, or leave the % out of the name",
+    ),
+    Case(
+        "class [mm];mass [g]\n2-Apr;30\n4-8;20\n",
+        error="row 2: class [mm] is '2-Apr'; a spreadsheet took the class for "
+        "a date: format the column as text, and enter it",
+    ),
+    Case(
+        "class [mm];mass [g]\n2026-04-02 00:00:00;30\n",
+        error="row 2: class [mm] is '2026-04-02 00:00:00'; a spreadsheet "
+        "took the class for a date: format the column as text, and enter it",
+    ),
+    Case(
+        "class [mm];mass [g]\n2≤d<4;30\n",
+        error="row 2: class [mm] is '2≤d<4'; give both sieves, such as '8-11.2', or an "
+        "end such as '> 63'; remove rows that are no class",
+    ),
+    Case(
+        "class [phi];mass [g]\n1-2;30\n2-3;4\n",
+        error="row 2: class [phi] is '1-2' in phi; give classes in mm, or the openings in phi",
+    ),
+    Case(
+        "class [mm];mass [g]\n> 31,5;30\n> 16;40\n",
+        error="the classes above 16 mm (row 3) and above 31.5 mm (row 2) overlap; correct the column class [mm]",
+    ),
+    Case(
+        "class [mm];mass [g]\n2-3.99;30\n4-7.99;40\n",
+        error="the classes of rows 2 and 3 end and begin at 3.99 and 4 mm; write the same sieve in both",
+    ),
+    Case(
+        "Kornklasse;Masse\n8/16;10\n4/8;20\n",
+        error="row 2: Kornklasse is '8/16' without a unit; write it as '8/16 mm', or "
+        "put the unit in the header, `Kornklasse [mm]`",
+    ),
+    Case(
+        "Kornklasse [mm];Bemerkung\n8-16;nass\n",
+        error="none of the columns (Kornklasse [mm], Bemerkung) has amounts; give a "
+        "column of sieve openings, such as `opening [mm]` or `phi`, or of classes, such as `class [mm]` with 8-11.2, "
+        "and one of amounts, such as `mass [g]`, `retained [%]` or `passing [%]`",
+    ),
+    Case(
+        "opening [mm];mass [g]\n16;0\n8;1 250\n4;20\n",
+        error="row 3: mass [g] is '1 250'; a number is needed, without "
+        "separators of thousands; write its unit, if any, in the header",
+    ),
+    Case(
+        "opening [mm];mass [g]\n16;0\n8;1’250\n4;20\n",
+        error="row 3: mass [g] is '1’250'; a number is needed, without "
+        "separators of thousands; write its unit, if any, in the header",
     ),
     # Both marks are decimals elsewhere, or no cell shows which mark is.
     Case("opening [mm];mass [kg];note\n16;0,5;a\n8;1.410;b\n4;0.7;c\npan;0;d\n", notice="are not used: note"),
@@ -117,6 +195,14 @@ SAME_SIEVES = [
     (
         "sieve class;retained [%];passing [%]\n> 16 mm;0.5;100\n8-16 mm;60;99.5\n4-8 mm;39;39.5\n< 4 mm;0.5;0.5\n",
         "opening [mm];retained [%]\n16;0.5\n8;60\n4;39\npan;0.5\n",
+    ),
+    (
+        "Kornfraktion (mm);Anteil [Gew.-%]\n+63;2\n31,5 – 63;18\n8 à 31,5;60\nkleiner 8;20\n",
+        "Sieb [mm];Rückstand [M.-%]\n63;2\n31,5;18\n8;60\npan;20\n",
+    ),
+    (
+        "Fraction [mm];Auswaage [g];Durchgang [%]\n63+;20\n31.5—63;180;98\n8…31.5;600;80\n-8;200;20\n",
+        "ouverture [mm];masse [g]\n63;20\n31.5;180\n8;600\npan;200\n",
     ),
     (
         "size [µm];mass [g]\n500-1000;20\n1000-2000;30\n",
@@ -174,11 +260,13 @@ GRAINS = [
 CLASSES = [
     Case(
         "class;L;I;S\n8-11,2 mm;14;10;4\n8;13;10;6\n",
-        error="row 3: class is '8'; give both sieves, such as '8-11.2 mm', or put the unit in the header, `class [mm]`",
+        error="row 3: class is '8'; give both sieves, such as '8-11.2 mm', or an end such as '> 63 mm', or put the "
+        "unit in the header, `class [mm]`; remove rows that are no class",
     ),
     Case(
         "class [mm];L;I;S\n8-11,2;14;10;4\n\n8;13;10;6\n",
-        error="row 4: class [mm] is '8'; give both sieves, such as '8-11.2'",
+        error="row 4: class [mm] is '8'; give both sieves, such as '8-11.2', or an end such as '> 63'; remove rows "
+        "that are no class",
     ),
     Case(
         "Klasse;L;I;S\n11,2-16 mm;14;10;4\n11,2-16 mm;13;10;6\n8-11,2;13;10;6\n",
@@ -207,6 +295,16 @@ CLASSES = [
     ),
     Case("Klasse;L;I;S\n8-11,2 mm;14;10;4\n11,2-16 mm;13;10;6\n"),
     Case("class;L;I;S\n8/11,2 mm;14;10;4\n11,2 bis 16 mm;13;10;6\n"),
+    Case("classe (mm);Länge;Breite;Dicke\n8 à 11,2;14;10;4\n11,2−16;13;10;6\n"),
+    Case(
+        "class [mm];FL;EL\n< 9;0,6;0,7\n8-16;0,5;0,8\n",
+        error="the classes below 9 mm and 8 to 16 mm overlap; correct the column class [mm]",
+    ),
+    Case(
+        "class [mm];FL;EL\npan;0,6;0,7\n",
+        error="row 2: class [mm] is 'pan'; give both sieves, such as '8-11.2', or an end such as '> 63'; remove rows "
+        "that are no class",
+    ),
     Case("Siebklasse [mm];L;I;S\n8-11,2;14;10;4\n11,2-16;13;10;6\n"),
     Case("Kornklasse (cm);L;I;S\n0,8-1,12;14;10;4\n11,2-16 mm;13;10;6\n"),
     Case("size class [µm];L;I;S\n8000-11200;14;10;4\n1.12-1.6 cm;13;10;6\n"),

@@ -35,7 +35,7 @@ const Bed = (() => {
     classes.slice(1).forEach((coarser, i) => {
       const finer = classes[i];
       if (!(coarser.low < finer.high * (1 - 1e-9))) return;
-      const [first, second] = [finer, coarser].map(({ low, high }) => `${general(low)} to ${general(high)} mm`);
+      const [first, second] = [finer, coarser].map(SieveClasses.written);
       throw new InputError(`${name}: the classes ${first} and ${second} overlap; correct the column ${column}`);
     });
     return classes;

@@ -4,6 +4,7 @@ const Numbers = (() => {
   // A number at the beginning of a cell, before its unit; one that may have separators of thousands; one with decimals.
   const LEADING = /^[-+\u2212]?[\d.,]+(?:e[-+]?\d+)?/i;
   const IN_GROUPS = /^[-+\u2212]?[1-9]\d{0,2}(?:(?:\.\d{3})+|(?:,\d{3})+)$/;
+  const SPLIT = /\d[ \u00a0\u202f'\u2019]\d/; // separators of thousands
   const LARGE = /^[-+\u2212]?[1-9]\d{2,}$/; // a whole number that may be beside one with separators
   const DECIMAL = /^[-+\u2212]?\d*[.,]\d+(?:e[-+]?\d+)?$/i;
   const MARKS = { ".": "a point", ",": "a comma" };
@@ -18,7 +19,7 @@ const Numbers = (() => {
     }
     const commas = plain.split(",").length - 1;
     const points = plain.split(".").length - 1;
-    if ((commas && points) || commas > 1 || points > 1) {
+    if ((commas && points) || commas > 1 || points > 1 || SPLIT.test(plain)) {
       throw new InputError(
         `${where}: ${name} is '${text}'; a number is needed, without separators of thousands; write its unit, if any, ` +
           "in the header"

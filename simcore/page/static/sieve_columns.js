@@ -15,12 +15,13 @@ const SieveColumns = (() => {
   const isMass = (unit) => unit !== null && unit in masses;
   const have = (words, key) => [...words].some((word) => WORDS[key].has(word));
 
+  // classes: position of a column of classes whose cells have been replaced by openings with their unit, or null.
   // Returns {opening, unit, amounts}: position and unit (null: the cells have it) of the openings, and the columns of
   // amounts as {position, meaning, unit}.
-  function recognise(name, header) {
+  function recognise(name, header, classes = null) {
     const [openings, amounts] = [[], []];
     header.forEach((title, position) => {
-      const { meaning, unit } = meaningOf(name, title);
+      const { meaning, unit } = position === classes ? { meaning: OPENING, unit: null } : meaningOf(name, title);
       if (meaning === OPENING) openings.push({ position, unit });
       else if (meaning !== null) amounts.push({ position, meaning, unit });
     });
@@ -40,6 +41,8 @@ const SieveColumns = (() => {
     });
     return { opening: openings[0].position, unit: openings[0].unit, amounts };
   }
+
+  const unitInName = (title) => (BRACKETS.exec(title) ?? TRAILING.exec(title))?.[1];
 
   // Returns a unit in one spelling, or null if it is unknown.
   function knownUnit(text) {
@@ -102,6 +105,6 @@ const SieveColumns = (() => {
 
   return {
     PHI, PERCENT, FRACTION, OPENING, RETAINED, PASSING, CUMULATIVE, OPENING_UNITS,
-    isLength, isMass, knownUnit, meaningOf, recognise,
+    isLength, isMass, knownUnit, meaningOf, recognise, unitInName,
   };
 })();

@@ -1,10 +1,8 @@
 // Reads a sieve curve from a table, as simcore.grains.sieve_table does. Openings are in mm here.
 const SieveTable = (() => {
   const { InputError, general } = Numbers;
-  const { PHI, PERCENT, FRACTION, RETAINED, PASSING, CUMULATIVE, OPENING_UNITS } = SieveColumns;
+  const { PERCENT, FRACTION, RETAINED, PASSING, CUMULATIVE } = SieveColumns;
   const rules = DATA.curve.reading;
-  const PAN = new RegExp(`^(?:${rules.patterns.pan})$`, "iu");
-  const WITH_UNIT = new RegExp(`^(?:${rules.patterns.with_unit})$`, "u");
   const WHOLE = { [PERCENT]: 100, [FRACTION]: 1 };
 
   const percent = (share) => `${(100 * share).toFixed(1)}%`;
@@ -15,9 +13,9 @@ const SieveTable = (() => {
   function read(name, text, coarsest = null, notes = []) {
     const given = Table.read(name, text, [...notes]);
     if (!given.header.length) throw new InputError(`${name}: the file is empty; ${rules.needed}`);
-    const [table, hasClasses] = SieveClasses.withLowerSieves(name, given);
-    const recognised = SieveColumns.recognise(name, table.header);
-    const columns = hasClasses ? SieveClasses.retainedOnly(name, recognised) : recognised;
+    const [table, classes] = SieveClasses.withLowerSieves(name, given);
+    const recognised = SieveColumns.recognise(name, table.header, classes);
+    const columns = classes === null ? recognised : SieveClasses.retainedOnly(name, recognised);
     const notices = [...table.notices];
     const rows = leaveOutTotals(table.rows, columns, notices);
     if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${rules.needed}`);
@@ -25,7 +23,7 @@ const SieveTable = (() => {
     const kept = new Set(rows.map(({ row }) => row));
     const written = given.rows.filter(({ row }) => kept.has(row)); // classes as they were before withLowerSieves
     Numbers.checkDecimalMarks(name, used.map((position) => [position, given.header[position]]), written);
-    const sieves = readOpenings(name, table.header, rows, columns);
+    const sieves = SieveOpenings.read(name, table.header, rows, columns);
     const results = columns.amounts.map((column) => {
       const title = table.header[column.position];
       const values = new Map(
@@ -36,7 +34,8 @@ const SieveTable = (() => {
       );
       const passing = passingOf({ name, title, column, sieves, values, coarsest, notices });
       if (columns.amounts.length === 1 && isMassRetained(column)) {
-        const fromCoarsest = [...sieves.rows].reverse().concat(sieves.pan ?? []);
+        const listed = sieves.rows.filter((row) => row !== table.added).reverse(); // without the sieve above all classes
+        const fromCoarsest = listed.concat(sieves.pan ?? []);
         const masses = fromCoarsest.map((row) => values.get(row) || 0);
         notices.push(...noticesOfSums(title, column.unit ?? "g", masses, sieves.pan !== null));
       }
@@ -97,77 +96,6 @@ const SieveTable = (() => {
     return rows.filter((_, i) => !places.has(i));
   }
 
-  // Returns {rows, openings, pan}: from fine to coarse; pan: the row of the pan, or null.
-  function readOpenings(name, header, rows, columns) {
-    const title = header[columns.opening];
-    const [pans, sieves] = [[], []];
-    for (const { row, cells } of rows) {
-      const text = cells[columns.opening];
-      const size = PAN.test(text) ? 0 : opening(name, `${name}, row ${row}`, title, text, columns.unit);
-      if (size === 0) pans.push(row);
-      else sieves.push({ row, size });
-    }
-    if (pans.length > 1) {
-      throw new InputError(`${name}, row ${pans[1]}: this is a second pan, after row ${pans[0]}; remove one`);
-    }
-    if (sieves.length < 2) {
-      const number = sieves.length ? "1 sieve" : "no sieves";
-      throw new InputError(`${name}: the table has ${number}; at least two are needed`);
-    }
-    const ascending = sieves.at(-1).size - sieves[0].size;
-    const wrong = sieves.findIndex(({ size }, i) => i && Math.sign(size - sieves[i - 1].size) !== Math.sign(ascending));
-    const steps = sieves.slice(1).map(({ size }, i) => Math.sign(size - sieves[i].size));
-    if (!(steps.every((step) => step > 0) || steps.every((step) => step < 0))) {
-      const [before, after] = [sieves[wrong - 1], sieves[wrong]];
-      throw new InputError(
-        `${name}, row ${after.row}: the opening ${general(after.size)} mm follows ${general(before.size)} mm; order ` +
-          "the sieves from coarse to fine or from fine to coarse, each once"
-      );
-    }
-    if (ascending < 0) sieves.reverse();
-    return { rows: sieves.map(({ row }) => row), openings: sieves.map(({ size }) => size), pan: pans[0] ?? null };
-  }
-
-  // Returns the opening in a cell [mm]; 0 only for a length of 0, which is the pan.
-  function opening(name, where, title, text, unitOfColumn) {
-    let unit = unitOfColumn;
-    if (unit === null) {
-      const match = WITH_UNIT.exec(text);
-      unit = match ? SieveColumns.knownUnit(match[2]) : null;
-      if (match && unit === null) {
-        throw new InputError(`${where}: ${title} is '${text}'; its unit is unknown; use ${OPENING_UNITS}`);
-      }
-      if (unit === null) {
-        throw new InputError(
-          `${name}: the unit of the column ${title} is missing, and units are never guessed; write it in the header, ` +
-            `such as \`${title} [mm]\` or \`${title} [phi]\``
-        );
-      }
-      text = match[1];
-    }
-    if (/^(?:no|nr|#)/i.test(text)) {
-      throw new InputError(`${where}: ${title} is '${text}', a number of a sieve; give its opening instead, in mm`);
-    }
-    const value = Numbers.read(where, title, text);
-    if (unit === PHI) {
-      if (Math.abs(value) > 20) {
-        throw new InputError(
-          `${where}: ${title} = ${general(value)} phi is no sieve; phi is -log2 of the opening in mm`
-        );
-      }
-      return 2 ** -value;
-    }
-    if (!SieveColumns.isLength(unit)) {
-      throw new InputError(`${where}: ${title} is in ${unit}, which is not a length; use ${OPENING_UNITS}`);
-    }
-    if (value < 0) {
-      throw new InputError(
-        `${where}: the opening ${title} = ${general(value)} ${unit} is negative; write [phi] if it is in phi`
-      );
-    }
-    return unit === "mm" ? value : value * rules.lengths[unit] * 1e3;
-  }
-
   // Returns the amount in a cell; NaN if it is the empty cell of a pan.
   function readAmount(where, title, text, ofPan) {
     if (!text && ofPan) return NaN;
@@ -187,6 +115,13 @@ const SieveTable = (() => {
     const { rows, pan } = sieves;
     const amounts = rows.map((row) => values.get(row));
     const inPan = pan === null ? NaN : values.get(pan);
+    const largest = Math.max(...amounts, Number.isNaN(inPan) ? 0 : inPan);
+    if (column.unit === PERCENT && largest > 0 && largest <= 1) {
+      throw new InputError(
+        `${name}: ${title} has no value above 1, so that its values look like fractions; write percent, such as 85 ` +
+          "instead of 0.85, or leave the % out of the name"
+      );
+    }
     if (column.meaning === RETAINED) return fromRetained(input, amounts, Number.isNaN(inPan) ? 0 : inPan);
     let whole = WHOLE[column.unit] ?? null;
     if (SieveColumns.isMass(column.unit)) {

@@ -1,0 +1,76 @@
+"""Reads the openings of the sieves in a table, and finds the row of the pan."""
+
+import re
+from fractions import Fraction
+
+import numpy as np
+
+from simcore.grains.cell_numbers import read_number
+from simcore.grains.sieve_columns import LENGTHS, PAN, PHI, known_unit
+
+LEAST_COARSEST = 63e-6  # [m], opening of the coarsest sieve, below which sizes have a wrong unit or decimal mark
+FRACTION_OF_ONE = re.compile(r"[1-9]\d* ?/ ?[1-9]\d*")
+WITH_UNIT = re.compile(r"(.*?)\s*([a-zA-Zµμφϕ]+)\.?")
+
+
+def read_openings(path, header, cells, columns):
+    """Return the rows of sieves from fine to coarse, their openings [m], ascending, and the row of the pan or None."""
+    name, pans, openings = header[columns.opening], [], {}
+    for row, text in cells[columns.opening].items():
+        where = f"{path}, row {row}"
+        opening = None if PAN.fullmatch(text) else _opening(path, where, name, text, columns.unit)
+        if opening is None or opening == 0.0:
+            pans.append(row)
+        else:
+            openings[row] = opening
+    if len(pans) > 1:
+        raise ValueError(f"{path}, row {pans[1]}: this is a second pan, after row {pans[0]}; remove one")
+    if len(openings) < 2:
+        raise ValueError(
+            f"{path}: the table has {len(openings) or 'no'} sieve{'s' * (not openings)}; at least two are needed"
+        )
+    rows, values = list(openings), np.array(list(openings.values()))
+    if values.max() < LEAST_COARSEST:
+        raise ValueError(
+            f"{path}: the coarsest sieve is {values.max() * 1e3:g} mm, finer than sand; correct the unit of {name}, "
+            "and write sizes without separators of thousands"
+        )
+    steps = np.diff(values)
+    if not (np.all(steps > 0) or np.all(steps < 0)):
+        wrong = int(np.flatnonzero(np.sign(steps) != np.sign(values[-1] - values[0]))[0]) + 1
+        raise ValueError(
+            f"{path}, row {rows[wrong]}: the opening {values[wrong] * 1e3:g} mm follows "
+            f"{values[wrong - 1] * 1e3:g} mm; order the sieves from coarse to fine or from fine to coarse, each once"
+        )
+    order = slice(None) if values[0] < values[-1] else slice(None, None, -1)
+    return rows[order], values[order], pans[0] if pans else None
+
+
+def _opening(path, where, name, text, unit):
+    """Return the opening in a cell [m]; 0 only for a length of 0, which is the pan."""
+    if unit is None:
+        match = WITH_UNIT.fullmatch(text)
+        unit = known_unit(match[2]) if match else None
+        if match and unit is None:
+            raise ValueError(f"{where}: {name} is '{text}'; its unit is unknown; use {', '.join([*LENGTHS, PHI])}")
+        if unit is None:
+            raise ValueError(
+                f"{path}: the unit of the column {name} is missing, and units are never guessed; write it in the "
+                f"header, such as `{name} [mm]` or `{name} [phi]`"
+            )
+        text = match[1]
+    if re.match(r"(?:no|nr|#)", text, re.IGNORECASE):
+        raise ValueError(f"{where}: {name} is '{text}', a number of a sieve; give its opening instead, in mm")
+    if FRACTION_OF_ONE.fullmatch(text):
+        value = Fraction(text.replace(" ", ""))
+        raise ValueError(f"{where}: {name} is '{text}'; write a fraction as a decimal number, {float(value):g}")
+    value = read_number(where, name, text)
+    if unit == PHI:
+        if abs(value) > 20:
+            raise ValueError(f"{where}: {name} = {value:g} phi is no sieve; phi is -log2 of the opening in mm")
+        return 2.0**-value * 1e-3
+    if unit not in LENGTHS:
+        raise ValueError(f"{where}: {name} is in {unit}, which is not a length; use {', '.join([*LENGTHS, PHI])}")
+    if value < 0:
+        raise ValueError(f"{where}: the opening {name} = {value:g} {unit} is negative; write [phi] if it is in phi")
+    return value * LENGTHS[unit]

@@ -1,0 +1,95 @@
+// Reads the openings of the sieves in a table, in mm, as simcore.grains.sieve_openings does.
+const SieveOpenings = (() => {
+  const { InputError, general } = Numbers;
+  const { PHI, OPENING_UNITS } = SieveColumns;
+  const rules = DATA.curve.reading;
+  const PAN = new RegExp(`^(?:${rules.patterns.pan})$`, "iu");
+  const WITH_UNIT = new RegExp(`^(?:${rules.patterns.with_unit})$`, "u");
+  const FRACTION_OF_ONE = new RegExp(`^(?:${rules.patterns.fraction})$`, "u");
+
+  // Returns {rows, openings, pan}: from fine to coarse; pan: the row of the pan, or null.
+  function read(name, header, rows, columns) {
+    const title = header[columns.opening];
+    const [pans, sieves] = [[], []];
+    for (const { row, cells } of rows) {
+      const text = cells[columns.opening];
+      const size = PAN.test(text) ? 0 : opening(name, `${name}, row ${row}`, title, text, columns.unit);
+      if (size === 0) pans.push(row);
+      else sieves.push({ row, size });
+    }
+    if (pans.length > 1) {
+      throw new InputError(`${name}, row ${pans[1]}: this is a second pan, after row ${pans[0]}; remove one`);
+    }
+    if (sieves.length < 2) {
+      const number = sieves.length ? "1 sieve" : "no sieves";
+      throw new InputError(`${name}: the table has ${number}; at least two are needed`);
+    }
+    const largest = Math.max(...sieves.map(({ size }) => size));
+    if (largest < rules.least_coarsest * 1e3) {
+      throw new InputError(
+        `${name}: the coarsest sieve is ${general(largest)} mm, finer than sand; correct the unit of ${title}, and write ` +
+          "sizes without separators of thousands"
+      );
+    }
+    const ascending = sieves.at(-1).size - sieves[0].size;
+    const wrong = sieves.findIndex(({ size }, i) => i && Math.sign(size - sieves[i - 1].size) !== Math.sign(ascending));
+    const steps = sieves.slice(1).map(({ size }, i) => Math.sign(size - sieves[i].size));
+    if (!(steps.every((step) => step > 0) || steps.every((step) => step < 0))) {
+      const [before, after] = [sieves[wrong - 1], sieves[wrong]];
+      throw new InputError(
+        `${name}, row ${after.row}: the opening ${general(after.size)} mm follows ${general(before.size)} mm; order ` +
+          "the sieves from coarse to fine or from fine to coarse, each once"
+      );
+    }
+    if (ascending < 0) sieves.reverse();
+    return { rows: sieves.map(({ row }) => row), openings: sieves.map(({ size }) => size), pan: pans[0] ?? null };
+  }
+
+  // Returns the opening in a cell [mm]; 0 only for a length of 0, which is the pan.
+  function opening(name, where, title, text, unitOfColumn) {
+    let unit = unitOfColumn;
+    if (unit === null) {
+      const match = WITH_UNIT.exec(text);
+      unit = match ? SieveColumns.knownUnit(match[2]) : null;
+      if (match && unit === null) {
+        throw new InputError(`${where}: ${title} is '${text}'; its unit is unknown; use ${OPENING_UNITS}`);
+      }
+      if (unit === null) {
+        throw new InputError(
+          `${name}: the unit of the column ${title} is missing, and units are never guessed; write it in the header, ` +
+            `such as \`${title} [mm]\` or \`${title} [phi]\``
+        );
+      }
+      text = match[1];
+    }
+    if (/^(?:no|nr|#)/i.test(text)) {
+      throw new InputError(`${where}: ${title} is '${text}', a number of a sieve; give its opening instead, in mm`);
+    }
+    if (FRACTION_OF_ONE.test(text)) {
+      const [above, below] = text.split("/").map(Number);
+      throw new InputError(
+        `${where}: ${title} is '${text}'; write a fraction as a decimal number, ${general(above / below)}`
+      );
+    }
+    const value = Numbers.read(where, title, text);
+    if (unit === PHI) {
+      if (Math.abs(value) > 20) {
+        throw new InputError(
+          `${where}: ${title} = ${general(value)} phi is no sieve; phi is -log2 of the opening in mm`
+        );
+      }
+      return 2 ** -value;
+    }
+    if (!SieveColumns.isLength(unit)) {
+      throw new InputError(`${where}: ${title} is in ${unit}, which is not a length; use ${OPENING_UNITS}`);
+    }
+    if (value < 0) {
+      throw new InputError(
+        `${where}: the opening ${title} = ${general(value)} ${unit} is negative; write [phi] if it is in phi`
+      );
+    }
+    return unit === "mm" ? value : value * rules.lengths[unit] * 1e3;
+  }
+
+  return { read };
+})();
