@@ -70,22 +70,27 @@ const BedOutput = (() => {
 
   // Returns [title, formula, source] of the step from one class to the curve.
   function formula() {
+    const rods = model.skeleton === "rods";
     const values = Object.entries(model.parameters).map(([key, value]) => `${key} = ${number(value, 3)}`);
     const functions =
       "p" in model.parameters || "s" in model.parameters
         ? `f = (1 − r)^p (1 + ${general(DATA.curve.fixed_q)} r), g = (1 − r)^s`
         : "f = (1 − r)^3.3 + 2.8 r (1 − r)^2.7, g = (1 − r)^2 + 0.4 r (1 − r)^3.7";
     const T = "Tᵢ = Σ yⱼVⱼ − Σ(j coarser) yⱼ(Vⱼ − 1) g(r) − Σ(j finer) yⱼVⱼ f(r)";
-    const texts = {
-      compressible: `n = 1 − 1/P, K = Σ yᵢVᵢ/(P − Tᵢ), ${T}, V = K/((1 + K)(1 − b)), ${functions}`,
-      linear: `n = 1 − 1/max Tᵢ, ${T}, V = 1/(1 − b), ${functions}`,
-      rods: "n = 1 − solid fraction of rods that a random line cuts from the grains (Farr and Groot 2009)",
-    };
-    const damping = model.damped ? "; the effect of form is damped by c X, with X the relative decrease by the sizes" : "";
-    const symbols =
-      "y is the share of a size class, r the ratio of the smaller to the larger size to the power m = m0 (e/e₀)^κ with the " +
-      `void ratio e, and b is such that one sieve class has n₁; ${values.join(", ")}; ${model.behind}`;
-    return [`candidate ${model.candidate}, ${model.title}`, texts[model.skeleton] + damping, symbols];
+    const N = model.damped ? "N" : "n";
+    const skeleton = {
+      compressible: `${N} = 1 − 1/P, K = Σ yᵢVᵢ/(P − Tᵢ), ${T}, V = K/((1 + K)(1 − b)), ${functions}`,
+      linear: `${N} = 1 − 1/max Tᵢ, ${T}, V = 1/(1 − b), ${functions}`,
+      rods: `${N} = share of gaps between rods that a random line cuts from spheres of the diameters D^m (Farr and Groot 2009)`,
+    }[model.skeleton];
+    const damped = "n = N + (n₁ − n₀)(1 − c X) + c0 X, with X = 1 − N/n₀ and 1 − c X ≥ 0; ";
+    const exponent = model.damped ? "m = m0" : "m = m0 (e/e₀)^κ with the void ratio e, which is e₀ for the Rhine's grains";
+    const sizes = rods ? "" : "y is the share of a size class, r the ratio of the smaller to the larger size to the power m; ";
+    const one = model.damped
+      ? "N of one sieve class is n₀, the porosity of such a bed of the Rhine's grains; n₁ is that of these grains"
+      : "n of one sieve class is n₁, the porosity of such a bed of these grains";
+    const symbols = `${sizes}${rods ? "the gaps are" : "b is"} such that ${one}; ${exponent}; ${values.join(", ")}; ${model.behind}`;
+    return [`candidate ${model.candidate}, ${model.title}`, (model.damped ? damped : "") + skeleton, symbols];
   }
 
   // Returns the table that the command prints with --sieve --csv.
