@@ -39,10 +39,10 @@ def test_pack_then_porosity(folder, capsys):
     arguments = ["pack", str(folder / "good.yaml"), str(output), "--log", str(folder / "logs" / "tiny.log")]
     assert main(arguments) == 0
     assert names(output.parent) == ["tiny.nc"]
-    told = capsys.readouterr()
-    assert told.out == ""
+    printed = capsys.readouterr()
+    assert printed.out == ""
     log = (folder / "logs" / "tiny.log").read_text()
-    assert log == told.err
+    assert log == printed.err
     for part in (
         "40 grains inserted",
         "shaking",
@@ -70,9 +70,9 @@ def test_pack_then_porosity(folder, capsys):
     ):
         for command in ("porosity", "fabric"):
             assert main([command, str(output), f"--cut={cut}"]) == 2
-            told = capsys.readouterr()
-            assert told.err.startswith(f"scree {command}: --cut: ") and reason in told.err
-            assert told.err.count("\n") == 1 and told.out == ""
+            printed = capsys.readouterr()
+            assert printed.err.startswith(f"scree {command}: --cut: ") and reason in printed.err
+            assert printed.err.count("\n") == 1 and printed.out == ""
 
 
 def test_fabric_of_one_packing_and_of_two_seeds(folder, capsys):
@@ -86,12 +86,12 @@ def test_fabric_of_one_packing_and_of_two_seeds(folder, capsys):
     assert "standard error within the packing" in capsys.readouterr().out
     written = folder / "out" / "fabric.nc"
     assert main(["fabric", *beds, "--cut", "0.003", "--bearing-contacts", "3", "--out", str(written)]) == 0
-    told = capsys.readouterr().out
-    assert told.startswith("2 packings, ") and "rattlers (fewer than 3 contacts)" in told
+    printed = capsys.readouterr().out
+    assert printed.startswith("2 packings, ") and "rattlers (fewer than 3 contacts)" in printed
     with xr.open_dataset(written) as fabric:
         assert fabric["seed"].values.tolist() == [1, 2]
         assert 0.4 < float(fabric["solid_fraction"]) < 0.7 and 3.0 < float(fabric["coordination_number"]) < 12.0
-        assert f"{float(fabric['solid_fraction']):.4f} ± {float(fabric['solid_fraction_std_error']):.4f}" in told
+        assert f"{float(fabric['solid_fraction']):.4f} ± {float(fabric['solid_fraction_std_error']):.4f}" in printed
     # A bed of forty spheres is too low for the rule; the error names the file and what to do.
     assert main(["fabric", beds[0]]) == 2
     error = capsys.readouterr().err
@@ -114,9 +114,9 @@ def test_fabric_of_one_packing_and_of_two_seeds(folder, capsys):
 def test_a_wrong_specification_is_one_line_and_status_two(folder, capsys, change, message):
     (folder / "bad.yaml").write_text(GOOD.replace(*change))
     assert main(["pack", str(folder / "bad.yaml"), str(folder / "bad.nc")]) == 2
-    told = capsys.readouterr()
-    assert told.err.count("\n") == 1 and told.err.startswith("scree pack: ")
-    assert re.search(message, told.err), told.err
+    printed = capsys.readouterr()
+    assert printed.err.count("\n") == 1 and printed.err.startswith("scree pack: ")
+    assert re.search(message, printed.err), printed.err
     assert names(folder) == ["bad.yaml", "good.yaml"]
 
 
@@ -129,8 +129,8 @@ def test_a_missing_file_and_too_many_threads(folder, capsys):
     assert "none.nc: there is no such file" in capsys.readouterr().err
     (folder / "cut.nc").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
     assert main(["porosity", str(folder / "cut.nc")]) == 2
-    told = capsys.readouterr().err
-    assert told.count("\n") == 1 and "truncated" in told
+    printed = capsys.readouterr().err
+    assert printed.count("\n") == 1 and "truncated" in printed
 
 
 def test_a_packing_that_fails_leaves_no_file_and_status_one(folder, capsys):
@@ -143,8 +143,8 @@ def test_a_packing_that_fails_leaves_no_file_and_status_one(folder, capsys):
 def test_an_output_that_cannot_be_written_is_an_error_before_the_work(folder, capsys):
     (folder / "file").write_text("")
     assert main(["pack", str(folder / "good.yaml"), str(folder / "file" / "out.nc")]) == 2
-    told = capsys.readouterr().err
-    assert told.count("\n") == 1 and "generating" not in told
+    printed = capsys.readouterr().err
+    assert printed.count("\n") == 1 and "generating" not in printed
 
 
 def test_a_closed_pipe_ends_without_a_traceback():

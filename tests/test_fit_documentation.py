@@ -23,8 +23,8 @@ def test_the_examples_are_what_the_commands_print(capsys, monkeypatch, tmp_path)
         for command in commands.splitlines():
             capsys.readouterr()
             assert main(command.removeprefix("scree ").split()) == 0
-        told = capsys.readouterr()
-        assert told.out.rstrip("\n") == output and told.err == ""
+        printed = capsys.readouterr()
+        assert printed.out.rstrip("\n") == output and printed.err == ""
 
 
 def test_the_porosity_from_a_bulk_density_is_that_of_the_page():

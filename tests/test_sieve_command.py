@@ -69,9 +69,9 @@ def test_a_curve_with_too_many_grains_is_refused(folder):
 
 def test_json_has_the_same_numbers(folder, capsys):
     assert main(["sieve", str(folder / "field.csv"), "--json"]) == 0
-    told = capsys.readouterr()
-    content = json.loads(told.out)
-    assert content["mass_kg"] == pytest.approx(2.31) and told.err == ""
+    printed = capsys.readouterr()
+    content = json.loads(printed.out)
+    assert content["mass_kg"] == pytest.approx(2.31) and printed.err == ""
     assert content["percentiles_mm"]["D50"] == pytest.approx(5.6 * (8 / 5.6) ** ((1155 - 430) / 760))
     assert content["folk_ward_phi"]["words"][0] == "fine gravel"
     assert "assume that the 0.4% in the pan are coarser than 2.86 mm" in content["notices"][0]
@@ -89,7 +89,7 @@ def test_wrong_input_ends_with_one_line_and_leaves_no_file(folder, capsys):
         ([str(folder / "none.csv")], "there is no such file"),
     ):
         assert main(["sieve", *arguments]) == 2
-        told = capsys.readouterr()
-        assert told.err.startswith("scree sieve: ") and message in told.err
-        assert told.err.count("\n") == 1 and told.out == ""
+        printed = capsys.readouterr()
+        assert printed.err.startswith("scree sieve: ") and message in printed.err
+        assert printed.err.count("\n") == 1 and printed.out == ""
     assert [path.name for path in folder.iterdir()] == ["field.csv"]

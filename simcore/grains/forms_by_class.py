@@ -1,6 +1,6 @@
 """Reads the forms of the grains of each sieve class from a table with a column of classes.
 
-The column is named `class`, `size class`, `sieve class`, `Klasse` or `Siebklasse`; its cells are such as "8-11.2 mm".
+The column has a name such as `class` or `Siebklasse` (simcore.grains.class_labels); its cells are such as "8-11.2 mm".
 """
 
 from simcore.grains.class_labels import CLASS_NAME, class_bounds, class_text

@@ -9,7 +9,7 @@ from simcore.grains.cell_numbers import read_number
 from simcore.grains.sieve_columns import LENGTHS, PAN, PHI, known_unit
 
 LEAST_COARSEST = 63e-6  # [m], opening of the coarsest sieve, below which sizes have a wrong unit or decimal mark
-FRACTION_OF_ONE = re.compile(r"[1-9]\d* ?/ ?[1-9]\d*")
+COMMON_FRACTION = re.compile(r"[1-9]\d* ?/ ?[1-9]\d*")
 WITH_UNIT = re.compile(r"(.*?)\s*([a-zA-Zµμφϕ]+)\.?")
 
 
@@ -61,7 +61,7 @@ def _opening(path, where, name, text, unit):
         text = match[1]
     if re.match(r"(?:no|nr|#)", text, re.IGNORECASE):
         raise ValueError(f"{where}: {name} is '{text}', a number of a sieve; give its opening instead, in mm")
-    if FRACTION_OF_ONE.fullmatch(text):
+    if COMMON_FRACTION.fullmatch(text):
         value = Fraction(text.replace(" ", ""))
         raise ValueError(f"{where}: {name} is '{text}'; write a fraction as a decimal number, {float(value):g}")
     value = read_number(where, name, text)

@@ -24,7 +24,7 @@ from simcore.grains.sieve_columns import (
     reading_rules,
     recognise_sieve_columns,
 )
-from simcore.grains.sieve_openings import FRACTION_OF_ONE, LEAST_COARSEST, WITH_UNIT, read_openings
+from simcore.grains.sieve_openings import COMMON_FRACTION, LEAST_COARSEST, WITH_UNIT, read_openings
 from simcore.grains.sieve_sums import FEWEST_SUMS, SMALL_STEP, notices_of_sums
 from simcore.grains.summary_rows import find_summary_rows
 from simcore.grains.table_file import read_table
@@ -182,7 +182,7 @@ def read_sieve_table(path, coarsest=None):
 
 def table_rules():
     """Return all that a reader of such tables in another language needs, as plain values: dict of words and numbers."""
-    patterns = {"with_unit": WITH_UNIT.pattern, "fraction": FRACTION_OF_ONE.pattern}
+    patterns = {"with_unit": WITH_UNIT.pattern, "fraction": COMMON_FRACTION.pattern}
     rules = reading_rules()
     return {
         **rules,

@@ -153,5 +153,5 @@ def test_wrong_input_is_one_line(tmp_path, capsys):
         ([a, str(tmp_path / "none.nc")], "there is no such file"),
     ):
         assert main(["compare", *arguments]) == 2
-        told = capsys.readouterr().err
-        assert message in told and told.count("\n") == 1
+        printed = capsys.readouterr().err
+        assert message in printed and printed.count("\n") == 1

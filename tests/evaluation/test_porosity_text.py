@@ -89,5 +89,5 @@ def test_the_profile_of_flat_grains_on_the_floor_has_the_same_slices_for_both_me
 def test_a_profile_that_cannot_be_written_is_told_first(path, tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert main(["porosity", str(path), "--profile", str(tmp_path / "file" / "out.csv")]) == 2
-    told = capsys.readouterr()
-    assert "cannot be written" in told.err and told.out == ""
+    printed = capsys.readouterr()
+    assert "cannot be written" in printed.err and printed.out == ""

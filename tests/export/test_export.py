@@ -57,8 +57,8 @@ def test_wrong_options_are_one_line(bed, tmp_path, capsys, arguments, message):
     if arguments[0] == "bed.stl":
         write_packing(bed, strew("sphere"))
     assert main(["export", str(bed), str(tmp_path / arguments[0]), *arguments[1:]]) == 2
-    told = capsys.readouterr()
-    assert told.err.startswith("scree export: ") and message in told.err and told.err.count("\n") == 1
+    printed = capsys.readouterr()
+    assert printed.err.startswith("scree export: ") and message in printed.err and printed.err.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["bed.nc"]
 
 

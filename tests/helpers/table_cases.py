@@ -5,6 +5,18 @@ Each case is a table as text, and the error or a notice that it must have, witho
 
 from typing import NamedTuple
 
+import pytest
+
+
+def assert_words(case, notices_of, file):
+    """Check a Case. notices_of(text): notices on a table that is read from the file with this name."""
+    if case.error:
+        with pytest.raises(ValueError) as error:
+            notices_of(case.text)
+        assert str(error.value).partition(file)[2].lstrip(",: ") == case.error
+    else:
+        assert case.notice and any(case.notice in notice for notice in notices_of(case.text))
+
 
 class Case(NamedTuple):
     """A table, and the end of its error or of one of its notices."""

@@ -304,8 +304,8 @@ def test_several_cases_are_fitted_and_small_ones_left_out(tmp_path, capsys):
 )
 def test_a_porosity_far_from_the_prediction_is_questioned(n, question):
     bed = MeasuredBed(Sample("A", 0, 0.6, 0.1, 0.7, 0.1, 0.42, 0.1), n, np.nan, "U1")
-    told = question_beds([bed], [0.35])
-    assert (told == []) if question is None else told[0].startswith(question)
+    notices = question_beds([bed], [0.35])
+    assert (notices == []) if question is None else notices[0].startswith(question)
     assert question_beds([bed], [np.nan]) == []
 
 
@@ -315,9 +315,9 @@ def test_fit_names_the_bed_whose_column_n_has_the_solid_fraction(tmp_path, capsy
     path = tmp_path / "beds.csv"
     path.write_text(f"{head}A,0.62,{form}\n{rest}")
     assert main(["fit", str(path), "--case", "one-class"]) == 0
-    told = capsys.readouterr()
-    assert told.err == "scree fit: bed A: measured 0.62, predicted 0.35; is 0.62 the solid fraction, 1 − n?\n"
-    assert re.search(r"^A +0.6200 +0.3498 +-0.2702$", told.out, re.MULTILINE)
+    printed = capsys.readouterr()
+    assert printed.err == "scree fit: bed A: measured 0.62, predicted 0.35; is 0.62 the solid fraction, 1 − n?\n"
+    assert re.search(r"^A +0.6200 +0.3498 +-0.2702$", printed.out, re.MULTILINE)
     path.write_text(f"{head}A,0.36,{form}\nA,0.62,{form}\nA,0.36,{form}\n{rest}")
     result = simcore.fit(path, case="U1")
     assert [notice.split(":")[0] for notice in result.notices] == ["bed A (row 3)"], "each repeat is compared by itself"
@@ -412,6 +412,6 @@ def test_wrong_arguments_end_with_one_line(tmp_path, capsys):
     ):
         out = tmp_path / "model.json"
         assert main(["fit", *words, "--out", str(out)]) == 2
-        told = capsys.readouterr()
-        assert told.err.startswith("scree fit: ") and message in told.err
-        assert told.err.count("\n") == 1 and told.out == "" and not out.exists()
+        printed = capsys.readouterr()
+        assert printed.err.startswith("scree fit: ") and message in printed.err
+        assert printed.err.count("\n") == 1 and printed.out == "" and not out.exists()

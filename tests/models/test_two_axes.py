@@ -109,9 +109,9 @@ def test_a_case_without_our_mixtures_has_the_model_of_the_paper_without_interval
 def test_an_export_of_pebblecounts_gives_a_range_on_the_command_line(write, capsys):
     path = write(PEBBLECOUNTS)
     assert main(["predict", "--case", "U1", str(path)]) == 0
-    told = capsys.readouterr()
-    assert told.out.startswith("Range of the porosity of a bed, case U1") and "0.700 ± 0.100" in told.out
-    assert "a (px), b (px)" in told.err
+    printed = capsys.readouterr()
+    assert printed.out.startswith("Range of the porosity of a bed, case U1") and "0.700 ± 0.100" in printed.out
+    assert "a (px), b (px)" in printed.err
     assert main(["predict", "--case", "U1", "--json", str(path)]) == 0
     (row,) = json.loads(capsys.readouterr().out)["samples"]
     assert row["n_low"] < row["n_high"] and "n" not in row

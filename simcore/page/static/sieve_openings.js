@@ -5,7 +5,7 @@ const SieveOpenings = (() => {
   const rules = DATA.curve.reading;
   const PAN = new RegExp(`^(?:${rules.patterns.pan})$`, "iu");
   const WITH_UNIT = new RegExp(`^(?:${rules.patterns.with_unit})$`, "u");
-  const FRACTION_OF_ONE = new RegExp(`^(?:${rules.patterns.fraction})$`, "u");
+  const COMMON_FRACTION = new RegExp(`^(?:${rules.patterns.fraction})$`, "u");
 
   // Returns {rows, openings, pan}: from fine to coarse; pan: the row of the pan, or null.
   function read(name, header, rows, columns) {
@@ -65,7 +65,7 @@ const SieveOpenings = (() => {
     if (/^(?:no|nr|#)/i.test(text)) {
       throw new InputError(`${where}: ${title} is '${text}', a number of a sieve; give its opening instead, in mm`);
     }
-    if (FRACTION_OF_ONE.test(text)) {
+    if (COMMON_FRACTION.test(text)) {
       const [above, below] = text.split("/").map(Number);
       throw new InputError(
         `${where}: ${title} is '${text}'; write a fraction as a decimal number, ${general(above / below)}`

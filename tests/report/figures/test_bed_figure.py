@@ -88,8 +88,8 @@ def test_the_command_writes_the_figure_beside_the_packing_or_where_told(tmp_path
 def test_a_bed_too_low_to_evaluate_is_drawn_with_a_note(tmp_path, capsys):
     write_packing(tmp_path / "bed.nc", ellipsoids())
     assert main(["plot", str(tmp_path / "bed.nc"), "--cut", "40 mm"]) == 0
-    told = capsys.readouterr()
-    assert told.err.startswith("scree plot: without bulk porosity: ") and told.err.count("\n") == 1
+    printed = capsys.readouterr()
+    assert printed.err.startswith("scree plot: without bulk porosity: ") and printed.err.count("\n") == 1
     assert (tmp_path / "bed.png").exists()
 
 
@@ -107,5 +107,5 @@ def test_wrong_input_is_one_line(tmp_path, capsys):
             for argument in arguments
         ]
         assert main(["plot", *paths]) == 2
-        told = capsys.readouterr().err
-        assert message in told and told.count("\n") == 1
+        printed = capsys.readouterr().err
+        assert message in printed and printed.count("\n") == 1
