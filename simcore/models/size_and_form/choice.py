@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+KEPT_WITHIN = 2.0  # standard errors above the best candidate, up to which the model in use is kept
+
 
 class Score(NamedTuple):
     """Score of one candidate."""
@@ -51,18 +53,22 @@ def score(errors, weights, groups):
     return scores
 
 
-def choose(by_family, by_form, parameters):
+def choose(by_family, by_form, parameters, in_use=None):
     """Return the name of the chosen candidate.
 
     by_family, by_form: dicts of Score with families and with forms left out. parameters: number of fitted parameters,
-    dict by name, in the order of preference among equally many. Chosen is the candidate with the fewest parameters
-    whose excess is at most one standard error in both; without one, the one with the least error over families.
+    dict by name, in the order of preference among equally many. in_use: name of the candidate that was chosen before,
+    None if there is none. It is kept if its excess is at most KEPT_WITHIN standard errors in both. Otherwise the
+    candidate with the fewest parameters is chosen whose excess is at most one standard error in both; without one, the
+    one with the least error over families.
     """
-    equal = [
-        name
-        for name in parameters
-        if all(scores[name].excess <= scores[name].excess_std_error for scores in (by_family, by_form))
-    ]
+
+    def within(limit, name):
+        return all(scores[name].excess <= limit * scores[name].excess_std_error for scores in (by_family, by_form))
+
+    if in_use in parameters and within(KEPT_WITHIN, in_use):
+        return in_use
+    equal = [name for name in parameters if within(1.0, name)]
     if not equal:
         return min(parameters, key=lambda name: by_family[name].error)
     return min(equal, key=lambda name: parameters[name])

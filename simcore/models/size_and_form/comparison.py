@@ -18,6 +18,7 @@ from simcore.models.size_and_form.sized_model import CANDIDATE, NOT_FITTED, UNFI
 
 # The order of preference among candidates with equally many parameters (docs/appendices/size_and_form_plan.md).
 PREFERENCE = ("L", "F", "H", "L_free", "D_F", "H_free", "H_form", "D_H")
+IN_USE = "D_F"  # chosen with twenty beds (the same page); None if none was
 LEVEL = 0.95  # probability of the intervals whose coverage is reported
 
 
@@ -55,7 +56,7 @@ def compare(beds, names=PREFERENCE, scatter=None) -> Comparison:
         errors = {name: predicted - beds.n for name, predicted in predictions[kind].items()}
         scores[kind] = score(errors, weights, groups)
     numbers = {name: len(CANDIDATES[name].parameters) for name in names} | dict.fromkeys(LITERATURE, 0)
-    chosen = choose(scores["family"], scores["form"], numbers)
+    chosen = choose(scores["family"], scores["form"], numbers, IN_USE)
     unfitted = predict_beds(CANDIDATE, beds, UNFITTED)
     predictions["family"][NOT_FITTED], numbers[NOT_FITTED] = unfitted, 0
     mean_error = float(np.average(np.abs(unfitted - beds.n), weights=weights))
@@ -79,7 +80,7 @@ def coverage(beds, predicted, level=LEVEL) -> float:
 
     predicted (n,): porosities by fits without the family of each bed. The interval of a bed is that of `predict`: the
     relative error of the decrease of porosity is that over the beds of all other families, with one degree of freedom
-    less than there are other families. level: probability of the interval.
+    less than there are other families. The sampling error of the bed is added. level: probability of the interval.
     """
     families = np.unique(beds.family)
     if len(families) < 3:
@@ -87,9 +88,9 @@ def coverage(beds, predicted, level=LEVEL) -> float:
     inside = np.zeros(len(beds.n), bool)
     for family in families:
         own = beds.family == family
-        error = relative_error(predicted[~own], beds.n[~own], beds.one_class[~own])
+        error = relative_error(predicted[~own], beds.n[~own], beds.one_class[~own], beds.error[~own])
         factor = student.ppf(0.5 + 0.5 * level, len(families) - 2)
-        half = factor * error * (beds.one_class[own] - predicted[own])
+        half = factor * np.hypot(error * (beds.one_class[own] - predicted[own]), beds.error[own])
         inside[own] = np.abs(predicted[own] - beds.n[own]) <= half
     return float(inside.mean())
 

@@ -100,6 +100,7 @@ def test_the_model_that_made_the_beds_is_chosen():
 def test_intervals_of_a_family_follow_from_the_errors_of_the_others():
     """Errors of 0.1 of the decrease are covered everywhere; in a family with an error of 0.9 no bed is covered."""
     beds = made_beds()
+    beds = beds._replace(error=np.zeros(len(beds.n)))
     sign = np.where(np.arange(len(beds.n)) % 2, 1.0, -1.0)
     decrease = beds.one_class - beds.n
     assert coverage(beds, beds.n + 0.1 * sign * decrease) == 1.0
@@ -107,6 +108,16 @@ def test_intervals_of_a_family_follow_from_the_errors_of_the_others():
     assert coverage(beds, beds.n - np.where(off, 0.9, 0.1 * sign) * decrease) == 1.0 - off.mean()
     two = beds.select(np.isin(beds.family, ["log_normal", "fractal"]))
     assert np.isnan(coverage(two, two.n))
+
+
+def test_intervals_of_packed_beds_contain_their_sampling_errors():
+    """A bed without any decrease of porosity is covered if the prediction errs as little as the sampling."""
+    beds = made_beds()
+    predicted = np.where(np.arange(len(beds.n)) == 0, beds.one_class, beds.n)
+    beds = beds._replace(n=np.where(np.arange(len(beds.n)) == 0, beds.one_class + ERROR, beds.n))
+    assert coverage(beds, predicted) == 1.0
+    exact = beds._replace(error=np.zeros(len(beds.n)))
+    assert coverage(exact, predicted) == 1.0 - 1.0 / len(beds.n)
 
 
 def test_fewer_beds_than_parameters_are_refused():

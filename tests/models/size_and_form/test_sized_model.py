@@ -30,7 +30,7 @@ def write_tables(folder, chosen="L", unfitted=0.02, families=WIDE_FAMILIES):
     ]
     parameters = [{"model": "L", "parameter": key, "value": value} for key, value in PARAMETERS.items()]
     beds = [
-        {"family": family, "n_one_class": 0.36, "n": 0.30, "predicted_L": 0.30 + error,
+        {"family": family, "n_one_class": 0.36, "n": 0.30, "n_error": 0.0, "predicted_L": 0.30 + error,
          "predicted_rods": 0.31, "widest": widest}
         for family, error, widest in zip(sorted(families), (3e-3, -3e-3) * 3, (2, 3, 4, 5, 5.6, 4), strict=False)
     ]  # fmt: skip
@@ -65,6 +65,12 @@ def test_without_tables_no_parameter_is_fitted(tmp_path):
 
 def test_relative_errors_are_those_of_the_decrease():
     assert relative_error(np.array([0.31, 0.29]), np.array([0.30, 0.30]), np.array([0.35, 0.35])) == pytest.approx(0.2)
+
+
+def test_sampling_errors_of_the_beds_are_no_errors_of_the_predictions():
+    beds = np.array([0.31, 0.29]), np.array([0.30, 0.30]), np.array([0.35, 0.35])
+    assert relative_error(*beds, np.array([0.006, 0.006])) == pytest.approx(0.008 / 0.05)
+    assert relative_error(*beds, 0.011) == pytest.approx(0.2 / np.sqrt(2.0))
 
 
 def test_the_error_grows_beyond_the_widest_curve(tmp_path):
