@@ -202,6 +202,7 @@ class Process:
         header, sections = latest
         self.state = state = State.from_header(header)
         self.bodies, self.candidates = self.ranks.restore(sections, self.stepper.box, self.stepper.features)
+        self.progress.resume(state.step)
         self.progress.phase(f"resumes from step {state.step}, t = {state.step * self.dt:.3f} s, {state.phase}")
 
     # -- steps ----------------------------------------------------------------------------------------------

@@ -16,6 +16,10 @@ class Progress:
         """Report the begin of a phase."""
         self.report(f"{self.scene.name}: {text}")
 
+    def resume(self, step):
+        """Take the rate from this step on, which was not reached by this process but read from a checkpoint."""
+        self.last_time, self.last_step = working_clock(), step
+
     def line(self, phase, step, dt, n_bodies, observed, end):
         """Report the rate since the last line and the time left. end: step at which the phase ends, or None."""
         now = working_clock()

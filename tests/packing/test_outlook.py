@@ -39,6 +39,18 @@ def test_a_progress_line_is_read_back(phase, end):
     assert line.left == pytest.approx(expected, abs=1.0)
 
 
+def test_steps_before_a_checkpoint_do_not_count_in_the_rate():
+    lines = []
+    scene = SimpleNamespace(
+        name="bed", numerics=SimpleNamespace(progress_interval=0.0), shaking=SimpleNamespace(duration=2.0)
+    )
+    progress = Progress(scene, lines.append)
+    progress.resume(2000)
+    progress.last_time -= 10.0
+    progress.line(SHAKING, 2500, 1e-3, 120, OBSERVED, 3000)
+    assert parse_progress(lines[0]).rate == pytest.approx(50.0, rel=0.02)
+
+
 @pytest.mark.parametrize(
     "text", ["", "bed: 220 grains inserted, 0.05 kg", "failed: bed: shaking too fast", "bed: converged after 10 steps"]
 )
