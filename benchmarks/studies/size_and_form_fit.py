@@ -10,6 +10,7 @@ the fits on the flagged beds and on beds of known porosity, and fits to beds of 
 
     size_and_form_candidates.csv   one row per model: its errors, and which one is chosen
     size_and_form_parameters.csv   one row per fitted parameter
+    size_and_form_covariance.csv   one row per pair of fitted parameters of a candidate
     size_and_form_beds.csv         one row per bed: one-class porosity, predictions by each model without its family
 
 It takes minutes of CPU time. It raises ValueError if there are too few beds: two families of curves and two forms are
@@ -24,10 +25,11 @@ import yaml
 
 from simcore.campaign.gathering import table_of
 from simcore.models.fitting import fit_reference_models
+from simcore.models.packing_models.curves import span
 from simcore.models.size_and_form.bases import PROCESS, fit_bases
 from simcore.models.size_and_form.beds import BASE, flags, form_labels, read_beds
 from simcore.models.size_and_form.candidates import predict
-from simcore.models.size_and_form.comparison import compare, parameter_rows
+from simcore.models.size_and_form.comparison import compare, covariance_rows, parameter_rows
 from simcore.models.size_and_form.fit import fit_candidate, predict_beds
 from simcore.models.size_and_form.known_beds import known_beds
 from simcore.models.size_and_form.stretch import REFERENCE_EL, REFERENCE_EQ
@@ -39,7 +41,7 @@ from simcore.scene.specification import resolve
 
 STUDY, OTHER_BASES = "size_and_form", "base_process"
 CONFIGURATION = CONFIG / "size_and_form.yaml"
-TABLES = ("candidates", "parameters", "beds")
+TABLES = ("candidates", "parameters", "covariance", "beds")
 SPHERES_BY, FEWEST_SPHERES = ("L", "F", "H"), 4
 
 
@@ -100,9 +102,9 @@ def left_out(rows) -> list[str]:
 def beds_table(beds, comparison):
     """Return one row per bed: bed, family, form, n_one_class, n, n_error, widest, predicted_<model> without its family.
 
-    widest: ratio of the largest to the smallest sieve size.
+    widest: `span` of the sieve curve.
     """
-    widest = [curve.largest / curve.least for curve in beds.curves]
+    widest = [span(curve) for curve in beds.curves]
     columns = {"bed": beds.names, "family": beds.family, "form": beds.form, "n_one_class": beds.one_class}
     columns |= {"n": beds.n, "n_error": beds.error, "widest": widest}
     predictions = {f"predicted_{name}": values for name, values in comparison.by_family.items()}
@@ -131,7 +133,8 @@ def compare_all(rows):
     print(flagged_errors(rows, comparison.fits).to_string(index=False, float_format="%.4f"))
     print("\nRoot mean square errors of the fits on beds of known porosity, from their own one-class porosity")
     print(known_errors(comparison.fits).to_string(float_format="%.4f"))
-    parts = (comparison.table, parameter_rows(comparison.fits), beds_table(beds, comparison))
+    fits = comparison.fits
+    parts = (comparison.table, parameter_rows(fits), covariance_rows(fits), beds_table(beds, comparison))
     return dict(zip(TABLES, parts, strict=True))
 
 

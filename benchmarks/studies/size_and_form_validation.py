@@ -149,7 +149,7 @@ def slopes_table(names=None):
     One row per model, the published ones of Rettinger et al. first: model, slope_U7 and slope_B50 over the 63 forms of
     `known_forms`, each with its standard error, and slope_mixtures over the distributions of `known_mixtures`. The
     standard error of the published slopes is that of the rounding of the coefficients. That of the current model
-    follows from the standard errors of its parameters, without their correlations; nan without fitted parameters.
+    follows from the covariance of its parameters; nan without fitted parameters.
     names: of models, None: all.
     """
     forms, mixtures = known_forms(), known_mixtures()
@@ -188,30 +188,33 @@ def _rounding(case, forms):
 
 
 def _slope_error(curve, n1, forms):
-    """Return the standard error of the current model's slope, nan without standard errors of its parameters."""
-    model, errors = current_model(), parameter_errors(current_model())
-    if not errors:
+    """Return the standard error of the current model's slope, nan without a covariance of its parameters."""
+    model = current_model()
+    names, covariance = parameter_covariance(model)
+    if not names:
         return np.nan
     slope = _slope(n1, _many(model.predict)(curve, n1, forms, REFERENCE_POROSITY))
     changes = []
-    for name, error in errors.items():
+    for name, error in zip(names, np.sqrt(np.diag(covariance)), strict=True):
         changed = model._replace(parameters=model.parameters | {name: model.parameters[name] + 0.1 * error})
-        changes.append(10.0 * (_slope(n1, _many(changed.predict)(curve, n1, forms, REFERENCE_POROSITY)) - slope))
-    return float(np.sqrt(np.sum(np.square(changes))))
+        changed_slope = _slope(n1, _many(changed.predict)(curve, n1, forms, REFERENCE_POROSITY))
+        changes.append((changed_slope - slope) / (0.1 * error))
+    return float(np.sqrt(np.array(changes) @ covariance @ np.array(changes)))
 
 
-def parameter_errors(model):
-    """Return the standard errors of the fitted parameters of a SizedModel, dict; empty if none is fitted.
+def parameter_covariance(model):
+    """Return names (p,) and covariance (p, p) of the fitted parameters of a SizedModel; ([], None) if none is fitted.
 
-    A parameter at a bound has no standard error and is left out.
+    A parameter at a bound has no covariance and is left out.
     """
-    path = REFERENCE / "models" / "size_and_form_parameters.csv"
-    if model == unfitted_model() or not path.exists():
-        return {}
-    rows = pd.read_csv(path).query("model == @model.candidate")
-    rows = rows[[np.isclose(row.value, model.parameters.get(row.parameter, np.nan)) for row in rows.itertuples()]]
-    rows = rows[rows["at_bound"] != "yes"].drop_duplicates("parameter", keep="last")
-    return dict(zip(rows["parameter"], rows["std_error"].astype(float), strict=True))
+    folder = REFERENCE / "models"
+    if model == unfitted_model() or not (folder / "size_and_form_covariance.csv").exists():
+        return [], None
+    rows = pd.read_csv(folder / "size_and_form_parameters.csv").query("model == @model.candidate")
+    names = list(rows.loc[rows["at_bound"] != "yes", "parameter"])
+    pairs = pd.read_csv(folder / "size_and_form_covariance.csv").query("model == @model.candidate")
+    matrix = pairs.pivot(index="parameter", columns="with_parameter", values="covariance")
+    return names, matrix.loc[names, names].to_numpy()
 
 
 def rms_errors(tables):

@@ -27,6 +27,7 @@ from simcore.models.measured_candidates import (
     too_few,
 )
 from simcore.models.measured_plausibility import question_repeats
+from simcore.models.packing_models.curves import span
 from simcore.models.prediction import ONE_CLASS, kind_of_bed, model_case, predict_preferred
 from simcore.models.size_and_form.bed_prediction import (
     error_parts,
@@ -46,8 +47,8 @@ AGREEMENT = ["by", "model", "beds", "bias", "bias_error", "scatter", "inside"]
 class CurveFit:
     """The fit to the beds with sieve curves.
 
-    beds: DataFrame with one row per bed: name, n, n_error (nan if unknown), repeats, curve (its name), ratio (largest
-    to smallest sieve size), n_one_class and predicted (by the model). agreement: as in CaseFit, also of the
+    beds: DataFrame with one row per bed: name, n, n_error (nan if unknown), repeats, curve (its name), ratio (`span` of
+    its sieve curve), n_one_class and predicted (by the model). agreement: as in CaseFit, also of the
     models of the literature. base_error: mean absolute error of the model without a correction. The others as in
     CaseFit.
     """
@@ -91,7 +92,7 @@ def fit_curves(measured, fitted):
     rows = _predict(first_of, plain)
     beds = beds.assign(
         curve=[bed.curve.name for bed in first_of],
-        ratio=[bed.curve.largest / bed.curve.least for bed in first_of],
+        ratio=[span(bed.curve) for bed in first_of],
         n_one_class=rows.n_one_class,
         predicted=rows.n,
     )

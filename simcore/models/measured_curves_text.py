@@ -72,8 +72,8 @@ def sentences(fit):
     """Return sentences on what the beds of a CurveFit show and what they do not show."""
     beds = fit.beds
     texts = [
-        f"The sieve curves are {beds.ratio.min():.3g} : 1 to {beds.ratio.max():.3g} : 1 wide; errors of our model are "
-        f"known up to {fit.model.sized.widest:.3g} : 1. The one-class porosity of the forms ranges from "
+        f"98 % of the mass of a bed spans {beds.ratio.min():.3g} : 1 to {beds.ratio.max():.3g} : 1 in size; errors of "
+        f"our model are known up to {fit.model.sized.widest:.3g} : 1. The one-class porosity of the forms ranges from "
         f"{beds.n_one_class.min():.3f} to {beds.n_one_class.max():.3f}.",
         f"The beds have {len(fit.model.forms)} {'form' if len(fit.model.forms) == 1 else 'forms'}. For forms "
         "and curves that they do not cover, these data do not show whether the correction is the same; there the "

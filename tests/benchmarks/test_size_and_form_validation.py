@@ -14,7 +14,7 @@ from benchmarks.studies.size_and_form_validation import (
     SLOPES,
     known_table,
     mixtures_table,
-    parameter_errors,
+    parameter_covariance,
     rms_errors,
     slopes_table,
     validation_figure,
@@ -103,21 +103,31 @@ def test_the_published_slopes_are_those_of_the_coefficients(tables):
         assert 0.8 < slopes.loc[name, "slope_B50"] < slopes.loc[name, "slope_U7"] < 1.0
 
 
+def write_parameters(folder, at_bound, covariance):
+    """Write the tables of the parameters m0 and kappa of L, and of one of F."""
+    rows = [("L", "m0", 1.0, at_bound), ("L", "kappa", 0.5, ""), ("F", "m0", 1.0, "")]
+    pairs = [
+        ("L", name, other, covariance[i][j])
+        for i, name in enumerate(("m0", "kappa"))
+        for j, other in enumerate(("m0", "kappa"))
+    ]
+    (folder / "models").mkdir(exist_ok=True)
+    table = pd.DataFrame(rows, columns=["model", "parameter", "value", "at_bound"])
+    table.to_csv(folder / "models" / "size_and_form_parameters.csv", index=False)
+    table = pd.DataFrame(
+        [*pairs, ("F", "m0", "m0", 9.0)], columns=["model", "parameter", "with_parameter", "covariance"]
+    )
+    table.to_csv(folder / "models" / "size_and_form_covariance.csv", index=False)
+
+
 def test_the_errors_of_fitted_parameters_give_the_slope_one(tmp_path, monkeypatch):
     """A parameter at a bound does not count, and the slope is nearly linear in kappa."""
-    assert parameter_errors(unfitted_model()) == {}
-    rows = [
-        ("L", "m0", 1.0, 0.2, "yes"),
-        ("L", "kappa", 0.5, 0.1, ""),
-        ("L", "kappa", 0.7, 0.3, ""),
-        ("F", "m0", 1, 9, ""),
-    ]
-    (tmp_path / "models").mkdir()
-    table = pd.DataFrame(rows, columns=["model", "parameter", "value", "std_error", "at_bound"])
-    table.to_csv(tmp_path / "models" / "size_and_form_parameters.csv", index=False)
+    assert parameter_covariance(unfitted_model()) == ([], None)
+    write_parameters(tmp_path, "yes", [[0.04, 0.0], [0.0, 0.01]])
     monkeypatch.setattr(validation, "REFERENCE", tmp_path)
     model = unfitted_model()._replace(candidate="L", parameters={"m0": 1.0, "kappa": 0.5})
-    assert parameter_errors(model) == {"kappa": 0.1}
+    names, covariance = parameter_covariance(model)
+    assert names == ["kappa"] and covariance == [[0.01]]
     slopes = {}
     for kappa in (0.4, 0.5, 0.6):
         used = model._replace(parameters={"m0": 1.0, "kappa": kappa})
@@ -125,6 +135,18 @@ def test_the_errors_of_fitted_parameters_give_the_slope_one(tmp_path, monkeypatc
         slopes[kappa] = slopes_table((OURS,)).set_index("model").loc[OURS]
     change = 0.5 * abs(slopes[0.6].slope_U7 - slopes[0.4].slope_U7)
     assert change > 0.01 and slopes[0.5].slope_U7_std_error == pytest.approx(change, rel=0.05)
+
+
+def test_correlated_errors_of_parameters_add_with_their_signs(tmp_path, monkeypatch):
+    model = unfitted_model()._replace(candidate="L", parameters={"m0": 1.0, "kappa": 0.5})
+    monkeypatch.setattr(validation, "REFERENCE", tmp_path)
+    monkeypatch.setattr(validation, "current_model", lambda: model)
+    errors = {}
+    for correlation in (-1.0, 0.0, 1.0):
+        write_parameters(tmp_path, "", [[4e-4, 2e-3 * correlation], [2e-3 * correlation, 1e-2]])
+        errors[correlation] = slopes_table((OURS,)).set_index("model").loc[OURS].slope_U7_std_error
+    assert errors[-1.0] ** 2 + errors[1.0] ** 2 == pytest.approx(2 * errors[0.0] ** 2, rel=0.02)
+    assert abs(errors[1.0] - errors[-1.0]) > 0.1 * errors[0.0]
 
 
 def test_the_root_mean_square_has_all_sets_and_the_figure_too(tables):

@@ -62,6 +62,11 @@ def passing(curve, size):
     return float(np.interp(np.log(size), np.log(curve.bounds), cumulative))
 
 
+def span(curve):
+    """Return the width of a SieveCurve: the ratio of the sizes below which 99 % and 1 % of the mass are."""
+    return quantile(curve, 0.99) / quantile(curve, 0.01)
+
+
 def log2_deviation(curve):
     """Return σφ, the standard deviation of log2 D by mass, with mass uniform in log D within a class."""
     logs = np.log2(curve.bounds)

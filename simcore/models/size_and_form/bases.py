@@ -80,14 +80,19 @@ def fit_bases(rows, process=PROCESS) -> Bases:
     kept = sorted(kept, key=lambda name: -within[name].std())[: max(len(rows) - forms.shape[1] - 1, 0)]
     while kept:
         result = _weighted_fit(rows, pd.concat([forms, logs[kept]], axis=1))
-        ratios = (result.params[kept] / result.bse[kept]).abs()
+        ratios = (result.params[kept] / _std_errors(result)[kept]).abs()
         if ratios.min() >= LEAST_RATIO:
             break
         kept.remove(ratios.idxmin())
     result = _weighted_fit(rows, pd.concat([forms, logs[kept]], axis=1))
-    errors = result.bse[kept].to_dict() if kept else {}
+    errors = _std_errors(result)[kept].to_dict() if kept else {}
     return Bases(result.params[list(forms)].to_dict(), result.params[kept].to_dict(), errors, mean.to_dict())
 
 
 def _weighted_fit(rows, columns):
     return sm.WLS(rows["n"], columns, weights=rows["n_error"] ** -2.0).fit()
+
+
+def _std_errors(result):
+    """Return the standard errors of a fit: those of the sampling errors, larger if the residuals are larger."""
+    return result.bse / np.sqrt(min(result.scale, 1.0))

@@ -10,6 +10,7 @@ import pandas as pd
 from simcore.grains.measured_forms import Sample, read_measured
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.statistics import equancy_statistics
+from simcore.models.packing_models.curves import span
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import LITERATURE
 from simcore.models.prediction import ONE_CLASS, predict_all_preferred, predict_preferred
@@ -124,7 +125,7 @@ def error_parts(curve, n, one_class, of_rhine, model, rhine_bed=None):
 
 def wider(curve, model) -> float:
     """Return the factor of the error of a SieveCurve that is wider than those of known error: 1 for all others."""
-    return max(1.0, float(np.log(curve.largest / curve.least) / np.log(model.widest)))
+    return max(1.0, float(np.log(span(curve)) / np.log(model.widest)))
 
 
 def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):
@@ -141,10 +142,10 @@ def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):
 
 
 def _outside_of_curve(curve, model):
-    ratio = curve.largest / curve.least
+    ratio = span(curve)
     if ratio <= model.widest * (1.0 + 1e-9):
         return ""
-    return f"the sieve curve is {ratio:.3g} : 1 wide, errors are known up to {model.widest:.3g} : 1"
+    return f"98 % of the mass spans {ratio:.3g} : 1 in size, errors are known up to {model.widest:.3g} : 1"
 
 
 @cache

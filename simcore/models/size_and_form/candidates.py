@@ -4,7 +4,8 @@
     L   linear skeleton with the same stretch
     F   rods on a line with the same stretch
     D   the effect of form is damped in proportion to what sizes do to the mean form:
-        n = N + (n1 - n_ref) (1 - c X) + c0 X,  X = 1 - N / n_ref, with N the skeleton at n_ref
+        n = N + (n1 - n_ref) (1 - c X),  X = 1 - N / n_ref, with N the skeleton at n_ref,
+        within the limits of `least_porosity` and of classes that do not interact
 
 Each gives the one-class porosity n1 exactly for U1. n_ref is the one-class porosity of the Rhine's grains that were
 placed and shaken like the bed. docs/appendices/size_and_form_plan.md has the rules by which one is
@@ -19,7 +20,9 @@ import numpy as np
 from simcore.models.packing_models.classes import porosity_of_volume, specific_volume
 from simcore.models.size_and_form.one_class import check_one_class
 from simcore.models.size_and_form.skeletons import (
+    by_class,
     compressible_skeleton,
+    least_porosity,
     linear_skeleton,
     power_functions,
     rods_skeleton,
@@ -48,7 +51,7 @@ _COMPACTION = {"K": Parameter(4.0, 2.5, 20.0)}
 _M0, _KAPPA = {"m0": Parameter(1.0, 0.7, 1.4)}, {"kappa": Parameter(0.6, -0.5, 2.0)}
 _BY_FORM = {"m_EQ": Parameter(0.1, -1.0, 1.0), "m_EL": Parameter(0.0, -1.0, 1.0)}
 _FUNCTIONS = {"p": Parameter(2.7, 1.5, 4.0), "s": Parameter(2.0, 1.3, 4.0)}
-_DAMPING = {"c": Parameter(1.5, 0.0, 3.0), "c0": Parameter(0.0, -0.3, 0.3)}
+_DAMPING = {"c": Parameter(1.5, 0.0, 3.0)}
 FIXED_Q = 2.1  # of f in power_functions, kept fixed
 
 
@@ -79,16 +82,11 @@ def _f(curve, one_class, forms=None, law="number", reference=REFERENCE_POROSITY,
 
 
 def _damped(skeleton):
-    def porosity(
-        curve, one_class, forms=None, law="number", reference=REFERENCE_POROSITY, *, c=1.5, c0=0.0, **parameters
-    ):
+    def porosity(curve, one_class, forms=None, law="number", reference=REFERENCE_POROSITY, *, c=1.5, **parameters):
         N = skeleton(curve, reference, forms, law, reference, **parameters)
-        one_class = np.atleast_1d(np.asarray(one_class, float))
-        shares = curve.mass_fractions if one_class.shape[-1] > 1 else np.ones(1)
-        n1 = porosity_of_volume(specific_volume(one_class) @ shares)
-        X = 1 - N / reference
-        n = N + (n1 - reference) * np.maximum(1 - c * X, 0) + c0 * X
-        return np.minimum(n, n1)
+        n1 = porosity_of_volume(specific_volume(by_class(curve, one_class)) @ curve.mass_fractions)
+        n = N + (n1 - reference) * np.maximum(1 - c * (1 - N / reference), 0)
+        return np.clip(n, least_porosity(curve, one_class), n1)
 
     return porosity
 

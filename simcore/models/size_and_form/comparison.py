@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.stats import norm
 from scipy.stats import t as student
 
 from simcore.models.packing_models.literature import LITERATURE
@@ -17,8 +18,8 @@ from simcore.models.size_and_form.fit import Fit, fit_candidate, predict_beds, p
 from simcore.models.size_and_form.sized_model import CANDIDATE, NOT_FITTED, UNFITTED, relative_error
 
 # The order of preference among candidates with equally many parameters (docs/appendices/size_and_form_plan.md).
-PREFERENCE = ("L", "F", "H", "L_free", "D_F", "H_free", "H_form", "D_H")
-IN_USE = "D_F"  # chosen with twenty beds (the same page); None if none was
+PREFERENCE = ("L", "F", "D_F", "H", "L_free", "D_H", "H_free", "H_form")
+IN_USE = None  # name of the candidate that was chosen before, and is kept by the rule of the same page
 LEVEL = 0.95  # probability of the intervals whose coverage is reported
 
 
@@ -89,10 +90,23 @@ def coverage(beds, predicted, level=LEVEL) -> float:
     for family in families:
         own = beds.family == family
         error = relative_error(predicted[~own], beds.n[~own], beds.one_class[~own], beds.error[~own])
-        factor = student.ppf(0.5 + 0.5 * level, len(families) - 2)
-        half = factor * np.hypot(error * (beds.one_class[own] - predicted[own]), beds.error[own])
+        of_prediction = (
+            student.ppf(0.5 + 0.5 * level, len(families) - 2) * error * (beds.one_class[own] - predicted[own])
+        )
+        half = np.hypot(of_prediction, norm.ppf(0.5 + 0.5 * level) * beds.error[own])
         inside[own] = np.abs(predicted[own] - beds.n[own]) <= half
     return float(inside.mean())
+
+
+def covariance_rows(fits) -> pd.DataFrame:
+    """Return one row per pair of parameters of each Fit, dict by name: model, parameter, with_parameter, covariance."""
+    rows = [
+        {"model": name, "parameter": key, "with_parameter": other, "covariance": fit.covariance[i, j]}
+        for name, fit in fits.items()
+        for i, key in enumerate(fit.parameters)
+        for j, other in enumerate(fit.parameters)
+    ]
+    return pd.DataFrame(rows)
 
 
 def parameter_rows(fits) -> pd.DataFrame:

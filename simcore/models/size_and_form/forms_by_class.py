@@ -15,6 +15,7 @@ from simcore.models.size_and_form.bed_prediction import (
     rhine_one_class,
     sized_model,
 )
+from simcore.models.size_and_form.one_class import LARGEST, LEAST
 from simcore.models.size_and_form.sized_model import SizedModel
 
 BY_CLASS = "forms by sieve class"
@@ -45,11 +46,15 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
     if refused:
         return pd.DataFrame([bed_row(form, np.full(3, np.nan), np.nan, np.nan, outside, refused)], columns=COLUMNS)
     n1 = np.array([[row[key] for row in rows] for key in ("n", "lower", "upper")])
+    if n1[0].min() < LEAST or n1[0].max() > LARGEST:
+        refused = f"the one-class porosity of a class is outside {LEAST:g} to {LARGEST:g}"
+        return pd.DataFrame([bed_row(form, np.full(3, np.nan), np.nan, np.nan, outside, refused)], columns=COLUMNS)
     mean = porosity_of_volume(specific_volume(n1) @ shares)
     of_rhine = rhine_one_class(fitted, level)
     # Classes without mass get the value of the first one; it has no effect.
     values = np.repeat(n1[:, :1], len(curve.mass_fractions), axis=1)
     values[:, held] = n1
+    values = np.clip(values, LEAST, LARGEST)
     n, low, high = model.predict(curve, values, reference=of_rhine)
     half = interval(curve, np.array([[n, low, high]]).T, mean[:1], of_rhine, model, level)[0]
     if correction is not None:

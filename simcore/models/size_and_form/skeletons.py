@@ -8,6 +8,7 @@ and uses b for the parts of the curve. A curve in few or in many classes then ha
 from functools import lru_cache
 
 import numpy as np
+from scipy.interpolate import interp1d
 
 from simcore.grains.sieve import SieveCurve
 from simcore.models.packing_models import linear as published
@@ -21,6 +22,29 @@ from simcore.models.size_and_form.one_class import LARGEST, LEAST
 REFERENCE = SieveCurve([5.6e-3, 8e-3], [1.0], "U1")
 ROUNDS, TOLERANCE = 60, 1e-13
 NODES = 81  # one-class porosities at which the factor of the rods is tabulated
+
+
+def least_porosity(curve, one_class):
+    """Return the porosity (...,) of a bed in which fine grains fill the pores of coarse ones without a gap.
+
+    The grains of a part of the curve as wide as REFERENCE have the volume of a bed of one class, all coarser grains add
+    their own volume, and all finer ones lie in the pores. The part for which the bed is largest counts. A real bed is
+    looser, unless its coarse grains are denser than without the fine ones. Mass is uniform in log D within a class.
+    one_class: as for `_calibrated`.
+    """
+    volume = specific_volume(by_class(curve, one_class))
+    logs, width = np.log(curve.bounds), np.log(REFERENCE.largest / REFERENCE.least)
+    # The volume is piecewise linear in the upper end of the part, so that it is largest at one of these ends.
+    ends = np.concatenate([logs, logs[:-1] + width])
+    masses, volumes = (_cumulated(logs, values) for values in (curve.mass_fractions, curve.mass_fractions * volume))
+    filled = 1 - masses(ends) + volumes(ends) - volumes(ends - width)
+    return porosity_of_volume(filled.max(axis=-1))
+
+
+def _cumulated(logs, values):
+    """Return the function of log D that is the sum of values (..., k) of classes below it, linear within a class."""
+    sums = np.concatenate([np.zeros((*values.shape[:-1], 1)), np.cumsum(values, axis=-1)], axis=-1)
+    return interp1d(logs, sums, bounds_error=False, fill_value=(sums[..., 0], sums[..., -1]))
 
 
 def power_functions(p, q, s):
@@ -53,7 +77,7 @@ def rods_skeleton(curve, one_class, stretch=1.0, law="number", number=RODS):
 
     # ASSUME: if one-class porosity or stretch differ between classes, their means by mass apply to all rods.
     """
-    one_class, stretch = _by_class(curve, one_class), _by_class(curve, stretch)
+    one_class, stretch = by_class(curve, one_class), by_class(curve, stretch)
     volume, m = specific_volume(one_class) @ curve.mass_fractions, stretch @ curve.mass_fractions
     sizes, fractions, _ = parts(curve, law)
     reference_sizes, reference_fractions = _reference_parts(law)
@@ -76,7 +100,7 @@ def _calibrated(model, curve, one_class, stretch, law):
     for all classes, or (..., k) by class; stretch likewise. The result is at most what the classes would give if they
     did not interact, so that a curve narrower than REFERENCE has n1.
     """
-    one_class, stretch = _by_class(curve, one_class), _by_class(curve, stretch)
+    one_class, stretch = by_class(curve, one_class), by_class(curve, stretch)
     sizes, fractions, classes = parts(curve, law)
     reference_sizes, reference_fractions = _reference_parts(law)
     one_class, stretch = np.broadcast_arrays(one_class, stretch)
@@ -95,7 +119,7 @@ def _reference_parts(law):
     return parts(REFERENCE, law)[:2]
 
 
-def _by_class(curve, values):
+def by_class(curve, values):
     """Return values (..., k) for the classes of a curve, from a number, (..., 1) or (..., k)."""
     values = np.atleast_1d(np.asarray(values, float))
     k = len(curve.mass_fractions)

@@ -56,6 +56,10 @@ const Bed = (() => {
     };
     const refused = remarks("refused");
     if (refused) return { sample, bed: refusal(remarks("outside"), refused) };
+    if (rows.some((row) => row.n < range.least || row.n > range.largest)) {
+      const limits = `${general(range.least)} to ${general(range.largest)}`;
+      return { sample, bed: refusal(remarks("outside"), `the one-class porosity of a class is outside ${limits}`) };
+    }
     const [mean, ...limits] = ["n", "lower", "upper"].map((key) => {
       return 1 - 1 / Packing.sum(rows.map((row, i) => shares[i] / (1 - row[key])));
     });
@@ -63,7 +67,7 @@ const Bed = (() => {
     const ends = ["n", "lower", "upper"].map((key) => {
       const values = curve.mass_fractions.map(() => rows[0][key]);
       held.forEach((i, k) => (values[i] = rows[k][key]));
-      return Skeletons.predict(curve, values.map(checked), ofRhine);
+      return Skeletons.predict(curve, values.map(within), ofRhine);
     });
     const oneClass = { n: mean, lower: limits[0], upper: limits[1], outside: remarks("outside"), quantities: [] };
     return { sample, bed: bedOf(curve, ends[0], halfWidth(curve, ends, mean, ofRhine, level), oneClass, "") };
@@ -91,14 +95,6 @@ const Bed = (() => {
       values[`sigma_${key}`] = Math.sqrt(Packing.sum(squares));
     }
     return values;
-  }
-
-  function checked(value) {
-    if (value >= range.least && value <= range.largest) return value;
-    throw new InputError(
-      `one-class porosity ${general(value, 4)} is outside ${general(range.least)} to ${general(range.largest)}, where no ` +
-        "bed of one class of grains was packed; correct the form statistics"
-    );
   }
 
   const refusal = (outside, refused) => ({
@@ -144,15 +140,16 @@ const Bed = (() => {
     return Math.sqrt((0.5 * (high - low)) ** 2 + ofSizes ** 2 + ofForm ** 2);
   }
 
-  const widthOf = (curve) => curve.bounds.at(-1) / curve.bounds[0];
+  // Ratio of the sizes below which 99 % and 1 % of the mass are.
+  const span = (curve) => quantile(curve, 0.99) / quantile(curve, 0.01);
 
   // The error grows beyond the widest curve of known error.
-  const wider = (curve) => Math.max(1, Math.log(widthOf(curve)) / Math.log(model.widest));
+  const wider = (curve) => Math.max(1, Math.log(span(curve)) / Math.log(model.widest));
 
   function tooWide(curve) {
-    const ratio = widthOf(curve);
+    const ratio = span(curve);
     if (ratio <= model.widest * (1 + 1e-9)) return "";
-    return `the sieve curve is ${general(ratio, 3)} : 1 wide, errors are known up to ${general(model.widest, 3)} : 1`;
+    return `98 % of the mass spans ${general(ratio, 3)} : 1 in size, errors are known up to ${general(model.widest, 3)} : 1`;
   }
 
   // Returns the change of porosity if the mass of each class grows by 1 % of the whole.
@@ -226,5 +223,5 @@ const Bed = (() => {
     (curve) => 0.245 + 0.0864 / (0.1 * median(curve)) ** 0.21,
   ];
 
-  return { RHINE, classColumn, readClasses, predict, predictByClass, sensitivity, others, quantile };
+  return { RHINE, classColumn, readClasses, predict, predictByClass, sensitivity, others, quantile, span };
 })();

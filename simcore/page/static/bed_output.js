@@ -63,9 +63,9 @@ const BedOutput = (() => {
 
   // The width of the sieve curve among the quantities of the fitted range.
   function width(curve) {
-    const value = curve.bounds.at(-1) / curve.bounds[0];
+    const value = Bed.span(curve);
     const distance = Math.max(0, (value / model.widest - 1 - 1e-9) / (1 - 1 / model.widest));
-    return { name: "largest to smallest sieve size", value, low: 1, high: model.widest, distance };
+    return { name: "size below which 99 % of the mass is, to that of 1 %", value, low: 1, high: model.widest, distance };
   }
 
   // Returns [title, formula, source] of the step from one class to the curve.
@@ -83,7 +83,7 @@ const BedOutput = (() => {
       linear: `${N} = 1 − 1/max Tᵢ, ${T}, V = 1/(1 − b), ${functions}`,
       rods: `${N} = share of gaps between rods that a random line cuts from spheres of the diameters D^m (Farr and Groot 2009)`,
     }[model.skeleton];
-    const damped = "n = N + (n₁ − n₀)(1 − c X) + c0 X, with X = 1 − N/n₀ and 1 − c X ≥ 0; ";
+    const damped = "n = N + (n₁ − n₀)(1 − c X), with X = 1 − N/n₀ and 1 − c X ≥ 0; ";
     const exponent = model.damped ? "m = m0" : "m = m0 (e/e₀)^κ with the void ratio e, which is e₀ for the Rhine's grains";
     const sizes = rods ? "" : "y is the share of a size class, r the ratio of the smaller to the larger size to the power m; ";
     const one = model.damped

@@ -24,11 +24,26 @@ const Skeletons = (() => {
   }
 
   function damped(curve, oneClass, ofRhine, model) {
-    const { c, c0, ...parameters } = model.parameters;
+    const { c, ...parameters } = model.parameters;
     const inner = evaluate(curve, oneClass.map(() => ofRhine), ofRhine, { ...model, parameters });
     const n1 = limit(curve, oneClass);
     const X = 1 - inner / ofRhine;
-    return Math.min(inner + (n1 - ofRhine) * Math.max(1 - c * X, 0) + c0 * X, n1);
+    const n = inner + (n1 - ofRhine) * Math.max(1 - c * X, 0);
+    return Math.min(Math.max(n, leastPorosity(curve, oneClass)), n1);
+  }
+
+  // Porosity of a bed in which fine grains fill the pores of coarse ones without a gap, as in skeletons.py.
+  function leastPorosity({ bounds, mass_fractions: shares }, oneClass) {
+    const logs = bounds.map(Math.log);
+    const width = Math.log(REFERENCE.bounds[1] / REFERENCE.bounds[0]);
+    const cumulated = (values) => {
+      const sums = [0];
+      values.forEach((value, i) => sums.push(sums[i] + value));
+      return (log) => interpolate(log, logs, sums);
+    };
+    const [mass, filled] = [cumulated(shares), cumulated(shares.map((share, i) => share * volume(oneClass[i])))];
+    const volumeTo = (end) => 1 - mass(end) + filled(end) - filled(end - width);
+    return 1 - 1 / Math.max(...logs.map(volumeTo), ...logs.slice(0, -1).map((log) => volumeTo(log + width)));
   }
 
   function evaluate(curve, oneClass, ofRhine, model) {
@@ -85,7 +100,8 @@ const Skeletons = (() => {
   }
 
   function interpolate(x, nodes, values) {
-    const i = Math.min(Math.max(nodes.findIndex((node) => node >= x), 1), nodes.length - 1);
+    const found = nodes.findIndex((node) => node >= x);
+    const i = found < 0 ? nodes.length - 1 : Math.max(found, 1);
     const within = Math.min(Math.max((x - nodes[i - 1]) / (nodes[i] - nodes[i - 1]), 0), 1);
     return values[i - 1] + within * (values[i] - values[i - 1]);
   }

@@ -23,7 +23,7 @@ MODELS = (
     Column("r22_coefficient", "", "coefficient of Rettinger et al. (2022)"),
     Column("packed_by", "", "this campaign, or committed rows"),
     Column("with_term", "", "second coefficient of a covariance"),
-    Column("covariance", "", "covariance of the coefficients of term and with_term"),
+    Column("covariance", "", "covariance of the coefficients of term and with_term, or of two parameters"),
     # Correlations
     Column("feature", "", "feature of form; _inv: its inverse"),
     Column("r", "", "Pearson's correlation of the feature with porosity"),
@@ -72,13 +72,14 @@ SIZE_AND_FORM = (
     Column("coverage", "", "share of beds within the 95 % prediction interval, each predicted without its family"),
     Column("fitted", "", "fitted parameters with standard errors"),
     Column("parameter", "", "name of a fitted parameter"),
+    Column("with_parameter", "", "second parameter of a covariance"),
     Column("value", "", "value of the parameter"),
     Column("at_bound", "", "yes if the parameter is at a bound, where its standard error is not valid"),
     Column("bed", "", "sieve curve, form and seed of a packed bed"),
     Column("family", "", "family of sieve curves that are left out together"),
     Column("form", "", "single form of the grains, or all"),
     Column("n_one_class", "", "porosity of a bed of one sieve class of these grains, packed by the same process"),
-    Column("widest", "", "largest over smallest sieve size"),
+    Column("widest", "", "size below which 99 % of the mass is, over that of 1 %"),
     Column("predicted_*", "", "porosity by a model, fitted without the bed's family"),
 )
 # Beds of known porosity, predicted from their sieve curve

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from simcore.grains.sieve import SieveCurve, read_cases
-from simcore.models.packing_models.curves import LAWS, log2_deviation, parts, passing, quantile, split
+from simcore.models.packing_models.curves import LAWS, log2_deviation, parts, passing, quantile, span, split
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.paths import CONFIG, R22_TABLES
 
@@ -98,3 +98,13 @@ def test_only_frings_counts_sand():
     sandy = SieveCurve([0.25e-3, 0.5e-3, 4e-3, 5.6e-3], [0.1, 0.0, 0.9])
     frings = PREDICTORS[0].porosity
     assert frings(sandy) == pytest.approx(0.353 - 0.068 * log2_deviation(sandy) + 0.0146)
+
+
+def test_a_trace_of_mass_far_away_does_not_widen_a_curve():
+    bounds = np.array([0.063, 2.8, 4, 5.6, 8]) * 1e-3
+    shares = np.array([0.2, 0.5, 0.3])
+    without = span(SieveCurve(bounds[1:], shares))
+    assert without == pytest.approx(quantile(SieveCurve(bounds[1:], shares), 0.99) / (2.8e-3 * (4 / 2.8) ** 0.05))
+    for trace in (1e-9, 1e-4):
+        assert span(SieveCurve(bounds, [trace, *(shares * (1 - trace))])) == pytest.approx(without, rel=1e-3)
+    assert span(SieveCurve(bounds, [0.02, *(0.98 * shares)])) > 5 * without

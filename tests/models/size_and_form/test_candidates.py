@@ -5,9 +5,10 @@ import pandas as pd
 import pytest
 
 from simcore.grains.sieve import SieveCurve, read_cases
-from simcore.models.packing_models.curves import LAWS, split
+from simcore.models.packing_models.curves import LAWS, passing, split
 from simcore.models.size_and_form.candidates import CANDIDATES, predict
 from simcore.models.size_and_form.one_class import check_one_class, one_class_porosity
+from simcore.models.size_and_form.skeletons import least_porosity
 from simcore.models.size_and_form.stretch import REFERENCE_POROSITY, by_form, by_looseness
 from simcore.paths import CONFIG
 
@@ -28,7 +29,7 @@ def far_values(name):
     return {
         key: parameter.start + 0.4 * (parameter.high - parameter.start)
         for key, parameter in CANDIDATES[name].parameters.items()
-        if key not in ("c0", "m_EQ", "m_EL")
+        if key not in ("m_EQ", "m_EL")
     }
 
 
@@ -180,6 +181,45 @@ def test_one_class_porosity_of_all_grains_and_by_class():
         one_class_porosity(Linear(), statistics([0.4, 0.5, np.nan]), BINARY)
 
 
+def test_a_porosity_outside_0_and_1_is_refused(monkeypatch):
+    wrong = CANDIDATES["L"]._replace(porosity=lambda *inputs, **parameters: np.array(-0.1))
+    monkeypatch.setitem(CANDIDATES, "L", wrong)
+    with pytest.raises(ValueError, match="binary: candidate L gives the porosity -0.1"):
+        porosity("L", BINARY)
+
+
+def least_by_hand(curve, one_class):
+    """Return `least_porosity` by a fine search over the upper ends of the part that forms the bed."""
+    V, width = 1 / (1 - one_class), 8 / 5.6
+    tops = np.geomspace(curve.least, curve.largest * width, 20001)
+    volumes = [1 - passing(curve, top) + V * (passing(curve, top) - passing(curve, top / width)) for top in tops]
+    return 1 - 1 / max(volumes)
+
+
+def test_full_pores_leave_the_porosity_of_the_coarse_grains():
+    coarse = SieveCurve(np.array([2.8, 4, 22.4, 31.5]) * 1e-3, [0.15, 0.0, 0.85], "8 : 1")
+    assert least_porosity(coarse, 0.36) == pytest.approx(1 - 1 / (0.15 * 0 + 0.85 / 0.64), abs=2e-3)
+    for curve in (coarse, *CURVES.values()):
+        for n1 in (0.25, 0.45):
+            assert least_porosity(curve, n1) == pytest.approx(least_by_hand(curve, n1), abs=1e-4)
+            assert least_porosity(split(curve, 4, "mass"), n1) == pytest.approx(least_porosity(curve, n1), abs=1e-12)
+    # By class: only the coarse class has an effect.
+    by_class = least_porosity(coarse, np.array([[0.3, 0.3, 0.36], [0.5, 0.5, 0.36]]))
+    np.testing.assert_allclose(by_class, least_porosity(coarse, 0.36), atol=1e-12)
+
+
+@every_candidate
+def test_no_candidate_fills_pores_that_are_not_there(name):
+    """Coarse grains of an open form leave pores; as many fine grains as there are cannot fill more than these."""
+    for share in (0.8, 0.9, 0.95):
+        for ratio in (4, 8):
+            bounds = np.array([2.8, 4, 2.8 * ratio, 4 * ratio]) * 1e-3
+            curve = SieveCurve(bounds, [1 - share, 0.0, share], f"{ratio} : 1")
+            for n1 in (0.32, 0.36, 0.45):
+                for parameters in ({}, far_values(name)):
+                    assert porosity(name, curve, n1, parameters) >= least_porosity(curve, n1) - 1e-5
+
+
 def test_what_cannot_be_predicted_is_refused():
     for name in CANDIDATES:
         with pytest.raises(ValueError, match="one-class porosity 0.65 is outside"):
@@ -192,6 +232,4 @@ def test_what_cannot_be_predicted_is_refused():
         porosity("H", BINARY, np.array([[0.3, 0.4]]))
     with pytest.raises(ValueError, match="needs the mean EQ and EL"):
         predict("H_form", BINARY, 0.342)
-    with pytest.raises(ValueError, match="gives the porosity -"):
-        porosity("D_H", CASES["B50"], 0.342, {"c0": -3.0})
     assert check_one_class(0.3) == 0.3

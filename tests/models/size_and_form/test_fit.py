@@ -167,7 +167,7 @@ def test_beds_have_the_porosity_of_their_base(unified):
 SLOPES = {"time": -0.01, "rate": 0.006, "size": 0.02}
 
 
-def made_bases(scatter=0.0, seed=0):
+def made_bases(scatter=0.0, seed=0, n_error=1e-4):
     """Return bases of two forms, packed in many ways; SLOPES apply about 0.31 and 0.36 at time, rate, size 1."""
     rng = np.random.default_rng(seed)
     rows = []
@@ -181,7 +181,7 @@ def made_bases(scatter=0.0, seed=0):
             rate = np.log(mass / (0.01 * (time_s - after_s + FALL)))
             n = constant + SLOPES["time"] * np.log(time_s) + SLOPES["rate"] * rate + SLOPES["size"] * size
             n += scatter * rng.standard_normal()
-            rows.append(row(case, form, n=n, time_s=time_s, after_s=after_s, mass_kg=mass))
+            rows.append(row(case, form, n=n, n_error=n_error, time_s=time_s, after_s=after_s, mass_kg=mass))
     return pd.DataFrame(rows)
 
 
@@ -192,6 +192,13 @@ def test_slopes_of_the_process_come_back():
     np.testing.assert_allclose(rows["n"], rows["grain"].map(fitted.constants) + fitted.effect(rows), atol=1e-9)
     of_time = rows.assign(form=rows["grain"], n=0.3 + 0.01 * np.log(rows["time_s"]))
     assert fit_bases(of_time, (TIME,)).slopes == pytest.approx({"time": 0.01}, abs=1e-9)
+
+
+def test_a_slope_below_the_sampling_errors_is_left_out_however_small_the_residuals_are():
+    """In a fit with few degrees of freedom, residuals may be small by chance."""
+    rows = made_bases(n_error=0.015)
+    fitted = fit_bases(rows.assign(form=rows["grain"]))
+    assert list(fitted.slopes) == ["size"] and fitted.std_errors["size"] > 2e-3
 
 
 def test_slopes_within_chance_are_left_out():
