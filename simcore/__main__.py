@@ -42,7 +42,7 @@ def main(arguments=None) -> int:
             raise
         print(
             f"scree {options.command}: this needs the package {missing}, which is not installed; install it with: "
-            f"pip install 'scree[{EXTRAS[missing]}]'",
+            f"pip install '.[{EXTRAS[missing]}]' in the folder of Scree",
             file=sys.stderr,
         )
         return 2

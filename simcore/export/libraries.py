@@ -10,5 +10,5 @@ def library(name: str, purpose: str):
     except ImportError as error:
         raise ValueError(
             f"{purpose} needs the library {name}, which cannot be imported ({error}). Install it: "
-            "pip install scree[view]"
+            "pip install '.[view]' in the folder of Scree"
         ) from None

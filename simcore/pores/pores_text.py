@@ -10,7 +10,7 @@ from simcore.pores.kozeny_carman import CONSTANT
 
 # Ratio to Zick and Homsy (1982) less 1, face-centred and simple cubic; docs/how_to/pores.md.
 NETWORK_MISSES = "−16 to +69 % at d/40"
-INSTALL = "pip install 'scree[pores]'"
+INSTALL = "pip install '.[pores]' in the folder of Scree"
 
 
 def pores_text(results, missing=()) -> str:

@@ -36,7 +36,7 @@ def test_a_library_that_is_not_installed_is_named_with_its_extra(bed, tmp_path, 
     assert main(["export", str(bed), str(tmp_path / f"out{suffix}")]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1 and f"needs the library {NEEDS[suffix]}" in error
-    assert "pip install scree[view]" in error
+    assert "pip install '.[view]'" in error
     assert not (tmp_path / f"out{suffix}").exists()
 
 

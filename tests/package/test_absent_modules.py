@@ -85,5 +85,6 @@ def test_a_rank_of_mpi_without_mpi4py_names_the_extra(tmp_path, monkeypatch):
     status, _, errors = without(tmp_path, "pack", "tiny.yaml", "x.nc")
     assert status == 2
     assert errors == (
-        "scree pack: this needs the package mpi4py, which is not installed; install it with: pip install 'scree[mpi]'\n"
+        "scree pack: this needs the package mpi4py, which is not installed; install it with: pip install '.[mpi]' in "
+        "the folder of Scree\n"
     )

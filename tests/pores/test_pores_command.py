@@ -31,7 +31,10 @@ def test_without_the_extra_the_rest_is_printed_with_how_to_install_it(bed, witho
     assert any(line.startswith("surface of the grains") and "600 m²/m³ of grains" in line for line in lines)
     assert any(line.startswith("tortuosity along z") for line in lines)
     assert not any("network," in line or line.startswith("pore diameter") for line in lines)
-    assert lines[-1] == "Pore sizes and pore network need porespy and openpnm: pip install 'scree[pores]'"
+    assert (
+        lines[-1]
+        == "Pore sizes and pore network need porespy and openpnm: pip install '.[pores]' in the folder of Scree"
+    )
 
 
 def test_json_is_in_si_units(bed, without_extra, capsys):
@@ -64,7 +67,7 @@ def test_options_without_effect_and_bad_lengths_are_refused(bed, capsys):
 
 def test_a_figure_without_the_extra_is_refused(bed, without_extra, tmp_path, capsys):
     assert main(["pores", bed, "--plot", str(tmp_path / "sizes.png")]) == 2
-    assert "pip install 'scree[pores]'" in capsys.readouterr().err
+    assert "pip install '.[pores]'" in capsys.readouterr().err
     assert not (tmp_path / "sizes.png").exists()
 
 
