@@ -24,8 +24,35 @@ SETS = [COMMITTED_NAMES.get(name, name) for name in SPECIFIED_FORM]
 
 
 def evaluated_statistics(rows):
-    """Return the STATISTICS of the evaluated part of each bed, for `unified_features`."""
+    """Return the STATISTICS of the evaluated part of each bed by volume, for `unified_features`."""
     return rows[[f"{name}_evaluated" for name in STATISTICS]].set_axis(list(STATISTICS), axis=1)
+
+
+def statistics_by_number(rows):
+    """Return the STATISTICS over the grains of beds of one sieve class, each counted once, as in models of one class.
+
+    They are those of the beds on lattices with the same forms. By volume they differ where forms do, because long
+    grains of a sieve class are the larger ones. A bed of one form has the same by number and by volume.
+    """
+    statistics = evaluated_statistics(rows)
+    statistics.loc[rows["form"] == ALL_FORMS] = of_all_forms().to_numpy()
+    mixed = pd.read_csv(REFERENCE / "form_mixture.csv").query("case == @BASE").groupby(SETS)[list(STATISTICS)].mean()
+    is_mixed = rows[SETS].notna().all(axis=1)
+    statistics.loc[is_mixed] = mixed.reindex(pd.MultiIndex.from_frame(rows.loc[is_mixed, SETS])).to_numpy()
+    return statistics
+
+
+def of_all_forms() -> pd.Series:
+    """Return the STATISTICS of the 63 synthetic forms, which beds of all forms have in equal numbers."""
+    axes = _single_forms().drop_duplicates("grain")
+    ratios = {"EQ": axes["S"] / axes["L"], "EL": axes["I"] / axes["L"]}
+    kinds = {"mu": np.mean, "sigma": np.std}
+    return pd.Series({name: kinds[name.split("_")[0]](ratios[name.split("_")[1]]) for name in STATISTICS})
+
+
+def _single_forms():
+    rows = pd.read_csv(REFERENCE / "single_form.csv").query("case == @BASE and representation == 'polyhedron'")
+    return rows[rows["source"] == "synthetic"]
 
 
 def rain_bases():
@@ -41,14 +68,13 @@ def rain_bases():
 def rain_model(rows=None):
     """Return the unified model of beds that are a rain, a PorosityModel; rows: as of `rain_bases`."""
     rows = rain_bases() if rows is None else rows
-    features = unified_features(evaluated_statistics(rows))
+    features = unified_features(statistics_by_number(rows))
     return fit(features[list(UNIFIED)], rows["n"].to_numpy(), "unified", BASE)
 
 
 def on_lattices(rows):
     """Return the mean porosity over the seeds of beds on lattices with the forms of each row; nan if there is none."""
-    single = pd.read_csv(REFERENCE / "single_form.csv").query("case == @BASE and representation == 'polyhedron'")
-    single = single[single["source"] == "synthetic"].groupby("grain")["n"].mean()
+    single = _single_forms().groupby("grain")["n"].mean()
     mixed = pd.read_csv(REFERENCE / "form_mixture.csv").query("case == @BASE").groupby(SETS)["n"].mean()
     sets = pd.MultiIndex.from_frame(rows[SETS])
     return rows["grain"].map(single).fillna(pd.Series(mixed.reindex(sets).to_numpy(), rows.index))
@@ -69,10 +95,11 @@ def compare_coefficients(rain, lattice):
 
 def compare_beds(rows, rain, lattice):
     """Return one row per bed: form, mu_EQ, mu_EL, n, and minus n: rain, lattice (models) and on_lattices (beds)."""
-    features = unified_features(evaluated_statistics(rows))
-    table = rows[["form", "mu_EQ_evaluated", "mu_EL_evaluated", "n", "n_error"]]
+    statistics = statistics_by_number(rows)
+    features = unified_features(statistics)
+    table = rows[["form", "n", "n_error"]].assign(mu_EQ=statistics["mu_EQ"], mu_EL=statistics["mu_EL"])
     models = {"rain": rain.predict(features) - rows["n"], "lattice": lattice.predict(features) - rows["n"]}
-    return table.assign(**models, on_lattices=on_lattices(rows) - rows["n"]).sort_values("mu_EL_evaluated")
+    return table.assign(**models, on_lattices=on_lattices(rows) - rows["n"]).sort_values("mu_EL")
 
 
 def main() -> None:

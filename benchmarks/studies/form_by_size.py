@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from benchmarks.studies.base_forms import evaluated_statistics, rain_model
+from benchmarks.studies.base_forms import evaluated_statistics, of_all_forms, rain_model
 from benchmarks.studies.size_and_form_fit import CONFIGURATION, OTHER_BASES, STUDY, read_rows
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.fitting import fit_reference_models
@@ -72,13 +72,20 @@ def comparison(names=STUDIES, of_form=None) -> pd.DataFrame:
     bases = pd.concat([beds_of_plan[beds_of_plan["case"] == BASE], read_rows(OTHER_BASES)], ignore_index=True)
     bases = bases.assign(form=form_labels(bases))
     fitted = fit_bases(bases)
-    of_base = of_form.predict(unified_features(evaluated_statistics(bases[bases["form"] == ALL_FORMS]))).mean()
+    # The specified forms of classes are by number, those of the evaluated parts by volume; so are those of the base.
+    of_base = (
+        of_form.predict(unified_features(of_all_forms().to_frame().T)).mean(),
+        of_form.predict(unified_features(evaluated_statistics(bases[bases["form"] == ALL_FORMS]))).mean(),
+    )
     rows = []
     for name in names:
         for _, bed in (beds := read_rows(name)).iterrows():
             curve, reference = curve_of(bed, name), fitted.constants[ALL_FORMS] + fitted.effect(beds)[0]
             forms = statistics_by_class(curve, ranges(name)), evaluated_statistics(bed.to_frame().T.infer_objects())
-            by_class, together = (reference + of_form.predict(unified_features(form)) - of_base for form in forms)
+            by_class, together = (
+                reference + of_form.predict(unified_features(form)) - base
+                for form, base in zip(forms, of_base, strict=True)
+            )
             row = {"study": name, "n": bed["n"], "n_error": bed["n_error"]}
             for model, porosity in models().items():
                 row[f"by_class_{model}"] = float(np.squeeze(porosity(curve, by_class[None], reference))) - bed["n"]

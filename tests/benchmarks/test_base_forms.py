@@ -4,8 +4,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.studies.base_forms import SETS, compare_beds, compare_coefficients, on_lattices, rain_model
+from benchmarks.studies.base_forms import (
+    SETS,
+    compare_beds,
+    compare_coefficients,
+    evaluated_statistics,
+    of_all_forms,
+    on_lattices,
+    rain_model,
+    statistics_by_number,
+)
 from simcore.models.fitting import fit_reference_models
+from simcore.models.size_and_form.beds import ALL_FORMS
 from simcore.models.unified import STATISTICS
 
 COEFFICIENTS = np.array([0.28, 0.02, 0.01, 0.05, 0.2])
@@ -54,6 +64,19 @@ def test_beds_on_lattices_have_the_same_grain_or_the_same_distribution():
     mixed = mixed[(mixed[SETS] == [0.8, 0.4, 0.2, 0.1]).all(axis=1)]
     assert len(single) and len(mixed)
     np.testing.assert_allclose(on_lattices(rows), [single["n"].mean(), mixed["n"].mean(), np.nan])
+
+
+def test_grains_are_counted_once_where_forms_differ():
+    """Long grains of a sieve class are the larger ones, so that by volume the mean elongation is lower."""
+    rows = made_rows(4)
+    rows.loc[1, SETS] = [0.8, 0.4, 0.2, 0.2]
+    rows.loc[2, "form"] = ALL_FORMS
+    by_number, by_volume = statistics_by_number(rows), evaluated_statistics(rows)
+    pd.testing.assert_frame_equal(by_number.loc[[0, 3]], by_volume.loc[[0, 3]])
+    assert by_number.loc[1, "mu_EL"] == pytest.approx(0.42, abs=0.01)
+    np.testing.assert_allclose(by_number.loc[2], of_all_forms())
+    # The synthetic forms have the statistics of the Rhine's gravel by construction.
+    np.testing.assert_allclose(of_all_forms(), [0.441, 0.145, 0.682, 0.139], atol=0.01)
 
 
 def test_the_model_of_beds_on_lattices_is_that_of_predict():

@@ -50,7 +50,7 @@ def test_predict_says_what_the_packed_beds_show():
     for of_form in (None, fit_reference_models().models["unified", "U1"]):
         table = comparison(of_form=of_form)
         by_class, together = (np.sqrt(np.mean(table[f"{kind}_{USED}"] ** 2)) for kind in ("by_class", "together"))
-        assert 0.75 < by_class / together < 1.25
+        assert by_class < 0.9 * together
 
 
 @pytest.mark.parametrize("by_class, expected", [([0.01, -0.02], False), ([0.01, -0.01], True), ([0.0, 0.015], True)])

@@ -14,7 +14,7 @@ import numpy as np
 
 from simcore.grains.sieve import SieveCurve
 
-WIDEST = 2 ** (1 / 8)  # ratio of the bounds of a part
+WIDEST = 2 ** (1 / 12)  # ratio of the bounds of a part
 LAWS = ("number", "mass")
 
 

@@ -24,7 +24,7 @@ NO_MODELS = FittedModels({}, {})
 # Table 8 of Rettinger et al. (2022): U7 and B50 shaken for 6 s are 0.009 and 0.003 denser than shaken for 1 s.
 STATE = "The porosity is that of a bed that is shaken for about a second; in six it becomes up to 0.01 denser."
 # The rule is in docs/appendices/size_and_form_plan.md, the beds in results/reference/form_by_size.csv.
-CHECK_BY_CLASS = "On two packed beds, forms by sieve class err about as much as the form of all grains together."
+CHECK_BY_CLASS = "On two packed beds, forms by sieve class erred less than the form of all grains together."
 
 
 def predict_curve_file(

@@ -89,7 +89,7 @@ def coverage(beds, predicted, level=LEVEL) -> float:
     inside = np.zeros(len(beds.n), bool)
     for family in families:
         own = beds.family == family
-        error = relative_error(predicted[~own], beds.n[~own], beds.one_class[~own], beds.error[~own])
+        error = relative_error(predicted[~own], beds.n[~own], beds.one_class[~own])
         of_prediction = (
             student.ppf(0.5 + 0.5 * level, len(families) - 2) * error * (beds.one_class[own] - predicted[own])
         )

@@ -87,7 +87,7 @@ def fitted_model(folder=REFERENCE) -> SizedModel | None:
         candidate=name,
         parameters=values,
         law="mass",
-        error=relative_error(beds[f"predicted_{name}"], beds["n"], beds["n_one_class"], beds["n_error"]),
+        error=relative_error(beds[f"predicted_{name}"], beds["n"], beds["n_one_class"]),
         freedom=families - 1,
         form_error=_form_error(name, values),
         widest=float(beds["widest"].max()),
@@ -95,16 +95,12 @@ def fitted_model(folder=REFERENCE) -> SizedModel | None:
     )
 
 
-def relative_error(predicted, n, one_class, n_error=0.0) -> float:
+def relative_error(predicted, n, one_class) -> float:
     """Return the root mean square error of predictions, relative to that of the decrease of porosity by the sizes.
 
-    predicted, n, one_class: arrays (beds,) of predicted, known and one-class porosity. n_error: sampling error of n,
-    array (beds,) or number. Its mean square is subtracted from that of predicted minus known porosity, of which at
-    least half is left, because sampling errors are estimates themselves.
+    predicted, n, one_class: arrays (beds,) of predicted, known and one-class porosity.
     """
-    square = np.mean(np.square(predicted - n))
-    square = max(square - np.mean(np.square(n_error)), 0.5 * square)
-    return float(np.sqrt(square / np.mean(np.square(one_class - n))))
+    return float(np.sqrt(np.mean(np.square(predicted - n)) / np.mean(np.square(one_class - n))))
 
 
 @cache
