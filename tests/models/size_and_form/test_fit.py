@@ -88,7 +88,7 @@ def test_the_model_that_made_the_beds_is_chosen():
     result = compare(made_beds(), names=("L", "F"), scatter=0.0)
     assert result.chosen == "L" and list(result.table["model"][result.table["chosen"] == "yes"]) == ["L"]
     errors = result.table.set_index("model")["error_by_family"]
-    assert errors["L"] < 1.3 * ERROR and errors["F"] > 2 * ERROR and errors["rods"] > 2 * ERROR
+    assert errors["L"] < 1.3 * ERROR and errors["F"] > 1.8 * ERROR and errors["rods"] > 2 * ERROR
     assert result.table["excess_by_family"].min() == 0.0
     unfitted = result.table.iloc[-1]
     assert unfitted["model"] == NOT_FITTED and unfitted["error_by_family"] == unfitted["error_by_form"] > 2 * ERROR
