@@ -91,6 +91,12 @@ def test_results_of_mixtures_and_of_the_rhine(tables):
     ]
 
 
+def test_the_error_of_the_model_of_wide_sieve_curves():
+    table = pd.read_csv(REFERENCE / "models" / "size_and_form_candidates.csv")
+    chosen = table[table["chosen"] == "yes"]
+    assert row("Mean error of [the model of wide")[0] == [pytest.approx(chosen["error_by_family"].item(), abs=5e-5)]
+
+
 def test_results_against_experiments_and_known_outcomes(tables):
     validation = tables["validation"].set_index("case")
     assert row("U1 in a cylinder") == (
