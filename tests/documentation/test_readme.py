@@ -48,7 +48,7 @@ def test_its_commands_run_and_print_what_it_shows(tmp_path, monkeypatch):
 
 
 def test_every_row_of_the_results_is_compared():
-    assert len(ROWS) == 11
+    assert len(ROWS) == 12
 
 
 def test_results_of_single_forms(tables):
