@@ -79,10 +79,10 @@ def test_a_curve_is_drawn_by_mouse(open_page):
     before = porosity(page)
     page.mouse.move(x, y)
     page.mouse.down()
-    page.mouse.move(x + 2, y + 30, steps=3)
+    page.mouse.move(x + 2, y + 55, steps=3)
     page.mouse.up()
     height = page.locator(".field").bounding_box()["height"]
-    share = 100 * (250 / 650.5 - 30 / height)
+    share = 100 * (250 / 650.5 - 55 / height)
     assert drawn(page)[8] == pytest.approx(share, abs=1.5)
     assert porosity(page) != before
     page.mouse.click(x + 25, y - 40)
