@@ -71,7 +71,9 @@ const BedOutput = (() => {
   // Returns [title, formula, source] of the step from one class to the curve.
   function formula() {
     const rods = model.skeleton === "rods";
-    const values = Object.entries(model.parameters).map(([key, value]) => `${key} = ${number(value, 3)}`);
+    const values = Object.entries(model.parameters).map(
+      ([key, value]) => `${key === "kappa" ? "κ" : key} = ${number(value, 3)}`
+    );
     const functions =
       "p" in model.parameters || "s" in model.parameters
         ? `f = (1 − r)^p (1 + ${general(DATA.curve.fixed_q)} r), g = (1 − r)^s`
