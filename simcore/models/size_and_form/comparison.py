@@ -19,7 +19,7 @@ from simcore.models.size_and_form.sized_model import CANDIDATE, NOT_FITTED, UNFI
 
 # The order of preference among candidates with equally many parameters (docs/appendices/size_and_form_plan.md).
 PREFERENCE = ("L", "F", "D_F", "H", "L_free", "D_H", "H_free", "H_form")
-IN_USE = "L"  # chosen with 26 beds, and kept by the rule of the same page
+IN_USE = "L"  # chosen with 26 beds; the rule of docs/appendices/size_and_form_plan.md keeps it
 LEVEL = 0.95  # probability of the intervals whose coverage is reported
 
 
@@ -33,8 +33,10 @@ class Comparison(NamedTuple):
     scatter: float  # τ
 
 
-def compare(beds, names=PREFERENCE, scatter=None) -> Comparison:
+def compare(beds, names=PREFERENCE, scatter=None, in_use=IN_USE) -> Comparison:
     """Compare the candidates `names` and the literature on Beds; scatter: τ, None: by restricted maximum likelihood.
+
+    in_use: as in simcore.models.size_and_form.choice.choose.
 
     Columns of the table: model, parameters (number of fitted ones), chosen; for groups = family and form:
     error_by_<groups> (weighted mean absolute error over left-out beds), excess_by_<groups> and
@@ -57,7 +59,7 @@ def compare(beds, names=PREFERENCE, scatter=None) -> Comparison:
         errors = {name: predicted - beds.n for name, predicted in predictions[kind].items()}
         scores[kind] = score(errors, weights, groups)
     numbers = {name: len(CANDIDATES[name].parameters) for name in names} | dict.fromkeys(LITERATURE, 0)
-    chosen = choose(scores["family"], scores["form"], numbers, IN_USE)
+    chosen = choose(scores["family"], scores["form"], numbers, in_use)
     unfitted = predict_beds(CANDIDATE, beds, UNFITTED)
     predictions["family"][NOT_FITTED], numbers[NOT_FITTED] = unfitted, 0
     mean_error = float(np.average(np.abs(unfitted - beds.n), weights=weights))

@@ -85,7 +85,7 @@ def test_left_out_beds_are_not_seen():
 
 
 def test_the_model_that_made_the_beds_is_chosen():
-    result = compare(made_beds(), names=("L", "F"), scatter=0.0)
+    result = compare(made_beds(), names=("L", "F"), scatter=0.0, in_use=None)
     assert result.chosen == "L" and list(result.table["model"][result.table["chosen"] == "yes"]) == ["L"]
     errors = result.table.set_index("model")["error_by_family"]
     assert errors["L"] < 1.3 * ERROR and errors["F"] > 1.8 * ERROR and errors["rods"] > 2 * ERROR
