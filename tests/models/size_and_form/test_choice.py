@@ -57,3 +57,17 @@ def test_the_simplest_that_is_not_worse_is_chosen():
     # If each candidate fails one of the two comparisons, the error over families decides.
     failing = {name: Score(0.01, 0.005, 0.001) for name in parameters}
     assert choose(family, failing, parameters) == "H"
+
+
+def test_the_model_in_use_is_kept_within_two_standard_errors():
+    parameters = {"literature": 0, "L": 2, "H": 3}
+    scores = {
+        "literature": Score(0.009, 0.005, 0.002),
+        "L": Score(0.0058, 0.0018, 0.001),
+        "H": Score(0.004, 0.0, 0.0),
+    }
+    assert choose(scores, scores, parameters) == choose(scores, scores, parameters, "literature") == "H"
+    assert choose(scores, scores, parameters, "L") == "L"
+    worse = {**scores, "L": Score(0.0061, 0.0021, 0.001)}
+    assert choose(scores, worse, parameters, "L") == choose(worse, scores, parameters, "L") == "H"
+    assert choose(scores, scores, parameters, "a name that is not compared") == "H"
