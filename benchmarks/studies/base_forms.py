@@ -12,10 +12,11 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.studies.size_and_form_fit import STUDY, read_rows
+from simcore.grains.statistics import STATISTICS
 from simcore.models.fitting import fit_reference_models
 from simcore.models.regression import fit
 from simcore.models.size_and_form.beds import ALL_FORMS, BASE, form_labels
-from simcore.models.unified import STATISTICS, UNIFIED, unified_features
+from simcore.models.unified import UNIFIED, unified_features
 from simcore.paths import REFERENCE
 from simcore.reference.columns import COMMITTED_NAMES, SPECIFIED_FORM
 

@@ -16,13 +16,13 @@ import yaml
 
 from benchmarks.studies.base_forms import evaluated_statistics, of_all_forms, rain_model
 from benchmarks.studies.size_and_form_fit import CONFIGURATION, OTHER_BASES, STUDY, read_rows
-from simcore.grains.statistics import equancy_statistics
+from simcore.grains.statistics import STATISTICS, equancy_statistics
 from simcore.models.fitting import fit_reference_models
 from simcore.models.size_and_form.bases import curve_of, fit_bases
 from simcore.models.size_and_form.beds import ALL_FORMS, BASE, form_labels
 from simcore.models.size_and_form.candidates import predict
 from simcore.models.size_and_form.sized_model import current_model
-from simcore.models.unified import STATISTICS, unified_features
+from simcore.models.unified import unified_features
 from simcore.paths import REFERENCE
 from simcore.scene.specification import resolve
 

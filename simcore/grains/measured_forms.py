@@ -15,7 +15,7 @@ n, number, ...) gives the number of grains that a row represents.
 
 import logging
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +23,7 @@ import numpy as np
 from simcore.grains.cell_numbers import NUMBER, check_decimal_marks, read_number
 from simcore.grains.class_labels import CLASS_NAME, look_like_classes
 from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, has_two_axes, may_number_rows, recognise_columns
-from simcore.grains.statistics import equancy_statistics
+from simcore.grains.statistics import equancy_statistics, sampling_covariance
 from simcore.grains.summary_rows import find_summary_rows
 from simcore.grains.table_file import advice_on_fields, read_table
 
@@ -44,7 +44,8 @@ class Sample:
 
     grains: number of grains measured; 0 if the table has only statistics; the number of rows with a positive weight if
     the weights are not counts. If the table has only statistics, those of EQ assume that FL and EL are independent, as
-    in Rettinger et al. (2022).
+    in Rettinger et al. (2022). covariance: that of simcore.grains.statistics.sampling_covariance as tuples; None if the
+    number of grains is unknown, or if all have one form.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Sample:
     sigma_EL: float
     mu_EQ: float
     sigma_EQ: float
+    covariance: tuple | None = None
 
     @property
     def one_form(self):
@@ -341,7 +343,11 @@ def _from_grains(path, name, entries, check, counts):
         # As in the models (simcore.grains.statistics), the deviation is that of the grains themselves (ddof 0). Below
         # ALIKE it is rounding.
         statistics |= {f"mu_{feature}": float(mean), f"sigma_{feature}": float(std if std > ALIKE * mean else 0.0)}
-    return Sample(name=name, grains=grains, **statistics)
+    sample = Sample(name=name, grains=grains, **statistics)
+    if sample.one_form or not (counts is None or counts.whole):
+        return sample
+    covariance = sampling_covariance(FL * EL, EL, weights)
+    return replace(sample, covariance=tuple(map(tuple, covariance.tolist())))
 
 
 def _weigh(path, name, entries, counts):

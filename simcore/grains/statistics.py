@@ -6,6 +6,9 @@ import pandas as pd
 
 from simcore.grains.form import features as form_features
 
+# Statistics over the grains from which the features of the models follow.
+STATISTICS = ("mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL")
+
 
 def mixture_features(L, I, S):
     """Return the 104 features of one packing, Series; L >= I >= S: full axes of its grains (n,), in any one unit."""
@@ -42,6 +45,25 @@ def equancy_statistics(mu_FL, sigma_FL, mu_EL, sigma_EL):
     variance = (mu_EL**2 + sigma_EL**2) * (mu_FL**2 + sigma_FL**2) - mu_EQ**2
     # If nothing varies, the difference is rounding and may be below 0.
     return mu_EQ, np.sqrt(np.maximum(variance, 0.0))
+
+
+def sampling_covariance(EQ, EL, counts=None):
+    """Return the covariance (4, 4) of the errors of STATISTICS that follow from the limited number of grains.
+
+    EQ, EL (n,): of the measured grains, which are taken as drawn independently from all grains. counts (n,): number of
+    grains of each row; None: one. To first order in the deviation d of a grain from the mean, it changes mu by d/N and
+    sigma by (d² - sigma²)/(2 sigma N) of N grains. The result is nan for one grain.
+    """
+    counts = np.ones(len(EQ)) if counts is None else np.asarray(counts, float)
+    number = counts.sum()
+    changes = []
+    for values in (np.asarray(EQ, float), np.asarray(EL, float)):
+        d = values - np.average(values, weights=counts)
+        sigma = np.sqrt(np.average(d**2, weights=counts))
+        changes += [d, (d**2 - sigma**2) / (2 * sigma) if sigma > 0 else np.zeros(len(d))]
+    changes = np.array(changes)
+    with np.errstate(invalid="ignore"):
+        return (counts * changes) @ changes.T / np.float64(number * (number - 1.0))
 
 
 def flatness_statistics(mu_EQ, sigma_EQ, mu_EL, sigma_EL):

@@ -9,10 +9,10 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
-from simcore.grains.statistics import equancy_statistics
+from simcore.grains.statistics import STATISTICS, equancy_statistics
 from simcore.models.fitted_range import FAR, RangedValue
 from simcore.models.measured_file import MEASURED
-from simcore.models.unified import STATISTICS, feature_arrays, unified_features
+from simcore.models.unified import feature_arrays, unified_features
 from simcore.paths import R22_TABLES
 from simcore.reference.r22_tables import read_r22_table
 
@@ -26,7 +26,8 @@ R22_MIXTURES = {"mu": (0.4, 0.8), "sigma": (0.1, 0.2)}
 NEARLY_ONE_FORM = 0.5
 # A porosity closer to 0 or 1 than this would be printed as 0 or 1.
 SMALLEST_PRINTED = 5e-4
-PREDICTION = ["by", "model", "preferred", "n", "lower", "upper", "outside", "distance", "refused"]
+PREDICTION = ["by", "model", "preferred", "n", "lower", "upper", "sampling_error", "outside", "distance", "refused"]
+RELATIVE_STEP = 1e-4  # of a statistic, for the derivatives of a model
 
 
 def model_case(case):
@@ -42,12 +43,14 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
     probability of the prediction intervals. r22_tables: folder of the tables of Rettinger et al. (2022). require:
     whether at least one model must be evaluated for each sample.
 
-    Columns: the fields of Sample, taken_as ("one form" or "a distribution"), and those of PREDICTION: by ("ours", or
-    "r22" for Rettinger et al.), model, preferred (the recommended one of our models), n, lower, upper (nan for
-    Rettinger et al., who publish no covariance), outside (description, empty if the sample is inside the fitted range),
-    distance (from the range, in its widths) and refused. If a model is not evaluated for a sample, because the sample
-    is too far outside or the formula or the interval leaves (0, 1), then n, lower and upper are nan and `refused` gives
-    the reason; `refused` is empty otherwise.
+    Columns: the fields of Sample but the covariance, taken_as ("one form" or "a distribution"), and those of
+    PREDICTION: by ("ours", or "r22" for Rettinger et al.), model, preferred (the recommended one of our models), n,
+    lower, upper (nan for Rettinger et al., who publish no covariance), sampling_error (the standard error of n that
+    follows from the limited number of measured grains, which the interval contains; nan if their number is unknown),
+    outside (description, empty if the sample is inside the fitted range), distance (from the range, in its widths) and
+    refused. If a model is not evaluated for a sample, because the sample is too far outside or the formula or the
+    interval leaves (0, 1), then n, lower and upper are nan and `refused` gives the reason; `refused` is empty
+    otherwise.
 
     For a distribution, the preferred model is the one with the smaller cross-validated error among our models whose
     fitted range contains the sample; if there is none, it is the unified model, which is also valid for narrow
@@ -69,6 +72,7 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
                 "own, or choose another case"
             )
         statistics = {**vars(sample), "taken_as": "one form" if sample.one_form else "a distribution"}
+        del statistics["covariance"]
         tables.append(pd.DataFrame(rows, columns=PREDICTION).assign(**statistics))
     if require:
         _require_answers(tables, case)
@@ -111,7 +115,7 @@ def _preferred_row(rows, case):
         if row["preferred"]:
             return row
     reasons = "; ".join(row["refused"] for row in rows) or f"no model was fitted to such grains in beds of {case}"
-    return dict.fromkeys(("n", "lower", "upper"), np.nan) | {"outside": "", "refused": reasons}
+    return dict.fromkeys(("n", "lower", "upper", "sampling_error"), np.nan) | {"outside": "", "refused": reasons}
 
 
 def published_models(case, r22_tables=R22_TABLES):
@@ -152,7 +156,11 @@ def describe_model(by, name):
 
 def sample_features(samples):
     """Return all features of the models, a table with one row per Sample; 1/sigma is infinite for one form."""
-    features = feature_arrays({name: [getattr(sample, name) for sample in samples] for name in STATISTICS})
+    return _features({name: [getattr(sample, name) for sample in samples] for name in STATISTICS})
+
+
+def _features(statistics):
+    features = feature_arrays(statistics)
     # One table from arrays, since tables of one row are computed for many curves.
     return pd.DataFrame(features | {"EQ_inv": features["mu_EQ_inv"], "EL_inv": features["mu_EL_inv"]})
 
@@ -171,11 +179,39 @@ def _predict_ours(samples, features, case, fitted, level):
         if model is not None:
             only = fitted.only_kind.get((name, case), kind)
             remark = "" if only == kind else f"it was fitted only to beds with {only}"
-            *numbers, outside = model.predict_interval_and_outside(features, level)
-            values = zip(tables, *(column.tolist() for column in numbers), outside, strict=True)
-            for rows, n, lower, upper, beyond in values:
-                rows.append(_row("ours", name, n, lower, upper, beyond, digits=4, remark=remark))
+            errors = sampling_errors(model, samples)
+            *numbers, outside = model.predict_interval_and_outside(features, level, np.nan_to_num(errors) ** 2)
+            values = zip(tables, *(column.tolist() for column in (*numbers, errors)), outside, strict=True)
+            for rows, n, lower, upper, error, beyond in values:
+                rows.append(_row("ours", name, n, lower, upper, beyond, error, digits=4, remark=remark))
     return tables
+
+
+def sampling_errors(model, samples):
+    """Return the standard errors (n,) of the porosity that follow from the limited number of grains of n Samples.
+
+    model: PorosityModel. To first order, with the covariance of each Sample; 0 for one form, nan without covariance.
+    """
+    errors = np.array([0.0 if sample.one_form else np.nan for sample in samples])
+    known = [index for index, sample in enumerate(samples) if sample.covariance is not None]
+    if not known:
+        return errors
+    values = np.array([[getattr(samples[index], name) for name in STATISTICS] for index in known])
+    changes = np.empty(values.shape)
+    for column in range(len(STATISTICS)):
+        ends = []
+        for sign in (1.0, -1.0):
+            moved = values.copy()
+            moved[:, column] *= 1.0 + sign * RELATIVE_STEP
+            features = _features(dict(zip(STATISTICS, moved.T, strict=True)))
+            ends.append(model.predict(features))
+        with np.errstate(invalid="ignore"):  # 1/sigma may be infinite; the model is then refused
+            changes[:, column] = (ends[0] - ends[1]) / (2 * RELATIVE_STEP)
+    # If a statistic is 0, so is its change, or the model gives no porosity.
+    slopes = np.divide(changes, values, out=np.zeros(values.shape), where=values > 0)
+    covariance = np.array([samples[index].covariance for index in known])
+    errors[known] = np.sqrt(np.einsum("ni,nij,nj->n", slopes, covariance, slopes))
+    return errors
 
 
 def _prefer(sample, rows, case, fitted):
@@ -206,7 +242,7 @@ def _predict_r22(sample, features, published, folder):
     ]
     outside = [quantity for quantity in quantities if quantity.distance > 0]
     remark = f"sigma_FL and sigma_EL are below {least:g}: taken for one form" if nearly_one_form else ""
-    return [_row("r22", name, n, np.nan, np.nan, outside, digits=3, remark=remark)]
+    return [_row("r22", name, n, np.nan, np.nan, outside, np.nan, digits=3, remark=remark)]
 
 
 def r22_ranges(name, features, folder=R22_TABLES):
@@ -253,7 +289,7 @@ def _feature_ranges(ranges, names):
     return [(name, (features[name].min(), features[name].max())) for name in names]
 
 
-def _row(by, model, n, lower, upper, outside, digits, remark=""):
+def _row(by, model, n, lower, upper, outside, sampling_error, digits, remark=""):
     """Return one row of PREDICTION; its numbers are nan if the model is refused.
 
     outside: list of RangedValue; digits: of the limits in the text.
@@ -271,8 +307,8 @@ def _row(by, model, n, lower, upper, outside, digits, remark=""):
     elif not all(_is_porosity(value) for value in (lower, upper) if not np.isnan(value)):
         refused = "its prediction interval reaches outside (0, 1)"
     if refused:
-        n = lower = upper = np.nan
-    values = (by, model, False, n, lower, upper, "; ".join(remarks), distance, refused)
+        n = lower = upper = sampling_error = np.nan
+    values = (by, model, False, n, lower, upper, sampling_error, "; ".join(remarks), distance, refused)
     return dict(zip(PREDICTION, values, strict=True))
 
 

@@ -126,20 +126,37 @@ def _remarks(rows, column):
     return [f"  {row['name']}, {describe_model(row.by, row.model)}: {row[column]}" for _, row in rows.iterrows()]
 
 
-def measured_caveats(names, grains, of_one_form) -> list[str]:
-    """Return the lines on samples whose form statistics are uncertain, because few grains were measured.
+def few_grains_caveats(names, grains) -> list[str]:
+    """Return a line on the samples of few grains; names, grains (n,): of each sample, 0 grains if they are unknown."""
+    grains = np.asarray(grains)
+    few = dict.fromkeys(np.asarray(names)[(grains > 1) & (grains < FEW_GRAINS)])
+    if not few:
+        return []
+    return [f"Fewer than {FEW_GRAINS} grains do not determine the spread of form well: {', '.join(map(str, few))}."]
+
+
+def sampling_caveats(names, grains, of_one_form, errors, what) -> list[str]:
+    """Return the lines on the error of samples that follows from the limited number of measured grains.
 
     names, grains, of_one_form (n,): name and number of grains of each sample (0: only its statistics are given), and
-    whether its grains have one form.
+    whether its grains have one form. errors (n,): standard errors of `what`, such as "the porosity"; nan if the number
+    of grains is unknown.
     """
-    lines, grains = [], np.asarray(grains)
-    few = dict.fromkeys(np.asarray(names)[(grains > 1) & (grains < FEW_GRAINS)])
-    if few:
+    errors, differ = np.asarray(errors, float), (np.asarray(grains) > 0) & ~np.asarray(of_one_form, bool)
+    known, unknown = differ & np.isfinite(errors), differ & ~np.isfinite(errors)
+    lines = []
+    if known.any():
+        least, largest = (f"{value:.3f}" for value in (errors[known].min(), errors[known].max()))
+        size = largest if least == largest else f"{least} to {largest}"
         lines.append(
-            f"Fewer than {FEW_GRAINS} grains do not determine the spread of form well: {', '.join(map(str, few))}."
+            f"If other grains of the same gravel were measured, {what} would change by {size} (standard error); the "
+            "intervals contain this."
         )
-    if (grains > 0).any() and not np.all(of_one_form):
-        lines.append("The intervals do not include the sampling error of a sample's own statistics.")
+    if unknown.any():
+        lines.append(
+            "The intervals do not contain the error of measuring few grains, because the number of grains is unknown: "
+            f"{', '.join(dict.fromkeys(map(str, np.asarray(names)[unknown])))}."
+        )
     return lines
 
 
@@ -147,9 +164,13 @@ def _caveats(table, level):
     lines = []
     if (table.grains == 0).any():
         lines.append(
-            "If only means and deviations are given, FL and EL are assumed independent, as by Rettinger et al."
+            "If only means and deviations are given, FL and EL are assumed independent, as by Rettinger et al., and "
+            "the intervals do not contain the error of measuring few grains."
         )
-    lines += measured_caveats(table.name, table.grains, table.taken_as == "one form")
+    lines += few_grains_caveats(table.name, table.grains)
+    ours = table[table.preferred]
+    one_form = ours.taken_as == "one form"
+    lines += sampling_caveats(ours.name, ours.grains, one_form, ours.sampling_error, "the porosity")
     lines.append(
         "The interval contains the porosity of a new sample, poured and shaken in the same way, with "
         f"{100 * level:g} % probability; Rettinger et al. publish no interval."

@@ -20,6 +20,7 @@ import logging
 import numpy as np
 import pandas as pd
 
+from simcore.grains.statistics import STATISTICS
 from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import FOLDS, fewest_samples, fit_and_validate, predict_unseen
 from simcore.models.single_form import SINGLE_FORM
@@ -40,7 +41,6 @@ UNIFIED_SETS = (
     ("mu_1/EQ", "mu_1/EL", "sigma_1/EQ", "sigma_1/EL"),
     ("mu_1/EQ", "mu_1/EL", "relative_variance_EQ", "relative_variance_EL"),
 )
-STATISTICS = ("mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL")
 # Statistics over the grains of the inverses; a table of packings need not have them.
 _OF_INVERSES = ("mu_1/EQ", "sigma_1/EQ", "mu_1/EL", "sigma_1/EL")
 

@@ -10,6 +10,7 @@ from scipy.stats import t as student
 from simcore.grains import measured_forms
 from simcore.grains.form_columns import MEANS, NEEDED, all_patterns
 from simcore.grains.sieve import SieveCurve, read_cases
+from simcore.grains.statistics import STATISTICS
 from simcore.grains.summary_rows import label_patterns
 from simcore.models import prediction
 from simcore.models.fitted_range import FAR, NEAR, WIDENING
@@ -51,6 +52,7 @@ def page_data(fitted, r22_tables=R22_TABLES):
         "r22": published,
         "symbols": SYMBOLS,
         "shapes": SHAPES,
+        "sampling": {"statistics": STATISTICS, "relative_step": prediction.RELATIVE_STEP},
         "rule": {"near": NEAR, "far": FAR, "widening": WIDENING},
         "nearly_one_form": prediction.NEARLY_ONE_FORM * prediction.R22_MIXTURES["sigma"][0],
         "smallest_porosity": prediction.SMALLEST_PRINTED,

@@ -13,13 +13,13 @@ from simcore.campaign.study_tables import summarise
 from simcore.campaign.trend_tables import summarise_trends
 from simcore.grains.form import features as form_features
 from simcore.grains.sieve import read_cases
-from simcore.grains.statistics import flatness_statistics
+from simcore.grains.statistics import STATISTICS, flatness_statistics
 from simcore.models.mixtures import MIXTURE, application_table, mixture_models
 from simcore.models.regression import FOLDS, fewest_samples
 from simcore.models.shape_kinds import pair_shape_kinds, shape_kind_table
 from simcore.models.single_form import SINGLE_FORM, single_form_models
 from simcore.models.tables import compare_predictions
-from simcore.models.unified import STATISTICS, UNIFIED, unified_features, unified_models
+from simcore.models.unified import UNIFIED, unified_features, unified_models
 from simcore.paths import CONFIG
 from simcore.reference.columns import FORM, SPECIFIED_FORM, SPECIFIED_MEANS, study_names
 from simcore.reference.committed_rows import SOURCE_OF_MIXTURES, fitted_forms, fitted_mixtures

@@ -14,9 +14,9 @@ from benchmarks.studies.base_forms import (
     rain_model,
     statistics_by_number,
 )
+from simcore.grains.statistics import STATISTICS
 from simcore.models.fitting import fit_reference_models
 from simcore.models.size_and_form.beds import ALL_FORMS
-from simcore.models.unified import STATISTICS
 
 COEFFICIENTS = np.array([0.28, 0.02, 0.01, 0.05, 0.2])
 

@@ -4,28 +4,61 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from simcore.grains.measured_forms import read_measured
 from simcore.models.fitting import fit_reference_models
+from simcore.models.prediction import sampling_errors
 from simcore.models.unified import unified_features
 from simcore.paths import ROOT
 
-DRAWS = 400
+GRAINS = ROOT / "examples" / "grains.csv"
+DRAWS = 1000
 
 
-def one_class_scatter(axes, grains):
+@pytest.fixture(scope="module")
+def model():
+    return fit_reference_models().models["unified", "U1"]
+
+
+def one_class_scatter(model, axes, grains):
     """Return the standard deviation of the one-class porosity over draws of so many grains from `axes` (n, 3)."""
     L, I, S = np.sort(axes, axis=1).T[::-1]  # noqa: E741
     chosen = np.random.default_rng(0).integers(0, len(axes), (DRAWS, grains))
     columns = {}
     for name, values in (("EQ", S / L), ("EL", I / L)):
         columns[f"mu_{name}"] = values[chosen].mean(axis=1)
-        columns[f"sigma_{name}"] = values[chosen].std(axis=1, ddof=1)
-    model = fit_reference_models().models["unified", "U1"]
+        columns[f"sigma_{name}"] = values[chosen].std(axis=1)
     return np.std(model.predict(unified_features(pd.DataFrame(columns))))
 
 
-@pytest.mark.parametrize("grains, stated", [(40, 0.003), (10, 0.006)])
-def test_few_grains_leave_the_stated_error(grains, stated):
-    axes = pd.read_csv(ROOT / "examples" / "forty_grains.csv").to_numpy(float)
-    assert one_class_scatter(axes, grains) == pytest.approx(stated, abs=5e-4)
-    text = (ROOT / "docs" / "how_to" / "predict_from_a_sieve_curve.md").read_text(encoding="utf-8")
-    assert "change the one-class porosity by 0.003 and ten by 0.006" in " ".join(text.split())
+def error_of(model, axes, path, **columns):
+    pd.DataFrame(axes, columns=["L", "I", "S"]).assign(**columns).to_csv(path, index=False)
+    samples, _ = read_measured(path)
+    return sampling_errors(model, samples)[0]
+
+
+def test_the_sampling_error_is_that_of_drawing_the_grains_again(model, tmp_path):
+    axes = pd.read_csv(GRAINS).to_numpy(float)
+    assert error_of(model, axes, tmp_path / "grains.csv") == pytest.approx(one_class_scatter(model, axes, 40), rel=0.1)
+    # Ten of the grains; their own spread is not that of all forty.
+    ten = axes[:10]
+    assert error_of(model, ten, tmp_path / "ten.csv") == pytest.approx(one_class_scatter(model, ten, 10), rel=0.2)
+
+
+def test_the_sampling_error_falls_with_the_root_of_the_number_of_grains(model, tmp_path):
+    axes = pd.read_csv(GRAINS).to_numpy(float)
+    forty = error_of(model, axes, tmp_path / "grains.csv")
+    counted = error_of(model, axes, tmp_path / "counted.csv", count=4)
+    assert counted / forty == pytest.approx(np.sqrt(39 / 159), rel=1e-6)
+    repeated = error_of(model, np.repeat(axes, 4, axis=0), tmp_path / "repeated.csv")
+    assert repeated == pytest.approx(counted, rel=1e-9)
+    assert np.isnan(error_of(model, axes, tmp_path / "weighted.csv", number=2.5))
+
+
+@pytest.mark.parametrize("grains, stated", [(40, "0.004"), (10, "0.007")])
+def test_few_grains_have_the_stated_error(model, grains, stated):
+    samples, _ = read_measured(GRAINS)
+    error = sampling_errors(model, samples)[0] * np.sqrt(39 / (grains - 1))
+    assert f"{error:.3f}" == stated
+    for name in ("predict_from_a_sieve_curve.md", "predict.md"):
+        text = (ROOT / "docs" / "how_to" / name).read_text(encoding="utf-8")
+        assert f"{stated} for {'forty' if grains == 40 else 'ten'}" in " ".join(text.split()), name

@@ -168,7 +168,7 @@ def test_predict_takes_the_file_that_fit_wrote(tmp_path, capsys):
 def test_the_file_is_refused_where_it_has_no_meaning(tmp_path, capsys):
     path = tmp_path / "model.json"
     simcore.fit(EXAMPLE, out=path)
-    forms = str(ROOT / "examples" / "forty_grains.csv")
+    forms = str(ROOT / "examples" / "grains.csv")
     assert main(["predict", forms, "--case", "U7", "--models", str(path)]) != 0
     assert "fitted to beds with sieve curves; give a sieve curve with --sieve" in capsys.readouterr().err
     with pytest.raises(ValueError, match="the page does not evaluate corrections"):

@@ -22,8 +22,10 @@ from simcore.reference.r22_tables import read_r22_table
 
 COLUMNS = [
     "sample", "grains", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL",
-    "n", "lower", "upper", "n_not_shaken", "n_one_class", "one_class_lower", "one_class_upper", "outside", "refused",
+    "n", "lower", "upper", "n_not_shaken", "n_one_class", "one_class_lower", "one_class_upper",
+    "one_class_sampling_error", "outside", "refused",
 ]  # fmt: skip
+ONE_CLASS_NUMBERS = ("n", "lower", "upper", "sampling_error")  # of the row of the model of one class
 MORE_MASS = 0.01  # of one class, for the sensitivity to the curve
 UNKNOWN_FORMS = "the Rhine's mean form"
 
@@ -53,20 +55,22 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
 
     samples: list of simcore.grains.measured_forms.Sample. fitted: FittedModels with models of beds of one class. level:
     probability of the interval. model: SizedModel; None: that of `fitted` with its correction to measured beds, or the
-    current one. n, lower, upper: porosity and its prediction
-    interval; n_not_shaken: porosity if the bed is placed and not shaken (`loosest`); n_one_class and its interval: of a
-    bed of one sieve class of these grains. outside: what lies outside the fitted ranges. If there is no prediction, the
-    numbers are nan and `refused` gives the reason.
+    current one. n, lower, upper: porosity and its prediction interval; n_not_shaken: porosity if the bed is placed and
+    not shaken (`loosest`); n_one_class and its interval: of a bed of one sieve class of these grains;
+    one_class_sampling_error: its standard error that follows from the limited number of measured grains, which both
+    intervals contain, nan if their number is unknown. outside: what lies outside the fitted ranges. If there is no
+    prediction, the numbers are nan and `refused` gives the reason.
 
-    The interval adds three independent errors: of the one-class porosity, of the step from one class to the curve,
-    which is proportional to the decrease of porosity, and of how much of the effect of form the step carries over. With
-    a correction, the interval is that of CurveCorrection, and n_not_shaken is nan, because the state of the packing is
-    that of the measured beds.
+    The interval adds three independent errors: of the one-class porosity with its sampling error, of the step from one
+    class to the curve, which is proportional to the decrease of porosity, and of how much of the effect of form the
+    step carries over. With a correction, the interval is that of CurveCorrection, and n_not_shaken is nan, because the
+    state of the packing is that of the measured beds.
     """
     correction = fitted.curve if model is None else None
     model, fitted = model or sized_model(fitted), one_class_models(fitted)
     *rows, of_rhine = predict_all_preferred([*samples, rhine_sample()], ONE_CLASS, fitted, level)
-    n1 = np.array([row[key] for row in rows for key in ("n", "lower", "upper")], float).reshape(-1, 3)
+    of_class = np.array([row[key] for row in rows for key in ONE_CLASS_NUMBERS], float).reshape(len(rows), -1)
+    n1 = of_class[:, :3]
     usable = np.isfinite(n1[:, 0]) & (n1[:, 0] >= LEAST) & (n1[:, 0] <= LARGEST)
     n, half = np.full((2, len(samples)), np.nan)
     if usable.any():
@@ -84,7 +88,7 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
     for i, (sample, row) in enumerate(zip(samples, rows, strict=True)):
         refused = "" if usable[i] else row["refused"] or f"its one-class porosity is outside {LEAST:g} to {LARGEST:g}"
         form = [sample.name, sample.grains, sample.mu_FL, sample.sigma_FL, sample.mu_EL, sample.sigma_EL]
-        table.append(bed_row(form, n1[i], n[i], half[i], row["outside"], refused, curve, model))
+        table.append(bed_row(form, of_class[i], n[i], half[i], row["outside"], refused, curve, model))
     table = pd.DataFrame(table, columns=COLUMNS)
     return table if correction is None else table.assign(n_not_shaken=np.nan)
 
@@ -131,8 +135,8 @@ def wider(curve, model) -> float:
 def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):
     """Return the values of COLUMNS of one bed.
 
-    form: the first six of them. one_class (3,): one-class porosity with its interval. half: half width of the interval
-    of n. outside, refused: of the forms; what lies outside in the SieveCurve is added.
+    form: the first six of them. one_class (4,): one-class porosity, its interval and its sampling error. half: half
+    width of the interval of n. outside, refused: of the forms; what lies outside in the SieveCurve is added.
     """
     wide = "" if curve is None else _outside_of_curve(curve, model)
     if np.isfinite(n) and not 0.0 < n - half < n + half < 1.0:

@@ -9,7 +9,7 @@ from simcore.grains.sieve_table import read_curve
 from simcore.grains.text_columns import text_columns
 from simcore.models.fitting import FittedModels
 from simcore.models.measured_prediction import check_level, models_for
-from simcore.models.prediction_text import measured_caveats
+from simcore.models.prediction_text import few_grains_caveats, sampling_caveats
 from simcore.models.size_and_form.bed_prediction import (
     other_predictors,
     predict_curve,
@@ -68,7 +68,8 @@ def describe(table, curve, path, level=0.95, fitted=NO_MODELS) -> str:
         *_samples(table),
         "",
         *_state(fitted.curve),
-        *measured_caveats(table["sample"], table["grains"], (table["sigma_FL"] == 0) & (table["sigma_EL"] == 0)),
+        *few_grains_caveats(table["sample"], table["grains"]),
+        *_sampling(table[table["refused"] == ""]),
     ]
     first = table[table["refused"] == ""].iloc[0]
     change = 1e4 * _sensitivity(curve, first["n_one_class"], fitted)
@@ -114,6 +115,12 @@ def _state(correction):
         STATE,
         "A bed that is placed and not shaken has up to the value in the column `not shaken`.",
     ]
+
+
+def _sampling(table):
+    one_form = (table["sigma_FL"] == 0) & (table["sigma_EL"] == 0)
+    errors = table["one_class_sampling_error"]
+    return sampling_caveats(table["sample"], table["grains"], one_form, errors, "the one-class porosity")
 
 
 def _sensitivity(curve, one_class, fitted):

@@ -26,9 +26,10 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
 
     classes: as from simcore.grains.forms_by_class.read_classes; each class of the curve that has mass must lie within
     one of them. The errors of the one-class porosities of the classes are taken as equal in sign, because one model
-    gives them. Form statistics of the row are by mass; n_one_class is the porosity that the classes would give if they
-    did not interact. ValueError if a class has no forms; a form that is too far outside the fitted range is a refusal,
-    as in predict_curve.
+    gives them; so are their sampling errors in the interval, which are independent and make it too wide. Form
+    statistics of the row are by mass; n_one_class is the porosity that the classes would give if they did not interact.
+    ValueError if a class has no forms; a form that is too far outside the fitted range is a refusal, as in
+    predict_curve.
     """
     correction = fitted.curve if model is None else None
     model, fitted = model or sized_model(fitted), one_class_models(fitted)
@@ -44,12 +45,13 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
     )
     form = [BY_CLASS, sum(sample.grains for sample in dict.fromkeys(samples)), *_moments(samples, shares)]
     if refused:
-        return pd.DataFrame([bed_row(form, np.full(3, np.nan), np.nan, np.nan, outside, refused)], columns=COLUMNS)
+        return pd.DataFrame([bed_row(form, np.full(4, np.nan), np.nan, np.nan, outside, refused)], columns=COLUMNS)
     n1 = np.array([[row[key] for row in rows] for key in ("n", "lower", "upper")])
     if n1[0].min() < LEAST or n1[0].max() > LARGEST:
         refused = f"the one-class porosity of a class is outside {LEAST:g} to {LARGEST:g}"
-        return pd.DataFrame([bed_row(form, np.full(3, np.nan), np.nan, np.nan, outside, refused)], columns=COLUMNS)
+        return pd.DataFrame([bed_row(form, np.full(4, np.nan), np.nan, np.nan, outside, refused)], columns=COLUMNS)
     mean = porosity_of_volume(specific_volume(n1) @ shares)
+    errors = np.array([row["sampling_error"] for row in rows])
     of_rhine = rhine_one_class(fitted, level)
     # Classes without mass get the value of the first one; it has no effect.
     values = np.repeat(n1[:, :1], len(curve.mass_fractions), axis=1)
@@ -61,8 +63,15 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
         parts = error_parts(curve, np.array([n]), mean[:1], of_rhine, model)
         of_one_class = 0.5 * (high - low) * correction.unlike(samples).max()
         (n,), (half,) = correction.apply([n], *parts, of_one_class, level)
+    mean = np.append(mean, _sampling_error(samples, errors * shares * ((1.0 - mean[0]) / (1.0 - n1[0])) ** 2))
     table = pd.DataFrame([bed_row(form, mean, n, half, outside, "", curve, model)], columns=COLUMNS)
     return table if correction is None else table.assign(n_not_shaken=np.nan)
+
+
+def _sampling_error(samples, errors):
+    """Return the root of the sum of squares of the errors (n,) of different samples; those of one sample are added."""
+    by_sample = [sum(e for s, e in zip(samples, errors, strict=True) if s is own) for own in dict.fromkeys(samples)]
+    return float(np.linalg.norm(by_sample))
 
 
 def _moments(samples, shares):

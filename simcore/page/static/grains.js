@@ -237,7 +237,22 @@ const Grains = (() => {
       sample[`mu_${key}`] = mean;
       sample[`sigma_${key}`] = std > alike * mean ? std : 0;
     }
-    return sample;
+    const counted = kind !== TWO_AXES && (!counts || counts.whole) && !isOneForm(sample);
+    return counted ? { ...sample, covariance: samplingCovariance(forms, weights) } : sample;
+  }
+
+  // Returns the covariance of the errors of mu_EQ, sigma_EQ, mu_EL, sigma_EL as simcore.grains.statistics does.
+  function samplingCovariance(forms, counts) {
+    const number = sum(counts);
+    const changes = [([FL, EL]) => FL * EL, ([, EL]) => EL].flatMap((feature) => {
+      const values = forms.map(feature);
+      const mean = sum(values.map((value, i) => counts[i] * value)) / number;
+      const deviations = values.map((value) => value - mean);
+      const sigma = Math.sqrt(sum(deviations.map((d, i) => counts[i] * d ** 2)) / number);
+      return [deviations, deviations.map((d) => (sigma > 0 ? (d ** 2 - sigma ** 2) / (2 * sigma) : 0))];
+    });
+    const covariance = (a, b) => sum(counts.map((count, i) => count * a[i] * b[i])) / (number * (number - 1));
+    return changes.map((a) => changes.map((b) => covariance(a, b)));
   }
 
   function fromMeans(group, entries) {

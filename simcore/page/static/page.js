@@ -123,7 +123,7 @@ const Page = (() => {
     byId("place-part").hidden = !best;
     byId("formula").replaceChildren(...(rows ?? []).flatMap((row) => formulaOf(row)));
     byId("formula-part").hidden = !rows?.length;
-    byId("caveats").replaceChildren(...caveats(sample).map((text) => node("li", text)));
+    byId("caveats").replaceChildren(...caveats(sample, best?.by === "ours" ? best.sampling_error : undefined).map((text) => node("li", text)));
     byId("specification").disabled = !Outputs.specification(sample, byId("case").value);
   }
 
@@ -141,7 +141,7 @@ const Page = (() => {
     byId("place").replaceChildren(...(known ? [...placeInRange(bed.oneClass), ...placeInRange({ quantities: [BedOutput.width(curve)] })] : []));
     byId("classes").replaceChildren(...(bed.refused ? [] : BedOutput.classRows(bed, curve)));
     byId("formula").replaceChildren(...(known ? [...(oneForm ? formulaOf(bed.oneClass, DATA.one_class.name) : []), ...formulaOfSizes()] : []));
-    byId("caveats").replaceChildren(...caveats(sample, true).map((text) => node("li", text)));
+    byId("caveats").replaceChildren(...caveats(sample, bed.refused ? undefined : bed.one_class_sampling_error, true).map((text) => node("li", text)));
     byId("specification").disabled = sample.mu_EQ === undefined; // one form for all classes
   }
 
@@ -251,7 +251,7 @@ const Page = (() => {
     return [node("dt", title), node("dd", text.replace(/(\d)\.(\d)/g, `$1${mark}$2`), "formula"), node("dd", source)];
   }
 
-  function caveats(sample, ofCurve = false) {
+  function caveats(sample, error, ofCurve = false) {
     const few = DATA.reading.few_grains;
     const texts = [];
     if (ofCurve) {
@@ -262,9 +262,8 @@ const Page = (() => {
     if (sample.grains > 1 && sample.grains < few) {
       texts.push(`Fewer than ${few} grains do not determine the spread of form well.`);
     }
-    if (sample.grains && !Grains.isOneForm(sample)) {
-      texts.push("The interval does not include the sampling error of the sample's own statistics.");
-    }
+    const what = ofCurve ? "the one-class porosity" : "the porosity";
+    if (error !== undefined) texts.push(...Prediction.describeSampling(sample, error, what, number));
     texts.push("The interval is for a new sample, poured and shaken as those of the fit.");
     return texts;
   }

@@ -2,6 +2,7 @@
 const Prediction = (() => {
   const { general } = Numbers;
   const { near, far, widening } = DATA.rule;
+  const { statistics: STATISTICS, relative_step: RELATIVE_STEP } = DATA.sampling;
 
   // Each takes (sample, features, case, level) and returns the rows of the models that suit the sample.
   const PREDICTORS = [predictOurs, predictR22];
@@ -9,7 +10,7 @@ const Prediction = (() => {
   // Returns the case whose models are used for the chosen one.
   const modelCase = (choice) => (choice === DATA.one_class.name ? DATA.one_class.case : choice);
 
-  // Returns the rows of one sample: {by, model, preferred, n, lower, upper, outside, distance, refused, quantities};
+  // Returns the rows of one sample: {by, model, preferred, n, lower, upper, sampling_error, outside, distance, refused, quantities};
   // numbers are NaN where a model is not evaluated. quantities: [{name, value, low, high}] of the model's range.
   function predict(sample, choice, level) {
     const features = featuresOf(sample);
@@ -51,23 +52,52 @@ const Prediction = (() => {
     const suited = [Grains.isOneForm(sample) ? "single_form" : "form_mixture", "unified"];
     const models = suited.flatMap((kind) => DATA.models.filter((m) => m.model === kind && m.case === name));
     const rows = models.map((model) => {
-      const [n, half] = evaluate(model, features, level);
+      const error = samplingError(model, sample);
+      const [n, half] = evaluate(model, features, level, Number.isNaN(error) ? 0 : error ** 2);
       const quantities = model.features.map((feature, i) =>
         ranged(feature, features[feature], model.minimum[i], model.maximum[i])
       );
       const distance = Math.max(0, ...quantities.map((quantity) => quantity.distance));
       const widened = half * (1 + widening * Math.max(Math.min(distance, 1e300) - near, 0));
-      return { ...row("ours", model.model, n, n - widened, n + widened, quantities, 4), error: model.error };
+      const numbers = [n, n - widened, n + widened, error];
+      return { ...row("ours", model.model, numbers, quantities, 4), error: model.error };
     });
     return prefer(sample, rows);
   }
 
   // Returns the porosity and the half-width of the prediction interval by least squares.
-  function evaluate(model, features, level) {
+  function evaluate(model, features, level, moreVariance) {
     const design = [1, ...model.features.map((feature) => features[feature])];
     const n = dot(design, model.coefficients);
-    const variance = model.scatter ** 2 + dot(design, model.covariance.map((line) => dot(line, design)));
+    const variance = moreVariance + model.scatter ** 2 + dot(design, model.covariance.map((line) => dot(line, design)));
     return [n, model.quantiles[general(level)] * Math.sqrt(variance)];
+  }
+
+  // Returns the standard error of the porosity that follows from the limited number of grains, as
+  // simcore.models.prediction does: 0 for one form, NaN if the number of grains is unknown.
+  function samplingError(model, sample) {
+    if (Grains.isOneForm(sample)) return 0;
+    if (!sample.covariance) return NaN;
+    const slopes = STATISTICS.map((key) => {
+      const [high, low] = [1, -1].map((sign) => {
+        const features = featuresOf({ ...sample, [key]: sample[key] * (1 + sign * RELATIVE_STEP) });
+        return dot([1, ...model.features.map((feature) => features[feature])], model.coefficients);
+      });
+      return sample[key] > 0 ? (high - low) / (2 * RELATIVE_STEP * sample[key]) : 0;
+    });
+    return Math.sqrt(dot(slopes, sample.covariance.map((line) => dot(line, slopes))));
+  }
+
+  // Returns the sentences on the sampling error; what: that has the error; number: writes a porosity.
+  function describeSampling(sample, error, what, number) {
+    if (!sample.grains || Grains.isOneForm(sample)) return [];
+    if (Number.isFinite(error)) {
+      return [
+        `If other grains of the same gravel were measured, ${what} would change by ${number(error)} (standard error); the ` +
+          "interval contains this.",
+      ];
+    }
+    return ["The interval does not contain the error of measuring few grains, because the number of grains is unknown."];
   }
 
   function prefer(sample, rows) {
@@ -93,7 +123,7 @@ const Prediction = (() => {
     const n = model.intercept + dot(model.features.map((feature) => features[feature]), model.slopes);
     const quantities = model.ranges.map(([key, low, high]) => ranged(key, features[key] ?? sample[key], low, high));
     const remark = `sigma_FL and sigma_EL are below ${general(least)}: taken for one form`;
-    return [row("r22", kind, n, NaN, NaN, quantities, 3, nearly ? [remark] : [])];
+    return [row("r22", kind, [n, NaN, NaN, NaN], quantities, 3, nearly ? [remark] : [])];
   }
 
   function ranged(name, value, low, high) {
@@ -108,7 +138,9 @@ const Prediction = (() => {
     return beyond > slack ? beyond / (high - low) : 0;
   }
 
-  function row(by, model, n, lower, upper, quantities, digits, remarks = []) {
+  // numbers: porosity, lower and upper end of its interval, and its sampling error.
+  function row(by, model, numbers, quantities, digits, remarks = []) {
+    let [n, lower, upper, sampling_error] = numbers;
     const outside = quantities.filter((quantity) => quantity.distance > 0);
     const distance = Math.max(0, ...outside.map((quantity) => quantity.distance));
     const texts = outside.map(
@@ -121,9 +153,9 @@ const Prediction = (() => {
     else if (![lower, upper].every((value) => Number.isNaN(value) || isPorosity(value))) {
       refused = "its prediction interval reaches outside (0, 1)";
     }
-    if (refused) n = lower = upper = NaN;
+    if (refused) n = lower = upper = sampling_error = NaN;
     return {
-      by, model, preferred: false, n, lower, upper, outside: [...remarks, ...texts].join("; "), distance, refused,
+      by, model, preferred: false, n, lower, upper, sampling_error, outside: [...remarks, ...texts].join("; "), distance, refused,
       quantities,
     };
   }
@@ -141,5 +173,5 @@ const Prediction = (() => {
   const isPorosity = (value) => value >= DATA.smallest_porosity && value <= 1 - DATA.smallest_porosity;
   const dot = (a, b) => a.reduce((total, value, i) => total + value * b[i], 0);
 
-  return { PREDICTORS, modelCase, predict, predictTwoAxes };
+  return { PREDICTORS, modelCase, predict, predictTwoAxes, describeSampling };
 })();
