@@ -7,7 +7,7 @@ import pytest
 
 from simcore.packing.keeping import KEEP, KEEP_AND_STOP, Keeper
 from simcore.packing.packed import Interrupted
-from simcore.packing.process import pack
+from simcore.packing.process import Process, pack
 from tests.helpers.few_spheres import set_up_few_spheres
 from tests.helpers.same_bits import arrays_of, assert_same_bits
 
@@ -73,6 +73,15 @@ def test_it_goes_on_from_any_step(made, whole):
             phases.append(json.loads(keeper.kept[0])["phase"])
     assert len(phases) >= 8 and len(set(phases)) >= 2
     assert_packed_alike(whole, resumed)
+
+
+def test_its_progress_lines_do_not_count_the_steps_before_the_checkpoint(made, whole):
+    keeper = Memory(stops=[whole.steps // 2])
+    with pytest.raises(Interrupted):
+        pack(made.scene, made.bases, made.draw, keeper=keeper)
+    process = Process(made.scene, made.bases, made.draw, lambda line: None, keeper=keeper)
+    process.resume()
+    assert process.progress.last_step == process.step >= whole.steps // 2
 
 
 def test_the_last_stretch_of_damping_is_gone_on_with(made, whole):
