@@ -26,17 +26,17 @@ def sketches():
     """Return the three drawn beds: list of (title, discs), discs as (x, y, radius, colour)."""
     coarse, fine = lattice(0.4), lattice(0.1)
     large, small = 0.2 * SPACE, 0.05 * SPACE
-    stones = [(x, y, large, GRAIN) for x, y in coarse]
+    coarse_grains = [(x, y, large, GRAIN) for x, y in coarse]
     # The pores of the triangular lattice are the centres of its triangles; each takes a small disc.
     corners = coarse[:, None] + 0.4 * np.array([[0.5, 0.5 / np.sqrt(3)], [0.0, 1 / np.sqrt(3)]])
     pores = corners.reshape(-1, 2)
-    touching = 0.4 / np.sqrt(3) - large  # radius of the disc that touches three stones
+    touching = 0.4 / np.sqrt(3) - large  # radius of the disc that touches three coarse grains
     filling = [(x, y, SPACE * touching, FINE) for x, y in pores]
     around = fine[np.hypot(*fine.T) > large + small]
     return [
-        ("stones alone", stones),
-        ("fine grains fill the pores of stones", stones + filling),
-        ("a stone replaces fines and their pores", [(0.0, 0.0, large, GRAIN)]
+        ("coarse grains alone", coarse_grains),
+        ("fine grains fill the pores of coarse ones", coarse_grains + filling),
+        ("a coarse grain replaces fine ones and their pores", [(0.0, 0.0, large, GRAIN)]
          + [(x, y, small, FINE) for x, y in around]),
     ]  # fmt: skip
 
@@ -48,7 +48,7 @@ def binary_porosities(model, one_class):
 
 
 def size_effects():
-    """Draw three beds, and the porosity of mixtures of fine grains and stones by the model that `predict` uses."""
+    """Draw three beds, and the porosity of mixtures of fine and coarse grains by the model that `predict` uses."""
     from simcore.models.size_and_form.sized_model import current_model
     from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
 
@@ -68,13 +68,13 @@ def size_effects():
     axes.plot(100 * SHARES, n, color=ORANGE, lw=2.2)
     least = int(np.argmin(n))
     for share, text, place in (
-        (0.28, "stones replace fine grains\nand their pores", (14.0, 0.26)),
-        (0.9, "fine grains fill\nthe pores of stones", (77.0, 0.305)),
+        (0.28, "coarse grains replace\nfine ones and their pores", (14.0, 0.26)),
+        (0.9, "fine grains fill the\npores of coarse ones", (77.0, 0.305)),
     ):
         at = 100 * share, float(np.interp(share, SHARES, n))
         axes.annotate(text, at, place, fontsize=9, ha="center", arrowprops={"arrowstyle": "->", "color": DARK})
     axes.plot(100 * SHARES[least], n[least], "o", color=ORANGE)
-    axes.set(xlabel="share of stones in the mass of the bed [%]", ylabel="porosity [-]", xlim=(0, 100))
+    axes.set(xlabel="share of coarse grains in the mass of the bed [%]", ylabel="porosity [-]", xlim=(0, 100))
     axes.set_ylim(n.min() - 0.025, REFERENCE_POROSITY + 0.02)
     return figure
 
