@@ -35,8 +35,8 @@ def sketches():
     around = fine[np.hypot(*fine.T) > large + small]
     return [
         ("coarse grains alone", coarse_grains),
-        ("fine grains fill the pores of coarse ones", coarse_grains + filling),
-        ("a coarse grain replaces fine ones and their pores", [(0.0, 0.0, large, GRAIN)]
+        ("fine grains fill\nthe pores of coarse ones", coarse_grains + filling),
+        ("a coarse grain replaces\nfine ones and their pores", [(0.0, 0.0, large, GRAIN)]
          + [(x, y, small, FINE) for x, y in around]),
     ]  # fmt: skip
 
