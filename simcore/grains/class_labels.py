@@ -19,13 +19,18 @@ OPEN_END = re.compile(
     re.IGNORECASE,
 )
 BELOW = ("<", "<=", "≤", "-", "−", "unter", "kleiner", "below", "under", "finer than", "smaller than", "less than")
+# Names, without a unit, of a column of the lower and of one of the upper sieves of classes.
+LOWER_NAME = re.compile(r"from|von|lower|low|d?[ _]?min|untergrenze|unten|de", re.IGNORECASE)
+UPPER_NAME = re.compile(r"to|bis|upper|high|d?[ _]?max|obergrenze|oben|à", re.IGNORECASE)
 # What a spreadsheet makes of the class 2-4.
 DATE = re.compile(r"\d{4}-\d\d-\d\d.*|\d{1,2}[-. ]+[a-zä]{3,4}|[a-zä]{3,4}[-. ]+\d\d", re.IGNORECASE)
 
 
 def class_patterns():
     """Return the regular expressions that whole texts match, in any case, dict by what they recognise."""
-    return {"name": CLASS_NAME.pattern, "label": CLASS_LABEL.pattern, "end": OPEN_END.pattern, "date": DATE.pattern}
+    patterns = {"name": CLASS_NAME, "label": CLASS_LABEL, "end": OPEN_END, "date": DATE}
+    patterns |= {"lower": LOWER_NAME, "upper": UPPER_NAME}
+    return {key: pattern.pattern for key, pattern in patterns.items()}
 
 
 def look_like_classes(texts):

@@ -3,12 +3,62 @@
 import math
 from dataclasses import replace
 
-from simcore.grains.class_labels import CLASS_LABEL, CLASS_NAME, OPEN_END, class_bounds, class_text
-from simcore.grains.sieve_columns import LENGTHS, OPENING, PAN, RETAINED, column_meaning, known_unit, unit_in_name
+from simcore.grains.cell_numbers import NUMBER
+from simcore.grains.class_labels import (
+    CLASS_LABEL,
+    CLASS_NAME,
+    LOWER_NAME,
+    OPEN_END,
+    UPPER_NAME,
+    class_bounds,
+    class_text,
+)
+from simcore.grains.sieve_columns import (
+    LENGTHS,
+    OPENING,
+    PAN,
+    RETAINED,
+    column_meaning,
+    known_unit,
+    split_unit,
+    unit_in_name,
+)
 from simcore.grains.summary_rows import find_summary_rows
 
 SAME_SIEVE = 1e-6  # relative deviation
 NEARLY = 0.01  # relative deviation of two sizes that may be meant as the same sieve, such as 3.99 and 4
+
+
+def with_joined_bounds(table):
+    """Return the TextTable with a column of the lower and one of the upper sieves as one column of classes.
+
+    The names are those of LOWER_NAME and UPPER_NAME with the same unit of length, such as `von [mm]` and `bis [mm]`. A
+    class without a lower sieve is "< 2", one without an upper sieve "> 63". Other tables are returned as they are.
+    """
+    parts = [split_unit(name) for name in table.header]
+    lower = [i for i, (name, unit) in enumerate(parts) if unit and LOWER_NAME.fullmatch(name)]
+    upper = [i for i, (name, unit) in enumerate(parts) if unit and UPPER_NAME.fullmatch(name)]
+    if len(lower) != 1 or len(upper) != 1:
+        return table
+    (low_name, unit), (high_name, other) = parts[lower[0]], parts[upper[0]]
+    if known_unit(unit) not in LENGTHS or known_unit(other) != known_unit(unit):
+        return table
+    header = [name for i, name in enumerate(table.header) if i != upper[0]]
+    cells = table.cells.copy()
+    cells[lower[0]] = [_joined(*texts) for texts in zip(cells[lower[0]], cells[upper[0]], strict=True)]
+    cells = cells.drop(columns=upper).rename(columns=lambda i: i - (i > upper[0]))
+    header[lower[0] - (lower[0] > upper[0])] = f"{low_name}-{high_name} [{unit}]"
+    return replace(table, header=header, cells=cells)
+
+
+def _joined(low, high):
+    """Return the class of two cells; a text that is no size, such as `pan` or a total, is returned as it is."""
+    for text in (low, high):
+        if text and not NUMBER.fullmatch(text):
+            return text
+    if low and high:
+        return f"{low}-{high}"
+    return f"> {low}" if low else f"< {high}" if high else ""
 
 
 def with_lower_sieves(path, table):

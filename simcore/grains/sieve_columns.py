@@ -7,7 +7,8 @@ from simcore.grains.table_file import plain_words
 
 NEEDED = (
     "give a column of sieve openings, such as `opening [mm]` or `phi`, or of classes, such as `class [mm]` with "
-    "8-11.2, and one of amounts, such as `mass [g]`, `retained [%]` or `passing [%]`"
+    "8-11.2, or the two columns `from [mm]` and `to [mm]`, and one of amounts, such as `mass [g]`, "
+    "`retained [%]` or `passing [%]`"
 )
 # Lengths in metres; phi is -log2 of the opening in mm.
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "in": 0.0254}
@@ -117,8 +118,13 @@ def column_meaning(path, name):
 
 def unit_in_name(name):
     """Return the text of the unit in the name of a column, or None."""
+    return split_unit(name)[1]
+
+
+def split_unit(name):
+    """Return the name of a column without its unit, and the text of the unit or None."""
     match = _BRACKETS.search(name) or _TRAILING.search(name)
-    return match[1] if match else None
+    return (name[: match.start()], match[1]) if match else (name, None)
 
 
 def known_unit(text):

@@ -12,7 +12,7 @@ import numpy as np
 
 from simcore.grains.cell_numbers import check_decimal_marks, read_number
 from simcore.grains.sieve import SieveCurve
-from simcore.grains.sieve_classes import NEARLY, SAME_SIEVE, retained_only, with_lower_sieves
+from simcore.grains.sieve_classes import NEARLY, SAME_SIEVE, retained_only, with_joined_bounds, with_lower_sieves
 from simcore.grains.sieve_columns import (
     CUMULATIVE,
     FRACTION,
@@ -25,8 +25,8 @@ from simcore.grains.sieve_columns import (
     recognise_sieve_columns,
 )
 from simcore.grains.sieve_openings import COMMON_FRACTION, LEAST_COARSEST, WITH_UNIT, read_openings
-from simcore.grains.sieve_sums import FEWEST_SUMS, SMALL_STEP, notices_of_sums
-from simcore.grains.summary_rows import find_summary_rows
+from simcore.grains.sieve_sums import FEWEST_SUMS, LOSS, SMALL_STEP, notices_of_sums, notices_of_total
+from simcore.grains.summary_rows import find_summary_rows, is_total
 from simcore.grains.table_file import read_table
 
 SMALL_END = 0.01  # open ends with at most this share of the mass get a bound by assumption
@@ -136,13 +136,14 @@ def read_sieve_table(path, coarsest=None):
     given = read_table(path)
     if not given.header:
         raise ValueError(f"{path}: the file is empty; {NEEDED}")
+    given = with_joined_bounds(given)
     try:
         text, classes = with_lower_sieves(path, given)
         columns = recognise_sieve_columns(path, text.header, classes)
     except ValueError as error:
         raise ValueError("; ".join([str(error), *given.notices])) from None
     columns = columns if classes is None else retained_only(path, columns)
-    cells, notices = _leave_out_totals(path, text.cells, columns, list(text.notices))
+    cells, labels, notices = _leave_out_totals(text.cells, columns, list(text.notices))
     if cells.empty:
         raise ValueError(f"{path}: there are no rows below the header; {NEEDED}")
     used = [columns.opening, *(column.position for column in columns.amounts)]
@@ -155,6 +156,11 @@ def read_sieve_table(path, coarsest=None):
         values = {row: _read_amount(f"{path}, row {row}", name, cells.loc[row, column.position], row == pan)
                   for row in cells.index}  # fmt: skip
         results.append((name, _passing(path, name, column, (rows, openings, pan), values, coarsest, notices)))
+        if column.meaning == RETAINED:
+            totals = [
+                (row, label, text.cells.loc[row, column.position]) for row, label in labels.items() if is_total(label)
+            ]
+            notices += notices_of_total(name, np.nan_to_num(list(values.values())), totals)
         if len(columns.amounts) == 1 and _is_mass_retained(column):
             listed = [row for row in rows[::-1] if row in given.cells.index]  # without the sieve above all classes
             coarse_to_fine = [values[row] for row in [*listed, *([] if pan is None else [pan])]]
@@ -193,6 +199,7 @@ def table_rules():
         "least_coarsest": LEAST_COARSEST,
         "fewest_sums": FEWEST_SUMS,
         "small_step": SMALL_STEP,
+        "loss": LOSS,
         "same_sieve": SAME_SIEVE,
         "nearly": NEARLY,
     }
@@ -222,12 +229,13 @@ def _is_mass_retained(column):
     return column.meaning == RETAINED and column.unit not in (PERCENT, FRACTION)
 
 
-def _leave_out_totals(path, cells, columns, notices):
+def _leave_out_totals(cells, columns, notices):
+    """Return the cells without the rows that summarise others, the labels of these rows, and the notices."""
     labels = find_summary_rows(cells[[columns.opening]])
     if labels:
         rows = ", ".join(f"row {row} ({label})" for row, label in labels.items())
         notices.append(f"{rows} summarises others and is left out")
-    return cells.drop(index=list(labels)), notices
+    return cells.drop(index=list(labels)), labels, notices
 
 
 def _read_amount(where, name, text, of_pan):

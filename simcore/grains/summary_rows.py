@@ -11,6 +11,7 @@ _STRONG = (
 )
 # These may also be names of grains or places, so they count only next to another label.
 _WEAK = r"sd|se|sem|cv|var|n|count|counts|number|anzahl|range|mode|q[1-4]|[dp]\d{1,2}|\d{1,2}(?:[.,]\d+)?\s?%"
+_TOTAL = "sums?|summe|somme|totals?|gesamt|insgesamt"
 _BEFORE = r"(?:(?:grand|overall|arithmetic|geometric|harmonic|weighted|sample|population|arithm\.?)[\s_]+)?"
 _AFTER = (
     r"(?:\s*[.:=])?(?:[\s_]*[(\[].*[)\]])?(?:[\s_]+(?:values?|wert|of\b.*|all|all grains|grains|dev\.?))?(?:\s*[.:=])?"
@@ -36,9 +37,17 @@ def find_summary_rows(cells):
     return dict(sorted(labels.items()))
 
 
+def is_total(label):
+    """Return whether the label of a row that summarises others is that of their sum."""
+    return _is_label(_TOTAL, label)
+
+
 def label_patterns():
-    """Return the regular expressions of labels, dict of "strong" and "weak"; a whole text must match, in any case."""
-    return {"strong": _pattern(_STRONG), "weak": _pattern(_WEAK)}
+    """Return the regular expressions of labels, dict; a whole text must match, in any case.
+
+    strong: labels. weak: labels only next to another one. total: those of the sum of the other rows.
+    """
+    return {"strong": _pattern(_STRONG), "weak": _pattern(_WEAK), "total": _pattern(_TOTAL)}
 
 
 def _beside(words, i):

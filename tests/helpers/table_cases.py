@@ -28,6 +28,15 @@ class Case(NamedTuple):
 
 SIEVES = [
     Case(
+        "opening [mm];mass [g]\n16;0\n8;410,5\n4;300\npan;10\nSumme;900\n",
+        notice="row 6 (Summe): mass [g] is 900, but the other rows sum to 720.5; add a sieve or class that is missing, "
+        "or correct the row that is wrong",
+    ),
+    Case(
+        "min [mm],max [mm],mass [g]\n16,8,100\n8,4,300\n",
+        error="row 2: min-max [mm] is '16-8'; give the smaller size first",
+    ),
+    Case(
         "opening [mm];mass [g]\n16;0\n11,2;1.410\n8;1.930\n4;300\npan;10\n",
         error="row 3: mass [g] is '1.410', but this table writes decimals with a comma (11,2); write numbers without "
         "separators of thousands",
@@ -177,7 +186,8 @@ SIEVES = [
         "Kornklasse [mm];Bemerkung\n8-16;nass\n",
         error="none of the columns (Kornklasse [mm], Bemerkung) has amounts; give a "
         "column of sieve openings, such as `opening [mm]` or `phi`, or of classes, such as `class [mm]` with 8-11.2, "
-        "and one of amounts, such as `mass [g]`, `retained [%]` or `passing [%]`",
+        "or the two columns `from [mm]` and `to [mm]`, and one of amounts, such as `mass [g]`, "
+        "`retained [%]` or `passing [%]`",
     ),
     Case(
         "opening [mm];mass [g]\n16;0\n8;1 250\n4;20\n",
@@ -215,6 +225,14 @@ SAME_SIEVES = [
     (
         "Fraction [mm];Auswaage [g];Durchgang [%]\n63+;20\n31.5—63;180;98\n8…31.5;600;80\n-8;200;20\n",
         "ouverture [mm];masse [g]\n63;20\n31.5;180\n8;600\npan;200\n",
+    ),
+    (
+        "Probe;bis [mm];von [mm];Masse [g]\na;2;;10,5\na;4;2;300\na;8;4;1930\na;;8;70\na;;Summe;2310,5\n",
+        "opening [mm];mass [g]\n8;70\n4;1930\n2;300\npan;10,5\n",
+    ),
+    (
+        "from (cm),to (cm),retained [%]\n0.8,1.6,60\n0.4,0.8,39.5\n0.2,0.4,0.5\n",
+        "opening [mm],retained [%]\n16,0\n8,60\n4,39.5\n2,0.5\n",
     ),
     (
         "size [µm];mass [g]\n500-1000;20\n1000-2000;30\n",

@@ -4,9 +4,9 @@ const SieveClasses = (() => {
   const { OPENING, PHI, RETAINED } = SieveColumns;
   const rules = DATA.curve.reading;
   const whole = (pattern) => new RegExp(`^(?:${pattern})$`, "iu");
-  const [CLASS_NAME, CLASS_LABEL, OPEN_END, DATE] = ["name", "label", "end", "date"].map((key) => {
-    return whole(DATA.curve.classes[key]);
-  });
+  const [CLASS_NAME, CLASS_LABEL, OPEN_END, DATE, LOWER_NAME, UPPER_NAME] = [
+    "name", "label", "end", "date", "lower", "upper",
+  ].map((key) => whole(DATA.curve.classes[key]));
   const PAN = whole(rules.patterns.pan);
 
   // Returns {low, high}, from 0 or to Infinity at an open end. where: file and row, for messages. unitOfColumn: that in the
@@ -53,6 +53,31 @@ const SieveClasses = (() => {
   function written({ low, high }) {
     if (low === 0) return `below ${general(high)} mm`;
     return high < Infinity ? `${general(low)} to ${general(high)} mm` : `above ${general(low)} mm`;
+  }
+
+  // Returns the table with a column of the lower and one of the upper sieves, such as `von [mm]` and `bis [mm]`, as one
+  // column of classes; other tables as they are.
+  function withJoinedBounds(table) {
+    const parts = table.header.map(SieveColumns.splitUnit);
+    const [lower, upper] = [LOWER_NAME, UPPER_NAME].map((pattern) => {
+      return parts.flatMap(([title, unit], i) => (unit && pattern.test(title) ? [i] : []));
+    });
+    if (lower.length !== 1 || upper.length !== 1) return table;
+    const [[lowTitle, unit], [highTitle, other]] = [parts[lower[0]], parts[upper[0]]];
+    const known = SieveColumns.knownUnit(unit);
+    if (!SieveColumns.isLength(known) || SieveColumns.knownUnit(other) !== known) return table;
+    const put = (texts, text) => texts.map((old, i) => (i === lower[0] ? text : old)).filter((_, i) => i !== upper[0]);
+    const rows = table.rows.map((row) => ({ ...row, cells: put(row.cells, joined(row.cells[lower[0]], row.cells[upper[0]])) }));
+    return { ...table, header: put(table.header, `${lowTitle}-${highTitle} [${unit}]`), rows };
+  }
+
+  // Returns the class of two cells; a text that is no size, such as `pan` or a total, is returned as it is.
+  function joined(low, high) {
+    const text = [low, high].find((cell) => cell && !Numbers.NUMBER.test(cell));
+    if (text) return text;
+    if (low && high) return `${low}-${high}`;
+    if (low) return `> ${low}`;
+    return high ? `< ${high}` : "";
   }
 
   // Returns [table, position of the column of classes or null], with each class replaced by the sieve that retains it,
@@ -136,5 +161,5 @@ const SieveClasses = (() => {
     });
   }
 
-  return { CLASS_NAME, CLASS_LABEL, boundsOf, written, withLowerSieves, retainedOnly };
+  return { CLASS_NAME, CLASS_LABEL, boundsOf, written, withJoinedBounds, withLowerSieves, retainedOnly };
 })();

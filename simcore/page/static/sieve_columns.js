@@ -42,7 +42,13 @@ const SieveColumns = (() => {
     return { opening: openings[0].position, unit: openings[0].unit, amounts };
   }
 
-  const unitInName = (title) => (BRACKETS.exec(title) ?? TRAILING.exec(title))?.[1];
+  // Returns the title without its unit, and the text of the unit or undefined.
+  function splitUnit(title) {
+    const match = BRACKETS.exec(title) ?? TRAILING.exec(title);
+    return match ? [title.slice(0, match.index), match[1]] : [title, undefined];
+  }
+
+  const unitInName = (title) => splitUnit(title)[1];
 
   // Returns a unit in one spelling, or null if it is unknown.
   function knownUnit(text) {
@@ -105,6 +111,6 @@ const SieveColumns = (() => {
 
   return {
     PHI, PERCENT, FRACTION, OPENING, RETAINED, PASSING, CUMULATIVE, OPENING_UNITS,
-    isLength, isMass, knownUnit, meaningOf, recognise, unitInName,
+    isLength, isMass, knownUnit, meaningOf, recognise, splitUnit, unitInName,
   };
 })();

@@ -11,13 +11,14 @@ const SieveTable = (() => {
   // Returns {openings, passing, notices}: ascending openings [mm] and the share of the mass that passes each. coarsest:
   // size of the coarsest grains [mm] or null.
   function read(name, text, coarsest = null, notes = []) {
-    const given = Table.read(name, text, [...notes]);
-    if (!given.header.length) throw new InputError(`${name}: the file is empty; ${rules.needed}`);
+    const file = Table.read(name, text, [...notes]);
+    if (!file.header.length) throw new InputError(`${name}: the file is empty; ${rules.needed}`);
+    const given = SieveClasses.withJoinedBounds(file);
     const [table, classes] = SieveClasses.withLowerSieves(name, given);
     const recognised = SieveColumns.recognise(name, table.header, classes);
     const columns = classes === null ? recognised : SieveClasses.retainedOnly(name, recognised);
     const notices = [...table.notices];
-    const rows = leaveOutTotals(table.rows, columns, notices);
+    const [rows, labels] = leaveOutTotals(table.rows, columns, notices);
     if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${rules.needed}`);
     const used = [columns.opening, ...columns.amounts.map(({ position }) => position)];
     const kept = new Set(rows.map(({ row }) => row));
@@ -33,6 +34,10 @@ const SieveTable = (() => {
         })
       );
       const passing = passingOf({ name, title, column, sieves, values, coarsest, notices });
+      if (column.meaning === RETAINED) {
+        const total = sum([...values.values()].map((value) => value || 0));
+        notices.push(...noticesOfTotal(title, total, labels, (i) => table.rows[i], column.position));
+      }
       if (columns.amounts.length === 1 && isMassRetained(column)) {
         const listed = sieves.rows.filter((row) => row !== table.added).reverse(); // without the sieve above all classes
         const fromCoarsest = listed.concat(sieves.pan ?? []);
@@ -87,13 +92,32 @@ const SieveTable = (() => {
     return [];
   }
 
+  // Returns a notice for each row of a total that differs from the sum of the amounts. labels: [index, label] of rows.
+  function noticesOfTotal(title, total, labels, rowAt, position) {
+    return labels.filter(([, label]) => Summaries.isTotal(label)).flatMap(([i, label]) => {
+      const { row, cells } = rowAt(i);
+      let given = 0;
+      try {
+        given = Numbers.read(`row ${row}`, title, cells[position].replace(/[% ]+$/, ""));
+      } catch {
+        return [];
+      }
+      if (!(given > 0 && Math.abs(total / given - 1) > rules.loss)) return [];
+      return [
+        `row ${row} (${label}): ${title} is ${general(given)}, but the other rows sum to ${general(total)}; add a sieve ` +
+          "or class that is missing, or correct the row that is wrong",
+      ];
+    });
+  }
+
+  // Returns the rows without those that summarise others, and the [index, label] of these.
   function leaveOutTotals(rows, columns, notices) {
     const found = Summaries.find(rows, [columns.opening]);
-    if (!found.length) return rows;
+    if (!found.length) return [rows, found];
     const listed = found.map(([i, label]) => `row ${rows[i].row} (${label})`).join(", ");
     notices.push(`${listed} summarises others and is left out`);
     const places = new Set(found.map(([i]) => i));
-    return rows.filter((_, i) => !places.has(i));
+    return [rows.filter((_, i) => !places.has(i)), found];
   }
 
   // Returns the amount in a cell; NaN if it is the empty cell of a pan.

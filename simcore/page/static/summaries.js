@@ -3,6 +3,7 @@ const Summaries = (() => {
   const { labels } = DATA.reading;
   const STRONG = new RegExp(`^(?:${labels.strong})$`, "iu");
   const WEAK = new RegExp(`^(?:${labels.weak})$`, "iu");
+  const TOTAL = new RegExp(`^(?:${labels.total})$`, "iu");
 
   // rows: of a table. positions: of the columns that may contain labels. Returns [index, label] pairs, in order.
   function find(rows, positions) {
@@ -22,5 +23,5 @@ const Summaries = (() => {
     return [...found].sort(([a], [b]) => a - b);
   }
 
-  return { find };
+  return { find, isTotal: (label) => TOTAL.test(label) };
 })();
