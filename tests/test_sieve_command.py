@@ -8,6 +8,7 @@ import yaml
 from simcore.__main__ import main
 from simcore.grains.measured_forms import Sample
 from simcore.packing.forecast_text import check_setup, setup_warnings
+from simcore.paths import CONFIG
 
 CURVE = "opening [mm];mass [g]\n11,2;0\n8;1120\n5,6;760\n4;420\npan;10\n"
 
@@ -93,3 +94,16 @@ def test_wrong_input_ends_with_one_line_and_leaves_no_file(folder, capsys):
         assert printed.err.startswith("scree sieve: ") and message in printed.err
         assert printed.err.count("\n") == 1 and printed.out == ""
     assert [path.name for path in folder.iterdir()] == ["field.csv"]
+
+
+def test_a_packing_is_made_as_the_beds_of_the_model_of_size_and_form(folder):
+    from simcore.grains.sieve import SieveCurve
+    from simcore.packing.sieve_specification import sieve_specification
+
+    text, _ = sieve_specification(SieveCurve([4e-3, 5.6e-3, 8e-3], [0.5, 0.5]), folder / "my curve.csv")
+    written, beds = yaml.safe_load(text), yaml.safe_load((CONFIG / "size_and_form.yaml").read_text())
+    fixed = beds["studies"]["size_and_form"]["fixes"]
+    for key in ("accuracy", "faces", "generation", "shaking"):
+        assert written[key] == fixed[key]
+    assert written["sizes"]["draw"] == fixed["sizes"]["draw"]
+    assert written["domain"]["height"] == fixed["domain"]["height"]

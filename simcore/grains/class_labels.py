@@ -22,6 +22,8 @@ BELOW = ("<", "<=", "≤", "-", "−", "unter", "kleiner", "below", "under", "fi
 # Names, without a unit, of a column of the lower and of one of the upper sieves of classes.
 LOWER_NAME = re.compile(r"from|von|lower|low|d?[ _]?min|untergrenze|unten|de", re.IGNORECASE)
 UPPER_NAME = re.compile(r"to|bis|upper|high|d?[ _]?max|obergrenze|oben|à", re.IGNORECASE)
+SIZE = re.compile(r"[\d.,]+\s*[a-zµμ]*", re.IGNORECASE)
+NO_SIZE = re.compile(r"[-–—−]?|inf(?:inity)?|∞", re.IGNORECASE)  # of a class that is open at this end
 # What a spreadsheet makes of the class 2-4.
 DATE = re.compile(r"\d{4}-\d\d-\d\d.*|\d{1,2}[-. ]+[a-zä]{3,4}|[a-zä]{3,4}[-. ]+\d\d", re.IGNORECASE)
 
@@ -29,7 +31,7 @@ DATE = re.compile(r"\d{4}-\d\d-\d\d.*|\d{1,2}[-. ]+[a-zä]{3,4}|[a-zä]{3,4}[-. 
 def class_patterns():
     """Return the regular expressions that whole texts match, in any case, dict by what they recognise."""
     patterns = {"name": CLASS_NAME, "label": CLASS_LABEL, "end": OPEN_END, "date": DATE}
-    patterns |= {"lower": LOWER_NAME, "upper": UPPER_NAME}
+    patterns |= {"lower": LOWER_NAME, "upper": UPPER_NAME, "size": SIZE, "no_size": NO_SIZE}
     return {key: pattern.pattern for key, pattern in patterns.items()}
 
 

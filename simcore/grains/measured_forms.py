@@ -23,7 +23,7 @@ import numpy as np
 from simcore.grains.cell_numbers import NUMBER, check_decimal_marks, read_number
 from simcore.grains.class_labels import CLASS_NAME, look_like_classes
 from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, has_two_axes, may_number_rows, recognise_columns
-from simcore.grains.statistics import equancy_statistics, sampling_covariance
+from simcore.grains.statistics import equancy_statistics, few_grains_covariance
 from simcore.grains.summary_rows import find_summary_rows
 from simcore.grains.table_file import advice_on_fields, read_table
 
@@ -33,6 +33,7 @@ LONGEST = 100.0  # maximum L/S, that of FL = EL = 0.1, the minimum in Rettinger 
 SLIP = 0.1  # maximum of S/I and I/L that is noticed, that of equal axes if the decimal mark of one slips
 MAX_GRAINS = 1e12  # maximum of a count in one row
 ALIKE = 1e-9  # relative deviation; measured grains differ by more, copies of one row only by rounding
+FEWEST_FOR_ERRORS = 5  # grains, from which the errors of their statistics are known: of fewer, intervals are too narrow
 SHOWN = 5  # maximum number of values that a notice lists
 # 1,234 may mean 1234 or 1.234.
 _AMBIGUOUS = re.compile(r"[1-9]\d{0,2}[.,]\d{3}")
@@ -44,8 +45,8 @@ class Sample:
 
     grains: number of grains measured; 0 if the table has only statistics; the number of rows with a positive weight if
     the weights are not counts. If the table has only statistics, those of EQ assume that FL and EL are independent, as
-    in Rettinger et al. (2022). covariance: that of simcore.grains.statistics.sampling_covariance as tuples; None if the
-    number of grains is unknown, or if all have one form.
+    in Rettinger et al. (2022). covariance: that of simcore.grains.statistics.few_grains_covariance as tuples; None if
+    the number of grains is unknown or below FEWEST_FOR_ERRORS, or if all have one form.
     """
 
     name: str
@@ -344,9 +345,9 @@ def _from_grains(path, name, entries, check, counts):
         # ALIKE it is rounding.
         statistics |= {f"mu_{feature}": float(mean), f"sigma_{feature}": float(std if std > ALIKE * mean else 0.0)}
     sample = Sample(name=name, grains=grains, **statistics)
-    if sample.one_form or not (counts is None or counts.whole):
+    if sample.one_form or grains < FEWEST_FOR_ERRORS or not (counts is None or counts.whole):
         return sample
-    covariance = sampling_covariance(FL * EL, EL, weights)
+    covariance = few_grains_covariance(FL * EL, EL, weights)
     return replace(sample, covariance=tuple(map(tuple, covariance.tolist())))
 
 

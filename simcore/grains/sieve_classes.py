@@ -3,12 +3,14 @@
 import math
 from dataclasses import replace
 
-from simcore.grains.cell_numbers import NUMBER
+from simcore.grains.cell_numbers import check_decimal_marks
 from simcore.grains.class_labels import (
     CLASS_LABEL,
     CLASS_NAME,
     LOWER_NAME,
+    NO_SIZE,
     OPEN_END,
+    SIZE,
     UPPER_NAME,
     class_bounds,
     class_text,
@@ -29,11 +31,12 @@ SAME_SIEVE = 1e-6  # relative deviation
 NEARLY = 0.01  # relative deviation of two sizes that may be meant as the same sieve, such as 3.99 and 4
 
 
-def with_joined_bounds(table):
+def with_joined_bounds(path, table):
     """Return the TextTable with a column of the lower and one of the upper sieves as one column of classes.
 
     The names are those of LOWER_NAME and UPPER_NAME with the same unit of length, such as `von [mm]` and `bis [mm]`. A
-    class without a lower sieve is "< 2", one without an upper sieve "> 63". Other tables are returned as they are.
+    class without a lower sieve is "< 2", one without an upper sieve "> 63". Other tables are returned as they are, also
+    if a third column has the classes or the openings. ValueError if a size has a separator of thousands.
     """
     parts = [split_unit(name) for name in table.header]
     lower = [i for i, (name, unit) in enumerate(parts) if unit and LOWER_NAME.fullmatch(name)]
@@ -43,18 +46,32 @@ def with_joined_bounds(table):
     (low_name, unit), (high_name, other) = parts[lower[0]], parts[upper[0]]
     if known_unit(unit) not in LENGTHS or known_unit(other) != known_unit(unit):
         return table
+    used = {i: table.header[i] for i in (*lower, *upper)}
+    if any(_has_sizes(path, table, i) for i in table.cells if i not in used):
+        return table
+    check_decimal_marks(path, used, table.cells)
     header = [name for i, name in enumerate(table.header) if i != upper[0]]
     cells = table.cells.copy()
     cells[lower[0]] = [_joined(*texts) for texts in zip(cells[lower[0]], cells[upper[0]], strict=True)]
     cells = cells.drop(columns=upper).rename(columns=lambda i: i - (i > upper[0]))
-    header[lower[0] - (lower[0] > upper[0])] = f"{low_name}-{high_name} [{unit}]"
+    header[lower[0] - (lower[0] > upper[0])] = f"{low_name} and {high_name} [{unit}]"
     return replace(table, header=header, cells=cells)
+
+
+def _has_sizes(path, table, position):
+    """Return whether a column has the openings of the sieves, or classes."""
+    name = table.header[position]
+    named = CLASS_NAME.fullmatch(name)
+    unit = named[1] if named else unit_in_name(name)
+    is_class = any(_is_class(label, unit, named) for label in table.cells[position])
+    return bool(named) or is_class or column_meaning(path, name)[0] == OPENING
 
 
 def _joined(low, high):
     """Return the class of two cells; a text that is no size, such as `pan` or a total, is returned as it is."""
+    low, high = ("" if NO_SIZE.fullmatch(text) else text for text in (low, high))
     for text in (low, high):
-        if text and not NUMBER.fullmatch(text):
+        if text and not SIZE.fullmatch(text):
             return text
     if low and high:
         return f"{low}-{high}"

@@ -1,5 +1,7 @@
 """Recognises masses in a table of sieves that look like sums over sieves, and compares them with their total."""
 
+import re
+
 import numpy as np
 
 from simcore.grains.cell_numbers import read_number
@@ -32,20 +34,27 @@ def notices_of_sums(name, unit, masses, has_pan):
 
 
 def notices_of_total(name, amounts, totals):
-    """Return a notice for each row of a total that differs from the sum of the amounts by more than LOSS.
+    """Return a notice if the sum of the amounts differs from all given totals by more than LOSS.
 
-    amounts (n,): of the sieves and the pan. totals: (row, label, text of the amount) of each row with their total. A
-    text that is no number is left out.
+    amounts (n,): of the sieves and the pan. totals: (row, label, text of the amount) of each row with a total. A text
+    that is no number is left out. A separator of thousands is allowed here, because a total is often the only large
+    number of a table.
     """
-    notices, total = [], float(np.sum(amounts))
+    total, differing = float(np.sum(amounts)), []
     for row, label, text in totals:
-        try:
-            given = read_number(f"row {row}", name, text.rstrip("% "))
-        except ValueError:
-            continue
-        if given > 0 and abs(total / given - 1) > LOSS:
-            notices.append(
-                f"row {row} ({label}): {name} is {given:g}, but the other rows sum to {total:g}; add a sieve or class "
-                "that is missing, or correct the row that is wrong"
-            )
-    return notices
+        readings = []
+        for plain in (text.rstrip("% "), re.sub(r"[.,' \u00a0\u202f\u2019]", "", text.rstrip("% "))):
+            try:
+                readings.append(read_number(f"row {row}", name, plain))
+            except ValueError:
+                continue
+        readings = [value for value in readings if value > 0]
+        if any(abs(total / value - 1) <= LOSS for value in readings):
+            return []
+        if readings:
+            differing.append((row, label, text))
+    return [
+        f"row {row} ({label}): {name} is {text}, but the other rows sum to {total:.10g}; if a sieve or class is "
+        "missing, add it, or else correct the row that is wrong"
+        for row, label, text in differing[:1]
+    ]

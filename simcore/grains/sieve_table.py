@@ -136,8 +136,8 @@ def read_sieve_table(path, coarsest=None):
     given = read_table(path)
     if not given.header:
         raise ValueError(f"{path}: the file is empty; {NEEDED}")
-    given = with_joined_bounds(given)
     try:
+        given = with_joined_bounds(path, given)
         text, classes = with_lower_sieves(path, given)
         columns = recognise_sieve_columns(path, text.header, classes)
     except ValueError as error:
@@ -234,7 +234,8 @@ def _leave_out_totals(cells, columns, notices):
     labels = find_summary_rows(cells[[columns.opening]])
     if labels:
         rows = ", ".join(f"row {row} ({label})" for row, label in labels.items())
-        notices.append(f"{rows} summarises others and is left out")
+        verb = "summarise others and are" if len(labels) > 1 else "summarises others and is"
+        notices.append(f"{rows} {verb} left out")
     return cells.drop(index=list(labels)), labels, notices
 
 

@@ -47,12 +47,13 @@ def equancy_statistics(mu_FL, sigma_FL, mu_EL, sigma_EL):
     return mu_EQ, np.sqrt(np.maximum(variance, 0.0))
 
 
-def sampling_covariance(EQ, EL, counts=None):
+def few_grains_covariance(EQ, EL, counts=None):
     """Return the covariance (4, 4) of the errors of STATISTICS that follow from the limited number of grains.
 
     EQ, EL (n,): of the measured grains, which are taken as drawn independently from all grains. counts (n,): number of
-    grains of each row; None: one. To first order in the deviation d of a grain from the mean, it changes mu by d/N and
-    sigma by (d² - sigma²)/(2 sigma N) of N grains. The result is nan for one grain.
+    grains of each row; None: one. To first order in its deviation d from the mean, a grain changes mu of N grains by
+    d/N and their sigma by (d² - sigma²)/(2 sigma N). The sum of the products of these changes is multiplied by
+    N/(N - 1), because the deviations are from the mean of the same grains. The result is nan for one grain.
     """
     counts = np.ones(len(EQ)) if counts is None else np.asarray(counts, float)
     number = counts.sum()

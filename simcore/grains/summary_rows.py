@@ -11,11 +11,12 @@ _STRONG = (
 )
 # These may also be names of grains or places, so they count only next to another label.
 _WEAK = r"sd|se|sem|cv|var|n|count|counts|number|anzahl|range|mode|q[1-4]|[dp]\d{1,2}|\d{1,2}(?:[.,]\d+)?\s?%"
-_TOTAL = "sums?|summe|somme|totals?|gesamt|insgesamt"
 _BEFORE = r"(?:(?:grand|overall|arithmetic|geometric|harmonic|weighted|sample|population|arithm\.?)[\s_]+)?"
 _AFTER = (
     r"(?:\s*[.:=])?(?:[\s_]*[(\[].*[)\]])?(?:[\s_]+(?:values?|wert|of\b.*|all|all grains|grains|dev\.?))?(?:\s*[.:=])?"
 )
+
+_ALL = r"(?:grand[\s_]+)?(?:sums?|summe|somme|totals?|gesamt|insgesamt)(?:\s*[.:=])?(?:\s*[(\[].*[)\]])?"
 
 
 def find_summary_rows(cells):
@@ -38,8 +39,8 @@ def find_summary_rows(cells):
 
 
 def is_total(label):
-    """Return whether the label of a row that summarises others is that of their sum."""
-    return _is_label(_TOTAL, label)
+    """Return whether the label of a row that summarises others is that of the sum of all of them."""
+    return re.fullmatch(_ALL, label, re.IGNORECASE) is not None
 
 
 def label_patterns():
@@ -47,7 +48,7 @@ def label_patterns():
 
     strong: labels. weak: labels only next to another one. total: those of the sum of the other rows.
     """
-    return {"strong": _pattern(_STRONG), "weak": _pattern(_WEAK), "total": _pattern(_TOTAL)}
+    return {"strong": _pattern(_STRONG), "weak": _pattern(_WEAK), "total": _ALL}
 
 
 def _beside(words, i):

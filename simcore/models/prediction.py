@@ -10,9 +10,10 @@ import numpy as np
 import pandas as pd
 
 from simcore.grains.statistics import STATISTICS, equancy_statistics
+from simcore.models.few_grains import few_grains_errors, few_grains_half
 from simcore.models.fitted_range import FAR, RangedValue
 from simcore.models.measured_file import MEASURED
-from simcore.models.unified import feature_arrays, unified_features
+from simcore.models.unified import feature_table, unified_features
 from simcore.paths import R22_TABLES
 from simcore.reference.r22_tables import read_r22_table
 
@@ -26,8 +27,7 @@ R22_MIXTURES = {"mu": (0.4, 0.8), "sigma": (0.1, 0.2)}
 NEARLY_ONE_FORM = 0.5
 # A porosity closer to 0 or 1 than this would be printed as 0 or 1.
 SMALLEST_PRINTED = 5e-4
-PREDICTION = ["by", "model", "preferred", "n", "lower", "upper", "sampling_error", "outside", "distance", "refused"]
-RELATIVE_STEP = 1e-4  # of a statistic, for the derivatives of a model
+PREDICTION = ["by", "model", "preferred", "n", "lower", "upper", "few_grains_error", "outside", "distance", "refused"]
 
 
 def model_case(case):
@@ -45,8 +45,8 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
 
     Columns: the fields of Sample but the covariance, taken_as ("one form" or "a distribution"), and those of
     PREDICTION: by ("ours", or "r22" for Rettinger et al.), model, preferred (the recommended one of our models), n,
-    lower, upper (nan for Rettinger et al., who publish no covariance), sampling_error (the standard error of n that
-    follows from the limited number of measured grains, which the interval contains; nan if their number is unknown),
+    lower, upper (nan for Rettinger et al., who publish no covariance), few_grains_error (the standard error of n that
+    follows from the limited number of measured grains, which the interval contains; nan if it is unknown),
     outside (description, empty if the sample is inside the fitted range), distance (from the range, in its widths) and
     refused. If a model is not evaluated for a sample, because the sample is too far outside or the formula or the
     interval leaves (0, 1), then n, lower and upper are nan and `refused` gives the reason; `refused` is empty
@@ -115,7 +115,7 @@ def _preferred_row(rows, case):
         if row["preferred"]:
             return row
     reasons = "; ".join(row["refused"] for row in rows) or f"no model was fitted to such grains in beds of {case}"
-    return dict.fromkeys(("n", "lower", "upper", "sampling_error"), np.nan) | {"outside": "", "refused": reasons}
+    return dict.fromkeys(("n", "lower", "upper", "few_grains_error"), np.nan) | {"outside": "", "refused": reasons}
 
 
 def published_models(case, r22_tables=R22_TABLES):
@@ -156,13 +156,7 @@ def describe_model(by, name):
 
 def sample_features(samples):
     """Return all features of the models, a table with one row per Sample; 1/sigma is infinite for one form."""
-    return _features({name: [getattr(sample, name) for sample in samples] for name in STATISTICS})
-
-
-def _features(statistics):
-    features = feature_arrays(statistics)
-    # One table from arrays, since tables of one row are computed for many curves.
-    return pd.DataFrame(features | {"EQ_inv": features["mu_EQ_inv"], "EL_inv": features["mu_EL_inv"]})
+    return feature_table({name: [getattr(sample, name) for sample in samples] for name in STATISTICS})
 
 
 def kind_of_bed(sample):
@@ -179,39 +173,13 @@ def _predict_ours(samples, features, case, fitted, level):
         if model is not None:
             only = fitted.only_kind.get((name, case), kind)
             remark = "" if only == kind else f"it was fitted only to beds with {only}"
-            errors = sampling_errors(model, samples)
-            *numbers, outside = model.predict_interval_and_outside(features, level, np.nan_to_num(errors) ** 2)
+            errors = few_grains_errors(model, samples)
+            further = few_grains_half(samples, errors, level)
+            *numbers, outside = model.predict_interval_and_outside(features, level, further)
             values = zip(tables, *(column.tolist() for column in (*numbers, errors)), outside, strict=True)
             for rows, n, lower, upper, error, beyond in values:
                 rows.append(_row("ours", name, n, lower, upper, beyond, error, digits=4, remark=remark))
     return tables
-
-
-def sampling_errors(model, samples):
-    """Return the standard errors (n,) of the porosity that follow from the limited number of grains of n Samples.
-
-    model: PorosityModel. To first order, with the covariance of each Sample; 0 for one form, nan without covariance.
-    """
-    errors = np.array([0.0 if sample.one_form else np.nan for sample in samples])
-    known = [index for index, sample in enumerate(samples) if sample.covariance is not None]
-    if not known:
-        return errors
-    values = np.array([[getattr(samples[index], name) for name in STATISTICS] for index in known])
-    changes = np.empty(values.shape)
-    for column in range(len(STATISTICS)):
-        ends = []
-        for sign in (1.0, -1.0):
-            moved = values.copy()
-            moved[:, column] *= 1.0 + sign * RELATIVE_STEP
-            features = _features(dict(zip(STATISTICS, moved.T, strict=True)))
-            ends.append(model.predict(features))
-        with np.errstate(invalid="ignore"):  # 1/sigma may be infinite; the model is then refused
-            changes[:, column] = (ends[0] - ends[1]) / (2 * RELATIVE_STEP)
-    # If a statistic is 0, so is its change, or the model gives no porosity.
-    slopes = np.divide(changes, values, out=np.zeros(values.shape), where=values > 0)
-    covariance = np.array([samples[index].covariance for index in known])
-    errors[known] = np.sqrt(np.einsum("ni,nij,nj->n", slopes, covariance, slopes))
-    return errors
 
 
 def _prefer(sample, rows, case, fitted):
@@ -289,7 +257,7 @@ def _feature_ranges(ranges, names):
     return [(name, (features[name].min(), features[name].max())) for name in names]
 
 
-def _row(by, model, n, lower, upper, outside, sampling_error, digits, remark=""):
+def _row(by, model, n, lower, upper, outside, few_grains_error, digits, remark=""):
     """Return one row of PREDICTION; its numbers are nan if the model is refused.
 
     outside: list of RangedValue; digits: of the limits in the text.
@@ -307,8 +275,8 @@ def _row(by, model, n, lower, upper, outside, sampling_error, digits, remark="")
     elif not all(_is_porosity(value) for value in (lower, upper) if not np.isnan(value)):
         refused = "its prediction interval reaches outside (0, 1)"
     if refused:
-        n = lower = upper = sampling_error = np.nan
-    values = (by, model, False, n, lower, upper, sampling_error, "; ".join(remarks), distance, refused)
+        n = lower = upper = few_grains_error = np.nan
+    values = (by, model, False, n, lower, upper, few_grains_error, "; ".join(remarks), distance, refused)
     return dict(zip(PREDICTION, values, strict=True))
 
 

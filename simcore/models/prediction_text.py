@@ -4,12 +4,12 @@ import json
 
 import numpy as np
 
-from simcore.grains.measured_forms import read_two_axes
+from simcore.grains.measured_forms import FEWEST_FOR_ERRORS, read_two_axes
 from simcore.grains.text_columns import text_columns
 from simcore.models.fitted_range import FAR, NEAR
 from simcore.models.measured_prediction import check_level, models_for_cases, predict_measured
 from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case
-from simcore.models.two_axes import predict_two_axes, two_axes_text
+from simcore.models.two_axes import WITHOUT_FEW_GRAINS, predict_two_axes, two_axes_text
 from simcore.reference.r22_tables import read_r22_table
 
 FEW_GRAINS = 30  # fewer grains do not determine the spread of form well
@@ -135,28 +135,26 @@ def few_grains_caveats(names, grains) -> list[str]:
     return [f"Fewer than {FEW_GRAINS} grains do not determine the spread of form well: {', '.join(map(str, few))}."]
 
 
-def sampling_caveats(names, grains, of_one_form, errors, what) -> list[str]:
+def few_grains_error_caveats(names, of_one_form, errors, what) -> list[str]:
     """Return the lines on the error of samples that follows from the limited number of measured grains.
 
-    names, grains, of_one_form (n,): name and number of grains of each sample (0: only its statistics are given), and
-    whether its grains have one form. errors (n,): standard errors of `what`, such as "the porosity"; nan if the number
-    of grains is unknown.
+    names, of_one_form (n,): name of each sample, and whether its grains have one form. errors (n,): standard errors of
+    `what`, such as "the porosity"; nan if they are unknown.
     """
-    errors, differ = np.asarray(errors, float), (np.asarray(grains) > 0) & ~np.asarray(of_one_form, bool)
+    errors, differ = np.asarray(errors, float), ~np.asarray(of_one_form, bool)
     known, unknown = differ & np.isfinite(errors), differ & ~np.isfinite(errors)
     lines = []
     if known.any():
         least, largest = (f"{value:.3f}" for value in (errors[known].min(), errors[known].max()))
         size = largest if least == largest else f"{least} to {largest}"
+        size = "less than 0.001" if largest == "0.000" else size
         lines.append(
-            f"If other grains of the same gravel were measured, {what} would change by {size} (standard error); the "
-            "intervals contain this."
+            f"Because only some grains were measured, {what} has a standard error of {size}, which the intervals "
+            "contain."
         )
     if unknown.any():
-        lines.append(
-            "The intervals do not contain the error of measuring few grains, because the number of grains is unknown: "
-            f"{', '.join(dict.fromkeys(map(str, np.asarray(names)[unknown])))}."
-        )
+        of = "" if not known.any() else f" of {', '.join(dict.fromkeys(map(str, np.asarray(names)[unknown])))}"
+        lines.append(f"{WITHOUT_FEW_GRAINS}{of}; it is known if each of at least {FEWEST_FOR_ERRORS} grains has a row.")
     return lines
 
 
@@ -164,13 +162,12 @@ def _caveats(table, level):
     lines = []
     if (table.grains == 0).any():
         lines.append(
-            "If only means and deviations are given, FL and EL are assumed independent, as by Rettinger et al., and "
-            "the intervals do not contain the error of measuring few grains."
+            "If only means and deviations are given, FL and EL are assumed independent, as by Rettinger et al."
         )
     lines += few_grains_caveats(table.name, table.grains)
     ours = table[table.preferred]
     one_form = ours.taken_as == "one form"
-    lines += sampling_caveats(ours.name, ours.grains, one_form, ours.sampling_error, "the porosity")
+    lines += few_grains_error_caveats(ours.name, one_form, ours.few_grains_error, "the porosity")
     lines.append(
         "The interval contains the porosity of a new sample, poured and shaken in the same way, with "
         f"{100 * level:g} % probability; Rettinger et al. publish no interval."

@@ -180,17 +180,20 @@ class PorosityModel:
         """
         return self._interval(self.design(features), level)
 
-    def predict_interval_and_outside(self, features, level=0.95, more_variance=0.0):
+    def predict_interval_and_outside(self, features, level=0.95, further=0.0):
         """Return what predict_interval and `outside` return: (porosity, lower, upper, outside).
 
-        more_variance: of another error of the porosity, a number or (n,), for which the interval is wider.
+        further: half width of the interval of an independent error, a number or (n,); its square is added to that of
+        the model's half width.
         """
         design = self.design(features)
-        return *self._interval(design, level, more_variance), self._outside(design)
+        n, lower, upper = self._interval(design, level)
+        half = np.hypot(0.5 * (upper - lower), further)
+        return n, n - half, n + half, self._outside(design)
 
-    def _interval(self, design, level, more_variance=0.0):
+    def _interval(self, design, level):
         porosity = design @ np.array(self.coefficients)
-        variance = more_variance + self.scatter**2 + np.einsum("ni,ij,nj->n", design, np.array(self.covariance), design)
+        variance = self.scatter**2 + np.einsum("ni,ij,nj->n", design, np.array(self.covariance), design)
         freedom = self.degrees_of_freedom or self.n_samples - len(self.coefficients)
         half = student_quantile(level, freedom) * np.sqrt(variance)
         half = half * widening(self._distances(design).max(axis=1, initial=0.0))

@@ -18,6 +18,7 @@ from simcore.models.prediction import model_case, predict_samples
 from simcore.paths import R22_TABLES
 from simcore.reference.r22_tables import read_r22_table
 
+WITHOUT_FEW_GRAINS = "The intervals do not contain the error of measuring few grains"
 RANGE = ["sample", "grains", "mu_EL", "sigma_EL", "n_low", "n_high", "lower", "upper", "flatness_low", "flatness_high"]
 
 
@@ -73,7 +74,8 @@ def two_axes_text(table, case, notices=(), level=0.95, form="text"):
             + [f"{row.n_low:.3f} to {row.n_high:.3f}", interval, f"{row.flatness_low:.2f} to {row.flatness_high:.2f}"]
         )
     lines += text_columns(cells)
-    return "\n".join([*lines, "", "Measure the third axis of some of the grains to get a porosity instead of a range."])
+    lines += ["", "Measure the third axis of some of the grains to get a porosity instead of a range."]
+    return "\n".join([*lines, f"{WITHOUT_FEW_GRAINS}."])
 
 
 def _assume(sample, mu_FL, sigma_FL, number):

@@ -64,6 +64,13 @@ def feature_arrays(statistics):
     return values
 
 
+def feature_table(statistics):
+    """Return the features of all models, of one form too, as a DataFrame; statistics: as for feature_arrays."""
+    features = feature_arrays(statistics)
+    # One table from arrays, since tables of one row are computed for many curves.
+    return pd.DataFrame(features | {"EQ_inv": features["mu_EQ_inv"], "EL_inv": features["mu_EL_inv"]})
+
+
 def single_form_statistics(L, I, S):  # noqa: E741
     """Return statistics for unified_features of beds of one form each; L, I, S: full axes (n,), any length unit."""
     L, I, S = (np.asarray(axis, float) for axis in (L, I, S))  # noqa: E741

@@ -14,8 +14,18 @@ from simcore.scene.specification import resolve
 
 DENSITY = 2650.0  # [kg/m³], of quartz; the default of material.density
 # Width and height of the bed in the largest sieve size, of which at least 5 and 6 are advised
-# (examples/sieve_and_form.yaml), and height of the domain in that of the bed.
-WIDTH, HEIGHT, DOMAIN = 5.0, 10.0, 2.5
+# (examples/sieve_and_form.yaml), and height of the domain in that of the bed, and at least [m].
+WIDTH, HEIGHT, DOMAIN, LEAST_DOMAIN = 5.0, 10.0, 2.5, 1.0
+# Beds are made as those to which the model of size and form is fitted (config/size_and_form.yaml).
+FACES, SPEED = 300, 3.0  # [m/s]
+PROCESS = f"""# The bed is inserted and shaken as those to which the model of size and form is fitted.
+generation:
+  placement: filled
+  solid_fraction: 0.03
+  fill: bed
+  drop_height: 20 mm
+  velocity_z: {-SPEED:g} m/s
+shaking: {{duration: 1 s}}"""
 # The mass contains at least this number of grains of the coarsest class, of which 5 are required.
 LARGEST_GRAINS = 8
 MANY = 100_000  # grains above which a packing takes days on one core
@@ -50,7 +60,7 @@ def sieve_specification(curve, source, sample=None, classes=None, *, draw=True):
     name = re.sub(r"[^A-Za-z0-9_.+-]+", "_", source.stem).strip("_.+-") or "sieve"
     bounds = ", ".join(f"{D * 1e3:.6g} mm" for D in curve.bounds)
     shares = ", ".join(f"{share:.6f}" for share in _rounded(curve.mass_fractions))
-    height = np.ceil(DOMAIN * bed * 100) / 100
+    height = max(np.ceil(DOMAIN * bed * 100) / 100, LEAST_DOMAIN)
     notices = []
     if grains > MANY:
         notices.append(
@@ -65,10 +75,12 @@ sizes:
   mass_fractions: [{shares}]
   draw: {"quota" if len(curve.mass_fractions) > 1 else "random"}
 {_shapes(sample) if classes is None else _shapes_by_size(curve, classes)}
+faces: {FACES}
 # Width and height of the bed are {WIDTH:g} and {bed / largest:.0f} times the largest sieve opening.
 domain: {{type: periodic, width: {width * 1e3:g} mm, height: {height:g} m}}
 amount: {{mass: {mass:.3g} kg}}
 accuracy: standard
+{PROCESS}
 """
     contact_time = _contact_time(curve.least, height)
     numerics = _numerics(start, contact_time) if draw else _NUMERICS.format(contact_time * 1e3, "")
@@ -133,10 +145,11 @@ def _numerics(start, contact_time):
 def _contact_time(finest, height):
     """Return a contact time [s] at which no impact is deeper than a quarter of the thinnest of the finest grains.
 
-    finest: sieve size of the finest grains [m]; height of the fall [m]. With the settings of `standard` an impact at
+    finest: sieve size of the finest grains [m]; height of the domain [m], from which they may fall. With the settings
+    of `standard` an impact at
     the speed v is about 0.14 v times the contact time deep, and the thinnest pebble is 0.4 of its sieve size thick.
     """
-    longest = 0.25 * 0.4 * finest / (0.14 * np.sqrt(2 * 9.81 * height))
+    longest = 0.25 * 0.4 * finest / (0.14 * np.sqrt(SPEED**2 + 2 * 9.81 * height))
     return min(2e-3, _two_digits(longest))
 
 

@@ -13,10 +13,13 @@ from simcore.grains.sieve import SieveCurve, read_cases
 from simcore.grains.statistics import STATISTICS
 from simcore.grains.summary_rows import label_patterns
 from simcore.models import prediction
+from simcore.models.few_grains import MOST_FREEDOM, RELATIVE_STEP
 from simcore.models.fitted_range import FAR, NEAR, WIDENING
 from simcore.models.formulas import SYMBOLS
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.prediction_text import FEW_GRAINS
+from simcore.models.regression import student_quantile
+from simcore.models.two_axes import WITHOUT_FEW_GRAINS
 from simcore.packing.sieve_specification import sieve_specification
 from simcore.page.curve_data import curve_data
 from simcore.paths import CONFIG, R22_TABLES, REFERENCE
@@ -52,7 +55,13 @@ def page_data(fitted, r22_tables=R22_TABLES):
         "r22": published,
         "symbols": SYMBOLS,
         "shapes": SHAPES,
-        "sampling": {"statistics": STATISTICS, "relative_step": prediction.RELATIVE_STEP},
+        "few_grains": {
+            "statistics": STATISTICS,
+            "relative_step": RELATIVE_STEP,
+            "fewest": measured_forms.FEWEST_FOR_ERRORS,
+            "without": WITHOUT_FEW_GRAINS,
+            "quantiles": {f"{level:g}": _quantiles(level) for level in LEVELS},
+        },
         "rule": {"near": NEAR, "far": FAR, "widening": WIDENING},
         "nearly_one_form": prediction.NEARLY_ONE_FORM * prediction.R22_MIXTURES["sigma"][0],
         "smallest_porosity": prediction.SMALLEST_PRINTED,
@@ -155,3 +164,8 @@ def _without_empty_ends(curve):
     filled = np.flatnonzero(curve.mass_fractions)
     first, last = filled[0], filled[-1] + 1
     return SieveCurve(curve.bounds[first : last + 1], curve.mass_fractions[first:last], curve.name)
+
+
+def _quantiles(level):
+    """Return Student's t of 1, 2, ... MOST_FREEDOM degrees of freedom."""
+    return [round(student_quantile(level, freedom), 8) for freedom in range(1, MOST_FREEDOM + 1)]

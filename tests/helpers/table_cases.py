@@ -29,12 +29,17 @@ class Case(NamedTuple):
 SIEVES = [
     Case(
         "opening [mm];mass [g]\n16;0\n8;410,5\n4;300\npan;10\nSumme;900\n",
-        notice="row 6 (Summe): mass [g] is 900, but the other rows sum to 720.5; add a sieve or class that is missing, "
-        "or correct the row that is wrong",
+        notice="row 6 (Summe): mass [g] is 900, but the other rows sum to 720.5; if a sieve or class is missing, "
+        "add it, or else correct the row that is wrong",
     ),
     Case(
         "min [mm],max [mm],mass [g]\n16,8,100\n8,4,300\n",
-        error="row 2: min-max [mm] is '16-8'; give the smaller size first",
+        error="row 2: min and max [mm] is '16-8'; give the smaller size first",
+    ),
+    Case(
+        "von [µm];bis [µm];Masse [g]\n500;1.000;100\n1.000;2.000;300\n",
+        error="row 3: von [µm] is '1.000'; if it is 1000, write it so, without a separator of thousands; if not, write "
+        "another number of decimals, such as 1.0000",
     ),
     Case(
         "opening [mm];mass [g]\n16;0\n11,2;1.410\n8;1.930\n4;300\npan;10\n",
@@ -229,6 +234,18 @@ SAME_SIEVES = [
     (
         "Probe;bis [mm];von [mm];Masse [g]\na;2;;10,5\na;4;2;300\na;8;4;1930\na;;8;70\na;;Summe;2310,5\n",
         "opening [mm];mass [g]\n8;70\n4;1930\n2;300\npan;10,5\n",
+    ),
+    (
+        "min [mm];max [mm];class [mm];mass [g]\n7.9;17;8-16;60\n3.9;8.5;4-8;39.5\n2.1;4;2-4;0.5\n",
+        "opening [mm];mass [g]\n16;0\n8;60\n4;39.5\n2;0.5\n",
+    ),
+    (
+        "from [cm];to [cm];opening [mm];mass [g]\n0;20;16;0\n0;20;8;60\n0;20;4;39.5\n0;20;2;0.5\n",
+        "opening [mm];mass [g]\n16;0\n8;60\n4;39.5\n2;0.5\n",
+    ),
+    (
+        "lower [mm];upper [mm];mass [g]\n16 mm;∞;10\n8 mm;16 mm;60\n2;8 mm;40\n-;2 mm;1\ntotal;;111\n",
+        "opening [mm];mass [g]\n16;10\n8;60\n2;40\npan;1\n",
     ),
     (
         "from (cm),to (cm),retained [%]\n0.8,1.6,60\n0.4,0.8,39.5\n0.2,0.4,0.5\n",

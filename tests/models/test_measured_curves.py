@@ -135,7 +135,7 @@ def test_the_interval_for_another_form_contains_it_as_often_as_stated(fitted, fo
         drawn, _ = correct_curves("offset", predicted, n, (nothing, nothing), **constants)
         spread = np.hypot(half / 1.96, scatter)
         for name, of_one_class in (("with", half * model.unlike([new])), ("without", [0.0])):
-            (at,), (width,) = drawn.apply([0.3], [0.0], [0.0], of_one_class)
+            (at,), (width,) = drawn.apply([0.3], [0.0], [0.0], of_one_class, [0.0])
             ends = norm.cdf((np.array([at - width, at + width]) - 0.3) / spread)
             chances[name].append(ends[1] - ends[0])
     assert np.mean(chances["with"]) == pytest.approx(0.95, abs=4 * 0.0126)
@@ -163,6 +163,27 @@ def test_predict_takes_the_file_that_fit_wrote(tmp_path, capsys):
     assert "ours, size and form, corrected" in describe_fit(result._replace(curves=again), EXAMPLE)
     assert main(["fit", str(EXAMPLE), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["curves"]["candidates"][0]["chosen"]
+
+
+@pytest.mark.parametrize("by_class", [False, True])
+def test_few_grains_of_measured_forms_widen_the_corrected_interval(tmp_path, by_class):
+    """Forms like those of the fit: the error of the model of one class is in the scatter of the measured beds."""
+    path, curve = tmp_path / "model.json", ROOT / "examples" / "sieve_curve.csv"
+    simcore.fit(EXAMPLE, out=path)
+    half, errors = [], []
+    for count in (2.5, 3, 300):  # weights, so that the number of grains is unknown; few and many grains
+        rows = [f"{FL},{EL},{count}" for FL in (0.472, 0.822) for EL in (0.543, 0.821)]
+        lines = [f"{label},{row}" for label in ("0-5.6 mm", "> 5.6 mm") for row in rows] if by_class else rows
+        forms = tmp_path / "forms.csv"
+        forms.write_text("\n".join(["class,FL,EL,count" if by_class else "FL,EL,count", *lines]) + "\n")
+        row = simcore.predict(forms, curve=curve, models=path).iloc[0]
+        half.append(0.5 * (row.upper - row.lower))
+        errors.append(row.one_class_few_grains_error)
+    assert np.isnan(errors[0]) and errors[1] > 5 * errors[2]
+    unknown, few, many = half
+    assert unknown < many < few and many == pytest.approx(unknown, rel=0.02)
+    # The porosity of a bed changes by less than that of one class.
+    assert 1.96 * 0.5 * errors[1] < np.sqrt(few**2 - unknown**2) < 2.3 * 1.4 * errors[1]
 
 
 def test_the_file_is_refused_where_it_has_no_meaning(tmp_path, capsys):

@@ -21,7 +21,7 @@ from tests.helpers.random_tables import random_table
 from tests.helpers.table_cases import GRAINS
 
 CASES = ("one-class", "U1", "U7", "B50")
-NUMBERS = ["n", "lower", "upper", "sampling_error", "distance"]
+NUMBERS = ["n", "lower", "upper", "few_grains_error", "distance"]
 TEXTS = ["by", "model", "preferred", "outside", "refused"]
 STATISTICS = ["mu_FL", "sigma_FL", "mu_EL", "sigma_EL", "mu_EQ", "sigma_EQ"]
 RANGE = ["n_low", "n_high", "lower", "upper", "flatness_low", "flatness_high"]

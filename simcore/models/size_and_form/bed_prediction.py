@@ -10,6 +10,7 @@ import pandas as pd
 from simcore.grains.measured_forms import Sample, read_measured
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.statistics import equancy_statistics
+from simcore.models.few_grains import few_grains_half
 from simcore.models.packing_models.curves import span
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import LITERATURE
@@ -23,9 +24,9 @@ from simcore.reference.r22_tables import read_r22_table
 COLUMNS = [
     "sample", "grains", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL",
     "n", "lower", "upper", "n_not_shaken", "n_one_class", "one_class_lower", "one_class_upper",
-    "one_class_sampling_error", "outside", "refused",
+    "one_class_few_grains_error", "outside", "refused",
 ]  # fmt: skip
-ONE_CLASS_NUMBERS = ("n", "lower", "upper", "sampling_error")  # of the row of the model of one class
+ONE_CLASS_NUMBERS = ("n", "lower", "upper", "few_grains_error")  # of the row of the model of one class
 MORE_MASS = 0.01  # of one class, for the sensitivity to the curve
 UNKNOWN_FORMS = "the Rhine's mean form"
 
@@ -57,8 +58,8 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
     probability of the interval. model: SizedModel; None: that of `fitted` with its correction to measured beds, or the
     current one. n, lower, upper: porosity and its prediction interval; n_not_shaken: porosity if the bed is placed and
     not shaken (`loosest`); n_one_class and its interval: of a bed of one sieve class of these grains;
-    one_class_sampling_error: its standard error that follows from the limited number of measured grains, which both
-    intervals contain, nan if their number is unknown. outside: what lies outside the fitted ranges. If there is no
+    one_class_few_grains_error: its standard error that follows from the limited number of measured grains, which both
+    intervals contain, nan if it is unknown. outside: what lies outside the fitted ranges. If there is no
     prediction, the numbers are nan and `refused` gives the reason.
 
     The interval adds three independent errors: of the one-class porosity with its sampling error, of the step from one
@@ -81,9 +82,11 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
         half[usable] = interval(curve, ends, n1[usable, 0], of_rhine["n"], model, level, rhine_bed)
         if correction is not None:
             parts = error_parts(curve, ends[0], n1[usable, 0], of_rhine["n"], model, rhine_bed)
-            like = correction.unlike([sample for sample, used in zip(samples, usable, strict=True) if used])
-            of_one_class = 0.5 * (ends[2] - ends[1]) * like
-            n[usable], half[usable] = correction.apply(ends[0], *parts, of_one_class, level)
+            predicted = [sample for sample, used in zip(samples, usable, strict=True) if used]
+            few = few_grains_half(predicted, of_class[usable, 3], level)
+            of_model, of_few = divided(0.5 * (ends[2] - ends[1]), n1[usable].T, few)
+            of_model = of_model * correction.unlike(predicted)
+            n[usable], half[usable] = correction.apply(ends[0], *parts, of_model, of_few, level)
     table = []
     for i, (sample, row) in enumerate(zip(samples, rows, strict=True)):
         refused = "" if usable[i] else row["refused"] or f"its one-class porosity is outside {LEAST:g} to {LARGEST:g}"
@@ -125,6 +128,16 @@ def error_parts(curve, n, one_class, of_rhine, model, rhine_bed=None):
     rhine_bed = model.predict(curve, of_rhine, reference=of_rhine) if rhine_bed is None else rhine_bed
     decrease = 1.0 - rhine_bed / of_rhine
     return model.error * wider(curve, model) * (one_class - n), model.form_error * decrease * (one_class - of_rhine)
+
+
+def divided(half, one_class, few):
+    """Return two half widths (s,) of the interval of a bed: by the model of one class, and by the few measured grains.
+
+    half (s,): both together. one_class (3, s): one-class porosity and its interval. few (s,): half width of this
+    interval by the few grains alone.
+    """
+    share = np.minimum(few / (0.5 * (one_class[2] - one_class[1])), 1.0)
+    return half * np.sqrt(1.0 - share**2), half * share
 
 
 def wider(curve, model) -> float:

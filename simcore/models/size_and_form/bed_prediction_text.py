@@ -9,8 +9,9 @@ from simcore.grains.sieve_table import read_curve
 from simcore.grains.text_columns import text_columns
 from simcore.models.fitting import FittedModels
 from simcore.models.measured_prediction import check_level, models_for
-from simcore.models.prediction_text import few_grains_caveats, sampling_caveats
+from simcore.models.prediction_text import few_grains_caveats, few_grains_error_caveats
 from simcore.models.size_and_form.bed_prediction import (
+    UNKNOWN_FORMS,
     other_predictors,
     predict_curve,
     read_forms,
@@ -69,7 +70,7 @@ def describe(table, curve, path, level=0.95, fitted=NO_MODELS) -> str:
         "",
         *_state(fitted.curve),
         *few_grains_caveats(table["sample"], table["grains"]),
-        *_sampling(table[table["refused"] == ""]),
+        *_few_grains(table[table["refused"] == ""]),
     ]
     first = table[table["refused"] == ""].iloc[0]
     change = 1e4 * _sensitivity(curve, first["n_one_class"], fitted)
@@ -117,10 +118,11 @@ def _state(correction):
     ]
 
 
-def _sampling(table):
+def _few_grains(table):
+    table = table[table["sample"] != UNKNOWN_FORMS]
     one_form = (table["sigma_FL"] == 0) & (table["sigma_EL"] == 0)
-    errors = table["one_class_sampling_error"]
-    return sampling_caveats(table["sample"], table["grains"], one_form, errors, "the one-class porosity")
+    errors = table["one_class_few_grains_error"]
+    return few_grains_error_caveats(table["sample"], one_form, errors, "the one-class porosity")
 
 
 def _sensitivity(curve, one_class, fitted):

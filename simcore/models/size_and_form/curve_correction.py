@@ -70,12 +70,12 @@ class CurveCorrection:
         nearest = np.min(np.max(away, axis=2), axis=1)
         return np.where(nearest > NEAR, np.sqrt(2.0 / len(self.forms)), 0.0)
 
-    def apply(self, n, of_sizes, of_form, of_one_class, level=0.95):
+    def apply(self, n, of_sizes, of_form, of_one_class, of_few_grains, level=0.95):
         """Return (porosity, half width of its interval), each (s,).
 
         n (s,): porosity by the model. of_sizes, of_form (s,): its errors, from bed_prediction.error_parts. of_one_class
-        (s,): half width of its interval by the error of the one-class porosity, times `unlike`. level: probability of
-        the interval.
+        (s,): half width of its interval by the error of the one-class porosity, times `unlike`. of_few_grains (s,):
+        that by the limited number of measured grains. level: probability of the interval.
         """
         columns, added = regressors(self.kind, np.asarray(n, float))
         corrected = columns @ np.array(self.coefficients) + added
@@ -83,7 +83,7 @@ class CurveCorrection:
         chance = 0.5 + 0.5 * level
         sizes = student.ppf(chance, self.sized.freedom) * (of_sizes - columns @ np.array(self.of_sizes))
         form = of_form - columns @ np.array(self.of_form)
-        own = self.factor**2 * (sizes**2 + form**2 + np.square(of_one_class))
+        own = self.factor**2 * (sizes**2 + form**2 + np.square(of_one_class) + np.square(of_few_grains))
         return corrected, np.sqrt(student.ppf(chance, self.freedom) ** 2 * variance + own)
 
     def to_dict(self):

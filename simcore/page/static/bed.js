@@ -19,7 +19,7 @@ const Bed = (() => {
     if (preferred) return preferred;
     const refused = rows.map((row) => row.refused).join("; ");
     const none = `no model was fitted to such grains in beds of ${DATA.one_class.case}`;
-    return { n: NaN, lower: NaN, upper: NaN, sampling_error: NaN, outside: "", refused: refused || none, quantities: [] };
+    return { n: NaN, lower: NaN, upper: NaN, few_grains_error: NaN, outside: "", refused: refused || none, quantities: [] };
   }
 
   // Returns the name of the column of sieve classes in a table of grains, or "".
@@ -69,11 +69,11 @@ const Bed = (() => {
       held.forEach((i, k) => (values[i] = rows[k][key]));
       return Skeletons.predict(curve, values.map(within), ofRhine);
     });
-    const errors = rows.map((row, i) => row.sampling_error * shares[i] * ((1 - mean) / (1 - row.n)) ** 2);
+    const errors = rows.map((row, i) => row.few_grains_error * shares[i] * ((1 - mean) / (1 - row.n)) ** 2);
     const ofSample = (own) => Packing.sum(errors.filter((_, i) => samples[i] === own));
     // Errors of one sample are added, those of different samples are independent.
-    const sampling_error = Math.sqrt(Packing.sum([...new Set(samples)].map((own) => ofSample(own) ** 2)));
-    const oneClass = { n: mean, lower: limits[0], upper: limits[1], sampling_error, outside: remarks("outside"), quantities: [] };
+    const few_grains_error = Math.sqrt(Packing.sum([...new Set(samples)].map((own) => ofSample(own) ** 2)));
+    const oneClass = { n: mean, lower: limits[0], upper: limits[1], few_grains_error, outside: remarks("outside"), quantities: [] };
     return { sample, bed: bedOf(curve, ends[0], halfWidth(curve, ends, mean, ofRhine, level), oneClass, "") };
   }
 
@@ -103,7 +103,7 @@ const Bed = (() => {
 
   const refusal = (outside, refused) => ({
     n: NaN, lower: NaN, upper: NaN, n_not_shaken: NaN, n_one_class: NaN, one_class_lower: NaN, one_class_upper: NaN,
-    one_class_sampling_error: NaN, outside, refused, oneClass: { n: NaN, quantities: [] },
+    one_class_few_grains_error: NaN, outside, refused, oneClass: { n: NaN, quantities: [] },
   });
 
   // Returns the porosity of a bed, {n, lower, upper, n_not_shaken, n_one_class, ..., outside, refused, oneClass}.
@@ -130,7 +130,7 @@ const Bed = (() => {
     return {
       n, lower: n - half, upper: n + half, n_not_shaken: n + loosest,
       n_one_class: oneClass.n, one_class_lower: oneClass.lower, one_class_upper: oneClass.upper,
-      one_class_sampling_error: oneClass.sampling_error,
+      one_class_few_grains_error: oneClass.few_grains_error,
       outside: [oneClass.outside, tooWide(curve)].filter((text) => text).join("; "), refused, oneClass,
     };
   }

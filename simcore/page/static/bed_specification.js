@@ -30,7 +30,7 @@ const BedSpecification = (() => {
     }
     const bed = mass / (rule.density * solid * width ** 2);
     const stem = source.replace(/(?<=.)\.[^.]+$/, "").replace(/[^A-Za-z0-9_.+-]+/g, "_").replace(/^[_.+-]+|[_.+-]+$/g, "");
-    const height = Math.ceil(rule.domain * bed * 100) / 100;
+    const height = Math.max(Math.ceil(rule.domain * bed * 100) / 100, rule.least_domain);
     return `# Packs the sieve curve of ${source}. See what it costs:  scree explain THIS_FILE
 name: ${stem || "sieve"}
 seed: 1
@@ -39,10 +39,12 @@ sizes:
   mass_fractions: [${rounded(shares).map((share) => share.toFixed(6)).join(", ")}]
   draw: ${shares.length > 1 ? "quota" : "random"}
 ${shapes(sample)}
+faces: ${rule.faces}
 # Width and height of the bed are ${general(rule.width)} and ${(bed / largest).toFixed(0)} times the largest sieve opening.
 domain: {type: periodic, width: ${general(width * 1e3)} mm, height: ${general(height)} m}
 amount: {mass: ${general(mass, 3)} kg}
 accuracy: standard
+${rule.process}
 # Contacts of so short a time are stiff enough that falling grains do not sink into the finest ones.
 numerics: {contact_time: ${general(contactTime(bounds[0], height) * 1e3, 3)} ms}
 `;
@@ -71,7 +73,7 @@ shapes:
 
   // A contact time [s] at which no impact is deeper than a quarter of the thinnest of the finest grains.
   function contactTime(finest, height) {
-    const longest = (0.25 * 0.4 * finest) / (0.14 * Math.sqrt(2 * 9.81 * height));
+    const longest = (0.25 * 0.4 * finest) / (0.14 * Math.sqrt(rule.speed ** 2 + 2 * 9.81 * height));
     const digit = 10 ** (Math.floor(Math.log10(longest)) - 1);
     return Math.min(2e-3, Math.floor(longest / digit) * digit);
   }

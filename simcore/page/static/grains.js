@@ -237,12 +237,12 @@ const Grains = (() => {
       sample[`mu_${key}`] = mean;
       sample[`sigma_${key}`] = std > alike * mean ? std : 0;
     }
-    const counted = kind !== TWO_AXES && (!counts || counts.whole) && !isOneForm(sample);
-    return counted ? { ...sample, covariance: samplingCovariance(forms, weights) } : sample;
+    const counted = kind !== TWO_AXES && sample.grains >= DATA.few_grains.fewest && (!counts || counts.whole) && !isOneForm(sample);
+    return counted ? { ...sample, covariance: fewGrainsCovariance(forms, weights) } : sample;
   }
 
   // Returns the covariance of the errors of mu_EQ, sigma_EQ, mu_EL, sigma_EL as simcore.grains.statistics does.
-  function samplingCovariance(forms, counts) {
+  function fewGrainsCovariance(forms, counts) {
     const number = sum(counts);
     const changes = [([FL, EL]) => FL * EL, ([, EL]) => EL].flatMap((feature) => {
       const values = forms.map(feature);

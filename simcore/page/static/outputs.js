@@ -2,7 +2,7 @@
 const Outputs = (() => {
   const { general } = Numbers;
   const STATISTICS = ["mu_FL", "sigma_FL", "mu_EL", "sigma_EL", "mu_EQ", "sigma_EQ"];
-  const PREDICTION = ["by", "model", "preferred", "n", "lower", "upper", "sampling_error", "outside", "distance", "refused"];
+  const PREDICTION = ["by", "model", "preferred", "n", "lower", "upper", "few_grains_error", "outside", "distance", "refused"];
   const RANGE = ["n_low", "n_high", "lower", "upper", "flatness_low", "flatness_high"];
   const LONG_LINK = 8000; // characters; some programs cut longer links
 

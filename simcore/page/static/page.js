@@ -123,7 +123,7 @@ const Page = (() => {
     byId("place-part").hidden = !best;
     byId("formula").replaceChildren(...(rows ?? []).flatMap((row) => formulaOf(row)));
     byId("formula-part").hidden = !rows?.length;
-    byId("caveats").replaceChildren(...caveats(sample, best?.by === "ours" ? best.sampling_error : undefined).map((text) => node("li", text)));
+    byId("caveats").replaceChildren(...caveats(sample, range || best?.by === "ours" ? best?.few_grains_error ?? NaN : undefined).map((text) => node("li", text)));
     byId("specification").disabled = !Outputs.specification(sample, byId("case").value);
   }
 
@@ -141,7 +141,7 @@ const Page = (() => {
     byId("place").replaceChildren(...(known ? [...placeInRange(bed.oneClass), ...placeInRange({ quantities: [BedOutput.width(curve)] })] : []));
     byId("classes").replaceChildren(...(bed.refused ? [] : BedOutput.classRows(bed, curve)));
     byId("formula").replaceChildren(...(known ? [...(oneForm ? formulaOf(bed.oneClass, DATA.one_class.name) : []), ...formulaOfSizes()] : []));
-    byId("caveats").replaceChildren(...caveats(sample, bed.refused ? undefined : bed.one_class_sampling_error, true).map((text) => node("li", text)));
+    byId("caveats").replaceChildren(...caveats(sample, bed.refused ? undefined : bed.one_class_few_grains_error, true).map((text) => node("li", text)));
     byId("specification").disabled = sample.mu_EQ === undefined; // one form for all classes
   }
 
@@ -263,7 +263,8 @@ const Page = (() => {
       texts.push(`Fewer than ${few} grains do not determine the spread of form well.`);
     }
     const what = ofCurve ? "the one-class porosity" : "the porosity";
-    if (error !== undefined) texts.push(...Prediction.describeSampling(sample, error, what, number));
+    const differ = sample !== Bed.RHINE && !Grains.isOneForm(sample);
+    if (error !== undefined && differ) texts.push(Prediction.describeFewGrains(error, what, number));
     texts.push("The interval is for a new sample, poured and shaken as those of the fit.");
     return texts;
   }

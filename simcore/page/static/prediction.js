@@ -2,7 +2,7 @@
 const Prediction = (() => {
   const { general } = Numbers;
   const { near, far, widening } = DATA.rule;
-  const { statistics: STATISTICS, relative_step: RELATIVE_STEP } = DATA.sampling;
+  const { statistics: STATISTICS, relative_step: RELATIVE_STEP, quantiles, fewest, without } = DATA.few_grains;
 
   // Each takes (sample, features, case, level) and returns the rows of the models that suit the sample.
   const PREDICTORS = [predictOurs, predictR22];
@@ -10,7 +10,7 @@ const Prediction = (() => {
   // Returns the case whose models are used for the chosen one.
   const modelCase = (choice) => (choice === DATA.one_class.name ? DATA.one_class.case : choice);
 
-  // Returns the rows of one sample: {by, model, preferred, n, lower, upper, sampling_error, outside, distance, refused, quantities};
+  // Returns the rows of one sample: {by, model, preferred, n, lower, upper, few_grains_error, outside, distance, refused, quantities};
   // numbers are NaN where a model is not evaluated. quantities: [{name, value, low, high}] of the model's range.
   function predict(sample, choice, level) {
     const features = featuresOf(sample);
@@ -52,13 +52,14 @@ const Prediction = (() => {
     const suited = [Grains.isOneForm(sample) ? "single_form" : "form_mixture", "unified"];
     const models = suited.flatMap((kind) => DATA.models.filter((m) => m.model === kind && m.case === name));
     const rows = models.map((model) => {
-      const error = samplingError(model, sample);
-      const [n, half] = evaluate(model, features, level, Number.isNaN(error) ? 0 : error ** 2);
+      const error = fewGrainsError(model, sample);
+      const [n, half] = evaluate(model, features, level);
       const quantities = model.features.map((feature, i) =>
         ranged(feature, features[feature], model.minimum[i], model.maximum[i])
       );
       const distance = Math.max(0, ...quantities.map((quantity) => quantity.distance));
-      const widened = half * (1 + widening * Math.max(Math.min(distance, 1e300) - near, 0));
+      const ofModel = half * (1 + widening * Math.max(Math.min(distance, 1e300) - near, 0));
+      const widened = Math.hypot(ofModel, fewGrainsHalf(sample, error, level));
       const numbers = [n, n - widened, n + widened, error];
       return { ...row("ours", model.model, numbers, quantities, 4), error: model.error };
     });
@@ -66,17 +67,17 @@ const Prediction = (() => {
   }
 
   // Returns the porosity and the half-width of the prediction interval by least squares.
-  function evaluate(model, features, level, moreVariance) {
+  function evaluate(model, features, level) {
     const design = [1, ...model.features.map((feature) => features[feature])];
     const n = dot(design, model.coefficients);
-    const variance = moreVariance + model.scatter ** 2 + dot(design, model.covariance.map((line) => dot(line, design)));
+    const variance = model.scatter ** 2 + dot(design, model.covariance.map((line) => dot(line, design)));
     return [n, model.quantiles[general(level)] * Math.sqrt(variance)];
   }
 
   // Returns the standard error of the porosity that follows from the limited number of grains, as
-  // simcore.models.prediction does: 0 for one form, NaN if the number of grains is unknown.
-  function samplingError(model, sample) {
-    if (Grains.isOneForm(sample)) return 0;
+  // simcore.models.few_grains does: NaN if it is unknown, 0 for one form, unless this is the form of a single grain.
+  function fewGrainsError(model, sample) {
+    if (Grains.isOneForm(sample)) return sample.grains === 1 ? NaN : 0;
     if (!sample.covariance) return NaN;
     const slopes = STATISTICS.map((key) => {
       const [high, low] = [1, -1].map((sign) => {
@@ -88,16 +89,18 @@ const Prediction = (() => {
     return Math.sqrt(dot(slopes, sample.covariance.map((line) => dot(line, slopes))));
   }
 
-  // Returns the sentences on the sampling error; what: that has the error; number: writes a porosity.
-  function describeSampling(sample, error, what, number) {
-    if (!sample.grains || Grains.isOneForm(sample)) return [];
-    if (Number.isFinite(error)) {
-      return [
-        `If other grains of the same gravel were measured, ${what} would change by ${number(error)} (standard error); the ` +
-          "interval contains this.",
-      ];
-    }
-    return ["The interval does not contain the error of measuring few grains, because the number of grains is unknown."];
+  function fewGrainsHalf(sample, error, level) {
+    if (!(error > 0)) return 0;
+    const all = quantiles[general(level)];
+    return error * all[Math.min(Math.max(sample.grains - 1, 1), all.length) - 1];
+  }
+
+  // Returns the sentence on the error of few grains; error: NaN if it is unknown. what: that has the error. number: writes
+  // a porosity.
+  function describeFewGrains(error, what, number) {
+    if (Number.isNaN(error)) return `${without}; it is known if each of at least ${fewest} grains has a row.`;
+    const size = error < 5e-4 ? `less than ${number(1e-3)}` : number(error);
+    return `Because only some grains were measured, ${what} has a standard error of ${size}, which the interval contains.`;
   }
 
   function prefer(sample, rows) {
@@ -140,7 +143,7 @@ const Prediction = (() => {
 
   // numbers: porosity, lower and upper end of its interval, and its sampling error.
   function row(by, model, numbers, quantities, digits, remarks = []) {
-    let [n, lower, upper, sampling_error] = numbers;
+    let [n, lower, upper, few_grains_error] = numbers;
     const outside = quantities.filter((quantity) => quantity.distance > 0);
     const distance = Math.max(0, ...outside.map((quantity) => quantity.distance));
     const texts = outside.map(
@@ -153,9 +156,9 @@ const Prediction = (() => {
     else if (![lower, upper].every((value) => Number.isNaN(value) || isPorosity(value))) {
       refused = "its prediction interval reaches outside (0, 1)";
     }
-    if (refused) n = lower = upper = sampling_error = NaN;
+    if (refused) n = lower = upper = few_grains_error = NaN;
     return {
-      by, model, preferred: false, n, lower, upper, sampling_error, outside: [...remarks, ...texts].join("; "), distance, refused,
+      by, model, preferred: false, n, lower, upper, few_grains_error, outside: [...remarks, ...texts].join("; "), distance, refused,
       quantities,
     };
   }
@@ -173,5 +176,5 @@ const Prediction = (() => {
   const isPorosity = (value) => value >= DATA.smallest_porosity && value <= 1 - DATA.smallest_porosity;
   const dot = (a, b) => a.reduce((total, value, i) => total + value * b[i], 0);
 
-  return { PREDICTORS, modelCase, predict, predictTwoAxes, describeSampling };
+  return { PREDICTORS, modelCase, predict, predictTwoAxes, describeFewGrains };
 })();

@@ -4,8 +4,8 @@ const SieveClasses = (() => {
   const { OPENING, PHI, RETAINED } = SieveColumns;
   const rules = DATA.curve.reading;
   const whole = (pattern) => new RegExp(`^(?:${pattern})$`, "iu");
-  const [CLASS_NAME, CLASS_LABEL, OPEN_END, DATE, LOWER_NAME, UPPER_NAME] = [
-    "name", "label", "end", "date", "lower", "upper",
+  const [CLASS_NAME, CLASS_LABEL, OPEN_END, DATE, LOWER_NAME, UPPER_NAME, SIZE, NO_SIZE] = [
+    "name", "label", "end", "date", "lower", "upper", "size", "no_size",
   ].map((key) => whole(DATA.curve.classes[key]));
   const PAN = whole(rules.patterns.pan);
 
@@ -56,8 +56,8 @@ const SieveClasses = (() => {
   }
 
   // Returns the table with a column of the lower and one of the upper sieves, such as `von [mm]` and `bis [mm]`, as one
-  // column of classes; other tables as they are.
-  function withJoinedBounds(table) {
+  // column of classes; other tables as they are, also if a third column has the classes or the openings.
+  function withJoinedBounds(name, table) {
     const parts = table.header.map(SieveColumns.splitUnit);
     const [lower, upper] = [LOWER_NAME, UPPER_NAME].map((pattern) => {
       return parts.flatMap(([title, unit], i) => (unit && pattern.test(title) ? [i] : []));
@@ -66,14 +66,27 @@ const SieveClasses = (() => {
     const [[lowTitle, unit], [highTitle, other]] = [parts[lower[0]], parts[upper[0]]];
     const known = SieveColumns.knownUnit(unit);
     if (!SieveColumns.isLength(known) || SieveColumns.knownUnit(other) !== known) return table;
+    const used = [lower[0], upper[0]];
+    if (table.header.some((_, i) => !used.includes(i) && hasSizes(name, table, i))) return table;
+    Numbers.checkDecimalMarks(name, used.map((position) => [position, table.header[position]]), table.rows);
     const put = (texts, text) => texts.map((old, i) => (i === lower[0] ? text : old)).filter((_, i) => i !== upper[0]);
     const rows = table.rows.map((row) => ({ ...row, cells: put(row.cells, joined(row.cells[lower[0]], row.cells[upper[0]])) }));
-    return { ...table, header: put(table.header, `${lowTitle}-${highTitle} [${unit}]`), rows };
+    return { ...table, header: put(table.header, `${lowTitle} and ${highTitle} [${unit}]`), rows };
+  }
+
+  // Whether a column has the openings of the sieves, or classes.
+  function hasSizes(name, { header, rows }, position) {
+    const title = header[position];
+    const named = CLASS_NAME.exec(title);
+    const unit = named ? named[1] : SieveColumns.unitInName(title);
+    if (named || rows.some(({ cells }) => isClass(cells[position], unit, named))) return true;
+    return SieveColumns.meaningOf(name, title).meaning === OPENING;
   }
 
   // Returns the class of two cells; a text that is no size, such as `pan` or a total, is returned as it is.
-  function joined(low, high) {
-    const text = [low, high].find((cell) => cell && !Numbers.NUMBER.test(cell));
+  function joined(...texts) {
+    const [low, high] = texts.map((text) => (NO_SIZE.test(text) ? "" : text));
+    const text = [low, high].find((cell) => cell && !SIZE.test(cell));
     if (text) return text;
     if (low && high) return `${low}-${high}`;
     if (low) return `> ${low}`;

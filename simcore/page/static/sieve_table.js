@@ -13,7 +13,7 @@ const SieveTable = (() => {
   function read(name, text, coarsest = null, notes = []) {
     const file = Table.read(name, text, [...notes]);
     if (!file.header.length) throw new InputError(`${name}: the file is empty; ${rules.needed}`);
-    const given = SieveClasses.withJoinedBounds(file);
+    const given = SieveClasses.withJoinedBounds(name, file);
     const [table, classes] = SieveClasses.withLowerSieves(name, given);
     const recognised = SieveColumns.recognise(name, table.header, classes);
     const columns = classes === null ? recognised : SieveClasses.retainedOnly(name, recognised);
@@ -92,22 +92,30 @@ const SieveTable = (() => {
     return [];
   }
 
-  // Returns a notice for each row of a total that differs from the sum of the amounts. labels: [index, label] of rows.
+  // Returns a notice if the sum of the amounts differs from all totals. labels: [index, label] of rows. A total is often
+  // the only large number of a table, so that a separator of thousands is allowed.
   function noticesOfTotal(title, total, labels, rowAt, position) {
-    return labels.filter(([, label]) => Summaries.isTotal(label)).flatMap(([i, label]) => {
+    const differing = [];
+    for (const [i, label] of labels.filter(([, text]) => Summaries.isTotal(text))) {
       const { row, cells } = rowAt(i);
-      let given = 0;
-      try {
-        given = Numbers.read(`row ${row}`, title, cells[position].replace(/[% ]+$/, ""));
-      } catch {
-        return [];
-      }
-      if (!(given > 0 && Math.abs(total / given - 1) > rules.loss)) return [];
-      return [
-        `row ${row} (${label}): ${title} is ${general(given)}, but the other rows sum to ${general(total)}; add a sieve ` +
-          "or class that is missing, or correct the row that is wrong",
-      ];
-    });
+      const text = cells[position];
+      const plain = text.replace(/[% ]+$/, "");
+      const readings = [plain, plain.replace(/[.,' \u00a0\u202f\u2019]/g, "")].flatMap((written) => {
+        try {
+          const value = Numbers.read(`row ${row}`, title, written);
+          return value > 0 ? [value] : [];
+        } catch {
+          return [];
+        }
+      });
+      if (readings.some((value) => Math.abs(total / value - 1) <= rules.loss)) return [];
+      if (readings.length) differing.push({ row, label, text });
+    }
+    return differing.slice(0, 1).map(
+      ({ row, label, text }) =>
+        `row ${row} (${label}): ${title} is ${text}, but the other rows sum to ${general(total, 10)}; if a sieve or class is ` +
+        "missing, add it, or else correct the row that is wrong"
+    );
   }
 
   // Returns the rows without those that summarise others, and the [index, label] of these.
@@ -115,7 +123,8 @@ const SieveTable = (() => {
     const found = Summaries.find(rows, [columns.opening]);
     if (!found.length) return [rows, found];
     const listed = found.map(([i, label]) => `row ${rows[i].row} (${label})`).join(", ");
-    notices.push(`${listed} summarises others and is left out`);
+    const verb = found.length > 1 ? "summarise others and are" : "summarises others and is";
+    notices.push(`${listed} ${verb} left out`);
     const places = new Set(found.map(([i]) => i));
     return [rows.filter((_, i) => !places.has(i)), found];
   }

@@ -1,0 +1,43 @@
+"""The error of a prediction because only some of the grains of a gravel were measured."""
+
+import numpy as np
+
+from simcore.grains.statistics import STATISTICS
+from simcore.models.regression import student_quantile
+from simcore.models.unified import feature_table
+
+RELATIVE_STEP = 1e-4  # of a statistic, for the derivatives of a model
+MOST_FREEDOM = 60  # degrees of freedom; Student's t of more is at most 3 % smaller
+
+
+def few_grains_errors(model, samples):
+    """Return the standard errors (n,) of the porosity of n Samples that follow from the limited number of grains.
+
+    model: PorosityModel. To first order, with the covariance of each Sample. The error is nan if it is unknown, and 0
+    for one form, unless this is the form of a single grain.
+    """
+    errors = np.array([0.0 if sample.one_form and sample.grains != 1 else np.nan for sample in samples])
+    known = [index for index, sample in enumerate(samples) if sample.covariance is not None]
+    if not known:
+        return errors
+    values = np.array([[getattr(samples[index], name) for name in STATISTICS] for index in known])
+    changes = np.empty(values.shape)
+    for column in range(len(STATISTICS)):
+        ends = []
+        for sign in (1.0, -1.0):
+            moved = values.copy()
+            moved[:, column] *= 1.0 + sign * RELATIVE_STEP
+            ends.append(model.predict(feature_table(dict(zip(STATISTICS, moved.T, strict=True)))))
+        with np.errstate(invalid="ignore"):  # 1/sigma may be infinite; the model is then refused
+            changes[:, column] = (ends[0] - ends[1]) / (2 * RELATIVE_STEP)
+    # If a statistic is 0, so is its change, or the model gives no porosity.
+    slopes = np.divide(changes, values, out=np.zeros(values.shape), where=values > 0)
+    covariance = np.array([samples[index].covariance for index in known])
+    errors[known] = np.sqrt(np.einsum("ni,nij,nj->n", slopes, covariance, slopes))
+    return errors
+
+
+def few_grains_half(samples, errors, level):
+    """Return the half widths (n,) of the intervals by these errors (n,), by Student's t; 0 where they are unknown."""
+    freedom = [min(max(sample.grains - 1, 1), MOST_FREEDOM) for sample in samples]
+    return np.array([student_quantile(level, count) for count in freedom]) * np.nan_to_num(errors)
