@@ -23,7 +23,7 @@ from simcore.models.size_and_form.forms_by_class import BY_CLASS, predict_by_cla
 
 NO_MODELS = FittedModels({}, {})
 # Table 8 of Rettinger et al. (2022): U7 and B50 shaken for 6 s are 0.009 and 0.003 denser than shaken for 1 s.
-STATE = "The porosity is that of a bed that is shaken for about a second; in six it becomes up to 0.01 denser."
+STATE = "The porosity is that of a bed that is shaken for about a second; shaken for six, it becomes up to 0.01 denser."
 # The rule is in docs/appendices/size_and_form_plan.md, the beds in results/reference/form_by_size.csv.
 CHECK_BY_CLASS = "On two packed beds, forms by sieve class erred less than the form of all grains together."
 
@@ -78,13 +78,13 @@ def describe(table, curve, path, level=0.95, fitted=NO_MODELS) -> str:
     step = n1 - model.predict(curve, n1, reference=rhine_one_class(fitted))
     lines += [
         "",
-        f"How the curve acts, for {first['sample']}: one sieve class of these grains has the porosity "
+        f"How the curve acts, sample {first['sample']}: one sieve class of these grains has the porosity "
         f"{first['n_one_class']:.3f}, and the",
         f"sizes take {step:.3f} of it. If the mass of one class grows by 1 % of the whole, the porosity changes by:",
         "",
         *text_columns([["class [mm]", "mass [%]", "change [0.0001]"], *_classes(curve, change)], "lrr"),
         "",
-        f"Other models, for {first['sample']}",
+        f"Other models, sample {first['sample']}",
         *text_columns(
             [
                 [row.model, f"{row.n:.3f}", f"from {row.given}"]

@@ -87,7 +87,7 @@ def test_the_stated_effect_of_longer_shaking_is_that_of_the_published_table():
         index="t_s", columns="case", values="n"
     )
     denser = (table.loc[1] - table.loc[6]).max()
-    assert "about a second; in six it becomes up to 0.01 denser" in STATE
+    assert "about a second; shaken for six, it becomes up to 0.01 denser" in STATE
     assert denser == pytest.approx(0.01, abs=0.0015)
 
 
