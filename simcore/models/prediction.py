@@ -177,8 +177,8 @@ def _predict_ours(samples, features, case, fitted, level):
             further = few_grains_half(samples, errors, level)
             *numbers, outside = model.predict_interval_and_outside(features, level, further)
             values = zip(tables, *(column.tolist() for column in (*numbers, errors)), outside, strict=True)
-            for rows, n, lower, upper, error, beyond in values:
-                rows.append(_row("ours", name, n, lower, upper, beyond, error, digits=4, remark=remark))
+            for rows, *of_sample, beyond in values:
+                rows.append(_row("ours", name, of_sample, beyond, digits=4, remark=remark))
     return tables
 
 
@@ -210,7 +210,7 @@ def _predict_r22(sample, features, published, folder):
     ]
     outside = [quantity for quantity in quantities if quantity.distance > 0]
     remark = f"sigma_FL and sigma_EL are below {least:g}: taken for one form" if nearly_one_form else ""
-    return [_row("r22", name, n, np.nan, np.nan, outside, np.nan, digits=3, remark=remark)]
+    return [_row("r22", name, (n, np.nan, np.nan, np.nan), outside, digits=3, remark=remark)]
 
 
 def r22_ranges(name, features, folder=R22_TABLES):
@@ -257,11 +257,13 @@ def _feature_ranges(ranges, names):
     return [(name, (features[name].min(), features[name].max())) for name in names]
 
 
-def _row(by, model, n, lower, upper, outside, few_grains_error, digits, remark=""):
+def _row(by, model, numbers, outside, digits, remark=""):
     """Return one row of PREDICTION; its numbers are nan if the model is refused.
 
-    outside: list of RangedValue; digits: of the limits in the text.
+    numbers: porosity, lower and upper end of its interval, and its error of few grains. outside: list of RangedValue;
+    digits: of the limits in the text.
     """
+    n, lower, upper, _ = numbers
     distance = max((quantity.distance for quantity in outside), default=0.0)
     remarks = [remark] if remark else []
     remarks += [
@@ -275,8 +277,8 @@ def _row(by, model, n, lower, upper, outside, few_grains_error, digits, remark="
     elif not all(_is_porosity(value) for value in (lower, upper) if not np.isnan(value)):
         refused = "its prediction interval reaches outside (0, 1)"
     if refused:
-        n = lower = upper = few_grains_error = np.nan
-    values = (by, model, False, n, lower, upper, few_grains_error, "; ".join(remarks), distance, refused)
+        numbers = (np.nan,) * len(numbers)
+    values = (by, model, False, *numbers, "; ".join(remarks), distance, refused)
     return dict(zip(PREDICTION, values, strict=True))
 
 
