@@ -101,6 +101,21 @@ def test_harmless_faults_are_corrected_with_a_notice(read):
 
 
 @pytest.mark.parametrize(
+    "totals", ["Sum,1410", "Sum,1.410", "Sum,1400", "Total,1390", "Sum,", "Total of sand,300\nSum,1410"]
+)
+def test_a_total_that_agrees_gives_no_notice(read, totals):
+    """One total agrees within what sieving loses, whatever its separator of thousands; others may be of a part."""
+    _, notices = read(f"opening [mm],mass [g]\n16,0\n8,410\n4,700\n2,290\npan,10\n{totals}\n")
+    assert not any("the other rows sum to" in text for text in notices)
+
+
+@pytest.mark.parametrize("totals", ["Sum,1250", "Sum,1.600", "grand total,1300"])
+def test_a_total_that_differs_gives_a_notice(read, totals):
+    _, notices = read(f"opening [mm],mass [g]\n16,0\n8,410\n4,700\n2,290\npan,10\n{totals}\n")
+    assert sum("the other rows sum to 1410; if a sieve or class is missing" in text for text in notices) == 1
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "the file is empty; give a column of sieve openings"),

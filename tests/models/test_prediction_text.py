@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -14,7 +15,7 @@ from simcore.__main__ import main
 from simcore.grains.measured_forms import Sample
 from simcore.models.fitting import fit_reference_models
 from simcore.models.prediction import predict_samples
-from simcore.models.prediction_text import describe
+from simcore.models.prediction_text import describe, few_grains_error_caveats
 from tests.helpers.reference_rows import porosity_of_form, sample_of_one_form
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -49,6 +50,34 @@ def test_on_the_command_line(capsys, tmp_path):
     assert output.startswith("scree predict: ") and output.count("\n") == 1 and "bad.csv, row 2" in output
     assert main(["predict", "--case", "U1", str(TABLE_2), "--level", "95"]) == 2
     assert "level 95: give a number between 0 and 1" in capsys.readouterr().err
+
+
+def test_the_error_of_few_grains_is_stated_or_its_absence():
+    def lines(errors, one_form=(False, False, False)):
+        return few_grains_error_caveats(["a", "b", "c"], one_form, errors, "the porosity")
+
+    assert lines([0.0035, 0.0071, 0.005]) == [
+        "Because only some grains were measured, the porosity has a standard error of 0.004 to 0.007, which the "
+        "intervals contain."
+    ]
+    assert "error of less than 0.001, which" in lines([2e-4, 3e-4, 1e-4])[0]
+    known, unknown = lines([0.004, np.nan, np.nan])
+    assert "a standard error of 0.004, which" in known
+    assert unknown.startswith("The intervals do not contain the error of measuring few grains of b, c; it is known if")
+    assert lines([np.nan] * 3) == [unknown.replace(" of b, c", "")]
+    assert lines([0.0, np.nan, 0.0], one_form=(True, True, True)) == []
+
+
+@pytest.mark.parametrize("case", ["--case one-class", "--sieve examples/sieve_curve.csv"])
+def test_means_and_two_axes_say_that_the_interval_lacks_the_error_of_few_grains(tmp_path, monkeypatch, capsys, case):
+    monkeypatch.chdir(ROOT)
+    (tmp_path / "means.csv").write_text("mean_FL,std_FL,mean_EL,std_EL\n0.6,0.15,0.7,0.12\n")
+    (tmp_path / "two.csv").write_text("L,I\n" + "".join(f"{L},10\n" for L in range(12, 20)))
+    for name in ["means.csv", *(["two.csv"] if "one-class" in case else [])]:
+        assert main(["predict", str(tmp_path / name), *case.split()]) == 0
+        assert "The intervals do not contain the error of measuring few grains" in capsys.readouterr().out
+    assert main(["predict", "examples/grains.csv", *case.split()]) == 0
+    assert "do not contain the error" not in capsys.readouterr().out
 
 
 def test_a_reader_that_has_seen_enough_is_no_error():

@@ -4,6 +4,7 @@ from urllib.parse import urlencode
 
 import pytest
 
+from simcore.paths import ROOT
 from simcore.scene.specification import read_specification
 
 SIEVES = "Siebweite [mm];Masse [g]\n16;0\n8;400,5\n4;200\n2;50\n"
@@ -28,6 +29,21 @@ def test_the_link_keeps_the_input(open_page):
     again = open_page(address[address.index("#") :])
     assert answer(again) == shown
     assert again.get_by_label("Table of grains").input_value() == GERMAN
+
+
+def test_it_states_the_error_of_few_grains_or_its_absence(open_page):
+    axes = (ROOT / "examples" / "grains.csv").read_text()
+    stated, absent = (
+        "has a standard error of 0.004, which the interval contains",
+        "do not contain the error of measuring",
+    )
+    for table, text in (
+        (axes, stated),
+        ("mean_FL,std_FL,mean_EL,std_EL\n0.6,0.15,0.7,0.12\n", absent),
+        ("L,I\n" + "".join(f"{L},10\n" for L in range(12, 20)), absent),
+    ):
+        page = open_page(fragment(table=table))
+        assert text in page.locator("#caveats").inner_text()
 
 
 def test_decimal_commas_are_read_and_written(open_page):

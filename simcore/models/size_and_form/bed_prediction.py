@@ -62,7 +62,7 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
     intervals contain, nan if it is unknown. outside: what lies outside the fitted ranges. If there is no
     prediction, the numbers are nan and `refused` gives the reason.
 
-    The interval adds three independent errors: of the one-class porosity with its sampling error, of the step from one
+    The interval adds three independent errors: of the one-class porosity with that of few grains, of the step from one
     class to the curve, which is proportional to the decrease of porosity, and of how much of the effect of form the
     step carries over. With a correction, the interval is that of CurveCorrection, and n_not_shaken is nan, because the
     state of the packing is that of the measured beds.
@@ -148,7 +148,7 @@ def wider(curve, model) -> float:
 def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):
     """Return the values of COLUMNS of one bed.
 
-    form: the first six of them. one_class (4,): one-class porosity, its interval and its sampling error. half: half
+    form: the first six of them. one_class (4,): one-class porosity, its interval and its error of few grains. half: half
     width of the interval of n. outside, refused: of the forms; what lies outside in the SieveCurve is added.
     """
     wide = "" if curve is None else _outside_of_curve(curve, model)
