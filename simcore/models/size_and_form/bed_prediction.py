@@ -148,8 +148,8 @@ def wider(curve, model) -> float:
 def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):
     """Return the values of COLUMNS of one bed.
 
-    form: the first six of them. one_class (4,): one-class porosity, its interval and its error of few grains. half: half
-    width of the interval of n. outside, refused: of the forms; what lies outside in the SieveCurve is added.
+    form: the first six of them. one_class (4,): one-class porosity, its interval and its error of few grains. half:
+    half width of the interval of n. outside, refused: of the forms; what lies outside in the SieveCurve is added.
     """
     wide = "" if curve is None else _outside_of_curve(curve, model)
     if np.isfinite(n) and not 0.0 < n - half < n + half < 1.0:
