@@ -11,8 +11,8 @@ def add(commands) -> None:
         help="compare measured porosities with our models, and correct or fit a model to them",
         description="Bias and scatter of our models on beds whose porosity you measured, and the simplest model that "
         "predicts them: an offset or a rescaling of ours, or a model of your own. An offset needs 3 beds of different "
-        "form, a rescaling 6, and features 3 per coefficient. With --models MODEL.json, the file of an earlier fit, "
-        "its models are tested on these beds, and nothing is fitted.",
+        "form, a rescaling 6, and features 3 per coefficient; fewer beds are only compared. With --models MODEL.json, "
+        "the file of an earlier fit, its models are tested on these beds, and nothing is fitted.",
     )
     parser.add_argument(
         "measured",
@@ -79,21 +79,28 @@ def run(options) -> int:
     return 0
 
 
-def _test(options, given):
-    """Return the MeasuredCheck of the models of an earlier fit, and its text."""
+def _test(options, given, reason=""):
+    """Return the MeasuredCheck of the models, and its text; reason: why none is fitted, if they are ours."""
     from simcore.models.measured_check import check_models
     from simcore.models.measured_check_text import check_as_json, describe_check
 
     result = check_models(options.measured, options.models, **given)
-    return result, (check_as_json if options.json else describe_check)(result, options.measured, options.models)
+    write = check_as_json if options.json else describe_check
+    return result, write(result, options.measured, options.models, reason)
 
 
 def _fit(options, given):
-    """Return the MeasuredFit, and its text."""
+    """Return the MeasuredFit, and its text; with too few beds and without --out, those of `_test`."""
+    from simcore.models.measured_candidates import TooFewBeds
     from simcore.models.measured_fit import fit
     from simcore.models.measured_fit_text import describe_fit, fit_as_json
 
-    result = fit(options.measured, **given, features=options.features, models=options.models, out=options.out)
+    try:
+        result = fit(options.measured, **given, features=options.features, models=options.models, out=options.out)
+    except TooFewBeds as error:
+        if options.out is None:
+            return _test(options, given, str(error).removeprefix(f"{options.measured}: "))
+        raise ValueError(f"{error}; without --out, `scree fit` compares the beds with our models") from error
     if options.json:
         return result, fit_as_json(result, options.measured)
     return result, describe_fit(result, options.measured, options.out)

@@ -17,6 +17,10 @@ SAME = "all measured porosities are the same"
 NO_SPREAD = "our model predicts nearly the same porosity for all beds, or for all but one"
 
 
+class TooFewBeds(ValueError):
+    """There are too few measured beds for any model."""
+
+
 class Candidate(NamedTuple):
     """A model of one kind.
 

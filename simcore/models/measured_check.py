@@ -1,4 +1,4 @@
-"""Test the models that `fit` wrote on beds that were measured later; nothing is fitted."""
+"""Test our models, or those that `fit` wrote, on measured beds; nothing is fitted."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -9,9 +9,9 @@ import pandas as pd
 from simcore.models.measured_file import MEASURED
 from simcore.models.measured_plausibility import question_beds
 from simcore.models.measured_prediction import models_for
-from simcore.models.measured_table import describe_models, read_beds
-from simcore.models.prediction import model_case, predict_sample, published_models
-from simcore.models.size_and_form.bed_prediction import predict_curve
+from simcore.models.measured_table import describe_models, read_beds, written_by_fit
+from simcore.models.prediction import kind_of_bed, model_case, predict_preferred, predict_sample, published_models
+from simcore.models.size_and_form.bed_prediction import predict_curve, sized_model
 
 _COLUMNS = ["name", "n", "n_error", "predicted", "lower", "upper", "inside", "outside", "refused"]
 
@@ -20,10 +20,10 @@ _COLUMNS = ["name", "n", "n_error", "predicted", "lower", "upper", "inside", "ou
 class ModelCheck:
     """The test of one model.
 
-    case: of the model, "" for the correction for sieve curves. behind: description of the beds that the model was
-    fitted to, and its file. beds: DataFrame with one row per row of the table: name, n, n_error (nan if unknown),
-    predicted with the ends `lower` and `upper` of its 95 % prediction interval, inside (whether n is in it, None
-    without a prediction), and outside and refused as in simcore.models.prediction.
+    case: of the model, "" for beds with sieve curves. behind: description of the model and of the beds that it was
+    fitted to, with its file if there is one. beds: DataFrame with one row per row of the table: name, n, n_error (nan
+    if unknown), predicted with the ends `lower` and `upper` of its 95 % prediction interval, inside (whether n is in
+    it, None without a prediction), and outside and refused as in simcore.models.prediction.
     """
 
     case: str
@@ -54,7 +54,7 @@ class ModelCheck:
 class MeasuredCheck(NamedTuple):
     """The tests of the models of a file.
 
-    checks: list of ModelCheck. left_out: sentences on rows that no model of the file is for. notices: on how the table
+    checks: list of ModelCheck. left_out: sentences on rows that none of the models is for. notices: on how the table
     was read, and on porosities that differ much from the predicted ones.
     """
 
@@ -64,12 +64,13 @@ class MeasuredCheck(NamedTuple):
 
 
 def check_models(
-    path, models, *, case=None, sieve=None, source=None, column=None, finest=None, coarsest=None
+    path, models=None, *, case=None, sieve=None, source=None, column=None, finest=None, coarsest=None
 ) -> MeasuredCheck:
-    """Compare the measured beds of the table at `path` with the models of the file `models` that `fit` wrote.
+    """Compare the measured beds of the table at `path` with models: each row is one bed.
 
-    Each row is one bed. case: only needed if the file has models of several cases; the others: as in
-    simcore.models.measured_fit.fit. ValueError if the table or an argument is wrong, or if no bed can be predicted.
+    models: file that `fit` wrote; or as in simcore.models.measured_fit.fit, to compare with that of our models which is
+    preferred for each bed. case: not needed if `fit` wrote models of one case; the others: as in that function.
+    ValueError if the table or an argument is wrong, or if no bed can be predicted.
     """
     fitted = models_for(models, source)
     beds, notices = read_beds(path, fitted, models, case, sieve, column, finest, coarsest)
@@ -77,11 +78,12 @@ def check_models(
     for bed in beds:
         by_case.setdefault("" if bed.curve is not None else model_case(bed.case), []).append(bed)
     checks, left_out = [], []
+    of_fit = written_by_fit(fitted)
     for name, of_case in by_case.items():
-        if fitted.curve is None if name == "" else name not in fitted.cases():
+        if of_fit and fitted.curve is None if name == "" else name not in fitted.cases():
             left_out.append(_describe_left_out(name, len(of_case), fitted, models))
             continue
-        check = _check_curves(of_case, fitted) if name == "" else _check_case(of_case, name, fitted)
+        check = (_check_curves if name == "" else _check_case if of_fit else _check_preferred)(of_case, name, fitted)
         checks.append(check)
         notices = [*notices, *question_beds(of_case, check.beds.predicted)]
     if not checks:
@@ -98,8 +100,15 @@ def _describe_left_out(case, number, fitted, models):
     return f"{what}; {describe_models(fitted, models)}"
 
 
+def _check_preferred(beds, case, fitted):
+    """Return the ModelCheck of MeasuredBeds of one case by our models."""
+    rows = [_row(bed, predict_preferred(bed.sample, case, fitted)) for bed in beds]
+    kinds = {kind_of_bed(bed.sample) for bed in beds}
+    return ModelCheck(case, f"ours for {' and for '.join(sorted(kinds))}", pd.DataFrame(rows, columns=_COLUMNS))
+
+
 def _check_case(beds, case, fitted):
-    """Return the ModelCheck of MeasuredBeds of one case."""
+    """Return the ModelCheck of MeasuredBeds of one case by the model that `fit` wrote."""
     published, rows = published_models(case), []
     for bed in beds:
         predictions = predict_sample(bed.sample, case, fitted, published)
@@ -108,10 +117,11 @@ def _check_case(beds, case, fitted):
     return ModelCheck(case, fitted.behind[MEASURED, case], pd.DataFrame(rows, columns=_COLUMNS))
 
 
-def _check_curves(beds, fitted):
-    """Return the ModelCheck of MeasuredBeds with sieve curves."""
+def _check_curves(beds, case, fitted):
+    """Return the ModelCheck of MeasuredBeds with sieve curves; case: ""."""
     rows = [_row(bed, predict_curve(bed.curve, [bed.sample], fitted).iloc[0]) for bed in beds]
-    return ModelCheck("", fitted.curve.behind, pd.DataFrame(rows, columns=_COLUMNS))
+    behind = fitted.curve.behind if fitted.curve else f"ours of size and form, {sized_model(fitted).behind}"
+    return ModelCheck(case, behind.removesuffix("."), pd.DataFrame(rows, columns=_COLUMNS))
 
 
 def _row(bed, row):

@@ -7,14 +7,18 @@ from simcore.models.measured_plausibility import name_bed
 from simcore.models.measured_text_parts import number, plain, records, wrap
 
 
-def describe_check(result, path, models):
-    """Return a MeasuredCheck as text. path: the table; models: the file of the models."""
+def describe_check(result, path, models, reason=""):
+    """Return a MeasuredCheck as text.
+
+    path: the table; models: the file of the models, or None; reason: why no model is fitted, if there is one.
+    """
     lines = []
     for check in result.checks:
         lines += [*_describe_model(check, path), ""]
     for sentence in result.left_out:
         lines += [*wrap(f"Left out: {sentence}."), ""]
-    lines += wrap(f"Nothing is fitted. To correct the models of {models} with these beds, give --out NEW_MODEL.json.")
+    how = f"Nothing is fitted. To correct the models of {models} with these beds, give --out NEW_MODEL.json."
+    lines += wrap(f"Nothing is fitted. {reason[0].upper()}{reason[1:]}." if reason else how)
     return "\n".join(lines)
 
 
@@ -72,8 +76,8 @@ def sentences(check):
     return texts
 
 
-def check_as_json(result, path, models):
-    """Return a MeasuredCheck as JSON text; a number that is not finite is null."""
+def check_as_json(result, path, models, reason=""):
+    """Return a MeasuredCheck as JSON text; a number that is not finite is null. Arguments: as in describe_check."""
     checks = [
         {
             "case": check.case or None,
@@ -89,7 +93,8 @@ def check_as_json(result, path, models):
     ]
     content = {
         "table": str(path),
-        "models": str(models),
+        "models": None if models is None else str(models),
+        "not_fitted": reason or None,
         "notices": list(result.notices),
         "left_out": list(result.left_out),
         "tests": checks,

@@ -17,6 +17,7 @@ from simcore.models.measured_candidates import (
     NO_SPREAD,
     SAME,
     Candidate,
+    TooFewBeds,
     choose,
     fitted_candidate,
     group_repeats,
@@ -77,14 +78,15 @@ def fit_curves(measured, fitted):
     """Return the CurveFit of measured beds with sieve curves.
 
     measured: list of MeasuredBed with a curve. fitted: FittedModels. If they have a correction of an earlier fit, it is
-    compared too, and the new correction replaces it. ValueError if a bed cannot be predicted, or if there are too few.
+    compared too, and the new correction replaces it. TooFewBeds if there are too few beds,
+    ValueError if one cannot be predicted.
     """
     groups = group_repeats(measured)
     first_of = [group[0] for group in groups]
     beds, repeat_scatter = means_of_repeats(groups)
     if len(beds) < BEDS_NEEDED["offset"]:
         rows = f"{len(measured)} {'row' if len(measured) == 1 else 'rows'} with a sieve curve"
-        raise ValueError(
+        raise TooFewBeds(
             f"{rows} with {len(beds)} different {'bed' if len(beds) == 1 else 'beds'}; the simplest model, an offset, "
             f"needs {BEDS_NEEDED['offset']} beds of different form or sieve curve; measure more beds"
         )

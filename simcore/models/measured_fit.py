@@ -25,6 +25,7 @@ from simcore.models.measured_candidates import (
     NO_SPREAD,
     SAME,
     Candidate,
+    TooFewBeds,
     choose,
     fitted_candidate,
     group_repeats,
@@ -154,13 +155,14 @@ def fit(
     earlier fit, instead of the models of the committed packings; such a file with one case gives the case. source: only
     those of grains from this source. column: with the names of the beds. finest, coarsest [m]: as in
     simcore.grains.sieve_table.read_curve. out: file for the chosen models, for `predict(..., models=out)`.
-    ValueError if the table or an argument is wrong, or if there are too few beds for any model.
+    TooFewBeds, a ValueError, if there are too few beds for any model; ValueError also if the table or an argument is
+    wrong.
     """
     _check_features(features)
     fitted = None if models is None else models_for(models, source)
     beds, notices = read_beds(path, fitted, models, case, sieve, column, finest, coarsest)
     fitted = fitted or models_for(None, source)
-    by_case, cases, left_out = {}, [], []
+    by_case, cases, errors = {}, [], []
     for bed in beds:
         if bed.curve is None:
             by_case.setdefault(model_case(bed.case), []).append(bed)
@@ -168,15 +170,17 @@ def fit(
         try:
             cases.append(fit_case(of_case, name, fitted, features))
         except ValueError as error:
-            left_out.append(str(error))
+            errors.append(error)
     of_curves = None
     if with_curve := [bed for bed in beds if bed.curve is not None]:
         try:
             of_curves = fit_curves(with_curve, fitted)
         except ValueError as error:
-            left_out.append(str(error))
+            errors.append(error)
+    left_out = [str(error) for error in errors]
     if not cases and of_curves is None:
-        raise ValueError(f"{path}: {'; '.join(left_out)}")
+        kind = TooFewBeds if all(isinstance(error, TooFewBeds) for error in errors) else ValueError
+        raise kind(f"{path}: {'; '.join(left_out)}")
     if out is not None:
         written = [(item.model, item.describe(), item.only_kind) for item in cases]
         write_measured_models(out, written, of_curves and of_curves.model)
@@ -194,14 +198,14 @@ def fit_case(measured, case, fitted, features="single_form"):
     """Return the CaseFit of the beds of one case.
 
     measured: list of MeasuredBed; case: as returned by model_case; fitted: FittedModels; features: key of FEATURE_SETS.
-    ValueError if there are too few beds for any of the models.
+    TooFewBeds if there are too few beds for any of the models.
     """
     samples, beds, repeat_scatter = average_repeats(measured)
     given = given_case(measured, case)
     if len(beds) < min(BEDS_NEEDED.values()):
         rows = f"{len(measured)} {'row' if len(measured) == 1 else 'rows'}"
         forms = f"{len(beds)} {'form' if len(beds) == 1 else 'different forms'}"
-        raise ValueError(
+        raise TooFewBeds(
             f"case {given}: {rows} with {forms}; the simplest model, an offset, needs {BEDS_NEEDED['offset']} beds of "
             "different form; measure more beds"
         )

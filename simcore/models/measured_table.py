@@ -28,8 +28,8 @@ def written_by_fit(fitted):
 
 
 def describe_models(fitted, models):
-    """Return a clause on the beds that the models of a file of `fit` are for; models: its path."""
+    """Return a clause on the beds that FittedModels are for; models: their path, or None."""
     cases = fitted.cases()
     kinds = [f"case{'s' if len(cases) > 1 else ''} {', '.join(cases)}"] if cases else []
     kinds += ["beds with sieve curves"] if fitted.curve is not None else []
-    return f"{models} is for {' and for '.join(kinds)}"
+    return f"{models or 'our model'} is for {' and for '.join(kinds)}"

@@ -1,4 +1,4 @@
-"""The models of an earlier fit are tested on later beds, from one bed on, and nothing is fitted."""
+"""Our models, or those of an earlier fit, are tested on beds, from one bed on, and nothing is fitted."""
 
 import json
 
@@ -95,6 +95,29 @@ def test_with_out_the_model_is_corrected(write, model, tmp_path, capsys):
     out.unlink()
     assert main(["fit", str(write(f"A,0.35,{FORM}")), "--models", str(model), "--out", str(out)]) == 2
     assert "case U1: 1 row with 1 form; the simplest model" in capsys.readouterr().err and not out.exists()
+
+
+@pytest.mark.parametrize("case", [["--case", "one-class"], ["--sieve", str(ROOT / "examples" / "sieve_curve.csv")]])
+def test_too_few_beds_for_a_fit_are_compared_with_our_models(write, tmp_path, capsys, case):
+    path = write(f"A,0.35,{FORM}", f"B,0.34,{FORM}", "C,0.345,0.66,0.12,0.74,0.11")
+    assert main(["fit", str(path), *case, "--out", str(tmp_path / "m.json")]) == 2
+    assert (
+        "needs 3 beds" in (error := capsys.readouterr().err) and "without --out" in error and not error.count("\n") > 1
+    )
+    assert main(["fit", str(path), *case, "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    (test,) = printed["tests"]
+    options = {"curve": case[1]} if case[0] == "--sieve" else {"case": case[1]}
+    forms = write(*(f"{name},{FORM}" for name in "AB"), "C,0.66,0.12,0.74,0.11", head=HEAD.replace("n,", ""))
+    predicted = simcore.predict(forms, **options)
+    predicted = predicted[predicted.preferred] if "preferred" in predicted else predicted
+    for name, column in (("predicted", "n"), ("lower", "lower"), ("upper", "upper")):
+        np.testing.assert_allclose([bed[name] for bed in test["beds"]], predicted[column])
+    assert "3 rows" in printed["not_fitted"] and printed["models"] is None and test["model"].startswith("ours")
+    write(f"A,0.35,{FORM}")
+    assert main(["fit", str(path), *case]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "Nothing is fitted." in text and "an offset, needs 3 beds" in text
 
 
 def test_beds_outside_the_range_and_unlikely_porosities_are_named(write, model, capsys):
