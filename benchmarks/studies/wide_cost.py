@@ -2,10 +2,11 @@
 
     python -m benchmarks.studies.wide_cost
 
-It reads the tables results/reference/wide_*.csv and writes results/reference/wide_cost.csv with one row per packing. It
+It reads the tables results/reference/wide_*.csv of pebbles and writes results/reference/wide_cost.csv with one row per packing. It
 prints one line for each sieve curve and each study that packs beds of `wide_quota` again: the number of pairs (same
 curve, same seed), the mean difference of the porosity with its standard error, whether the rule of config/wide.yaml
-accepts the setting, and the ratio of the CPU times. The rule requires a mean difference of at most 0.003 in size with a
+accepts the setting, and the ratio of the CPU times. A second table compares the means over all seeds with those of
+`wide_random`, whose packings have other grains. The rule requires a mean difference of at most 0.003 in size with a
 standard error of at most 0.0015, over three seeds, or over the number in SEEDS.
 """
 
@@ -18,6 +19,7 @@ from simcore.paths import REFERENCE
 
 BASE = "wide_quota"
 UNPAIRED = {"wide_random"}  # its packings have other grains
+NO_COST = {"wide_cost", "wide_spheres"}  # the table itself, and the check of the sampling error on spheres
 LARGEST_DIFFERENCE, LARGEST_ERROR = 0.003, 0.0015
 # Seeds over which the rule judges a study; three if it is not listed.
 SEEDS = {"wide_soft": 8}
@@ -68,6 +70,23 @@ def paired(table: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["settings", "case", "pairs", "difference", "error", "cost", "verdict"])
 
 
+def compare_means(table: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
+    """Return the differences of means from `base` of the settings in UNPAIRED: one row for each settings and case.
+
+    Columns: settings, case, beds, difference and error (of the means over the seeds of both), and cost (ratio of the
+    mean CPU times of a packing).
+    """
+    rows = []
+    for (settings, case), group in table[table["settings"].isin(UNPAIRED)].groupby(["settings", "case"], sort=False):
+        of_base = table[(table["settings"] == base) & (table["case"] == case)]
+        if of_base.empty:
+            continue
+        difference = group["n"].mean() - of_base["n"].mean()
+        error = np.hypot(group["n"].sem(), of_base["n"].sem())
+        rows.append((settings, case, len(group), difference, error, group["cpu_s"].mean() / of_base["cpu_s"].mean()))
+    return pd.DataFrame(rows, columns=["settings", "case", "beds", "difference", "error", "cost"])
+
+
 def verdict(difference: float, error: float, pairs: int, required: int) -> str:
     """Return the verdict of the rule on a mean difference with its standard error, over this number of pairs."""
     if pairs < required:
@@ -77,7 +96,7 @@ def verdict(difference: float, error: float, pairs: int, required: int) -> str:
 
 def read_tables(folder: Path = REFERENCE) -> dict[str, pd.DataFrame]:
     """Return the committed rows of each study of wide sieve curves, the base first."""
-    names = sorted(path.stem for path in folder.glob("wide_*.csv") if path.stem != "wide_cost")
+    names = sorted(path.stem for path in folder.glob("wide_*.csv") if path.stem not in NO_COST)
     names.sort(key=lambda name: name != BASE)
     return {name: pd.read_csv(folder / f"{name}.csv") for name in names}
 
@@ -86,7 +105,8 @@ def main() -> None:
     """Write the table of packings and print the pairs."""
     table = cost_table(read_tables(), pd.read_csv(REFERENCE / "gathered.csv"))
     table.to_csv(REFERENCE / "wide_cost.csv", index=False)
-    print(paired(table).to_string(index=False, float_format="%.4f", na_rep=""))
+    for rows in (paired(table), compare_means(table)):
+        print(rows.to_string(index=False, float_format="%.4f", na_rep=""))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.studies.wide_cost import COLUMNS, cost_table, paired, verdict
+from benchmarks.studies.wide_cost import COLUMNS, compare_means, cost_table, paired, read_tables, verdict
+from simcore.paths import REFERENCE
 
 
 def rows(porosities, cpu_s, first_seed=1):
@@ -29,6 +30,18 @@ def test_one_row_a_packing_with_its_grain_steps():
     assert list(table.columns) == COLUMNS and len(table) == 8
     np.testing.assert_allclose(table["grain_steps"], 1e6 * table["cpu_s"])
     assert set(table["shapes"]) == {"synthetic"}
+
+
+def test_the_committed_table_is_that_of_the_committed_rows():
+    made = cost_table(read_tables(), pd.read_csv(REFERENCE / "gathered.csv"))
+    pd.testing.assert_frame_equal(made, pd.read_csv(REFERENCE / "wide_cost.csv"))
+
+
+def test_means_of_packings_of_other_grains():
+    (row,) = compare_means(cost_table(TABLES, GATHERED)).itertuples()
+    assert (row.settings, row.case, row.beds) == ("wide_random", "U5", 2)
+    assert row.difference == pytest.approx(0.30 - 0.94 / 3) and row.cost == pytest.approx(101.5 / 110.0)
+    assert row.error == pytest.approx(np.std([0.30, 0.31, 0.33], ddof=1) / np.sqrt(3))  # both random porosities are 0.30
 
 
 def test_a_row_that_was_not_gathered_is_an_error():
