@@ -2,12 +2,12 @@
 
     python -m benchmarks.studies.wide_cost
 
-It reads the tables results/reference/wide_*.csv of pebbles and writes results/reference/wide_cost.csv with one row per packing. It
-prints one line for each sieve curve and each study that packs beds of `wide_quota` again: the number of pairs (same
-curve, same seed), the mean difference of the porosity with its standard error, whether the rule of config/wide.yaml
-accepts the setting, and the ratio of the CPU times. A second table compares the means over all seeds with those of
-`wide_random`, whose packings have other grains. The rule requires a mean difference of at most 0.003 in size with a
-standard error of at most 0.0015, over three seeds, or over the number in SEEDS.
+It reads the tables results/reference/wide_*.csv of pebbles and writes results/reference/wide_cost.csv with one row per
+packing. It prints one line for each sieve curve and each study that packs beds of `wide_quota` again: the number of
+pairs (same curve, same seed), the mean difference of the porosity with its standard error, whether the rule of
+config/wide.yaml accepts the setting, and the ratio of the CPU times. A second table compares the means over all seeds
+with those of `wide_random`, whose packings have other grains. The rule requires a mean difference of at most 0.003 in
+size with a standard error of at most 0.0015, over three seeds, or over the number in SEEDS.
 """
 
 from pathlib import Path

@@ -41,7 +41,9 @@ def test_means_of_packings_of_other_grains():
     (row,) = compare_means(cost_table(TABLES, GATHERED)).itertuples()
     assert (row.settings, row.case, row.beds) == ("wide_random", "U5", 2)
     assert row.difference == pytest.approx(0.30 - 0.94 / 3) and row.cost == pytest.approx(101.5 / 110.0)
-    assert row.error == pytest.approx(np.std([0.30, 0.31, 0.33], ddof=1) / np.sqrt(3))  # both random porosities are 0.30
+    assert row.error == pytest.approx(
+        np.std([0.30, 0.31, 0.33], ddof=1) / np.sqrt(3)
+    )  # both random porosities are 0.30
 
 
 def test_a_row_that_was_not_gathered_is_an_error():

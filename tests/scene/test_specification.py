@@ -234,7 +234,7 @@ def test_accuracy_lays_its_settings_under_what_is_given():
     assert resolve(express(mine)) == mine
 
 
-@pytest.mark.parametrize("choice", ["draft", "standard", "r22"])
+@pytest.mark.parametrize("choice", ["draft", "standard", "wide", "r22"])
 def test_each_accuracy_gives_a_whole_specification(choice):
     """Every choice sets the same keys, so that changing from one to another leaves nothing of it behind."""
     presets = read_presets("accuracy")
@@ -245,7 +245,7 @@ def test_each_accuracy_gives_a_whole_specification(choice):
 
 
 def test_an_accuracy_that_is_not_there_is_refused():
-    with pytest.raises(ValueError, match=r"accuracy: 'papr' is not a choice; choose one of draft, standard, r22"):
+    with pytest.raises(ValueError, match=r"accuracy: 'papr' is not a choice; choose one of draft, standard, wide, r22"):
         resolve({**MINIMAL, "accuracy": "papr"})
 
 

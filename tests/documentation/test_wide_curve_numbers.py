@@ -1,0 +1,54 @@
+"""The numbers in docs/explanation/wide_sieve_curves.md are those of the committed rows."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from benchmarks.studies.wide_cost import compare_means, paired
+from simcore.paths import REFERENCE, ROOT
+
+PAGE = (ROOT / "docs" / "explanation" / "wide_sieve_curves.md").read_text(encoding="utf-8")
+COST = pd.read_csv(REFERENCE / "wide_cost.csv")
+
+
+def row_of(word):
+    """Return the cells of the only row of a table of the page that contains `word`."""
+    (line,) = (line for line in PAGE.splitlines() if line.startswith("|") and word in line)
+    return [cell.strip() for cell in line.strip("|").split("|")]
+
+
+@pytest.mark.parametrize("settings", ["wide_short", "wide_soft", "wide_both", "wide_rain"])
+def test_cost_and_difference_of_each_setting(settings):
+    (row,) = paired(COST).query("settings == @settings").itertuples()
+    _, difference, cost, verdict = row_of(f"(`{settings}`)")
+    assert difference == f"{row.difference:+.4f} ± {row.error:.4f}".replace("-", "−")
+    assert cost == f"{row.cost:.2f}" and verdict.startswith(row.verdict)
+
+
+def test_both_draws_have_the_same_mean_and_cost():
+    (row,) = compare_means(COST).itertuples()
+    words = " ".join(PAGE.split())
+    assert (
+        f"differ by {row.difference:.4f} ± {row.error:.4f}, and a packing takes the same CPU time, {row.cost:.2f}"
+        in words
+    )
+
+
+def test_directions_of_the_grains():
+    trends = pd.read_csv(REFERENCE / "trends.csv").query("seed == 1 and case == 'U5'").set_index(["study", "quantity"])
+    angles = np.degrees(trends[["mean", "mean_std_error"]].xs("angle", level="quantity"))
+    text = {study: f"{mean:.1f} ± {error:.1f}°" for study, mean, error in angles.itertuples()}
+    assert (
+        row_of("filled, shaken for 2.0 s and for 5.9 s")[1] == f"{text['wide_filled']} and {text['wide_filled_long']}"
+    )
+    assert (
+        row_of("| lattice | 6")[1] == text["wide_quota"]
+        and row_of("rain of 0.03 of the volume |")[1] == text["wide_rain"]
+    )
+    assert (
+        row_of("random directions, for")[1] == f"{np.degrees(1.0):.1f}°"
+    )  # the mean of arccos |z| over the sphere is 1
+    studies = ["wide_filled", "wide_filled_long", "wide_quota", "wide_rain"]
+    changes = trends.loc[pd.IndexSlice[studies, ["D", "FL", "EL"]], :]
+    assert len(changes) == 12 and (changes.relative_change.abs() < 2 * changes.relative_change_std_error).all()
+    assert f"{changes.grains.min()} to {changes.grains.max()} grains" in PAGE
