@@ -25,7 +25,7 @@ import yaml
 
 from simcore.campaign.gathering import table_of
 from simcore.models.fitting import fit_reference_models
-from simcore.models.packing_models.curves import span
+from simcore.models.packing_models.curves import gap, span
 from simcore.models.size_and_form.bases import PROCESS, fit_bases
 from simcore.models.size_and_form.beds import BASE, flags, form_labels, read_beds
 from simcore.models.size_and_form.candidates import predict
@@ -100,13 +100,14 @@ def left_out(rows) -> list[str]:
 
 
 def beds_table(beds, comparison):
-    """Return one row per bed: bed, family, form, n_one_class, n, n_error, widest, predicted_<model> without its family.
+    """Return one row per bed: bed, family, form, n_one_class, n, n_error, widest, gap, predicted_<model> without its
+    family.
 
-    widest: `span` of the sieve curve.
+    widest, gap: `span` and `gap` of the sieve curve.
     """
-    widest = [span(curve) for curve in beds.curves]
+    widths = {"widest": [span(curve) for curve in beds.curves], "gap": [gap(curve) for curve in beds.curves]}
     columns = {"bed": beds.names, "family": beds.family, "form": beds.form, "n_one_class": beds.one_class}
-    columns |= {"n": beds.n, "n_error": beds.error, "widest": widest}
+    columns |= {"n": beds.n, "n_error": beds.error} | widths
     predictions = {f"predicted_{name}": values for name, values in comparison.by_family.items()}
     return pd.DataFrame(columns | predictions)
 

@@ -7,12 +7,12 @@ from scipy.stats import t as student
 
 from simcore.grains.class_labels import BELOW, class_patterns
 from simcore.grains.sieve_table import table_rules
-from simcore.models.packing_models.curves import WIDEST
+from simcore.models.packing_models.curves import IN_GAP, WIDEST
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import COMPACTION, LITERATURE
 from simcore.models.packing_models.rods import LARGEST_FACTOR, RODS, SMALLEST_FACTOR
 from simcore.models.size_and_form import skeletons
-from simcore.models.size_and_form.bed_prediction import COLUMNS, MORE_MASS, loosest, rhine_sample
+from simcore.models.size_and_form.bed_prediction import ABOVE, COLUMNS, MORE_MASS, STICKY, rhine_sample, states
 from simcore.models.size_and_form.bed_prediction_text import CHECK_BY_CLASS, STATE
 from simcore.models.size_and_form.candidates import CANDIDATES, FIXED_Q
 from simcore.models.size_and_form.forms_by_class import BY_CLASS
@@ -58,7 +58,10 @@ def curve_data(levels, model=None):
         "rods": {"number": RODS, "smallest": SMALLEST_FACTOR, "largest": LARGEST_FACTOR},
         "compaction": COMPACTION,
         "more_mass": MORE_MASS,
-        "loosest": loosest(),
+        "in_gap": IN_GAP,
+        "above": ABOVE,
+        "sticky": 1e3 * STICKY,
+        "states": states()._asdict(),
         "rhine": asdict(rhine_sample()),
         "columns": COLUMNS,
         "predictors": [predictor.name for predictor in PREDICTORS],
@@ -112,6 +115,8 @@ def model_data(model, levels):
         "error": model.error,
         "form_error": model.form_error,
         "widest": model.widest,
+        "gap": model.gap,
+        "one_class": list(model.one_class),
         "behind": model.behind,
         "quantiles": {f"{level:g}": float(student.ppf(0.5 + 0.5 * level, model.freedom)) for level in levels},
     }

@@ -67,7 +67,11 @@ def test_the_truth_is_chosen_and_recovered(fitted, truth, number, kind, coeffici
     with_model = type(fitted)({}, {}, curve=result.model)
     before, after = (predict_curve(curve, new, models) for models in (fitted, with_model))
     assert after.n.item() == pytest.approx(truth(before.n.item()), abs=1e-5)
-    assert np.isnan(after.n_not_shaken.item()) and after.n_one_class.item() == before.n_one_class.item()
+    assert (
+        np.isnan(after.n_not_shaken.item())
+        and np.isnan(after.n_long_shaken.item())
+        and after.n_one_class.item() == before.n_one_class.item()
+    )
 
 
 def test_bias_scatter_and_the_literature_are_reported(fitted):

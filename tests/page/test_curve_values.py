@@ -30,8 +30,8 @@ from tests.helpers.table_cases import CLASSES, SAME_SIEVES, SIEVES
 
 TOLERANCE = 1e-9
 NUMBERS = [
-    "n", "lower", "upper", "n_not_shaken", "n_one_class", "one_class_lower", "one_class_upper",
-    "one_class_few_grains_error",
+    "n", "lower", "upper", "n_long_shaken", "n_not_shaken", "n_one_class", "one_class_lower",
+    "one_class_upper", "one_class_few_grains_error",
 ]  # fmt: skip
 EVALUATE = """
 inputs => inputs.map(({sieves, table, finest, coarsest, level, more}) => {

@@ -16,6 +16,7 @@ from simcore.grains.sieve import SieveCurve
 
 WIDEST = 2 ** (1 / 12)  # ratio of the bounds of a part
 LAWS = ("number", "mass")
+IN_GAP = 0.01  # share of the mass that may lie in a gap
 
 
 def parts(curve, law="number", widest=WIDEST):
@@ -48,12 +49,18 @@ def split(curve, number, law="number"):
 
 def quantile(curve, share):
     """Return the size [m] below which this share of the mass is, with mass uniform in log D within a class."""
+    return float(np.exp(_log_quantiles(curve, np.array([share]))[0]))
+
+
+def _log_quantiles(curve, shares):
+    """Return the logarithms of the sizes [m] below which these shares (k,) of the mass are."""
+    held = np.flatnonzero(curve.mass_fractions > 0)
     cumulative = np.cumsum(curve.mass_fractions)
-    wanted = share * cumulative[-1]
-    index = int(np.flatnonzero((cumulative >= wanted - 1e-12) & (curve.mass_fractions > 0))[0])
+    wanted = shares * cumulative[-1]
+    index = held[np.searchsorted(cumulative[held], wanted - 1e-12)]
     within = 1 - (cumulative[index] - wanted) / curve.mass_fractions[index]
-    low, high = np.log(curve.bounds[index : index + 2])
-    return float(np.exp(low + within * (high - low)))
+    logs = np.log(curve.bounds)
+    return logs[index] + within * (logs[index + 1] - logs[index])
 
 
 def passing(curve, size):
@@ -65,6 +72,17 @@ def passing(curve, size):
 def span(curve):
     """Return the width of a SieveCurve: the ratio of the sizes below which 99 % and 1 % of the mass are."""
     return quantile(curve, 0.99) / quantile(curve, 0.01)
+
+
+def gap(curve):
+    """Return the widest gap of a SieveCurve: the largest ratio of sizes between which IN_GAP of the mass is.
+
+    The coarsest and the finest 1 % of the mass do not count, as for `span`.
+    """
+    ends = np.cumsum(curve.mass_fractions) / np.sum(curve.mass_fractions)
+    starts = np.concatenate([ends, ends - IN_GAP, [0.01]])  # the ratio is largest at an end of a class
+    starts = starts[(starts >= 0.01) & (starts <= 0.99 - IN_GAP)]
+    return float(np.exp(np.max(_log_quantiles(curve, starts + IN_GAP) - _log_quantiles(curve, starts))))
 
 
 def log2_deviation(curve):

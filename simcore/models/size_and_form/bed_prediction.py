@@ -3,6 +3,7 @@
 from functools import cache
 from itertools import chain
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -11,7 +12,7 @@ from simcore.grains.measured_forms import Sample, read_measured
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.few_grains import few_grains_half
-from simcore.models.packing_models.curves import span
+from simcore.models.packing_models.curves import gap, passing, span
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import LITERATURE
 from simcore.models.prediction import ONE_CLASS, predict_all_preferred, predict_preferred
@@ -23,10 +24,13 @@ from simcore.reference.r22_tables import read_r22_table
 
 COLUMNS = [
     "sample", "grains", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL",
-    "n", "lower", "upper", "n_not_shaken", "n_one_class", "one_class_lower", "one_class_upper",
-    "one_class_few_grains_error", "outside", "refused",
+    "n", "lower", "upper", "n_long_shaken", "n_not_shaken", "n_one_class", "one_class_lower",
+    "one_class_upper", "one_class_few_grains_error", "outside", "refused",
 ]  # fmt: skip
 ONE_CLASS_NUMBERS = ("n", "lower", "upper", "few_grains_error")  # of the row of the model of one class
+ABOVE = 1.0 + 1e-9  # ratio to a limit, from which a value is above it
+STICKY = 2e-3  # [m], sieve size below which clean grains may stick together, which the packings do not contain
+SHAKEN = 1.0  # [s], of the beds to which the model is fitted
 MORE_MASS = 0.01  # of one class, for the sensitivity to the curve
 UNKNOWN_FORMS = "the Rhine's mean form"
 
@@ -56,16 +60,17 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
 
     samples: list of simcore.grains.measured_forms.Sample. fitted: FittedModels with models of beds of one class. level:
     probability of the interval. model: SizedModel; None: that of `fitted` with its correction to measured beds, or the
-    current one. n, lower, upper: porosity and its prediction interval; n_not_shaken: porosity if the bed is placed and
-    not shaken (`loosest`); n_one_class and its interval: of a bed of one sieve class of these grains;
+    current one. n, lower, upper: porosity of a bed that is shaken for about a second, and its prediction interval;
+    n_long_shaken, n_not_shaken: range of its state of packing (`states`); n_one_class and its interval: of a bed of one
+    sieve class of these grains;
     one_class_few_grains_error: its standard error that follows from the limited number of measured grains, which both
     intervals contain, nan if it is unknown. outside: what lies outside the fitted ranges. If there is no
     prediction, the numbers are nan and `refused` gives the reason.
 
     The interval adds three independent errors: of the one-class porosity with that of few grains, of the step from one
     class to the curve, which is proportional to the decrease of porosity, and of how much of the effect of form the
-    step carries over. With a correction, the interval is that of CurveCorrection, and n_not_shaken is nan, because the
-    state of the packing is that of the measured beds.
+    step carries over. With a correction, the interval is that of CurveCorrection, and the range of the state is nan,
+    because the state of the packing is that of the measured beds.
     """
     correction = fitted.curve if model is None else None
     model, fitted = model or sized_model(fitted), one_class_models(fitted)
@@ -93,7 +98,7 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
         form = [sample.name, sample.grains, sample.mu_FL, sample.sigma_FL, sample.mu_EL, sample.sigma_EL]
         table.append(bed_row(form, of_class[i], n[i], half[i], row["outside"], refused, curve, model))
     table = pd.DataFrame(table, columns=COLUMNS)
-    return table if correction is None else table.assign(n_not_shaken=np.nan)
+    return table if correction is None else without_states(table)
 
 
 def rhine_one_class(fitted, level=0.95) -> float:
@@ -141,8 +146,11 @@ def divided(half, one_class, few):
 
 
 def wider(curve, model) -> float:
-    """Return the factor of the error of a SieveCurve that is wider than those of known error: 1 for all others."""
-    return max(1.0, float(np.log(span(curve)) / np.log(model.widest)))
+    """Return the factor of the error of a SieveCurve that is wider, or has a wider gap, than those of known error.
+
+    It is the larger ratio of the logarithms of their `span` and `gap`, and 1 for all other curves.
+    """
+    return max(1.0, float(np.log(span(curve)) / np.log(model.widest)), float(np.log(gap(curve)) / np.log(model.gap)))
 
 
 def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):
@@ -151,29 +159,64 @@ def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):
     form: the first six of them. one_class (4,): one-class porosity, its interval and its error of few grains. half:
     half width of the interval of n. outside, refused: of the forms; what lies outside in the SieveCurve is added.
     """
-    wide = "" if curve is None else _outside_of_curve(curve, model)
+    beyond = [] if curve is None else [*_outside_of_curve(curve, model), *_outside_of_forms(one_class[0], model)]
     if np.isfinite(n) and not 0.0 < n - half < n + half < 1.0:
         refused, n = "its prediction interval reaches outside (0, 1)", np.nan
-    numbers = [n, n - half, n + half, n + loosest(), *one_class]
-    return [*form, *numbers, "; ".join(filter(None, [outside, wide])), refused]
+    numbers = [n, n - half, n + half, *(n + change for change in states()), *one_class]
+    return [*form, *numbers, "; ".join(filter(None, [outside, *beyond])), refused]
 
 
 def _outside_of_curve(curve, model):
-    ratio = span(curve)
-    if ratio <= model.widest * (1.0 + 1e-9):
-        return ""
-    return f"98 % of the mass spans {ratio:.3g} : 1 in size, errors are known up to {model.widest:.3g} : 1"
+    """Return remarks on what lies outside the SieveCurves of known error."""
+    texts = []
+    if (ratio := span(curve)) > model.widest * ABOVE:
+        texts.append(f"98 % of the mass spans {ratio:.3g} : 1 in size, errors are known up to {model.widest:.3g} : 1")
+    if (ratio := gap(curve)) > model.gap * ABOVE:
+        texts.append(f"the curve has a gap of {ratio:.3g} : 1 in size, errors are known up to {model.gap:.3g} : 1")
+    if (share := passing(curve, STICKY)) > 0.01:
+        texts.append(
+            f"{100 * share:.0f} % of the mass is finer than {1e3 * STICKY:g} mm, where grains may stick together"
+        )
+    return texts
+
+
+def _outside_of_forms(one_class, model):
+    """Return remarks on a one-class porosity outside those of beds of known error."""
+    least, largest = model.one_class
+    if not (one_class < least / ABOVE or one_class > largest * ABOVE):
+        return []
+    return [f"the one-class porosity is {one_class:.3f}, errors are known from {least:.3f} to {largest:.3f}"]
+
+
+class States(NamedTuple):
+    """Changes of porosity by the state of packing, from that of a bed that is shaken for a second."""
+
+    long_shaken: float
+    not_shaken: float
 
 
 @cache
-def loosest(folder=REFERENCE) -> float:
-    """Return by how much beds are looser that are not shaken: the largest difference over the committed sieve curves.
+def states(folder=REFERENCE) -> States:
+    """Return the largest changes of porosity by the state of packing over the sieve curves U7 and B50.
 
-    It is the porosity after 0 s of shaking less that after the longest time, in shaking_cylinder.csv.
+    not_shaken: the porosity after 0 s of shaking less that after 1 s, in shaking_cylinder.csv. long_shaken: that after
+    the longest time, 8 s, less that after 1 s, in Table 8 of Rettinger et al. (2022).
     """
-    rows = pd.read_csv(Path(folder) / "shaking_cylinder.csv").sort_values("shaking_s")
-    differences = rows.groupby(["case", "seed"])["n"].agg(lambda n: n.iloc[0] - n.iloc[-1])
-    return float(differences.max())
+    rows = pd.read_csv(Path(folder) / "shaking_cylinder.csv").assign(t_s=lambda rows: rows["shaking_s"])
+    placed = [by_time(bed, 0.0) - by_time(bed, SHAKEN) for _, bed in rows.groupby(["case", "seed"])]
+    published = read_r22_table("table8_shaking_periodic").groupby("case")
+    longest = [by_time(bed, bed["t_s"].max()) - by_time(bed, SHAKEN) for _, bed in published]
+    return States(min(longest), max(placed))
+
+
+def by_time(bed, t) -> float:
+    """Return the porosity in the row of a bed that was shaken for t seconds."""
+    return float(bed.loc[bed["t_s"] == t, "n"].item())
+
+
+def without_states(table):
+    """Return the table of predict_curve without the range of the state of packing."""
+    return table.assign(n_long_shaken=np.nan, n_not_shaken=np.nan)
 
 
 def sensitivity(curve, one_class, fitted) -> np.ndarray:

@@ -102,7 +102,8 @@ def read_correction(values, one_class):
     if values["form_model"] not in one_class.models:
         raise ValueError("the file has no model of the form of the beds")
     values["covariance"] = tuple(tuple(map(float, row)) for row in values["covariance"])
-    values["sized"] = SizedModel(**values["sized"])
+    sized = SizedModel(**values["sized"])
+    values["sized"] = sized._replace(one_class=tuple(sized.one_class))
     size = 1 if values["kind"] == "offset" else 2
     if {len(values[name]) for name in ("coefficients", "covariance", "of_sizes", "of_form")} != {size}:
         raise ValueError("the coefficients of the correction do not fit its kind")

@@ -16,6 +16,7 @@ from simcore.models.size_and_form.bed_prediction import (
     one_class_models,
     rhine_one_class,
     sized_model,
+    without_states,
 )
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
 from simcore.models.size_and_form.sized_model import SizedModel
@@ -72,7 +73,7 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
         (n,), (half,) = correction.apply([n], *parts, of_model, of_few, level)
     mean = np.append(mean, _of_samples(samples, errors * weights))
     table = pd.DataFrame([bed_row(form, mean, n, half, outside, "", curve, model)], columns=COLUMNS)
-    return table if correction is None else table.assign(n_not_shaken=np.nan)
+    return table if correction is None else without_states(table)
 
 
 def _of_samples(samples, errors):

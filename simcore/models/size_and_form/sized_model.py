@@ -27,6 +27,7 @@ from simcore.scene.sizes import all_cases
 SETS = (MEASURED, PACKED)  # beds whose errors the model states
 CANDIDATE, UNFITTED = "H", {"K": 4.1, "m0": 1.0, "kappa": 0.0}
 NOT_FITTED = f"{CANDIDATE}, not fitted"  # its name in the table of candidates
+ANY = 1e9  # limit of a ratio that is not limited
 OF_FORM = ("U7", "B50")  # cases for which Rettinger et al. published models of single forms
 ENDS = (0.32, 0.38)  # one-class porosities between which the effect of form is compared, about that of the 63 forms
 # Families of sieve curves of config/curves.tsv and config/cases.tsv, without that of the bases
@@ -38,7 +39,8 @@ class SizedModel(NamedTuple):
 
     error: standard error of the decrease of porosity from one class to the curve, relative to the decrease; freedom:
     its degrees of freedom. form_error: largest part of the effect of form that the model may carry over wrongly, per
-    relative decrease of porosity by the sizes. widest: largest `span` of sieve curves for which errors are known.
+    relative decrease of porosity by the sizes. widest, gap: largest `span` and `gap` of sieve curves for which errors
+    are known; one_class: least and largest one-class porosity of these beds.
     """
 
     candidate: str
@@ -49,6 +51,8 @@ class SizedModel(NamedTuple):
     form_error: float
     widest: float
     behind: str  # what the errors rest on
+    gap: float = ANY  # unknown in files of earlier versions, as one_class
+    one_class: tuple = (0.0, 1.0)
 
     def predict(self, curve, one_class, forms=None, reference=REFERENCE_POROSITY):
         """Return the porosity of beds with this SieveCurve; arguments as in size_and_form.candidates.predict."""
@@ -92,6 +96,8 @@ def fitted_model(folder=REFERENCE) -> SizedModel | None:
         form_error=_form_error(name, values),
         widest=float(beds["widest"].max()),
         behind=f"fitted to {len(beds)} packed beds of {families} families of sieve curves.",
+        gap=float(beds["gap"].max()),
+        one_class=(float(beds["n_one_class"].min()), float(beds["n_one_class"].max())),
     )
 
 

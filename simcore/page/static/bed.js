@@ -1,7 +1,7 @@
 // Porosity of beds with a sieve curve that the user gives, as simcore.models.size_and_form.bed_prediction has it.
 const Bed = (() => {
   const { InputError, general } = Numbers;
-  const { one_class: range, rhine, loosest, model, more_mass: moreMass, compaction } = DATA.curve;
+  const { one_class: range, rhine, states, model, in_gap: inGap, above, sticky, more_mass: moreMass, compaction } = DATA.curve;
   const CLASSES = DATA.curve.classes;
   const { CLASS_NAME, boundsOf } = SieveClasses;
   const RHINE = { ...rhine, forms: [] };
@@ -102,11 +102,11 @@ const Bed = (() => {
   }
 
   const refusal = (outside, refused) => ({
-    n: NaN, lower: NaN, upper: NaN, n_not_shaken: NaN, n_one_class: NaN, one_class_lower: NaN, one_class_upper: NaN,
+    n: NaN, lower: NaN, upper: NaN, n_long_shaken: NaN, n_not_shaken: NaN, n_one_class: NaN, one_class_lower: NaN, one_class_upper: NaN,
     one_class_few_grains_error: NaN, outside, refused, oneClass: { n: NaN, quantities: [] },
   });
 
-  // Returns the porosity of a bed, {n, lower, upper, n_not_shaken, n_one_class, ..., outside, refused, oneClass}.
+  // Returns the porosity of a bed, {n, lower, upper, n_long_shaken, n_not_shaken, n_one_class, ..., outside, refused, oneClass}.
   function predict(curve, sample, level) {
     const oneClass = oneClassOf(sample, level);
     const usable = oneClass.n >= range.least && oneClass.n <= range.largest;
@@ -128,10 +128,10 @@ const Bed = (() => {
       n = NaN;
     }
     return {
-      n, lower: n - half, upper: n + half, n_not_shaken: n + loosest,
+      n, lower: n - half, upper: n + half, n_long_shaken: n + states.long_shaken, n_not_shaken: n + states.not_shaken,
       n_one_class: oneClass.n, one_class_lower: oneClass.lower, one_class_upper: oneClass.upper,
       one_class_few_grains_error: oneClass.few_grains_error,
-      outside: [oneClass.outside, tooWide(curve)].filter((text) => text).join("; "), refused, oneClass,
+      outside: [oneClass.outside, ...beyond(curve, oneClass.n)].filter((text) => text).join("; "), refused, oneClass,
     };
   }
 
@@ -148,13 +148,38 @@ const Bed = (() => {
   // Ratio of the sizes below which 99 % and 1 % of the mass are.
   const span = (curve) => quantile(curve, 0.99) / quantile(curve, 0.01);
 
-  // The error grows beyond the widest curve of known error.
-  const wider = (curve) => Math.max(1, Math.log(span(curve)) / Math.log(model.widest));
+  // Largest ratio of the sizes between which a hundredth of the mass is, without the finest and the coarsest hundredth.
+  function gap(curve) {
+    const total = Packing.sum(curve.mass_fractions);
+    const ends = curve.mass_fractions.map((_, i) => Packing.sum(curve.mass_fractions.slice(0, i + 1)) / total);
+    const starts = [...ends, ...ends.map((end) => end - inGap), 0.01].filter((q) => q >= 0.01 && q <= 0.99 - inGap);
+    return Math.max(...starts.map((q) => quantile(curve, q + inGap) / quantile(curve, q)));
+  }
 
-  function tooWide(curve) {
-    const ratio = span(curve);
-    if (ratio <= model.widest * (1 + 1e-9)) return "";
-    return `98 % of the mass spans ${general(ratio, 3)} : 1 in size, errors are known up to ${general(model.widest, 3)} : 1`;
+  // The error grows beyond the widest curve, and beyond the widest gap, of known error.
+  const wider = (curve) =>
+    Math.max(1, Math.log(span(curve)) / Math.log(model.widest), Math.log(gap(curve)) / Math.log(model.gap));
+
+  // Returns remarks on what lies outside the beds of known error.
+  function beyond(curve, oneClass) {
+    const texts = [];
+    const known = (limit) => `errors are known up to ${general(limit, 3)} : 1`;
+    if (span(curve) > model.widest * above) {
+      texts.push(`98 % of the mass spans ${general(span(curve), 3)} : 1 in size, ${known(model.widest)}`);
+    }
+    if (gap(curve) > model.gap * above) {
+      texts.push(`the curve has a gap of ${general(gap(curve), 3)} : 1 in size, ${known(model.gap)}`);
+    }
+    const fine = passing(curve, sticky);
+    if (fine > 0.01) {
+      texts.push(`${(100 * fine).toFixed(0)} % of the mass is finer than ${general(sticky)} mm, where grains may stick together`);
+    }
+    const [least, largest] = model.one_class;
+    if (oneClass < least / above || oneClass > largest * above) {
+      const range = `from ${least.toFixed(3)} to ${largest.toFixed(3)}`;
+      texts.push(`the one-class porosity is ${oneClass.toFixed(3)}, errors are known ${range}`);
+    }
+    return texts;
   }
 
   // Returns the change of porosity if the mass of each class grows by 1 % of the whole.

@@ -20,7 +20,11 @@ const BedOutput = (() => {
     const oneClass = `${number(bed.n_one_class)} (${number(bed.one_class_lower)} to ${number(bed.one_class_upper)})`;
     const texts = [
       node("p", `${100 * level} % prediction interval: ${interval(bed)}`, "interval"),
-      node("p", `${marked(DATA.curve.state)} A bed that is placed and not shaken has up to ${number(bed.n_not_shaken)}.`),
+      node(
+        "p",
+        `${DATA.curve.state} By its state of packing it is between ${number(bed.n_long_shaken)}, shaken for eight seconds, ` +
+          `and ${number(bed.n_not_shaken)}, placed and not shaken.`
+      ),
       node("p", `One sieve class of these grains has ${oneClass}, and the sizes take ${number(bed.n_one_class - bed.n)} of it.`),
     ];
     if (byClass) texts.push(node("p", DATA.curve.classes.check));
@@ -39,13 +43,12 @@ const BedOutput = (() => {
       const label = `${marked(text)}: ${number(n)}`;
       return { n, lower: NaN, upper: NaN, label, kind: packing ? "packing" : "empirical" };
     });
-    return [ours, states(bed.n), ...others];
+    return [ours, stateLine(bed), ...others];
   }
 
-  // Returns the line of the range from a bed that is shaken to one that is only placed.
-  function states(n) {
-    const placed = n + DATA.curve.loosest;
-    return { n: NaN, lower: n, upper: placed, kind: "state", label: `shaken to not shaken: ${number(n)} to ${number(placed)}` };
+  // Returns the line of the range from a bed that is shaken for long to one that is only placed.
+  function stateLine({ n_long_shaken: lower, n_not_shaken: upper }) {
+    return { n: NaN, lower, upper, kind: "state", label: `long shaken to not shaken: ${number(lower)} to ${number(upper)}` };
   }
 
   // Returns the rows of the table of classes: bounds, mass, and what 1 % more of it changes.

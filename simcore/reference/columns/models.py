@@ -80,6 +80,7 @@ SIZE_AND_FORM = (
     Column("form", "", "single form of the grains, or all"),
     Column("n_one_class", "", "porosity of a bed of one sieve class of these grains, packed by the same process"),
     Column("widest", "", "size below which 99 % of the mass is, over that of 1 %"),
+    Column("gap", "", "largest ratio of sizes between which 1 % of the mass is, without the finest and coarsest 1 %"),
     Column("predicted_*", "", "porosity by a model, fitted without the bed's family"),
 )
 # Beds of known porosity, predicted from their sieve curve

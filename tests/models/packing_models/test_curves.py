@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from simcore.grains.sieve import SieveCurve, read_cases
-from simcore.models.packing_models.curves import LAWS, log2_deviation, parts, passing, quantile, span, split
+from simcore.models.packing_models.curves import LAWS, gap, log2_deviation, parts, passing, quantile, span, split
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.paths import CONFIG, R22_TABLES
 
@@ -53,6 +53,17 @@ def test_unknown_laws_are_refused():
         parts(GAP, "volume")
     with pytest.raises(ValueError, match="not above 1"):
         parts(GAP, widest=1.0)
+
+
+def test_a_gap_is_the_widest_ratio_of_sizes_with_a_hundredth_of_the_mass():
+    """It is as found by trying many places, and not changed by a little mass in the gap or by finer classes."""
+    rng = np.random.default_rng(5)
+    assert gap(GAP) == pytest.approx(2.0 * 2.0 ** (0.01 / 0.5), rel=0.02)  # from 2 to 4 mm, and 1 % of the mass more
+    for curve in (GAP, *CASES.values(), *(SieveCurve(GAP.bounds, rng.dirichlet([0.3, 0.1, 0.3])) for _ in range(20))):
+        starts = np.linspace(0.01, 0.98, 20_001)
+        tried = max(quantile(curve, start + 0.01) / quantile(curve, start) for start in starts)
+        assert tried <= gap(curve) * (1 + 1e-9) and gap(curve) == pytest.approx(tried, rel=2e-3)
+        assert gap(split(curve, 3, "mass")) == pytest.approx(gap(curve), rel=1e-9)
 
 
 def test_quantiles_and_passing_shares():

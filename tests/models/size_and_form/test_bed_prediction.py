@@ -15,17 +15,16 @@ from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_table import read_curve
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.fitting import fit_reference_models
-from simcore.models.packing_models.curves import span, split
+from simcore.models.packing_models.curves import gap, passing, span, split
 from simcore.models.prediction import ONE_CLASS, predict_samples
 from simcore.models.size_and_form.bed_prediction import (
-    loosest,
     other_predictors,
     predict_curve,
     rhine_one_class,
     rhine_sample,
     sensitivity,
+    states,
 )
-from simcore.models.size_and_form.bed_prediction_text import STATE
 from simcore.models.size_and_form.sized_model import current_model, unfitted_model
 from simcore.paths import REFERENCE, ROOT
 from simcore.scene.sizes import all_cases
@@ -81,14 +80,16 @@ def test_the_stated_error_is_that_on_the_known_beds():
     assert np.square(table[candidates]).mean().idxmin() == "error_H, K = 4.1"
 
 
-def test_the_stated_effect_of_longer_shaking_is_that_of_the_published_table():
-    """If this fails, change STATE in bed_prediction_text."""
-    table = pd.read_csv(REFERENCE / "r22" / "table8_shaking_periodic.csv").pivot(
+def test_the_range_of_the_state_is_that_of_the_beds_behind_it():
+    """U7 and B50, of which the larger change counts: the text names the longest time, eight seconds."""
+    published = pd.read_csv(REFERENCE / "r22" / "table8_shaking_periodic.csv").pivot(
         index="t_s", columns="case", values="n"
     )
-    denser = (table.loc[1] - table.loc[6]).max()
-    assert "about a second; shaken for six, it becomes up to 0.01 denser" in STATE
-    assert denser == pytest.approx(0.01, abs=0.0015)
+    placed = pd.read_csv(REFERENCE / "shaking_cylinder.csv").pivot(index="shaking_s", columns="case", values="n")
+    assert published.index.max() == 8 and set(published) == set(placed) == {"U7", "B50"}
+    assert states().long_shaken == pytest.approx((published.loc[8] - published.loc[1]).min(), abs=1e-12)
+    assert states().not_shaken == pytest.approx((placed.loc[0] - placed.loc[1]).max(), abs=1e-12)
+    assert states().long_shaken < 0 < states().not_shaken
 
 
 def test_the_interval_adds_its_three_errors(fitted):
@@ -121,8 +122,29 @@ def test_random_curves_have_a_porosity_below_that_of_one_class(fitted):
     for curve in random_curves(20):
         row = predict_curve(curve, [sample()], fitted).iloc[0]
         assert row.refused == "" and 0 < row.lower < row.n <= row.n_one_class + 1e-12
-        assert row.n_not_shaken == pytest.approx(row.n + loosest())
-        assert ("errors are known" in row.outside) == (span(curve) > widest)
+        assert (row.n_long_shaken, row.n_not_shaken) == pytest.approx(tuple(row.n + change for change in states()))
+        assert ("98 % of the mass spans" in row.outside) == (span(curve) > widest)
+        assert ("has a gap of" in row.outside) == (gap(curve) > current_model().gap * (1 + 1e-9))
+        assert ("finer than 2 mm" in row.outside) == (passing(curve, 2e-3) > 0.01)
+
+
+def test_beds_outside_those_that_were_packed_are_named_and_gaps_widen_the_interval(fitted):
+    """A binary curve with a wider gap, sand, and grains that are looser in one class than those of all wide beds."""
+    gapped = SieveCurve(np.array([3.0, 4.0, 28.0, 31.5]) * 1e-3, [0.3, 0.0, 0.7], "gapped")
+    row, model = predict_curve(gapped, [sample()], fitted).iloc[0], current_model()
+    assert span(gapped) < model.widest * 1.1 and row.outside.count("errors are known up to") == 1 + (
+        span(gapped) > model.widest
+    )
+    assert f"the curve has a gap of {gap(gapped):.3g} : 1 in size" in row.outside
+    same = predict_curve(gapped, [sample()], fitted, model=model._replace(gap=1e9, widest=1e9)).iloc[0]
+    assert row.n == same.n and row.upper - row.lower > 1.1 * (same.upper - same.lower) and same.outside == ""
+    sand = SieveCurve(np.array([0.2, 0.5, 1.0]) * 1e-3, [0.5, 0.5], "sand")
+    assert "100 % of the mass is finer than 2 mm, where grains may stick together" in (
+        predict_curve(sand, [sample()], fitted).outside.item()
+    )
+    flat = predict_curve(all_cases()["U3"].curve, [sample(mu_FL=0.35, mu_EL=0.55)], fitted).iloc[0]
+    assert flat.n_one_class > model.one_class[1]
+    assert f"the one-class porosity is {flat.n_one_class:.3f}, errors are known from" in flat.outside
 
 
 def written_curves(count, folder):
@@ -170,7 +192,7 @@ def test_splitting_a_class_changes_next_to_nothing(fitted):
 def test_a_form_far_outside_is_refused_and_the_others_stay(fitted):
     table = predict_curve(all_cases()["U5"].curve, [sample(), sample("thin", mu_FL=0.05, sigma_FL=0.01)], fitted)
     assert table.refused[0] == "" and "mu_EQ_inv" in table.refused[1]
-    assert table.loc[1, ["n", "lower", "upper", "n_not_shaken"]].isna().all()
+    assert table.loc[1, ["n", "lower", "upper", "n_long_shaken", "n_not_shaken"]].isna().all()
 
 
 def test_sensitivity_is_the_change_by_one_percent_more_of_a_class(fitted):
@@ -198,7 +220,7 @@ def test_the_command_prints_porosity_and_what_the_curve_does(capsys):
     captured = capsys.readouterr()
     text = captured.out.splitlines()
     assert text[0] == f"Porosity of beds with the sieve curve of {CURVE}, with 95 % prediction intervals"
-    assert text[2].split() == ["sample", "grains", "FL", "EL", "porosity", "not", "shaken", "one", "class"]
+    assert text[2].split() == ["sample", "grains", "FL", "EL", "porosity", "state", "of", "packing", "one", "class"]
     assert sum(" to " in line and "±" in line for line in text) == 9
     assert "it is assumed that the 0.4% in the pan are coarser than 1.96 mm" in captured.err
 

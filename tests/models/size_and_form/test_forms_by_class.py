@@ -52,7 +52,18 @@ def test_equal_forms_give_the_prediction_for_all_grains(fitted, table, form):
     found = predict_by_class(CURVE, classes, fitted).iloc[0]
     expected = predict_curve(CURVE, [next(iter(classes.values()))], fitted).iloc[0]
     assert found["sample"] == BY_CLASS
-    for name in ("n", "lower", "upper", "n_one_class", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL", "n_not_shaken"):
+    for name in (
+        "n",
+        "lower",
+        "upper",
+        "n_one_class",
+        "mu_FL",
+        "sigma_FL",
+        "mu_EL",
+        "sigma_EL",
+        "n_long_shaken",
+        "n_not_shaken",
+    ):
         assert found[name] == pytest.approx(expected[name], abs=1e-9)
 
 

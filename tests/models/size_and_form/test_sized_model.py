@@ -4,7 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.models.packing_models.curves import span, split
+from simcore.grains.sieve import SieveCurve
+from simcore.models.packing_models.curves import gap, span, split
 from simcore.models.size_and_form.bed_prediction import wider
 from simcore.models.size_and_form.candidates import predict
 from simcore.models.size_and_form.sized_model import (
@@ -31,7 +32,7 @@ def write_tables(folder, chosen="L", unfitted=0.02, families=WIDE_FAMILIES):
     parameters = [{"model": "L", "parameter": key, "value": value} for key, value in PARAMETERS.items()]
     beds = [
         {"family": family, "n_one_class": 0.36, "n": 0.30, "predicted_L": 0.30 + error,
-         "predicted_rods": 0.31, "widest": widest}
+         "predicted_rods": 0.31, "widest": widest, "gap": 0.5 * widest}
         for family, error, widest in zip(sorted(families), (3e-3, -3e-3) * 3, (2, 3, 4, 5, 5.6, 4), strict=False)
     ]  # fmt: skip
     (folder / "models").mkdir()
@@ -71,6 +72,13 @@ def test_the_error_grows_beyond_the_widest_curve(tmp_path):
     model = current_model(write_tables(tmp_path))
     assert wider(all_cases()["U3"].curve, model) == 1.0
     assert wider(all_cases()["U7"].curve, model) == pytest.approx(np.log(span(all_cases()["U7"].curve)) / np.log(5.6))
+
+
+def test_the_error_grows_beyond_the_widest_gap(tmp_path):
+    model = current_model(write_tables(tmp_path))  # gaps of up to 2.8
+    curve = SieveCurve([4e-3, 5.6e-3, 20e-3, 21e-3], [0.3, 0.0, 0.7])
+    assert gap(curve) > 20 / 5.6 and span(curve) < 5.6
+    assert wider(curve, model) == pytest.approx(np.log(gap(curve)) / np.log(2.8))
 
 
 def test_the_effect_of_form_is_compared_with_the_published_models(tmp_path):
