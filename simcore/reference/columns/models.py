@@ -26,6 +26,7 @@ MODELS = (
     Column("covariance", "", "covariance of the coefficients of term and with_term, or of two parameters"),
     # Correlations
     Column("feature", "", "feature of form; _inv: its inverse"),
+    Column("rank", "", "place of the feature by the magnitude of r, within a case"),
     Column("r", "", "Pearson's correlation of the feature with porosity"),
     Column("r_first", "", "Pearson's correlation of the feature with inverse equancy"),
     Column("kept", "", "whether the feature's correlation with inverse equancy is low enough for a second feature"),
