@@ -3,6 +3,7 @@
 papers.yaml lists the tables and figures. Sizes and differences are computed from the committed rows.
 """
 
+import functools
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import yaml
 
 from docs.generate.markdown import table
 from simcore.campaign.deposit_findings import findings
-from simcore.campaign.deposits import read_deposits
+from simcore.campaign.deposits import curve, read_deposits
 from simcore.grains.form import FORM_FACTORS
 from simcore.grains.sieve import read_cases
 from simcore.paths import CONFIG, REFERENCE
@@ -24,7 +25,7 @@ _HEAD = """# The two papers, table by table
 Scree reproduces Rettinger et al. (2022) and Baram and Lind (arXiv:1110.2792). This page lists their tables and figures:
 where each is here, how large our version is, and how far the results are apart. Differences are ours minus theirs; ±
 is the standard error of both together. The numbers follow from the committed tables in `results/reference/`. [What the
-campaigns find](findings.md) explains them.
+campaigns find](findings.md) explains them, and has the command that draws figures 8 to 12 from these tables.
 """
 _TITLES = {"r22": "Rettinger et al. (2022)", "baram_lind": "Baram and Lind"}
 MEAN_FORM = {"FL": 0.647, "EL": 0.682}  # of the Rhine's gravel
@@ -52,6 +53,8 @@ def _compare(entry):
     """Return the size of our version and its difference, as texts."""
     if "picture" in entry:
         return entry["picture"], "a picture"
+    if "absent" in entry:
+        return "", entry["absent"]
     return _not_packed(entry["study"]) if "study" in entry else COMPARED[entry["compared"]]()
 
 
@@ -62,6 +65,11 @@ def _rows(name):
 def _apart(difference, error):
     """Describe a difference with its standard error."""
     return f"{difference:+.4f} ± {error:.4f}".replace("-", "−") + f" ({abs(difference) / error:.1f} standard errors)"
+
+
+def _feature(name):
+    """Return the name of a feature as the texts have it."""
+    return name.replace("_inv", "⁻¹")
 
 
 def _signed(value, digits=4):
@@ -82,6 +90,29 @@ def _forms():
     ours = ours.iloc[0]
     texts = [f"mean {ratio} {_signed(ours[f'mu_{ratio}'] - theirs[f'mu_{ratio}'], 3)}" for ratio in ("FL", "EL")]
     return f"{ours.n_samples} synthetic grains", ", ".join(texts) + ", because they are made to have these statistics"
+
+
+def _factor_correlations():
+    ours = pd.read_csv(REFERENCE / "grains" / "correlations.csv", index_col=0)
+    theirs = read_r22_table("correlations").query("feature == 'FL~EL'")["r"].iloc[0]
+    texts = f"r of FL with EL {_signed(ours.loc['FL', 'EL'] - theirs, 3)}, because the grains are made to have theirs"
+    return (
+        f"{len(ours)} factors, {len(_rows('grains/forms'))} synthetic grains",
+        f"{texts}; we have no other value of theirs",
+    )
+
+
+def _components():
+    ours = _rows("grains/components").set_index("component")["cumulative"]
+    return "as Fig. 3", f"two components explain {100 * ours['PC2']:.1f} % of the variance; theirs: two suffice"
+
+
+def _normality():
+    ours = _rows("grains/statistics").iloc[0]
+    values = (f"{ratio} p = {ours[f'shapiro_p_{ratio}']:.2f}" for ratio in ("FL", "EL"))
+    return f"{ours.n_samples} synthetic grains", (
+        f"{', '.join(values)}; none is below 0.05, as theirs, because forms are drawn again if one is"
+    )
 
 
 def _curves():
@@ -135,9 +166,18 @@ def _single(case):
 
 
 def _correlation():
-    ours = _rows("models/single_form_correlations").query("feature == 'EQ_inv'").dropna(subset="r22_r")
-    texts = [f"{row.case}, {row.source}: {_signed(row.r - row.r22_r, 3)}" for row in ours.itertuples()]
-    return "as Eqs. 17 to 19", "; ".join(texts)
+    ours = _rows("models/single_form_correlations").dropna(subset="r22_r")
+    texts = []
+    for (case, source), rows in ours.groupby(["case", "source"], sort=False):
+        apart = (f"{_feature(row.feature)} {_signed(row.r - row.r22_r, 3)}" for row in rows.itertuples())
+        texts.append(f"{case}, {source}: {', '.join(apart)}")
+    return "as Eqs. 17 to 19, and 63 scans in U1", "difference of r: " + "; ".join(texts)
+
+
+def _prediction_of_forms():
+    ours = _rows("models/single_form_second_features").query("feature == 'EL_inv' and source == 'synthetic'")
+    errors = (f"{row.case} {row.mean_absolute_error:.4f} (theirs {row.r22_error:.4f})" for row in ours.itertuples())
+    return "as Eqs. 17 to 19", "errors of predictions: " + ", ".join(errors)
 
 
 def _second_feature():
@@ -185,14 +225,26 @@ def _mixtures_U7():
     return f"{len(packed)} of 52 sets", "not packed yet" if packed.empty else "see the table"
 
 
+def _number_of_features(sets):
+    return sets[[name for name in sets if name.endswith("_inv")]].sum(axis=1)
+
+
+def _all_four(sets):
+    return sets[_number_of_features(sets) == 4].iloc[0]
+
+
 def _feature_sets():
     rows = _rows("models/form_mixture_feature_sets").query("case == 'U1'")
-    number = rows[[name for name in rows if name.endswith("_inv")]].sum(axis=1)
-    first, last = rows[number == 1].iloc[0], rows[number == 4].iloc[0]
+    first, last = rows[_number_of_features(rows) == 1].iloc[0], _all_four(rows)
     return "as Eq. 23", (
         f"with µ_EQ⁻¹ alone error {first.mean_absolute_error:.4f} (theirs {first.r22_error:.4f}); with all four "
         f"{last.mean_absolute_error:.4f} ({last.r22_error:.4f})"
     )
+
+
+def _prediction_of_mixtures():
+    row = _all_four(_rows("models/form_mixture_feature_sets").query("case == 'U1'"))
+    return "as Eq. 23; U7 is not packed", f"R² {row.r_squared:.3f} (theirs {row.r22_r_squared:.3f})"
 
 
 def _application():
@@ -208,11 +260,66 @@ def _application():
     return f"U1, {len(rows)} packings; U7 is not packed", "; ".join(texts)
 
 
+@functools.cache
+def _deposits():
+    return read_deposits(REFERENCE / "deposits.csv")
+
+
+@functools.cache
+def _densest_forms():
+    """Return the densest forms of three families of deposits: a table with their family as index."""
+    return findings(_deposits())["maxima"].query("of == 'solid_fraction'").set_index("family")
+
+
 def _densest():
-    rows = read_deposits(REFERENCE / "deposits.csv")
-    row = findings(rows)["maxima"].query("of == 'solid_fraction' and family == 'diagonal'").iloc[0]
+    rows, row = _deposits(), _densest_forms().loc["diagonal"]
     return f"{len(rows)} deposits of {rows['grains'].min()} to {rows['grains'].max()} grains", (
         f"η = ζ at the maximum {row.ratio:.3f} ± {row.ratio_error:.3f} instead of 1.6"
+    )
+
+
+def _spheroids():
+    tops, texts = _densest_forms(), []
+    for name in ("prolate", "oblate"):
+        apart = tops.value[name] - tops.value["diagonal"]
+        error = np.hypot(tops.value_error[name], tops.value_error["diagonal"])
+        texts.append(f"{name} {_signed(apart)} ± {error:.4f}")
+    packings = " and ".join(str(len(curve(_deposits(), name))) for name in ("prolate", "oblate"))
+    return f"{packings} deposits", (
+        f"solid fraction of the densest, relative to the densest of all: {', '.join(texts)}; theirs are below it too"
+    )
+
+
+def _spread():
+    rows = _deposits().query("family == 'sizes'")
+    means = rows.groupby(["eta", "spread"])["solid_fraction"].mean().unstack()
+    apart = means.sub(means[0.0], axis=0)
+    texts = (
+        f"S = {spread:g} {_signed(apart[spread].min(), 3)} to {_signed(apart[spread].max(), 3)}"
+        for spread in apart.columns[1:]
+    )
+    return f"{len(rows)} deposits of {len(means)} forms", (
+        f"change of the solid fraction: {', '.join(texts)}; theirs hardly changes for small and moderate S"
+    )
+
+
+def _coordination():
+    rows = curve(_deposits(), "diagonal")
+    means = rows.groupby("ratio")["coordination_number"].mean()
+    return f"{len(rows)} deposits with η = ζ", (
+        f"{means[1.0]:.1f} contacts for spheres, {means[1.6]:.1f} at η = ζ = 1.6, {means[2.5]:.1f} at 2.5; theirs fall "
+        "again for large η and ζ"
+    )
+
+
+def _azimuth():
+    texts = []
+    for name, words in (("contact_normal", "contacts"), ("long_axis", "long axes")):
+        values = _deposits()[f"azimuth_p2_{name}"].dropna()
+        texts.append(f"{int((values < 0.05).sum())} of {len(values)} deposits for {words}")
+    return f"{len(_deposits())} deposits", (
+        f"p for a preferred direction is below 0.05 in {' and in '.join(texts)}, where chance gives one in 20; theirs "
+        "prefer none"
     )
 
 
@@ -227,6 +334,9 @@ def _crossings():
 COMPARED = {
     "factors": _factors,
     "forms": _forms,
+    "factor_correlations": _factor_correlations,
+    "components": _components,
+    "normality": _normality,
     "curves": _curves,
     "shaking_cylinder": _shaking_cylinder,
     "validation": _validation,
@@ -234,13 +344,19 @@ COMPARED = {
     "single_U7": lambda: _single("U7"),
     "single_B50": lambda: _single("B50"),
     "correlation": _correlation,
+    "prediction_of_forms": _prediction_of_forms,
     "second_feature": _second_feature,
     "ellipsoids": _ellipsoids,
     "spheres": _spheres,
     "mixtures": _mixtures,
     "mixtures_U7": _mixtures_U7,
     "feature_sets": _feature_sets,
+    "prediction_of_mixtures": _prediction_of_mixtures,
     "application": _application,
     "densest": _densest,
+    "spheroids": _spheroids,
+    "spread": _spread,
+    "coordination": _coordination,
+    "azimuth": _azimuth,
     "crossings": _crossings,
 }

@@ -13,7 +13,9 @@ def test_every_entry_has_a_place_a_size_and_a_difference():
     entries = [entry for listed in papers.listed().values() for entry in listed]
     assert {entry.get("compared") for entry in entries} - {None} == set(papers.COMPARED)
     for entry in entries:
-        assert len({"study", "compared", "picture"} & set(entry)) == 1 and entry["shows"] and entry["here"], entry
+        assert len({"study", "compared", "picture", "absent"} & set(entry)) == 1 and entry["shows"] and entry["here"], (
+            entry
+        )
 
 
 def test_a_picture_is_on_the_page_that_is_named():
@@ -26,10 +28,66 @@ def test_a_picture_is_on_the_page_that_is_named():
         assert re.search(r"!\[.+\]\(\S+\.png\)", section), entry
 
 
-def test_all_tables_of_the_paper_are_listed():
-    items = {entry["item"] for entry in papers.listed()["r22"]}
+def test_all_tables_and_figures_of_the_paper_are_listed():
+    """The arXiv version has twelve figures, and the journal one more, which is its third."""
+    items = [entry["item"] for entry in papers.listed()["r22"]]
+    figures = [item for item in items if item.startswith("Fig. ")]
+    assert sorted(figures) == sorted([*(f"Fig. {number}" for number in range(1, 13)), "Fig. 3 of the journal"])
+    items = set(items)
     assert {f"Table {number}" for number in range(1, 12)} <= items
     assert {f"Eq. {number}" for number in (17, 18, 19, 23, 24)} <= items
+
+
+def test_all_figures_of_baram_and_lind_are_listed():
+    """Their figures have no numbers in the text that we have."""
+    assert {entry["item"] for entry in papers.listed()["baram_lind"]} >= {
+        "Distribution of size",
+        "Picture of a deposit",
+        "Density over the ratios of the axes",
+        "Density of spheroids",
+        "Density over the spread of size",
+        "Coordination number over the ratios of the axes",
+        "Angles over the spread of size",
+        "Directions of contacts and long axes",
+        "Azimuth of contacts and long axes",
+    }
+
+
+def test_what_is_not_here_has_a_reason():
+    absent = [entry for entries in papers.listed().values() for entry in entries if "absent" in entry]
+    assert absent
+    for entry in absent:
+        assert entry["here"] == "not here" and papers._compare(entry) == ("", entry["absent"])
+
+
+def test_numbers_of_the_figures_follow_from_the_rows():
+    explained = pd.read_csv(REFERENCE / "grains" / "components.csv")["explained"]
+    assert f"explain {100 * explained[:2].sum():.1f} %" in papers.COMPARED["components"]()[1]
+    grains = pd.read_csv(REFERENCE / "grains" / "statistics.csv").iloc[0]
+    assert f"FL p = {grains.shapiro_p_FL:.2f}" in papers.COMPARED["normality"]()[1]
+    r = pd.read_csv(REFERENCE / "models" / "single_form_correlations.csv").query(
+        "source == 'synthetic' and case == 'U7' and feature == 'JFF_inv'"
+    )
+    assert f"JFF⁻¹ {r.r.iloc[0] - 0.955:+.3f}".replace("-", "−") in papers.COMPARED["correlation"]()[1]
+    model = pd.read_csv(REFERENCE / "models" / "form_mixture.csv").iloc[0]
+    assert papers.COMPARED["prediction_of_mixtures"]()[1] == f"R² {model.r_squared:.3f} (theirs 0.980)"
+    error = pd.read_csv(REFERENCE / "models" / "single_form.csv").query(
+        "source == 'synthetic' and model == 'single_form' and case == 'B50'"
+    )["mean_absolute_error"]
+    assert f"B50 {error.iloc[0]:.4f} (theirs 0.0065)" in papers.COMPARED["prediction_of_forms"]()[1]
+
+
+def test_numbers_of_the_deposits_follow_from_the_rows():
+    rows = pd.read_csv(REFERENCE / "deposits.csv")
+    sizes = rows[rows["study"].str.startswith("deposit_sizes") & (rows["eta"] == 2.2)]
+    n = sizes.groupby("spread")["solid_fraction"].mean()
+    assert f"S = 0.5 +0.008 to +{n[0.5] - n[0.0]:.3f}" in papers.COMPARED["spread"]()[1]
+    plain = rows[rows["study"].str.contains("map|diagonal|prolate|oblate") & (rows["eta"] == 1) & (rows["zeta"] == 1)]
+    assert papers.COMPARED["coordination"]()[1].startswith(
+        f"{plain['coordination_number'].mean():.1f} contacts for spheres"
+    )
+    p = rows["azimuth_p2_long_axis"].dropna()
+    assert f"{(p < 0.05).sum()} of {len(p)} deposits for long axes" in papers.COMPARED["azimuth"]()[1]
 
 
 def test_numbers_follow_from_the_rows():
