@@ -119,6 +119,18 @@ def _curves():
     return f"all {len(read_cases(CONFIG / 'cases.tsv'))}", "none: they are given"
 
 
+def _faces():
+    ours = _rows("grains/decimation_summary").set_index("target")["volume_change_percent"]
+    theirs = read_r22_table("table4_mesh_resolution").drop_duplicates("faces").set_index("faces")
+    theirs = theirs["volume_change_percent"].drop("original").rename(lambda faces: int(str(faces).removeprefix("<=")))
+    texts = (
+        f"{faces} faces {_signed(ours[faces], 2)} % (theirs {_signed(value, 1)} %)" for faces, value in theirs.items()
+    )
+    packed, open_ = _not_packed("mesh_resolution")
+    grains = _rows("grains/decimation")["grain"].nunique()
+    return f"volumes of {grains} grains; {packed}", f"volume: {', '.join(texts)}; porosity: {open_}"
+
+
 def _shaking_cylinder():
     ours = _rows("shaking_cylinder")
     theirs = read_r22_table("table5_shaking_cylinder").rename(columns={"t_s": "shaking_s"})
@@ -338,6 +350,7 @@ COMPARED = {
     "components": _components,
     "normality": _normality,
     "curves": _curves,
+    "faces": _faces,
     "shaking_cylinder": _shaking_cylinder,
     "validation": _validation,
     "single_U1": lambda: _single("U1"),

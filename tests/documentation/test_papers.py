@@ -53,6 +53,13 @@ def test_all_figures_of_baram_and_lind_are_listed():
     }
 
 
+def test_volumes_of_decimated_grains_are_beside_those_of_table_4():
+    ours = pd.read_csv(REFERENCE / "grains" / "decimation.csv").groupby("target")["volume_change_percent"].mean()
+    text = papers.COMPARED["faces"]()[1].replace("−", "-")
+    for faces, theirs in {300: "-0.2", 200: "-0.4", 100: "-1.3", 50: "-3.6"}.items():
+        assert f"{faces} faces {ours[faces]:+.2f} % (theirs {theirs} %)" in text
+
+
 def test_what_is_not_here_has_a_reason():
     absent = [entry for entries in papers.listed().values() for entry in entries if "absent" in entry]
     assert absent
