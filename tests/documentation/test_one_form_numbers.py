@@ -1,0 +1,55 @@
+"""Numbers of the page of single forms in U7 and B50 are those of the tables of models."""
+
+import pandas as pd
+import pytest
+
+from simcore.paths import REFERENCE, ROOT
+from simcore.reference.r22_tables import read_r22_table
+
+PAGE = (ROOT / "docs" / "appendices" / "one_form.md").read_text(encoding="utf-8")
+CASES = ["U7", "B50"]
+R22 = "Rettinger et al."
+
+
+def cells(start):
+    """Return the cells of U7 and B50 in the row of the page that begins so."""
+    (line,) = [line for line in PAGE.splitlines() if line.startswith(f"| {start} |")]
+    return [cell.strip() for cell in line.strip("|").split("|")][1:]
+
+
+@pytest.fixture(scope="module")
+def correlations():
+    table = pd.read_csv(REFERENCE / "models" / "single_form_correlations.csv").query("source == 'synthetic'")
+    return table.assign(rank=table.groupby("case")["r"].transform(lambda r: r.abs().rank(ascending=False).astype(int)))
+
+
+@pytest.mark.parametrize(("name", "feature"), [("EQ⁻¹", "EQ_inv"), ("JFF⁻¹", "JFF_inv"), ("WFI", "WFI")])
+def test_correlations(correlations, name, feature):
+    rows = correlations[correlations["feature"] == feature].set_index("case").loc[CASES]
+    assert cells(f"r of n with {name}, {R22}") == [f"{row.r:.3f}, {row.r22_r:.3f}" for row in rows.itertuples()]
+
+
+def test_rank_of_the_inverse_equancy(correlations):
+    rows = correlations[correlations["feature"] == "EQ_inv"].set_index("case").loc[CASES]
+    assert (correlations.groupby("case").size() == 26).all()
+    assert cells("rank of EQ⁻¹ among 26 form factors by r") == [str(rank) for rank in rows["rank"]]
+
+
+def test_in_b50_two_form_factors_have_a_higher_correlation_here_and_in_the_paper(correlations):
+    table = correlations.query("case == 'B50'").set_index("feature")
+    for column in ("r", "r22_r"):
+        assert table.loc[["JFF_inv", "WFI"], column].min() > table.loc["EQ_inv", column]
+
+
+def test_errors_with_and_without_the_second_factor():
+    ours = pd.read_csv(REFERENCE / "models" / "single_form_second_features.csv").query("source == 'synthetic'")
+    ours = ours.pivot(index="case", columns="feature", values="mean_absolute_error").loc[CASES]
+    theirs = read_r22_table("table9_second_factor_mae").set_index("case").loc[CASES] * 1e-3
+    for start, feature in (
+        (f"error on a form left out, {R22}", "EL_inv"),
+        ("the same by a model of EQ⁻¹ alone", "EQ_inv"),
+    ):
+        shown = [cell.removesuffix(" (63 forms)") for cell in cells(start)]
+        assert shown == [f"{ours.loc[case, feature]:.4f}, {theirs.loc[case, feature]:.4f}" for case in CASES]
+    assert (ours["EQ_inv"] < ours["EL_inv"]).all()
+    assert theirs.loc["B50", "EQ_inv"] < theirs.loc["B50", "EL_inv"]
