@@ -19,12 +19,17 @@ def add(commands) -> None:
         metavar="FORMS.csv",
         help="table as text, .xlsx or .ods. One row per grain: columns L, I, S (or a, b, c) or FL, EL, and optionally "
         "count, the number of such grains; or one row per sample: columns mean_FL, std_FL, mean_EL, std_EL. With "
-        "--sieve it may be left out: the form is then that of the Rhine's gravel",
+        "--sieve it may be left out: the form is then that of the Rhine's gravel. Further columns: sample, the name of "
+        "the sample; sieve, the file of its sieve curve, instead of --sieve; class, the sieve class of the grains, if "
+        "their form depends on size",
     )
     sizes = parser.add_mutually_exclusive_group()
     sizes.add_argument("--case", help="sieve curve U1, U7, ..., or one-class: any single sieve class, by that of U1")
     sizes.add_argument(
-        "--sieve", type=Path, metavar="CURVE.csv", help="a sieve curve of your own, a table as for `sieve`"
+        "--sieve",
+        type=Path,
+        metavar="CURVE.csv",
+        help="a sieve curve of your own, a table as for `sieve`; or the name of a listed one, U1, U7, ...",
     )
     parser.add_argument("--finest", metavar="SIZE", help='with --sieve: size of the finest grains, such as "0.02 mm"')
     parser.add_argument("--coarsest", metavar="SIZE", help='with --sieve: size of the coarsest grains, such as "90 mm"')
@@ -43,7 +48,13 @@ def add(commands) -> None:
     parser.add_argument("--source", help="use only the committed packings of one form with grains of this source")
     parser.add_argument("--level", type=float, default=0.95, help="level of the prediction interval (0.95)")
     form = parser.add_mutually_exclusive_group()
-    form.add_argument("--csv", action="store_const", dest="form", const="csv", help="one row per sample and model")
+    form.add_argument(
+        "--csv",
+        action="store_const",
+        dest="form",
+        const="csv",
+        help="one row per sample; with --case, one per sample and model",
+    )
     form.add_argument(
         "--json",
         action="store_const",
@@ -56,6 +67,8 @@ def add(commands) -> None:
 
 def run(options) -> int:
     """Print the predictions and return 0."""
+    from simcore.models.size_and_form.bed_forms import has_curves
+
     common = {
         "models": options.models,
         "source": options.source,
@@ -64,7 +77,7 @@ def run(options) -> int:
         "form": options.form,
         "notify": lambda notice: print(f"scree predict: {notice}", file=sys.stderr),
     }
-    if options.sieve is not None:
+    if options.sieve is not None or (options.case is None and has_curves(options.forms)):
         print(_of_curve(options, common))
         return 0
     if options.case is None:

@@ -7,20 +7,30 @@ from simcore.grains.class_labels import CLASS_NAME, class_bounds, class_text
 from simcore.grains.measured_forms import samples_of_table
 from simcore.grains.table_file import read_table
 
+BY_CLASS = "forms by sieve class"  # name of a sample without a name
+
 
 def class_column(path):
-    """Return the name of the column of sieve classes of the table at `path`, or None if it has none."""
-    if path is None:
-        return None
-    return next((name for name in read_table(path).header if CLASS_NAME.fullmatch(name)), None)
+    """Return the name of the column of sieve classes of the table at `path`, None if it has none or `path` is None."""
+    return None if path is None else class_name(read_table(path).header)
+
+
+def class_name(header):
+    """Return the name of the column of sieve classes of a table with this header, or None if it has none."""
+    return next((name for name in header if CLASS_NAME.fullmatch(name)), None)
 
 
 def read_classes(path, column):
-    """Return ({(lower, upper) [m]: Sample}, notices) of a table with a column of sieve classes.
+    """Return ({(lower, upper) [m]: Sample}, notices) of the table at `path` with a column of sieve classes.
 
     ValueError if a label is no class, or if two classes overlap.
     """
-    table = read_table(path)
+    return classes_of_table(read_table(path), column)
+
+
+def classes_of_table(table, column):
+    """Return the result of read_classes of a TextTable."""
+    path = table.path
     samples, notices = samples_of_table(table, column)
     labels = table.cells[table.header.index(column)]
     rows = {label: row for row, label in reversed(list(labels.items()))}  # the first row of each class

@@ -219,7 +219,7 @@ def _check_classes(path, table):
         )
     raise ValueError(
         f"{path}: all of the mass is between {sieves[used - 1]} and {sieves[used]}; at least two size classes with "
-        "mass are needed. To pack a single class, write "
+        "mass are needed. The porosity of a single class is that of --case one-class. To pack it, write "
         f"`sizes: {{bounds: [{sieves[used - 1]}, {sieves[used]}], mass_fractions: [1]}}` in a specification"
     )
 

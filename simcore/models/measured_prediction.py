@@ -4,14 +4,10 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from simcore.grains.forms_by_class import class_column, read_classes
 from simcore.grains.measured_forms import read_measured
-from simcore.grains.sieve import SieveCurve
-from simcore.grains.sieve_table import read_curve
 from simcore.models.fitting import FittedModels, fit_reference_models, read_campaign_models
 from simcore.models.prediction import predict_samples
-from simcore.models.size_and_form.bed_prediction import predict_curve, read_forms
-from simcore.models.size_and_form.forms_by_class import predict_by_class
+from simcore.models.size_and_form.bed_forms import has_curves, join_tables, read_bed_forms
 
 
 class MeasuredPrediction(NamedTuple):
@@ -69,22 +65,22 @@ def predict(forms=None, case=None, *, curve=None, models=None, source=None, colu
     """Return the porosity of each sample of a table of measured grains.
 
     forms: path of a table with one row per grain, columns L, I, S or FL, EL, or one row per sample, columns mean_FL,
-    std_FL, mean_EL, std_EL. Give either the case or the curve. case: sieve curve "U1", "U7", ..., or "one-class" for
+    std_FL, mean_EL, std_EL. Give either the case or the curve, or a column `sieve` with a curve for each sample. case:
+    sieve curve "U1", "U7", ..., or "one-class" for
     any single sieve class; the result has one row per sample and model, with its name, n, lower and upper [1],
     `preferred` for the recommended one of our models, and the columns described at `predict_samples`. curve: path of a
-    table with a sieve curve, or a SieveCurve; the result has one row per sample, with the columns of
-    simcore.models.size_and_form.bed_prediction.predict_curve, and without `forms` the form is the Rhine's. With a
-    column `class` in `forms` the result has one row. Further arguments and errors: as in `predict_measured`.
+    table with a sieve curve, name of a listed one, or a SieveCurve; the result has one row per sample, with the columns
+    of simcore.models.size_and_form.bed_prediction.predict_curve, and without `forms` the form is the Rhine's. With a
+    column `class` in `forms`, each sieve class of a sample has its own form. Further arguments and errors: as
+    in `predict_measured`.
     """
-    if (case is None) == (curve is None):
+    own = case is None and curve is None and has_curves(forms)
+    if not own and (case is None) == (curve is None):
         raise ValueError('give either the case, such as "U7" or "one-class", or the curve, the path of a sieve curve')
-    if curve is None:
+    if case is not None:
         if forms is None:
             raise ValueError("give the path of the table of measured grains")
         return predict_measured(forms, case, models, source, column, level).table
     check_level(level)
-    sizes = curve if isinstance(curve, SieveCurve) else read_curve(curve)[0]
-    fitted, by_class = models_for(models, source), class_column(forms) if column is None else None
-    if by_class is not None:
-        return predict_by_class(sizes, read_classes(forms, by_class)[0], fitted, level)
-    return predict_curve(sizes, read_forms(forms, column)[0], fitted, level)
+    fitted, (beds, _) = models_for(models, source), read_bed_forms(forms, curve, column)
+    return join_tables(beds, [bed.predict(fitted, level) for bed in beds])

@@ -2,9 +2,7 @@
 
 from pathlib import Path
 
-from simcore.grains.forms_by_class import class_column, read_classes
-from simcore.grains.measured_forms import read_measured
-from simcore.grains.sieve_table import read_sieve_table
+from simcore.models.size_and_form.bed_forms import read_bed_forms
 from simcore.packing.sieve_specification import sieve_specification
 
 
@@ -15,18 +13,17 @@ def write_specification(path, curve, forms=None, column=None, finest=None, coars
     the Rhine's forms. draw: as in sieve_specification. ValueError if `forms` has several samples, or no forms for a
     sieve class that has mass.
     """
-    table, _ = read_sieve_table(curve, coarsest)
-    sample = classes = None
-    if forms is not None and column is None and class_column(forms) is not None:
-        classes, _ = read_classes(forms, class_column(forms))
+    beds, _ = read_bed_forms(forms, curve, column, finest, coarsest)
+    samples = [sample for bed in beds for sample in bed.samples]
+    if len(samples) > 1:
+        raise ValueError(
+            f"{forms}: there are {len(samples)} samples, but --pack writes one specification; give one sample"
+        )
+    bed, sample, classes = beds[0], None, None
+    if bed.by_class:
+        classes = samples[0][1]
     elif forms is not None:
-        samples, _ = read_measured(forms, column)
-        if len(samples) > 1:
-            raise ValueError(
-                f"{forms}: there are {len(samples)} samples, but --pack writes one specification; give one sample"
-            )
         sample = samples[0]
-    table, _ = table.closed(finest, coarsest).with_small_ends_closed()
-    text, notices = sieve_specification(table.curve(), Path(curve), sample, classes, draw=draw)
+    text, notices = sieve_specification(bed.curve, bed.source, sample, classes, draw=draw)
     Path(path).write_text(text, encoding="utf-8")
     return notices

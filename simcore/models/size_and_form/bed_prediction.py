@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from simcore.grains.measured_forms import Sample, read_measured
+from simcore.grains.measured_forms import Sample
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.few_grains import few_grains_half
@@ -41,13 +41,6 @@ def rhine_sample() -> Sample:
     row = read_r22_table("table2_form_statistics").iloc[0]
     form = [float(row[name]) for name in ("mu_FL", "sigma_FL", "mu_EL", "sigma_EL")]
     return Sample(UNKNOWN_FORMS, 0, *form, *map(float, equancy_statistics(*form)))
-
-
-def read_forms(path, column=None):
-    """Return (samples, notices) of a table of measured grains, or the Rhine's mean form if `path` is None."""
-    if path is None:
-        return [rhine_sample()], [f"no table of grains is given: the form is {UNKNOWN_FORMS}"]
-    return read_measured(path, column)
 
 
 def sized_model(fitted) -> SizedModel:

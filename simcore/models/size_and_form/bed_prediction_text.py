@@ -4,22 +4,18 @@ import json
 
 import numpy as np
 
-from simcore.grains.forms_by_class import class_column, read_classes
-from simcore.grains.sieve_table import read_curve
 from simcore.grains.text_columns import text_columns
 from simcore.models.fitting import FittedModels
 from simcore.models.measured_prediction import check_level, models_for
 from simcore.models.prediction_text import few_grains_caveats, few_grains_error_caveats
+from simcore.models.size_and_form.bed_forms import join_tables, read_bed_forms
 from simcore.models.size_and_form.bed_prediction import (
     UNKNOWN_FORMS,
     other_predictors,
-    predict_curve,
-    read_forms,
     rhine_one_class,
     sensitivity,
     sized_model,
 )
-from simcore.models.size_and_form.forms_by_class import BY_CLASS, predict_by_class
 
 NO_MODELS = FittedModels({}, {})
 STATE = "The porosity is that of a bed that is shaken for about a second."
@@ -28,42 +24,40 @@ CHECK_BY_CLASS = "On two packed beds, forms by sieve class erred less than the f
 
 
 def predict_curve_file(
-    path, forms=None, *, models=None, source=None, column=None, level=0.95, finest=None, coarsest=None,
+    path=None, forms=None, *, models=None, source=None, column=None, level=0.95, finest=None, coarsest=None,
     form="text", notify=None,
 ):  # fmt: skip
     """Return what `predict --sieve` prints for the sieve curve at `path` and the table of grains at `forms`.
 
-    forms: None for the Rhine's mean form; with a column `class` each sieve class has its own form. finest, coarsest
-    [m]: sizes of the grains in the pan and on the coarsest sieve. models, source, column, level: as in
+    path: also the name of a listed curve; None if the table of grains has a column `sieve`. forms: None for the Rhine's
+    mean form; with a column `class` each sieve class has its own form. finest, coarsest [m]: sizes of the grains in the
+    pan and on the coarsest sieve. models, source, column, level: as in
     simcore.models.measured_prediction.predict_measured. form: "text", "csv" or "json". notify: called with each notice
     on how the tables were read. ValueError names the file and the remedy.
     """
     check_level(level)
-    curve, notices = read_curve(path, finest, coarsest)
-    by_class = class_column(forms) if column is None else None
-    samples, of_forms = read_forms(forms, column) if by_class is None else read_classes(forms, by_class)
-    notices = [*notices, *of_forms]
+    beds, notices = read_bed_forms(forms, path, column, finest, coarsest)
     for notice in notices if notify is not None else []:
         notify(notice)
-    predict = predict_curve if by_class is None else predict_by_class
     fitted = models_for(models, source)
-    table = predict(curve, samples, fitted, level)
-    _require_one(table, path)
+    tables = [bed.predict(fitted, level) for bed in beds]
+    joined = join_tables(beds, tables)
+    _require_one(joined, forms if path is None else path)
     if form == "csv":
-        return table.to_csv(index=False).rstrip("\n")
+        return joined.to_csv(index=False).rstrip("\n")
     if form == "json":
-        return _json(table, curve, level, notices, fitted)
-    return describe(table, curve, path, level, fitted)
+        return _json(beds, tables, level, notices, fitted)
+    return "\n\n\n".join(describe(bed, table, level, fitted) for bed, table in zip(beds, tables, strict=True))
 
 
-def describe(table, curve, path, level=0.95, fitted=NO_MODELS) -> str:
-    """Return the text on a table of predict_curve for the SieveCurve that was read from `path`.
+def describe(bed, table, level=0.95, fitted=NO_MODELS) -> str:
+    """Return the text on the table of predictions of BedForms.
 
     fitted: FittedModels, of which the correction to measured beds is described.
     """
     model = sized_model(fitted)
     lines = [
-        f"Porosity of beds with the sieve curve of {path}, with {100 * level:g} % prediction intervals",
+        f"Porosity of beds with the sieve curve of {bed.source}, with {100 * level:g} % prediction intervals",
         "",
         *_samples(table),
         "",
@@ -71,11 +65,30 @@ def describe(table, curve, path, level=0.95, fitted=NO_MODELS) -> str:
         *few_grains_caveats(table["sample"], table["grains"]),
         *_few_grains(table[table["refused"] == ""]),
     ]
-    first = table[table["refused"] == ""].iloc[0]
+    if (table["refused"] == "").any():
+        lines += _describe_curve(bed, table[table["refused"] == ""].iloc[0], fitted)
+    lines += [
+        "",
+        f"Model of size and form: candidate {model.candidate}; {model.behind}",
+        *([CHECK_BY_CLASS] if bed.by_class else []),
+        *([f"Correction: {fitted.curve.behind}"] if fitted.curve else []),
+    ]
+    outside = table[(table["outside"] != "") & (table["refused"] == "")]
+    if len(outside):
+        lines += ["", "* outside the fitted range", *(f"  {row.sample}: {row.outside}" for row in outside.itertuples())]
+    refused = table[table["refused"] != ""]
+    if len(refused):
+        lines += ["", "- not evaluated", *(f"  {row.sample}: {row.refused}" for row in refused.itertuples())]
+    return "\n".join(lines)
+
+
+def _describe_curve(bed, first, fitted):
+    """Return the lines on how the curve of BedForms acts, and on other models, for the row of its first sample."""
+    model, curve = sized_model(fitted), bed.curve
     change = 1e4 * _sensitivity(curve, first["n_one_class"], fitted)
     n1 = first["n_one_class"]
     step = n1 - model.predict(curve, n1, reference=rhine_one_class(fitted))
-    lines += [
+    return [
         "",
         f"How the curve acts, sample {first['sample']}: one sieve class of these grains has the porosity "
         f"{first['n_one_class']:.3f}, and the",
@@ -90,18 +103,7 @@ def describe(table, curve, path, level=0.95, fitted=NO_MODELS) -> str:
                 for row in other_predictors(curve, first["n_one_class"]).itertuples()
             ],
         ),
-        "",
-        f"Model of size and form: candidate {model.candidate}; {model.behind}",
-        *([CHECK_BY_CLASS] if first["sample"] == BY_CLASS else []),
-        *([f"Correction: {fitted.curve.behind}"] if fitted.curve else []),
     ]
-    outside = table[(table["outside"] != "") & (table["refused"] == "")]
-    if len(outside):
-        lines += ["", "* outside the fitted range", *(f"  {row.sample}: {row.outside}" for row in outside.itertuples())]
-    refused = table[table["refused"] != ""]
-    if len(refused):
-        lines += ["", "- not evaluated", *(f"  {row.sample}: {row.refused}" for row in refused.itertuples())]
-    return "\n".join(lines)
 
 
 def _state(correction):
@@ -162,25 +164,33 @@ def _classes(curve, change):
     ][::-1]
 
 
-def _json(table, curve, level, notices, fitted):
-    samples, model, correction = [], sized_model(fitted), fitted.curve
-    for row in table.to_dict("records"):
-        plain = {key: _plain(value) for key, value in row.items()}
-        if not row["refused"]:
-            plain["other_models"] = other_predictors(curve, row["n_one_class"]).to_dict("records")
-            plain["sensitivity"] = list(_sensitivity(curve, row["n_one_class"], fitted))
-        samples.append(plain)
-    content = {
-        "curve": {"bounds_mm": list(1e3 * curve.bounds), "mass_fractions": list(curve.mass_fractions)},
+def _json(beds, tables, level, notices, fitted):
+    """Return JSON text: an object, or a list with one for each sieve curve if the table of forms has the curves."""
+    content = [_plain_bed(bed.curve, table, fitted) for bed, table in zip(beds, tables, strict=True)]
+    model, correction = sized_model(fitted), fitted.curve
+    shared = {
         "level": level,
         "model": {"candidate": model.candidate, "parameters": model.parameters, "behind": model.behind},
         "correction": {"kind": correction.kind, "coefficients": correction.coefficients, "behind": correction.behind}
         if correction
         else None,
         "notices": list(notices),
-        "samples": samples,
     }
-    return json.dumps(content, indent=1, allow_nan=False)
+    content = [{"curve": bed["curve"], **shared, "samples": bed["samples"]} for bed in content]
+    return json.dumps(content if beds[0].own else content[0], indent=1, allow_nan=False)
+
+
+def _plain_bed(curve, table, fitted):
+    """Return a SieveCurve and the table of its samples as plain values."""
+    samples = []
+    for row in table.to_dict("records"):
+        plain = {key: _plain(value) for key, value in row.items()}
+        if not row["refused"]:
+            plain["other_models"] = other_predictors(curve, row["n_one_class"]).to_dict("records")
+            plain["sensitivity"] = list(_sensitivity(curve, row["n_one_class"], fitted))
+        samples.append(plain)
+    bounds, fractions = list(1e3 * curve.bounds), list(curve.mass_fractions)
+    return {"curve": {"name": curve.name, "bounds_mm": bounds, "mass_fractions": fractions}, "samples": samples}
 
 
 def _plain(value):

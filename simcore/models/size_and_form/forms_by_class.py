@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from simcore.grains.forms_by_class import sample_of_class
+from simcore.grains.forms_by_class import BY_CLASS, sample_of_class
 from simcore.models.few_grains import few_grains_half
 from simcore.models.packing_models.classes import porosity_of_volume, specific_volume
 from simcore.models.prediction import ONE_CLASS, predict_preferred
@@ -21,10 +21,10 @@ from simcore.models.size_and_form.bed_prediction import (
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
 from simcore.models.size_and_form.sized_model import SizedModel
 
-BY_CLASS = "forms by sieve class"
 
-
-def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | None = None) -> pd.DataFrame:
+def predict_by_class(
+    curve, classes, fitted, level=0.95, model: SizedModel | None = None, name=BY_CLASS
+) -> pd.DataFrame:
     """Return one row with the columns of predict_curve: the porosity of a bed with this SieveCurve.
 
     classes: as from simcore.grains.forms_by_class.read_classes; each class of the curve that has mass must lie within
@@ -32,7 +32,7 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
     gives them. Their errors from few measured grains are independent, but the interval adds them with equal sign and is
     too wide by that. Form statistics of the row are by mass; n_one_class is the porosity that the classes would give if
     they did not interact. ValueError if a class has no forms; a form that is too far outside the fitted range is a
-    refusal, as in predict_curve.
+    refusal, as in predict_curve. name: of the sample.
     """
     correction = fitted.curve if model is None else None
     model, fitted = model or sized_model(fitted), one_class_models(fitted)
@@ -46,7 +46,7 @@ def predict_by_class(curve, classes, fitted, level=0.95, model: SizedModel | Non
     outside = "; ".join(
         dict.fromkeys(f"{s.name}: {row['outside']}" for s, row in zip(samples, rows, strict=True) if row["outside"])
     )
-    form = [BY_CLASS, sum(sample.grains for sample in dict.fromkeys(samples)), *_moments(samples, shares)]
+    form = [name, sum(sample.grains for sample in dict.fromkeys(samples)), *_moments(samples, shares)]
     if refused:
         return pd.DataFrame([bed_row(form, np.full(4, np.nan), np.nan, np.nan, outside, refused)], columns=COLUMNS)
     n1 = np.array([[row[key] for row in rows] for key in ("n", "lower", "upper")])

@@ -273,8 +273,8 @@ const SieveTable = (() => {
     }
     const [low, high] = [sieves[used - 1], sieves[used]];
     throw new InputError(
-      `${name}: all of the mass is between ${low} and ${high}; at least two size classes with mass are needed. To pack ` +
-        `a single class, write \`sizes: {bounds: [${low}, ${high}], mass_fractions: [1]}\` in a specification`
+      `${name}: all of the mass is between ${low} and ${high}; at least two size classes with mass are needed. The ` +
+        `porosity of a single class is that of --case one-class. To pack it, write \`sizes: {bounds: [${low}, ${high}], mass_fractions: [1]}\` in a specification`
     );
   }
 

@@ -1,0 +1,190 @@
+"""Reads the beds whose porosity is predicted: their sieve curves, and the forms of their grains.
+
+All samples of a table of forms have one curve, or the table has a column `sieve` with the curve of each sample, as for
+`fit`. Without a column of samples, the rows with one curve are then one sample. With a column `class`, each sieve class
+of a sample has its own form.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+
+from simcore.grains.class_labels import look_like_classes
+from simcore.grains.form_columns import MEANS, SAMPLE, recognise_columns
+from simcore.grains.forms_by_class import BY_CLASS, class_name, classes_of_table
+from simcore.grains.measured_beds import SIEVE_NAME, CurveReader
+from simcore.grains.measured_forms import samples_of_table
+from simcore.grains.sieve import SieveCurve
+from simcore.grains.sieve_table import read_curve
+from simcore.grains.table_file import read_table
+from simcore.models.size_and_form.bed_prediction import UNKNOWN_FORMS, predict_curve, rhine_sample
+from simcore.models.size_and_form.forms_by_class import predict_by_class
+from simcore.scene.sizes import all_cases
+
+
+class BedForms(NamedTuple):
+    """Beds with one sieve curve.
+
+    curve: SieveCurve. source: its file or name. samples: list of Sample, or with forms by sieve class a list of
+    (name, classes), as from simcore.grains.forms_by_class.read_classes. by_class: whether it is the latter. own:
+    whether the curve is from the table of forms.
+    """
+
+    curve: SieveCurve
+    source: Path
+    samples: list
+    by_class: bool
+    own: bool = False
+
+    def predict(self, fitted, level=0.95):
+        """Return the table of predict_curve, one row per sample; arguments as there."""
+        if not self.by_class:
+            return predict_curve(self.curve, self.samples, fitted, level)
+        rows = [predict_by_class(self.curve, classes, fitted, level, name=name) for name, classes in self.samples]
+        return pd.concat(rows, ignore_index=True)
+
+
+def join_tables(beds, tables):
+    """Return one table of the tables of the BedForms, with the column `curve` if each sample has its own curve."""
+    if len(beds) == 1 and not beds[0].own:
+        return tables[0]
+    return pd.concat([table.assign(curve=str(bed.source)) for bed, table in zip(beds, tables, strict=True)])
+
+
+def has_curves(forms):
+    """Return whether the table at the path `forms` has a column with the sieve curve of each sample."""
+    return forms is not None and _sieve_position(read_table(forms)) is not None
+
+
+def read_bed_forms(forms, curve=None, column=None, finest=None, coarsest=None):
+    """Return (list of BedForms, notices): the beds of a table of forms.
+
+    forms: path of the table, or None for the Rhine's mean form. curve: SieveCurve, path or name of the curve of all
+    samples; None if the table has a column `sieve`. column: name of the column with the names of the samples. finest,
+    coarsest [m]: as in simcore.grains.sieve_table.read_curve. ValueError names the file, the row and the remedy.
+    """
+    reader = CurveReader({name: case.curve for name, case in all_cases().items()}, finest, coarsest)
+    if forms is None:
+        curve, source, notices = _given(curve, reader)
+        notices = [*notices, f"no table of grains is given: the form is {UNKNOWN_FORMS}"]
+        return [BedForms(curve, source, [rhine_sample()], False)], notices
+    table = read_table(forms)
+    of_sieve = _sieve_position(table)
+    if curve is not None:
+        if of_sieve is not None:
+            raise ValueError(
+                f"{forms}: the column {table.header[of_sieve]} has the sieve curve of each sample; leave out --sieve, "
+                "or remove the column"
+            )
+        curve, source, notices = _given(curve, reader)
+        samples, of_forms, by_class = _samples(table, column)
+        return [BedForms(curve, source, samples, by_class)], [*notices, *of_forms]
+    if of_sieve is None:
+        raise ValueError(
+            f"{forms}: the sieve curve is not given; add --sieve CURVE.csv, or a column sieve to the table"
+        )
+    names, texts = _names(table, column, of_sieve), table.cells[of_sieve].to_dict()
+    curves = _curve_of_each(forms, names, texts)
+    samples, of_forms, by_class = _samples(_renamed(table, of_sieve, names, column), SAMPLE)
+    beds, notices = {}, []
+    for sample in samples:
+        name = sample[0] if by_class else sample.name
+        row, text = curves[name]
+        curve, more = reader.read(f"{forms}, row {row}", text, Path(forms).parent)
+        notices += more
+        beds.setdefault(text, BedForms(curve, Path(text), [], by_class, own=True)).samples.append(sample)
+    return list(beds.values()), [*notices, *of_forms]
+
+
+def _given(curve, reader):
+    """Return (SieveCurve, source, notices) of a curve that is given as such, by its path or by its name."""
+    if isinstance(curve, SieveCurve):
+        return curve, Path(curve.name), []
+    if curve is None:
+        raise ValueError("the sieve curve is not given; add --sieve CURVE.csv")
+    listed = str(curve) in reader.listed and not Path(curve).is_file()
+    found, notices = reader.read("--sieve", str(curve)) if listed else read_curve(curve, *reader.ends)
+    return found, Path(curve), notices
+
+
+def _sieve_position(table):
+    """Return the position of the column with sieve curves, None without one; sieve classes are not curves."""
+    for position, name in enumerate(table.header):
+        if SIEVE_NAME.fullmatch(name) and not look_like_classes(set(table.cells[position]) - {""}):
+            return position
+    return None
+
+
+def _samples(table, column):
+    """Return (samples, notices, by_class) of a TextTable of forms, as in BedForms."""
+    by_class = class_name(table.header)
+    if by_class is None or by_class == column:
+        return *samples_of_table(table, column), False
+    position = _sample_position(table, column)
+    if position is None:
+        classes, notices = classes_of_table(table, by_class)
+        return [(BY_CLASS, classes)], notices, True
+    samples, notices = [], []
+    names = table.cells[position]
+    for name in dict.fromkeys(names):
+        if not name:
+            row = names.index[names == name][0]
+            raise ValueError(
+                f"{table.path}, row {row}: {table.header[position]} is empty; name the sample in every row"
+            )
+        classes, more = classes_of_table(_without(table, position, rows=names == name), by_class)
+        samples.append((name, classes))
+        notices += more
+    return samples, list(dict.fromkeys(notices)), True
+
+
+def _sample_position(table, column):
+    """Return the position of the column with the names of the samples, or None; ValueError if `column` is missing."""
+    wanted = (SAMPLE if column is None else " ".join(column.split())).lower()
+    position = next((i for i, name in enumerate(table.header) if name.lower() == wanted), None)
+    if position is None and column is not None:
+        recognise_columns(table.path, table.header, column)  # raises the error
+    return position
+
+
+def _names(table, column, of_sieve):
+    """Return the name of the sample of each row, dict by row, for a table with a column of curves."""
+    position = _sample_position(table, column)
+    if position is not None:
+        return table.cells[position].to_dict()
+    if recognise_columns(table.path, table.header).kind == MEANS and class_name(table.header) is None:
+        return {row: f"row {row}" for row in table.cells.index}
+    return table.cells[of_sieve].to_dict()
+
+
+def _curve_of_each(path, names, texts):
+    """Return {name: (row, text of the sieve curve)}; ValueError if a sample has none, or two."""
+    curves = {}
+    for row, name in names.items():
+        if not texts[row]:
+            raise ValueError(f"{path}, row {row}: the sieve curve is empty; name it in every row")
+        first, text = curves.setdefault(name, (row, texts[row]))
+        if text != texts[row]:
+            raise ValueError(
+                f"{path}, row {row}: the sieve curve of {name} is {texts[row]}, but in row {first} it is {text}; a "
+                "sample has one sieve curve, so correct it, or rename the sample"
+            )
+    return curves
+
+
+def _renamed(table, of_sieve, names, column):
+    """Return the TextTable without its column of curves, with these names of samples in a column SAMPLE."""
+    position = _sample_position(table, column)
+    kept = _without(table, *(place for place in (of_sieve, position) if place is not None))
+    cells = kept.cells.assign(**{"name": list(names.values())}).set_axis(range(len(kept.header) + 1), axis=1)
+    return replace(kept, header=[*kept.header, SAMPLE], cells=cells)
+
+
+def _without(table, *left_out, rows=None):
+    """Return the TextTable without the columns at these positions, and with the rows of a mask only."""
+    kept = [position for position in range(len(table.header)) if position not in left_out]
+    cells = table.cells if rows is None else table.cells[rows]
+    cells = cells[kept].set_axis(range(len(kept)), axis=1)
+    return replace(table, header=[table.header[position] for position in kept], cells=cells)

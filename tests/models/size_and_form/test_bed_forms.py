@@ -1,0 +1,106 @@
+"""Tables of forms with several samples: each with its own sieve curve, and with forms by sieve class."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import simcore
+from simcore.__main__ import main
+from simcore.grains.sieve import SieveCurve
+from simcore.models.size_and_form.bed_forms import has_curves, read_bed_forms
+from simcore.models.size_and_form.forms_by_class import BY_CLASS
+from simcore.scene.sizes import all_cases
+
+MEANS = "mean_FL,std_FL,mean_EL,std_EL"
+CURVE = "opening [mm],passing [%]\n16,100\n8,60\n4,0\n"
+A, B = "0.6,0.15,0.7,0.12", "0.5,0.1,0.65,0.1"
+
+
+@pytest.fixture
+def write(tmp_path):
+    (tmp_path / "own.csv").write_text(CURVE)
+
+    def write_table(header, *rows):
+        (tmp_path / "forms.csv").write_text("\n".join([header, *rows]) + "\n")
+        return tmp_path / "forms.csv"
+
+    return write_table
+
+
+def test_each_sample_is_predicted_with_its_curve(write, tmp_path, capsys):
+    path = write(f"sample,sieve,{MEANS}", f"a,own.csv,{A}", f"b,U7,{B}", f"c,own.csv,{B}")
+    table = simcore.predict(path)
+    assert table["sample"].tolist() == ["a", "c", "b"] and table["curve"].tolist() == ["own.csv", "own.csv", "U7"]
+    forms = write(f"sample,{MEANS}", f"a,{A}", f"c,{B}")
+    own, named = simcore.predict(forms, curve=tmp_path / "own.csv"), simcore.predict(forms, curve="U7")
+    assert table.n.tolist() == [*own.n, named.n[1]] and "curve" not in own
+    path = write(f"sample,sieve,{MEANS}", f"a,own.csv,{A}", f"b,U7,{B}", f"c,own.csv,{B}")
+    assert main(["predict", str(path), "--csv"]) == 0
+    assert [line.split(",")[0] for line in capsys.readouterr().out.splitlines()] == ["sample", "a", "c", "b"]
+    assert main(["predict", str(path), "--json"]) == 0
+    first, second = json.loads(capsys.readouterr().out)
+    assert [each["sample"] for each in first["samples"]] == ["a", "c"] and second["samples"][0]["n"] == table.n.iloc[2]
+    assert first["curve"]["bounds_mm"] == pytest.approx([4, 8, 16]) and second["curve"]["name"] == "U7"
+    assert main(["predict", str(path)]) == 0
+    text = capsys.readouterr().out
+    assert text.count("How the curve acts") == 2 and "sieve curve of U7" in text and "sieve curve of own.csv" in text
+
+
+def test_without_names_grains_of_one_curve_are_one_sample(write):
+    beds, _ = read_bed_forms(write("sieve,FL,EL", "U7,0.6,0.7", "own.csv,0.5,0.6", "U7,0.8,0.7"))
+    assert [(str(bed.source), [(each.name, each.grains) for each in bed.samples]) for bed in beds] == [
+        ("U7", [("U7", 2)]),
+        ("own.csv", [("own.csv", 1)]),
+    ]
+    beds, _ = read_bed_forms(write(f"sieve,{MEANS}", f"U7,{A}", f"U7,{B}"))
+    assert [each.name for each in beds[0].samples] == ["row 2", "row 3"]
+
+
+def test_samples_have_forms_by_class(write, tmp_path):
+    header = "class [mm],sample,FL,EL"
+    rows = ["0-8,a,0.6,0.7", "> 8,a,0.7,0.8", "0-8,b,0.5,0.5", "> 8,b,0.9,0.9", "> 8,b,0.8,0.9"]
+    table = simcore.predict(write(header, *rows), curve="U7")
+    assert table["sample"].tolist() == ["a", "b"] and table["grains"].tolist() == [2, 3]
+    for name in "ab":
+        alone = write(header.replace("sample", "note"), *(row for row in rows if f",{name}," in row))
+        (row,) = simcore.predict(alone, curve="U7").itertuples()
+        assert row.sample == BY_CLASS and row.n == table.set_index("sample").n[name]
+    with_curves = write(f"{header},sieve", *(f"{row},{'U7' if ',a,' in row else 'U5'}" for row in rows))
+    mixed = simcore.predict(with_curves)
+    assert mixed["curve"].tolist() == ["U7", "U5"] and mixed.n.iloc[0] == table.n[0] and mixed.n.iloc[1] > table.n[1]
+
+
+def test_a_curve_is_given_once_in_any_way(write, tmp_path):
+    path = write(f"sample,{MEANS}", f"a,{A}")
+    curve = all_cases()["U7"].curve
+    same = SieveCurve(curve.bounds, curve.mass_fractions, "mine")
+    assert simcore.predict(path, curve=same).equals(simcore.predict(path, curve="U7")) and not has_curves(path)
+    (tmp_path / "U7").write_text(CURVE)
+    own = simcore.predict(path, curve=tmp_path / "own.csv")
+    assert simcore.predict(path, curve=tmp_path / "U7").equals(own)
+
+
+@pytest.mark.parametrize(
+    "header, rows, options, fault",
+    [
+        (f"sample,sieve,{MEANS}", [f"a,U7,{A}"], ["--sieve", "U7"], "column sieve has the sieve curve of each sample"),
+        (f"sample,sieve,{MEANS}", [f"a,none.csv,{A}"], [], "row 2: the sieve curve none.csv is no file"),
+        (f"sample,sieve,{MEANS}", [f"a,,{A}"], [], "row 2: the sieve curve is empty"),
+        ("sample,sieve,FL,EL", ["a,U7,0.6,0.7", "a,U5,0.6,0.7"], [], "curve of a is U5, but in row 2 it is U7"),
+        ("sample,class [mm],FL,EL", [",0-8,0.6,0.7"], ["--sieve", "U7"], "row 2: sample is empty"),
+        (f"sample,{MEANS}", [f"a,{A}"], [], "the sizes of the grains are not given"),
+        (f"sample,sieve,{MEANS}", [f"a,U7,{A}"], ["--sample", "name"], "there is no column name"),
+    ],
+)
+def test_faults_have_one_clear_error(write, capsys, header, rows, options, fault):
+    assert main(["predict", str(write(header, *rows)), *options]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == "" and fault in printed.err and printed.err.count("\n") == 1
+
+
+def test_sieve_classes_in_a_column_sieve_are_no_curves(write):
+    assert not has_curves(write("sieve,FL,EL", "4-8 mm,0.6,0.7", "8-16 mm,0.6,0.7"))
+    table = pd.DataFrame(simcore.predict(write("sieve,FL,EL", "4-8 mm,0.6,0.7", "8-16 mm,0.5,0.7"), curve="U7"))
+    assert len(table) == 1 and np.isfinite(table.n[0])
