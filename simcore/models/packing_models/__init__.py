@@ -1,8 +1,9 @@
 """Packing models of the literature: porosity of a mixture of size classes from the porosities of its classes.
 
-A model is a pure function of sizes, volume fractions and one-class porosities of the classes. All arrays broadcast:
-leading axes are predictions, the last axis is the classes, in any order. Sizes enter by their ratios only, so any unit
-of length is correct.
+A model is a pure function of sizes, volume fractions and one-class porosities of the classes, in any order. Sizes enter
+by their ratios only, so any unit of length is correct. The arrays of the linear, linear-mixture and compressible models
+broadcast: leading axes are predictions, the last axis is the classes. The model of rods takes one mixture and one
+number, the one-class porosity of all its classes.
 
     linear.py           linear packing model (Stovall; Yu and Standish; Yu, Zou and Standish)
     linear_mixture.py   linear-mixture packing model (Yu and Standish 1991)

@@ -91,10 +91,21 @@ def factor_of(porosity, lengths):
 def rods(sizes, fractions, porosity, number=RODS):
     """Return the porosity of a mixture whose single classes all have the one-class porosity `porosity`.
 
-    sizes, fractions (k,): of the classes. number: of rods. ValueError as for check_classes and factor_of. The result is
-    that of one prediction; the model does not broadcast.
+    sizes, fractions (k,): of the classes. porosity: one number. number: of rods. The model does not broadcast: the
+    result is that of one mixture. ValueError as for check_classes and factor_of, or if there is more than one porosity
+    or mixture.
     """
+    if np.ndim(porosity) > 0:
+        raise ValueError(
+            f"rods on a line: the one-class porosity has the shape {np.shape(porosity)}; give one number for all "
+            "classes"
+        )
     sizes, fractions, _ = check_classes(sizes, fractions, porosity)
+    if sizes.ndim > 1:
+        raise ValueError(
+            f"rods on a line: sizes and fractions have the shape {sizes.shape}, which is more than one mixture; call "
+            "the model once for each mixture"
+        )
     lengths = rod_lengths(sizes, fractions, number)
     return 1 - solid_fraction(lengths, factor_of(float(porosity), _equal_rods(number)))
 

@@ -64,6 +64,13 @@ def test_permutation_scale_and_empty_classes_change_nothing(model):
         np.testing.assert_allclose(model(d, y, n), before, atol=1e-12)
 
 
+def test_rods_take_one_mixture_and_one_porosity():
+    with pytest.raises(ValueError, match=r"has the shape \(2,\); give one number for all classes"):
+        rods([4.0, 1.0], [0.7, 0.3], [0.38, 0.38])
+    with pytest.raises(ValueError, match=r"shape \(3, 2\), which is more than one mixture"):
+        rods([4.0, 1.0], np.full((3, 2), 0.5), 0.38)
+
+
 @every_model
 def test_mixtures_of_one_porosity_are_denser_but_not_full(model):
     sizes, fractions, n = random_mixtures(np.random.default_rng(2), 100)
