@@ -9,7 +9,7 @@ every bed is predicted by fits without its family of curves and without its form
 the fits on the flagged beds and on beds of known porosity, and fits to beds of spheres. The tables are:
 
     size_and_form_candidates.csv   one row per model: its errors, and which one is chosen
-    size_and_form_parameters.csv   one row per fitted parameter
+    size_and_form_parameters.csv   one row per fitted parameter, with its 95 % interval
     size_and_form_covariance.csv   one row per pair of fitted parameters of a candidate
     size_and_form_beds.csv         one row per bed: one-class porosity, predictions by each model without its family
 
@@ -130,12 +130,14 @@ def compare_all(rows):
     comparison = compare(beds)
     print(comparison.table.to_string(index=False, float_format="%.4f"))
     print(f"{len(beds.n)} beds; scatter between beds {comparison.scatter:.4f}; chosen: {comparison.chosen}")
+    parameters = parameter_rows(comparison.fits, len(np.unique(beds.family)) - 1)
+    print("\nFitted parameters with their 95 % intervals")
+    print(parameters.to_string(index=False, float_format="%.4f"))
     print("\nErrors of the fits on the flagged beds, which they do not contain")
     print(flagged_errors(rows, comparison.fits).to_string(index=False, float_format="%.4f"))
     print("\nRoot mean square errors of the fits on beds of known porosity, from their own one-class porosity")
     print(known_errors(comparison.fits).to_string(float_format="%.4f"))
-    fits = comparison.fits
-    parts = (comparison.table, parameter_rows(fits), covariance_rows(fits), beds_table(beds, comparison))
+    parts = (comparison.table, parameters, covariance_rows(comparison.fits), beds_table(beds, comparison))
     return dict(zip(TABLES, parts, strict=True))
 
 

@@ -18,7 +18,7 @@ from benchmarks.studies.sorted_sands import rms_errors as rms_of_sands
 from docs.generate.markdown import table
 from simcore.models.packing_models.literature import LITERATURE
 from simcore.models.size_and_form.known_beds import MIXTURES, PACKED, PACKED_BY_R22
-from simcore.models.size_and_form.sized_model import current_model
+from simcore.models.size_and_form.sized_model import current_model, unfitted_model
 from simcore.paths import REFERENCE
 
 SLOWER = (PACKED, PACKED_BY_R22)  # sets whose wide sieve curves are inserted more slowly than their U1
@@ -104,11 +104,10 @@ def page():
         for name in (KNOWN, OF_DISTRIBUTIONS, SLOPES, SANDS)
     )
     model = current_model()
-    values = ", ".join(f"{name} = {value:.3g}" for name, value in model.parameters.items())
     parts = [
         _HEAD,
-        f"The model is candidate {model.candidate} of [the plan](../appendices/size_and_form_plan.md), with {values}: "
-        f"{model.behind}",
+        f"The model is candidate {model.candidate} of [the plan](../appendices/size_and_form_plan.md), "
+        f"{_parameters(model)}: {model.behind}",
         _SETS,
         _errors(known, mixtures),
         _FIGURE,
@@ -127,6 +126,18 @@ def page():
         _SANDS_FIGURE,
     ]
     return "\n\n".join(part.strip("\n") for part in parts) + "\n"
+
+
+def _parameters(model):
+    """Return the parameters of a SizedModel in words, fitted ones with their 95 % intervals."""
+    if model == unfitted_model():
+        return "with " + ", ".join(f"{name} = {value:.3g}" for name, value in model.parameters.items())
+    rows = pd.read_csv(REFERENCE / "models" / "size_and_form_parameters.csv").query("model == @model.candidate")
+    values = [
+        f"{row.parameter} = {row.value:.3f}" + ("" if np.isnan(row.lower) else f" ({row.lower:.3f} to {row.upper:.3f})")
+        for row in rows.itertuples()
+    ]
+    return f"with {', '.join(values)}, in brackets 95 % intervals"
 
 
 def _errors(known, mixtures):

@@ -5,12 +5,24 @@ import pandas as pd
 
 from benchmarks.studies.size_and_form_validation import OURS, R22, SETS
 from docs.generate import size_and_form
+from simcore.models.size_and_form.sized_model import current_model, unfitted_model
+from simcore.paths import REFERENCE
 
 
 def test_the_page_has_every_set_and_both_pictures():
     text = size_and_form.page()
     assert all(f"| {label} |" in text for label, _, _ in SETS.values())
     assert "](../size_and_form.png)" in text and "](../sorted_sands.png)" in text and "nan" not in text
+
+
+def test_fitted_parameters_have_their_intervals():
+    table = pd.read_csv(REFERENCE / "models" / "size_and_form_parameters.csv").set_index(["model", "parameter"])
+    text = " ".join(size_and_form.page().split())
+    model = current_model()
+    for name, value in model.parameters.items():
+        row = table.loc[(model.candidate, name)]
+        assert f"{name} = {value:.3f} ({row.lower:.3f} to {row.upper:.3f})" in text
+    assert size_and_form._parameters(unfitted_model()) == "with K = 4.1, m0 = 1, kappa = 0"
 
 
 def test_slopes_agree_within_two_standard_errors():

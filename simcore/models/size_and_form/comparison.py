@@ -12,6 +12,7 @@ from scipy.stats import norm
 from scipy.stats import t as student
 
 from simcore.models.packing_models.literature import LITERATURE
+from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.candidates import CANDIDATES
 from simcore.models.size_and_form.choice import Score, choose, score
 from simcore.models.size_and_form.fit import Fit, fit_candidate, predict_beds, predict_left_out, scatter_between_beds
@@ -111,14 +112,22 @@ def covariance_rows(fits) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def parameter_rows(fits) -> pd.DataFrame:
-    """Return one row per parameter of each Fit, dict by name: model, parameter, value, std_error, at_bound."""
-    rows = [
-        {"model": name, "parameter": key, "value": value, "std_error": fit.std_errors()[key],
-         "at_bound": "yes" if key in fit.at_bound else ""}
-        for name, fit in fits.items()
-        for key, value in fit.parameters.items()
-    ]  # fmt: skip
+def parameter_rows(fits, freedom, level=LEVEL) -> pd.DataFrame:
+    """Return one row per parameter of each Fit: model, parameter, value, std_error, lower, upper, at_bound.
+
+    fits: dict by name. lower, upper: confidence interval with Student's t of `freedom` degrees of freedom, nan for a
+    parameter at its bound. level: its probability. Beds of a family share deviations, so that `freedom` is that of the
+    prediction intervals, one less than there are families.
+    """
+    t = student_quantile(level, freedom)
+    rows = []
+    for name, fit in fits.items():
+        errors = fit.std_errors()
+        for key, value in fit.parameters.items():
+            bound = key in fit.at_bound
+            half = np.nan if bound else t * errors[key]
+            row = {"model": name, "parameter": key, "value": value, "std_error": errors[key]}
+            rows.append(row | {"lower": value - half, "upper": value + half, "at_bound": "yes" if bound else ""})
     return pd.DataFrame(rows)
 
 

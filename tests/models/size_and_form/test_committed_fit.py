@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from benchmarks.studies.size_and_form_fit import TABLES, read_rows, usable_beds
+from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.comparison import PREFERENCE
 from simcore.models.size_and_form.fit import predict_beds
 from simcore.models.size_and_form.sized_model import CANDIDATE, NOT_FITTED, UNFITTED
@@ -43,3 +44,8 @@ def test_parameters_are_those_of_the_fits(committed):
     fitted = committed["candidates"].set_index("model")["fitted"]
     for row in committed["parameters"].itertuples():
         assert f"{row.parameter} = {row.value:.3f}" in fitted[row.model]
+    families = committed["beds"]["family"].nunique()
+    free = committed["parameters"].query("at_bound != 'yes'")
+    half = student_quantile(0.95, families - 1) * free["std_error"]
+    for column, expected in (("lower", free["value"] - half), ("upper", free["value"] + half)):
+        np.testing.assert_allclose(free[column].astype(float), expected, atol=5e-6)

@@ -11,7 +11,13 @@ from simcore.models.size_and_form.bases import PROCESS, TIME, curve_of, fit_base
 from simcore.models.size_and_form.beds import ALL_FORMS, BASE, Beds, flags, read_beds
 from simcore.models.size_and_form.candidates import CANDIDATES
 from simcore.models.size_and_form.comparison import PREFERENCE, compare, coverage, parameter_rows
-from simcore.models.size_and_form.fit import fit_candidate, predict_beds, predict_left_out, scatter_between_beds
+from simcore.models.size_and_form.fit import (
+    Fit,
+    fit_candidate,
+    predict_beds,
+    predict_left_out,
+    scatter_between_beds,
+)
 from simcore.models.size_and_form.sized_model import NOT_FITTED
 from simcore.models.unified import UNIFIED, unified_features
 from simcore.scene.sizes import all_cases
@@ -92,9 +98,18 @@ def test_the_model_that_made_the_beds_is_chosen():
     assert result.table["excess_by_family"].min() == 0.0
     unfitted = result.table.iloc[-1]
     assert unfitted["model"] == NOT_FITTED and unfitted["error_by_family"] == unfitted["error_by_form"] > 2 * ERROR
-    rows = parameter_rows(result.fits)
+    rows = parameter_rows(result.fits, 5)
     assert list(rows["model"] + " " + rows["parameter"]) == ["L m0", "L kappa", "F m0", "F kappa"]
     assert set(PREFERENCE) == set(CANDIDATES)
+
+
+def test_intervals_of_parameters_take_students_t_of_the_families():
+    fit = Fit("L", {"m0": 1.0, "kappa": 0.6}, np.diag([1e-4, 0.01]), np.zeros(0), ("m0",))
+    at_bound, kappa = parameter_rows({"L": fit}, 5).itertuples(index=False)
+    assert np.isnan(at_bound.lower) and np.isnan(at_bound.upper) and at_bound.at_bound == "yes"
+    # Tables of Student's t have 2.571 for 5 degrees of freedom and a probability of 0.95.
+    assert kappa.std_error == pytest.approx(0.1) and kappa.at_bound == ""
+    assert [kappa.lower, kappa.upper] == pytest.approx([0.6 - 0.2571, 0.6 + 0.2571], abs=1e-4)
 
 
 def test_intervals_of_a_family_follow_from_the_errors_of_the_others():
