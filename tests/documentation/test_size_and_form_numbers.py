@@ -1,9 +1,14 @@
 """Numbers of the model of size and form in the texts are those of its tables."""
 
+import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.studies.size_and_form_validation import OURS, R22
+from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS, OURS, R22
+from benchmarks.studies.sorted_sands import TABLE as SANDS
+from simcore.models.regression import student_quantile
+from simcore.models.size_and_form.known_beds import MEASURED, PUBLISHED
+from simcore.models.size_and_form.sized_model import current_model
 from simcore.paths import REFERENCE, ROOT
 
 PLAN, HOW_TO, FINDINGS = (
@@ -48,3 +53,52 @@ def test_how_much_of_the_effect_of_form_remains():
     assert states(FINDINGS, f"| {'; '.join(ours)} by that formula | {'; '.join(theirs)} |")
     for page in (PLAN, HOW_TO):
         assert states(page, *ours, f"{theirs[0]} and {theirs[1]}")
+
+
+def test_how_many_beds_of_known_porosity_are_inside_their_intervals():
+    words = {4: "four", 5: "Five", 9: "nine"}
+    known, mixtures = (pd.read_csv(REFERENCE / name) for name in (KNOWN, OF_DISTRIBUTIONS))
+    inside, of_mixtures = ((beds["predicted"] - beds["n"]).abs() <= beds["half_width"] for beds in (known, mixtures))
+    measured = known["set"] == MEASURED
+    total, beds = inside.sum() + of_mixtures.sum(), len(known) + len(mixtures)
+    assert states(
+        HOW_TO,
+        f"{words[total]} of {beds} beds are inside",
+        f"{words[inside[measured].sum()]} of the six measured gravels are inside the intervals, and "
+        f"{words[inside[~measured].sum()]} of the other fourteen beds",
+    )
+    assert known["set"].nunique() + 1 == 5 and measured.sum() == 6 and (~measured).sum() == 14
+
+
+def test_distributions_of_form_in_u7():
+    mixtures = pd.read_csv(REFERENCE / OF_DISTRIBUTIONS)
+    errors = mixtures["predicted"] - mixtures["n"]
+    mean, deviation = f"{errors.mean():.3f}", f"{errors.std():.3f}"
+    assert states(PLAN, f"is {mean} too loose on average, with a standard deviation of {deviation}. The difference")
+    assert states(HOW_TO, f"are {mean} lower than predicted, with a standard deviation of {deviation}. The difference")
+    assert np.polyfit(mixtures["n_one_class"], errors, 1)[0] > 0.0  # it grows with the porosity of U1
+    slopes = pd.read_csv(REFERENCE / "size_and_form_slopes.csv").set_index("model")["slope_mixtures"]
+    assert states(PLAN, f"slope over these distributions is {slopes[OURS]:.2f} and theirs {slopes[R22]:.2f}")
+
+
+def test_u7_at_the_mean_form():
+    known = pd.read_csv(REFERENCE / KNOWN)
+    bed = known[(known["set"] == PUBLISHED) & (known["case"] == "U7")].iloc[0]
+    left = bed.predicted - bed.n - 0.009  # tests/documentation/test_size_and_form_page.py has the shaking
+    assert states(PLAN, f"L predicts {bed.predicted:.3f}, and their model gives {bed.n:.3f}", f"leaves {left:+.3f}.")
+
+
+def test_sands_that_are_not_wider_than_the_packed_beds():
+    sands = pd.read_csv(REFERENCE / SANDS, keep_default_na=False)
+    best = sands["n"].to_numpy()[sands.groupby("grain_size")["log_deviation"].transform("idxmin")]
+    narrow = (sands["outside"] != "yes") & (sands["log_deviation"] > sands["log_deviation"].min())
+    predicted, model = sands[f"predicted_{OURS}"], current_model()
+    half = student_quantile(0.95, model.freedom) * model.error * (best - predicted)
+    errors = predicted - sands["n"]
+    assert narrow.sum() == 14 and (errors.abs() > half)[narrow].all()
+    assert states(HOW_TO, f"All 14 are outside the interval of the step to the curve, and the prediction is "
+                          f"{errors[narrow].mean():.3f} too high on average")  # fmt: skip
+
+
+def test_students_t_of_the_step_to_the_curve():
+    assert states(HOW_TO, f"For the step to the curve it is {student_quantile(0.95, current_model().freedom):.1f},")
