@@ -27,7 +27,8 @@ from simcore.provenance.version import VERSION
 from simcore.reference.r22_tables import read_r22_table
 
 LEVELS = (0.5, 0.8, 0.9, 0.95, 0.99)  # probabilities of the prediction intervals that the page offers
-COMPACTION = 4.1  # index K of the compressible packing model, of poured grains (de Larrard 1999)
+# Compaction index of poured grains, attributed to de Larrard (1999); it was not read in the publication.
+COMPACTION = 4.1
 # The page puts the form of the sample here.
 SHAPES = "@SHAPES@"
 

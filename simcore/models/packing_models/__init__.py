@@ -5,6 +5,8 @@ by their ratios only, so any unit of length is correct. The arrays of the linear
 broadcast: leading axes are predictions, the last axis is the classes. The model of rods takes one mixture and one
 number, the one-class porosity of all its classes.
 
+The equations were read in public source code that implements the publications named here, not in the publications.
+
     linear.py           linear packing model (Stovall; Yu and Standish; Yu, Zou and Standish)
     linear_mixture.py   linear-mixture packing model (Yu and Standish 1991)
     compressible.py     compressible packing model (de Larrard 1999)

@@ -1,4 +1,4 @@
-"""The packing models as they are published: the geometric mean of a class is the size of all its grains."""
+"""The packing models without changes: the geometric mean of a class is the size of all its grains."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from simcore.models.packing_models.linear import linear
 from simcore.models.packing_models.linear_mixture import linear_mixture
 from simcore.models.packing_models.rods import rods
 
-COMPACTION = 4.75  # compaction index of a bed that is compacted by vibration, de Larrard
+COMPACTION = 4.75  # compaction index of vibrated beds, attributed to de Larrard (1999); not read in the publication
 
 
 def one_size(model):

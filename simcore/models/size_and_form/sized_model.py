@@ -4,10 +4,11 @@ It is the candidate that is chosen on packed beds of many curves (results/refere
 as these meet the conditions of docs/appendices/size_and_form_plan.md. Its stated error is that on beds which are
 predicted without their family of curves.
 
-Until then it is candidate H with no effect of form on size ratios and the compaction index of de Larrard for poured
-grains, 4.1. Of the candidates without fitted parameters it has the smallest error over SETS
-(benchmarks.studies.size_and_form_validation), and that error is stated: on six gravels with wide curves that Rettinger
-et al. (2022) measured, and on our packings of them, from the porosity of the seventh, U1.
+Until then it is candidate H with no effect of form on size ratios and the compaction index 4.1, which is attributed to
+de Larrard (1999) for poured grains; it was not read in the publication. Of the candidates without fitted parameters it
+has the smallest error over SETS (benchmarks.studies.size_and_form_validation), and that error is stated: on six gravels
+with wide curves that Rettinger et al. (2022) measured, and on our packings of them, from the porosity of the seventh,
+U1.
 """
 
 from functools import cache

@@ -7,7 +7,7 @@ import pytest
 from simcore.grains.sieve import SieveCurve, read_cases
 from simcore.models.packing_models.curves import LAWS, gap, log2_deviation, parts, passing, quantile, span, split
 from simcore.models.packing_models.empirical import PREDICTORS
-from simcore.paths import CONFIG, R22_TABLES
+from simcore.paths import CONFIG, R22_TABLES, ROOT
 
 CASES = {name: case.curve for name, case in read_cases(CONFIG / "cases.tsv").items()}
 GAP = SieveCurve(np.array([1.0, 2.0, 4.0, 10.0]) * 1e-3, [0.5, 0.0, 0.5], "gap")
@@ -101,7 +101,13 @@ def test_predictors_on_the_measured_gravels():
         assert errors[name][0] == pytest.approx(expected[0], abs=2e-3)
     for name, bound in (("Komura", 0.055), ("Wu and Wang 2006", 0.105), ("Carling and Reader 1982", 0.105)):
         assert 0.8 * bound < np.abs(errors[name]).max() < bound
-    assert all(predictor.source and predictor.range for predictor in PREDICTORS)
+
+
+def test_sources_and_ranges_of_the_predictors_are_documented():
+    text = (ROOT / "docs" / "explanation" / "models.md").read_text(encoding="utf-8")
+    for predictor in PREDICTORS:
+        assert f"| {predictor.source} | {predictor.range} |" in text and f"| {predictor.name} | n = " in text
+        assert predictor.range.startswith("unknown: the publication was not read")
 
 
 def test_only_frings_counts_sand():
