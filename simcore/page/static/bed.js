@@ -22,9 +22,18 @@ const Bed = (() => {
     return { n: NaN, lower: NaN, upper: NaN, few_grains_error: NaN, outside: "", refused: refused || none, quantities: [] };
   }
 
-  // Returns the name of the column of sieve classes in a table of grains, or "".
+  // Returns the name of the column of sieve classes in a table of grains of one sample, or "".
   function classColumn(name, text) {
-    return Table.read(name, text).header.find((title) => CLASS_NAME.test(title)) ?? "";
+    const { header, rows } = Table.read(name, text);
+    const column = header.find((title) => CLASS_NAME.test(title)) ?? "";
+    const ofSample = header.findIndex((title) => title.toLowerCase() === "sample");
+    if (column && new Set(rows.map(({ cells }) => cells[ofSample])).size > 1) {
+      throw new InputError(
+        `${name}: the page reads forms by sieve class of one sample, and the column ${header[ofSample]} has several; ` +
+          "use the command `scree predict`, or paste the rows of one sample"
+      );
+    }
+    return column;
   }
 
   // Returns [{low, high [mm], sample}] of samples that are named by their sieve class; column: its name.
