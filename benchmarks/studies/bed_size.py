@@ -1,6 +1,6 @@
 """Effect of the size of a bed on its porosity: single forms in periodic boxes of several widths and depths.
 
-    python -m benchmarks.studies.bed_size results/*/packings/single_form/*.nc ... > results/reference/bed_size.csv
+    python -m benchmarks.studies.bed_size results/bed_size/packings/*/*.nc > results/reference/bed_size.csv
 
 It prints one CSV row per packing, evaluated by the current rule. Packings that differ in more than form, size and seed
 are refused.

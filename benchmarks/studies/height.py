@@ -1,6 +1,6 @@
 """Porosity over height: how far floor and surface affect a shaken bed in a periodic box.
 
-    python -m benchmarks.studies.height results/workstation/porosity/single_form ... > results/reference/height.csv
+    python -m benchmarks.studies.height results/inserted_above_bed/porosity/single_form ... > height.csv
 
 It prints one CSV row per folder of evaluations, end of the bed and distance from it in mean grains: the porosity of
 that layer minus that of the middle, as a mean over the beds with its standard error. The middle begins MIDDLE grains

@@ -114,6 +114,7 @@ def test_campaigns_do_not_write_over_each_other():
         "size_and_form",
         "insertion_rate",
         "inserted_above_bed",
+        "bed_size",
     ):
         raw = yaml.safe_load((CONFIG / f"{name}.yaml").read_text())
         folders.append(raw.get("pathvars", {}).get("results", "results"))

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from benchmarks.studies import bed_size
 from docs.generate import results
 from simcore.campaign.studies import expand, merge
 from simcore.paths import CONFIG, REFERENCE
@@ -130,3 +131,54 @@ def test_beds_of_long_grains_of_other_sources_are_a_study(tmp_path):
         assert {spec["sizes"]["case"] for spec in specifications} == set(of_source.case)
         assert {spec["amount"]["grains"] for spec in specifications} == set(of_source.grains)
         assert all(source in spec["grains"]["source"] for spec in specifications)
+
+
+def test_the_beds_of_several_sizes_are_the_packings_of_their_configuration():
+    """The table has no height of the domain and no contacts; its command refuses beds that differ in other settings."""
+    rows = pd.read_csv(REFERENCE / "bed_size.csv")
+    studies = [name for name in results.sentences()["bed_size.csv"]["command"].split() if name.startswith("bed_size_")]
+    studies = tuple(sorted(name.rstrip(";") for name in studies))
+    listed = packings(("bed_size.yaml",), studies)
+    beds = [
+        (
+            spec["sizes"]["case"],
+            spec["shapes"]["grain"],
+            round(1e3 * spec["domain"]["width"], 3),
+            spec["amount"]["grains"],
+            spec["seed"],
+        )
+        for spec in listed.specification
+    ]
+    assert sorted(beds) == sorted(
+        rows[["case", "grain", "width_mm", "grains", "seed"]].itertuples(index=False, name=None)
+    )
+    shared = [
+        {key: value for key, value in spec.items() if key not in bed_size.FREE | {"shapes"}}
+        for spec in listed.specification
+    ]
+    assert all(settings == shared[0] for settings in shared)
+
+
+def test_the_beds_of_1200_grains_are_rows_of_single_forms_inserted_above_the_bed():
+    rows = pd.read_csv(REFERENCE / "bed_size.csv")
+    of_1200 = rows[(rows.width_mm == 63.0) & (rows.grains == 1200)]
+    former = pd.read_csv(ABOVE / "single_form.csv")
+    former = former[former.representation == "polyhedron"]
+    merged = of_1200.merge(former, on=["case", "grain", "seed"], suffixes=("", "_former"))
+    assert len(merged) == len(of_1200) == 18
+    assert merged.n.tolist() == merged.n_former.tolist() and merged.cpu_s.tolist() == merged.cpu_s_former.tolist()
+    ledger = pd.read_csv(ABOVE / "gathered.csv", dtype={"settings": str})
+    single_forms = set(ledger[(ledger.study == "single_form") & (ledger.source == "synthetic")].settings)
+    assert set(digests(("bed_size.yaml",), ("bed_size_1200",)).values()) == single_forms
+
+
+def test_the_beds_behind_the_ends_of_a_bed_are_single_forms_inserted_above_the_bed():
+    """The table has means over beds, so only their number can be compared; not all were packed when it was made."""
+    rows = pd.read_csv(REFERENCE / "height.csv")
+    beds = rows.groupby("study").beds.agg(["min", "max"])
+    assert (beds["min"] == beds["max"]).all()
+    command = results.sentences()["height.csv"]["command"]
+    assert "config/inserted_above_bed.yaml" in command
+    listed = packings(("inserted_above_bed.yaml",), tuple(beds.index)).groupby("study").size()
+    assert all(f"results/inserted_above_bed/porosity/{study}" in command for study in beds.index)
+    assert (listed[beds.index] == 63).all() and (beds["max"] < 63).all() and (beds["max"] > 40).all()
