@@ -232,8 +232,9 @@ def _grain_set(spec, form, where):
 
 
 def _with_grain_set(spec, path):
-    # The set is already decimated, its grains are in metres, and each grain is one body.
-    return {**spec, "grains": {**spec["grains"], "source": path, "unit": None, "bodies": "one"}, "faces": "original"}
+    # The set is already decimated, its grains are in metres, and the options of the reader have been applied.
+    settled = {"source": path, "unit": None, "bodies": "one", "degree": None, "names": None}
+    return {**spec, "grains": {**spec["grains"], **settled}, "faces": "original"}
 
 
 def _column(key):

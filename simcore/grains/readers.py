@@ -8,7 +8,7 @@ from simcore.grains.bodies import BODIES, Body, mesh_bodies, select_bodies
 from simcore.grains.mesh import make_grain
 from simcore.grains.mesh_files import read_mesh
 from simcore.grains.point_tables import how_to_use_forms, read_points, refuse_forms
-from simcore.grains.spherical_harmonics import radius, read_coefficients, sampled_directions
+from simcore.grains.spherical_harmonics import cut_at, radius, read_coefficients, sampled_directions
 from simcore.grains.voxels import image_bodies
 
 UNITS = {"m": 1.0, "mm": 1e-3}
@@ -36,7 +36,7 @@ def read_grain(path, unit, spacing=None):
     return grains[0]
 
 
-def read_grains_of(path, unit, spacing=None, bodies="one"):
+def read_grains_of(path, unit, spacing=None, bodies="one", degree=None):
     """Read the list of Grain of one file; one grain has the file's name, several are called `name_1` and so on.
 
     path: one of these files
@@ -46,7 +46,8 @@ def read_grains_of(path, unit, spacing=None, bodies="one"):
     - .npz: a voxel image `mask` and, unless it is given here, `spacing`;
     - .txt .dat: spherical-harmonic coefficients.
     unit: "m" or "mm", of the lengths in the file and of spacing; spacing: edge of a voxel, a number or three; bodies:
-    treatment of several bodies in a file or label, see simcore.grains.bodies.select_bodies.
+    treatment of several bodies in a file or label, see simcore.grains.bodies.select_bodies; degree: highest harmonic
+    degree that is used of coefficients, None for all.
     ValueError names the file, the fault and the remedy.
     """
     path = Path(path)
@@ -57,12 +58,12 @@ def read_grains_of(path, unit, spacing=None, bodies="one"):
     if bodies not in BODIES:
         raise ValueError(f"grains.bodies: {bodies!r} is unknown; use one of {', '.join(BODIES)}")
     try:
-        groups = _read_groups(path, unit, spacing)
+        groups = _read_groups(path, unit, spacing, degree)
         groups = [(label, _select(label, group, bodies, unit)) for label, group in groups]
     except (OSError, KeyError, ValueError) as error:
         message = str(error)
         raise ValueError(message if str(path) in message else f"{path}: {message}") from None
-    name = path.name.removesuffix(path.suffix).removesuffix(".sh")
+    name = file_name(path)
     grains = []
     for label, group in groups:
         base = f"{name}_{label}" if label else name
@@ -92,12 +93,14 @@ def _make(path, name, body, unit):
     return grain
 
 
-def read_grain_files(source, unit, spacing=None, bodies="one"):
+def read_grain_files(source, unit, spacing=None, bodies="one", degree=None, names=None):
     """Read all grains of source: one path, a list of paths, or a folder, whose grain files are read in order of name.
 
-    grain_files lists the other files of a folder. Other arguments and errors as in read_grains_of.
+    names: names of the files that are read, without extension, in the order of the grains; None for all. grain_files
+    lists the other files of a folder. Other arguments and errors as in read_grains_of.
     """
-    grains = [grain for file in grain_files(source)[0] for grain in read_grains_of(file, unit, spacing, bodies)]
+    files = select_files(grain_files(source)[0], names)
+    grains = [grain for file in files for grain in read_grains_of(file, unit, spacing, bodies, degree)]
     names = [grain.name for grain in grains]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
@@ -128,6 +131,35 @@ def grain_files(source):
     return files, left_out
 
 
+def select_files(files, names):
+    """Return the files (list of Path) with these names, without extension, in the order of names; all if it is None.
+
+    ValueError if a name is given twice, or is not the name of a file.
+    """
+    if names is None:
+        return files
+    by_name = {}
+    for file in files:
+        by_name.setdefault(file_name(file), []).append(file)
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ValueError(f"grains.names: {twice[0]!r} is listed twice; remove one")
+    unknown = [name for name in names if name not in by_name]
+    if unknown:
+        first = ", ".join(list(by_name)[:5]) + (", ..." if len(by_name) > 5 else "")
+        raise ValueError(
+            f"grains.names: grains.source has no file {unknown[0]!r}, and {len(unknown)} of {len(names)} names are "
+            f"missing; its {len(files)} files of grains are {first}; correct the names, or set grains.names to null to "
+            "read all files"
+        )
+    return [file for name in names for file in by_name[name]]
+
+
+def file_name(path):
+    """Return the name of a file of grains without its extension; the grain in it has this name."""
+    return path.name.removesuffix(path.suffix).removesuffix(".sh")
+
+
 def _reason_to_leave_out(file):
     """Return the reason why a file of a folder is not a grain, or None if it is one."""
     suffix = file.suffix.lower()
@@ -147,7 +179,7 @@ def _reason_to_leave_out(file):
     return None
 
 
-def _read_groups(path, unit, spacing):
+def _read_groups(path, unit, spacing, degree):
     """Read a file and return [(label, bodies)], lengths in its unit; the label is "" if there are no labels."""
     suffix = path.suffix.lower()
     with path.open("rb") as file:
@@ -168,7 +200,7 @@ def _read_groups(path, unit, spacing):
         return [("", [_cloud(points, unit, note)])]
     if suffix in _COEFFICIENTS:
         refuse_forms(path)
-        return [("", [_star_body(read_coefficients(path))])]
+        return [("", [_star_body(cut_at(read_coefficients(path), degree))])]
     vertices, faces = read_mesh(path)
     if not np.isfinite(vertices).all():
         raise ValueError("the mesh has vertices with NaN or infinite coordinates; export it again")

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 from simcore.grains.grain_set import read_attribute, read_grains
-from simcore.grains.readers import UNITS, grain_files, read_grain_files
+from simcore.grains.readers import UNITS, file_name, grain_files, read_grain_files
 from simcore.grains.synthetic import synthetic_grains
 
 # There is a warning if the volume of a hull is more than this many times that of its grain.
@@ -32,8 +32,8 @@ def set_name(grains):
     """Return a name for the grain set of the resolved group `grains`, usable for a folder.
 
     It consists of the source's name and a digest of everything that determines the grains: number and seed of synthetic
-    ones; unit, voxel spacing, treatment of several bodies and the content of all grain files of others. So no two sets
-    share a name, and changed files make another set.
+    ones; unit, voxel spacing, treatment of several bodies, degree, names and the content of all grain files of others.
+    So no two sets share a name, and changed files make another set.
     """
     return _set_name(json.dumps(grains, sort_keys=True))
 
@@ -43,7 +43,10 @@ def _set_name(text):
     grains = json.loads(text)
     files = source_files(grains)
     decisive = ("unit", "voxel_spacing", "bodies") if files else ("number", "seed")
-    content = json.dumps([grains[key] for key in decisive]) + content_digest(files)
+    # Sets that were named before these keys existed keep their names.
+    added = {key: grains[key] for key in ("degree", "names") if files and grains[key] is not None}
+    content = json.dumps([grains[key] for key in decisive] + ([added] if added else []))
+    content += content_digest(files, grains["names"] if files else None)
     name = re.sub(r"[^A-Za-z0-9_.+-]", "", source_name(grains["source"])) or "grains"
     return f"{name}_{hashlib.sha256(content.encode()).hexdigest()[:8]}"
 
@@ -76,7 +79,7 @@ def load_grains(grains):
         return read_grains(files[0])
     spacing = grains["voxel_spacing"]
     spacing = None if spacing is None else spacing / UNITS[grains["unit"]]
-    return read_grain_files(files, grains["unit"], spacing, grains["bodies"])
+    return read_grain_files(files, grains["unit"], spacing, grains["bodies"], grains["degree"], grains["names"])
 
 
 def grain_warnings(grains, group=None):
@@ -123,8 +126,13 @@ def size_note(grains, sizes):
 
 
 def left_out_files(group):
-    """Return `name: reason` for each file that was left out of the folders of the resolved group `grains`."""
+    """Return `name: reason` for each file that was left out of the folders of the resolved group `grains`.
+
+    If the group names its files, the others were left out on purpose, and the list is empty.
+    """
     files = source_files(group)
+    if group["names"] is not None:
+        return []
     if not all(Path(path).exists() for path in files) or not files:  # the caller has the grains from elsewhere
         return []
     if Path(files[0]).suffix == ".nc":
@@ -137,16 +145,17 @@ def _join_first(words, mark=", "):
     return mark.join(words[:10]) + (f"{mark}and {len(words) - 10} more" if len(words) > 10 else "")
 
 
-def content_digest(paths):
+def content_digest(paths, names=None):
     """Return a digest (16 hex digits) of the names and contents of all grain files at paths of files and folders.
 
+    names: names of the files, without extension, if only some of them are read.
     It changes if a file is overwritten, added, renamed or removed; a missing file counts as empty. Each file is read
     once per process.
     """
     total = hashlib.sha256()
     for path in map(Path, paths):
         try:
-            files = grain_files(path)[0]
+            files = [file for file in grain_files(path)[0] if names is None or file_name(file) in names]
         except ValueError:  # a folder without grains; the rule that reads it raises the error
             files = []
         for file in files:

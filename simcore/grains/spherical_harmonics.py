@@ -31,6 +31,22 @@ def read_coefficients(path):
     return n, m, rows[:, 2] + 1j * rows[:, 3]
 
 
+def cut_at(coefficients, degree):
+    """Return the coefficients of at most this degree; all if it is None.
+
+    ValueError if no coefficient has a degree as high.
+    """
+    n, m, a = coefficients
+    if degree is None:
+        return coefficients
+    if n.max() < degree:
+        raise ValueError(
+            f"grains.degree is {degree}, but the highest degree of these coefficients is {n.max()}; lower it, or set "
+            "it to null to use all coefficients"
+        )
+    return n[n <= degree], m[n <= degree], a[n <= degree]
+
+
 def radius(coefficients, directions):
     """Return r(theta, phi) = sum a_nm Y_nm along unit vectors (k, 3), in the coefficients' unit, (k,).
 

@@ -26,6 +26,8 @@ BY_CHANCE = (("name",), ("seed",))
 # specification with this value is the same as one without the key.
 ADDED = {
     ("grains", "bodies"): "one",
+    ("grains", "degree"): None,
+    ("grains", "names"): None,
     ("sizes", "own"): False,
     ("sizes", "draw"): "random",
     ("shapes", "by_size"): None,

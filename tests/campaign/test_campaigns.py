@@ -75,6 +75,9 @@ def test_real_grains_need_a_path_and_nothing_else(tmp_path):
     packings = expand(resolve(merge(*raw, {"grains": {"source": str(tmp_path)}}), "config"))
     assert set(packings.study) == {"single_form"} and len(packings) == 63
     assert {s["amount"]["grains"] for s in packings.specification} == {1200}
+    assert {(group["degree"], len(group["names"])) for group in packings.grains} == {(10, 63)}
+    own = merge(*raw, {"grains": {"source": str(tmp_path), "names": None, "degree": None}})
+    assert {(group["degree"], group["names"]) for group in expand(resolve(own, "config")).grains} == {(None, None)}
 
 
 @pytest.mark.parametrize("overlays", [("deposits",), ("deposits", "deposits_large")])

@@ -8,6 +8,7 @@ from simcore.campaign.studies import choose_form, expand, specification_text
 from simcore.grains.sources import set_name
 from simcore.grains.spread import read_spread, spread_order, spread_table
 from simcore.grains.synthetic import synthetic_grains
+from simcore.scene.identity import result_digest
 from simcore.scene.setup import set_up
 from simcore.scene.specification import CONFIG, read_presets, resolve
 
@@ -311,3 +312,10 @@ def test_own_sizes_of_grains_are_refused_in_a_study():
 def test_bodies_of_the_files_are_settled_in_the_grain_set():
     table = expand(campaign(grains={"bodies": "split"}))
     assert {spec["grains"]["bodies"] for spec in table.specification} == {"one"}
+
+
+def test_names_and_degree_of_the_files_do_not_change_the_digest_of_a_row(scans):
+    plain = expand(campaign(grains={"source": scans[0], "unit": "mm"}))
+    cut = expand(campaign(grains={"source": scans[0], "unit": "mm", "degree": 10, "names": ["one"]}))
+    assert set(plain.grain_set) != set(cut.grain_set)
+    assert [*map(result_digest, plain.specification)] == [*map(result_digest, cut.specification)]

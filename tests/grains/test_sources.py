@@ -1,6 +1,7 @@
 """The grains of a specification: warnings about them, files that are left out, and the digest of their content."""
 
 import os
+import shutil
 
 import numpy as np
 import pandas as pd
@@ -9,7 +10,7 @@ import trimesh
 
 from simcore.grains.grain_set import read_grains, write_grains
 from simcore.grains.mesh import decimate
-from simcore.grains.sources import content_digest, grain_warnings, left_out_files, load_grains, size_note
+from simcore.grains.sources import content_digest, grain_warnings, left_out_files, load_grains, set_name, size_note
 from simcore.grains.tables import form_table
 from simcore.scene.specification import resolve
 
@@ -19,7 +20,7 @@ def group(source, **settings):
         "domain": {"width": "30 mm", "height": "1 m"},
         "sizes": {"case": "U1"},
         "amount": {"grains": 10},
-        "grains": {"source": str(source), "unit": "mm", **settings},
+        "grains": {"source": source if isinstance(source, list) else str(source), "unit": "mm", **settings},
     }
     return resolve(specification)["grains"]
 
@@ -135,3 +136,44 @@ def test_the_digest_follows_the_content_of_the_grain_files_alone(folder):
 def test_the_digest_of_nothing_and_of_missing_files_raises_nothing(tmp_path):
     assert content_digest([]) == content_digest([tmp_path])
     assert content_digest([tmp_path / "none.stl"]) != content_digest([])
+
+
+def test_names_select_the_files_and_their_order(folder):
+    named = group(folder, names=["round", "cloud"])
+    assert [grain.name for grain in load_grains(named)] == ["round", "cloud"]
+    assert left_out_files(named) == [] and left_out_files(group(folder)) != []
+    assert [grain.name for grain in load_grains(group([str(folder)], names=None))] == ["cloud", "dented", "round"]
+    with pytest.raises(
+        ValueError,
+        match=r"grains\.source has no file 'oval', and 1 of 2 names are missing; .*files of grains are cloud, dented",
+    ):
+        load_grains(group(folder, names=["round", "oval"]))
+    with pytest.raises(ValueError, match="'round' is listed twice; remove one"):
+        load_grains(group(folder, names=["round", "round"]))
+
+
+def test_the_name_of_a_set_follows_names_and_degree_if_they_are_given(folder):
+    everything = set_name(group(folder))
+    some = set_name(group(folder, names=["round", "cloud"]))
+    assert len({everything, some, set_name(group(folder, names=["cloud", "round"]))}) == 3
+    assert set_name(group(folder, degree=10)) not in (everything, some)
+    more = shutil.copytree(folder, folder.parent / "copy" / "scans")
+    assert set_name(group(more)) == everything
+    more = shutil.copytree(folder, folder.parent / "another" / "scans")
+    trimesh.creation.icosphere(2, 6.0).export(more / "another.stl")
+    assert set_name(group(more)) != everything and set_name(group(more, names=["round", "cloud"])) == some
+
+
+def test_a_set_without_names_and_degree_has_the_name_that_it_had_before_these_keys(tmp_path):
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / "one.xyz").write_text("0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
+    assert set_name(group(tmp_path / "old")) == "old_0f2c8ec2"
+
+
+def test_the_degree_of_a_specification_reaches_the_reader(tmp_path):
+    rows = f"0 0 {5 * np.sqrt(4 * np.pi)} 0\n2 0 1 0\n"
+    (tmp_path / "a-anm.dat").write_text(rows)
+    (smooth,), (whole,) = load_grains(group(tmp_path, degree=0)), load_grains(group(tmp_path))
+    assert smooth.elongation == pytest.approx(1.0, abs=1e-3) and whole.elongation < 0.9
+    with pytest.raises(ValueError, match=r"a-anm\.dat: grains\.degree is 3, but"):
+        load_grains(group(tmp_path, degree=3))

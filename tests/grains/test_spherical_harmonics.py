@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from simcore.grains.mesh import make_grain
-from simcore.grains.spherical_harmonics import radius, read_coefficients, surface_points
+from simcore.grains.readers import read_grain, read_grains_of
+from simcore.grains.spherical_harmonics import cut_at, radius, read_coefficients, surface_points
 from simcore.grains.spiral import spiral_directions
 
 # r = 10 + 2 z + 1.5 x - 0.8 y + 0.7 (x² - y²) on the unit sphere, written in orthonormal Y_nm by hand:
@@ -78,3 +79,42 @@ def test_impossible_surfaces_are_refused():
         radius((n[:2], m[:2], np.array([1.0, 5.0])), u)
     with pytest.raises(ValueError, match="real"):
         radius((n, m, np.array([10.0, 1.0, 1.0])), u)
+
+
+def coefficients_up_to(degree, seed=5):
+    """Return rows of a pebble of about 10 mm with all m up to this degree, as public files have them."""
+    rng = np.random.default_rng(seed)
+    rows = [(0, 0, 5 * np.sqrt(4 * np.pi), 0.0)]
+    for n in range(1, degree + 1):
+        rows.append((n, 0, rng.normal(0, 0.3 / n**2), 0.0))
+        for m in range(1, n + 1):
+            re, im = rng.normal(0, 0.3 / n**2, 2)
+            rows += [(n, m, re, im), (n, -m, (-1) ** m * re, -((-1) ** m) * im)]
+    return rows
+
+
+def test_a_file_cut_at_a_degree_is_the_file_without_the_degrees_above(tmp_path):
+    rows = coefficients_up_to(25)
+    whole = write(tmp_path / "whole.sh.txt", rows)
+    cut = write(tmp_path / "cut.sh.txt", [row for row in rows if row[0] <= 10])
+    (grain,), (same,) = read_grains_of(whole, "mm", degree=10), read_grains_of(cut, "mm")
+    np.testing.assert_array_equal(grain.vertices, same.vertices)
+    np.testing.assert_array_equal(grain.faces, same.faces)
+    assert (grain.L, grain.volume, grain.hull_ratio) == (same.L, same.volume, same.hull_ratio)
+    assert read_grain(whole, "mm").volume != same.volume
+    (all_degrees,) = read_grains_of(whole, "mm", degree=25)
+    np.testing.assert_array_equal(all_degrees.vertices, read_grain(whole, "mm").vertices)
+    # A published copy has only m >= 0 and fewer decimals; its surface is the same within these decimals.
+    half = write(tmp_path / "half.sh.txt", [(n, m, round(re, 6), round(im, 6)) for n, m, re, im in rows if 0 <= m])
+    u = spiral_directions(500)
+    radii = [radius(cut_at(read_coefficients(path), 10), u) for path in (whole, half)]
+    np.testing.assert_allclose(*radii, atol=121 * 1e-6)
+
+
+def test_a_degree_above_those_of_the_file_is_refused(tmp_path):
+    path = write(tmp_path / "a.sh.txt", coefficients_up_to(10))
+    with pytest.raises(
+        ValueError, match=r"a\.sh\.txt: grains\.degree is 12, but the highest degree .* is 10; lower it"
+    ):
+        read_grains_of(path, "mm", degree=12)
+    assert read_grains_of(path, "mm", degree=10)[0].volume == read_grain(path, "mm").volume

@@ -1,6 +1,7 @@
 """A configuration still lists the packing of every committed row, with the settings that it was packed with."""
 
 import functools
+import os
 from pathlib import Path
 
 import pandas as pd
@@ -10,6 +11,7 @@ import yaml
 from benchmarks.studies import bed_size
 from docs.generate import results
 from simcore.campaign.studies import expand, merge
+from simcore.grains.spherical_harmonics import read_coefficients
 from simcore.paths import CONFIG, REFERENCE
 from simcore.scene.identity import result_digest
 from simcore.scene.specification import resolve
@@ -19,6 +21,7 @@ ELSEWHERE = {"scans", "rhine"}
 # These rows of U7 have ten steps per contact time; the findings announce that they are packed again with 14.
 SUPERSEDED = {("single_form_wide", f"U7_0.1m_1m_4kg-form{form:02}") for form in (1, 2, 3, 4, 5, 6)}
 ABOVE = REFERENCE / "born_above_bed"
+SCANS = Path(os.environ.get("SCREE_SHARED", "/work/shared")) / "grains" / "scans"
 
 
 @functools.cache
@@ -182,3 +185,25 @@ def test_the_beds_behind_the_ends_of_a_bed_are_single_forms_inserted_above_the_b
     listed = packings(("inserted_above_bed.yaml",), tuple(beds.index)).groupby("study").size()
     assert all(f"results/inserted_above_bed/porosity/{study}" in command for study in beds.index)
     assert (listed[beds.index] == 63).all() and (beds["max"] < 63).all() and (beds["max"] > 40).all()
+
+
+def committed_name(name):
+    """Return the name in the committed rows of the grain of a file of the public repository."""
+    prefix, number = name.split("-anm-")
+    return f"AZcoarse_{number}" if prefix == "AZ0.5" else f"FDOT57_{prefix}{int(number)}"
+
+
+def test_the_scans_of_the_committed_rows_are_those_of_their_configuration():
+    names = yaml.safe_load((CONFIG / "scans.yaml").read_text(encoding="utf-8"))["grains"]["names"]
+    rows = pd.read_csv(REFERENCE / "single_form.csv")
+    assert [committed_name(name) for name in names] == sorted(rows[rows.source == "scans"].grain.unique())
+
+
+@pytest.mark.skipif(not SCANS.is_dir(), reason="the copies of the scans are not part of the clone")
+def test_the_copies_of_the_scans_are_the_named_files_cut_at_the_degree():
+    grains = yaml.safe_load((CONFIG / "scans.yaml").read_text(encoding="utf-8"))["grains"]
+    copies = sorted(SCANS.glob("*.sh.txt"))
+    assert [path.name.removesuffix(".sh.txt") for path in copies] == [*map(committed_name, grains["names"])]
+    for path, name in zip(copies, grains["names"], strict=True):
+        assert f"/{name}.dat " in path.read_text(encoding="utf-8").splitlines()[0]
+        assert read_coefficients(path)[0].max() == grains["degree"]

@@ -40,6 +40,8 @@ CASES = {
         {"grains": {**FILES["grains"], "source": "a.stl"}},
         FILES,
     ),
+    "grains.degree": ({"grains": {"degree": 10}}, {"grains": {**FILES["grains"], "source": ["a.stl", "b.npy"]}}, FILES),
+    "grains.names": ({"grains": {"names": ["a"]}}, {}, FILES),
     "grains.number": ({"grains": {"number": 30}}, FILES, {}),
     "grains.seed": ({"grains": {"seed": 2}}, FILES, {}),
     "faces": ({"faces": 50}, ELLIPSOIDS, {}),
