@@ -1,6 +1,7 @@
 """The campaigns of config/, with overlays merged over each other."""
 
 import functools
+import re
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from simcore.scene.specification import read_presets, resolve
 # Means and standard deviations of flatness that draw the thinnest grains: of a mixture and of the application.
 THIN = [(0.4, 0.2), (0.647, 0.175)]
 CONFIG = Path(__file__).resolve().parents[2] / "config"
+DOCS = CONFIG.parent / "docs"
 
 
 @functools.cache
@@ -26,6 +28,12 @@ def campaign(*overlays):
     """Return all packings of config.yaml with overlays merged over it, in Snakemake's order."""
     raw = [yaml.safe_load((CONFIG / f"{name}.yaml").read_text()) for name in ("config", *overlays)]
     return expand(resolve(merge(*raw), "config"))
+
+
+def grains_of_a_folder(folder, **settings):
+    """Return all packings of the campaign of scans, with a folder as the source of its grains."""
+    raw = [yaml.safe_load((CONFIG / f"{name}.yaml").read_text()) for name in ("config", "workstation", "scans")]
+    return expand(resolve(merge(*raw, {"grains": {"source": str(folder), **settings}}), "config"))
 
 
 def test_the_settings_of_the_r22_campaign_are_those_of_its_preset():
@@ -71,13 +79,40 @@ def test_the_workstation_has_what_its_tables_are_to_hold():
 def test_real_grains_need_a_path_and_nothing_else(tmp_path):
     with pytest.raises(ValueError, match="grains.source: 'FOLDER' does not exist"):
         campaign("workstation", "scans")
-    raw = [yaml.safe_load((CONFIG / f"{name}.yaml").read_text()) for name in ("config", "workstation", "scans")]
-    packings = expand(resolve(merge(*raw, {"grains": {"source": str(tmp_path)}}), "config"))
+    packings = grains_of_a_folder(tmp_path)
     assert set(packings.study) == {"single_form"} and len(packings) == 63
     assert {s["amount"]["grains"] for s in packings.specification} == {1200}
     assert {(group["degree"], len(group["names"])) for group in packings.grains} == {(10, 63)}
-    own = merge(*raw, {"grains": {"source": str(tmp_path), "names": None, "degree": None}})
-    assert {(group["degree"], group["names"]) for group in expand(resolve(own, "config")).grains} == {(None, None)}
+    own = grains_of_a_folder(tmp_path, names=None, degree=None)
+    assert {(group["degree"], group["names"]) for group in own.grains} == {(None, None)}
+
+
+def test_the_page_of_campaigns_has_the_numbers_of_their_packings(tmp_path):
+    """Of an overlay only the studies in its file are counted, since the others are those of the default campaign."""
+    text = (DOCS / "how_to" / "campaigns.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `config/(\w+)\.yaml` \|.*\| ([\d, ]+) \|$", text, re.MULTILINE)
+    files = {path.stem for path in CONFIG.glob("*.yaml") if "studies" in yaml.safe_load(path.read_text())}
+    assert {name for name, _ in rows} == files - {"deposits_large"}
+    for name, listed in rows:
+        counts = count_packings(name, tmp_path)
+        if name == "work_precision":
+            precise = sum(counts.pop(study) for study in list(counts) if study.startswith("precision_"))
+            assert list(counts) == ["accuracy", "accuracy_changed", "accuracy_heights"]
+            expected = [precise, *counts.values()]
+        else:
+            expected = [sum(counts.values())]
+        assert [int(number) for number in listed.split(", ")] == expected, name
+
+
+def count_packings(name, folder):
+    """Return the number of packings of each study in the file of a campaign, in its order."""
+    if name == "scans":
+        packings = grains_of_a_folder(folder)
+    else:
+        packings = campaign(*([] if name == "config" else [name]))
+    counted = packings.groupby("study").size()
+    studies = yaml.safe_load((CONFIG / f"{name}.yaml").read_text())["studies"]
+    return {study: int(counted[study]) for study, given in studies.items() if given}
 
 
 @pytest.mark.parametrize("overlays", [("deposits",), ("deposits", "deposits_large")])
