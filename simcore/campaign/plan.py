@@ -14,6 +14,7 @@ from simcore.campaign import deposits
 from simcore.campaign.biases import bias_effects, measured_biases
 from simcore.campaign.gathering import not_gathered, table_of
 from simcore.campaign.studies import expand
+from simcore.evaluation.interval import campaign_cut
 from simcore.grains.sources import set_name, source_name
 from simcore.packing.cost import estimate
 from simcore.packing.forecast import check_bed, typical_grains
@@ -90,8 +91,8 @@ def check_beds(packings, cut=None):
     for row in packings.itertuples():
         specification = row.specification
         try:
-            density = specification["material"]["density"]
-            check_bed(Domain(**specification["domain"]), typical_grains(specification), density, cut)
+            density, domain = specification["material"]["density"], Domain(**specification["domain"])
+            check_bed(domain, typical_grains(specification), density, campaign_cut(cut, domain.periodic))
         except ValueError as error:
             raise ValueError(
                 f"studies.{row.study}, packing {row.packing}: {error} To evaluate a lower bed, set porosity.cut."

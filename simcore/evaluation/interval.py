@@ -26,6 +26,11 @@ def end_cuts(periodic, top, largest, median, cut=None):
     return at_floor, at_surface
 
 
+def campaign_cut(cut, periodic):
+    """Return the cut of a campaign for a bed: its `porosity.cut` is for periodic boxes, so it is None in a cylinder."""
+    return cut if periodic else None
+
+
 def median_size(sizes, volumes):
     """Return the sieve size [m] below which half of the grains' volume is; sizes (n,) [m], volumes (n,)."""
     order = np.argsort(sizes)

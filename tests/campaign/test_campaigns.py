@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 
@@ -13,6 +14,7 @@ from simcore.evaluation.bulk_region import FLOOR_LAYER, SURFACE_LAYER
 from simcore.grains.synthetic import synthetic_grains
 from simcore.packing.cost import estimate
 from simcore.packing.expectation import expect
+from simcore.paths import REFERENCE
 from simcore.scene.setup import set_up
 from simcore.scene.sizes import size_curve
 from simcore.scene.specification import read_presets, resolve
@@ -26,8 +28,13 @@ DOCS = CONFIG.parent / "docs"
 @functools.cache
 def campaign(*overlays):
     """Return all packings of config.yaml with overlays merged over it, in Snakemake's order."""
+    return expand(configuration(*overlays))
+
+
+def configuration(*overlays):
+    """Return the resolved config.yaml with overlays merged over it."""
     raw = [yaml.safe_load((CONFIG / f"{name}.yaml").read_text()) for name in ("config", *overlays)]
-    return expand(resolve(merge(*raw), "config"))
+    return resolve(merge(*raw), "config")
 
 
 def grains_of_a_folder(folder, **settings):
@@ -36,8 +43,8 @@ def grains_of_a_folder(folder, **settings):
     return expand(resolve(merge(*raw, {"grains": {"source": str(folder), **settings}}), "config"))
 
 
-def test_the_settings_of_the_r22_campaign_are_those_of_its_preset():
-    """No setting that the default campaign makes for its own sizes may remain."""
+def test_the_settings_of_the_r22_campaign_are_those_of_rettinger_et_al():
+    """No setting that the default campaign makes for its own sizes may remain; only the height decides about rest."""
     r22 = read_presets("accuracy")["r22"]
     packings = campaign("r22")
     assert len(packings) > 100
@@ -45,10 +52,15 @@ def test_the_settings_of_the_r22_campaign_are_those_of_its_preset():
         numerics = row.specification["numerics"]
         assert numerics["contact_time"] == 2e-4 and numerics["steps_per_contact_time"] == 40, row.packing
         assert numerics["dashpot"] == r22["numerics"]["dashpot"]
-        assert row.specification["convergence"]["max_unbalanced_force"] == 0.02
+        assert row.specification["numerics"]["polyhedron_contact"] == "point"
+        convergence = row.specification["convergence"]
+        assert (convergence["rule"], convergence["height_change"]) == ("still", 1e-5)
+        assert (convergence["max_speed"], convergence["max_unbalanced_force"]) == (10.0, 10.0)
         assert row.specification["generation"]["fill"] == "r22"
         if row.study not in ("mesh_resolution", "near_spheres"):
             assert row.grain_set.endswith("/faces_300"), row.packing
+    assert configuration("r22")["porosity"]["cut"] == 0.0315
+    assert set(pd.read_csv(REFERENCE / "collected.csv").command.dropna().str.contains("r22.yaml")) == {False}
 
 
 def test_the_workstation_has_what_its_tables_are_to_hold():

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from simcore.campaign.plan import SMALLEST_MIXTURE_STUDY, Plan, describe_studies, estimate_studies, number_pieces
+from simcore.evaluation.interval import campaign_cut
 from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import fewest_samples
 from simcore.packing.cost import PackingCost, estimate
@@ -217,3 +218,16 @@ def test_a_bed_too_low_is_refused_with_its_name():
     with pytest.raises(ValueError, match="studies.low, packing low"):
         plan_of(studies=study).check()
     plan_of(studies={f"deposit_{name}": body for name, body in study.items()}).check()
+
+
+@pytest.mark.parametrize(("domain", "refused"), [("periodic", True), ("cylinder", False)])
+def test_the_cut_of_a_campaign_is_for_periodic_boxes(domain, refused):
+    """A bed of 100 grains is too low to leave out 31.5 mm at both ends."""
+    packing = {**CAMPAIGN["packing"], "domain": {"type": domain, "width": "45 mm", "height": "0.3 m"}}
+    plan = plan_of(packing=packing, porosity={"cut": "31.5 mm"})
+    if refused:
+        with pytest.raises(ValueError, match="The bed will be about"):
+            plan.check()
+    else:
+        plan.check()
+    assert campaign_cut(0.0315, domain == "periodic") == (0.0315 if refused else None)

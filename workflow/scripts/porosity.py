@@ -1,7 +1,10 @@
 """Write the evaluation of one packing: porosity and its error, coordination, trends over height, form."""
 
 from simcore.evaluation.evaluate import evaluate
+from simcore.evaluation.interval import campaign_cut
 from simcore.packing.file import read_packing
 
-evaluation = evaluate(read_packing(snakemake.input.packing), **snakemake.params.settings)
+settings, packing = snakemake.params.settings, read_packing(snakemake.input.packing)
+cut = campaign_cut(settings["cut"], packing.attrs["domain_shape"] == "periodic")
+evaluation = evaluate(packing, settings["slice_height"], cut)
 evaluation.to_netcdf(snakemake.output.evaluation)
