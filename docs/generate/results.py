@@ -1,7 +1,7 @@
 """Page of the committed tables: the manifest of results.
 
 results.yaml has a sentence for each table of results/reference, and the command that makes it where collected.csv does
-not name one.
+not name one. docs.generate.origin adds commit, machine and hours.
 """
 
 import functools
@@ -11,6 +11,7 @@ import pandas as pd
 import yaml
 
 from docs.generate.markdown import code, sentence, table
+from docs.generate.origin import origin
 from simcore.paths import REFERENCE
 from simcore.reference.columns import find_column
 
@@ -19,6 +20,7 @@ FOLDERS = {
     "": "Rows of the campaigns and of single studies",
     "work_precision": "Error against run time",
     "default": "Tables of a finished default campaign",
+    "default/models": "Models of a finished default campaign",
     "born_above_bed": "Rows that newer ones have replaced",
     "models": "Fitted models",
     "grains": "Statistics of the synthetic grains",
@@ -30,6 +32,9 @@ The folder `results/reference/` has these tables. All numbers on the pages of th
 command that is named beside a number. A campaign that runs on your machine writes its own tables elsewhere in
 `results/`. The meaning of every column is listed below each table, and on the page [columns of the
 tables](columns.md).
+
+The commit of a table is that of the code that made it, or else the one that added its values. CPU hours are those of
+all its packings or scenes.
 """
 
 
@@ -40,7 +45,7 @@ def committed_tables():
 
 @functools.cache
 def sentences():
-    """Return what is written about the tables: dict from path to dict with `what` and maybe `command`."""
+    """Return what is written about the tables: dict from path to dict with the keys of results.yaml."""
     return yaml.safe_load(SENTENCES.read_text(encoding="utf-8"))
 
 
@@ -67,6 +72,7 @@ def _described(path, entry):
     command = entry.get("command") or commands().get(path)
     yield sentence(entry["what"])
     yield f"It has {len(rows)} row{'s' if len(rows) != 1 else ''}." + (f" Command: `{command}`." if command else "")
+    yield origin(path, entry, rows)
     yield '??? note "Columns"\n\n' + "\n".join(f"    {line}" for line in table(heads, cells).splitlines())
 
 
