@@ -3,13 +3,17 @@
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
 from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS, OURS, R22
 from benchmarks.studies.sorted_sands import TABLE as SANDS
+from simcore.models.fitting import fit_reference_models
 from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.known_beds import MEASURED, PUBLISHED
 from simcore.models.size_and_form.sized_model import current_model
-from simcore.paths import REFERENCE, ROOT
+from simcore.paths import CONFIG, REFERENCE, ROOT
+from simcore.scene.sizes import all_cases
+from simcore.scene.specification import resolve
 
 PLAN, HOW_TO, FINDINGS = (
     "docs/appendices/size_and_form_plan.md",
@@ -102,3 +106,40 @@ def test_sands_that_are_not_wider_than_the_packed_beds():
 
 def test_students_t_of_the_step_to_the_curve():
     assert states(HOW_TO, f"For the step to the curve it is {student_quantile(0.95, current_model().freedom):.1f},")
+
+
+def test_the_range_of_validity_is_that_of_the_packed_beds():
+    beds = pd.read_csv(REFERENCE / "models" / "size_and_form_beds.csv")
+    cases = all_cases()
+    binary = [cases[name].curve for name in beds["bed"].str.split().str[0] if name.startswith("R")]
+    held = [np.flatnonzero(curve.mass_fractions) for curve in binary]
+    ratios = [curve.bounds[coarse] / curve.bounds[fine] for curve, (fine, coarse) in zip(binary, held, strict=True)]
+    shares = [100.0 * curve.mass_fractions[-1 - np.argmax(curve.mass_fractions[::-1] > 0.0)] for curve in binary]
+    n1 = beds["n_one_class"]
+    assert states(
+        HOW_TO,
+        f"| one-class porosity of the packed beds with wide curves | {n1.min():.2f} to {n1.max():.2f} |",
+        f"| ratio of the sizes of packed binary curves | {min(ratios):.1f} to {max(ratios):.1f} |",
+        f"| share of coarse grains in packed binary curves | {min(shares):.0f} to {max(shares):.0f} % |",
+        f"| width of the sieve curve: 98 % of the mass | within {current_model().widest:.1f} : 1 |",
+    )
+    model = fit_reference_models().models["unified", "U1"]
+    for symbol, feature in (("1/µ_EQ", "mu_EQ_inv"), ("1/µ_EL", "mu_EL_inv")):
+        index = model.features.index(feature)
+        low, high = model.minimum[index], model.maximum[index]
+        assert states(HOW_TO, f"| form, {symbol} | {low:.2f} to {high:.2f} |")
+    finest = min(curve.bounds[:-1][curve.mass_fractions > 0.0].min() for curve in map(curve_of, beds["bed"]))
+    assert states(HOW_TO, f"the smallest packed grains have {1e3 * finest:.1f} mm")
+
+
+def test_the_packed_beds_have_the_stated_friction_and_shaking():
+    configuration = yaml.safe_load((CONFIG / "size_and_form.yaml").read_text(encoding="utf-8"))
+    fixes = configuration["studies"]["size_and_form"]["fixes"]
+    needed = {"sizes": {"case": "U1"}, "amount": {"mass": "1 kg"}, "domain": fixes["domain"] | {"width": "63 mm"}}
+    settings = resolve(fixes | needed, "packing")
+    assert settings["shaking"]["duration"] == 1.0
+    assert states(HOW_TO, f"| friction coefficient between grains | {settings['material']['friction']:g} |")
+
+
+def curve_of(bed):
+    return all_cases()[bed.split()[0]].curve
