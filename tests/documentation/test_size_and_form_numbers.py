@@ -9,8 +9,9 @@ from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS,
 from benchmarks.studies.sorted_sands import TABLE as SANDS
 from simcore.models.fitting import fit_reference_models
 from simcore.models.regression import student_quantile
+from simcore.models.size_and_form.choice import Score, choose
 from simcore.models.size_and_form.known_beds import MEASURED, PUBLISHED
-from simcore.models.size_and_form.sized_model import current_model
+from simcore.models.size_and_form.sized_model import NOT_FITTED, current_model
 from simcore.paths import CONFIG, REFERENCE, ROOT
 from simcore.scene.sizes import all_cases
 from simcore.scene.specification import resolve
@@ -41,6 +42,19 @@ def test_errors_of_left_out_beds(chosen):
     assert states(
         FINDINGS, f"one formula, {len(beds)} beds", f"error {errors[0]} for a family", f"{errors[1]} for a form"
     )
+
+
+def test_the_rule_that_keeps_no_model_chooses_the_same(chosen):
+    table = pd.read_csv(REFERENCE / "models" / "size_and_form_candidates.csv")
+    table = table[table["model"] != NOT_FITTED]
+    scores = [
+        {row.model: Score(*row[1:]) for row in table[["model", *columns]].itertuples(index=False)}
+        for kind in ("family", "form")
+        for columns in [[f"error_by_{kind}", f"excess_by_{kind}", f"excess_std_error_by_{kind}"]]
+    ]
+    numbers = dict(zip(table["model"], table["parameters"], strict=True))
+    assert choose(*scores, numbers) == chosen.model
+    assert states(PLAN, f"rule of choice without the paragraph that keeps a model also chooses {chosen.model}.")
 
 
 def test_fitted_parameters(chosen):
