@@ -139,7 +139,8 @@ def _parameters(model):
         return "with " + ", ".join(f"{name} = {value:.3g}" for name, value in model.parameters.items())
     rows = pd.read_csv(REFERENCE / "models" / "size_and_form_parameters.csv").query("model == @model.candidate")
     values = [
-        f"{row.parameter} = {row.value:.3f}" + ("" if np.isnan(row.lower) else f" ({row.lower:.3f} to {row.upper:.3f})")
+        f"{row.parameter} = {row.value:.3f}"
+        + ("" if np.isnan(row.lower_95) else f" ({row.lower_95:.3f} to {row.upper_95:.3f})")
         for row in rows.itertuples()
     ]
     return f"with {', '.join(values)}, in brackets 95 % intervals"

@@ -22,7 +22,7 @@ def test_fitted_parameters_have_their_intervals():
     model = current_model()
     for name, value in model.parameters.items():
         row = table.loc[(model.candidate, name)]
-        assert f"{name} = {value:.3f} ({row.lower:.3f} to {row.upper:.3f})" in text
+        assert f"{name} = {value:.3f} ({row.lower_95:.3f} to {row.upper_95:.3f})" in text
     assert size_and_form._parameters(unfitted_model()) == "with K = 4.1, m0 = 1, kappa = 0"
 
 

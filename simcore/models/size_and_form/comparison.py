@@ -112,14 +112,14 @@ def covariance_rows(fits) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def parameter_rows(fits, freedom, level=LEVEL) -> pd.DataFrame:
-    """Return one row per parameter of each Fit: model, parameter, value, std_error, lower, upper, at_bound.
+def parameter_rows(fits, freedom) -> pd.DataFrame:
+    """Return one row per parameter of each Fit, dict by name.
 
-    fits: dict by name. lower, upper: confidence interval with Student's t of `freedom` degrees of freedom, nan for a
-    parameter at its bound. level: its probability. Beds of a family share deviations, so that `freedom` is that of the
-    prediction intervals, one less than there are families.
+    The columns are model, parameter, value, std_error, lower_95, upper_95 and at_bound. lower_95, upper_95: 95 %
+    confidence interval with Student's t of `freedom` degrees of freedom, nan for a parameter at its bound. Beds of a
+    family share deviations, so that `freedom` is that of the prediction intervals, one less than there are families.
     """
-    t = student_quantile(level, freedom)
+    t = student_quantile(LEVEL, freedom)
     rows = []
     for name, fit in fits.items():
         errors = fit.std_errors()
@@ -127,7 +127,7 @@ def parameter_rows(fits, freedom, level=LEVEL) -> pd.DataFrame:
             bound = key in fit.at_bound
             half = np.nan if bound else t * errors[key]
             row = {"model": name, "parameter": key, "value": value, "std_error": errors[key]}
-            rows.append(row | {"lower": value - half, "upper": value + half, "at_bound": "yes" if bound else ""})
+            rows.append(row | {"lower_95": value - half, "upper_95": value + half, "at_bound": "yes" if bound else ""})
     return pd.DataFrame(rows)
 
 

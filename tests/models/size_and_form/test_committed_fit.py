@@ -47,5 +47,5 @@ def test_parameters_are_those_of_the_fits(committed):
     families = committed["beds"]["family"].nunique()
     free = committed["parameters"].query("at_bound != 'yes'")
     half = student_quantile(0.95, families - 1) * free["std_error"]
-    for column, expected in (("lower", free["value"] - half), ("upper", free["value"] + half)):
+    for column, expected in (("lower_95", free["value"] - half), ("upper_95", free["value"] + half)):
         np.testing.assert_allclose(free[column].astype(float), expected, atol=5e-6)

@@ -106,10 +106,10 @@ def test_the_model_that_made_the_beds_is_chosen():
 def test_intervals_of_parameters_take_students_t_of_the_families():
     fit = Fit("L", {"m0": 1.0, "kappa": 0.6}, np.diag([1e-4, 0.01]), np.zeros(0), ("m0",))
     at_bound, kappa = parameter_rows({"L": fit}, 5).itertuples(index=False)
-    assert np.isnan(at_bound.lower) and np.isnan(at_bound.upper) and at_bound.at_bound == "yes"
+    assert np.isnan(at_bound.lower_95) and np.isnan(at_bound.upper_95) and at_bound.at_bound == "yes"
     # Tables of Student's t have 2.571 for 5 degrees of freedom and a probability of 0.95.
     assert kappa.std_error == pytest.approx(0.1) and kappa.at_bound == ""
-    assert [kappa.lower, kappa.upper] == pytest.approx([0.6 - 0.2571, 0.6 + 0.2571], abs=1e-4)
+    assert [kappa.lower_95, kappa.upper_95] == pytest.approx([0.6 - 0.2571, 0.6 + 0.2571], abs=1e-4)
 
 
 def test_intervals_of_a_family_follow_from_the_errors_of_the_others():
