@@ -9,9 +9,11 @@ from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS,
 from benchmarks.studies.sorted_sands import TABLE as SANDS
 from simcore.models.fitting import fit_reference_models
 from simcore.models.regression import student_quantile
+from simcore.models.size_and_form.bed_prediction import rhine_one_class
 from simcore.models.size_and_form.choice import Score, choose
 from simcore.models.size_and_form.known_beds import MEASURED, PUBLISHED
 from simcore.models.size_and_form.sized_model import NOT_FITTED, current_model
+from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
 from simcore.paths import CONFIG, REFERENCE, ROOT
 from simcore.scene.sizes import all_cases
 from simcore.scene.specification import resolve
@@ -116,6 +118,13 @@ def test_sands_that_are_not_wider_than_the_packed_beds():
     assert narrow.sum() == 14 and (errors.abs() > half)[narrow].all()
     assert states(HOW_TO, f"All 14 are outside the interval of the step to the curve, and the prediction is "
                           f"{errors[narrow].mean():.3f} too high on average")  # fmt: skip
+
+
+def test_the_forms_of_the_picture_of_mixtures():
+    of_rhine = rhine_one_class(fit_reference_models())
+    assert states(
+        HOW_TO, f"one class has the porosity {REFERENCE_POROSITY:.3f}.", f"`predict` gives it {of_rhine:.3f}."
+    )
 
 
 def test_students_t_of_the_step_to_the_curve():
