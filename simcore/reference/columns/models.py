@@ -75,8 +75,6 @@ SIZE_AND_FORM = (
     Column("parameter", "", "name of a fitted parameter"),
     Column("with_parameter", "", "second parameter of a covariance"),
     Column("value", "", "value of the parameter"),
-    Column("lower", "", "lower end of the 95 % interval of the value, by Student's t"),
-    Column("upper", "", "upper end of this interval"),
     Column("at_bound", "", "yes if the parameter is at a bound, where its standard error is not valid"),
     Column("bed", "", "sieve curve, form and seed of a packed bed"),
     Column("family", "", "family of sieve curves that are left out together"),
