@@ -103,6 +103,7 @@ def _describe_curve(bed, first, fitted):
                 for row in other_predictors(curve, first["n_one_class"]).itertuples()
             ],
         ),
+        "The range of validity of those from the curve alone is not known to us.",
     ]
 
 

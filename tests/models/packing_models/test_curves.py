@@ -60,9 +60,9 @@ def test_a_gap_is_the_widest_ratio_of_sizes_with_a_hundredth_of_the_mass():
     rng = np.random.default_rng(5)
     assert gap(GAP) == pytest.approx(2.0 * 2.0 ** (0.01 / 0.5), rel=0.02)  # from 2 to 4 mm, and 1 % of the mass more
     for curve in (GAP, *CASES.values(), *(SieveCurve(GAP.bounds, rng.dirichlet([0.3, 0.1, 0.3])) for _ in range(20))):
-        starts = np.linspace(0.01, 0.98, 20_001)
+        starts = np.linspace(0.01, 0.98, 4001)
         tried = max(quantile(curve, start + 0.01) / quantile(curve, start) for start in starts)
-        assert tried <= gap(curve) * (1 + 1e-9) and gap(curve) == pytest.approx(tried, rel=2e-3)
+        assert tried <= gap(curve) * (1 + 1e-9) and gap(curve) == pytest.approx(tried, rel=5e-3)
         assert gap(split(curve, 3, "mass")) == pytest.approx(gap(curve), rel=1e-9)
 
 
