@@ -43,11 +43,12 @@ const BedOutput = (() => {
       const label = `${marked(text)}: ${number(n)}`;
       return { n, lower: NaN, upper: NaN, label, kind: packing ? "packing" : "empirical" };
     });
-    return [ours, stateLine(bed), ...others];
+    return [ours, states(bed.n), ...others];
   }
 
   // Returns the line of the range from a bed that is shaken for long to one that is only placed.
-  function stateLine({ n_long_shaken: lower, n_not_shaken: upper }) {
+  function states(n) {
+    const [lower, upper] = [n + DATA.curve.states.long_shaken, n + DATA.curve.states.not_shaken];
     return { n: NaN, lower, upper, kind: "state", label: `long shaken to not shaken: ${number(lower)} to ${number(upper)}` };
   }
 
