@@ -6,8 +6,9 @@ It reads the tables results/reference/wide_*.csv of pebbles and writes results/r
 packing. It prints one line for each sieve curve and each study that packs beds of `wide_quota` again: the number of
 pairs (same curve, same seed), the mean difference of the porosity with its standard error, whether the rule of
 config/wide.yaml accepts the setting, and the ratio of the CPU times. A second table compares the means over all seeds
-with those of `wide_random`, whose packings have other grains. The rule requires a mean difference of at most 0.003 in
-size with a standard error of at most 0.0015, over three seeds, or over the number in SEEDS.
+with those of `wide_random`, whose packings have other grains, and a third one with the settings of Rettinger et al. The
+rule requires a mean difference of at most 0.003 in size with a standard error of at most 0.0015, over three seeds, or
+over the number in SEEDS.
 """
 
 from pathlib import Path
@@ -87,6 +88,19 @@ def compare_means(table: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["settings", "case", "beds", "difference", "error", "cost"])
 
 
+def compare_r22(table: pd.DataFrame, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return `wide_random` minus the settings of Rettinger et al., paired by seed: columns seed, difference and cost.
+
+    rows: of difference_wide.csv, of the same grains, shaken for 1 s instead of 2 s. Settings of Rettinger et al. are
+    contacts at the deepest point and 40 explicit steps in each.
+    """
+    r22 = rows.query("polyhedron_contact == 'point' and dashpot == 'explicit' and steps_per_contact_time == 40")
+    ours = table.query("settings == 'wide_random'")
+    pairs = r22.merge(ours, on=["case", "seed", "grains"], suffixes=("_r22", ""))
+    columns = {"seed": pairs["seed"], "difference": pairs["n"] - pairs["n_r22"]}
+    return pd.DataFrame(columns | {"cost": pairs["cpu_s"] / pairs["cpu_s_r22"]})
+
+
 def verdict(difference: float, error: float, pairs: int, required: int) -> str:
     """Return the verdict of the rule on a mean difference with its standard error, over this number of pairs."""
     if pairs < required:
@@ -105,7 +119,8 @@ def main() -> None:
     """Write the table of packings and print the pairs."""
     table = cost_table(read_tables(), pd.read_csv(REFERENCE / "gathered.csv"))
     table.to_csv(REFERENCE / "wide_cost.csv", index=False)
-    for rows in (paired(table), compare_means(table)):
+    r22 = compare_r22(table, pd.read_csv(REFERENCE / "difference_wide.csv"))
+    for rows in (paired(table), compare_means(table), r22):
         print(rows.to_string(index=False, float_format="%.4f", na_rep=""))
 
 

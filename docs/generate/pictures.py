@@ -132,9 +132,16 @@ DRAWN = {
 
 def drawn():
     """Return the functions that draw a picture: dict from its path below docs/ to a function that returns a Figure."""
-    from docs.generate import curve_pictures, deposit_pictures, grain_pictures, porosity_pictures, time_step
+    from docs.generate import (
+        curve_pictures,
+        deposit_pictures,
+        grain_pictures,
+        porosity_pictures,
+        time_step,
+        wide_pictures,
+    )
 
-    modules = (curve_pictures, deposit_pictures, grain_pictures, porosity_pictures, time_step)
+    modules = (curve_pictures, deposit_pictures, grain_pictures, porosity_pictures, time_step, wide_pictures)
     return functools.reduce(operator.or_, (module.FIGURES for module in modules), DRAWN)
 
 

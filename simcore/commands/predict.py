@@ -83,7 +83,7 @@ def run(options) -> int:
     if options.case is None:
         raise ValueError(
             "the sizes of the grains are not given; add --case one-class for grains of a single sieve class, or "
-            "--sieve CURVE.csv for a sieve curve of your own"
+            "--sieve CURVE.csv for a sieve curve of your own, or a column sieve with the curve of each sample"
         )
     from simcore.models.prediction_text import predict_file
 
@@ -99,7 +99,7 @@ def run(options) -> int:
 def _of_curve(options, common):
     from simcore.commands.sieve import read_size
     from simcore.models.size_and_form.bed_prediction_text import predict_curve_file
-    from simcore.packing.predicted_specification import write_specification
+    from simcore.models.size_and_form.predicted_specification import write_specification
 
     ends = {name: read_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")}
     text = predict_curve_file(options.sieve, options.forms, **ends, **common)

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.studies.wide_cost import COLUMNS, compare_means, cost_table, paired, read_tables, verdict
+from benchmarks.studies.wide_cost import COLUMNS, compare_means, compare_r22, cost_table, paired, read_tables, verdict
 from simcore.paths import REFERENCE
 
 
@@ -44,6 +44,15 @@ def test_means_of_packings_of_other_grains():
     assert row.error == pytest.approx(
         np.std([0.30, 0.31, 0.33], ddof=1) / np.sqrt(3)
     )  # both random porosities are 0.30
+
+
+def test_pairs_with_the_settings_of_r22_have_the_same_grains():
+    table = cost_table(TABLES, GATHERED)
+    rows = pd.DataFrame({"case": "U5", "polyhedron_contact": "point", "steps_per_contact_time": [40.0, 40.0, 10.0],
+                         "dashpot": "explicit", "seed": [1, 2, 2], "n": [0.31, 0.35, 0.0], "grains": [1000, 999, 1000],
+                         "cpu_s": [50.5, 1.0, 1.0]})  # fmt: skip
+    (row,) = compare_r22(table, rows).itertuples()
+    assert row.seed == 1 and row.difference == pytest.approx(-0.01) and row.cost == pytest.approx(2.0)
 
 
 def test_a_row_that_was_not_gathered_is_an_error():

@@ -19,8 +19,8 @@ from simcore.models.size_and_form.bed_prediction import (
 from simcore.models.size_and_form.bed_prediction_text import predict_curve_file
 from simcore.models.size_and_form.candidates import CANDIDATES, predict
 from simcore.models.size_and_form.forms_by_class import predict_by_class
+from simcore.models.size_and_form.predicted_specification import write_specification
 from simcore.models.size_and_form.sized_model import unfitted_model
-from simcore.packing.predicted_specification import write_specification
 from simcore.page.curve_data import PORTED, model_data
 from simcore.page.data import LEVELS
 from simcore.paths import ROOT
