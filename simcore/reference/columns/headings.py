@@ -109,6 +109,7 @@ HEADINGS = {
     "quantity": Heading("quantity"),
     "mean": Heading("mean"),
     "mean_std_error": Heading("error of the mean"),
+    "rank": Heading("place", 0),
     "spearman_r": Heading("rank correlation with height", 3, sign="+"),
     "spearman_z": Heading("rank correlation over its error", 1, sign="+"),
     "p_value": Heading("p value", 3),
