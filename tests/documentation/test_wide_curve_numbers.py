@@ -17,12 +17,17 @@ def row_of(word):
     return [cell.strip() for cell in line.strip("|").split("|")]
 
 
-@pytest.mark.parametrize("settings", ["wide_short", "wide_soft", "wide_both", "wide_rain"])
+@pytest.mark.parametrize("settings", ["wide_short", "wide_soft", "wide_both", "wide_rain", "wide_filled"])
 def test_cost_and_difference_of_each_setting(settings):
-    (row,) = paired(COST).query("settings == @settings").itertuples()
+    (row,) = paired(COST).query("settings == @settings and case == 'U5'").itertuples()
     _, difference, cost, verdict = row_of(f"(`{settings}`)")
     assert difference == f"{row.difference:+.4f} ± {row.error:.4f}".replace("-", "−")
     assert cost == f"{row.cost:.2f}" and verdict.startswith(row.verdict)
+
+
+def test_filled_beds_of_one_class():
+    (row,) = paired(COST).query("settings == 'wide_filled' and case == 'U1'").itertuples()
+    assert f"and those of U1 by {row.difference:.4f} ± {row.error:.4f}" in PAGE
 
 
 def test_both_draws_have_the_same_mean_and_cost():
