@@ -67,7 +67,7 @@ def add(commands) -> None:
 
 def run(options) -> int:
     """Print the predictions and return 0."""
-    from simcore.models.size_and_form.bed_forms import has_curves
+    from simcore.models.size_and_form.bed_forms import has_curves, refuse_curves
 
     common = {
         "models": options.models,
@@ -92,6 +92,7 @@ def run(options) -> int:
             raise ValueError(f"--{option} needs a sieve curve; give --sieve CURVE.csv instead of --case")
     if options.forms is None:
         raise ValueError("give the table of measured grains, FORMS.csv, or a sieve curve with --sieve CURVE.csv")
+    refuse_curves(options.forms)
     print(predict_file(options.forms, options.case, **common))
     return 0
 

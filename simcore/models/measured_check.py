@@ -97,7 +97,8 @@ def check_models(
 def _describe_left_out(case, number, fitted, models):
     rows = f"{number} {'row' if number == 1 else 'rows'}"
     what = f"case {case}: {rows}" if case else f"{rows} with a sieve curve"
-    return f"{what}; {describe_models(fitted, models)}"
+    remedy = f"; give the sieve curve with --sieve {case}" if case and models is None else ""
+    return f"{what}; {describe_models(fitted, models)}{remedy}"
 
 
 def _check_preferred(beds, case, fitted):

@@ -87,7 +87,7 @@ def fit_curves(measured, fitted):
     if len(beds) < BEDS_NEEDED["offset"]:
         rows = f"{len(measured)} {'row' if len(measured) == 1 else 'rows'} with a sieve curve"
         raise TooFewBeds(
-            f"{rows} with {len(beds)} different {'bed' if len(beds) == 1 else 'beds'}; the simplest model, an offset, "
+            f"{rows} with {len(beds)} {'bed' if len(beds) == 1 else 'different beds'}; the simplest model, an offset, "
             f"needs {BEDS_NEEDED['offset']} beds of different form or sieve curve; measure more beds"
         )
     plain = replace(one_class_models(fitted), curve=None)

@@ -7,7 +7,7 @@ import pandas as pd
 from simcore.grains.measured_forms import read_measured
 from simcore.models.fitting import FittedModels, fit_reference_models, read_campaign_models
 from simcore.models.prediction import predict_samples
-from simcore.models.size_and_form.bed_forms import has_curves, join_tables, read_bed_forms
+from simcore.models.size_and_form.bed_forms import has_curves, join_tables, read_bed_forms, refuse_curves
 
 
 class MeasuredPrediction(NamedTuple):
@@ -66,13 +66,12 @@ def predict(forms=None, case=None, *, curve=None, models=None, source=None, colu
 
     forms: path of a table with one row per grain, columns L, I, S or FL, EL, or one row per sample, columns mean_FL,
     std_FL, mean_EL, std_EL. Give either the case or the curve, or a column `sieve` with a curve for each sample. case:
-    sieve curve "U1", "U7", ..., or "one-class" for
-    any single sieve class; the result has one row per sample and model, with its name, n, lower and upper [1],
-    `preferred` for the recommended one of our models, and the columns described at `predict_samples`. curve: path of a
-    table with a sieve curve, name of a listed one, or a SieveCurve; the result has one row per sample, with the columns
-    of simcore.models.size_and_form.bed_prediction.predict_curve, and without `forms` the form is the Rhine's. With a
-    column `class` in `forms`, each sieve class of a sample has its own form. Further arguments and errors: as
-    in `predict_measured`.
+    sieve curve "U1", "U7", ..., or "one-class" for any single sieve class; the result has one row per sample and model,
+    with its name, n, lower and upper [1], `preferred` for the recommended one of our models, and the columns described
+    at `predict_samples`. curve: path of a table with a sieve curve, name of a listed one, or a SieveCurve; the result
+    has one row per sample, with the columns of simcore.models.size_and_form.bed_prediction.predict_curve, and without
+    `forms` the form is the Rhine's. With a column `class` in `forms`, each sieve class of a sample has its own form.
+    Further arguments and errors: as in `predict_measured`.
     """
     own = case is None and curve is None and has_curves(forms)
     if not own and (case is None) == (curve is None):
@@ -80,6 +79,7 @@ def predict(forms=None, case=None, *, curve=None, models=None, source=None, colu
     if case is not None:
         if forms is None:
             raise ValueError("give the path of the table of measured grains")
+        refuse_curves(forms)
         return predict_measured(forms, case, models, source, column, level).table
     check_level(level)
     fitted, (beds, _) = models_for(models, source), read_bed_forms(forms, curve, column)

@@ -17,6 +17,7 @@ from simcore.grains.sieve import SieveCurve
 WIDEST = 2 ** (1 / 12)  # ratio of the bounds of a part
 LAWS = ("number", "mass")
 IN_GAP = 0.01  # share of the mass that may lie in a gap
+BEYOND = 1e-9  # share of the mass that is next to nothing
 
 
 def parts(curve, law="number", widest=WIDEST):
@@ -80,7 +81,8 @@ def gap(curve):
     The coarsest and the finest 1 % of the mass do not count, as for `span`.
     """
     ends = np.cumsum(curve.mass_fractions) / np.sum(curve.mass_fractions)
-    starts = np.concatenate([ends, ends - IN_GAP, [0.01]])  # the ratio is largest at an end of a class
+    # The ratio is largest if the share begins at an end of a class, or ends just beyond one.
+    starts = np.concatenate([ends, ends - IN_GAP + BEYOND, [0.01, 0.99 - IN_GAP]])
     starts = starts[(starts >= 0.01) & (starts <= 0.99 - IN_GAP)]
     return float(np.exp(np.max(_log_quantiles(curve, starts + IN_GAP) - _log_quantiles(curve, starts))))
 

@@ -9,13 +9,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import pandas as pd
 
-from simcore.grains.class_labels import look_like_classes
+from simcore.grains.class_labels import CLASS_LABEL, OPEN_END, SIZE
 from simcore.grains.form_columns import MEANS, SAMPLE, recognise_columns
 from simcore.grains.forms_by_class import BY_CLASS, class_name, classes_of_table
 from simcore.grains.measured_beds import SIEVE_NAME, CurveReader
-from simcore.grains.measured_forms import samples_of_table
+from simcore.grains.measured_forms import read_measured, samples_of_table
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_table import read_curve
 from simcore.grains.table_file import read_table
@@ -28,29 +29,47 @@ class BedForms(NamedTuple):
     """Beds with one sieve curve.
 
     curve: SieveCurve. source: its file or name. samples: list of Sample, or with forms by sieve class a list of
-    (name, classes), as from simcore.grains.forms_by_class.read_classes. by_class: whether it is the latter. own:
-    whether the curve is from the table of forms.
+    (name, classes), as from simcore.grains.forms_by_class.read_classes. by_class: whether it is the latter. places:
+    of the samples among those of all beds, if the table of forms has the curves, else None.
     """
 
     curve: SieveCurve
     source: Path
     samples: list
     by_class: bool
-    own: bool = False
+    places: list | None = None
 
     def predict(self, fitted, level=0.95):
         """Return the table of predict_curve, one row per sample; arguments as there."""
         if not self.by_class:
             return predict_curve(self.curve, self.samples, fitted, level)
-        rows = [predict_by_class(self.curve, classes, fitted, level, name=name) for name, classes in self.samples]
+        rows = [self._by_class(name, classes, fitted, level) for name, classes in self.samples]
         return pd.concat(rows, ignore_index=True)
+
+    def _by_class(self, name, classes, fitted, level):
+        try:
+            return predict_by_class(self.curve, classes, fitted, level, name=name)
+        except ValueError as error:
+            raise error if name == BY_CLASS else ValueError(f"sample {name}: {error}") from None
 
 
 def join_tables(beds, tables):
-    """Return one table of the tables of the BedForms, with the column `curve` if each sample has its own curve."""
-    if len(beds) == 1 and not beds[0].own:
+    """Return one table of the tables of the BedForms, in the order of the table of forms.
+
+    It has the column `curve` if each sample has its own curve.
+    """
+    if beds[0].places is None:
         return tables[0]
-    return pd.concat([table.assign(curve=str(bed.source)) for bed, table in zip(beds, tables, strict=True)])
+    joined = pd.concat([table.assign(curve=str(bed.source)) for bed, table in zip(beds, tables, strict=True)])
+    return joined.iloc[np.argsort([place for bed in beds for place in bed.places])].reset_index(drop=True)
+
+
+def refuse_curves(forms):
+    """Raise ValueError if the table at the path `forms` has sieve curves, because a case is given."""
+    if has_curves(forms):
+        raise ValueError(
+            f"{forms}: a column has the sieve curve of each sample; leave out --case, or remove the column"
+        )
 
 
 def has_curves(forms):
@@ -71,6 +90,8 @@ def read_bed_forms(forms, curve=None, column=None, finest=None, coarsest=None):
         notices = [*notices, f"no table of grains is given: the form is {UNKNOWN_FORMS}"]
         return [BedForms(curve, source, [rhine_sample()], False)], notices
     table = read_table(forms)
+    if table.cells.empty:
+        read_measured(forms, column)  # raises the error
     of_sieve = _sieve_position(table)
     if curve is not None:
         if of_sieve is not None:
@@ -89,12 +110,14 @@ def read_bed_forms(forms, curve=None, column=None, finest=None, coarsest=None):
     curves = _curve_of_each(forms, names, texts)
     samples, of_forms, by_class = _samples(_renamed(table, of_sieve, names, column), SAMPLE)
     beds, notices = {}, []
-    for sample in samples:
+    for place, sample in enumerate(samples):
         name = sample[0] if by_class else sample.name
         row, text = curves[name]
         curve, more = reader.read(f"{forms}, row {row}", text, Path(forms).parent)
         notices += more
-        beds.setdefault(text, BedForms(curve, Path(text), [], by_class, own=True)).samples.append(sample)
+        bed = beds.setdefault(text, BedForms(curve, Path(text), [], by_class, []))
+        bed.samples.append(sample)
+        bed.places.append(place)
     return list(beds.values()), [*notices, *of_forms]
 
 
@@ -104,7 +127,7 @@ def _given(curve, reader):
         return curve, Path(curve.name), []
     if curve is None:
         raise ValueError("the sieve curve is not given; add --sieve CURVE.csv")
-    listed = str(curve) in reader.listed and not Path(curve).is_file()
+    listed = str(curve) in reader.listed
     found, notices = reader.read("--sieve", str(curve)) if listed else read_curve(curve, *reader.ends)
     return found, Path(curve), notices
 
@@ -112,9 +135,16 @@ def _given(curve, reader):
 def _sieve_position(table):
     """Return the position of the column with sieve curves, None without one; sieve classes are not curves."""
     for position, name in enumerate(table.header):
-        if SIEVE_NAME.fullmatch(name) and not look_like_classes(set(table.cells[position]) - {""}):
+        if not SIEVE_NAME.fullmatch(name):
+            continue
+        texts = set(table.cells[position]) - {""}
+        if not texts or not all(map(_is_class, texts)):
             return position
     return None
+
+
+def _is_class(text):
+    return any(pattern.fullmatch(text) for pattern in (CLASS_LABEL, OPEN_END, SIZE))
 
 
 def _samples(table, column):
@@ -177,7 +207,8 @@ def _curve_of_each(path, names, texts):
 def _renamed(table, of_sieve, names, column):
     """Return the TextTable without its column of curves, with these names of samples in a column SAMPLE."""
     position = _sample_position(table, column)
-    kept = _without(table, *(place for place in (of_sieve, position) if place is not None))
+    others = [place for place, name in enumerate(table.header) if name.lower() == SAMPLE]
+    kept = _without(table, of_sieve, position, *others)
     cells = kept.cells.assign(**{"name": list(names.values())}).set_axis(range(len(kept.header) + 1), axis=1)
     return replace(kept, header=[*kept.header, SAMPLE], cells=cells)
 

@@ -178,7 +178,7 @@ def _json(beds, tables, level, notices, fitted):
         "notices": list(notices),
     }
     content = [{"curve": bed["curve"], **shared, "samples": bed["samples"]} for bed in content]
-    return json.dumps(content if beds[0].own else content[0], indent=1, allow_nan=False)
+    return json.dumps(content[0] if beds[0].places is None else content, indent=1, allow_nan=False)
 
 
 def _plain_bed(curve, table, fitted):

@@ -161,7 +161,8 @@ const Bed = (() => {
   function gap(curve) {
     const total = Packing.sum(curve.mass_fractions);
     const ends = curve.mass_fractions.map((_, i) => Packing.sum(curve.mass_fractions.slice(0, i + 1)) / total);
-    const starts = [...ends, ...ends.map((end) => end - inGap), 0.01].filter((q) => q >= 0.01 && q <= 0.99 - inGap);
+    const last = 0.99 - inGap;
+    const starts = [...ends, ...ends.map((end) => end - inGap + 1e-9), 0.01, last].filter((q) => q >= 0.01 && q <= last);
     return Math.max(...starts.map((q) => quantile(curve, q + inGap) / quantile(curve, q)));
   }
 

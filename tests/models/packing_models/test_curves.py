@@ -59,11 +59,16 @@ def test_a_gap_is_the_widest_ratio_of_sizes_with_a_hundredth_of_the_mass():
     """It is as found by trying many places, and not changed by a little mass in the gap or by finer classes."""
     rng = np.random.default_rng(5)
     assert gap(GAP) == pytest.approx(2.0 * 2.0 ** (0.01 / 0.5), rel=0.02)  # from 2 to 4 mm, and 1 % of the mass more
-    for curve in (GAP, *CASES.values(), *(SieveCurve(GAP.bounds, rng.dirichlet([0.3, 0.1, 0.3])) for _ in range(20))):
-        starts = np.linspace(0.01, 0.98, 4001)
+    boulders = [SieveCurve([1.0, 2.0, 200.0, 220.0], [1 - share, 0.0, share]) for share in (0.012, 0.015, 0.025)]
+    fines = [SieveCurve([1.0, 4.0, 12.0, 14.0], [share, 0.0, 1 - share]) for share in (0.012, 0.02, 0.3)]
+    drawn = [SieveCurve(GAP.bounds, rng.dirichlet([0.3, 0.1, 0.3])) for _ in range(20)]
+    for curve in (GAP, *boulders, *fines, *drawn, *CASES.values()):
+        ends = np.cumsum(curve.mass_fractions)
+        starts = np.r_[np.linspace(0.01, 0.98, 2001), ends, ends - 0.01 + 1e-7]
+        starts = starts[(starts >= 0.01) & (starts <= 0.98)]
         tried = max(quantile(curve, start + 0.01) / quantile(curve, start) for start in starts)
-        assert tried <= gap(curve) * (1 + 1e-9) and gap(curve) == pytest.approx(tried, rel=5e-3)
-        assert gap(split(curve, 3, "mass")) == pytest.approx(gap(curve), rel=1e-9)
+        assert tried <= gap(curve) * (1 + 1e-9) and gap(curve) == pytest.approx(tried, rel=1e-5)
+        assert gap(split(curve, 3, "mass")) == pytest.approx(gap(curve), rel=1e-6)
 
 
 def test_quantiles_and_passing_shares():

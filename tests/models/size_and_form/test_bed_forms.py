@@ -32,16 +32,19 @@ def write(tmp_path):
 def test_each_sample_is_predicted_with_its_curve(write, tmp_path, capsys):
     path = write(f"sample,sieve,{MEANS}", f"a,own.csv,{A}", f"b,U7,{B}", f"c,own.csv,{B}")
     table = simcore.predict(path)
-    assert table["sample"].tolist() == ["a", "c", "b"] and table["curve"].tolist() == ["own.csv", "own.csv", "U7"]
+    assert table["sample"].tolist() == ["a", "b", "c"] and table["curve"].tolist() == ["own.csv", "U7", "own.csv"]
+    assert table.index.tolist() == [0, 1, 2]
     forms = write(f"sample,{MEANS}", f"a,{A}", f"c,{B}")
     own, named = simcore.predict(forms, curve=tmp_path / "own.csv"), simcore.predict(forms, curve="U7")
-    assert table.n.tolist() == [*own.n, named.n[1]] and "curve" not in own
+    assert table.n.tolist() == [own.n[0], named.n[1], own.n[1]] and "curve" not in own
+    one = simcore.predict(write(f"sample,sieve,{MEANS}", f"a,U7,{A}"))
+    assert one["curve"].tolist() == ["U7"] and one.n[0] == named.n[0]
     path = write(f"sample,sieve,{MEANS}", f"a,own.csv,{A}", f"b,U7,{B}", f"c,own.csv,{B}")
     assert main(["predict", str(path), "--csv"]) == 0
-    assert [line.split(",")[0] for line in capsys.readouterr().out.splitlines()] == ["sample", "a", "c", "b"]
+    assert [line.split(",")[0] for line in capsys.readouterr().out.splitlines()] == ["sample", "a", "b", "c"]
     assert main(["predict", str(path), "--json"]) == 0
     first, second = json.loads(capsys.readouterr().out)
-    assert [each["sample"] for each in first["samples"]] == ["a", "c"] and second["samples"][0]["n"] == table.n.iloc[2]
+    assert [each["sample"] for each in first["samples"]] == ["a", "c"] and second["samples"][0]["n"] == table.n[1]
     assert first["curve"]["bounds_mm"] == pytest.approx([4, 8, 16]) and second["curve"]["name"] == "U7"
     assert main(["predict", str(path)]) == 0
     text = capsys.readouterr().out
@@ -72,7 +75,7 @@ def test_samples_have_forms_by_class(write, tmp_path):
     assert mixed["curve"].tolist() == ["U7", "U5"] and mixed.n.iloc[0] == table.n[0] and mixed.n.iloc[1] > table.n[1]
 
 
-def test_a_curve_is_given_once_in_any_way(write, tmp_path):
+def test_a_curve_is_given_once_in_any_way(write, tmp_path, monkeypatch):
     path = write(f"sample,{MEANS}", f"a,{A}")
     curve = all_cases()["U7"].curve
     same = SieveCurve(curve.bounds, curve.mass_fractions, "mine")
@@ -80,6 +83,20 @@ def test_a_curve_is_given_once_in_any_way(write, tmp_path):
     (tmp_path / "U7").write_text(CURVE)
     own = simcore.predict(path, curve=tmp_path / "own.csv")
     assert simcore.predict(path, curve=tmp_path / "U7").equals(own)
+    monkeypatch.chdir(tmp_path)  # a listed name is the listed curve, as for `fit` and in a column
+    assert simcore.predict(path, curve="U7").n[0] != own.n[0]
+
+
+def test_any_column_names_the_samples(write, tmp_path):
+    """Another column `sample` is then left out. The one sample of a table is packed without the empty classes of U5."""
+    path = write("site,sample,sieve,FL,EL", "x,1,U7,0.6,0.7", "x,2,U7,0.7,0.8", "y,1,U5,0.6,0.7")
+    table = simcore.predict(path, column="site")
+    assert table["sample"].tolist() == ["x", "y"] and table["grains"].tolist() == [2, 1]
+    assert simcore.predict(path, column="sieve")["sample"].tolist() == ["U7", "U5"]
+    one = write("sample,sieve,FL,EL", "a,U5,0.6,0.7", "a,U5,0.7,0.8")
+    assert main(["predict", str(one), "--pack", str(tmp_path / "bed.yaml")]) == 0
+    text = (tmp_path / "bed.yaml").read_text()
+    assert "name: U5" in text and "bounds: [4 mm, 5.6 mm, 8 mm, 11.2 mm, 16 mm, 22.4 mm]" in text
 
 
 @pytest.mark.parametrize(
@@ -92,6 +109,10 @@ def test_a_curve_is_given_once_in_any_way(write, tmp_path):
         ("sample,class [mm],FL,EL", [",0-8,0.6,0.7"], ["--sieve", "U7"], "row 2: sample is empty"),
         (f"sample,{MEANS}", [f"a,{A}"], [], "the sizes of the grains are not given"),
         (f"sample,sieve,{MEANS}", [f"a,U7,{A}"], ["--sample", "name"], "there is no column name"),
+        (f"sample,sieve,{MEANS}", [f"a,U7,{A}"], ["--case", "U7"], "leave out --case"),
+        (f"sample,sieve,{MEANS}", [], [], "there are no rows below the header"),
+        ("sample,class [mm],FL,EL", [], ["--sieve", "U7"], "there are no rows below the header"),
+        ("sample,class [mm],FL,EL", ["a,0-8,0.6,0.7"], ["--sieve", "U7"], "sample a: U7: the class 8 to 11.2 mm"),
     ],
 )
 def test_faults_have_one_clear_error(write, capsys, header, rows, options, fault):
@@ -102,5 +123,6 @@ def test_faults_have_one_clear_error(write, capsys, header, rows, options, fault
 
 def test_sieve_classes_in_a_column_sieve_are_no_curves(write):
     assert not has_curves(write("sieve,FL,EL", "4-8 mm,0.6,0.7", "8-16 mm,0.6,0.7"))
+    assert not has_curves(write("curve,FL,EL", "> 8,0.6,0.7", "8/11.2,0.6,0.7", "8,0.6,0.7"))
     table = pd.DataFrame(simcore.predict(write("sieve,FL,EL", "4-8 mm,0.6,0.7", "8-16 mm,0.5,0.7"), curve="U7"))
     assert len(table) == 1 and np.isfinite(table.n[0])

@@ -142,6 +142,11 @@ def test_beds_outside_those_that_were_packed_are_named_and_gaps_widen_the_interv
     assert "100 % of the mass is finer than 2 mm, where grains may stick together" in (
         predict_curve(sand, [sample()], fitted).outside.item()
     )
+    dense = predict_curve(
+        all_cases()["U3"].curve, [sample(mu_FL=0.9, sigma_FL=0.05, mu_EL=0.9, sigma_EL=0.05)], fitted
+    ).iloc[0]
+    assert dense.n_one_class < model.one_class[0]
+    assert f"the one-class porosity is {dense.n_one_class:.3f}, errors are known from" in dense.outside
     flat = predict_curve(all_cases()["U3"].curve, [sample(mu_FL=0.35, mu_EL=0.55)], fitted).iloc[0]
     assert flat.n_one_class > model.one_class[1]
     assert f"the one-class porosity is {flat.n_one_class:.3f}, errors are known from" in flat.outside
