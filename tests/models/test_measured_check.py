@@ -120,6 +120,14 @@ def test_too_few_beds_for_a_fit_are_compared_with_our_models(write, tmp_path, ca
     assert "Nothing is fitted." in text and "an offset, needs 3 beds" in text
 
 
+def test_beds_that_cannot_be_predicted_are_an_error_beside_too_few_of_a_case(write, capsys):
+    rows = ["A,,U7,0.3,0.6,0.1,0.7,0.1", "B,,U7,0.3,0.61,0.1,0.7,0.1", "C,,U7,0.5,0.12,0.02,0.3,0.02"]
+    path = write("D,one-class,,0.35,0.6,0.1,0.7,0.1", *rows, head=HEAD.replace("n,", "case,sieve,n,"))
+    assert main(["fit", str(path)]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == "" and "C, sieve curve U7: the model is not evaluated" in printed.err
+
+
 def test_beds_outside_the_range_and_unlikely_porosities_are_named(write, model, capsys):
     path = write(f"A,0.62,{FORM}", "flat,0.5,0.12,0.02,0.3,0.02")
     assert main(["fit", str(path), "--models", str(model)]) == 0
