@@ -192,6 +192,8 @@ def _read_groups(path, unit, spacing, degree):
         )
     if suffix not in _EXTENSIONS:
         raise ValueError(f"unknown extension {suffix!r}; files of grains have one of {' '.join(_EXTENSIONS)}")
+    if degree is not None and suffix not in _COEFFICIENTS:
+        raise ValueError("grains.degree is for coefficients of spherical harmonics; set it to null for this file")
     if suffix in _ARRAYS:
         return _array_groups(path, unit, spacing)
     if suffix in _POINTS:

@@ -177,3 +177,8 @@ def test_the_degree_of_a_specification_reaches_the_reader(tmp_path):
     assert smooth.elongation == pytest.approx(1.0, abs=1e-3) and whole.elongation < 0.9
     with pytest.raises(ValueError, match=r"a-anm\.dat: grains\.degree is 3, but"):
         load_grains(group(tmp_path, degree=3))
+
+
+def test_a_degree_is_refused_for_files_without_coefficients(folder):
+    with pytest.raises(ValueError, match=r"grains\.degree is for coefficients of spherical harmonics; set it to null"):
+        load_grains(group(folder, degree=10, names=["round"]))
