@@ -82,7 +82,9 @@ def recognise_columns(path, header, sample=None, two_axes=False):
     forms = {name: _only(path, header, names[name], name) for name in kind}
     if kind in (AXES, TWO_AXES):
         _check_units(path, {axis: _unit(header[position]) for axis, position in forms.items()})
-    by = _find_sample(path, header, sample, set(forms.values()))
+    by = sample_position(path, header, sample)
+    if by in forms.values():
+        raise ValueError(f"{path}: {header[by]} is a form, not the name of a sample; name another column")
     counts = [i for i, name in enumerate(header) if i != by and i not in forms.values() and _matches(_COUNTS, name)]
     if kind == MEANS:
         counts = []  # each row is a sample, and all samples have the same weight
@@ -188,15 +190,16 @@ def _only(path, header, positions, meaning):
     raise ValueError(f"{path}: the columns {name} and {other} are both {meaning}; remove one")
 
 
-def _find_sample(path, header, sample, forms):
+def sample_position(path, header, sample=None):
+    """Return the position of the column with the names of the samples, None without one.
+
+    Arguments and errors are those of recognise_columns.
+    """
     wanted = SAMPLE if sample is None else " ".join(sample.split())
     for normalise in (str, str.lower):
         positions = [position for position, name in enumerate(header) if normalise(name) == normalise(wanted)]
         if positions:
-            position = _only(path, header, positions, "the sample")
-            if position in forms:
-                raise ValueError(f"{path}: {wanted} is a form, not the name of a sample; name another column")
-            return position
+            return _only(path, header, positions, "the sample")
     if sample is None:
         return None
     raise ValueError(

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from simcore.grains.cell_numbers import read_number
-from simcore.grains.form_columns import SAMPLE
+from simcore.grains.form_columns import SAMPLE, sample_position
 from simcore.grains.measured_forms import Sample, samples_of_table
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_table import read_curve
@@ -97,7 +97,7 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
         case = default
     _check_case(table.path, positions, case, sieve)
     of_all = None if sieve is None else curves.read("--sieve", str(sieve))
-    forms, names, given = _name_rows(_without(table, positions.values()), column)
+    forms, names, given = _name_rows(table.without(*positions.values()), column)
     samples, notices = samples_of_table(forms, column)
     rows = {name: row for row, name in names.items()}
     beds = []
@@ -161,19 +161,9 @@ def _check_case(path, positions, case, sieve):
         raise ValueError(f"{path}: the table has a column {columns[0]}; leave out {given}, or remove the column")
 
 
-def _without(table, left_out):
-    """Return the TextTable without the columns at the positions `left_out`."""
-    kept = [position for position in range(len(table.header)) if position not in set(left_out)]
-    cells = table.cells[kept].set_axis(range(len(kept)), axis=1)
-    return replace(table, header=[table.header[position] for position in kept], cells=cells)
-
-
 def _name_rows(table, column):
     """Return the TextTable with a different name in each row, these names, and the names as given, dicts by row."""
-    wanted = (SAMPLE if column is None else " ".join(column.split())).lower()
-    position = next((i for i, name in enumerate(table.header) if name.lower() == wanted), None)
-    if position is None and column is not None:
-        return table, {}, {}  # samples_of_table raises the error
+    position = sample_position(table.path, table.header, column)
     given = {row: f"row {row}" for row in table.cells.index} if position is None else table.cells[position].to_dict()
     names, used = {}, set()
     for row, name in given.items():

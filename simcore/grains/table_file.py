@@ -4,7 +4,7 @@ import csv
 import io
 import re
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pandas as pd
@@ -47,6 +47,13 @@ class TextTable:
     notices: list
     short: dict = field(default_factory=dict)
     separator: str = ""
+
+    def without(self, *left_out, rows=None):
+        """Return the table without the columns at these positions, and with the rows of a mask only."""
+        kept = [position for position in range(len(self.header)) if position not in left_out]
+        cells = self.cells if rows is None else self.cells[rows]
+        cells = cells[kept].set_axis(range(len(kept)), axis=1)
+        return replace(self, header=[self.header[position] for position in kept], cells=cells)
 
 
 def read_table(path):

@@ -7,12 +7,20 @@ from scipy.stats import t as student
 
 from simcore.grains.class_labels import BELOW, class_patterns
 from simcore.grains.sieve_table import table_rules
-from simcore.models.packing_models.curves import IN_GAP, WIDEST
+from simcore.models.packing_models.curves import IN_GAP, TAIL, WIDEST
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import COMPACTION, LITERATURE
 from simcore.models.packing_models.rods import LARGEST_FACTOR, RODS, SMALLEST_FACTOR
 from simcore.models.size_and_form import skeletons
-from simcore.models.size_and_form.bed_prediction import ABOVE, COLUMNS, MORE_MASS, STICKY, rhine_sample, states
+from simcore.models.size_and_form.bed_prediction import (
+    ABOVE,
+    COLUMNS,
+    MORE_MASS,
+    STICKY,
+    STICKY_SHARE,
+    rhine_sample,
+    states,
+)
 from simcore.models.size_and_form.bed_prediction_text import CHECK_BY_CLASS, STATE
 from simcore.models.size_and_form.candidates import CANDIDATES, FIXED_Q
 from simcore.models.size_and_form.forms_by_class import BY_CLASS
@@ -58,9 +66,11 @@ def curve_data(levels, model=None):
         "rods": {"number": RODS, "smallest": SMALLEST_FACTOR, "largest": LARGEST_FACTOR},
         "compaction": COMPACTION,
         "more_mass": MORE_MASS,
+        "tail": TAIL,
         "in_gap": IN_GAP,
         "above": ABOVE,
         "sticky": 1e3 * STICKY,
+        "sticky_share": STICKY_SHARE,
         "states": states()._asdict(),
         "rhine": asdict(rhine_sample()),
         "columns": COLUMNS,

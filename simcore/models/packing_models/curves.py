@@ -16,6 +16,7 @@ from simcore.grains.sieve import SieveCurve
 
 WIDEST = 2 ** (1 / 12)  # ratio of the bounds of a part
 LAWS = ("number", "mass")
+TAIL = 0.01  # share of the mass at each end of a curve that its span and its gap leave out
 IN_GAP = 0.01  # share of the mass that may lie in a gap
 BEYOND = 1e-9  # share of the mass that is next to nothing
 
@@ -72,7 +73,7 @@ def passing(curve, size):
 
 def span(curve):
     """Return the width of a SieveCurve: the ratio of the sizes below which 99 % and 1 % of the mass are."""
-    return quantile(curve, 0.99) / quantile(curve, 0.01)
+    return quantile(curve, 1.0 - TAIL) / quantile(curve, TAIL)
 
 
 def gap(curve):
@@ -82,8 +83,8 @@ def gap(curve):
     """
     ends = np.cumsum(curve.mass_fractions) / np.sum(curve.mass_fractions)
     # The ratio is largest if the share begins at an end of a class, or ends just beyond one.
-    starts = np.concatenate([ends, ends - IN_GAP + BEYOND, [0.01, 0.99 - IN_GAP]])
-    starts = starts[(starts >= 0.01) & (starts <= 0.99 - IN_GAP)]
+    starts = np.concatenate([ends, ends - IN_GAP + BEYOND, [TAIL, 1.0 - TAIL - IN_GAP]])
+    starts = starts[(starts >= TAIL) & (starts <= 1.0 - TAIL - IN_GAP)]
     return float(np.exp(np.max(_log_quantiles(curve, starts + IN_GAP) - _log_quantiles(curve, starts))))
 
 

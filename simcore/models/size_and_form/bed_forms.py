@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from simcore.grains.class_labels import CLASS_LABEL, OPEN_END, SIZE
-from simcore.grains.form_columns import MEANS, SAMPLE, recognise_columns
+from simcore.grains.form_columns import MEANS, SAMPLE, recognise_columns, sample_position
 from simcore.grains.forms_by_class import BY_CLASS, class_name, classes_of_table
 from simcore.grains.measured_beds import SIEVE_NAME, CurveReader
 from simcore.grains.measured_forms import read_measured, samples_of_table
@@ -152,7 +152,7 @@ def _samples(table, column):
     by_class = class_name(table.header)
     if by_class is None or by_class == column:
         return *samples_of_table(table, column), False
-    position = _sample_position(table, column)
+    position = sample_position(table.path, table.header, column)
     if position is None:
         classes, notices = classes_of_table(table, by_class)
         return [(BY_CLASS, classes)], notices, True
@@ -164,24 +164,15 @@ def _samples(table, column):
             raise ValueError(
                 f"{table.path}, row {row}: {table.header[position]} is empty; name the sample in every row"
             )
-        classes, more = classes_of_table(_without(table, position, rows=names == name), by_class)
+        classes, more = classes_of_table(table.without(position, rows=names == name), by_class)
         samples.append((name, classes))
         notices += more
     return samples, list(dict.fromkeys(notices)), True
 
 
-def _sample_position(table, column):
-    """Return the position of the column with the names of the samples, or None; ValueError if `column` is missing."""
-    wanted = (SAMPLE if column is None else " ".join(column.split())).lower()
-    position = next((i for i, name in enumerate(table.header) if name.lower() == wanted), None)
-    if position is None and column is not None:
-        recognise_columns(table.path, table.header, column)  # raises the error
-    return position
-
-
 def _names(table, column, of_sieve):
     """Return the name of the sample of each row, dict by row, for a table with a column of curves."""
-    position = _sample_position(table, column)
+    position = sample_position(table.path, table.header, column)
     if position is not None:
         return table.cells[position].to_dict()
     if recognise_columns(table.path, table.header).kind == MEANS and class_name(table.header) is None:
@@ -206,16 +197,8 @@ def _curve_of_each(path, names, texts):
 
 def _renamed(table, of_sieve, names, column):
     """Return the TextTable without its column of curves, with these names of samples in a column SAMPLE."""
-    position = _sample_position(table, column)
+    position = sample_position(table.path, table.header, column)
     others = [place for place, name in enumerate(table.header) if name.lower() == SAMPLE]
-    kept = _without(table, of_sieve, position, *others)
+    kept = table.without(of_sieve, position, *others)
     cells = kept.cells.assign(**{"name": list(names.values())}).set_axis(range(len(kept.header) + 1), axis=1)
     return replace(kept, header=[*kept.header, SAMPLE], cells=cells)
-
-
-def _without(table, *left_out, rows=None):
-    """Return the TextTable without the columns at these positions, and with the rows of a mask only."""
-    kept = [position for position in range(len(table.header)) if position not in left_out]
-    cells = table.cells if rows is None else table.cells[rows]
-    cells = cells[kept].set_axis(range(len(kept)), axis=1)
-    return replace(table, header=[table.header[position] for position in kept], cells=cells)

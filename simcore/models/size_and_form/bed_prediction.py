@@ -30,6 +30,7 @@ COLUMNS = [
 ONE_CLASS_NUMBERS = ("n", "lower", "upper", "few_grains_error")  # of the row of the model of one class
 ABOVE = 1.0 + 1e-9  # ratio to a limit, from which a value is above it
 STICKY = 2e-3  # [m], sieve size below which clean grains may stick together, which the packings do not contain
+STICKY_SHARE = 0.01  # of the mass finer than STICKY, above which a remark is made
 SHAKEN = 1.0  # [s], of the beds to which the model is fitted
 MORE_MASS = 0.01  # of one class, for the sensitivity to the curve
 UNKNOWN_FORMS = "the Rhine's mean form"
@@ -166,7 +167,7 @@ def _outside_of_curve(curve, model):
         texts.append(f"98 % of the mass spans {ratio:.3g} : 1 in size, errors are known up to {model.widest:.3g} : 1")
     if (ratio := gap(curve)) > model.gap * ABOVE:
         texts.append(f"the curve has a gap of {ratio:.3g} : 1 in size, errors are known up to {model.gap:.3g} : 1")
-    if (share := passing(curve, STICKY)) > 0.01:
+    if (share := passing(curve, STICKY)) > STICKY_SHARE:
         texts.append(
             f"{100 * share:.0f} % of the mass is finer than {1e3 * STICKY:g} mm, where grains may stick together"
         )

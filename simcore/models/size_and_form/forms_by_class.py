@@ -9,8 +9,8 @@ from simcore.models.packing_models.classes import porosity_of_volume, specific_v
 from simcore.models.prediction import ONE_CLASS, predict_preferred
 from simcore.models.size_and_form.bed_prediction import (
     COLUMNS,
+    ONE_CLASS_NUMBERS,
     bed_row,
-    divided,
     error_parts,
     interval,
     one_class_models,
@@ -29,10 +29,9 @@ def predict_by_class(
 
     classes: as from simcore.grains.forms_by_class.read_classes; each class of the curve that has mass must lie within
     one of them. The errors of the one-class porosities of the classes are taken as equal in sign, because one model
-    gives them. Their errors from few measured grains are independent, but the interval adds them with equal sign and is
-    too wide by that. Form statistics of the row are by mass; n_one_class is the porosity that the classes would give if
-    they did not interact. ValueError if a class has no forms; a form that is too far outside the fitted range is a
-    refusal, as in predict_curve. name: of the sample.
+    gives them; their errors from few measured grains are independent. Form statistics of the row are by mass;
+    n_one_class is the porosity that the classes would give if they did not interact. ValueError if a class has no
+    forms; a form that is too far outside the fitted range is a refusal, as in predict_curve. name: of the sample.
     """
     correction = fitted.curve if model is None else None
     model, fitted = model or sized_model(fitted), one_class_models(fitted)
@@ -49,37 +48,50 @@ def predict_by_class(
     form = [name, sum(sample.grains for sample in dict.fromkeys(samples)), *_moments(samples, shares)]
     if refused:
         return pd.DataFrame([bed_row(form, np.full(4, np.nan), np.nan, np.nan, outside, refused)], columns=COLUMNS)
-    n1 = np.array([[row[key] for row in rows] for key in ("n", "lower", "upper")])
-    if n1[0].min() < LEAST or n1[0].max() > LARGEST:
+    n1, lower, upper, errors = np.array([[row[key] for row in rows] for key in ONE_CLASS_NUMBERS])
+    if n1.min() < LEAST or n1.max() > LARGEST:
         refused = f"the one-class porosity of a class is outside {LEAST:g} to {LARGEST:g}"
         return pd.DataFrame([bed_row(form, np.full(4, np.nan), np.nan, np.nan, outside, refused)], columns=COLUMNS)
-    mean = porosity_of_volume(specific_volume(n1) @ shares)
-    errors, weights = (
-        np.array([row["few_grains_error"] for row in rows]),
-        shares * ((1.0 - mean[0]) / (1.0 - n1[0])) ** 2,
-    )
+    few = few_grains_half(samples, errors, level)
+    of_model = np.sqrt(np.maximum((0.5 * (upper - lower)) ** 2 - few**2, 0.0))
     of_rhine = rhine_one_class(fitted, level)
-    # Classes without mass get the value of the first one; it has no effect.
-    values = np.repeat(n1[:, :1], len(curve.mass_fractions), axis=1)
-    values[:, held] = n1
-    values = np.clip(values, LEAST, LARGEST)
-    n, low, high = model.predict(curve, values, reference=of_rhine)
-    half = interval(curve, np.array([[n, low, high]]).T, mean[:1], of_rhine, model, level)[0]
+
+    def bed(values):
+        # Classes without mass get the value of the first one; it has no effect.
+        of_all = np.repeat(values[:, :1], len(curve.mass_fractions), axis=1)
+        of_all[:, held] = values
+        return model.predict(curve, np.clip(of_all, LEAST, LARGEST), reference=of_rhine)
+
+    def mixture(values):
+        return porosity_of_volume(specific_volume(values) @ shares)
+
+    one_class, *halves = _with_halves(mixture, samples, n1, of_model, few)
+    one_class_half = np.hypot(*halves)
+    n, of_model, few = _with_halves(bed, samples, n1, of_model, few)
+    both = np.hypot(of_model, few)
+    half = interval(curve, np.array([[n, n - both, n + both]]).T, np.array([one_class]), of_rhine, model, level)[0]
     if correction is not None:
-        parts = error_parts(curve, np.array([n]), mean[:1], of_rhine, model)
-        few = _of_samples(samples, few_grains_half(samples, errors, level) * weights)
-        of_model, of_few = divided(0.5 * (high - low), mean, few)
+        parts = error_parts(curve, np.array([n]), np.array([one_class]), of_rhine, model)
         of_model = of_model * correction.unlike(samples).max()
-        (n,), (half,) = correction.apply([n], *parts, of_model, of_few, level)
-    mean = np.append(mean, _of_samples(samples, errors * weights))
-    table = pd.DataFrame([bed_row(form, mean, n, half, outside, "", curve, model)], columns=COLUMNS)
+        (n,), (half,) = correction.apply([n], *parts, of_model, few, level)
+    few_grains_error = _with_halves(mixture, samples, n1, np.zeros(len(n1)), errors)[2]
+    one_class = [one_class, one_class - one_class_half, one_class + one_class_half, few_grains_error]
+    table = pd.DataFrame([bed_row(form, one_class, n, half, outside, "", curve, model)], columns=COLUMNS)
     return table if correction is None else without_states(table)
 
 
-def _of_samples(samples, errors):
-    """Return the root of the sum of squares of the errors (n,) of different samples; those of one sample are added."""
-    by_sample = [sum(e for s, e in zip(samples, errors, strict=True) if s is own) for own in dict.fromkeys(samples)]
-    return float(np.linalg.norm(by_sample))
+def _with_halves(porosity, samples, n1, of_model, few):
+    """Return a porosity and two half widths of its interval: by the model of one class, and by the few grains.
+
+    porosity: function of one-class porosities by class (m, k), which returns (m,). samples: of the k classes. n1 (k,):
+    the one-class porosities. of_model, few (k,): half widths of their intervals by the model, which are equal in sign,
+    and by the few grains, which are independent for different samples.
+    """
+    by_sample = [few * [other is own for other in samples] for own in dict.fromkeys(samples)]
+    changes = np.array([np.zeros(len(n1)), of_model, *by_sample])
+    above, below = porosity(n1 + changes), porosity(n1 - changes)
+    halves = 0.5 * (above - below)
+    return above[0], halves[1], np.linalg.norm(halves[2:])
 
 
 def _moments(samples, shares):

@@ -1,7 +1,8 @@
 // Porosity of beds with a sieve curve that the user gives, as simcore.models.size_and_form.bed_prediction has it.
 const Bed = (() => {
   const { InputError, general } = Numbers;
-  const { one_class: range, rhine, states, model, in_gap: inGap, above, sticky, more_mass: moreMass, compaction } = DATA.curve;
+  const { one_class: range, rhine, states, model, tail, in_gap: inGap, above, more_mass: moreMass, compaction } = DATA.curve;
+  const { sticky, sticky_share: stickyShare } = DATA.curve;
   const CLASSES = DATA.curve.classes;
   const { CLASS_NAME, boundsOf } = SieveClasses;
   const RHINE = { ...rhine, forms: [] };
@@ -69,21 +70,35 @@ const Bed = (() => {
       const limits = `${general(range.least)} to ${general(range.largest)}`;
       return { sample, bed: refusal(remarks("outside"), `the one-class porosity of a class is outside ${limits}`) };
     }
-    const [mean, ...limits] = ["n", "lower", "upper"].map((key) => {
-      return 1 - 1 / Packing.sum(rows.map((row, i) => shares[i] / (1 - row[key])));
-    });
+    const n1 = rows.map((row) => row.n);
+    const few = rows.map((row, i) => Prediction.fewGrainsHalf(samples[i], row.few_grains_error, level));
+    const ofModel = rows.map((row, i) => Math.sqrt(Math.max((0.5 * (row.upper - row.lower)) ** 2 - few[i] ** 2, 0)));
     const ofRhine = oneClassOf(RHINE, level).n;
-    const ends = ["n", "lower", "upper"].map((key) => {
-      const values = curve.mass_fractions.map(() => rows[0][key]);
-      held.forEach((i, k) => (values[i] = rows[k][key]));
-      return Skeletons.predict(curve, values.map(within), ofRhine);
+    const mixture = (values) => 1 - 1 / Packing.sum(values.map((value, i) => shares[i] / (1 - value)));
+    const porosity = (values) => {
+      const ofAll = curve.mass_fractions.map(() => values[0]);
+      held.forEach((i, k) => (ofAll[i] = values[k]));
+      return Skeletons.predict(curve, ofAll.map(within), ofRhine);
+    };
+    const [n, ...halves] = withHalves(porosity, samples, n1, ofModel, few);
+    const both = Math.hypot(...halves);
+    const [mean, ...meanHalves] = withHalves(mixture, samples, n1, ofModel, few);
+    const [lower, upper] = [-1, 1].map((sign) => mean + sign * Math.hypot(...meanHalves));
+    const errors = rows.map((row) => row.few_grains_error);
+    const few_grains_error = withHalves(mixture, samples, n1, n1.map(() => 0), errors)[2];
+    const oneClass = { n: mean, lower, upper, few_grains_error, outside: remarks("outside"), quantities: [] };
+    return { sample, bed: bedOf(curve, n, halfWidth(curve, [n, n - both, n + both], mean, ofRhine, level), oneClass, "") };
+  }
+
+  // Returns [porosity, half width by the model, half width by the few grains], as in simcore.models.size_and_form: errors
+  // of the model are equal in sign, and those of the few grains are independent for different samples.
+  function withHalves(porosity, samples, n1, ofModel, few) {
+    const bySample = [...new Set(samples)].map((own) => few.map((half, i) => half * (samples[i] === own)));
+    const [byModel, ...byFew] = [ofModel, ...bySample].map((change) => {
+      const [above, below] = [1, -1].map((sign) => porosity(n1.map((value, i) => value + sign * change[i])));
+      return 0.5 * (above - below);
     });
-    const errors = rows.map((row, i) => row.few_grains_error * shares[i] * ((1 - mean) / (1 - row.n)) ** 2);
-    const ofSample = (own) => Packing.sum(errors.filter((_, i) => samples[i] === own));
-    // Errors of one sample are added, those of different samples are independent.
-    const few_grains_error = Math.sqrt(Packing.sum([...new Set(samples)].map((own) => ofSample(own) ** 2)));
-    const oneClass = { n: mean, lower: limits[0], upper: limits[1], few_grains_error, outside: remarks("outside"), quantities: [] };
-    return { sample, bed: bedOf(curve, ends[0], halfWidth(curve, ends, mean, ofRhine, level), oneClass, "") };
+    return [porosity(n1), byModel, Math.hypot(...byFew)];
   }
 
   function sampleOf(curve, index, classes) {
@@ -155,14 +170,14 @@ const Bed = (() => {
   }
 
   // Ratio of the sizes below which 99 % and 1 % of the mass are.
-  const span = (curve) => quantile(curve, 0.99) / quantile(curve, 0.01);
+  const span = (curve) => quantile(curve, 1 - tail) / quantile(curve, tail);
 
   // Largest ratio of the sizes between which a hundredth of the mass is, without the finest and the coarsest hundredth.
   function gap(curve) {
     const total = Packing.sum(curve.mass_fractions);
     const ends = curve.mass_fractions.map((_, i) => Packing.sum(curve.mass_fractions.slice(0, i + 1)) / total);
-    const last = 0.99 - inGap;
-    const starts = [...ends, ...ends.map((end) => end - inGap + 1e-9), 0.01, last].filter((q) => q >= 0.01 && q <= last);
+    const last = 1 - tail - inGap;
+    const starts = [...ends, ...ends.map((end) => end - inGap + 1e-9), tail, last].filter((q) => q >= tail && q <= last);
     return Math.max(...starts.map((q) => quantile(curve, q + inGap) / quantile(curve, q)));
   }
 
@@ -181,7 +196,7 @@ const Bed = (() => {
       texts.push(`the curve has a gap of ${general(gap(curve), 3)} : 1 in size, ${known(model.gap)}`);
     }
     const fine = passing(curve, sticky);
-    if (fine > 0.01) {
+    if (fine > stickyShare) {
       texts.push(`${(100 * fine).toFixed(0)} % of the mass is finer than ${general(sticky)} mm, where grains may stick together`);
     }
     const [least, largest] = model.one_class;

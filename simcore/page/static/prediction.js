@@ -176,5 +176,5 @@ const Prediction = (() => {
   const isPorosity = (value) => value >= DATA.smallest_porosity && value <= 1 - DATA.smallest_porosity;
   const dot = (a, b) => a.reduce((total, value, i) => total + value * b[i], 0);
 
-  return { PREDICTORS, modelCase, predict, predictTwoAxes, describeFewGrains };
+  return { PREDICTORS, modelCase, predict, predictTwoAxes, fewGrainsHalf, describeFewGrains };
 })();

@@ -12,6 +12,7 @@ from simcore.grains.sampling import sample_grains
 from simcore.grains.sieve import SieveCurve
 from simcore.models.fitting import fit_reference_models
 from simcore.models.packing_models.curves import split
+from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.bed_prediction import predict_curve, rhine_one_class
 from simcore.models.size_and_form.forms_by_class import BY_CLASS, predict_by_class
 from simcore.models.size_and_form.sized_model import current_model
@@ -80,6 +81,28 @@ def test_each_class_has_the_one_class_porosity_of_its_form(fitted, table):
     assert found.mu_FL == pytest.approx(0.3 * 0.45 + 0.7 * 0.7)
     between = 0.3 * 0.7 * 0.25**2
     assert found.sigma_FL == pytest.approx(np.sqrt(0.15**2 + between))
+
+
+def test_errors_of_few_grains_of_different_classes_are_independent(fitted, table):
+    """The same grains stand for all classes, or twice, as samples of two classes."""
+    axes = np.sort(np.random.default_rng(1).uniform(5.0, 10.0, (20, 3)))[:, ::-1]
+    grains = [",".join(f"{axis:.3f}" for axis in grain) for grain in axes]
+    tables = [[f"{label},{grain}" for label in labels for grain in grains] for labels in (["2-16"], ["2-4", "4-16"])]
+    classes = [classes_of(table(*rows, header="class [mm],L,I,S")) for rows in tables]
+    whole, divided = (predict_by_class(CURVE, samples, fitted).iloc[0] for samples in classes)
+    assert divided.n == pytest.approx(whole.n, abs=1e-12)
+    shares = np.array([0.3, 0.7])
+    error = whole.one_class_few_grains_error
+    assert divided.one_class_few_grains_error == pytest.approx(np.linalg.norm(shares) * error, rel=1e-4)
+    half = student_quantile(0.95, 19) * error
+    changes = half * np.array([[1, 0, 0], [0, 1, 1]])
+    model, of_rhine = current_model(), rhine_one_class(fitted)
+    ends = [model.predict(CURVE, whole.n_one_class + sign * changes, reference=of_rhine) for sign in (1.0, -1.0)]
+    of_class = 0.5 * np.subtract(*ends)
+    less = (whole.upper - whole.n) ** 2 - (divided.upper - divided.n) ** 2
+    assert less == pytest.approx(2 * of_class.prod(), rel=1e-2)
+    less = (whole.one_class_upper - whole.n_one_class) ** 2 - (divided.one_class_upper - divided.n_one_class) ** 2
+    assert less == pytest.approx(2 * half**2 * shares.prod(), rel=1e-2)
 
 
 def test_splitting_a_class_of_the_curve_changes_next_to_nothing(fitted, table):
