@@ -23,6 +23,7 @@ from simcore.scene.identity import result_digest, same_result
 log = logging.getLogger(__name__)
 
 RESULT = ["n", "n_error", "grains", "cpu_s"]
+OF_LONG_GRAINS = ["source", "case", "mu_FL_nominal", "sigma_FL_nominal", "mu_EL_nominal", "sigma_EL_nominal", "seed"]
 # For each table: the columns that identify a packing, and further columns that describe it.
 COLUMNS = {
     "single_form": (["source", "case", "grain", "representation", "seed"], ["L", "I", "S"]),
@@ -36,6 +37,8 @@ COLUMNS = {
     "accuracy": (["accuracy", "case", "seed"], []),
     "difference_long_stones": (["source", "case", "faces", "seed"], []),
     "difference_long_sources": (["source", "case", "faces", "seed"], []),
+    "difference_long_grains": (OF_LONG_GRAINS, []),
+    "difference_long_wide": (OF_LONG_GRAINS, []),
     "size_and_form": (["case", "grain", "representation", "width_m", "mass_kg", "seed"], []),
     "form_by_size": (["study", "case", "seed"], []),
     "base_time": (["case", "grain", "representation", "mass_kg", "seed"], []),
