@@ -86,8 +86,8 @@ def recognise_columns(path, header, sample=None, two_axes=False):
     if by in forms.values():
         raise ValueError(f"{path}: {header[by]} is a form, not the name of a sample; name another column")
     counts = [i for i, name in enumerate(header) if i != by and i not in forms.values() and _matches(_COUNTS, name)]
-    if kind == MEANS:
-        counts = []  # each row is a sample, and all samples have the same weight
+    if kind == MEANS and len(counts) > 1:
+        counts = [i for i in counts if not may_number_rows(header[i])]  # `n` beside them may be a porosity
     return FormColumns(kind, forms, _only(path, header, counts, "the number of grains") if counts else None, by)
 
 

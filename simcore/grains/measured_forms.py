@@ -10,11 +10,10 @@ The columns determine the meaning of a row:
 Exports of G3Point and PebbleCounts are such tables: of three axes (Dmax, Dmed, Dmin) and of two (a, b).
 
 The column `sample`, or another column that the caller names, gives the sample of each row. A column of counts (count,
-n, number, ...) gives the number of grains that a row represents.
+n, number, ...) gives the number of grains that a row represents, or of which means and deviations are.
 """
 
 import logging
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,8 +21,9 @@ import numpy as np
 
 from simcore.grains.cell_numbers import NUMBER, check_decimal_marks, read_number
 from simcore.grains.class_labels import CLASS_NAME, look_like_classes
-from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, has_two_axes, may_number_rows, recognise_columns
-from simcore.grains.statistics import equancy_statistics, few_grains_covariance
+from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, has_two_axes, recognise_columns
+from simcore.grains.grain_counts import read_counts, read_numbers
+from simcore.grains.statistics import equancy_statistics, few_grains_covariance, means_covariance
 from simcore.grains.summary_rows import find_summary_rows
 from simcore.grains.table_file import advice_on_fields, read_table
 
@@ -31,22 +31,19 @@ log = logging.getLogger(__name__)
 
 LONGEST = 100.0  # maximum L/S, that of FL = EL = 0.1, the minimum in Rettinger et al. (2022)
 SLIP = 0.1  # maximum of S/I and I/L that is noticed, that of equal axes if the decimal mark of one slips
-MAX_GRAINS = 1e12  # maximum of a count in one row
 ALIKE = 1e-9  # relative deviation; measured grains differ by more, copies of one row only by rounding
 FEWEST_FOR_ERRORS = 5  # grains, from which the errors of their statistics are known: of fewer, intervals are too narrow
 SHOWN = 5  # maximum number of values that a notice lists
-# 1,234 may mean 1234 or 1.234.
-_AMBIGUOUS = re.compile(r"[1-9]\d{0,2}[.,]\d{3}")
 
 
 @dataclass(frozen=True)
 class Sample:
     """Statistics of a sample over its grains, number-based.
 
-    grains: number of grains measured; 0 if the table has only statistics; the number of rows with a positive weight if
-    the weights are not counts. If the table has only statistics, those of EQ assume that FL and EL are independent, as
-    in Rettinger et al. (2022). covariance: that of simcore.grains.statistics.few_grains_covariance as tuples; None if
-    the number of grains is unknown or below FEWEST_FOR_ERRORS, or if all have one form.
+    grains: number of grains measured; 0 if it is unknown; the number of rows with a positive weight if the weights are
+    not counts. If the table has only statistics, those of EQ assume that FL and EL are independent, as in Rettinger et
+    al. (2022). covariance: that of simcore.grains.statistics.few_grains_covariance, or of means_covariance there, as
+    tuples; None if the number of grains is unknown or below FEWEST_FOR_ERRORS, or if all have one form.
     """
 
     name: str
@@ -93,7 +90,7 @@ def samples_of_table(table, column=None):
     rows = _read_rows(path, table, _recognise(path, table, column))
     kind, counts = rows.columns.kind, rows.counts
     if kind == MEANS:
-        samples = [_from_means(name, entries) for name, entries in rows.groups.items()]
+        samples = [_from_means(name, entries, counts) for name, entries in rows.groups.items()]
     else:
         check = _check_axes if kind == AXES else _check_ratios
         samples = [_from_grains(path, name, entries, check, counts) for name, entries in rows.groups.items()]
@@ -148,7 +145,7 @@ def _read_table(path):
 
 @dataclass(frozen=True)
 class _Rows:
-    """Rows of a table of forms: the FormColumns, (where, numbers, row) by sample, _Counts or None, and notices."""
+    """Rows of a table of forms: the FormColumns, (where, numbers, row) by sample, Counts or None, and notices."""
 
     columns: object
     groups: dict
@@ -161,7 +158,8 @@ def _read_rows(path, table, columns):
     cells, notices = _leave_out_summaries(path, table.cells, columns)
     if cells.empty:
         raise ValueError(f"{path}: there are no rows below the header; {NEEDED}")
-    counts, count_notices = _read_counts(path, table.header, cells, columns)
+    read = read_numbers if columns.kind == MEANS else read_counts
+    counts, count_notices = read(path, table.header, cells, columns)
     check_decimal_marks(path, {position: name for name, position in columns.forms.items()}, cells)
     groups = {}
     for row, texts in cells.iterrows():
@@ -208,42 +206,6 @@ def _name_of(where, header, texts, columns, row, stem):
         remedy = "write it in every row" if CLASS_NAME.fullmatch(name) else "name the sample in every row"
         raise ValueError(f"{where}: {name} is empty; {remedy} (merged cells of a workbook count as empty)")
     return texts[columns.sample]
-
-
-@dataclass(frozen=True)
-class _Counts:
-    """Weights of the rows.
-
-    weights: dict from row to its weight; whole: whether the weights are numbers of grains instead of shares.
-    """
-
-    weights: dict
-    whole: bool
-
-
-def _read_counts(path, header, cells, columns):
-    """Return the _Counts of the rows (None if each row is one grain), and notices."""
-    if columns.counts is None:
-        return None, []
-    name, texts = header[columns.counts], cells[columns.counts]
-    used = cells[[*columns.forms.values(), columns.counts]].to_numpy().ravel()
-    marks = {mark for text in used for mark in ".," if mark in text and not _AMBIGUOUS.fullmatch(text)}
-    weights = {}
-    for row, text in texts.items():
-        where = f"{path}, row {row}"
-        if _AMBIGUOUS.fullmatch(text) and not marks == {mark for mark in ".," if mark in text}:
-            raise ValueError(f"{where}: {name} is {text}; write it without a separator of thousands")
-        weights[row] = read_number(where, name, text)
-        if not 0 <= weights[row] <= MAX_GRAINS:
-            raise ValueError(f"{where}: {name} = {weights[row]:g}; a number of grains must be between 0 and 1e12")
-    values = list(weights.values())
-    if len(values) > 1 and may_number_rows(name) and all(b - a == 1 for a, b in zip(values, values[1:], strict=False)):
-        return None, [f"the column {name} numbers the rows, so it is not used as a number of grains"]
-    if all(value.is_integer() for value in values) and not re.search("%|percent", name):
-        return _Counts(weights, True), [
-            f"the column {name} is the number of grains of each row, {sum(values):.0f} in all"
-        ]
-    return _Counts(weights, False), [f"the column {name} is the weight of each row; the number of grains is unknown"]
 
 
 def _describe_unused(header, cells, columns):
@@ -368,13 +330,13 @@ def _mean_and_std(values, weights):
     return mean, np.sqrt(np.average((values - mean) ** 2, weights=weights))
 
 
-def _from_means(name, entries):
+def _from_means(name, entries, counts):
     if len(entries) > 1:
         raise ValueError(
             f"{entries[1][0]}: sample {name} occurs twice, but each row of means and deviations is one sample; rename "
             "or remove one"
         )
-    where, (mu_FL, sigma_FL, mu_EL, sigma_EL), _ = entries[0]
+    where, (mu_FL, sigma_FL, mu_EL, sigma_EL), row = entries[0]
     for feature, mu, sigma in (("FL", mu_FL, sigma_FL), ("EL", mu_EL, sigma_EL)):
         if not 0 < mu <= 1:
             raise ValueError(f"{where}: mean_{feature} = {mu:g} is not in (0, 1]; FL is S/I and EL is I/L, not percent")
@@ -388,4 +350,9 @@ def _from_means(name, entries):
     mu_EQ, sigma_EQ = equancy_statistics(mu_FL, sigma_FL, mu_EL, sigma_EL)
     # If nothing varies, the difference of squares is rounding.
     sigma_EQ = float(sigma_EQ) if sigma_FL or sigma_EL else 0.0
-    return Sample(name, 0, mu_FL, sigma_FL, mu_EL, sigma_EL, float(mu_EQ), sigma_EQ)
+    grains = 0 if counts is None else counts.weights[row]
+    sample = Sample(name, grains, mu_FL, sigma_FL, mu_EL, sigma_EL, float(mu_EQ), sigma_EQ)
+    if sample.one_form or grains < FEWEST_FOR_ERRORS:
+        return sample
+    covariance = means_covariance(mu_FL, sigma_FL, mu_EL, sigma_EL, grains)
+    return replace(sample, covariance=tuple(map(tuple, covariance.tolist())))

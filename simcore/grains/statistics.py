@@ -67,6 +67,27 @@ def few_grains_covariance(EQ, EL, counts=None):
         return (counts * changes) @ changes.T / np.float64(number * (number - 1.0))
 
 
+def means_covariance(mu_FL, sigma_FL, mu_EL, sigma_EL, grains):
+    """Return the covariance (4, 4) of few_grains_covariance of a number of grains of which only these are known.
+
+    FL and EL are assumed to be independent and normally distributed, so that the variance of a mean is
+    sigma²/(grains - 1), and that of a deviation half of it. equancy_statistics are linearised. grains: at least 2.
+    """
+    variances = np.array([sigma_FL**2, 0.5 * sigma_FL**2, sigma_EL**2, 0.5 * sigma_EL**2]) / (grains - 1.0)
+    _, sigma_EQ = equancy_statistics(mu_FL, sigma_FL, mu_EL, sigma_EL)
+    squares_FL, squares_EL = mu_FL**2 + sigma_FL**2, mu_EL**2 + sigma_EL**2
+    of_deviation = [mu_FL * sigma_EL**2, sigma_FL * squares_EL, mu_EL * sigma_FL**2, sigma_EL * squares_FL]
+    derivatives = np.array(
+        [
+            [mu_EL, 0.0, mu_FL, 0.0],
+            np.array(of_deviation) / sigma_EQ if sigma_EQ > 0 else np.zeros(4),
+            [0.0, 0.0, 1.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
+    return (derivatives * variances) @ derivatives.T
+
+
 def flatness_statistics(mu_EQ, sigma_EQ, mu_EL, sigma_EL):
     """Return mean and standard deviation of FL = EQ/EL from those of EQ and EL; the inverse of equancy_statistics.
 

@@ -154,7 +154,10 @@ def few_grains_error_caveats(names, of_one_form, errors, what) -> list[str]:
         )
     if unknown.any():
         of = "" if not known.any() else f" of {', '.join(dict.fromkeys(map(str, np.asarray(names)[unknown])))}"
-        lines.append(f"{WITHOUT_FEW_GRAINS}{of}; it is known if each of at least {FEWEST_FOR_ERRORS} grains has a row.")
+        lines.append(
+            f"{WITHOUT_FEW_GRAINS}{of}; it is known if each of at least {FEWEST_FOR_ERRORS} grains has a row, or if a "
+            "column `grains` has their number."
+        )
     return lines
 
 

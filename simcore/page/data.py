@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
-from simcore.grains import measured_forms
+from simcore.grains import grain_counts, measured_forms
 from simcore.grains.form_columns import MEANS, NEEDED, all_patterns
 from simcore.grains.sieve import SieveCurve, read_cases
 from simcore.grains.statistics import STATISTICS
@@ -92,7 +92,7 @@ def _reading():
         "labels": label_patterns(),
         "longest": measured_forms.LONGEST,
         "slip": measured_forms.SLIP,
-        "max_grains": measured_forms.MAX_GRAINS,
+        "max_grains": grain_counts.MAX_GRAINS,
         "alike": measured_forms.ALIKE,
         "shown": measured_forms.SHOWN,
         "few_grains": FEW_GRAINS,

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from simcore.grains.measured_forms import read_measured, read_samples
+from simcore.grains.statistics import equancy_statistics, means_covariance
 from tests.helpers.table_cases import GRAINS, assert_words
 
 
@@ -246,9 +247,49 @@ def test_a_column_that_numbers_the_rows_is_no_count(notices_of):
     (sample,), (running,) = notices_of("n,FL,EL\n1,0.5,0.7\n2,0.9,0.7\n3,0.9,0.7\n")
     assert (sample.grains, sample.mu_FL) == (3, pytest.approx(2.3 / 3))
     assert "the column n numbers the rows, so it is not used as a number of grains" in running
-    # In a table of statistics a row is a sample, whatever number of grains it was measured from.
-    (sample, _), (unused,) = notices_of("mean_FL,std_FL,mean_EL,std_EL,n\n.6,.1,.7,.1,9\n.6,.1,.8,.1,5\n")
-    assert sample.grains == 0 and unused.endswith("columns that are not used: n")
+
+
+MEANS_HEADER = "mean_FL,std_FL,mean_EL,std_EL"
+
+
+def test_means_may_have_the_number_of_grains(notices_of):
+    (first, few, alike), (notice,) = notices_of(f"{MEANS_HEADER},n\n.6,.1,.7,.1,9\n.6,.1,.8,.1,4\n.6,0,.8,0,9\n")
+    assert (first.grains, few.grains, alike.grains) == (9, 4, 9)
+    assert np.shape(first.covariance) == (4, 4) and few.covariance is None and alike.covariance is None
+    assert notice.endswith(
+        "the column n is the number of grains of each sample; FL and EL are assumed to be independent"
+    )
+    (sample, _), (notice, _) = notices_of(f"{MEANS_HEADER},n,grains\n.6,.1,.7,.1,.31,40\n.6,.1,.8,.1,.33,30\n")
+    assert sample.grains == 40 and "the column grains is the number" in notice
+
+
+@pytest.mark.parametrize(
+    "name, numbers, reason",
+    [
+        ("n", ("0.31", "0.33"), "the column n is not used, because 0.31 in row 2 is no number of grains"),
+        ("grains", ("40", ""), "the column grains is not used, because row 3 has no number of grains"),
+        ("grains [%]", ("40", "60"), "the column grains [%] is not used, because it is in percent"),
+        ("n", ("1", "2"), "the column n numbers the rows, so it is not used as a number of grains"),
+    ],
+)
+def test_other_numbers_beside_means_are_not_used_with_a_reason(notices_of, name, numbers, reason):
+    rows = "".join(f".6,.1,.7,.1,{number}\n" for number in numbers)
+    (sample, _), notices = notices_of(f"{MEANS_HEADER},{name}\n{rows}")
+    assert (sample.grains, sample.covariance) == (0, None)
+    assert any(notice.endswith(reason) for notice in notices)
+
+
+def test_errors_of_means_are_those_of_drawing_so_many_grains():
+    given = {"mu_FL": 0.6, "sigma_FL": 0.12, "mu_EL": 0.7, "sigma_EL": 0.09}
+    FL, EL = (
+        np.random.default_rng(seed).normal(given[f"mu_{name}"], given[f"sigma_{name}"], (20000, 40))
+        for seed, name in enumerate(("FL", "EL"))
+    )
+    drawn = equancy_statistics(FL.mean(axis=1), FL.std(axis=1), EL.mean(axis=1), EL.std(axis=1))
+    expected = np.cov([*drawn, EL.mean(axis=1), EL.std(axis=1)])
+    found = means_covariance(**given, grains=40)
+    scale = np.sqrt(np.diag(expected))
+    np.testing.assert_allclose(found / np.outer(scale, scale), expected / np.outer(scale, scale), atol=0.05)
 
 
 def test_a_column_that_may_separate_samples_is_named(notices_of):

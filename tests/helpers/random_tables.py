@@ -29,6 +29,10 @@ def _cells(rng, kind, number):
             + [rng.choice([0.0, 0.02, rng.uniform(0.0, 0.3)])]
             for _ in range(1 + number // 8)
         ]
+        if rng.random() < 0.5:
+            numbers = rng.integers(rng.integers(2), 80, len(rows))  # 0 is no number of grains
+            names = [*names, ["grains", "n"][rng.integers(2)]]
+            rows = [[*row, str(count)] for row, count in zip(rows, numbers, strict=True)]
         return names, rows
     if kind == "one form":
         form = [float(f"{value:.3f}") for value in rng.uniform(0.15, 1.0, 2)]

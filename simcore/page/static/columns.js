@@ -21,7 +21,9 @@ const Columns = (() => {
     if (kind === AXES || kind === TWO_AXES) checkUnits(name, kind, forms.map((position) => unit(header[position])));
     const by = findSample(name, header, sample, forms);
     const counts = header.flatMap((text, i) => (i !== by && !forms.includes(i) && COUNTS.test(text) ? [i] : []));
-    const count = kind !== MEANS && counts.length ? only(name, header, counts, "the number of grains") : -1;
+    // Beside means, `n` may be a porosity.
+    const likely = kind === MEANS && counts.length > 1 ? counts.filter((i) => !RUNNING.test(header[i])) : counts;
+    const count = likely.length ? only(name, header, likely, "the number of grains") : -1;
     return { kind, forms, counts: count, sample: by };
   }
 

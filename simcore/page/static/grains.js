@@ -4,6 +4,7 @@ const Grains = (() => {
   const { AXES, RATIOS, MEANS, TWO_AXES } = Columns;
   const { longest, slip, max_grains: maxGrains, alike, shown, needed } = DATA.reading;
   const AMBIGUOUS = /^[1-9]\d{0,2}[.,]\d{3}$/;
+  const [PERCENT, WHOLE] = [/%|percent/, /^[1-9]\d{0,11}$/];
 
   const { CLASS_NAME, CLASS_LABEL } = SieveClasses;
 
@@ -17,7 +18,8 @@ const Grains = (() => {
     if (forBed) checkForBed(name, table.header, columns);
     const [rows, summaries] = leaveOutSummaries(name, table, columns);
     if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${needed}`);
-    const [counts, countNotices] = readCounts(name, table.header, rows, columns);
+    const readTheirs = columns.kind === MEANS ? readNumbers : readCounts;
+    const [counts, countNotices] = readTheirs(name, table.header, rows, columns);
     Numbers.checkDecimalMarks(name, columns.forms.map((position, i) => [position, columns.kind[i]]), rows);
     const groups = new Map();
     for (const { row, cells, fields } of rows) {
@@ -29,7 +31,7 @@ const Grains = (() => {
     }
     const samples = [...groups].map(([group, entries]) => {
       const isMean = columns.kind === MEANS;
-      const sample = isMean ? fromMeans(group, entries) : fromGrains(name, group, entries, columns.kind, counts);
+      const sample = isMean ? fromMeans(group, entries, counts) : fromGrains(name, group, entries, columns.kind, counts);
       return { ...sample, row: entries[0].row };
     });
     const unused = describeUnused(table.header, rows, columns);
@@ -99,16 +101,35 @@ const Grains = (() => {
       weights.set(row, value);
     }
     const values = [...weights.values()];
-    if (values.length > 1 && Columns.mayNumberRows(title) && values.every((v, i) => !i || v - values[i - 1] === 1)) {
-      return [null, [`the column ${title} numbers the rows, so it is not used as a number of grains`]];
-    }
-    if (values.every(Number.isInteger) && !/%|percent/.test(title)) {
+    if (numbersRows(title, values)) return [null, [describeRunning(title)]];
+    if (values.every(Number.isInteger) && !PERCENT.test(title)) {
       const total = values.reduce((sum, value) => sum + value, 0).toFixed(0);
       return [{ weights, whole: true }, [`the column ${title} is the number of grains of each row, ${total} in all`]];
     }
     const notice = `the column ${title} is the weight of each row; the number of grains is unknown`;
     return [{ weights, whole: false }, [notice]];
   }
+
+  // Returns the numbers of grains of samples of means in the same way; null if they are unknown.
+  function readNumbers(name, header, rows, columns) {
+    if (columns.counts < 0) return [null, []];
+    const title = header[columns.counts];
+    if (PERCENT.test(title)) return [null, [`the column ${title} is not used, because it is in percent`]];
+    const texts = rows.map(({ row, cells }) => ({ row, text: cells[columns.counts] }));
+    const other = texts.find(({ text }) => !WHOLE.test(text));
+    if (other) {
+      const given = other.text ? `${other.text} in row ${other.row} is no` : `row ${other.row} has no`;
+      return [null, [`the column ${title} is not used, because ${given} number of grains`]];
+    }
+    const weights = new Map(texts.map(({ row, text }) => [row, Number(text)]));
+    if (numbersRows(title, [...weights.values()])) return [null, [describeRunning(title)]];
+    const notice = `the column ${title} is the number of grains of each sample; FL and EL are assumed to be independent`;
+    return [{ weights, whole: true }, [notice]];
+  }
+
+  const numbersRows = (title, values) =>
+    values.length > 1 && Columns.mayNumberRows(title) && values.every((v, i) => !i || v - values[i - 1] === 1);
+  const describeRunning = (title) => `the column ${title} numbers the rows, so it is not used as a number of grains`;
 
   function describeUnused(header, rows, columns) {
     const used = new Set([...columns.forms, columns.counts, columns.sample]);
@@ -255,14 +276,14 @@ const Grains = (() => {
     return changes.map((a) => changes.map((b) => covariance(a, b)));
   }
 
-  function fromMeans(group, entries) {
+  function fromMeans(group, entries, counts) {
     if (entries.length > 1) {
       throw new InputError(
         `${entries[1].where}: sample ${group} occurs twice, but each row of means and deviations is one sample; ` +
           "rename or remove one"
       );
     }
-    const [{ where, values }] = entries;
+    const [{ where, values, row }] = entries;
     const [mu_FL, sigma_FL, mu_EL, sigma_EL] = values;
     for (const [key, mu, sigma] of [["FL", mu_FL, sigma_FL], ["EL", mu_EL, sigma_EL]]) {
       if (!(mu > 0 && mu <= 1)) {
@@ -278,7 +299,18 @@ const Grains = (() => {
         );
       }
     }
-    return { name: group, grains: 0, forms: [], ...withEquancy(mu_FL, sigma_FL, mu_EL, sigma_EL) };
+    const grains = counts ? counts.weights.get(row) : 0;
+    const sample = { name: group, grains, forms: [], ...withEquancy(mu_FL, sigma_FL, mu_EL, sigma_EL) };
+    return grains >= DATA.few_grains.fewest && !isOneForm(sample) ? { ...sample, covariance: meansCovariance(sample) } : sample;
+  }
+
+  // Returns the covariance of fewGrainsCovariance of grains of which only means and deviations are known, likewise.
+  function meansCovariance({ mu_FL, sigma_FL, mu_EL, sigma_EL, sigma_EQ, grains }) {
+    const variances = [sigma_FL ** 2, sigma_FL ** 2 / 2, sigma_EL ** 2, sigma_EL ** 2 / 2].map((v) => v / (grains - 1));
+    const [squaresFL, squaresEL] = [mu_FL ** 2 + sigma_FL ** 2, mu_EL ** 2 + sigma_EL ** 2];
+    const ofDeviation = [mu_FL * sigma_EL ** 2, sigma_FL * squaresEL, mu_EL * sigma_FL ** 2, sigma_EL * squaresFL];
+    const derivatives = [[mu_EL, 0, mu_FL, 0], ofDeviation.map((v) => (sigma_EQ > 0 ? v / sigma_EQ : 0)), [0, 0, 1, 0], [0, 0, 0, 1]];
+    return derivatives.map((a) => derivatives.map((b) => sum(variances.map((v, i) => a[i] * v * b[i]))));
   }
 
   // Returns the statistics with those of EQ = FL EL; FL and EL are assumed to be independent.

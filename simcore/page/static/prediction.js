@@ -98,7 +98,8 @@ const Prediction = (() => {
   // Returns the sentence on the error of few grains; error: NaN if it is unknown. what: that has the error. number: writes
   // a porosity.
   function describeFewGrains(error, what, number) {
-    if (Number.isNaN(error)) return `${without}; it is known if each of at least ${fewest} grains has a row.`;
+    const known = `it is known if each of at least ${fewest} grains has a row, or if a column \`grains\` has their number`;
+    if (Number.isNaN(error)) return `${without}; ${known}.`;
     const size = error < 5e-4 ? `less than ${number(1e-3)}` : number(error);
     return `Because only some grains were measured, ${what} has a standard error of ${size}, which the interval contains.`;
   }

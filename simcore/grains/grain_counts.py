@@ -1,0 +1,75 @@
+"""Reads how many grains each row of a table of grain forms represents."""
+
+import re
+from dataclasses import dataclass
+
+from simcore.grains.cell_numbers import read_number
+from simcore.grains.form_columns import may_number_rows
+
+MAX_GRAINS = 1e12  # maximum of a count in one row
+# 1,234 may mean 1234 or 1.234.
+_AMBIGUOUS = re.compile(r"[1-9]\d{0,2}[.,]\d{3}")
+_PERCENT = re.compile("%|percent")
+_WHOLE = re.compile(r"[1-9]\d{0,11}")  # a number of grains, at most about MAX_GRAINS
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Weights of the rows.
+
+    weights: dict from row to its weight; whole: whether the weights are numbers of grains instead of shares.
+    """
+
+    weights: dict
+    whole: bool
+
+
+def read_counts(path, header, cells, columns):
+    """Return the Counts of the rows (None if each row is one grain), and notices."""
+    if columns.counts is None:
+        return None, []
+    name, texts = header[columns.counts], cells[columns.counts]
+    used = cells[[*columns.forms.values(), columns.counts]].to_numpy().ravel()
+    marks = {mark for text in used for mark in ".," if mark in text and not _AMBIGUOUS.fullmatch(text)}
+    weights = {}
+    for row, text in texts.items():
+        where = f"{path}, row {row}"
+        if _AMBIGUOUS.fullmatch(text) and not marks == {mark for mark in ".," if mark in text}:
+            raise ValueError(f"{where}: {name} is {text}; write it without a separator of thousands")
+        weights[row] = read_number(where, name, text)
+        if not 0 <= weights[row] <= MAX_GRAINS:
+            raise ValueError(f"{where}: {name} = {weights[row]:g}; a number of grains must be between 0 and 1e12")
+    values = list(weights.values())
+    if len(values) > 1 and may_number_rows(name) and _are_consecutive(values):
+        return None, [_numbers_rows(name)]
+    if all(value.is_integer() for value in values) and not _PERCENT.search(name):
+        return Counts(weights, True), [
+            f"the column {name} is the number of grains of each row, {sum(values):.0f} in all"
+        ]
+    return Counts(weights, False), [f"the column {name} is the weight of each row; the number of grains is unknown"]
+
+
+def read_numbers(path, header, cells, columns):
+    """Return the Counts of the grains of each sample of means, None if they are unknown, and notices."""
+    if columns.counts is None:
+        return None, []
+    name, texts = header[columns.counts], cells[columns.counts]
+    if _PERCENT.search(name):
+        return None, [f"the column {name} is not used, because it is in percent"]
+    for row, text in texts.items():
+        if not _WHOLE.fullmatch(text):
+            given = f"{text} in row {row} is no" if text else f"row {row} has no"
+            return None, [f"the column {name} is not used, because {given} number of grains"]
+    numbers = [int(text) for text in texts]
+    if len(numbers) > 1 and may_number_rows(name) and _are_consecutive(numbers):
+        return None, [_numbers_rows(name)]
+    notice = f"the column {name} is the number of grains of each sample; FL and EL are assumed to be independent"
+    return Counts(dict(zip(texts.index, numbers, strict=True)), True), [notice]
+
+
+def _are_consecutive(values):
+    return all(b - a == 1 for a, b in zip(values, values[1:], strict=False))
+
+
+def _numbers_rows(name):
+    return f"the column {name} numbers the rows, so it is not used as a number of grains"
