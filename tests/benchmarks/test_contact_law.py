@@ -30,7 +30,7 @@ def test_the_motion_of_the_linear_law_is_that_of_the_compiled_step(implicit):
     )  # fmt: skip
     highest = -speed
     start = (np.array([-overlap]), np.array([-2.0 * overlap]))
-    for slow, fast in study.move(contacts, start, (np.zeros(1), np.array([-speed])), steps):
+    for _, (slow, fast) in study.move(contacts, start, (np.zeros(1), np.array([-speed])), steps):
         bodies.advance(dt, 1)
         # The heights of the compiled step are rounded to 1e-15 m, over which springs accelerate by 6e7 / s² times that.
         np.testing.assert_allclose([slow[0], fast[0]], bodies.bodies.velocity[:, 2], atol=1e-9 * speed)
