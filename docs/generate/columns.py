@@ -43,6 +43,7 @@ GROUPS = (
     ("benchmarks", "INFLATED", "Search with inflated grains"),
     ("benchmarks", "ELLIPSOID_CONTACT", "Contacts of ellipsoids"),
     ("benchmarks", "WIDE_COST", "Cost of wide sieve curves"),
+    ("benchmarks", "CONTACT_LAW", "Time step of contact laws"),
     ("benchmarks", "SIZE_MODELS", "Models of the sieve curve"),
     ("r22", "FORM_FACTORS", "Rettinger et al.: form factors"),
     ("r22", "FORM_STATISTICS", "Rettinger et al.: statistics of form"),

@@ -59,6 +59,7 @@ TABLES = {
     "r22/*": (r22.POROSITIES,),
     "beard_weyl_1973": (models.SORTED_SANDS,),
     "bed_size": (benchmarks.BED_SIZE, COLUMNS),
+    "contact_law": (benchmarks.CONTACT_LAW,),
     "ellipsoid_contact": (benchmarks.ELLIPSOID_CONTACT,),
     "features": (benchmarks.FEATURES,),
     "height": (benchmarks.HEIGHT,),

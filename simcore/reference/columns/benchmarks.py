@@ -135,6 +135,20 @@ WIDE_COST = (
     Column("shapes", "", "source of the grains"),
     Column("grain_steps", "", "grains times time steps"),
 )
+_OF_SCENE = "longest stable step in the scene `{}` (benchmarks/studies/contact_law.py); empty if all tried are stable"
+CONTACT_LAW = (
+    Column("dashpot", "", "how dashpots enter the step: implicit or explicit"),
+    Column("overlap_of", "", "overlap that the law has: that of the linear law at rest, of equals, or in an impact"),
+    Column("mass_ratio", "", "mass of the stone over that of the pebble"),
+    Column("exponent", "", "p, if the force of a spring is proportional to the overlap to the power p"),
+    Column("relative_overlap", "", "static overlap over the diameter of the pebble"),
+    Column("relative_impact_overlap", "", "largest overlap of an impact over the diameter of the pebble"),
+    Column("restitution", "", "restitution of the pebble and the stone, at a fifth of step_s"),
+    *[Column(f"{scene}_step_s", "s", _OF_SCENE.format(scene)) for scene in ("loaded", "impact", "alone")],
+    Column("step_s", "s", "longest step that is stable in all scenes"),
+    Column("one_contact_bound_s", "s", "bound on the step from the force of the stone and the overlap"),
+    Column("two_contact_bound_s", "s", "the same, with the force on the floor"),
+)
 SIZE_MODELS = (
     Column("model", "", "name of a packing model, a candidate or a river predictor"),
     Column("K", "", "compaction index of a model that has one"),
