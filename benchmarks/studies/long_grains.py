@@ -1,21 +1,29 @@
-"""How much of our difference to Rettinger et al. (2022) in beds of long grains comes from their stretched lattice.
+"""Parts of our difference to Rettinger et al. (2022) in beds of long grains.
 
     python -m benchmarks.studies.long_grains
 
 It compares difference_long_lattice.csv, packed on a lattice that is stretched by the mean form of the grains, with the
-same grains and seeds in form_mixture.csv, and with the model of mixtures of Rettinger et al. config/differences.yaml
-has the rule of comparison. Another table has the difference of all sets to that model by FL/EL, the factor of the space
-that a stretched lattice gives a grain. It takes seconds.
+same grains and seeds in form_mixture.csv, and with the model of mixtures of Rettinger et al. Another table has the
+difference of all sets to that model by FL/EL, the factor of the space that a stretched lattice gives a grain. The last
+table divides the difference of six sets into parts, from the packings of difference_long_grains.csv and
+difference_long_wide.csv. config/differences.yaml has the rules of both comparisons. It takes seconds.
 """
 
 import numpy as np
 import pandas as pd
 
+from simcore.models.fitting import fit_reference_models
+from simcore.models.regression import student_quantile
+from simcore.models.unified import feature_table
 from simcore.paths import REFERENCE
 from simcore.reference.columns import COMMITTED_NAMES, SPECIFIED_FORM
 from simcore.reference.r22_tables import read_r22_table
 
 STRETCHED, CAMPAIGN = "difference_long_lattice.csv", "form_mixture.csv"
+GRAINS, WIDE = "difference_long_grains.csv", "difference_long_wide.csv"
+OURS, SCANS, THEIRS = "synthetic", "scans", "rhine"  # sources of grains; the last one has two of Rettinger et al.
+TOTAL, PARTS = "difference", ("faces", "grains", "scans", "width", "misfit", "open")
+LARGE = 0.02  # difference of the sets that are also judged alone
 SETS = [COMMITTED_NAMES.get(name, name) for name in SPECIFIED_FORM]
 MU_FL, MU_EL, SIGMA_FL, SIGMA_EL = SETS
 JUDGED = ((0.8, 0.4), (0.6, 0.4), (0.4, 0.4), (0.7, 0.5))  # mean FL and EL of the sets over which the share is taken
@@ -56,12 +64,72 @@ def explained(pairs, rows):
     return -changes["change"].sum() / total, np.sqrt(np.square(changes["change_error"]).sum()) / total
 
 
+def divided(rows, misfit, grains, wide):
+    """Return a table of the sets of `grains` with TOTAL and PARTS, by the rule in config/differences.yaml.
+
+    rows: as of `campaign`. misfit (n,): porosity by our linear model of mixtures minus that of these rows. grains,
+    wide: rows of GRAINS and of WIDE. A part is nan if a packing of it is missing.
+    """
+    rows = rows.assign(misfit=misfit)[rows["seed"] == 1].set_index(SETS)
+    of_source = {source: part.set_index(SETS)["n"] for source, part in grains.groupby("source")}
+    wide = {source: part.set_index(SETS)["n"] for source, part in wide.groupby("source")}
+    sets = grains.set_index(SETS).index.unique()
+    rows = rows.loc[sets]
+    ours, scans, theirs, spacious = (
+        part.get(source, pd.Series(dtype=float)).reindex(sets)
+        for part, source in ((of_source, OURS), (of_source, SCANS), (of_source, THEIRS), (wide, THEIRS))
+    )
+    table = pd.DataFrame({TOTAL: rows["difference"]}).assign(
+        faces=ours - rows["n"], grains=theirs - ours, scans=scans - ours, width=spacious - theirs, misfit=rows["misfit"]
+    )
+    return table.assign(open=spacious + rows["misfit"] - (rows["n"] - rows["difference"]))
+
+
+def summarised(table):
+    """Return the mean, its standard error, whether it is found, and the share of TOTAL of each part of `divided`."""
+    values, number = table[list(PARTS)], table[list(PARTS)].count()
+    error = values.std() / np.sqrt(number)
+    limit = [student_quantile(0.95, count - 1) if count > 1 else np.nan for count in number]
+    totals = pd.Series({part: table[TOTAL][values[part].notna()].mean() for part in PARTS})
+    share = values.mean() / totals * np.where(values.columns == "open", 1.0, -1.0)
+    return pd.DataFrame(
+        {
+            "sets": number,
+            "mean": values.mean(),
+            "standard error": error,
+            "found": values.mean().abs() > np.array(limit) * error,
+            "share": share,
+        }
+    )
+
+
+def our_misfit(rows):
+    """Return the porosity by our linear model of mixtures in U1 minus that of the rows of form_mixture.csv (n,)."""
+    model = fit_reference_models().models["form_mixture", "U1"]
+    features = feature_table({name: rows[name].to_numpy() for name in ("mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL")})
+    return model.predict(features) - rows["n"].to_numpy()
+
+
+def print_parts(rows) -> None:
+    """Print the parts of the difference of each set, and their means; rows: as of `campaign`."""
+    if not (REFERENCE / GRAINS).exists():
+        return
+    grains = pd.read_csv(REFERENCE / GRAINS)
+    wide = pd.read_csv(REFERENCE / WIDE) if (REFERENCE / WIDE).exists() else grains.iloc[:0]
+    table = divided(rows, our_misfit(rows), grains, wide).sort_values(TOTAL, ascending=False)
+    print(table.reset_index().to_string(index=False, float_format="%.4f"))
+    for title, sets in (("all sets", table), (f"sets of {LARGE:g} and more", table[table[TOTAL] >= LARGE])):
+        print(f"Parts of the difference, {title}")
+        print(summarised(sets).to_string(float_format="%.4f"))
+
+
 def main() -> None:
-    """Print both tables and the share."""
+    """Print the tables and the share."""
     rows = campaign()
     means = rows.groupby(["space", MU_FL, MU_EL, SIGMA_EL])["difference"].mean().unstack()
     print("Porosity minus that by Rettinger et al., by the standard deviation of EL and by FL/EL")
     print(means.to_string(float_format="%+.4f"))
+    print_parts(rows)
     if not (REFERENCE / STRETCHED).exists():
         print(
             f"{STRETCHED} has no packings yet; pack them with snakemake --cores 1 --configfile config/differences.yaml "

@@ -4,7 +4,17 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.studies.long_grains import JUDGED, SETS, by_r22, campaign, explained
+from benchmarks.studies.long_grains import (
+    JUDGED,
+    PARTS,
+    SETS,
+    by_r22,
+    campaign,
+    divided,
+    explained,
+    our_misfit,
+    summarised,
+)
 from simcore.reference.columns import find_column
 
 
@@ -35,3 +45,49 @@ def test_the_campaign_has_every_judged_set_and_is_compared_with_the_published_mo
 
 def test_the_stretch_of_the_lattice_is_a_column_of_the_rows():
     assert find_column("difference_long_lattice", "stretch_z").key == "generation.stretch_z"
+
+
+def made_parts(sources):
+    """Return two sets whose porosity falls by 0.01 with faces, 0.02 with the grains of others and 0.005 with width."""
+    sets = pd.DataFrame([(0.6, 0.4, 0.2, 0.2), (0.8, 0.4, 0.2, 0.2)], columns=SETS)
+    rows = pd.concat([sets.assign(seed=1, n=[0.46, 0.44], difference=[0.05, 0.04]), sets.assign(seed=2, n=0.9)])
+    n = {"synthetic": [0.45, 0.43], "scans": [0.44, 0.43], "rhine": [0.43, 0.41]}
+    grains = pd.concat([sets.assign(source=source, n=n[source]) for source in sources])
+    wide = sets.assign(source="rhine", n=[0.425, 0.405])
+    return rows, [-0.01, -0.006, 0.0, 0.0], grains, wide
+
+
+def test_the_parts_of_the_difference_add_up():
+    table = divided(*made_parts(["synthetic", "scans", "rhine"]))
+    expected = {
+        "difference": [0.05, 0.04],
+        "faces": [-0.01, -0.01],
+        "grains": [-0.02, -0.02],
+        "scans": [-0.01, 0.0],
+        "width": [-0.005, -0.005],
+        "misfit": [-0.01, -0.006],
+        "open": [0.005, -0.001],
+    }
+    for part, values in expected.items():
+        np.testing.assert_allclose(table[part], values, atol=1e-12, err_msg=part)
+    explained_parts = table[["faces", "grains", "width", "misfit"]].sum(axis=1)
+    np.testing.assert_allclose(table["difference"] + explained_parts, table["open"], atol=1e-12)
+    summary = summarised(table)
+    assert summary["share"]["grains"] == pytest.approx(0.02 / 0.045)
+    assert summary["mean"]["misfit"] == pytest.approx(-0.008)
+    assert summary["standard error"]["misfit"] == pytest.approx(0.002)
+    assert not summary["found"]["misfit"]  # 0.008 is 4 standard errors of two sets, and 12.7 are needed
+    shares = summary["share"][["faces", "grains", "width", "misfit", "open"]]
+    assert shares.sum() == pytest.approx(1.0)
+
+
+def test_parts_of_missing_packings_are_unknown():
+    rows, misfit, grains, wide = made_parts(["synthetic"])
+    table = divided(rows, misfit, grains, wide.iloc[:0])
+    assert table[["grains", "scans", "width", "open"]].isna().all(axis=None)
+    assert summarised(table)["sets"].to_dict() == dict(zip(PARTS, (2, 0, 0, 0, 2, 0), strict=True))
+
+
+def test_our_misfit_is_that_of_the_committed_model():
+    misfit = our_misfit(campaign())
+    assert np.abs(misfit).mean() == pytest.approx(0.006, abs=0.001)
