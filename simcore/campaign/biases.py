@@ -25,6 +25,7 @@ GRAINS, ELLIPSOIDS = "grains", "ellipsoids"  # kinds of packings for which the b
 SETTINGS, SIZE, SHAKING, INSERTIONS = "settings", "size of the bed", "time of shaking", "insertion"
 INSERTED = {"bed": "just above the bed", "r22": "at the heights of Rettinger et al."}  # by generation.fill
 REFERENCE, REFERENCE_BED = "r22", (63.0, 1200)  # preset, and (width [mm], grains), with which others are compared
+WIDE_REFERENCE = "a contact time of 0.2 ms and 2 s of shaking"  # of the study wide_quota in config/wide.yaml
 LEAST_PAIRS = 3  # with fewer pairs no bias is given
 CONTACT_TIME, REGION, GATE = "numerics.contact_time", "numerics.polyhedron_contact", "convergence.max_unbalanced_force"
 
@@ -36,8 +37,9 @@ def measured_biases(folder):
     accuracy_changed.csv the same beds with other settings; accuracy_heights.csv the same with insertion at the heights
     of Rettinger et al. (2022); difference_ellipsoid_steps.csv (config/differences.yaml) ellipsoids inserted at those
     heights, with the contacts of campaigns and with stiffer ones; bed_size.csv (benchmarks/studies/bed_size.py) single
-    forms in beds of several sizes. The time of shaking is taken from work_precision/packings.csv, and the insertion
-    from difference_process.csv (config/differences.yaml).
+    forms in beds of several sizes; wide_both.csv and wide_quota.csv (config/wide.yaml) beds of a wide sieve curve with
+    the settings of the preset `wide`, and with stiffer contacts and longer shaking. The time of shaking is taken from
+    work_precision/packings.csv, and the insertion from difference_process.csv (config/differences.yaml).
 
     Column of: SETTINGS (all settings of a preset, with the time step, compared with `r22` or with stiffer contacts),
     SIZE (compared with 1200 grains in a box of 63 mm), SHAKING (compared with the longest) or INSERTIONS (compared with
@@ -53,6 +55,7 @@ def measured_biases(folder):
             ("accuracy.csv", lambda rows: _of_settings(pd.concat([rows, *of_changed]))),
             ("accuracy_heights.csv", _of_settings_at_heights),
             ("difference_ellipsoid_steps.csv", _of_ellipsoids),
+            ("wide_both.csv", lambda rows: _of_wide(rows, folder)),
             ("bed_size.csv", _of_size),
             ("work_precision/packings.csv", _of_shaking),
             ("difference_process.csv", _of_insertions),
@@ -105,6 +108,20 @@ def _of_ellipsoids(rows):
         bed=f"{rows['grains'].iloc[0]} ellipsoids of one of {forms} forms, inserted {INSERTED['r22']}",
         inserted=INSERTED["r22"],
         kind=ELLIPSOIDS,
+    )
+
+
+def _of_wide(rows, folder):
+    """Compare the preset `wide` with the same beds at a shorter contact time and with longer shaking."""
+    stiffer = pd.read_csv(folder / "wide_quota.csv")
+    pairs = rows.merge(stiffer, on=["case", "width_m", "mass_kg", "seed"], suffixes=("", "_stiffer"))
+    beds = ", ".join(f"{mass:g} kg of {case}" for case, mass in pairs.groupby(["case", "mass_kg"]).groups)
+    return pd.DataFrame([_mean("wide", pairs["n"] - pairs["n_stiffer"])]).assign(
+        of=SETTINGS,
+        against=WIDE_REFERENCE,
+        bed=f"{beds}, inserted {INSERTED['r22']}",
+        inserted=INSERTED["r22"],
+        kind=GRAINS,
     )
 
 
@@ -236,7 +253,8 @@ def _phrase(values, biases):
         row = row.iloc[0]
         return f"{_number(row)} ({value} instead of {row['against']}; {row['bed']})"
     if value in set(biases["against"]):
-        others = ", ".join(f"{_number(row)} for {row['setting']}" for _, row in biases.iterrows())
+        compared = biases[biases["against"] == value]
+        others = ", ".join(f"{_number(row)} for {row['setting']}" for _, row in compared.iterrows())
         return f"none for {value}, the reference; others differ from it by {others}"
     return "not measured" + (f" for {value}" if value else "")
 

@@ -174,3 +174,17 @@ def test_the_note_of_a_study_gives_the_bias_of_its_own_packings(folder):
     assert "inserted just above the bed), for the other 1 not measured; size" in note
     strewn = {"placement": "random", "orientation": "random"}
     assert bias_note([specification(generation=strewn)], biases).endswith("insertion: not measured")
+
+
+def test_the_preset_for_wide_curves_is_compared_with_the_same_beds_and_stiffer_contacts(folder):
+    beds = pd.DataFrame({"case": "U5", "width_m": 0.07, "mass_kg": 1.4, "seed": range(3), "n": 0.31})
+    beds.assign(n=beds["n"] + [0.001, 0.002, 0.003]).to_csv(folder / "wide_both.csv", index=False)
+    beds.assign(seed=range(-1, 2)).to_csv(folder / "wide_quota.csv", index=False)  # two of them have a pair
+    biases = measured_biases(folder)
+    row = biases[biases["source"] == "wide_both.csv"].squeeze()
+    assert (row["setting"], row["beds"], row["difference"]) == ("wide", 2, pytest.approx(0.0015))
+    wide = specification(accuracy="wide", generation={"fill": "r22"})
+    assert "(wide instead of a contact time of 0.2 ms and 2 s of shaking; 1.4 kg of U5" in bias_note([wide], biases)
+    # It is not among the differences from the reference of the other presets.
+    reference = bias_note([specification(accuracy="r22", generation={"fill": "r22"})], biases)
+    assert "others differ from it by" in reference and "for wide" not in reference
