@@ -78,7 +78,9 @@ def fabric(packing, cut=None, bearing_contacts=BEARING_CONTACTS, n_bins=N_BINS):
 
     *_std_error and p-values are from this packing alone and assume that contacts and grains are independent, which is
     not quite true; the error of the solid fraction is that of simcore.evaluation.sampling_error. fabric_over_seeds
-    gives errors without this assumption.
+    gives errors without this assumption, but its p-values have it too. Long axes of neighbours are partly parallel: in
+    deposits of ellipsoids p^(1/1.9) is about the correct p-value of their twofold azimuth
+    (benchmarks/studies/azimuths.py).
     """
     if n_bins < 1:
         raise ValueError(f"fabric: n_bins is {n_bins}, but at least one bin is needed")
