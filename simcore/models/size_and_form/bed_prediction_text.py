@@ -47,17 +47,19 @@ def predict_curve_file(
         return joined.to_csv(index=False).rstrip("\n")
     if form == "json":
         return _json(beds, tables, level, notices, fitted)
-    return "\n\n\n".join(describe(bed, table, level, fitted) for bed, table in zip(beds, tables, strict=True))
+    return describe(beds, joined, forms, level, fitted)
 
 
-def describe(bed, table, level=0.95, fitted=NO_MODELS) -> str:
-    """Return the text on the table of predictions of BedForms.
+def describe(beds, table, forms=None, level=0.95, fitted=NO_MODELS) -> str:
+    """Return the text on the table of predictions of a list of BedForms, as of join_tables.
 
-    fitted: FittedModels, of which the correction to measured beds is described.
+    forms: path of the table of grains. fitted: FittedModels, of which the correction to measured beds is described. How
+    the sieve curve acts, and other models, are described only if all samples have one curve.
     """
     model = sized_model(fitted)
+    curves = f"curve of {beds[0].source}" if len(beds) == 1 else f"curves in {forms}"
     lines = [
-        f"Porosity of beds with the sieve curve of {bed.source}, with {100 * level:g} % prediction intervals",
+        f"Porosity of beds with the sieve {curves}, with {100 * level:g} % prediction intervals",
         "",
         *_samples(table),
         "",
@@ -65,12 +67,14 @@ def describe(bed, table, level=0.95, fitted=NO_MODELS) -> str:
         *few_grains_caveats(table["sample"], table["grains"]),
         *_few_grains(table[table["refused"] == ""]),
     ]
-    if (table["refused"] == "").any():
-        lines += _describe_curve(bed, table[table["refused"] == ""].iloc[0], fitted)
+    if len(beds) > 1:
+        lines += ["", "How each curve acts and what other models predict: add --json."]
+    elif (table["refused"] == "").any():
+        lines += _describe_curve(beds[0], table[table["refused"] == ""].iloc[0], fitted)
     lines += [
         "",
         f"Model of size and form: candidate {model.candidate}; {model.behind}",
-        *([CHECK_BY_CLASS] if bed.by_class else []),
+        *([CHECK_BY_CLASS] if beds[0].by_class else []),
         *([f"Correction: {fitted.curve.behind}"] if fitted.curve else []),
     ]
     outside = table[(table["outside"] != "") & (table["refused"] == "")]
@@ -142,7 +146,8 @@ def _require_one(table, path):
 
 
 def _samples(table):
-    rows = [["sample", "grains", "FL", "EL", "porosity", "state of packing", "one class"]]
+    own_curves = ["curve"] if "curve" in table and table["curve"].nunique() > 1 else []
+    rows = [["sample", *own_curves, "grains", "FL", "EL", "porosity", "state of packing", "one class"]]
     for row in table.itertuples():
         form = [f"{row.mu_FL:.3f} ± {row.sigma_FL:.3f}", f"{row.mu_EL:.3f} ± {row.sigma_EL:.3f}"]
         numbers = ["-", "-", "-"]
@@ -153,7 +158,8 @@ def _samples(table):
                 "-" if np.isnan(row.n_not_shaken) else f"{row.n_long_shaken:.3f} to {row.n_not_shaken:.3f}",
                 f"{row.n_one_class:.3f} ({row.one_class_lower:.3f} to {row.one_class_upper:.3f})",
             ]
-        rows.append([str(row.sample), str(row.grains or "-"), *form, *numbers])
+        curve = [row.curve] if own_curves else []
+        rows.append([str(row.sample), *curve, str(row.grains or "-"), *form, *numbers])
     return text_columns(rows)
 
 

@@ -48,7 +48,17 @@ def test_each_sample_is_predicted_with_its_curve(write, tmp_path, capsys):
     assert first["curve"]["bounds_mm"] == pytest.approx([4, 8, 16]) and second["curve"]["name"] == "U7"
     assert main(["predict", str(path)]) == 0
     text = capsys.readouterr().out
-    assert text.count("How the curve acts") == 2 and "sieve curve of U7" in text and "sieve curve of own.csv" in text
+    assert (
+        f"the sieve curves in {path}" in text
+        and text.count("prediction intervals") == 1
+        and "How the curve acts" not in text
+    )
+    rows = [line.split()[:2] for line in text.splitlines()[2:6]]
+    assert rows == [["sample", "curve"], ["a", "own.csv"], ["b", "U7"], ["c", "own.csv"]]
+    path = write(f"sample,sieve,{MEANS}", f"a,U7,{A}", f"b,U7,{B}")
+    assert main(["predict", str(path)]) == 0
+    text = capsys.readouterr().out
+    assert "sieve curve of U7" in text and text.count("How the curve acts") == 1 and "add --json" not in text
 
 
 def test_without_names_grains_of_one_curve_are_one_sample(write):
