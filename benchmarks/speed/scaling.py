@@ -1,6 +1,6 @@
 """Cost per grain and step against the number of grains, and two threads against one.
 
-    python -m benchmarks.speed.scaling [--shape sphere] [--faces 300] [--csv FILE]
+    python -m benchmarks.speed.scaling [--shape sphere ...] [--faces 300] [--csv FILE]
 
 A settled periodic bed is repeated side by side in a wider box. The number of grains is varied by repeating 1000 grains
 1 x 1, 3 x 3 and 10 x 10 times: these beds differ only in the size of their memory. For threads, 1250 grains are
@@ -17,6 +17,7 @@ import sys
 
 from benchmarks.speed.throughput import default_beds, face_count
 
+SHAPES = ("sphere", "ellipsoid", "polyhedron")
 SIZES = ((1000, 1), (1000, 3), (1000, 10))  # grains of the bed, times repeated along x and along y
 THREADED = ((1250, 2), (1250, 4))
 LEAST_GRAIN_STEPS = 20e6  # minimum of grains times steps in a row
@@ -30,15 +31,15 @@ COLUMNS = (
 def main(arguments=None):
     options = parse(arguments)
     if options.one:
-        print(json.dumps(measure_one(options, *options.one)))
+        print(json.dumps(measure_one(options, options.shape[0], *options.one)))
         return
-    rows = [call(options, grains, times, 1) for grains, times in SIZES]
-    for grains, times in THREADED:
-        first = call(options, grains, times, 1)
-        second = call(options, grains, times, 2)
-        for row in (first, second):
-            row["speedup"] = first["wall_us_per_grain_step"] / row["wall_us_per_grain_step"]
-            rows.append(row)
+    rows = []
+    for shape in options.shape:
+        rows += [call(options, shape, grains, times, 1) for grains, times in SIZES]
+        for grains, times in THREADED:
+            threaded = [call(options, shape, grains, times, threads) for threads in (1, 2)]
+            alone = threaded[0]["wall_us_per_grain_step"]
+            rows += [row | {"speedup": alone / row["wall_us_per_grain_step"]} for row in threaded]
     with open(options.csv, "w", newline="", encoding="utf-8") if options.csv else sys.stdout as file:
         writer = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator=os.linesep)
         writer.writeheader()
@@ -47,7 +48,7 @@ def main(arguments=None):
 
 def parse(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--shape", choices=["sphere", "ellipsoid", "polyhedron"], default="sphere")
+    parser.add_argument("--shape", choices=SHAPES, nargs="+", default=["sphere", "polyhedron"])
     parser.add_argument("--faces", type=face_count, default=300)
     parser.add_argument("--csv", metavar="FILE", help="otherwise printed")
     parser.add_argument("--beds", metavar="FOLDER", default=default_beds(), help="where beds are kept")
@@ -57,14 +58,14 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
-def call(options, grains, times, threads):
+def call(options, shape, grains, times, threads):
     """Return the row of one size and number of threads, from a process of its own."""
     command = [
         sys.executable,
         "-m",
         "benchmarks.speed.scaling",
         "--shape",
-        options.shape,
+        shape,
         "--faces",
         str(options.faces),
     ]
@@ -74,13 +75,13 @@ def call(options, grains, times, threads):
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def measure_one(options, grains, times):
+def measure_one(options, shape, grains, times):
     import numba
 
     from benchmarks.beds import bed_settings, prepare, settled_bed, tile
     from benchmarks.measurement import machine, measure
 
-    settings = bed_settings(options.shape, grains, options.faces)
+    settings = bed_settings(shape, grains, options.faces)
     bed = settled_bed(settings, options.beds, lambda text: print(text, file=sys.stderr, flush=True))
     setup, bed = tile(prepare(settings), bed, times)
     n = len(bed.shape)
@@ -88,7 +89,7 @@ def measure_one(options, grains, times):
     figures, _ = measure(setup, bed, steps * setup.scene.numerics.time_step)
     where = machine()
     return figures | {
-        "shape": options.shape,
+        "shape": shape,
         "faces": len(setup.bases[0].faces) or None,
         "grains": n,
         "threads": numba.get_num_threads(),
