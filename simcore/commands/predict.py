@@ -18,10 +18,10 @@ def add(commands) -> None:
         nargs="?",
         metavar="FORMS.csv",
         help="table as text, .xlsx or .ods. One row per grain: columns L, I, S (or a, b, c) or FL, EL, and optionally "
-        "count, the number of such grains; or one row per sample: columns mean_FL, std_FL, mean_EL, std_EL. With "
-        "--sieve it may be left out: the form is then that of the Rhine's gravel. Further columns: sample, the name of "
-        "the sample; sieve, the file of its sieve curve, instead of --sieve; class, the sieve class of the grains, if "
-        "their form depends on size",
+        "count, the number of such grains; or one row per sample: columns mean_FL, std_FL, mean_EL, std_EL, and "
+        "optionally grains, the number of measured grains. With --sieve it may be left out: the form is then that of "
+        "the Rhine's gravel. Further columns: sample, the name of the sample; sieve, the file of its sieve curve, "
+        "instead of --sieve; class, the sieve class of the grains, if their form depends on size",
     )
     sizes = parser.add_mutually_exclusive_group()
     sizes.add_argument("--case", help="sieve curve U1, U7, ..., or one-class: any single sieve class, by that of U1")
