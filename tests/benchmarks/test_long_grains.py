@@ -5,7 +5,9 @@ import pandas as pd
 import pytest
 
 from benchmarks.studies.long_grains import (
+    GRAINS,
     JUDGED,
+    LARGE,
     PARTS,
     SETS,
     by_r22,
@@ -15,6 +17,7 @@ from benchmarks.studies.long_grains import (
     our_misfit,
     summarised,
 )
+from simcore.paths import REFERENCE, ROOT
 from simcore.reference.columns import find_column
 
 
@@ -91,3 +94,20 @@ def test_parts_of_missing_packings_are_unknown():
 def test_our_misfit_is_that_of_the_committed_model():
     misfit = our_misfit(campaign())
     assert np.abs(misfit).mean() == pytest.approx(0.006, abs=0.001)
+
+
+def test_the_page_has_the_difference_of_each_set_with_the_grains_of_rettinger_et_al():
+    page = (ROOT / "docs" / "appendices" / "mixtures_of_form.md").read_text(encoding="utf-8")
+    rows = campaign().query("seed == 1").merge(pd.read_csv(REFERENCE / GRAINS).query("source == 'rhine'"), on=SETS)
+    assert len(rows) == 6
+    left = rows["difference"] + rows["n_y"] - rows["n_x"]
+    for row, rest in zip(rows.itertuples(), left, strict=True):
+        FL, EL, sigma_FL, sigma_EL = (getattr(row, name) for name in SETS)
+        porosities = f"{row.n_x:.3f} | {row.n_y:.3f} | {row.difference:+.3f} | {rest:+.3f}"
+        assert f"| {FL} | {EL} | {sigma_FL}, {sigma_EL} | {porosities} |".replace("-", "−") in page
+    change = rows["n_y"] - rows["n_x"]
+    assert f"by {-change.mean():.4f} ± {change.sem():.4f} (standard error over the sets)" in page
+    large = rows["difference"] >= LARGE
+    shares = [-part.mean() / rows["difference"][part.index].mean() for part in (change, change[large])]
+    words = " ".join(page.split())
+    assert f"explains {shares[0]:.2f} of the difference over all sets, and {shares[1]:.2f} over the four sets" in words
