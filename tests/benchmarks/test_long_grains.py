@@ -111,3 +111,17 @@ def test_the_page_has_the_difference_of_each_set_with_the_grains_of_rettinger_et
     shares = [-part.mean() / rows["difference"][part.index].mean() for part in (change, change[large])]
     words = " ".join(page.split())
     assert f"explains {shares[0]:.2f} of the difference over all sets, and {shares[1]:.2f} over the four sets" in words
+
+
+def test_the_page_has_the_parts_of_the_difference():
+    page = (ROOT / "docs" / "appendices" / "mixtures_of_form.md").read_text(encoding="utf-8")
+    grains = pd.read_csv(REFERENCE / GRAINS)
+    table = divided(campaign(), our_misfit(campaign()), grains, grains.iloc[:0])
+    judged = [summarised(sets).round(4) for sets in (table, table[table["difference"] >= LARGE])]
+    for part in ("faces", "grains", "misfit"):
+        cells = [
+            f"{values['mean'][part]:+.4f} ± {values['standard error'][part]:.4f}, "
+            f"{'found' if values['found'][part] else 'not found'} | {values['share'][part]:.2f}"
+            for values in judged
+        ]
+        assert " | ".join(cells).replace("-", "−") in page, part
