@@ -13,14 +13,15 @@ deposits    small deposits of each of FORMS. n_R2: c of all pairs, over the depo
             highest third of the bulk, in the unit of c; it is 0 unless the whole bed has a common direction.
 directions  Rayleigh's test of the preferred azimuths of these deposits: p-values against one fixed direction, and
             against the walls or the diagonals of the box
-inserted    mean of cos 2φ of the short axes, with its standard error, over deposits of flat grains (FLAT) of the study
-            deposit_bridge. Upright grains are inserted with their short axes along x, where cos 2φ = 1.
+inserted    the mean of cos 2φ of the short axes and its standard error, over deposits of flat grains (FLAT), which have
+            the settings of deposit_bridge in config/deposits.yaml. Upright grains start with their short axes along x,
+            where cos 2φ = 1.
 committed   c of the rows of results/reference/deposits.csv, which is the mean of -ln p: of all rows, and of the halves
             with smaller and larger a/c; the number of rows with p < 0.05; and the number with p^(1/c) < 0.05, for c of
             the long axes of the small deposits within PREDICTED diameters
 
 FOLDER stores the deposits. Those that it lacks are packed, in 5 to 18 s of CPU time each. The small deposits have the
-settings of the study deposit_map, except 600 grains in a box of 40 mm and a Young's modulus of 5 MPa.
+settings of deposit_map in the same file, except 600 grains in a box of 40 mm and a Young's modulus of 5 MPa.
 """
 
 import argparse

@@ -25,7 +25,7 @@ GRAINS, ELLIPSOIDS = "grains", "ellipsoids"  # kinds of packings for which the b
 SETTINGS, SIZE, SHAKING, INSERTIONS = "settings", "size of the bed", "time of shaking", "insertion"
 INSERTED = {"bed": "just above the bed", "r22": "at the heights of Rettinger et al."}  # by generation.fill
 REFERENCE, REFERENCE_BED = "r22", (63.0, 1200)  # preset, and (width [mm], grains), with which others are compared
-WIDE_REFERENCE = "a contact time of 0.2 ms and 2 s of shaking"  # of the study wide_quota in config/wide.yaml
+WIDE_REFERENCE = "a contact time of 0.2 ms and 2 s of shaking"  # settings of wide_quota in config/wide.yaml
 LEAST_PAIRS = 3  # with fewer pairs no bias is given
 CONTACT_TIME, REGION, GATE = "numerics.contact_time", "numerics.polyhedron_contact", "convergence.max_unbalanced_force"
 
