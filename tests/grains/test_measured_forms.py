@@ -263,20 +263,11 @@ def test_means_may_have_the_number_of_grains(notices_of):
     assert sample.grains == 40 and "the column grains is the number" in notice
 
 
-@pytest.mark.parametrize(
-    "name, numbers, reason",
-    [
-        ("n", ("0.31", "0.33"), "the column n is not used, because 0.31 in row 2 is no number of grains"),
-        ("grains", ("40", ""), "the column grains is not used, because row 3 has no number of grains"),
-        ("grains [%]", ("40", "60"), "the column grains [%] is not used, because it is in percent"),
-        ("n", ("1", "2"), "the column n numbers the rows, so it is not used as a number of grains"),
-    ],
-)
-def test_other_numbers_beside_means_are_not_used_with_a_reason(notices_of, name, numbers, reason):
+@pytest.mark.parametrize("name, numbers", [("n", ("0.31", "0.33")), ("grains [%]", ("40", "60")), ("n", ("1", "2"))])
+def test_other_numbers_beside_means_are_not_used(notices_of, name, numbers):
     rows = "".join(f".6,.1,.7,.1,{number}\n" for number in numbers)
-    (sample, _), notices = notices_of(f"{MEANS_HEADER},{name}\n{rows}")
+    (sample, _), _ = notices_of(f"{MEANS_HEADER},{name}\n{rows}")
     assert (sample.grains, sample.covariance) == (0, None)
-    assert any(notice.endswith(reason) for notice in notices)
 
 
 def test_errors_of_means_are_those_of_drawing_so_many_grains():

@@ -277,6 +277,16 @@ GRAINS = [
         "Kiesprobe Isar km 120;;;\nDatum: 12.03.2021;;;\n;;;\nNr.;a [cm];b [cm];c [cm]\n1;1,45;1,03;0,40\n",
         error="row 4: the row has 4 fields, but the header has 1; remove the rows above the names of the columns",
     ),
+    *[
+        Case(f"mean_FL;std_FL;mean_EL;std_EL;{names}\n.6;.1;.7;.1;{first}\n.7;.1;.7;.1;{second}\n", notice=notice)
+        for names, first, second, notice in [
+            ("grains [%]", "40", "60", "the column grains [%] is not used, because it is in percent"),
+            ("n;grains", ".31;40", ".33;30", "the column grains is the number of grains of each sample"),
+            ("n", "0.31", "0.33", "the column n is not used, because 0.31 in row 2 is no number of grains"),
+            ("count", "40", "", "the column count is not used, because row 3 has no number of grains"),
+            ("n", "1", "2", "the column n numbers the rows, so it is not used as a number of grains"),
+        ]
+    ],
     Case(
         "Fraktion;L;I;S\n8-11,2;14;10;4\n8-11,2;13;10;6\n11,2–16 mm;16;11;3\n",
         notice="the column Fraktion is not used; its values look like sieve classes (8-11,2, 11,2–16 mm); to give "
