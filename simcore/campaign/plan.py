@@ -5,6 +5,7 @@ This module needs no numba, because Snakemake reads the rules again for every jo
 
 import json
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from simcore.evaluation.interval import campaign_cut
 from simcore.grains.sources import set_name, source_name
 from simcore.packing.cost import estimate
 from simcore.packing.forecast import check_bed, typical_grains
-from simcore.paths import REFERENCE
+from simcore.paths import REFERENCE, ROOT
 from simcore.scene.domain import Domain
 
 # simcore.models.regression.fewest_samples of the features of mixtures, without importing it for each job
@@ -120,7 +121,7 @@ class Plan:
                 "lower threads or raise cores_per_node"
             )
         self.results = campaign["pathvars"]["results"]
-        self.command = " ".join(["snakemake --configfile", *overlays])
+        self.command = " ".join(["snakemake", *(["--configfile", *overlays] if overlays else [])])
         self.packings = _with_cost(expand(campaign), campaign)
         self.all_studies = list(self.packings.study.unique())
         self.studies = [name for name in self.all_studies if campaign["studies"][name]["in_all"]]
@@ -131,7 +132,16 @@ class Plan:
         self._grain_groups = {set_name(group): group for group in groups}
 
     def check(self):
-        """Raise ValueError if a bed will be too low for its porosity to be evaluated with the campaign's cut."""
+        """Raise ValueError if the workflow cannot have a study of such a name, or if a bed will be too low.
+
+        A bed is too low if its porosity cannot be evaluated with the campaign's cut.
+        """
+        rules = _rule_names()
+        for study in self.all_studies:
+            if study in rules:
+                raise ValueError(f"studies.{study}: the workflow has a rule of this name; rename the study")
+            if study.startswith(deposits.PREFIX):
+                deposits.family(study)
         # Deposits are left out: their fabric is evaluated, with other cuts.
         check_beds(
             self.packings[~self.packings.study.str.startswith(deposits.PREFIX)], self.campaign["porosity"]["cut"]
@@ -314,13 +324,26 @@ class Plan:
     @property
     def fits_mixtures(self):
         """Whether the campaign has enough mixtures of form for a model of them."""
-        return len(self.of("form_mixtures")) >= SMALLEST_MIXTURE_STUDY
+        return "form_mixtures" in self.studies and len(self.of("form_mixtures")) >= SMALLEST_MIXTURE_STUDY
+
+
+def _rule_names():
+    """Return the names of the rules that are the same in each campaign, as a set."""
+    files = [file for file in (ROOT / "workflow").rglob("*") if file.suffix == ".smk" or file.name == "Snakefile"]
+    return {name for file in files for name in re.findall(r"(?m)^rule (\w+):", file.read_text(encoding="utf-8"))}
+
+
+def _cost(row):
+    try:
+        return estimate(row.specification)
+    except ValueError as error:
+        raise ValueError(f"studies.{row.study}, packing {row.packing}: {error}") from None
 
 
 def _with_cost(packings, campaign):
     """Return the packings of `expand` with the columns that Plan adds."""
     # Results do not depend on cores and memory of a packing, so these must not be in the `params` of a rule.
-    costs = packings.specification.map(estimate)
+    costs = pd.Series([_cost(row) for row in packings.itertuples()], index=packings.index)
     hours = np.array([cost.cpu_seconds / 3600.0 for cost in costs])
     seeds = np.array([specification["seed"] for specification in packings.specification])
     pieces = np.zeros(len(packings), int)

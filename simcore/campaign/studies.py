@@ -48,7 +48,7 @@ def expand(config):
 def expand_study(name, study, config):
     """Return the rows of one study of `config`; see `expand`."""
     where, folder = f"studies.{name}", config["pathvars"]["results"]
-    axes = [_axis(key, values, f"{where}.varies") for key, values in study["varies"].items() if values]
+    axes = [_axis(key, values, f"{where}.varies") for key, values in study["varies"].items() if values is not None]
     axes += [_forms(study["forms"])] if study["forms"] else []
     common = express({"grains": config["grains"]}, "config")
     fixed = merge(with_presets(config["packing"]), common, with_presets(study["fixes"]))
@@ -152,6 +152,10 @@ def _axis(key, values, where):
     """Return one axis of the product, a list of {settings, label}; a value sets `key`, or is a group of settings."""
     if not isinstance(values, list):
         raise ValueError(f"{where}.{key}: {values!r} is not a list; give a list of the values to vary over")
+    if not values:
+        raise ValueError(f"{where}.{key}: the list is empty; give the values to vary over, or null to remove the key")
+    if key == "name":
+        raise ValueError(f"{where}.name: packings are named by what varies; leave it out")
     name = "" if key == "sizes.case" else "_".join(key.split(".")[1:] or [key])
     parts = []
     for value in values:

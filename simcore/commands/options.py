@@ -3,6 +3,8 @@
 import math
 from pathlib import Path
 
+FIGURES = (".png", ".pdf", ".svg")  # suffixes of figures
+
 
 def length(option: str, text: str | None) -> float | None:
     """Return the length [m] of an option, given as a number of metres or as a quantity such as "8 mm"; None if absent.
@@ -34,6 +36,13 @@ def check_writable(output: Path) -> None:
         probe.unlink()
     except OSError as error:
         raise OSError(f"{output} cannot be written ({error.strerror}): {error.filename}; give another path") from None
+
+
+def check_figure(option: str, figure: Path) -> None:
+    """Raise ValueError unless the file of an option has the name of a figure, and OSError if it cannot be written."""
+    if figure.suffix.lower() not in FIGURES:
+        raise ValueError(f"{option}: {figure} must end in {', '.join(FIGURES[:-1])} or {FIGURES[-1]}")
+    check_writable(figure)
 
 
 def reporter(log: Path | None):

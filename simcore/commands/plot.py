@@ -3,9 +3,7 @@
 import sys
 from pathlib import Path
 
-from simcore.commands.options import check_writable, length
-
-SUFFIXES = (".png", ".pdf", ".svg")
+from simcore.commands.options import check_figure, length
 
 
 def add(commands) -> None:
@@ -32,10 +30,8 @@ def run(options) -> int:
     from simcore.report.figures.saving import save_figure
 
     output = options.packing.with_suffix(".png") if options.output is None else options.output
-    if output.suffix.lower() not in SUFFIXES:
-        raise ValueError(f"{output}: the suffix {output.suffix!r} is unknown; give one of {', '.join(SUFFIXES)}")
     cut = length("--cut", options.cut)
-    check_writable(output)
+    check_figure("the figure", output)
     packing = read_packing(options.packing)
     if not packing.sizes["grain"]:
         raise ValueError(f"{options.packing}: the packing contains no grain; check its amount and its log")

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from simcore.commands.options import check_writable, length
+from simcore.commands.options import check_figure, length
 
 
 def add(commands) -> None:
@@ -43,9 +43,7 @@ def run(options) -> int:
     if options.plot is not None:
         if missing:
             raise ValueError(f"--plot: pore sizes need {' and '.join(missing)}; install the extra: {INSTALL}")
-        if options.plot.suffix.lower() not in (".png", ".pdf", ".svg"):
-            raise ValueError(f"--plot: {options.plot} must end in .png, .pdf or .svg")
-        check_writable(options.plot)
+        check_figure("--plot", options.plot)
     packing = read_packing(options.packing)
     results = bulk_pores(packing, cut)
     if not options.no_voxels:

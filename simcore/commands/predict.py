@@ -3,14 +3,18 @@
 import sys
 from pathlib import Path
 
+from simcore.commands.options import check_writable
+
 
 def add(commands) -> None:
     """Add the parser of this command."""
     parser = commands.add_parser(
         "predict",
         help="porosity of a bed of measured grains, from our models and those of Rettinger et al. (2022)",
-        description="Porosity of a bed of measured grains with its prediction interval, without packing them. The exit "
-        "status is 2 if a sample is too far outside the range that the models were fitted to.",
+        description="Porosity of a bed of measured grains with its prediction interval, without packing them. With "
+        "--case the exit status is 2, and nothing is predicted, if a sample is too far outside the range that the "
+        "models were fitted to. With a sieve curve such samples are listed below the others, and the exit status is 2 "
+        "if all are.",
     )
     parser.add_argument(
         "forms",
@@ -102,6 +106,8 @@ def _of_curve(options, common):
     from simcore.models.size_and_form.bed_prediction_text import predict_curve_file
     from simcore.models.size_and_form.predicted_specification import write_specification
 
+    if options.pack is not None:
+        check_writable(options.pack)
     ends = {name: read_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")}
     text = predict_curve_file(options.sieve, options.forms, **ends, **common)
     if options.pack is not None:

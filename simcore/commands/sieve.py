@@ -4,6 +4,8 @@ import re
 import sys
 from pathlib import Path
 
+from simcore.commands.options import check_figure, check_writable
+
 _DECIMAL_COMMA = re.compile(r"^(\s*(?:0|\d+(?!,\d{3}(?!\d)))),(?=\d)")  # not the comma of 1,000
 
 
@@ -40,6 +42,10 @@ def run(options) -> int:
     from simcore.grains.sieve_table import read_sieve_table
     from simcore.grains.sieve_text import describe_sieve, sieve_json
 
+    if options.plot is not None:
+        check_figure("--plot", options.plot)
+    if options.specification is not None:
+        check_writable(options.specification)
     finest, coarsest = read_size("--finest", options.finest), read_size("--coarsest", options.coarsest)
     table, notices = read_sieve_table(options.curve, coarsest)
     try:
@@ -74,8 +80,6 @@ def _plot(options, table):
     from simcore.report.figures.saving import save_figure
     from simcore.report.figures.sieve import sieve_figure
 
-    if options.plot.suffix.lower() not in (".png", ".pdf", ".svg"):
-        raise ValueError(f"--plot: {options.plot} must end in .png, .pdf or .svg")
     save_figure(sieve_figure(table, options.curve.stem), options.plot)
 
 

@@ -7,6 +7,7 @@ from simcore.grains.cell_numbers import read_number
 from simcore.grains.form_columns import may_number_rows
 
 MAX_GRAINS = 1e12  # maximum of a count in one row
+FEWEST_IDS = 6  # as many rising whole numbers may be numbers of grains with gaps, such as 101, 102, 104, ...
 # 1,234 may mean 1234 or 1.234.
 _AMBIGUOUS = re.compile(r"[1-9]\d{0,2}[.,]\d{3}")
 _PERCENT = re.compile("%|percent")
@@ -42,7 +43,13 @@ def read_counts(path, header, cells, columns):
     values = list(weights.values())
     if len(values) > 1 and may_number_rows(name) and _are_consecutive(values):
         return None, [_numbers_rows(name)]
-    if all(value.is_integer() for value in values) and not _PERCENT.search(name):
+    whole = all(value.is_integer() for value in values) and not _PERCENT.search(name)
+    if whole and may_number_rows(name) and len(values) >= FEWEST_IDS and _rise(values):
+        raise ValueError(
+            f"{path}: the numbers in the column {name} rise from row to row; rename the column to `id` if they number "
+            "the grains, or to `count` if they are numbers of grains"
+        )
+    if whole:
         return Counts(weights, True), [
             f"the column {name} is the number of grains of each row, {sum(values):.0f} in all"
         ]
@@ -69,6 +76,10 @@ def read_numbers(path, header, cells, columns):
 
 def _are_consecutive(values):
     return all(b - a == 1 for a, b in zip(values, values[1:], strict=False))
+
+
+def _rise(values):
+    return all(b > a for a, b in zip(values, values[1:], strict=False))
 
 
 def _numbers_rows(name):

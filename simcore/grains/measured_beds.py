@@ -29,6 +29,7 @@ _COLUMNS = {
     "sieve": r"(?:sieve|sieves|sieve[\s_]+curve|curve)(?:[\s_]+file)?",
 }
 SIEVE_NAME = re.compile(_COLUMNS["sieve"], re.IGNORECASE)  # of the column with the sieve curve of each bed or sample
+_MEANINGS = {"n": "the porosity", "n_error": "its error", "case": "the sieve curve", "sieve": "the sieve curve"}
 NEEDED = (
     "give a row per bed with the column n, its measured porosity, and the form of its grains: mean_FL, std_FL, "
     "mean_EL, std_EL, or FL, EL, or L, I, S"
@@ -60,6 +61,13 @@ class CurveReader:
         self.listed, self.ends = listed or {}, (finest, coarsest)
         self._read = {}
 
+    def check_ends(self):
+        """Raise ValueError if a size of finest or coarsest grains is given, and no file of a curve was read."""
+        if not self._read and any(end is not None for end in self.ends):
+            raise ValueError(
+                "--finest and --coarsest are sizes for the file of a sieve curve, and no file is read; leave them out"
+            )
+
     def read(self, where, text, folder=None):
         """Return (SieveCurve, notices): a listed one, or that of a file in `folder`; where: file and row."""
         if text in self.listed:
@@ -68,7 +76,8 @@ class CurveReader:
         if not path.is_file():
             names = f", nor one of the listed curves {', '.join(self.listed)}" if self.listed else ""
             raise ValueError(
-                f"{where}: the sieve curve {text} is no file ({path}){names}; give the name of a file beside the table"
+                f"{where}: the sieve curve {text} is no file ({path}){names}; give "
+                + ("the path of a file" if folder is None else "the name of a file beside the table")
             )
         if path in self._read:
             return self._read[path], []
@@ -113,6 +122,7 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
             curve, more = curves.read(where, of_bed, Path(table.path).parent)
         notices += more if curve is not None else []
         beds.append(MeasuredBed(sample, n, n_error, of_bed, curve))
+    curves.check_ends()
     _check_repeats(table.path, beds, rows, given)
     if percent and all(bed.n < 0.01 for bed in beds):
         raise ValueError(
@@ -130,8 +140,10 @@ def _recognise(path, header):
             if not in_percent and not re.fullmatch(pattern + _FRACTION, name, re.IGNORECASE):
                 continue
             if meaning in positions:
+                remedy = "; if n is the number of grains, rename it to grains" if meaning == "n" else ""
                 raise ValueError(
-                    f"{path}: the columns {header[positions[meaning]]} and {name} are both {meaning}; remove one"
+                    f"{path}: the columns {header[positions[meaning]]} and {name} are both "
+                    f"{_MEANINGS[meaning]}; remove one{remedy}"
                 )
             positions[meaning], percent[meaning] = position, in_percent
     if "n" not in positions:
@@ -191,15 +203,18 @@ def _check_repeats(path, beds, rows, given):
 
 
 def _read_porosity(where, texts, positions, percent):
-    """Return the porosity in a row and its standard error, nan if the table has none, as fractions."""
+    """Return the porosity in a row and its standard error, nan if it is not given, as fractions."""
     scale, unit = (100.0, " %") if percent else (1.0, "")
+    if not texts[positions["n"]]:
+        raise ValueError(f"{where}: n is empty; give the porosity, or remove the row")
     n = read_number(where, "n", texts[positions["n"]])
     if not 0 < n < scale:
         remedy = "correct it" if percent else "give a fraction, or write n [%] in the header if it is in per cent"
         raise ValueError(f"{where}: n = {n:g}{unit} is not between 0 and {scale:g}{unit}; {remedy}")
-    if "n_error" not in positions:
+    text = texts[positions["n_error"]] if "n_error" in positions else ""
+    if not text:
         return n / scale, float("nan")
-    n_error = read_number(where, "n_error", texts[positions["n_error"]])
+    n_error = read_number(where, "n_error", text)
     if not 0 <= n_error < scale:
         raise ValueError(f"{where}: n_error = {n_error:g}{unit} is not between 0 and {scale:g}{unit}; correct it")
     return n / scale, n_error / scale

@@ -314,13 +314,13 @@ def _from_grains(path, name, entries, check, counts):
 
 
 def _weigh(path, name, entries, counts):
-    """Return the weights of a group of rows, or None if all count alike, and the number of its grains."""
+    """Return the weights of a group of rows, or None if all count alike, and the number of its grains, 0 if unknown."""
     if counts is None:
         return None, len(entries)
     weights = np.array([counts.weights[row] for *_, row in entries])
     if not weights.sum() > 0:
         raise ValueError(f"{path}: the numbers of grains of sample {name} are all 0; correct or remove its rows")
-    return weights, int(weights.sum()) if counts.whole else int((weights > 0).sum())
+    return weights, int(weights.sum()) if counts.whole else 0
 
 
 def _mean_and_std(values, weights):

@@ -270,6 +270,12 @@ def _passing(path, name, column, sieves, values, coarsest, notices):
             whole = in_pan
         elif column.meaning == PASSING:
             whole = amounts[-1]
+            if coarsest is not None:
+                raise ValueError(
+                    f"{path}: {name} is a mass, so that what stays on the coarsest sieve is unknown; give it in "
+                    "percent, or leave out --coarsest"
+                )
+            notices.append(f"{name}: all grains are taken to pass the coarsest sieve")
         if not whole:
             raise ValueError(f"{path}: {name} is a mass, but its total is unknown; give it in percent, or add the pan")
     if whole is None:
@@ -288,8 +294,10 @@ def _passing(path, name, column, sieves, values, coarsest, notices):
         raise ValueError(f"{path}, row {pan}: {name} of the pan is {in_pan:g}, but nothing passes it; give 0")
     _check_direction(path, name, rows, amounts, column.meaning)
     passing = shares if column.meaning == PASSING else 1.0 - shares
-    if 0.0 < abs(passing[-1] - 1.0) <= ROUNDING:
-        notices.append(f"{name} ends at {100 * passing[-1]:.4g} % instead of 100 %; it is divided by its end")
+    if 0.0 < abs(passing[-1] - 1.0) <= ROUNDING and coarsest is None:
+        notices.append(
+            f"{name}: {100 * passing[-1]:.4g} % pass the coarsest sieve instead of 100 %; the shares are divided by it"
+        )
         passing = passing / passing[-1]
     elif passing[-1] < 1.0 and coarsest is None:
         raise ValueError(

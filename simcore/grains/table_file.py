@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 _WORKBOOKS = (".xlsx", ".xlsm", ".ods")
+_THREE_DECIMALS = re.compile(r"-?\d+\.\d{3}")
 # Kind of workbook, library that reads it, and pandas' name of the library.
 _EXCEL = ("Excel workbook", "openpyxl>=3.1,<4", "openpyxl")
 _OPEN_DOCUMENT = ("OpenDocument sheet", "odfpy>=1.4,<2", "odf")
@@ -192,7 +193,13 @@ def _read_workbook(path, data, kind, library, engine):
         return pd.DataFrame(dtype=str), []
     name, *others = filled
     notices = [f"only the sheet {name} is read, not {', '.join(map(str, others))}"] if others else []
-    return filled[name].map(lambda cell: "" if pd.isna(cell) else str(cell)).astype(str), notices
+    return filled[name].map(_cell_text).astype(str), notices
+
+
+def _cell_text(cell):
+    """Return the text of a cell. A number such as 1.234 gets another decimal, because the text 1.234 may mean 1234."""
+    text = "" if pd.isna(cell) else str(cell)
+    return f"{text}0" if isinstance(cell, float) and _THREE_DECIMALS.fullmatch(text) else text
 
 
 def _split_header(path, cells, notices, fields=(), separator=""):

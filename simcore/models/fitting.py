@@ -112,6 +112,8 @@ def read_campaign_models(path):
     ValueError if there is no model.
     """
     path = Path(path)
+    if not path.exists():
+        raise ValueError(f"{path}: there is no such folder or file of models; correct the path after --models")
     if is_file_of_fit(path):
         return FittedModels(*read_measured_models(path), _read_curve_correction(path))
     models, behind = {}, {}

@@ -12,6 +12,7 @@ from simcore.models.measured_prediction import models_for
 from simcore.models.measured_table import describe_models, read_beds, written_by_fit
 from simcore.models.prediction import kind_of_bed, model_case, predict_preferred, predict_sample, published_models
 from simcore.models.size_and_form.bed_prediction import predict_curve, sized_model
+from simcore.scene.sizes import all_cases
 
 _COLUMNS = ["name", "n", "n_error", "predicted", "lower", "upper", "inside", "outside", "refused"]
 
@@ -97,7 +98,10 @@ def check_models(
 def _describe_left_out(case, number, fitted, models):
     rows = f"{number} {'row' if number == 1 else 'rows'}"
     what = f"case {case}: {rows}" if case else f"{rows} with a sieve curve"
-    remedy = f"; give the sieve curve with --sieve {case}" if case and models is None else ""
+    remedy = ""
+    if models is None and case:
+        curve = case if case in all_cases() else "a file, or a listed curve such as U3,"
+        remedy = f"; for our model of sieve curve and form, give {curve} as --sieve or in a column sieve, not as a case"
     return f"{what}; {describe_models(fitted, models)}{remedy}"
 
 

@@ -112,7 +112,7 @@ def _describe_choice(case):
     what = f"the {kind} of {_name(case.base)}" if kind in CORRECTIONS else "the fit of the features"
     text = (
         f"The chosen model is {what}: {formula}. It is the simplest one whose error is within one standard error of "
-        f"the smallest. Single beds scatter about it by {model.scatter:.4f}, with {_freedom(model)} degrees of freedom."
+        f"the smallest. Single beds scatter about it by {model.scatter:.4f}, with {model.freedom} degrees of freedom."
     )
     if case.base_error <= case.chosen.error:
         text += f" These beds give no reason to correct {_name(case.base)}: as it is, its error is not larger."
@@ -122,10 +122,6 @@ def _describe_choice(case):
 def _name(model):
     """Return a model's name in a sentence."""
     return describe_model("ours", model) if model == MEASURED else f"our model {model}"
-
-
-def _freedom(model):
-    return model.degrees_of_freedom or model.n_samples - len(model.coefficients)
 
 
 def sentences(case):

@@ -74,7 +74,9 @@ def describe_errors(case):
         )
         texts.append(f"The measurement errors that you give are {given:.4f} (root mean square); {means}.")
     else:
-        texts.append("Without a column n_error, measurement errors and errors of the model cannot be separated.")
+        texts.append(
+            "If n_error is not given for every bed, measurement errors and errors of the model cannot be separated."
+        )
     if not math.isnan(case.repeat_scatter):
         texts.append(
             f"Repeats of the same form scatter by {case.repeat_scatter:.4f}. Their mean counts as one bed, so the "

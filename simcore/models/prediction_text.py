@@ -16,7 +16,7 @@ FEW_GRAINS = 30  # fewer grains do not determine the spread of form well
 
 
 def predict_file(path, case, models=None, source=None, column=None, level=0.95, form="text", notify=None):
-    """Return what `python -m simcore predict` prints for the table of measured grains at `path`.
+    """Return what `scree predict` prints for the table of measured grains at `path`.
 
     Arguments and errors: as in `predict_measured`. form: "text", "csv" or "json". notify: function that is called with
     each notice on how the table was read; JSON output contains the notices too. For a table with two axes only, the

@@ -133,8 +133,8 @@ class PorosityModel:
     bootstrap. covariance (m+1, m+1): of the coefficients. scatter: standard deviation of the samples about the model,
     corrected for the degrees of freedom of the model; rmse: root mean square residual over the samples of the fit.
     minimum, maximum (m,): of each feature over these samples. mean_absolute_error, median_absolute_error:
-    cross-validated errors, nan without cross-validation. degrees_of_freedom: of the scatter; None: n_samples minus the
-    number of coefficients, unless some of these were not fitted to the samples (simcore.models.correction).
+    cross-validated errors, nan without cross-validation. degrees_of_freedom: of the scatter, if some coefficients were
+    not fitted to the samples (simcore.models.correction); None: n_samples minus the number of coefficients.
     """
 
     name: str
@@ -161,6 +161,11 @@ class PorosityModel:
     def terms(self):
         """Names of the coefficients."""
         return ("intercept", *self.features)
+
+    @property
+    def freedom(self):
+        """Degrees of freedom of the scatter, which Student's t of an interval has."""
+        return self.degrees_of_freedom or self.n_samples - len(self.coefficients)
 
     def predict(self, features):
         """Return the porosity (n,) for a feature table (n, m) with at least this model's features.
@@ -194,8 +199,7 @@ class PorosityModel:
     def _interval(self, design, level):
         porosity = design @ np.array(self.coefficients)
         variance = self.scatter**2 + np.einsum("ni,ij,nj->n", design, np.array(self.covariance), design)
-        freedom = self.degrees_of_freedom or self.n_samples - len(self.coefficients)
-        half = student_quantile(level, freedom) * np.sqrt(variance)
+        half = student_quantile(level, self.freedom) * np.sqrt(variance)
         half = half * widening(self._distances(design).max(axis=1, initial=0.0))
         return porosity, porosity - half, porosity + half
 

@@ -13,6 +13,7 @@ from filelock import lock_descriptor
 from simcore.compilation import source_digest
 from simcore.dem.state.bodies import CYLINDER, FLOOR
 from simcore.grains.sieve import SieveCurve, class_fractions
+from simcore.packing.file_content import check_content
 from simcore.packing.packed import Packed
 from simcore.paths import ROOT
 from simcore.provenance.version import VERSION
@@ -111,7 +112,7 @@ def write_packing(path, packing: xr.Dataset) -> None:
 
 
 def read_packing(path) -> xr.Dataset:
-    """Return the packing, read into memory. ValueError if the file is missing, in use, truncated, or not a packing."""
+    """Return the packing, read into memory. ValueError if the file is missing, in use or not a whole packing."""
     path = Path(path)
     if not path.is_file():
         raise ValueError(f"{path}: there is no such file. Make it with `scree pack SPEC.yaml {path}`.")
@@ -125,11 +126,7 @@ def read_packing(path) -> xr.Dataset:
                 "has ended, or close the file there."
             ) from None
         raise ValueError(f"{path} cannot be read as netCDF ({error}). It may be truncated; make it again.") from None
-    missing = {"position", "orientation", "scale", "shape", "shape_vertices", "contact_body"} - set(packing.variables)
-    if missing:
-        raise ValueError(
-            f"{path} is not a packing: {', '.join(sorted(missing))} missing. Give a file that `scree pack` wrote."
-        )
+    check_content(path, packing)
     return packing.rename({old: new for old, new in RENAMED.items() if old in packing})
 
 

@@ -38,7 +38,8 @@ def pack(
     """
     if isinstance(specification, dict):
         specification = resolve(specification, unused="refuse")
-        size_curve(specification["sizes"])
+        if not specification["sizes"]["own"]:
+            size_curve(specification["sizes"])
     else:
         specification = read_specification(specification)
     code_version()  # names the code that runs, even if files are changed in the meantime

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.stats import t as student
 
 from simcore.grains import grain_counts, measured_forms
 from simcore.grains.form_columns import MEANS, NEEDED, all_patterns
@@ -16,6 +15,7 @@ from simcore.models import prediction
 from simcore.models.few_grains import MOST_FREEDOM, RELATIVE_STEP
 from simcore.models.fitted_range import FAR, NEAR, WIDENING
 from simcore.models.formulas import SYMBOLS
+from simcore.models.measured_file import MEASURED
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.prediction_text import FEW_GRAINS
 from simcore.models.regression import student_quantile
@@ -38,10 +38,12 @@ def page_data(fitted, r22_tables=R22_TABLES):
 
     fitted: FittedModels. r22_tables: folder of the tables of Rettinger et al. (2022).
     """
-    if fitted.curve is not None:
+    behind = [text for (name, _), text in fitted.behind.items() if name == MEASURED]
+    behind += [fitted.curve.behind] if fitted.curve is not None else []
+    if behind:
         raise ValueError(
-            f"scree page: {fitted.curve.behind}: the page does not evaluate corrections to measured beds with sieve "
-            "curves; write it without --models, and use `scree predict --sieve --models`"
+            f"scree page: {behind[0]}: the page does not evaluate models of measured beds; write it without --models, "
+            "and use `scree predict --models`"
         )
     published = _published(r22_tables)
     cases = sorted({*fitted.cases(), *published})
@@ -93,6 +95,7 @@ def _reading():
         "longest": measured_forms.LONGEST,
         "slip": measured_forms.SLIP,
         "max_grains": grain_counts.MAX_GRAINS,
+        "fewest_ids": grain_counts.FEWEST_IDS,
         "alike": measured_forms.ALIKE,
         "shown": measured_forms.SHOWN,
         "few_grains": FEW_GRAINS,
@@ -103,14 +106,13 @@ def _reading():
 
 def _model(name, model, behind):
     """Return a PorosityModel with Student's t at each of LEVELS."""
-    freedom = model.n_samples - len(model.coefficients)
     keys = ("case", "features", "coefficients", "covariance", "scatter", "minimum", "maximum", "n_samples")
     return {
         "model": name,
         **{key: getattr(model, key) for key in keys},
         "error": model.mean_absolute_error,
         "behind": behind,
-        "quantiles": {f"{level:g}": float(student.ppf(0.5 + 0.5 * level, freedom)) for level in LEVELS},
+        "quantiles": {f"{level:g}": student_quantile(level, model.freedom) for level in LEVELS},
     }
 
 

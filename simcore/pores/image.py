@@ -42,9 +42,15 @@ def voxel_sizes(packing, low, high, voxel=None):
 
     voxel [m]: the fine edge. None: half of the default edge of an export, which is a twentieth of the median sieve
     size or a quarter of the smallest axis; it is larger if the image would have more than MOST_VOXELS voxels.
+    ValueError if the coarse edge exceeds the smallest axis of a grain.
     """
+    smallest = float(packing["S"].values.min())
+    if voxel is not None and 2.0 * voxel > smallest:
+        raise ValueError(
+            f"--voxel: {1e3 * voxel:g} mm is more than half of the smallest axis of a grain, {1e3 * smallest:.3g} mm; "
+            "voxels of twice this edge are used as well; choose another --voxel"
+        )
     if voxel is None:
-        smallest = float(packing["S"].values.min())
         coarse = min(float(np.median(packing["D"].values)) / VOXELS_PER_SIZE, smallest / VOXELS_PER_GRAIN)
         voxel = max(0.5 * coarse, float(np.cbrt(domain_area(packing) * (high - low) / MOST_VOXELS)))
     return 2.0 * voxel, voxel

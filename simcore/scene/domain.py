@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+MAX_SITES = 50_000_000  # of a lattice; more do not fit into the memory
+
 
 @dataclass(frozen=True)
 class Domain:
@@ -34,8 +36,15 @@ def lattice_sites(
 
     stretch_x, stretch_z: factors of all distances along x and z. In a periodic box the lattice is also stretched
     horizontally to fit the period. In a cylinder, sites farther than width/2 − spacing/2 from the axis are left out; if
-    no site remains in any layer, the sites are on the axis.
+    no site remains in any layer, the sites are on the axis. ValueError if there are more than about MAX_SITES.
     """
+    volume = stretch_x * stretch_z * spacing**3 / np.sqrt(2.0)  # of a site
+    if domain.width**2 * (high - low) / volume > MAX_SITES:
+        raise ValueError(
+            f"domain: a lattice with a spacing of {1e3 * spacing:.3g} mm has more than {MAX_SITES:,} places in a "
+            f"width of {domain.width:g} m and a height of {domain.height:g} m; correct the units of domain.width and "
+            "domain.height"
+        )
     layers = np.arange(low, high, stretch_z * spacing * np.sqrt(6.0) / 3.0)
     sites = _hexagonal_sites(domain, spacing, stretch_x, layers)
     # Layers repeat after two, so a cylinder without a site in two layers is too narrow for any site.

@@ -31,7 +31,7 @@ def _outside(node):
     kept = {key: value for key, value in node.items() if not key.startswith("x-") and key not in _RULES}
     if "properties" in kept:
         kept["properties"] = {key: _outside(value) for key, value in kept["properties"].items()}
-    for key in ("additionalProperties", "items"):
+    for key in ("additionalProperties", "items", "propertyNames"):
         if key in kept:
             kept[key] = _outside(kept[key])
     return kept

@@ -69,18 +69,23 @@ def deciding_bits(specification: dict) -> dict:
 
 def deciding_result(specification: dict) -> dict:
     """Return the part of a resolved specification on which its porosity depends, in the types that JSON has."""
-    part = with_former_names(without(specification, WITHOUT_RESULT))
-    for path, value in ADDED.items():
-        if _get(part, path) == value:
-            part = without(part, (path,))
+    part = _without_added(with_former_names(without(specification, WITHOUT_RESULT)))
     if "grains" in part:
         part = {**part, "grains": {**part["grains"], "source": source_name(part["grains"]["source"])}}
     return json.loads(json.dumps(part))
 
 
+def _without_added(specification):
+    """Return a specification without the keys of ADDED that have the value by which they change nothing."""
+    for path, value in ADDED.items():
+        if _get(specification, path) == value:
+            specification = without(specification, (path,))
+    return specification
+
+
 def deciding_but_seed(specification: dict) -> dict:
-    """Return the part of a resolved specification that packings of one scene share."""
-    return without(specification, BY_CHANCE)
+    """Return the part of a resolved specification that packings of one scene share, of any version of this program."""
+    return _without_added(with_former_names(without(specification, BY_CHANCE)))
 
 
 def result_digest(specification: dict) -> str:

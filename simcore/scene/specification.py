@@ -59,7 +59,7 @@ def read_specification(path, schema="packing"):
     raw = _read_yaml(path)
     try:
         resolved = resolve(raw if raw is not None else {}, schema, unused="refuse")
-        if schema == "packing":
+        if schema == "packing" and not resolved["sizes"]["own"]:  # own sizes follow from the grains, read later
             size_curve(resolved["sizes"])
         return resolved
     except ValueError as error:
@@ -231,6 +231,8 @@ def _check_rules(resolved, schema, where):
 
 def _explain(error):
     rule, bound, value, schema = error.validator, error.validator_value, error.instance, error.schema
+    if "x-error" in schema and rule == "pattern":
+        return f"{value!r} {schema['x-error']}"
     if "x-error" in schema and rule in ("oneOf", "const", "type"):
         return schema["x-error"]
     unit = f" {schema['x-unit']}" if "x-unit" in schema else ""

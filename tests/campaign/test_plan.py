@@ -217,7 +217,40 @@ def test_a_bed_too_low_is_refused_with_its_name():
     study = {"low": {"fixes": {"shapes": {"kind": "sphere"}, "amount": {"grains": 8}}}}
     with pytest.raises(ValueError, match="studies.low, packing low"):
         plan_of(studies=study).check()
-    plan_of(studies={f"deposit_{name}": body for name, body in study.items()}).check()
+    plan_of(studies={"deposit_map": study["low"]}).check()
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("report", "studies.report: the workflow has a rule of this name; rename the study"),
+        ("all", "studies.all: the workflow has a rule of this name"),
+        (
+            "deposit_mine",
+            "studies.deposit_mine: the name has no known family; names of deposits begin with deposit_map",
+        ),
+        ("Single-Form", "studies: 'Single-Form' is no name of a study; use small letters"),
+    ],
+)
+def test_a_name_that_the_workflow_cannot_have_is_refused(name, message):
+    with pytest.raises(ValueError, match=message):
+        plan_of(studies={name: {"fixes": {"shapes": {"kind": "sphere"}}}}).check()
+
+
+def test_an_error_of_one_packing_names_its_study():
+    fixes = {"shapes": {"kind": "ellipsoid", "choice": "form", "flatness": 0.05, "elongation": 0.5}}
+    with pytest.raises(ValueError, match="studies.mine, packing mine: shapes: flatness is 0.05"):
+        plan_of(studies={"mine": {"fixes": fixes}})
+
+
+def test_a_study_outside_all_makes_no_model_of_mixtures():
+    study = {"varies": {"seed": list(range(1, 1 + SMALLEST_MIXTURE_STUDY))}, "fixes": {"shapes": {"kind": "sphere"}}}
+    assert plan_of(studies={"form_mixtures": study}).fits_mixtures
+    assert not plan_of(studies={"form_mixtures": {**study, "in_all": False}}).fits_mixtures
+
+
+def test_the_command_of_a_campaign_can_be_run():
+    assert plan_of().command == "snakemake" and plan_of(overlays=["a.yaml"]).command == "snakemake --configfile a.yaml"
 
 
 @pytest.mark.parametrize(("domain", "refused"), [("periodic", True), ("cylinder", False)])

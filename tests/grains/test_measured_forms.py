@@ -237,7 +237,7 @@ def test_counts_go_to_their_samples_and_shares_count_no_grains(notices_of):
     assert (a.grains, b.grains, b.one_form) == (4, 5, True)
     assert a.mu_FL == pytest.approx(0.6) and a.sigma_FL == pytest.approx(np.sqrt(0.03))
     (share,), (notice,) = notices_of("FL,EL,frequency [%]\n0.5,0.7,75\n0.9,0.7,25\n")
-    assert (share.mu_FL, share.grains) == (pytest.approx(0.6), 2)
+    assert (share.mu_FL, share.grains) == (pytest.approx(0.6), 0)
     assert "the column frequency [%] is the weight of each row; the number of grains is unknown" in notice
     (share,), _ = notices_of("FL;EL;count\n0,5;0,7;1,250\n0,9;0,7;2,25\n")
     assert share.mu_FL == pytest.approx((0.5 * 1.25 + 0.9 * 2.25) / 3.5)
@@ -247,6 +247,13 @@ def test_a_column_that_numbers_the_rows_is_no_count(notices_of):
     (sample,), (running,) = notices_of("n,FL,EL\n1,0.5,0.7\n2,0.9,0.7\n3,0.9,0.7\n")
     assert (sample.grains, sample.mu_FL) == (3, pytest.approx(2.3 / 3))
     assert "the column n numbers the rows, so it is not used as a number of grains" in running
+    rows = [f"{number},0.5,0.7" for number in (101, 102, 104, 105, 107)]
+    (sample,), _ = notices_of("\n".join(["n,FL,EL", *rows]))  # five rising numbers may be counts
+    assert sample.grains == 519
+    with pytest.raises(ValueError, match="rename the column to `id` if they number the grains, or to `count`"):
+        notices_of("\n".join(["n,FL,EL", *rows, "109,0.5,0.7"]))
+    (sample,), _ = notices_of("\n".join(["count,FL,EL", *rows, "109,0.5,0.7"]))
+    assert sample.grains == 628
 
 
 MEANS_HEADER = "mean_FL,std_FL,mean_EL,std_EL"

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
+import yaml
 
 from simcore.grains.own_sizes import OwnSizes
 from simcore.grains.sampling import ShapeChoice, sample_grains
@@ -10,7 +11,7 @@ from simcore.grains.sources import load_grains
 from simcore.packing.cost import estimate
 from simcore.scene.setup import set_up
 from simcore.scene.sizes import UPRIGHT_REACH
-from simcore.scene.specification import resolve
+from simcore.scene.specification import express, read_specification, resolve
 
 
 @pytest.fixture(scope="module")
@@ -112,3 +113,8 @@ def test_what_reads_no_grains_refuses_own_sizes(folder):
 def test_an_empty_set_is_refused():
     with pytest.raises(ValueError, match="needs a grain set"):
         sample_grains(np.arange(3), 1, OwnSizes(np.array([1.0])), ShapeChoice(), [])
+
+
+def test_a_file_may_have_own_sizes(folder, tmp_path):
+    (tmp_path / "own.yaml").write_text(yaml.safe_dump(express(specification(folder))))
+    assert read_specification(tmp_path / "own.yaml")["sizes"]["own"] is True

@@ -82,7 +82,7 @@ def test_a_class_exercise_of_the_literature_has_its_printed_percentages(read):
 def test_harmless_faults_are_corrected_with_a_notice(read):
     for text, notice in (
         ("opening [mm],retained [%]\n16,0\n8,20\n4,40\n2,30.3\npan,10\n", "sums to 100.3 instead of 100"),
-        ("opening [mm],passing [%]\n16,99.8\n8,80\n4,40\n2,10\n", "ends at 99.8 % instead of 100 %"),
+        ("opening [mm],passing [%]\n16,99.8\n8,80\n4,40\n2,10\n", "99.8 % pass the coarsest sieve instead of 100 %"),
         ("opening [mm],passing\n16,1\n8,.8\n4,.4\n2,.1\n", "the column passing is taken as a fraction"),
         (
             "opening [mm],retained\n16,0\n8,2\n4,4\n2,3\npan,1\n",
@@ -250,3 +250,15 @@ def test_empty_sieves_above_the_coarsest_grains_add_no_class(read):
     masses = {90: 0, 63: 0, 45: 2.4, 32: 0.1, 16: 3.6, 8: 1.6, 4: 6.2, 2: 2.9, 1: 3.4, "pan": 1.3}
     table, _ = read("opening [mm],mass [g]\n" + "".join(f"{size},{mass}\n" for size, mass in masses.items()))
     assert table.closed(5e-4).curve().largest == pytest.approx(0.063)
+
+
+def test_a_size_of_the_coarsest_grains_is_used_or_refused(read):
+    sieves = "opening [mm],passing [%]\n16,99.6\n8,80\n4,40\n2,0\n"
+    table, notices = read(sieves, coarsest=0.032)
+    assert table.above == pytest.approx(0.004) and not notices
+    closed = table.closed(None, 0.032)
+    np.testing.assert_allclose(closed.openings, np.array([2, 4, 8, 16, 32]) * 1e-3)
+    with pytest.raises(
+        ValueError, match="what stays on the coarsest sieve is unknown; give it in percent, or leave out"
+    ):
+        read("opening [mm],passing [g]\n16,950\n8,400\n4,50\n", coarsest=0.032)

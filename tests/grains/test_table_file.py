@@ -126,6 +126,13 @@ def test_a_workbook_is_read_as_the_same_rows_in_text(tmp_path, expected):
     workbook(tmp_path / "bed.xlsx", grains=rows).rename(tmp_path / "bed.csv")
     (sample,), _ = read_measured(tmp_path / "bed.csv")
     assert (sample.name, sample.grains, sample.mu_FL) == ("7", 4, pytest.approx(0.6))
+    # The text 2.125 beside 120 may have a separator of thousands, a number cannot.
+    axes = [["L", "I", "S"], [300, 200, 120], [140, 100, 2.125]]
+    assert read_measured(workbook(tmp_path / "bed.xlsx", grains=axes))[0][0].grains == 2
+    with pytest.raises(ValueError, match="row 3: S is '2.125'; if it is 2125, write it so"):
+        read_measured(
+            workbook(tmp_path / "bed.xlsx", grains=[axes[0], *([str(cell) for cell in row] for row in axes[1:])])
+        )
     path = workbook(
         tmp_path / "bed.xlsx", grains=[["L", "I", "S"], [4, 2, 1], [None] * 3, [4, pd.Timestamp("2020-05-01"), 1]]
     )

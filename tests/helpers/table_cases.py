@@ -28,6 +28,14 @@ class Case(NamedTuple):
 
 SIEVES = [
     Case(
+        "opening [mm],passing [g]\n16,950\n8,400\n4,50\npan,0\ntotal,1000\n",
+        notice="passing [g]: all grains are taken to pass the coarsest sieve",
+    ),
+    Case(
+        "opening [mm],passing [%]\n16,99.6\n8,80\n4,40\n2,10\n",
+        notice="passing [%]: 99.6 % pass the coarsest sieve instead of 100 %; the shares are divided by it",
+    ),
+    Case(
         "opening [mm];mass [g]\n16;0\n8;410,5\n4;300\npan;10\nSumme;900\n",
         notice="row 6 (Summe): mass [g] is 900, but the other rows sum to 720.5; if a sieve or class is missing, "
         "add it, or else correct the row that is wrong",
@@ -258,6 +266,11 @@ SAME_SIEVES = [
 ]
 
 GRAINS = [
+    Case(
+        "number;FL;EL\n11;.5;.7\n12;.6;.7\n14;.5;.6\n15;.5;.7\n17;.6;.7\n18;.5;.6\n",
+        error="the numbers in the column number rise from row to row; rename the column to `id` if they number the "
+        "grains, or to `count` if they are numbers of grains",
+    ),
     Case(
         "L;I;S\n40,5;30;10\n1.250;800;500,5\n",
         error="row 3: L is '1.250', but this table writes decimals with a comma (40,5); write numbers without "

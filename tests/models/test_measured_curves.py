@@ -196,7 +196,7 @@ def test_the_file_is_refused_where_it_has_no_meaning(tmp_path, capsys):
     forms = str(ROOT / "examples" / "grains.csv")
     assert main(["predict", forms, "--case", "U7", "--models", str(path)]) != 0
     assert "fitted to beds with sieve curves; give a sieve curve with --sieve" in capsys.readouterr().err
-    with pytest.raises(ValueError, match="the page does not evaluate corrections"):
+    with pytest.raises(ValueError, match="the page does not evaluate models of measured beds"):
         page_data(read_campaign_models(path))
     content = json.loads(path.read_text())
     for change in ("kind", "of_form", "form_model"):

@@ -269,7 +269,10 @@ def test_a_file_of_a_campaign_is_read_too(tmp_path):
     tables, models = single_form_models(packings)
     models_dataset(models, tables["models"], "Models").to_netcdf(tmp_path / "single_form.nc")
     assert read_campaign_models(tmp_path / "single_form.nc") == read_campaign_models(tmp_path)
+    (tmp_path / "empty").mkdir()
     with pytest.raises(ValueError, match="or the file of a model that `fit` wrote"):
+        read_campaign_models(tmp_path / "empty")
+    with pytest.raises(ValueError, match="there is no such folder or file of models"):
         read_campaign_models(tmp_path / "none.json")
 
 
@@ -388,7 +391,9 @@ def test_sentences_name_what_the_beds_do_not_show(fitted):
     assert "so these beds hardly separate their effects" in text
     assert "The beds do not show whether EL_inv has an effect" in text
     assert "form has a weaker effect than in our model" in text
-    assert "Without a column n_error, measurement errors and errors of the model cannot be separated." in text
+    assert (
+        "If n_error is not given for every bed, measurement errors and errors of the model cannot be separated." in text
+    )
     assert "Each bed has one form; these data do not show the error for beds with a distribution of form." in text
     exact = fit_case(beds_of_one_form(3, ours, scatter=0.004), "U1", fitted)
     assert exact.base_error <= exact.chosen.error

@@ -157,3 +157,9 @@ def test_the_plan_of_a_campaign_needs_no_numba():
     assert any("campaign.plan" in line for line in imports)
     code = "\n".join(["import sys", *imports, "sys.exit('numba' in sys.modules)"])
     assert subprocess.run([sys.executable, "-c", code], cwd=ROOT).returncode == 0
+
+
+def test_a_domain_in_the_wrong_unit_is_refused_before_it_fills_the_memory():
+    bed = {"shapes": {"kind": "sphere"}, "sizes": {"case": "U1"}, "amount": {"grains": 300}}
+    with pytest.raises(ValueError, match="a width of 60 m and a height of 0.6 m; correct the units of domain.width"):
+        packing_cost.estimate(resolve({**bed, "domain": {"width": "60 m", "height": "0.6 m"}}))

@@ -96,8 +96,35 @@ def test_files_that_cannot_be_read_give_an_error_of_one_line(made, tmp_path):
         read_packing(short)
     other = tmp_path / "other.nc"
     xr.Dataset({"n": ("z", [0.4])}).to_netcdf(other)
-    with pytest.raises(ValueError, match=r"other.nc is not a packing: contact_body, .* missing"):
+    with pytest.raises(ValueError, match=r"other.nc is not a packing: position, .* missing"):
         read_packing(other)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda packing: packing.attrs.pop("domain_shape"), "is not a packing: domain_shape missing"),
+        (
+            lambda packing: packing.attrs.update(scene="{"),
+            "the attribute scene is not JSON, so that the file is damaged",
+        ),
+        (lambda packing: packing["shape"].values.__setitem__(5, 7), "shape of grain 5 is 7"),
+        (lambda packing: packing["position"].values.__setitem__((5, 0), np.nan), "position of grain 5 is"),
+        (lambda packing: packing["position"].values.__setitem__((5, 2), 1e300), "position of grain 5 is"),
+        (lambda packing: packing["orientation"].values.__setitem__(3, 0.0), "orientation of grain 3 is"),
+        (lambda packing: packing["volume"].values.__setitem__(4, -1e-9), "volume of grain 4 is -1e-09"),
+        (
+            lambda packing: packing["contact_body"].values.__setitem__((0, 0), 10**6),
+            "a contact is of a grain that does",
+        ),
+    ],
+)
+def test_a_damaged_file_is_refused(made, tmp_path, change, message):
+    dataset = made[1].copy(deep=True)
+    change(dataset)
+    write_packing(tmp_path / "filed.nc", dataset)
+    with pytest.raises(ValueError, match=f"filed.nc.*{message}"):
+        read_packing(tmp_path / "filed.nc")
 
 
 def test_a_file_that_another_program_writes_to_is_not_called_truncated(made, tmp_path):

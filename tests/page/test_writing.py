@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import pytest
 from scipy.stats import t as student
@@ -62,3 +63,11 @@ def test_every_identifier_of_the_scripts_is_in_the_template(page_file):
 def test_the_command_refuses_a_folder(tmp_path, capsys):
     assert main(["page", str(tmp_path)]) != 0
     assert "this is a folder; give the name of the page" in capsys.readouterr().err
+
+
+def test_models_of_measured_beds_are_refused(fitted):
+    of_fit = replace(fitted, behind={**fitted.behind, ("measured", "U1"): "offset, 5 measured beds: m.json"})
+    with pytest.raises(
+        ValueError, match="offset, 5 measured beds: m.json: the page does not evaluate models of measured"
+    ):
+        page_data(of_fit)

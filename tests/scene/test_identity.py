@@ -104,3 +104,15 @@ def test_a_renamed_key_is_the_same_packing():
     assert same_result(SPECIFICATION, old)
     old["numerics"]["contact_region"] = "point"
     assert not same_result(SPECIFICATION, old)
+
+
+def test_a_packing_of_an_earlier_version_differs_in_the_seed_only():
+    present, former = copy.deepcopy(SPECIFICATION), changed("seed", 2)
+    for (*groups, key), value in ADDED.items():
+        for specification in (present, former):
+            group = specification
+            for name in groups:
+                group = group[name]
+            group[key] = value
+        del group[key]  # of the former one
+    assert present["seed"] != former["seed"] and same_but_seed(present, former)

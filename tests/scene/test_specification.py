@@ -143,7 +143,8 @@ def test_express_is_the_inverse_of_resolve():
         ),
         ("shapes", {"choice": "form_distribution", "flatness": {"mean": 0.5}}, r"flatness\.std is missing"),
         ("faces", "orig", r"faces: 'orig' is wrong"),
-        ("name", "../escape", r"name: '\.\./escape' is wrong"),
+        ("name", "../escape", r"name: '\.\./escape' has other characters than letters, digits"),
+        ("seed", 2**64, r"seed: 18446744073709551616 is out of bounds; it must be at most 9223372036854775807"),
     ],
 )
 def test_bad_input_is_refused_with_the_path_of_the_key(path, value, message):

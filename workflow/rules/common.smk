@@ -3,6 +3,7 @@ report: "../report/workflow.rst"
 
 
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -35,7 +36,7 @@ packings, studies, all_studies = plan.packings, plan.studies, plan.all_studies
 
 # A dry run prints the estimated cost of the campaign. The command line is read because Snakemake does not report a dry
 # run to the workflow before all rules are read.
-if {"-n", "--dry-run", "--dryrun"} & set(sys.argv):
+if any(re.fullmatch(r"-\w*n\w*|--dry-?run", word) for word in sys.argv):
     print(plan.description(), file=sys.stderr)
 
 

@@ -3,4 +3,4 @@
 from simcore.grains.grain_set import read_grains
 from simcore.report.grains import grain_findings
 
-grain_findings(read_grains(snakemake.input.grains)).write(snakemake.output)
+grain_findings(read_grains(snakemake.input.grains)).write(snakemake.output, snakemake.params.test_only)

@@ -5,6 +5,7 @@ All samples of a table of forms have one curve, or the table has a column `sieve
 of a sample has its own form.
 """
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -18,11 +19,14 @@ from simcore.grains.forms_by_class import BY_CLASS, class_name, classes_of_table
 from simcore.grains.measured_beds import SIEVE_NAME, CurveReader
 from simcore.grains.measured_forms import read_measured, samples_of_table
 from simcore.grains.sieve import SieveCurve
+from simcore.grains.sieve_columns import known_unit
 from simcore.grains.sieve_table import read_curve
 from simcore.grains.table_file import read_table
 from simcore.models.size_and_form.bed_prediction import UNKNOWN_FORMS, predict_curve, rhine_sample
 from simcore.models.size_and_form.forms_by_class import predict_by_class
 from simcore.scene.sizes import all_cases
+
+_UNIT = re.compile(r"[a-zµμ]*$", re.IGNORECASE)
 
 
 class BedForms(NamedTuple):
@@ -118,6 +122,7 @@ def read_bed_forms(forms, curve=None, column=None, finest=None, coarsest=None):
         bed = beds.setdefault(text, BedForms(curve, Path(text), [], by_class, []))
         bed.samples.append(sample)
         bed.places.append(place)
+    reader.check_ends()
     return list(beds.values()), [*notices, *of_forms]
 
 
@@ -127,9 +132,12 @@ def _given(curve, reader):
         return curve, Path(curve.name), []
     if curve is None:
         raise ValueError("the sieve curve is not given; add --sieve CURVE.csv")
-    listed = str(curve) in reader.listed
-    found, notices = reader.read("--sieve", str(curve)) if listed else read_curve(curve, *reader.ends)
-    return found, Path(curve), notices
+    if str(curve) in reader.listed or not Path(curve).exists():
+        given, notices = reader.read("--sieve", str(curve))
+        reader.check_ends()
+    else:
+        given, notices = read_curve(curve, *reader.ends)
+    return given, Path(curve), notices
 
 
 def _sieve_position(table):
@@ -144,7 +152,10 @@ def _sieve_position(table):
 
 
 def _is_class(text):
-    return any(pattern.fullmatch(text) for pattern in (CLASS_LABEL, OPEN_END, SIZE))
+    """Return whether a text is a sieve class or a size, without a unit or in a known one; 1.csv is a file."""
+    unit = _UNIT.search(text)[0]
+    is_class = any(pattern.fullmatch(text) for pattern in (CLASS_LABEL, OPEN_END, SIZE))
+    return is_class and (not unit or known_unit(unit) is not None)
 
 
 def _samples(table, column):

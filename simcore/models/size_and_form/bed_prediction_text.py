@@ -94,9 +94,10 @@ def _describe_curve(bed, first, fitted):
     step = n1 - model.predict(curve, n1, reference=rhine_one_class(fitted))
     return [
         "",
-        f"How the curve acts, sample {first['sample']}: one sieve class of these grains has the porosity "
-        f"{first['n_one_class']:.3f}, and the",
-        f"sizes take {step:.3f} of it. If the mass of one class grows by 1 % of the whole, the porosity changes by:",
+        f"How the curve acts, sample {first['sample']}: a bed of one sieve class of these grains has the porosity "
+        f"{first['n_one_class']:.3f},",
+        f"and the range of sizes lowers it by {step:.3f}. If the mass of one class grows by 1 % of the whole, the",
+        "porosity changes by:",
         "",
         *text_columns([["class [mm]", "mass [%]", "change [0.0001]"], *_classes(curve, change)], "lrr"),
         "",

@@ -9,9 +9,10 @@ and of how much of the effect of form the step carries over. Each of these error
 quantity that is known for each bed. If G are the regressors of the new bed and A projects the quantities of the
 measured beds on their regressors, e_new - G A e remains; it is small for beds like the measured ones.
 
-The error of the one-class porosity is the same for all beds of one form. Of its variance v, beds of F forms show
-v (1 - 1/F) in their scatter, but a bed of another form has v, and the correction v / F. Therefore 2 v / F is added for
-a form that is farther than NEAR from all measured ones, in widths of the range of the one-class model.
+The error of the one-class porosity is the same for all beds of one form. If its variance is v, the scatter of beds of
+F forms contains v (1 - 1/F) of it. A bed of another form has the whole v, and the mean of F forms, which is in the
+correction, adds v / F. Therefore 2 v / F is added for a form that is farther than NEAR from all measured ones, in
+widths of the range of the one-class model.
 """
 
 from dataclasses import dataclass, fields

@@ -86,7 +86,8 @@ class Pouring:
         """Return ids, Draw and bounding radii [m] of the next batch."""
         scene, batch = self.scene, self.scene.generation.batch_grains
         if batch is None:
-            radius, _ = extents(self.bases, self.draw(np.arange(MEAN_REACH)), True)
+            number = MEAN_REACH if scene.amount_grains is None else min(MEAN_REACH, scene.amount_grains)
+            radius, _ = extents(self.bases, self.draw(np.arange(number)), True)
             batch = layer_grains(radius, scene.domain.area)
         if scene.amount_grains is not None:
             batch = min(batch, scene.amount_grains - inserted)

@@ -25,7 +25,7 @@ const BedOutput = (() => {
         `${DATA.curve.state} By its state of packing it is between ${number(bed.n_long_shaken)}, shaken for eight seconds, ` +
           `and ${number(bed.n_not_shaken)}, placed and not shaken.`
       ),
-      node("p", `One sieve class of these grains has ${oneClass}, and the sizes take ${number(bed.n_one_class - bed.n)} of it.`),
+      node("p", `One sieve class of these grains has ${oneClass}; the range of sizes lowers it by ${number(bed.n_one_class - bed.n)}.`),
     ];
     if (byClass) texts.push(node("p", DATA.curve.classes.check));
     if (bed.outside) texts.push(node("p", `* Outside the fitted range: ${bed.outside}.`, "outside"));

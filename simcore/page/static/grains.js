@@ -102,7 +102,15 @@ const Grains = (() => {
     }
     const values = [...weights.values()];
     if (numbersRows(title, values)) return [null, [describeRunning(title)]];
-    if (values.every(Number.isInteger) && !PERCENT.test(title)) {
+    const counted = values.every(Number.isInteger) && !PERCENT.test(title);
+    const rise = values.length >= DATA.reading.fewest_ids && values.every((v, i) => !i || v > values[i - 1]);
+    if (counted && rise && Columns.mayNumberRows(title)) {
+      throw new InputError(
+        `${name}: the numbers in the column ${title} rise from row to row; rename the column to \`id\` if they number ` +
+          "the grains, or to `count` if they are numbers of grains"
+      );
+    }
+    if (counted) {
       const total = values.reduce((sum, value) => sum + value, 0).toFixed(0);
       return [{ weights, whole: true }, [`the column ${title} is the number of grains of each row, ${total} in all`]];
     }
@@ -248,8 +256,7 @@ const Grains = (() => {
     if (counts && !(total > 0)) {
       throw new InputError(`${name}: the numbers of grains of sample ${group} are all 0; correct or remove its rows`);
     }
-    const positive = weights.filter((weight) => weight > 0).length;
-    const sample = { name: group, grains: counts ? (counts.whole ? total : positive) : forms.length, forms };
+    const sample = { name: group, grains: counts ? (counts.whole ? total : 0) : forms.length, forms };
     const features = { FL: ([FL]) => FL, EL: ([, EL]) => EL, EQ: ([FL, EL]) => FL * EL };
     for (const key of kind === TWO_AXES ? ["EL"] : ["FL", "EL", "EQ"]) {
       const values = forms.map(features[key]);

@@ -258,7 +258,7 @@ const Page = (() => {
       texts.push("The grains do not stick to each other, and water has neither sorted the bed into layers nor washed out its fines.");
     }
     if (sample === Bed.RHINE) texts.push(`The grains are not measured; their form is taken as ${sample.name}.`);
-    else if (!sample.grains) texts.push("Only means and deviations are given, so FL and EL are assumed to be independent.");
+    else if (!sample.grains) texts.push("If only means and deviations are given, FL and EL are assumed independent.");
     if (sample.grains > 1 && sample.grains < few) {
       texts.push(`Fewer than ${few} grains do not determine the spread of form well.`);
     }

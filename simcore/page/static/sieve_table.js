@@ -159,7 +159,16 @@ const SieveTable = (() => {
     let whole = WHOLE[column.unit] ?? null;
     if (SieveColumns.isMass(column.unit)) {
       if (column.meaning === CUMULATIVE && Number.isFinite(inPan)) whole = inPan;
-      else if (column.meaning === PASSING) whole = amounts.at(-1);
+      else if (column.meaning === PASSING) {
+        whole = amounts.at(-1);
+        if (coarsest !== null) {
+          throw new InputError(
+            `${name}: ${title} is a mass, so that what stays on the coarsest sieve is unknown; give it in percent, ` +
+              "or leave the field Coarsest grains empty"
+          );
+        }
+        notices.push(`${title}: all grains are taken to pass the coarsest sieve`);
+      }
       if (!whole) {
         throw new InputError(
           `${name}: ${title} is a mass, but its total is unknown; give it in percent, or add the pan`
@@ -191,8 +200,9 @@ const SieveTable = (() => {
     checkDirection(name, title, rows, amounts, column.meaning);
     let passing = column.meaning === PASSING ? shares : shares.map((share) => 1 - share);
     const last = passing.at(-1);
-    if (Math.abs(last - 1) > 0 && Math.abs(last - 1) <= rules.rounding) {
-      notices.push(`${title} ends at ${general(100 * last, 4)} % instead of 100 %; it is divided by its end`);
+    if (Math.abs(last - 1) > 0 && Math.abs(last - 1) <= rules.rounding && coarsest === null) {
+      const part = general(100 * last, 4);
+      notices.push(`${title}: ${part} % pass the coarsest sieve instead of 100 %; the shares are divided by it`);
       passing = passing.map((share) => share / last);
     } else if (last < 1 && coarsest === null) {
       throw new InputError(

@@ -61,6 +61,31 @@ def test_each_sample_is_predicted_with_its_curve(write, tmp_path, capsys):
     assert "sieve curve of U7" in text and text.count("How the curve acts") == 1 and "add --json" not in text
 
 
+def test_a_file_may_have_a_number_as_its_name(write, tmp_path):
+    for name in ("1.csv", "2024-05.csv"):
+        (tmp_path / name).write_text(CURVE)
+        path = write(f"sample,sieve,{MEANS}", f"a,{name},{A}")
+        assert has_curves(path) and read_bed_forms(path)[0][0].source.name == name
+    assert not has_curves(write("sieve,FL,EL", "4-8 mm,0.6,0.7", "> 8,0.6,0.7"))
+
+
+def test_a_size_of_the_finest_grains_needs_a_file_of_a_curve(write, tmp_path, capsys):
+    forms = str(write(MEANS, A))
+    for words in (["--sieve", "U7"], []):
+        table = forms if words else str(write(f"sample,sieve,{MEANS}", f"a,U7,{A}"))
+        assert main(["predict", table, *words, "--finest", "1 mm"]) == 2
+        assert "--finest and --coarsest are sizes for the file of a sieve curve" in capsys.readouterr().err
+    path = write(f"sample,sieve,{MEANS}", f"a,U7,{A}", f"b,own.csv,{B}")
+    assert main(["predict", str(path), "--finest", "1 mm"]) == 0
+    forms = str(write(MEANS, A))
+    assert main(["predict", forms, "--sieve", "u7"]) == 2
+    assert "the sieve curve u7 is no file (u7), nor one of the listed curves U1, U3" in capsys.readouterr().err
+    beds = tmp_path / "beds.csv"
+    beds.write_text(f"n,{MEANS}\n0.36,{A}\n")
+    assert main(["fit", str(beds), "--case", "one-class", "--finest", "1 mm"]) == 2
+    assert "--finest and --coarsest are sizes" in capsys.readouterr().err
+
+
 def test_without_names_grains_of_one_curve_are_one_sample(write):
     beds, _ = read_bed_forms(write("sieve,FL,EL", "U7,0.6,0.7", "own.csv,0.5,0.6", "U7,0.8,0.7"))
     assert [(str(bed.source), [(each.name, each.grains) for each in bed.samples]) for bed in beds] == [

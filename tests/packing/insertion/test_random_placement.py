@@ -132,3 +132,22 @@ def test_a_layer_and_a_fall():
     assert layer_grains(np.full(5, 5e-3), 0.1**2) == 100 and layer_grains([1.0], 0.01) == 1
     time = fall_time(0.3, 0.4, 6.0)
     assert 0.4 * time + 3.0 * time**2 == pytest.approx(0.3, rel=1e-12)
+
+
+def test_fewer_grains_than_a_layer_may_be_drawn_by_quota():
+    """The height of a layer is estimated from a sample of the grains, which must not be larger than the packing."""
+    made = set_up(
+        resolve(
+            {
+                "domain": {"type": "periodic", "width": "60 mm", "height": "0.6 m"},
+                "shapes": {"kind": "sphere"},
+                "sizes": {"case": "U1", "draw": "quota"},
+                "amount": {"grains": 60},
+                "generation": {"placement": "random"},
+            }
+        ),
+        load_grains,
+    )
+    process = Process(made.scene, made.bases, made.draw, lambda line: None)
+    process.insert_batch()
+    assert 0 < len(process.bodies.mass) <= 60

@@ -1,0 +1,41 @@
+"""Checks that a file of a packing has all that its evaluation needs, with values that a packing can have."""
+
+import json
+
+import numpy as np
+
+VARIABLES = (
+    "position", "orientation", "scale", "shape", "shape_vertices", "contact_body", "L", "I", "S", "D", "volume",
+)  # fmt: skip
+ATTRIBUTES = ("scene", "domain_shape", "domain_width")
+POSITIVE = ("L", "I", "S", "D", "volume")
+UNIT = 1e-6  # largest deviation of the norm of an orientation from 1
+FARTHEST = 1e4  # maximum distance of a grain from the origin, in widths of the domain
+
+
+def check_content(path, packing) -> None:
+    """Raise ValueError, which names the file and the grain, unless the Dataset at `path` is a whole packing."""
+    missing = [*(name for name in VARIABLES if name not in packing.variables),
+               *(name for name in ATTRIBUTES if name not in packing.attrs)]  # fmt: skip
+    if missing:
+        raise ValueError(f"{path} is not a packing: {', '.join(missing)} missing. Give a file that `scree pack` wrote.")
+    try:
+        json.loads(packing.attrs["scene"])
+    except ValueError:
+        raise _damaged(path, "the attribute scene is not JSON") from None
+    farthest = FARTHEST * float(packing.attrs["domain_width"])
+    wrong = {name: ~(packing[name].values > 0.0) | np.isinf(packing[name].values) for name in POSITIVE}
+    wrong["position"] = ~(np.abs(packing["position"].values) <= farthest).all(axis=1)
+    wrong["orientation"] = ~(np.abs(np.linalg.norm(packing["orientation"].values, axis=1) - 1.0) <= UNIT)
+    shapes = packing["shape"].values
+    wrong["shape"] = (shapes < 0) | (shapes >= packing.sizes["shape"])
+    for name, grains in wrong.items():
+        if grains.any():
+            grain = int(np.argmax(grains))
+            raise _damaged(path, f"{name} of grain {grain} is {packing[name].values[grain]}")
+    if (packing["contact_body"].values >= packing.sizes["grain"]).any():
+        raise _damaged(path, "a contact is of a grain that does not exist")
+
+
+def _damaged(path, what):
+    return ValueError(f"{path}: {what}, so that the file is damaged. Make it again with `scree pack`.")
