@@ -320,7 +320,8 @@ def _weigh(path, name, entries, counts):
     weights = np.array([counts.weights[row] for *_, row in entries])
     if not weights.sum() > 0:
         raise ValueError(f"{path}: the numbers of grains of sample {name} are all 0; correct or remove its rows")
-    return weights, int(weights.sum()) if counts.whole else 0
+    # A row with a weight is at least one grain.
+    return weights, int(weights.sum()) if counts.whole else int(np.count_nonzero(weights) == 1)
 
 
 def _mean_and_std(values, weights):

@@ -55,7 +55,11 @@ inputs => inputs.map(({sieves, table, finest, coarsest, level, more}) => {
   }
 })
 """
-SPECIFIC = (("with --finest", "in the field Finest grains"), ("with --coarsest", "in the field Coarsest grains"))
+SPECIFIC = (
+    ("with --finest", "in the field Finest grains"),
+    ("with --coarsest", "in the field Coarsest grains"),
+    ("leave out --coarsest", "leave the field Coarsest grains empty"),
+)
 
 
 def inputs(seed, number, faulty=False):
@@ -148,9 +152,10 @@ def test_faulty_curves_have_the_same_messages(open_page, fitted, tmp_path):
 
 
 def test_shared_cases_have_the_same_words(open_page, fitted, tmp_path):
-    ends = {"table": None, "finest": 0.2, "coarsest": 120.0, "level": 0.95, "more": False}
+    given = {"table": None, "finest": 0.2, "level": 0.95, "more": False}
     texts = [*(case.text for case in SIEVES), *(text for pair in SAME_SIEVES for text in pair)]
-    compare(open_page(), [{"sieves": text, **ends} for text in texts], fitted, tmp_path)
+    entries = [{"sieves": text, "coarsest": coarsest, **given} for text in texts for coarsest in (None, 120.0)]
+    compare(open_page(), entries, fitted, tmp_path)
 
 
 def test_each_candidate_that_is_ported_gives_the_same_porosity(open_page):

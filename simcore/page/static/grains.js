@@ -256,7 +256,7 @@ const Grains = (() => {
     if (counts && !(total > 0)) {
       throw new InputError(`${name}: the numbers of grains of sample ${group} are all 0; correct or remove its rows`);
     }
-    const sample = { name: group, grains: counts ? (counts.whole ? total : 0) : forms.length, forms };
+    const sample = { name: group, grains: counts ? (counts.whole ? total : Number(weights.filter((w) => w > 0).length === 1)) : forms.length, forms };
     const features = { FL: ([FL]) => FL, EL: ([, EL]) => EL, EQ: ([FL, EL]) => FL * EL };
     for (const key of kind === TWO_AXES ? ["EL"] : ["FL", "EL", "EQ"]) {
       const values = forms.map(features[key]);

@@ -77,7 +77,7 @@ const Prediction = (() => {
   // Returns the standard error of the porosity that follows from the limited number of grains, as
   // simcore.models.few_grains does: NaN if it is unknown, 0 for one form, unless this is the form of a single grain.
   function fewGrainsError(model, sample) {
-    if (Grains.isOneForm(sample)) return sample.grains === 1 || (sample.forms && !sample.grains) ? NaN : 0;
+    if (Grains.isOneForm(sample)) return sample.grains === 1 ? NaN : 0;
     if (!sample.covariance) return NaN;
     const slopes = STATISTICS.map((key) => {
       const [high, low] = [1, -1].map((sign) => {
