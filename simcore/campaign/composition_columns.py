@@ -1,4 +1,4 @@
-"""Columns of a committed row that say of which sizes and forms the evaluated part of its bed consists."""
+"""Columns of a committed row with the sizes and forms of the grains in the evaluated part of its bed."""
 
 # Columns of the shares of coarse and of fine grains: (variable of simcore.evaluation.composition, dimension, place).
 _SHARES = {

@@ -84,7 +84,7 @@ def _means(packings):
 
 def _settings(settings):
     if settings.empty:
-        return ["The files have no specification, or the same one: no setting is known in which the groups differ."]
+        return ["The files have no specification, or the same one, so that no differing setting can be listed."]
     rows = [{"setting": key, **row.to_dict()} for key, row in settings.iterrows()]
     return [_table(rows), "Quantities are in SI units."]
 

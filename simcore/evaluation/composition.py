@@ -25,7 +25,9 @@ PARTS, WEIGHTS = ("bed", "evaluated"), ("volume", "number")
 
 
 def composition(packing, z_lower, z_upper, method="spheres"):
-    """Composition of a packing as a Dataset; packing: Dataset of read_packing, z_lower, z_upper [m]: evaluated part.
+    """Return the composition of a packing as a Dataset.
+
+    packing: Dataset of read_packing; z_lower, z_upper [m]: ends of its evaluated part.
 
     sieve_fraction (part, weight, sieve_class): shares of the classes of the sieve curve, where the packing has one.
     form_mean, form_std (part, weight, ratio): mean and standard deviation of FL, EL and EQ. part: the whole bed, or its
@@ -81,14 +83,14 @@ def separation_warnings(composed) -> list[str]:
 
 
 def _size_at(size, volume, share):
-    """Sieve size [m] that the share of the volume closest to this one does not exceed; 0 where that is none."""
+    """Return the sieve size [m] whose share of finer volume is closest to `share`; 0 if that is a share of nothing."""
     sizes, index = np.unique(size, return_inverse=True)
     passing = np.concatenate([[0.0], np.cumsum(np.bincount(index, volume))]) / volume.sum()
     return float(np.concatenate([[0.0], sizes])[np.argmin(np.abs(passing - share))])
 
 
 def _share(chosen, volumes):
-    """(share of the volume that the chosen grains have, its standard error); nan without volume."""
+    """Return the share of the volume that the chosen grains have, and its standard error; nan without volume."""
     total = volumes.sum()
     if not total > 0.0:
         return np.nan, np.nan
@@ -97,7 +99,7 @@ def _share(chosen, volumes):
 
 
 def _in_errors(difference, errors):
-    """A difference over its standard error, from the two of its parts; 0 where it has none."""
+    """Return a difference over its standard error, which follows from the errors of its two parts; 0 without error."""
     error = np.hypot(*errors)
     return float(difference / error) if error > 0.0 else 0.0
 

@@ -65,6 +65,12 @@ class SieveCurve:
         """Upper bound of the coarsest class whose mass fraction is positive [m]."""
         return float(self.bounds[1:][self.mass_fractions > 0][-1])
 
+    def without_empty_ends(self):
+        """Return the SieveCurve of these bounds and mass fractions from the finest to the coarsest class with mass."""
+        filled = np.flatnonzero(self.mass_fractions > 0.0)
+        first, end = filled[0], filled[-1] + 1
+        return SieveCurve(self.bounds[first : end + 1], self.mass_fractions[first:end], self.name)
+
     def class_means(self, power):
         """Return the mean of D^power over the sizes drawn in each class (k,) [m^power]; power must not be 0."""
         # The closed form is written as sinh(h) / h times a power of the geometric mean, so that narrow classes lose no

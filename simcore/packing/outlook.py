@@ -40,9 +40,10 @@ def parse_progress(line: str) -> ProgressLine | None:
 
 
 def outlook(line: ProgressLine, cost: PackingCost | None) -> Outlook:
-    """Return the Outlook of a packing from its last progress line and its estimated cost, or None.
+    """Return the Outlook of a packing from its last progress line and its estimated cost.
 
-    A step is taken to cost as much as there are grains. While grains are inserted, the remaining steps are those of the
+    cost: None, if it cannot be estimated; the Outlook is then nan. The cost of a step is assumed to be proportional to
+    the number of grains. While grains are inserted, the remaining steps are those of the
     estimate with, on average, the mean of the present and the final number of grains. The end of shaking is known. The
     end of damping is only expected, so that less than nothing may be left: then the share is 1 and the time 0.
     """

@@ -146,8 +146,8 @@ def _contact_time(finest, height):
     """Return a contact time [s] at which no impact is deeper than a quarter of the thinnest of the finest grains.
 
     finest: sieve size of the finest grains [m]; height of the domain [m], from which they may fall. With the settings
-    of `standard` an impact at
-    the speed v is about 0.14 v times the contact time deep, and the thinnest pebble is 0.4 of its sieve size thick.
+    of `standard` an impact at the speed v is about 0.14 v times the contact time deep, and the thinnest pebble is 0.4
+    of its sieve size thick.
     """
     longest = 0.25 * 0.4 * finest / (0.14 * np.sqrt(SPEED**2 + 2 * 9.81 * height))
     return min(2e-3, _two_digits(longest))

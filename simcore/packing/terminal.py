@@ -23,7 +23,7 @@ def reporter(log: Path | None = None, stream=None):
 
 
 def expect(report, specification: dict) -> None:
-    """Let the bar of a reporter know how long a packing will take; nothing if it has no bar.
+    """Set the length of the bar of a reporter to the estimated duration of a packing, if it has a bar.
 
     specification: resolved; if its cost cannot be estimated, the bar has no length, and `pack` reports the error.
     """

@@ -3,12 +3,11 @@
 import re
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from simcore.grains import grain_counts, measured_forms
 from simcore.grains.form_columns import MEANS, NEEDED, all_patterns
-from simcore.grains.sieve import SieveCurve, read_cases
+from simcore.grains.sieve import read_cases
 from simcore.grains.statistics import STATISTICS
 from simcore.grains.summary_rows import label_patterns
 from simcore.models import prediction
@@ -142,7 +141,7 @@ def _case(name, case):
     """
     if case is None:
         return {"name": name, "bounds": [], "mass_fractions": [], "specification": "", "predictors": []}
-    curve = _without_empty_ends(case.curve)
+    curve = case.curve.without_empty_ends()
     text, _ = sieve_specification(curve, Path(name), draw=False)
     # The comment on synthetic pebbles has no place where the form is measured.
     text = re.sub(r"(?m)^# A sieve curve says.*\n^# I/L, write.*\n", "", text)
@@ -160,13 +159,6 @@ def _case(name, case):
             for predictor in PREDICTORS
         ],
     }
-
-
-def _without_empty_ends(curve):
-    """Return a SieveCurve without the classes that are finer or coarser than all grains."""
-    filled = np.flatnonzero(curve.mass_fractions)
-    first, last = filled[0], filled[-1] + 1
-    return SieveCurve(curve.bounds[first : last + 1], curve.mass_fractions[first:last], curve.name)
 
 
 def _quantiles(level):

@@ -1,5 +1,7 @@
 """Numbers of the model of size and form in the texts are those of its tables."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,8 +10,9 @@ import yaml
 from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS, OURS, R22
 from benchmarks.studies.sorted_sands import TABLE as SANDS
 from simcore.models.fitting import fit_reference_models
+from simcore.models.prediction import predict_preferred
 from simcore.models.regression import student_quantile
-from simcore.models.size_and_form.bed_prediction import rhine_one_class
+from simcore.models.size_and_form.bed_prediction import rhine_one_class, rhine_sample
 from simcore.models.size_and_form.choice import Score, choose
 from simcore.models.size_and_form.known_beds import MEASURED, PUBLISHED
 from simcore.models.size_and_form.sized_model import NOT_FITTED, current_model
@@ -121,9 +124,14 @@ def test_sands_that_are_not_wider_than_the_packed_beds():
 
 
 def test_the_forms_of_the_picture_of_mixtures():
-    of_rhine = rhine_one_class(fit_reference_models())
+    fitted = fit_reference_models()
+    of_rhine, rhine = rhine_one_class(fitted), rhine_sample()
+    mean_form = replace(rhine, sigma_FL=0.0, sigma_EL=0.0, sigma_EQ=0.0, mu_EQ=rhine.mu_FL * rhine.mu_EL)
+    of_mean_form = predict_preferred(mean_form, "U1", fitted)["n"]
     assert states(
-        HOW_TO, f"one class has the porosity {REFERENCE_POROSITY:.3f}.", f"`predict` gives it {of_rhine:.3f}."
+        HOW_TO,
+        f"one class has the porosity {REFERENCE_POROSITY:.3f} by the model of synthetic grains.",
+        f"gives {of_mean_form:.3f} for this form, and {of_rhine:.3f} for the Rhine's gravel",
     )
 
 

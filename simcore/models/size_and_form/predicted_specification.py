@@ -2,9 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
-
-from simcore.grains.sieve import SieveCurve
 from simcore.models.size_and_form.bed_forms import read_bed_forms
 from simcore.packing.sieve_specification import sieve_specification
 
@@ -27,13 +24,6 @@ def write_specification(path, curve, forms=None, column=None, finest=None, coars
         classes = samples[0][1]
     elif forms is not None:
         sample = samples[0]
-    text, notices = sieve_specification(_with_mass(bed.curve), bed.source, sample, classes, draw=draw)
+    text, notices = sieve_specification(bed.curve.without_empty_ends(), bed.source, sample, classes, draw=draw)
     Path(path).write_text(text, encoding="utf-8")
     return notices
-
-
-def _with_mass(curve):
-    """Return the SieveCurve from its finest to its coarsest class with mass; listed curves have empty ones."""
-    held = np.flatnonzero(curve.mass_fractions)
-    classes = slice(held[0], held[-1] + 1)
-    return SieveCurve(curve.bounds[held[0] : held[-1] + 2], curve.mass_fractions[classes], curve.name)
