@@ -59,6 +59,6 @@ def sample_of_class(curve, index, classes):
         if lower <= low * (1 + 1e-6) and high <= upper * (1 + 1e-6):
             return sample
     raise ValueError(
-        f"{curve.name}: the class {low * 1e3:g} to {high * 1e3:g} mm has mass, but lies in none of the classes of the "
-        "table of forms; add its forms, or remove the column of classes"
+        f"{curve.name}: the class {low * 1e3:g} to {high * 1e3:g} mm has mass, but no class of the table of forms "
+        "contains it; add its forms, or remove the column of classes"
     )

@@ -79,7 +79,7 @@ def sieve_statistics(table):
     unknown = [f"D{percent}" for percent, size in D.items() if np.isnan(size)]
     if unknown:
         notices.append(
-            f"{', '.join(unknown)} {'lie' if len(unknown) > 1 else 'lies'} outside the sieves, because "
+            f"{', '.join(unknown)} {'are' if len(unknown) > 1 else 'is'} outside the sieves, because "
             f"{_describe_ends(table)}; what needs these sizes is not given. {_REMEDY}"
         )
     closed, assumed = table.with_small_ends_closed()

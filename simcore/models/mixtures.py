@@ -88,7 +88,7 @@ def application_table(models, packings, r22=None):
     """Predict packings that no model was fitted to, as in Table 11 of Rettinger et al. (2022); one row per packing.
 
     models: dict from (name, case) to PorosityModel with the models "form_mixture" and, optionally, "unified". packings:
-    columns case, kind ("continuous" or "discrete"), n and the models' features. study: table11_application.csv.
+    columns case, kind ("continuous" or "discrete"), n and the models' features. r22: table11_application.csv.
     """
     rows = packings[packings["case"].isin({case for name, case in models if name == "form_mixture"})]
     table = rows[["case", "kind", "n"]].rename(columns={"n": "simulated"})

@@ -28,7 +28,7 @@ def pair_shape_kinds(meshes, ellipsoids):
 def shape_kind_table(packings, r22=None):
     """Return the differences in porosity between polyhedra and their equivalent ellipsoids, one row per case.
 
-    packings: columns case, n_mesh, n_ellipsoid, one row per form. study: columns case, rms_difference, the values of
+    packings: columns case, n_mesh, n_ellipsoid, one row per form. r22: columns case, rms_difference, the values of
     Rettinger et al. (2022).
     """
     difference = packings["n_mesh"] - packings["n_ellipsoid"]

@@ -87,7 +87,7 @@ def test_an_open_end_gives_no_number_that_the_sieves_do_not_determine():
     assert np.isnan(result.uniformity) and np.isnan(result.folk_ward.sorting) and np.isnan(result.phi_moments.mean)
     assert result.folk_ward.words == ("", "", "", "")
     assert (
-        "D5, D10, D16 lie outside the sieves, because 20.0% of the mass pass the finest sieve (2 mm)"
+        "D5, D10, D16 are outside the sieves, because 20.0% of the mass pass the finest sieve (2 mm)"
         in result.notices[0]
     )
     assert "--finest" in result.notices[0] and "the moments are not given" in result.notices[1]

@@ -115,7 +115,7 @@ def test_each_sieve_class_may_have_its_form(open_page):
     "table, message",
     [
         ("L,I\n40,30\n", "the column S is missing beside L, I"),
-        ("class,FL,EL\n4-8 mm,0.6,0.7\n8-16 mm,0.5,0.7\n", "the class 2 to 4 mm has mass, but lies in none"),
+        ("class,FL,EL\n4-8 mm,0.6,0.7\n8-16 mm,0.5,0.7\n", "the class 2 to 4 mm has mass, but no class"),
         ("class,FL,EL\n2-8 mm,0.6,0.7\n4-16 mm,0.5,0.7\n", "the classes 2 to 8 mm and 4 to 16 mm overlap"),
     ],
 )

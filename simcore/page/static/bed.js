@@ -106,8 +106,8 @@ const Bed = (() => {
     const found = classes.find((entry) => entry.low <= low * (1 + 1e-6) && high <= entry.high * (1 + 1e-6));
     if (found) return found.sample;
     throw new InputError(
-      `${curve.name}: the class ${general(low)} to ${general(high)} mm has mass, but lies in none of the classes of the ` +
-        "table of forms; add its forms, or remove the column of classes"
+      `${curve.name}: the class ${general(low)} to ${general(high)} mm has mass, but no class of the table of forms ` +
+        "contains it; add its forms, or remove the column of classes"
     );
   }
 

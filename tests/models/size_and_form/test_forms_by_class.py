@@ -152,7 +152,9 @@ def test_each_case_that_the_page_shares_has_its_words(tmp_path, case):
 
 
 def test_a_class_without_forms_is_refused(fitted, table):
-    with pytest.raises(ValueError, match="the class 2 to 4 mm has mass, but lies in none of the classes"):
+    with pytest.raises(
+        ValueError, match="the class 2 to 4 mm has mass, but no class of the table of forms contains it"
+    ):
         predict_by_class(CURVE, classes_of(table(f"4-16 mm,{ROUND}")), fitted)
 
 
