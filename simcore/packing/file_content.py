@@ -7,7 +7,7 @@ import numpy as np
 VARIABLES = (
     "position", "orientation", "scale", "shape", "shape_vertices", "contact_body", "L", "I", "S", "D", "volume",
 )  # fmt: skip
-ATTRIBUTES = ("scene", "domain_shape", "domain_width")
+ATTRIBUTES = ("domain_shape", "domain_width")
 POSITIVE = ("L", "I", "S", "D", "volume")
 UNIT = 1e-6  # largest deviation of the norm of an orientation from 1
 FARTHEST = 1e4  # maximum distance of a grain from the origin, in widths of the domain
@@ -20,7 +20,7 @@ def check_content(path, packing) -> None:
     if missing:
         raise ValueError(f"{path} is not a packing: {', '.join(missing)} missing. Give a file that `scree pack` wrote.")
     try:
-        json.loads(packing.attrs["scene"])
+        json.loads(packing.attrs.get("scene", "{}"))  # a file made by hand may have none
     except ValueError:
         raise _damaged(path, "the attribute scene is not JSON") from None
     farthest = FARTHEST * float(packing.attrs["domain_width"])

@@ -100,7 +100,7 @@ def test_contacts_with_walls_are_no_normals_but_bear():
         contacts=np.concatenate([pairs, walls]),
         images=np.concatenate([images, np.zeros_like(walls)]),
     )
-    found = fabric(bed, cut=0.25)  # from the lowest layer to the highest but one
+    found = fabric(bed, cut=0.35)  # from the lowest layer to the highest but one
     assert int(found["grains"]) == 45
     layers = np.array([5, 6, 6, 6, 6])
     assert float(found["coordination_number"]) == pytest.approx(layers.mean())
