@@ -139,7 +139,7 @@ class Plan:
         rules = _rule_names()
         for study in self.all_studies:
             if study in rules:
-                raise ValueError(f"studies.{study}: the workflow has a rule of this name; rename the study")
+                raise ValueError(f"studies.{study}: a rule of the workflow has this name; choose another name")
             if study.startswith(deposits.PREFIX):
                 deposits.family(study)
         # Deposits are left out: their fabric is evaluated, with other cuts.
@@ -325,6 +325,11 @@ class Plan:
     def fits_mixtures(self):
         """Whether the campaign has enough mixtures of form for a model of them."""
         return "form_mixtures" in self.studies and len(self.of("form_mixtures")) >= SMALLEST_MIXTURE_STUDY
+
+
+def is_dry_run(words) -> bool:
+    """Return whether the words of a command line of Snakemake make it a dry run, such as -n, -np or --dry-run."""
+    return any(re.fullmatch(r"-[A-Za-z]*n[A-Za-z]*|--dry-?run", word) for word in words)
 
 
 def _rule_names():

@@ -29,7 +29,7 @@ _COLUMNS = {
     "sieve": r"(?:sieve|sieves|sieve[\s_]+curve|curve)(?:[\s_]+file)?",
 }
 SIEVE_NAME = re.compile(_COLUMNS["sieve"], re.IGNORECASE)  # of the column with the sieve curve of each bed or sample
-_MEANINGS = {"n": "the porosity", "n_error": "its error", "case": "the sieve curve", "sieve": "the sieve curve"}
+_MEANINGS = {"n": "the porosity", "n_error": "the error of n", "case": "the sieve curve", "sieve": "the sieve curve"}
 NEEDED = (
     "give a row per bed with the column n, its measured porosity, and the form of its grains: mean_FL, std_FL, "
     "mean_EL, std_EL, or FL, EL, or L, I, S"

@@ -14,8 +14,7 @@ from simcore.packing.forecast_text import check_setup, setup_warnings
 from simcore.packing.process import pack as run_packing
 from simcore.provenance.cpu_time import cpu_time
 from simcore.scene.setup import Setup, set_up
-from simcore.scene.sizes import size_curve
-from simcore.scene.specification import read_specification, resolve
+from simcore.scene.specification import read_specification, resolve_written
 
 
 def pack(
@@ -37,9 +36,7 @@ def pack(
     from nowhere.
     """
     if isinstance(specification, dict):
-        specification = resolve(specification, unused="refuse")
-        if not specification["sizes"]["own"]:
-            size_curve(specification["sizes"])
+        specification = resolve_written(specification)
     else:
         specification = read_specification(specification)
     code_version()  # names the code that runs, even if files are changed in the meantime

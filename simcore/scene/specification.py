@@ -51,6 +51,14 @@ def express(resolved, schema="packing"):
     return _express(resolved, read_schema(schema))
 
 
+def resolve_written(raw, schema="packing"):
+    """Return the resolved specification that a user wrote; ValueError also for a key without effect or wrong sizes."""
+    resolved = resolve(raw, schema, unused="refuse")
+    if schema == "packing" and not resolved["sizes"]["own"]:  # own sizes follow from the grains, which are read later
+        size_curve(resolved["sizes"])
+    return resolved
+
+
 def read_specification(path, schema="packing"):
     """Read the YAML file at `path` and return its resolved specification; ValueError names the file and the key."""
     path = Path(path)
@@ -58,10 +66,7 @@ def read_specification(path, schema="packing"):
         raise ValueError(f"{path}: there is no such file; correct the path")
     raw = _read_yaml(path)
     try:
-        resolved = resolve(raw if raw is not None else {}, schema, unused="refuse")
-        if schema == "packing" and not resolved["sizes"]["own"]:  # own sizes follow from the grains, read later
-            size_curve(resolved["sizes"])
-        return resolved
+        return resolve_written(raw if raw is not None else {}, schema)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 

@@ -6,7 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.campaign.plan import SMALLEST_MIXTURE_STUDY, Plan, describe_studies, estimate_studies, number_pieces
+from simcore.campaign.plan import (
+    SMALLEST_MIXTURE_STUDY,
+    Plan,
+    describe_studies,
+    estimate_studies,
+    is_dry_run,
+    number_pieces,
+)
 from simcore.evaluation.interval import campaign_cut
 from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import fewest_samples
@@ -223,8 +230,8 @@ def test_a_bed_too_low_is_refused_with_its_name():
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("report", "studies.report: the workflow has a rule of this name; rename the study"),
-        ("all", "studies.all: the workflow has a rule of this name"),
+        ("report", "studies.report: a rule of the workflow has this name; choose another name"),
+        ("all", "studies.all: a rule of the workflow has this name"),
         (
             "deposit_mine",
             "studies.deposit_mine: the name has no known family; names of deposits begin with deposit_map",
@@ -247,6 +254,19 @@ def test_a_study_outside_all_makes_no_model_of_mixtures():
     study = {"varies": {"seed": list(range(1, 1 + SMALLEST_MIXTURE_STUDY))}, "fixes": {"shapes": {"kind": "sphere"}}}
     assert plan_of(studies={"form_mixtures": study}).fits_mixtures
     assert not plan_of(studies={"form_mixtures": {**study, "in_all": False}}).fits_mixtures
+
+
+@pytest.mark.parametrize(
+    ("words", "dry"),
+    [
+        (["snakemake", "-n", "--cores", "2"], True),
+        (["snakemake", "-np", "near_spheres"], True),
+        (["snakemake", "--dry-run"], True),
+        (["snakemake", "--cores", "2", "--nolock", "-p", "near_spheres"], False),
+    ],
+)
+def test_a_dry_run_is_recognised(words, dry):
+    assert is_dry_run(words) == dry
 
 
 def test_the_command_of_a_campaign_can_be_run():

@@ -38,6 +38,8 @@ def test_forms_of_one_grain_and_percent_are_the_same_bed(read):
     assert [bed.sample.name for bed in axes] == ["row 2", "row 3"]
     without, _ = read("FL,EL,n\n0.5,0.7,0.365\n", "one-class")
     assert math.isnan(without[0].n_error) and without[0].case == "one-class"
+    some, _ = read("FL,EL,n,n_error\n0.5,0.7,0.365,\n0.5,0.7,0.36,0.004\n", "one-class")
+    assert math.isnan(some[0].n_error) and some[1].n_error == 0.004
 
 
 def test_summaries_and_other_columns_are_left_out_with_a_notice(read):

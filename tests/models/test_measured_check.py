@@ -120,6 +120,14 @@ def test_too_few_beds_for_a_fit_are_compared_with_our_models(write, tmp_path, ca
     assert "Nothing is fitted." in text and "an offset, needs 3 beds" in text
 
 
+@pytest.mark.parametrize(("case", "curve"), [("U3", "U3"), ("bar", "a file, or a listed curve such as U3,")])
+def test_beds_of_a_case_without_a_model_are_left_out_with_the_remedy(write, case, curve):
+    path = write(f"A,{case},0.35,{FORM}", f"B,U1,0.36,{FORM}", head=HEAD.replace("n,", "case,n,"))
+    (left_out,) = check_models(path).left_out
+    assert left_out.startswith(f"case {case}: 1 row")
+    assert left_out.endswith(f"give {curve} as --sieve or in a column sieve, not as a case")
+
+
 def test_beds_that_cannot_be_predicted_are_an_error_beside_too_few_of_a_case(write, capsys):
     rows = ["A,,U7,0.3,0.6,0.1,0.7,0.1", "B,,U7,0.3,0.61,0.1,0.7,0.1", "C,,U7,0.5,0.12,0.02,0.3,0.02"]
     path = write("D,one-class,,0.35,0.6,0.1,0.7,0.1", *rows, head=HEAD.replace("n,", "case,sieve,n,"))

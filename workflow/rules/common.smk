@@ -3,14 +3,13 @@ report: "../report/workflow.rst"
 
 
 import os
-import re
 import sys
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 from snakemake.io import ancient
 
-from simcore.campaign.plan import Plan
+from simcore.campaign.plan import Plan, is_dry_run
 from simcore.grains.sources import source_files
 from simcore.paths import REFERENCE, ROOT, find_this_python_first
 from simcore.provenance.digest import digest
@@ -36,7 +35,7 @@ packings, studies, all_studies = plan.packings, plan.studies, plan.all_studies
 
 # A dry run prints the estimated cost of the campaign. The command line is read because Snakemake does not report a dry
 # run to the workflow before all rules are read.
-if any(re.fullmatch(r"-\w*n\w*|--dry-?run", word) for word in sys.argv):
+if is_dry_run(sys.argv):
     print(plan.description(), file=sys.stderr)
 
 

@@ -86,6 +86,13 @@ def test_a_size_of_the_finest_grains_needs_a_file_of_a_curve(write, tmp_path, ca
     assert "--finest and --coarsest are sizes" in capsys.readouterr().err
 
 
+def test_a_specification_that_cannot_be_written_is_refused_before_the_prediction(write, tmp_path, capsys):
+    (tmp_path / "file").touch()
+    assert main(["predict", str(write(MEANS, A)), "--sieve", "U7", "--pack", str(tmp_path / "file" / "bed.yaml")]) != 0
+    printed = capsys.readouterr()
+    assert printed.out == "" and "bed.yaml cannot be written" in printed.err
+
+
 def test_without_names_grains_of_one_curve_are_one_sample(write):
     beds, _ = read_bed_forms(write("sieve,FL,EL", "U7,0.6,0.7", "own.csv,0.5,0.6", "U7,0.8,0.7"))
     assert [(str(bed.source), [(each.name, each.grains) for each in bed.samples]) for bed in beds] == [
