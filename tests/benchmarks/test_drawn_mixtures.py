@@ -1,5 +1,7 @@
 """The 104 statistics of form of the committed mixtures follow from their grains, which are drawn again."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -58,5 +60,6 @@ def test_the_texts_have_the_highest_correlation_and_that_of_the_mean_equancy():
     assert f"| {ours} | {equancy.r22_r:.3f}, µ_EQ⁻¹ |" in findings
     words = {"mean of KIS⁻¹": "mu_1/KIS", "mean of IRI⁻¹": "mu_1/IRI", "mean of EQ⁻¹": "mu_1/EQ"}
     for name, feature in words.items():
-        assert f"| {name} | {table.loc[feature, 'rank']} | {table.loc[feature, 'r']:.3f} | |" in mixtures
+        row = rf"\| {name}[^|]* \| {table.loc[feature, 'rank']} \| {table.loc[feature, 'r']:.3f} \| \|"
+        assert re.search(row, mixtures), row
     assert f"| µ_EQ⁻¹ | {equancy['rank']} | {equancy.r:.3f} | {equancy.r22_r:.3f} |" in mixtures

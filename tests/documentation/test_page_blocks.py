@@ -22,6 +22,20 @@ def test_each_shown_line_must_be_printed_in_its_order(shown, share, missing):
     assert difference(shown, PRINTED, share) == missing
 
 
+@pytest.mark.parametrize(
+    "shown, share, same",
+    [
+        ("B − A  +0.020 ± 0.010  −0.01 to +0.05  3 pairs", 0.1, True),
+        ("B − A  +0.020 ± 0.010  −0.01 to +0.05  3 pairs", 0.0, False),
+        ("B − A  +0.030 ± 0.002  +0.01 to +0.02  3 pairs", 0.1, False),
+        ("B − A  −0.020 ± 0.002  +0.01 to +0.02  3 pairs", 0.1, False),
+        ("B − A  +0.020          +0.01 to +0.02  3 pairs", 0.1, False),
+    ],
+)
+def test_errors_and_intervals_of_packings_are_not_compared(shown, share, same):
+    assert (difference(shown, "B − A  +0.020 ± 0.002  +0.01 to +0.02  3 pairs\n", share) is None) == same
+
+
 def test_a_mark_belongs_to_the_next_block_only():
     page = "<!-- test: fails -->\n```bash\nfalse\n```\n\n<!-- test: dry run -->\ntext\n```bash\ntrue\n```\n"
     assert [(block.content, block.mark) for block in blocks_of(page)] == [("false\n", "fails"), ("true\n", "")]

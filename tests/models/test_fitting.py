@@ -68,8 +68,11 @@ def test_a_campaigns_models_are_read_from_its_folder(tmp_path):
     assert fitted.behind["single_form", "U7"] == f"20 beds, test only: {tmp_path / 'single_form.nc'}"
     row = predict_samples([sample_of_one_form(0.6, 0.7)], "U7", fitted).iloc[0]
     assert row.lower < porosity_of_form(0.6, 0.7) < row.upper
-    with pytest.raises(ValueError, match="there is no model in single_form.nc, form_mixture.nc, unified.nc"):
+    with pytest.raises(ValueError, match="none: there is no such folder or file of models"):
         read_campaign_models(tmp_path / "none")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(ValueError, match="there is no model in single_form.nc, form_mixture.nc, unified.nc"):
+        read_campaign_models(tmp_path / "empty")
 
 
 def test_a_campaign_without_mixtures_leaves_a_file_that_can_be_read(tmp_path):

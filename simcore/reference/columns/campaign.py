@@ -1,7 +1,7 @@
 """Columns of the tables of a campaign: cost, gathered packings, biases of settings, and the grains."""
 
 from simcore.grains.form import FORM_FACTORS
-from simcore.reference.columns.column import Column
+from simcore.reference.columns.column import NOTE, Column
 
 COST = (
     Column("study", "", "name of the study, or all"),
@@ -88,4 +88,5 @@ GRAINS = (
         for name, word in (("min", "minimum"), ("max", "maximum"), ("mean", "mean"), ("std", "standard deviation"))
     ),
     Column("within", "", "whether all grains are in the range of the scanned grains"),
+    NOTE,
 )

@@ -12,3 +12,6 @@ class Column(NamedTuple):
     committed: str = ""  # name in the committed rows; "" if it is the same or there is no such column
     key: str = ""  # key of the specification, if a study may vary it under this name
     statistic: str = ""  # name in simcore.grains.statistics, if it is a statistic over the grains of a packing
+
+
+NOTE = Column("note", "", "test only, if the rows are those of a test of the workflow")

@@ -1,6 +1,6 @@
 """Columns of the tables of deposits of ellipsoids, simcore.campaign.deposits and simcore.campaign.deposit_findings."""
 
-from simcore.reference.columns.column import Column
+from simcore.reference.columns.column import NOTE, Column
 
 # Results that are averaged over seeds and compared between settings
 _RESULTS = (
@@ -40,7 +40,7 @@ DEPOSITS = (
     Column("change", "", "settings that differ from those of the study's first packing; none: no setting"),
     Column("packings", "", "number of packings of a row"),
     *(Column(f"{name}_error", "", f"standard error over the seeds of {name}") for name, *_ in _RESULTS),
-    Column("note", "", "test only, if the rows are those of a test of the workflow"),
+    NOTE,
 )
 # Effect of each change: the mean differences of the results, paired by seed
 CHANGES = (

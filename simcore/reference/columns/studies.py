@@ -4,7 +4,7 @@ A table of a study has one row per packing (`simcore.campaign.study_tables.tabul
 committed rows are in results/reference.
 """
 
-from simcore.reference.columns.column import Column
+from simcore.reference.columns.column import NOTE, Column
 
 COLUMNS = (
     Column("study", "", "name of the study"),
@@ -55,7 +55,7 @@ COLUMNS = (
     Column("cpu_s", "s", "CPU time of the packing"),
     Column("cpu_h", "h", "CPU time of all packings of a row"),
     Column("warnings", "", "warnings of the packing, one line each"),
-    Column("note", "", "test only, if the rows are those of a test of the workflow"),
+    NOTE,
     # Settings that single studies vary
     Column("dashpot", "", "how the dashpot is evaluated: explicit or implicit", key="numerics.dashpot"),
     Column("steps_per_contact_time", "", "time steps per contact time", key="numerics.steps_per_contact_time"),

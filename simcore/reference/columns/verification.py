@@ -1,6 +1,6 @@
 """Columns of the tables of verification: error against CPU time, rest of a bed, packings with known results."""
 
-from simcore.reference.columns.column import Column
+from simcore.reference.columns.column import NOTE, Column
 
 _MACHINE = Column("machine", "", "machine, versions of libraries and digest of the code")
 _UNIT = "rad for attitude and normal, else none"
@@ -33,7 +33,7 @@ PACKINGS = (
     Column("difference_std_error", "", "standard error of difference"),
     Column("cpu_s", "s", "CPU time of a packing, median"),
     Column("cpu_ratio", "", "CPU time over that of the first setting of the study"),
-    Column("note", "", "test only, if the rows are those of a test of the workflow"),
+    NOTE,
     _MACHINE,
 )
 CHEAPEST_SETTINGS = (

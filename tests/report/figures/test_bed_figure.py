@@ -97,7 +97,7 @@ def test_wrong_input_is_one_line(tmp_path, capsys):
     write_packing(tmp_path / "bed.nc", ellipsoids(3))
     write_packing(tmp_path / "empty.nc", make_packing(np.zeros((0, 3)), np.zeros((0, 3))))
     for arguments, message in (
-        (["bed.nc", "bed.jpeg"], "the figure: bed.jpeg must end in .png, .pdf or .svg"),
+        (["bed.nc", "bed.jpeg"], "bed.jpeg must end in .png, .pdf or .svg"),
         (["none.nc"], "there is no such file"),
         (["empty.nc"], "contains no grain"),
         (["bed.nc", "--cut", "1 kg"], "--cut: '1 kg' is a mass"),
