@@ -7,8 +7,8 @@
 
 A table whose first line is such a comment, in a ```csv block, is written without that line. A comment before a block
 changes what happens: `<!-- test: fails -->`, the command must fail; `<!-- test: within 10 % -->`, before shown text:
-numbers may differ by this share, since packings differ between processors, and their errors (after ±) and the intervals of
-differences are not compared; `<!-- test: dry run -->`, Snakemake only plans; `<!-- test: not run, REASON -->`.
+numbers may differ by this share, since packings differ between processors, and their errors (after ±) and the intervals
+of differences are not compared; `<!-- test: dry run -->`, Snakemake only plans; `<!-- test: not run, REASON -->`.
 """
 
 import contextlib
