@@ -39,6 +39,12 @@ class Voxels(NamedTuple):
         return 1.0 - np.count_nonzero(self.labels) / self.labels.size
 
 
+def default_edge(packing) -> float:
+    """Return the edge of a voxel [m] where none is given: small enough for the median sieve size and every grain."""
+    smallest = float(packing["S"].values.min())
+    return min(float(np.median(packing["D"].values)) / VOXELS_PER_SIZE, smallest / VOXELS_PER_GRAIN)
+
+
 def voxels(packing, size=None, periodic="cut"):
     """Return the Voxels of a packing.
 
@@ -50,7 +56,7 @@ def voxels(packing, size=None, periodic="cut"):
     """
     smallest = float(packing["S"].values.min())
     if size is None:
-        size = min(float(np.median(packing["D"].values)) / VOXELS_PER_SIZE, smallest / VOXELS_PER_GRAIN)
+        size = default_edge(packing)
     if not 0.0 < size <= smallest:
         raise ValueError(
             f"voxels: the edge of {1e3 * size:g} mm must be more than 0 and at most the smallest axis of a grain, "

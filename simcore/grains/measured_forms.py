@@ -26,6 +26,7 @@ from simcore.grains.grain_counts import read_counts, read_numbers
 from simcore.grains.statistics import equancy_statistics, few_grains_covariance, means_covariance
 from simcore.grains.summary_rows import find_summary_rows
 from simcore.grains.table_file import advice_on_fields, read_table
+from simcore.grains.text_lists import join_first
 
 log = logging.getLogger(__name__)
 
@@ -217,15 +218,16 @@ def _describe_unused(header, cells, columns):
         if header[position] and not CLASS_NAME.fullmatch(header[position]) and look_like_classes(values):
             notices.append(
                 f"the column {unused.pop(position)} is not used; its values look like sieve classes "
-                f"({_join_first(values)}); to give forms by class beside a sieve curve, rename the column to `class`"
+                f"({join_first(values, SHOWN)}); to give forms by class beside a sieve curve, rename the column to "
+                "`class`"
             )
     may_name_samples = columns.sample is None and columns.kind != MEANS
     for position in list(unused) if may_name_samples else []:
         values = [text for text in dict.fromkeys(cells[position]) if text]
         if 1 < len(values) < len(cells) and not all(NUMBER.fullmatch(text) for text in values) and header[position]:
             notices.append(
-                f"the column {unused.pop(position)} has repeated values ({_join_first(values)}) and is not used, so "
-                f"all grains are one sample; if its values are samples, give --sample '{header[position]}'"
+                f"the column {unused.pop(position)} has repeated values ({join_first(values, SHOWN)}) and is not used, "
+                f"so all grains are one sample; if its values are samples, give --sample '{header[position]}'"
             )
     if unused:
         notices.append(f"columns that are not used: {', '.join(unused.values())}")
@@ -241,15 +243,9 @@ def _describe_slips(path, groups, check):
         return []
     ratios = "I/L" if len(forms[0][1]) == 1 else "S/I or I/L"
     return [
-        f"{path}: row{'s' * (len(rows) > 1)} {_join_first(rows)}: {ratios} is {SLIP:g} or less, which is rare for "
-        "gravel; check the decimal marks"
+        f"{path}: row{'s' * (len(rows) > 1)} {join_first(rows, SHOWN)}: {ratios} is {SLIP:g} or less, which is rare "
+        "for gravel; check the decimal marks"
     ]
-
-
-def _join_first(texts):
-    """Return the first SHOWN texts separated by commas, and the number of further ones."""
-    shown = ", ".join(texts[:SHOWN])
-    return shown if len(texts) <= SHOWN else f"{shown} and {len(texts) - SHOWN} more"
 
 
 def _check_axes(where, values):

@@ -9,9 +9,11 @@ from pathlib import Path
 from simcore.grains.grain_set import read_attribute, read_grains
 from simcore.grains.readers import UNITS, file_name, grain_files, read_grain_files
 from simcore.grains.synthetic import synthetic_grains
+from simcore.grains.text_lists import join_first
 
 # There is a warning if the volume of a hull is more than this many times that of its grain.
 CONCAVE = 1.1
+NAMED = 10  # maximum number of grains and files that a warning names
 
 
 def source_files(grains):
@@ -92,7 +94,7 @@ def grain_warnings(grains, group=None):
     warnings = []
     concave = sorted((grain for grain in grains if grain.hull_ratio > CONCAVE), key=lambda grain: -grain.hull_ratio)
     if concave:
-        ratios = _join_first([f"{grain.name} {grain.hull_ratio:.2f}" for grain in concave])
+        ratios = join_first([f"{grain.name} {grain.hull_ratio:.2f}" for grain in concave], NAMED)
         warnings.append(
             f"{len(concave)} of {len(grains)} grains are concave; their convex hulls are packed, which are larger than "
             f"the grains by these factors: {ratios}."
@@ -102,11 +104,12 @@ def grain_warnings(grains, group=None):
         for note in grain.notes:
             names_by_note.setdefault(note, []).append(grain.name)
     warnings += [
-        f"grain{'s' if len(names) > 1 else ''} {_join_first(names)}: {note}." for note, names in names_by_note.items()
+        f"grain{'s' if len(names) > 1 else ''} {join_first(names, NAMED)}: {note}."
+        for note, names in names_by_note.items()
     ]
     left_out = left_out_files(group) if group is not None else []
     if left_out:
-        warnings.append(f"{len(left_out)} files were left out: {_join_first(left_out, '; ')}.")
+        warnings.append(f"{len(left_out)} files were left out: {join_first(left_out, NAMED, '; ')}.")
     return warnings
 
 
@@ -138,11 +141,6 @@ def left_out_files(group):
     if Path(files[0]).suffix == ".nc":
         return (read_attribute(files[0], "left_out") or "").splitlines()
     return [f"{path.name}: {reason}" for path, reason in grain_files(files)[1].items()]
-
-
-def _join_first(words, mark=", "):
-    """Return the first ten words, and the number of further ones."""
-    return mark.join(words[:10]) + (f"{mark}and {len(words) - 10} more" if len(words) > 10 else "")
 
 
 def content_digest(paths, names=None):

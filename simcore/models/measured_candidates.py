@@ -13,6 +13,7 @@ import pandas as pd
 BEDS_NEEDED = {"offset": 3, "rescaling": 6}
 # A bed with a leverage above this determines a coefficient alone, so that it cannot be predicted from the others.
 _ALONE = 1.0 - 1e-9
+AGREEMENT = ["by", "model", "beds", "bias", "bias_error", "scatter", "inside"]
 SAME = "all measured porosities are the same"
 NO_SPREAD = "our model predicts nearly the same porosity for all beds, or for all but one"
 
@@ -110,3 +111,13 @@ def choose(candidates):
     fitted = [item for item in candidates if item.model is not None]
     best = min(fitted, key=lambda item: item.error)
     return next(item for item in fitted if item.error <= best.error + best.error_se)
+
+
+def agreement(by, model, difference, inside=np.nan):
+    """Return a row of AGREEMENT from the differences (k,) of predicted and measured porosities.
+
+    The bias is their mean and the scatter their standard deviation, nan for one bed. inside: number of beds in their
+    prediction intervals, nan if the model has none.
+    """
+    scatter = difference.std(ddof=1) if len(difference) > 1 else np.nan
+    return by, model, len(difference), difference.mean(), scatter / np.sqrt(len(difference)), scatter, inside

@@ -13,11 +13,13 @@ import pandas as pd
 from simcore.models.correction import CORRECTIONS, regressors
 from simcore.models.fitting import FittedModels
 from simcore.models.measured_candidates import (
+    AGREEMENT,
     BEDS_NEEDED,
     NO_SPREAD,
     SAME,
     Candidate,
     TooFewBeds,
+    agreement,
     choose,
     fitted_candidate,
     group_repeats,
@@ -41,7 +43,6 @@ from simcore.models.size_and_form.bed_prediction import (
 from simcore.models.size_and_form.curve_correction import correct_curves, describe_forms
 
 OURS, CORRECTED, LITERATURE = "size and form", "size and form, corrected", "literature"
-AGREEMENT = ["by", "model", "beds", "bias", "bias_error", "scatter", "inside"]
 
 
 @dataclass(frozen=True)
@@ -164,19 +165,17 @@ def _fit_correction(kind, beds, errors, constants):
 
 def _compare(beds, rows, n, fitted):
     """Return the agreement of all models with the porosities n (k,), DataFrame with the columns AGREEMENT."""
-    table = [_agreement("ours", OURS, rows.n, n, rows)]
+    table = [_agreement(OURS, rows, n)]
     if fitted.curve is not None:
         corrected = _predict(beds, fitted)
-        table.append(_agreement("ours", CORRECTED, corrected.n, n, corrected))
+        table.append(_agreement(CORRECTED, corrected, n))
     others = [other_predictors(bed.curve, row.n_one_class) for bed, row in zip(beds, rows.itertuples(), strict=True)]
     for i, name in enumerate(others[0]["model"]):
         predicted = np.array([other["n"].iloc[i] for other in others])
-        table.append(_agreement(LITERATURE, name.removeprefix("packing model: "), predicted, n))
+        table.append(agreement(LITERATURE, name.removeprefix("packing model: "), predicted - n))
     return pd.DataFrame(table, columns=AGREEMENT)
 
 
-def _agreement(by, model, predicted, n, rows=None):
-    difference = np.asarray(predicted, float) - n
-    scatter = difference.std(ddof=1)
-    inside = np.nan if rows is None else float(((rows.lower <= n) & (n <= rows.upper)).sum())
-    return by, model, len(n), difference.mean(), scatter / np.sqrt(len(n)), scatter, inside
+def _agreement(model, rows, n):
+    inside = float(((rows.lower <= n) & (n <= rows.upper)).sum())
+    return agreement("ours", model, np.asarray(rows.n, float) - n, inside)

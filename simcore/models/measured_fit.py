@@ -21,11 +21,13 @@ import pandas as pd
 
 from simcore.models.correction import CORRECTIONS, correct_model, regressors
 from simcore.models.measured_candidates import (
+    AGREEMENT,
     BEDS_NEEDED,
     NO_SPREAD,
     SAME,
     Candidate,
     TooFewBeds,
+    agreement,
     choose,
     fitted_candidate,
     group_repeats,
@@ -62,7 +64,6 @@ FEATURE_SETS = {
     "form_mixture": MIXTURE,
     "unified": UNIFIED,
 }
-AGREEMENT = ["by", "model", "beds", "bias", "bias_error", "scatter", "inside"]
 
 
 @dataclass(frozen=True)
@@ -279,10 +280,8 @@ def _compare(predictions, n):
         if not used:
             continue
         difference = np.array([rows[i]["n"] for i in used]) - n[used]
-        scatter = difference.std(ddof=1) if len(used) > 1 else np.nan
         inside = sum(rows[i]["lower"] <= n[i] <= rows[i]["upper"] for i in used) if by == "ours" else np.nan
-        error = scatter / np.sqrt(len(used))
-        table.append((by, model, len(used), difference.mean(), error, scatter, inside))
+        table.append(agreement(by, model, difference, inside))
     return pd.DataFrame(table, columns=AGREEMENT)
 
 

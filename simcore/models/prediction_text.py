@@ -8,6 +8,7 @@ from simcore.grains.measured_forms import FEWEST_FOR_ERRORS, read_two_axes
 from simcore.grains.text_columns import text_columns
 from simcore.models.fitted_range import FAR, NEAR
 from simcore.models.measured_prediction import check_level, models_for_cases, predict_measured
+from simcore.models.measured_text_parts import records
 from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS, predict_two_axes, two_axes_text
 from simcore.reference.r22_tables import read_r22_table
@@ -203,8 +204,8 @@ def as_json(table, case, fitted, level=0.95, notices=()):
     common = ["name", "grains", "taken_as", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL", "mu_EQ", "sigma_EQ"]
     samples = []
     for _, rows in table.groupby("name", sort=False):
-        predictions = [_plain(row) for _, row in rows[PREDICTION].iterrows()]
-        samples.append({**_plain(rows.iloc[0][common]), "predictions": predictions})
+        predictions = records(rows[PREDICTION])
+        samples.append({**records(rows[common].head(1))[0], "predictions": predictions})
     models = [
         {
             "model": name,
@@ -218,11 +219,3 @@ def as_json(table, case, fitted, level=0.95, notices=()):
     ]
     content = {"case": case, "level": level, "notices": list(notices), "models": models, "samples": samples}
     return json.dumps(content, indent=1, allow_nan=False)
-
-
-def _plain(row):
-    """Return a row as a dict for JSON; a number that is not finite becomes null."""
-    values = {key: value.item() if isinstance(value, np.generic) else value for key, value in row.items()}
-    return {
-        key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in values.items()
-    }

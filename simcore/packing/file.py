@@ -14,7 +14,7 @@ from simcore.compilation import source_digest
 from simcore.dem.state.bodies import CYLINDER, FLOOR
 from simcore.grains.sieve import SieveCurve, class_fractions
 from simcore.packing.file_content import check_content
-from simcore.packing.packed import Packed
+from simcore.packing.packed import DAMPING, GENERATING, SHAKING, Packed
 from simcore.paths import ROOT
 from simcore.provenance.version import VERSION
 from simcore.scene.scene import Scene
@@ -262,7 +262,7 @@ def _contact_variables(packed, shift, width):
 
 def _history_variables(packed):
     """Return the Observation of every check as time series."""
-    phases = ["generating", "shaking", "damping"]
+    phases = [GENERATING, SHAKING, DAMPING]
     series = {
         "kinetic_energy": "J",
         "max_speed": "m s-1",

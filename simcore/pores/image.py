@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.evaluation.porosity import domain_area
-from simcore.export.voxels import PORE, VOXELS_PER_GRAIN, VOXELS_PER_SIZE, voxels
+from simcore.export.voxels import PORE, default_edge, voxels
 
 # Largest number by default. PoreSpy and the diffusion take seconds per million voxels.
 MOST_VOXELS = 8_000_000
@@ -51,8 +51,7 @@ def voxel_sizes(packing, low, high, voxel=None):
             "voxels of twice this edge are used as well; choose another --voxel"
         )
     if voxel is None:
-        coarse = min(float(np.median(packing["D"].values)) / VOXELS_PER_SIZE, smallest / VOXELS_PER_GRAIN)
-        voxel = max(0.5 * coarse, float(np.cbrt(domain_area(packing) * (high - low) / MOST_VOXELS)))
+        voxel = max(0.5 * default_edge(packing), float(np.cbrt(domain_area(packing) * (high - low) / MOST_VOXELS)))
     return 2.0 * voxel, voxel
 
 

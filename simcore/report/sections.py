@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from simcore.grains.text_lists import join_first
 from simcore.reference.columns.headings import find_heading
 from simcore.report.answers import answer, by_stem, how_sure, unseen
 from simcore.report.outcomes import outcome, shows_more
@@ -81,16 +82,10 @@ def packing_warnings(path):
             by_text.setdefault(line, []).append(name)
     if not by_text:
         return []
-    items = [f"{_some_names(names)}: {line}" for line, names in list(by_text.items())[:WARNINGS_SHOWN]]
+    items = [f"{join_first(names, NAMES_SHOWN)}: {line}" for line, names in list(by_text.items())[:WARNINGS_SHOWN]]
     n_hidden = len(by_text) - len(items)
     items += [f"{n_hidden} further warnings are listed in {path}."] if n_hidden else []
     return [paragraph("Warnings of packings:"), bullets(items)]
-
-
-def _some_names(names):
-    """Return the first names of these packings and the number of others as text."""
-    shown, others = ", ".join(names[:NAMES_SHOWN]), len(names) - NAMES_SHOWN
-    return f"{shown} and {others} more" if others > 0 else shown
 
 
 def study_section(title, path, question="", effects="", **more):

@@ -7,6 +7,7 @@ import numpy as np
 from simcore.grains.text_columns import text_columns
 from simcore.models.fitting import FittedModels
 from simcore.models.measured_prediction import check_level, models_for
+from simcore.models.measured_text_parts import plain
 from simcore.models.prediction_text import few_grains_caveats, few_grains_error_caveats
 from simcore.models.size_and_form.bed_forms import join_tables, read_bed_forms
 from simcore.models.size_and_form.bed_prediction import (
@@ -192,17 +193,10 @@ def _plain_bed(curve, table, fitted):
     """Return a SieveCurve and the table of its samples as plain values."""
     samples = []
     for row in table.to_dict("records"):
-        plain = {key: _plain(value) for key, value in row.items()}
+        sample = {key: plain(value) for key, value in row.items()}
         if not row["refused"]:
-            plain["other_models"] = other_predictors(curve, row["n_one_class"]).to_dict("records")
-            plain["sensitivity"] = list(_sensitivity(curve, row["n_one_class"], fitted))
-        samples.append(plain)
+            sample["other_models"] = other_predictors(curve, row["n_one_class"]).to_dict("records")
+            sample["sensitivity"] = list(_sensitivity(curve, row["n_one_class"], fitted))
+        samples.append(sample)
     bounds, fractions = list(1e3 * curve.bounds), list(curve.mass_fractions)
     return {"curve": {"name": curve.name, "bounds_mm": bounds, "mass_fractions": fractions}, "samples": samples}
-
-
-def _plain(value):
-    if isinstance(value, str):
-        return value
-    value = value.item() if isinstance(value, np.generic) else value
-    return None if isinstance(value, float) and not np.isfinite(value) else value
