@@ -11,10 +11,9 @@ def add(commands) -> None:
     parser = commands.add_parser(
         "predict",
         help="porosity of a bed of measured grains, from our models and those of Rettinger et al. (2022)",
-        description="Porosity of a bed of measured grains with its prediction interval, without packing them. With "
-        "--case the exit status is 2, and nothing is predicted, if a sample is too far outside the range that the "
-        "models were fitted to. With a sieve curve such samples are listed below the others, and the exit status is 2 "
-        "if all are.",
+        description="Porosity of a bed of measured grains with its prediction interval, without packing them. Samples "
+        "that are too far outside the range that the models were fitted to are listed below the others with the "
+        "reason. The exit status is 2 if no sample is predicted.",
     )
     parser.add_argument(
         "forms",

@@ -6,6 +6,7 @@ import xarray as xr
 from simcore.evaluation.interval import end_cuts, median_size
 from simcore.evaluation.sampling_error import sampling_error
 from simcore.evaluation.slicing import slab_volumes, vertical_extent
+from simcore.scene.domain import Domain
 
 CUT_OFF = 0.5  # porosity at the top of the bed (Rettinger et al. 2022)
 ORIGIN = ("scene", "seed", "code_version", "converged", "domain_shape", "domain_width", "largest_sieve_size")
@@ -13,10 +14,7 @@ ORIGIN = ("scene", "seed", "code_version", "converged", "domain_shape", "domain_
 
 def domain_area(packing):
     """Return the horizontal area of the periodic box or of the cylinder [m²]."""
-    width = packing.attrs["domain_width"]
-    if packing.attrs["domain_shape"] == "periodic":
-        return width**2
-    return 0.25 * np.pi * width**2
+    return Domain(packing.attrs["domain_shape"], packing.attrs["domain_width"], height=np.inf).area
 
 
 def porosity_profile(packing, slice_height=1e-3, method="spheres"):

@@ -24,6 +24,7 @@ import numpy as np
 from scipy.special import jnp_zeros, jv, spherical_jn
 
 from simcore.evaluation.slicing import slab_volumes
+from simcore.scene.domain import Domain
 
 # ASSUME: half a wavelength, the size of a block, is at least 1.5 volume-weighted mean grain diameters. At this distance
 # the pair correlation of dense packings is a few per cent, and their spectrum is flat for longer waves.
@@ -42,7 +43,7 @@ def sampling_error(packing, z_lower, z_upper, method="spheres"):
     """
     shape, width = packing.attrs["domain_shape"], packing.attrs["domain_width"]
     height = z_upper - z_lower
-    area = width**2 if shape == "periodic" else 0.25 * np.pi * width**2
+    area = Domain(shape, width, height).area
     inside = slab_volumes(packing, [z_lower, z_upper], method, per_grain=True)[:, 0]
     diameter = np.cbrt(6.0 * packing["volume"].values / np.pi)
     block = BLOCK_DIAMETERS * np.average(diameter, weights=inside)

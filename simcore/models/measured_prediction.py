@@ -24,7 +24,7 @@ def predict_measured(path, case, models=None, source=None, column=None, level=0.
     case, level: as in predict_samples. models: folder results/models of a campaign, or a file that `fit` wrote; None:
     models fitted to the committed packings, only to those of grains from `source` if given. column: column with the
     names of the samples.
-    ValueError if the table or an argument is wrong, or if no model can be evaluated for a sample.
+    ValueError if the table or an argument is wrong, or if no model can be evaluated for any sample.
     """
     check_level(level)
     samples, notices = read_measured(path, column)

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from simcore.grains.statistics import STATISTICS, equancy_statistics
+from simcore.grains.text_lists import join_first
 from simcore.models.few_grains import few_grains_errors, few_grains_half
 from simcore.models.fitted_range import FAR, RangedValue
 from simcore.models.measured_file import MEASURED
@@ -41,7 +42,7 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
     samples: list of simcore.grains.measured_forms.Sample. case: case of the models, or ONE_CLASS for grains of any
     single sieve class: porosity depends only on ratios of sizes, so U1's models are used. fitted: FittedModels. level:
     probability of the prediction intervals. r22_tables: folder of the tables of Rettinger et al. (2022). require:
-    whether at least one model must be evaluated for each sample.
+    whether at least one sample must be predicted.
 
     Columns: the fields of Sample but the covariance, taken_as ("one form" or "a distribution"), and those of
     PREDICTION: by ("ours", or "r22" for Rettinger et al.), model, preferred (the recommended one of our models), n,
@@ -55,7 +56,7 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
     For a distribution, the preferred model is the one with the smaller cross-validated error among our models whose
     fitted range contains the sample; if there is none, it is the unified model, which is also valid for narrow
     distributions. ValueError if there is no model for the case or for a kind of sample, or if no model can be
-    evaluated for one of the samples.
+    evaluated for any of the samples.
     """
     case = model_case(case)
     published = published_models(case, r22_tables)
@@ -75,7 +76,7 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
         del statistics["covariance"]
         tables.append(pd.DataFrame(rows, columns=PREDICTION).assign(**statistics))
     if require:
-        _require_answers(tables, case)
+        _require_one(tables, case)
     table = pd.concat(tables, ignore_index=True)
     return table[["taken_as", *(name for name in table if name not in ("taken_as", *PREDICTION)), *PREDICTION]]
 
@@ -133,17 +134,16 @@ def predict_sample(sample, case, fitted, published, level=0.95, r22_tables=R22_T
     return [*ours, *_predict_r22(sample, features, published, r22_tables)]
 
 
-def _require_answers(tables, case):
-    """Raise a ValueError that names all samples without an evaluated model, with the reasons for the first of them."""
-    refused = [table for table in tables if table.n.isna().all()]
-    if not refused:
+def _require_one(tables, case):
+    """Raise a ValueError that names all samples, with the reasons for the first, if no model is evaluated for any."""
+    if not all(table.n.isna().all() for table in tables):
         return
-    names = [table.name.iloc[0] for table in refused]
-    samples = f"sample {names[0]}" if len(names) == 1 else f"samples {', '.join(names)}"
-    reasons = "; ".join(f"{describe_model(row.by, row.model)}: {row.refused}" for row in refused[0].itertuples())
+    names = [table.name.iloc[0] for table in tables]
+    samples = f"sample {names[0]}" if len(names) == 1 else f"samples {join_first(names, 10)}"
+    reasons = "; ".join(f"{describe_model(row.by, row.model)}: {row.refused}" for row in tables[0].itertuples())
     raise ValueError(
         f"case {case}: the porosity of {samples} cannot be predicted. For {names[0]} no model is evaluated: {reasons}. "
-        "Correct the values, or leave these samples out and simulate packings of them (scree pack)"
+        "Correct the values, or simulate packings of these grains (scree pack)"
     )
 
 

@@ -77,7 +77,13 @@ def _describe_missing_models(table, case, fitted):
         available = ", ".join(fitted.cases())
         return [f"Only the model of Rettinger et al. is used: ours were fitted to {available}, not to {case}."]
     lines = []
-    without = table[~table.groupby("name").preferred.transform("any")]
+    none = table.groupby("name").n.transform("count") == 0
+    if none.any():
+        lines.append(
+            f"No model is evaluated for: {', '.join(table.name[none].unique())}. The reasons are listed below; correct "
+            "the values, or simulate packings of these grains (scree pack)."
+        )
+    without = table[~none & ~table.groupby("name").preferred.transform("any")]
     ours = without.name.isin(without.name[without.by == "ours"])
     for kind in without.taken_as[~ours].unique():
         form = kind if kind == "one form" else "a distribution of form"

@@ -24,7 +24,7 @@ class Progress:
         """Report the rate since the last line and the time left. end: step at which the phase ends, or None."""
         now = working_clock()
         elapsed = now - self.last_time
-        if elapsed < self.scene.numerics.progress_interval:
+        if elapsed < self.scene.numerics.progress_interval or step == self.last_step:
             return
         rate = (step - self.last_step) / elapsed
         self.last_time, self.last_step = now, step

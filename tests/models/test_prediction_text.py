@@ -108,19 +108,36 @@ def run(capsys, *words):
     return status, *capsys.readouterr()
 
 
-def test_a_sample_far_outside_is_refused_before_anything_is_printed(capsys, tmp_path):
+FAR_OUTSIDE = "needles,0.12,0.12\nneedles,0.15,0.13\nslate,0.023,0.72\n"
+
+
+def test_samples_far_outside_are_listed_beside_those_that_are_predicted(capsys, tmp_path):
     """Needles and thin slate are between good samples, in each of the three output formats."""
     path = tmp_path / "bed.csv"
-    path.write_text(
-        "sample,FL,EL\ngood,0.6,0.7\ngood,0.7,0.6\nneedles,0.12,0.12\nneedles,0.15,0.13\nslate,0.023,0.72\n"
-    )
+    path.write_text(f"sample,FL,EL\n{FAR_OUTSIDE}good,0.6,0.7\ngood,0.7,0.6\n")
+    status, text, err = run(capsys, path)
+    assert status == 0 and err.count("\n") == 1 and "row 4: S/I or I/L is 0.1 or less" in err
+    assert "No model is evaluated for: needles, slate. The reasons are listed below" in text
+    assert "only that of Rettinger et al., for" not in text
+    assert "needles, ours unified: mu_EQ_inv = 59 is above" in text and "slate, Rettinger et al. single_form" in text
+    rows = {line.split("  ")[0]: line for line in text.splitlines()}
+    assert "0." in rows["good"][40:] and rows["slate"].count("  -") >= 3
+    table = pd.read_csv(io.StringIO(run(capsys, path, "--csv")[1])).groupby("sample", sort=False)
+    assert table.n.count().to_dict() == {"needles": 0, "slate": 0, "good": 2}
+    assert table.preferred.sum().to_dict() == {"needles": 0, "slate": 0, "good": 1}
+    samples = json.loads(run(capsys, path, "--json")[1])["samples"]
+    assert [row["n"] for row in samples[1]["predictions"]] == [None] * 3
+    assert sum(row["n"] is not None for row in samples[2]["predictions"]) == 2
+
+
+def test_it_is_an_error_if_no_sample_can_be_predicted(capsys, tmp_path):
+    path = tmp_path / "bed.csv"
+    path.write_text(f"sample,FL,EL\n{FAR_OUTSIDE}")
     for form in ([], ["--csv"], ["--json"]):
         status, out, err = run(capsys, path, *form)
         assert (status, out, err.count("\n")) == (2, "", 1)
         assert "the porosity of samples needles, slate cannot be predicted. For needles no model is evaluated" in err
         assert "ours unified: mu_EQ_inv = 59 is above" in err and "Rettinger et al. single_form: EQ_inv" in err
-    path.write_text("sample,FL,EL\ngood,0.6,0.7\ngood,0.7,0.6\n")
-    assert run(capsys, path)[0] == 0
 
 
 def test_no_number_is_printed_for_a_model_near_sigma_0(capsys, tmp_path):

@@ -10,7 +10,7 @@ from simcore.grains.measured_forms import Sample, read_measured, read_two_axes
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.fitting import fit_reference_models
 from simcore.models.prediction import predict_samples
-from simcore.models.two_axes import predict_two_axes
+from simcore.models.two_axes import predict_two_axes, two_axes_text
 from simcore.reference.r22_tables import read_r22_table
 
 GRAINS = "sample,a [mm],b [mm]\nbar,40,24\nbar,30,24\nchute,20,13\nchute,25,20\n"
@@ -101,9 +101,20 @@ def test_a_case_without_our_mixtures_has_the_model_of_the_paper_without_interval
     assert table.n_low.notna().all() and table.lower.isna().all()
     with pytest.raises(ValueError, match="case U2: there is no model for it"):
         predict_two_axes(samples, "U2", fitted)
+
+
+def test_a_sample_without_a_model_is_listed_beside_the_others(write, fitted):
     narrow, _ = read_two_axes(write("a,b\n200,130\n250,163\n"))
     with pytest.raises(ValueError, match="sample photo: no model can be evaluated at any flatness: sigma_EL_inv"):
         predict_two_axes(narrow, "U7", fitted)
+    both, _ = read_two_axes(write("sample,a,b\nnarrow,200,130\nnarrow,250,163\nwide,40,24\nwide,30,24\n"))
+    table = predict_two_axes(both, "U7", fitted)
+    assert table.refused[0].startswith("sigma_EL_inv") and table.refused[1] == ""
+    assert table[["n_low", "n_high", "flatness_low"]].isna().all(axis=1).tolist() == [True, False]
+    lines = two_axes_text(table, "U7").splitlines()
+    assert next(line for line in lines if line.startswith("narrow")).count("  -") == 3
+    assert any(line.startswith("  narrow: sigma_EL_inv") for line in lines)
+    assert json.loads(two_axes_text(table, "U7", form="json"))["samples"][0]["n_low"] is None
 
 
 def test_an_export_of_pebblecounts_gives_a_range_on_the_command_line(write, capsys):
