@@ -14,8 +14,12 @@ def digest(*roots, of=""):
 
     roots: paths of Python files or other files, in the clone or absolute. Python files enter with their syntax tree,
     so that comments, docstrings and layout have no effect. Imports inside functions are followed too. of: further text
-    that enters the digest. The digest does not depend on the place where the package is installed.
+    that enters the digest. The digest does not depend on the place where the package is installed. ValueError if a path
+    climbs with "..", because it would depend on the working folder.
     """
+    for root in roots:
+        if ".." in PurePosixPath(root).parts:
+            raise ValueError(f"{root}: give the path within the clone, or an absolute path without ..")
     sources, todo = {}, [project_file(root) for root in roots]
     while todo:
         path = todo.pop()

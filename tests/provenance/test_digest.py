@@ -56,3 +56,8 @@ def test_packings_do_not_depend_on_how_they_are_evaluated():
     names = {path.stem for path in found}
     assert "step" in names
     assert not names & {"porosity", "regression", "evaluate", "studies", "study_tables", "tables", "page"}
+
+
+def test_a_path_that_depends_on_the_working_folder_is_refused():
+    with pytest.raises(ValueError, match=r"\.\./report/page.rst: give the path within the clone"):
+        provenance.digest("../report/page.rst")

@@ -129,7 +129,7 @@ if len(corners):
 
 # The page also follows from its captions, its template, style and scripts.
 captions = sorted(
-    os.path.relpath(path)
+    path.relative_to(ROOT).as_posix()
     for folder in ("workflow/report", "simcore/report/static")
     for path in (ROOT / folder).rglob("*.*")
 )
