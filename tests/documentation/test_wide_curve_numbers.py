@@ -30,6 +30,17 @@ def test_filled_beds_of_one_class():
     assert f"and those of U1 by {row.difference:.4f} ± {row.error:.4f}" in PAGE
 
 
+def test_what_longer_shaking_takes_away_of_the_difference_of_filled_beds():
+    n = COST.query("case == 'U5'").pivot_table(index="seed", columns="settings", values="n")
+    before, after = n.wide_filled - n.wide_quota, n.wide_filled_long - n.wide_quota
+    taken = [f"{before[seed] - after[seed]:.3f} of {before[seed]:.3f}" for seed in (1, 2)]
+    words = " ".join(PAGE.split())
+    assert f"takes {taken[0]} away with seed 1, and {taken[1]} with seed 2" in words
+    (row,) = paired(COST).query("settings == 'wide_filled_long'").itertuples()
+    assert f"The remaining {row.difference:.4f} ± {row.error:.4f} is due to the insertion itself" in words
+    assert row.pairs == 2
+
+
 def test_both_draws_have_the_same_mean_and_cost():
     (row,) = compare_means(COST).itertuples()
     words = " ".join(PAGE.split())
