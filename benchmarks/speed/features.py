@@ -145,7 +145,7 @@ def levels(options):
     from simcore.campaign.studies import merge
     from simcore.compilation import source_digest
     from simcore.dem.state.contacts import Box
-    from simcore.dem.step.candidate_pairs import _search, _sort_into_cells, _spheres, find_pairs
+    from simcore.dem.step.close_spheres import _search, _sort_into_cells, _spheres, find_pairs, sort_pairs
     from simcore.packing.neighbour_lists import SKIN
 
     few = {"allow_few_top_grains": True} if options.shape == "sphere" else {}
@@ -159,10 +159,8 @@ def levels(options):
 
     def on_one():
         spheres = _spheres(bed.position, reach, box, np.ones(len(radius), np.bool_))
-        width = 2.0 * reach.max()
-        grid = _sort_into_cells(spheres.wrapped, np.arange(len(radius)), width, box)
-        pairs = _search(spheres, grid.members, grid, width, True)
-        return pairs[np.lexsort((pairs[:, 3], pairs[:, 2], pairs[:, 1], pairs[:, 0]))]
+        grid = _sort_into_cells(spheres, np.arange(len(radius)), 2.0 * reach.max(), box)
+        return sort_pairs(np.concatenate(_search(spheres, grid, grid, True)), len(radius))
 
     reference = None
     for name, search in (

@@ -46,7 +46,7 @@ def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Cont
     """Return contacts with the given keys (m, 4) and no remembered contacts."""
     m = len(pairs)
     body_a, body_b, image = pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:].astype(np.int32)
-    start, incident = list_incident(body_a, body_b, image, n_bodies)
+    start, incident = list_incident(body_a, body_b, n_bodies)
     apart = 0 if features.kind == SPHERE else m
     return Contacts(
         body_a=body_a,
@@ -69,18 +69,33 @@ def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Cont
     )
 
 
-def list_incident(body_a, body_b, image, n_bodies):
-    """Return `incident_start` and `incident` of Contacts with these keys."""
+@kernel
+def list_incident(body_a, body_b, n_bodies):
+    """Return `incident_start` and `incident` of Contacts with these keys, which are sorted by (a, b, image)."""
     m = len(body_a)
-    # Contacts of a body are in order of (partner, image). The two sides of a pair of a body with its own image differ
-    # in the sign of the image.
-    owner = np.concatenate([body_a, body_b])
-    partner = np.concatenate([body_b, body_a])
-    signed_image = np.concatenate([image, -image])
-    code = np.concatenate([2 * np.arange(m), 2 * np.arange(m) + 1])
-    order = np.lexsort((signed_image[:, 1], signed_image[:, 0], partner, owner))
-    start = np.concatenate(([0], np.cumsum(np.bincount(owner, minlength=n_bodies)))).astype(np.int64)
-    return start, code[order].astype(np.int32)
+    start = np.zeros(n_bodies + 1, np.int64)
+    for p in range(m):
+        start[body_a[p] + 1] += 1
+        start[body_b[p] + 1] += 1
+    for i in range(n_bodies):
+        start[i + 1] += start[i]
+    # Contacts of a body are in order of (partner, image). The partners of b are lower than b, those of a are higher;
+    # images of a body of itself are in between. Seen from b, the images of a pair have the opposite sign and order.
+    place = start[:-1].copy()
+    incident = np.empty(2 * m, np.int32)
+    begin = 0
+    while begin < m:
+        end = begin + 1
+        while end < m and body_a[end] == body_a[begin] and body_b[end] == body_b[begin]:
+            end += 1
+        for p in range(end - 1, begin - 1, -1):
+            incident[place[body_b[p]]] = 2 * p + 1
+            place[body_b[p]] += 1
+        begin = end
+    for p in range(m):
+        incident[place[body_a[p]]] = 2 * p
+        place[body_a[p]] += 1
+    return start, incident
 
 
 def empty_walls(bodies: Bodies, shapes: Shapes, box: Box, features: Features) -> Walls:

@@ -66,9 +66,7 @@ def assemble(parts: list[dict], own) -> tuple[Bodies, CandidatePairs | None]:
     contact = _rows(contact | {"body_a": a.astype(np.int32), "body_b": b.astype(np.int32)}, kept, len(a))
     images = [contact["image"][:, 1], contact["image"][:, 0]] if len(contact["image"]) else []
     contact = _unique(contact, [*images, contact["body_b"], contact["body_a"]])
-    # In scenes that are not periodic all images are zero.
-    image = contact["image"] if images else np.zeros((len(contact["body_a"]), 2), np.int32)
-    start, incident = list_incident(contact["body_a"], contact["body_b"], image, len(ids))
+    start, incident = list_incident(contact["body_a"], contact["body_b"], len(ids))
 
     wall = _join(parts, "wall")
     row, has_body = _locate(ids, wall["body"])

@@ -1,4 +1,4 @@
-"""The list of candidate pairs, compared with all pairs in all images."""
+"""The list of candidate pairs: what it remembers, its order, and that no pair is missing."""
 
 import numpy as np
 import pytest
@@ -6,80 +6,16 @@ from scipy.spatial.transform import Rotation
 
 from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, POLYHEDRON, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
-from simcore.dem.state.contacts import Box
+from simcore.dem.state.contacts import Box, list_incident
 from simcore.dem.state.features import Features
-from simcore.dem.step.candidate_pairs import find_pairs, list_candidates
+from simcore.dem.step import candidate_pairs
+from simcore.dem.step.candidate_pairs import list_candidates, list_pairs
+from simcore.dem.step.close_spheres import find_pairs
 from tests.helpers.contact_pairs import ALL_FIELDS, UNIT_SPHERE, update_ellipsoids, update_mixed, update_polyhedra
 from tests.helpers.polyhedra import make_pebble
 from tests.helpers.rotations import random_orientations
 
 SHAPES = collect_shapes([unit_sphere()])
-
-
-def all_pairs(position, radius, width):
-    """Return the set of (a, b, image x, image y) by brute force, with a < b, or a = b and a positive image."""
-    near = set()
-    n = len(radius)
-    if width > 0.0:
-        span = np.ptp(position[:, :2]) + 2.0 * radius.max()
-        reach = int(np.ceil(span / width)) + 1
-        images = [(i, j) for i in range(-reach, reach + 1) for j in range(-reach, reach + 1)]
-    else:
-        images = [(0, 0)]
-    for image in images:
-        offset = position[None] - position[:, None] + np.array([*image, 0]) * width
-        close = (offset**2).sum(axis=-1) < (radius[:, None] + radius[None]) ** 2
-        for a, b in zip(*np.nonzero(close), strict=True):
-            if a < b or (a == b and image > (0, 0)):
-                near.add((int(a), int(b), *image))
-    assert n
-    return near
-
-
-def found_pairs(position, radius, width):
-    pairs = find_pairs(position, radius, Box(width))
-    keys = [tuple(int(value) for value in row) for row in pairs]
-    assert len(set(keys)) == len(keys), "a pair is listed twice"
-    assert keys == sorted(keys), "not in the order of the key"
-    return set(keys)
-
-
-@pytest.mark.parametrize(
-    "width, largest, n",
-    [
-        (0.0, 0.02, 300),  # open
-        (0.0, 0.12, 300),  # open, sizes 1 : 12
-        (0.3, 0.02, 300),
-        (0.3, 0.12, 300),  # a pair may touch through several images
-        (0.05, 0.06, 40),  # far narrower than the largest
-        (1.0, 0.12, 300),
-    ],
-)
-def test_the_list_holds_every_near_pair_once(width, largest, n):
-    rng = np.random.default_rng(1)
-    radius = np.exp(rng.uniform(np.log(0.01), np.log(largest), n))
-    radius[0], radius[1] = 0.01, largest
-    extent = width if width > 0.0 else 0.4
-    # Positions are not wrapped: they are up to two widths away from the box.
-    position = rng.uniform([-2 * extent, -2 * extent, 0.0], [3 * extent, 3 * extent, 0.5], (n, 3))
-    if width == 0.0:
-        position = rng.uniform(0.0, 0.4, (n, 3))
-    found = found_pairs(position, radius, width)
-    assert found == all_pairs(position, radius, width)
-    assert len(found) > n / 8
-
-
-def test_a_grain_meets_its_own_images_once_each():
-    found = found_pairs(np.array([[0.05, 0.02, 0.1]]), np.array([0.06]), 0.1)
-    assert found == {(0, 0, 0, 1), (0, 0, 1, 0)}
-    wider = found_pairs(np.array([[0.05, 0.02, 0.1]]), np.array([0.08]), 0.1)
-    assert wider == {(0, 0, 0, 1), (0, 0, 1, -1), (0, 0, 1, 0), (0, 0, 1, 1)}
-
-
-def test_places_on_the_border_of_box_and_cell():
-    position = np.array([[0.0, 0.0, 0.0], [0.2, 0.2, 0.0], [0.4, 0.0, 0.0], [-1e-18, 0.1, 0.0], [0.1, 0.3999999, 0.1]])
-    radius = np.full(5, 0.15)
-    assert found_pairs(position, radius, 0.4) == all_pairs(position, radius, 0.4)
 
 
 def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair():
@@ -136,6 +72,21 @@ def test_memory_is_carried_to_the_new_list_and_dropped_with_the_pair():
         kept += q is not None
     assert 0 < kept < min(m, len(new.body_a))
     assert (bodies.listed_position == bodies.position).all()
+
+
+def test_contacts_of_bodies_are_those_that_sorting_gives():
+    """The order of (partner, image) is found without sorting; bodies meet images of themselves here."""
+    rng = np.random.default_rng(6)
+    n = 40
+    pairs = find_pairs(rng.uniform(0.0, 0.1, (n, 3)), rng.uniform(0.03, 0.08, n), Box(0.1))
+    a, b, image = pairs[:, 0], pairs[:, 1], pairs[:, 2:]
+    assert (a == b).any() and ((a[1:] == a[:-1]) & (b[1:] == b[:-1])).any()
+    owner, partner, signed = np.concatenate([a, b]), np.concatenate([b, a]), np.concatenate([image, -image])
+    order = np.lexsort((signed[:, 1], signed[:, 0], partner, owner))
+    code = np.concatenate([2 * np.arange(len(a)), 2 * np.arange(len(a)) + 1])
+    start, incident = list_incident(a, b, n)
+    np.testing.assert_array_equal(incident, code[order])
+    np.testing.assert_array_equal(start, np.searchsorted(owner[order], np.arange(n + 1)))
 
 
 def test_every_body_lists_its_contacts_in_order_of_partner_and_image():
@@ -205,3 +156,25 @@ def test_no_pair_that_is_left_out_can_touch_before_the_next_list(kind):
         assert key(touching) <= key(near.contacts)
         touched += int(every.touching.sum())
     assert touched > 20 * n
+
+
+def test_several_threads_leave_out_the_same_pairs(monkeypatch):
+    """Each thread starts within the old list, of which some pairs touched and others were apart."""
+    monkeypatch.setattr(candidate_pairs, "BLOCK", 64)
+    rng = np.random.default_rng(7)
+    n, width = 300, 5.0
+    bases = [make_pebble(k, 20) for k in range(5)]
+    shapes, features, still = collect_shapes(bases), Features(POLYHEDRON, True), np.zeros((n, 3))
+    bodies = make_bodies(
+        bases, rng.integers(0, 5, n), np.full((n, 3), 0.6), rng.uniform(0.0, width, (n, 3)),
+        random_orientations(n, rng), still, still, 1.0,
+    )  # fmt: skip
+    old = list_candidates(bodies, shapes, Box(width), 0.1, features)
+    update_polyhedra(shapes, bodies, old.contacts, width)
+    bodies.position[:] += 0.1 * rng.standard_normal((n, 3))
+    bodies.margin[:] = rng.choice([0.02, 0.2], n)
+    alone = list_pairs(bodies, shapes, Box(width), features, old)
+    monkeypatch.setattr(candidate_pairs, "get_num_threads", lambda: 3)
+    np.testing.assert_array_equal(list_pairs(bodies, shapes, Box(width), features, old), alone)
+    every = find_pairs(bodies.position, bodies.radius + bodies.margin, Box(width))
+    assert 6 * 64 < len(alone) < 0.9 * len(every)
