@@ -51,12 +51,11 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
     outside (description, empty if the sample is inside the fitted range), distance (from the range, in its widths) and
     refused. If a model is not evaluated for a sample, because the sample is too far outside or the formula or the
     interval leaves (0, 1), then n, lower and upper are nan and `refused` gives the reason; `refused` is empty
-    otherwise.
+    otherwise. A sample of a kind for which the case has no model has one row of that kind, which is refused.
 
     For a distribution, the preferred model is the one with the smaller cross-validated error among our models whose
     fitted range contains the sample; if there is none, it is the unified model, which is also valid for narrow
-    distributions. ValueError if there is no model for the case or for a kind of sample, or if no model can be
-    evaluated for any of the samples.
+    distributions. ValueError if there is no model for the case, or if no model can be evaluated for any of the samples.
     """
     case = model_case(case)
     published = published_models(case, r22_tables)
@@ -65,13 +64,7 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
         raise ValueError(f"case {case}: there is no model for it; choose one of {', '.join(cases)}, {ONE_CLASS}")
     tables = []
     for sample in samples:
-        rows = predict_sample(sample, case, fitted, published, level, r22_tables)
-        if not rows:
-            raise ValueError(
-                f"case {case}, sample {sample.name}: no model, ours or that of Rettinger et al., was fitted to beds of "
-                f"{case} with a distribution of form, only to beds of one form. Give each grain as a sample of its "
-                "own, or choose another case"
-            )
+        rows = predict_sample(sample, case, fitted, published, level, r22_tables) or [_no_model(sample, case)]
         statistics = {**vars(sample), "taken_as": "one form" if sample.one_form else "a distribution"}
         del statistics["covariance"]
         tables.append(pd.DataFrame(rows, columns=PREDICTION).assign(**statistics))
@@ -79,6 +72,15 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
         _require_one(tables, case)
     table = pd.concat(tables, ignore_index=True)
     return table[["taken_as", *(name for name in table if name not in ("taken_as", *PREDICTION)), *PREDICTION]]
+
+
+def _no_model(sample, case):
+    """Return the refused row of PREDICTION of a sample for which the case has no model."""
+    name, other = ("single_form", "a distribution of form") if sample.one_form else ("form_mixture", "one form")
+    refused = f"no model was fitted to beds of {case} with {kind_of_bed(sample)}, only to beds with {other}"
+    remedy = "the model of `predict --sieve` is valid for both"
+    values = ("ours", name, False, *(np.nan,) * 4, "", 0.0, f"{refused}; {remedy}")
+    return dict(zip(PREDICTION, values, strict=True))
 
 
 def predict_preferred(sample, case, fitted, level=0.95):

@@ -53,7 +53,8 @@ def describe(table, case, fitted, level=0.95):
         )
     lines += _describe_missing_models(table, model_case(case), fitted)
     lines += ["", *_samples_in_columns(table), "", "Models"]
-    for (by, name), _ in table.groupby(["by", "model"], sort=False):
+    own = [name for name, of_case in fitted.models if of_case == model_case(case)]
+    for (by, name), _ in table[(table.by == "r22") | table.model.isin(own)].groupby(["by", "model"], sort=False):
         lines.append(f"  {_equation(by, name, model_case(case), fitted)}")
     extrapolated, refused = table[(table.outside != "") & (table.refused == "")], table[table.refused != ""]
     if len(extrapolated):
@@ -65,7 +66,7 @@ def describe(table, case, fitted, level=0.95):
     if len(refused):
         lines += [
             "",
-            f"- not evaluated: more than {FAR:g} of a range's width outside it, or the porosity is not in (0, 1)",
+            f"- not evaluated: no model, more than {FAR:g} of a range's width outside it, or a porosity not in (0, 1)",
             *_remarks(refused, "refused"),
         ]
     return "\n".join([*lines, "", *_caveats(table, level)])
@@ -73,17 +74,17 @@ def describe(table, case, fitted, level=0.95):
 
 def _describe_missing_models(table, case, fitted):
     """Return lines that list the samples that none of our models predicts, with the reason."""
-    if case not in fitted.cases():
+    lines, ours_exist = [], case in fitted.cases()
+    if not ours_exist:
         available = ", ".join(fitted.cases())
-        return [f"Only the model of Rettinger et al. is used: ours were fitted to {available}, not to {case}."]
-    lines = []
+        lines.append(f"Only the model of Rettinger et al. is used: ours were fitted to {available}, not to {case}.")
     none = table.groupby("name").n.transform("count") == 0
     if none.any():
         lines.append(
             f"No model is evaluated for: {', '.join(table.name[none].unique())}. The reasons are listed below; correct "
             "the values, or simulate packings of these grains (scree pack)."
         )
-    without = table[~none & ~table.groupby("name").preferred.transform("any")]
+    without = table[ours_exist & ~none & ~table.groupby("name").preferred.transform("any")]
     ours = without.name.isin(without.name[without.by == "ours"])
     for kind in without.taken_as[~ours].unique():
         form = kind if kind == "one form" else "a distribution of form"

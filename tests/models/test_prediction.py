@@ -10,6 +10,7 @@ from scipy.stats import t as student
 from simcore.grains.measured_forms import Sample, read_samples
 from simcore.models.fitting import fit_reference_models
 from simcore.models.prediction import predict_samples
+from simcore.models.prediction_text import describe
 from simcore.models.regression import fit
 from simcore.reference.r22_tables import read_r22_table
 from tests.helpers.reference_rows import porosity_of_form, random_mixtures, sample_of_one_form
@@ -56,10 +57,19 @@ def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
     assert alone.by.tolist() == ["r22"]
     assert alone.n.item() == pytest.approx(0.217 + 0.014 / 0.42 - 0.006 / 0.7)
     wide = Sample("wide", 50, 0.6, 0.15, 0.7, 0.15, 0.42, 0.12)
-    with pytest.raises(
-        ValueError, match="case B50, sample wide: no model, ours or that of Rettinger et al., was fitted"
-    ):
-        predict_samples([*one, wide], "B50", fitted)
+    both = predict_samples([*one, wide], "B50", fitted)
+    pd.testing.assert_frame_equal(both[both.name != "wide"], alone)
+    row = both[both.name == "wide"].squeeze()
+    assert (row.by, row.model, row.preferred) == ("ours", "form_mixture", False) and np.isnan(row.n)
+    assert row.refused.startswith("no model was fitted to beds of B50 with a distribution of form, only to beds with")
+    lines = describe(both, "B50", fitted).splitlines()
+    assert lines[1] == "Only the model of Rettinger et al. is used: ours were fitted to U1, not to B50."
+    assert lines[2].startswith("No model is evaluated for: wide. ") and lines[3] == ""
+    assert f"  wide, ours form_mixture: {row.refused}" in lines
+    models = lines[lines.index("Models") + 1 :]
+    assert models[0].startswith("  Rettinger et al. single_form: n =") and models[1] == ""
+    with pytest.raises(ValueError, match="case B50: the porosity of sample wide cannot be predicted.*predict --sieve"):
+        predict_samples([wide], "B50", fitted)
     with pytest.raises(ValueError, match="case B30: there is no model for it; choose one of B50, U1, U7, one-class"):
         predict_samples(one, "B30", fitted)
 

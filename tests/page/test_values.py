@@ -74,9 +74,11 @@ def by_command(path, entry, fitted):
         try:
             options = {} if two_axes else {"require": False}
             table = predict([sample], entry["choice"], fitted, entry["level"], **options)
-        except ValueError as error:  # no model was fitted to such a sample, or none can be evaluated
+        except ValueError as error:  # none can be evaluated
             assert "no model" in str(error)
             table = None
+        if table is not None and table.refused.str.startswith("no model was fitted").any():
+            table = None  # the page has one sentence on such samples instead of a row
         rows.append((sample, table))
     return {"samples": rows, "notices": notices}
 
