@@ -102,9 +102,9 @@ class Bench:
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
         }
         self.starts += 1
-        with self.said().open("w") as said:
+        with self.log().open("w") as output:
             return subprocess.Popen(
-                [str(word) for word in command], cwd=folder, env=environment, stdout=said, stderr=subprocess.STDOUT
+                [str(word) for word in command], cwd=folder, env=environment, stdout=output, stderr=subprocess.STDOUT
             )
 
     def finish(self, process, started):
@@ -119,13 +119,13 @@ class Bench:
                 except psutil.Error:
                     pass
             process.wait()
-        said = self.said().read_text()
-        lines = [line for line in said.splitlines() if line.startswith(("scree", "simcore")) or "interrupted" in line]
-        return Ended(status, time.monotonic() - started, lines[-1] if lines else "", "Traceback" in said)
+        text = self.log().read_text()
+        lines = [line for line in text.splitlines() if line.startswith(("scree", "simcore")) or "interrupted" in line]
+        return Ended(status, time.monotonic() - started, lines[-1] if lines else "", "Traceback" in text)
 
-    def said(self):
+    def log(self):
         """Return the path of the output of the run that was started last."""
-        return self.folder / f"said_{self.starts}.txt"
+        return self.folder / f"log_{self.starts}.txt"
 
     def kept(self):
         """Return the number of checkpoint files."""
@@ -294,10 +294,10 @@ def contents(path):
         return entries | {f":{name}": repr(file.getncattr(name)) for name in file.ncattrs() if name not in NOT_COMPARED}
 
 
-def differing(found, expected, by_campaign=False):
+def differing(actual, expected, by_campaign=False):
     """Return the names that differ. by_campaign: the text of the specification may differ; a campaign rewrites it."""
-    names = {*found, *expected} - ({":scene"} if by_campaign else set())
-    return sorted(name for name in names if found.get(name) != expected.get(name))
+    names = {*actual, *expected} - ({":scene"} if by_campaign else set())
+    return sorted(name for name in names if actual.get(name) != expected.get(name))
 
 
 def parse(arguments=None):
@@ -334,7 +334,7 @@ def survive(options, folder):
         started = time.monotonic()
         undisturbed = bench.finish(bench.launch(startup=COMPILING if name == "compiling" else STARTING), started)
         if undisturbed.status != 0:
-            print(bench.said().read_text(), file=sys.stderr)
+            print(bench.log().read_text(), file=sys.stderr)
             print(f"the undisturbed run ended with status {undisturbed.status}", file=sys.stderr)
             return 1
         lasted.append(undisturbed.seconds)

@@ -53,19 +53,19 @@ def confirm(path, output):
     """Raise Contradiction unless the output of `explain` agrees with the file at `path` and is physical."""
     if bad := re.search(r"\b(nan|inf)\b", output):
         raise Contradiction(f"{bad[0]} is printed")
-    asked = yaml.safe_load(path.read_bytes())
-    domain, amount, shapes, sizes = (asked.get(key) or {} for key in ("domain", "amount", "shapes", "sizes"))
+    specification = yaml.safe_load(path.read_bytes())
+    domain, amount, shapes, sizes = (specification.get(key) or {} for key in ("domain", "amount", "shapes", "sizes"))
     number, mass, width, height = printed(
         r": (\d+) grains, (\S+) kg, .*(?:width|diameter) (\S+) mm, height (\S+) mm", output, "the packing"
     )
     for key, value in (("width", width), ("height", height)):
         if abs(value - quantity(domain[key]) * 1e3) > 1e-5 * value:
-            raise Contradiction(f"{key} {value} mm, asked {domain[key]}")
-    density = quantity((asked.get("material") or {}).get("density", "2650 kg/m3"))
+            raise Contradiction(f"{key} {value} mm, specified {domain[key]}")
+    density = quantity((specification.get("material") or {}).get("density", "2650 kg/m3"))
     if amount.get("grains") is not None and number != amount["grains"]:
-        raise Contradiction(f"{number:g} grains, asked {amount['grains']}")
+        raise Contradiction(f"{number:g} grains, specified {amount['grains']}")
     if amount.get("mass") is not None and mass < quantity(amount["mass"]) * 0.999:
-        raise Contradiction(f"{mass:g} kg, asked {amount['mass']}")
+        raise Contradiction(f"{mass:g} kg, specified {amount['mass']}")
     confirm_forms(shapes, number, output)
     if sizes.get("bounds") is not None:
         confirm_sizes(sizes, shapes, number, mass, density, amount, output)
@@ -91,7 +91,7 @@ def confirm_forms(shapes, number, output):
         elif choice != "sphere":
             continue
         if abs(mean - value) > slack:
-            raise Contradiction(f"mean {key} {mean}, asked {value:.4f} with an error of {slack:.4f}")
+            raise Contradiction(f"mean {key} {mean}, specified {value:.4f} with an error of {slack:.4f}")
 
 
 def confirm_sizes(sizes, shapes, number, mass, density, amount, output):
@@ -120,12 +120,12 @@ def confirm_sizes(sizes, shapes, number, mass, density, amount, output):
         error = 6e-4 + SIGMAS * spread * math.sqrt(variance)
         if abs(shown - share) > 6e-4 or (enough and abs(drawn - share) > error):
             raise Contradiction(
-                f"the class from {bounds[i]:g} m has {drawn} (asked: {shown}), not {share} within {error:.4f}"
+                f"the class from {bounds[i]:g} m has {drawn} (specified: {shown}), not {share} within {error:.4f}"
             )
     if shapes.get("kind") == "sphere":
         one = density * math.pi / 6 * bounds[-1] ** 3
         if amount.get("mass") is not None and mass > quantity(amount["mass"]) * 1.001 + one:
-            raise Contradiction(f"{mass:g} kg, asked {amount['mass']}, and a grain has at most {one:g} kg")
+            raise Contradiction(f"{mass:g} kg, specified {amount['mass']}, and a grain has at most {one:g} kg")
         square = sum(p * s for p, s in zip(by_number, squares, strict=True))
         expected = number * density * math.pi / 6 * mean
         error = 1e-3 + SIGMAS * math.sqrt((square / mean**2 - 1) / number)
@@ -154,13 +154,13 @@ def draw_specification(rng, folder, number):
 
     verdict: "answer", "refuse" or "either".
     """
-    asked, faults, verdict = _draw_base(rng), [], "answer"
+    settings, faults, verdict = _draw_base(rng), [], "answer"
     fault_names = rng.sample(sorted(FAULTS), rng.choice([0, 0, 0, 1, 1, 1, 2, 3]))
     for fault in fault_names:
         faults.append(fault)
         # A later fault can undo an earlier one, so only the verdict of the last one counts.
-        verdict = FAULTS[fault](rng, asked)
-    text = yaml.safe_dump(asked, sort_keys=False, default_flow_style=rng.choice([None, False]), allow_unicode=True)
+        verdict = FAULTS[fault](rng, settings)
+    text = yaml.safe_dump(settings, sort_keys=False, default_flow_style=rng.choice([None, False]), allow_unicode=True)
     if len(faults) == 1 and rng.random() < 0.15:
         fault = rng.choice(sorted(TEXT_FAULTS))
         faults, verdict = [*faults, fault], "refuse"
@@ -172,7 +172,7 @@ def draw_specification(rng, folder, number):
 
 def _draw_base(rng):
     """Return a specification without faults."""
-    bounds, fractions, asked = _draw_curve(rng), None, {"name": "drawn", "seed": rng.randrange(1000)}
+    bounds, fractions, settings = _draw_curve(rng), None, {"name": "drawn", "seed": rng.randrange(1000)}
     shares = [rng.uniform(0.2, 1.0) for _ in bounds[1:]]
     fractions = [round(share / sum(shares), 3) for share in shares]
     fractions[-1] = round(1 - sum(fractions[:-1]), 3)
@@ -181,14 +181,14 @@ def _draw_base(rng):
     solid = grains * math.pi / 6 * sum(p * cube for p, cube in zip(by_number, cubes, strict=True))
     width = bounds[-1] * rng.uniform(5, 9)
     unit = rng.choice(["mm", "cm", "m"])
-    asked["domain"] = {"width": _text(width, unit), "height": _text(max(6 * solid / width**2, 10 * width), "m")}
+    settings["domain"] = {"width": _text(width, unit), "height": _text(max(6 * solid / width**2, 10 * width), "m")}
     if rng.random() < 0.3:
-        asked["domain"]["type"] = "cylinder"
-    asked["sizes"] = {"bounds": [_text(bound, unit) for bound in bounds], "mass_fractions": fractions}
-    asked["amount"] = (
+        settings["domain"]["type"] = "cylinder"
+    settings["sizes"] = {"bounds": [_text(bound, unit) for bound in bounds], "mass_fractions": fractions}
+    settings["amount"] = (
         {"grains": grains} if rng.random() < 0.5 else {"mass": _text(solid * 2650, rng.choice(["kg", "g"]))}
     )
-    asked["shapes"] = rng.choice(
+    settings["shapes"] = rng.choice(
         [
             {"kind": "sphere"},
             {"kind": "sphere"},
@@ -200,13 +200,13 @@ def _draw_base(rng):
             {},
         ]
     )
-    if asked["shapes"].get("kind", "polyhedron") == "polyhedron":
-        asked |= {"grains": {"number": 21}, "faces": rng.choice([50, 100])}
+    if settings["shapes"].get("kind", "polyhedron") == "polyhedron":
+        settings |= {"grains": {"number": 21}, "faces": rng.choice([50, 100])}
     if rng.random() < 0.3:
-        asked["material"] = {"density": rng.choice(["2650 kg/m3", "2.4 g/cm3", "3100 kg/m3"])}
+        settings["material"] = {"density": rng.choice(["2650 kg/m3", "2.4 g/cm3", "3100 kg/m3"])}
     if rng.random() < 0.3:
-        asked["accuracy"] = rng.choice(["draft", "standard"])
-    return asked
+        settings["accuracy"] = rng.choice(["draft", "standard"])
+    return settings
 
 
 def _draw_curve(rng):
@@ -234,11 +234,11 @@ def _normal(rng):
 def _set(path, values, verdict):
     """Return a fault that sets the key at a dotted path to one of these values."""
 
-    def fault(rng, asked):
+    def fault(rng, settings):
         *groups, key = path.split(".")
         for group in groups:
-            asked[group] = asked = asked[group] if isinstance(asked.get(group), dict) else {}
-        asked[key] = copy.deepcopy(rng.choice(values))
+            settings[group] = settings = settings[group] if isinstance(settings.get(group), dict) else {}
+        settings[key] = copy.deepcopy(rng.choice(values))
         return verdict
 
     return fault
@@ -247,15 +247,15 @@ def _set(path, values, verdict):
 def _fractions(change):
     """Return a fault that changes the mass fractions; the verdict depends on their sum and number."""
 
-    def fault(rng, asked):
-        fractions = asked["sizes"].get("mass_fractions") if isinstance(asked.get("sizes"), dict) else None
+    def fault(rng, settings):
+        fractions = settings["sizes"].get("mass_fractions") if isinstance(settings.get("sizes"), dict) else None
         if not isinstance(fractions, list):
             return "either"
         new = change([float(share) for share in fractions])
-        asked["sizes"]["mass_fractions"] = new
+        settings["sizes"]["mass_fractions"] = new
         return (
             "refuse"
-            if abs(sum(new) - 1) > 1e-3 or len(new) != len(asked["sizes"].get("bounds") or []) - 1
+            if abs(sum(new) - 1) > 1e-3 or len(new) != len(settings["sizes"].get("bounds") or []) - 1
             else "either"
         )
 
@@ -265,20 +265,20 @@ def _fractions(change):
 def _bounds(change):
     """Return a fault that changes the sieve openings."""
 
-    def fault(rng, asked):
-        bounds = asked["sizes"].get("bounds") if isinstance(asked.get("sizes"), dict) else None
+    def fault(rng, settings):
+        bounds = settings["sizes"].get("bounds") if isinstance(settings.get("sizes"), dict) else None
         if isinstance(bounds, list):
-            asked["sizes"]["bounds"] = change(bounds)
+            settings["sizes"]["bounds"] = change(bounds)
         return "either"
 
     return fault
 
 
-def _unused(rng, asked):
-    shapes = asked.get("shapes") if isinstance(asked.get("shapes"), dict) else {}
+def _unused(rng, settings):
+    shapes = settings.get("shapes") if isinstance(settings.get("shapes"), dict) else {}
     if shapes.get("choice", "random") != "random":
         return "either"
-    asked["shapes"] = {**shapes, "flatness": 0.3}
+    settings["shapes"] = {**shapes, "flatness": 0.3}
     return "refuse"
 
 
@@ -320,8 +320,8 @@ FAULTS = {
     "huge amount": _set(
         "amount", [{"grains": 200000}, {"grains": 10**8}, {"mass": "1e6 kg"}, {"mass": "9e99 kg"}], "either"
     ),
-    "huge everything": lambda rng, asked: (
-        asked.update(domain={"width": "100 m", "height": "1000 m"}, amount={"mass": "1e9 kg"}) or "either"
+    "huge everything": lambda rng, settings: (
+        settings.update(domain={"width": "100 m", "height": "1000 m"}, amount={"mass": "1e9 kg"}) or "either"
     ),
     "both amounts": _set("amount", [{"grains": 100, "mass": "1 kg"}], "refuse"),
     "few top grains": _set("sizes.allow_few_top_grains", [True], "either"),

@@ -96,27 +96,29 @@ def confirm(path, layout, output):
         raise Contradiction(f"it was answered, but the reader cannot read it: {error!r}") from None
     if len(answer["samples"]) != len(samples):
         raise Contradiction(f"{len(answer['samples'])} samples were answered, the reader has {len(samples)}")
-    for said, (name, truth) in zip(answer["samples"], samples, strict=True):
-        if layout.sample is not None and said["name"] != name:
-            raise Contradiction(f"sample {said['name']}, the reader has {name}")
+    for printed, (name, truth) in zip(answer["samples"], samples, strict=True):
+        if layout.sample is not None and printed["name"] != name:
+            raise Contradiction(f"sample {printed['name']}, the reader has {name}")
         for key, value in truth.items():
-            if abs(said[key] - value) > 1e-6:
-                raise Contradiction(f"sample {said['name']}: {key} is {said[key]}, the reader has {value}")
-        confirm_porosities(said)
+            if abs(printed[key] - value) > 1e-6:
+                raise Contradiction(f"sample {printed['name']}: {key} is {printed[key]}, the reader has {value}")
+        confirm_porosities(printed)
 
 
-def confirm_porosities(said):
+def confirm_porosities(printed):
     """Raise Contradiction unless the porosities of one sample are in (0, 1) and within their intervals."""
-    evaluated = [row for row in said["predictions"] if row["n"] is not None]
+    evaluated = [row for row in printed["predictions"] if row["n"] is not None]
     if not evaluated:
-        raise Contradiction(f"sample {said['name']} was answered without a porosity")
-    for row in said["predictions"]:
+        raise Contradiction(f"sample {printed['name']} was answered without a porosity")
+    for row in printed["predictions"]:
         if row["n"] is None and (not row["refused"] or row["lower"] is not None or row["upper"] is not None):
-            raise Contradiction(f"sample {said['name']}: no porosity of {row['model']}, and no reason or an interval")
+            raise Contradiction(
+                f"sample {printed['name']}: no porosity of {row['model']}, and no reason or an interval"
+            )
     for row in evaluated:
         lower, upper = (row["n"] if row[key] is None else row[key] for key in ("lower", "upper"))
         if not (0 < lower <= row["n"] <= upper < 1) or row["refused"] or (row["by"] == "ours" and row["lower"] is None):
-            raise Contradiction(f"sample {said['name']}: porosity {row['n']} in {row['lower']} to {row['upper']}")
+            raise Contradiction(f"sample {printed['name']}: porosity {row['n']} in {row['lower']} to {row['upper']}")
 
 
 def draw_table(rng, folder, number):
@@ -129,8 +131,8 @@ def draw_table(rng, folder, number):
     faults, verdict, options = [], "answer", ["--case", rng.choice(["U1", "one-class"])]
     for fault in rng.sample(sorted(FAULTS), rng.choice([0, 0, 0, 1, 1, 1, 2, 3])):
         faults.append(fault)
-        said = FAULTS[fault](rng, grid, layout, options)
-        verdict = "refuse" if "refuse" in (said, verdict) else "either"
+        wanted = FAULTS[fault](rng, grid, layout, options)
+        verdict = "refuse" if "refuse" in (wanted, verdict) else "either"
     path = folder / f"{number:03d}{'.xlsx' if layout.encoding == 'xlsx' else rng.choice(['.csv', '.txt'])}"
     if "last bytes cut off" in faults:
         verdict = "refuse" if layout.encoding == "xlsx" else verdict

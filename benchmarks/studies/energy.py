@@ -316,12 +316,12 @@ def beds(duration, all_steps):
             bed = jumping_bed(kind, features)
             n = len(bed.bodies.mass)
             started = time.process_time()
-            seen = follow(bed, duration, steps, 1000)
+            followed = follow(bed, duration, steps, 1000)
             cost = (time.process_time() - started) * 1e6 / n / bed.step
             region = ("patch" if patch else "deepest point") if kind == "polyhedron" else ""
             figures = (
-                f"{seen.rms:.3e},{np.abs(seen.error).max():.3e},{np.abs(seen.raw).max():.3e},{seen.drift:.3e},"
-                f"{seen.springs.mean():.4f},{seen.contacts:.1f},{cost:.3f},{source_digest()}"
+                f"{followed.rms:.3e},{np.abs(followed.error).max():.3e},{np.abs(followed.raw).max():.3e},{followed.drift:.3e},"
+                f"{followed.springs.mean():.4f},{followed.contacts:.1f},{cost:.3f},{source_digest()}"
             )
             print(f"{kind},{region},{n},{steps},{round(duration / CONTACT_TIME * steps)},{figures}", flush=True)
 
@@ -337,16 +337,16 @@ def single_contacts(all_steps, n=300):
             for restitution in (1.0, 0.1):
                 for steps in all_steps:
                     for floor in (False, True):
-                        seen = impacts(form, features, restitution, steps, n, floor)
-                        band = seen.band(steps)
+                        measured = impacts(form, features, restitution, steps, n, floor)
+                        band = measured.band(steps)
                         region = ("patch" if patch else "deepest point") if kind == "polyhedron" else ""
                         shares = ","
                         if restitution == 1.0:
-                            gain = np.abs(seen.gain)
-                            shares = f"{(gain / band).max():.3f},{(gain / (band + seen.switched)).max():.3f}"
+                            gain = np.abs(measured.gain)
+                            shares = f"{(gain / band).max():.3f},{(gain / (band + measured.switched)).max():.3f}"
                         figures = (
-                            f"{len(seen.gain)},{seen.gain.max():.3e},{seen.gain.mean():.3e},"
-                            f"{seen.gain.std() / len(seen.gain) ** 0.5:.1e},{seen.gain.std():.3e},{shares}"
+                            f"{len(measured.gain)},{measured.gain.max():.3e},{measured.gain.mean():.3e},"
+                            f"{measured.gain.std() / len(measured.gain) ** 0.5:.1e},{measured.gain.std():.3e},{shares}"
                         )
                         against = "floor" if floor else "grain"
                         print(

@@ -38,11 +38,11 @@ def dead_links(texts):
             if re.match(r"[a-z]+:", target):
                 continue
             path, _, anchor = target.partition("#")
-            found = _resolved(name, path)
-            if found not in texts and not (ROOT / found).exists():
+            page = _resolved(name, path)
+            if page not in texts and not (ROOT / page).exists():
                 lines.append(f"{name}: {target} leads to no page or file")
-            elif anchor and found in texts and anchor not in anchors(texts[found]):
-                lines.append(f"{name}: {target} leads to no heading of {found}")
+            elif anchor and page in texts and anchor not in anchors(texts[page]):
+                lines.append(f"{name}: {target} leads to no heading of {page}")
     return lines
 
 
@@ -54,9 +54,9 @@ def dead_paths(texts, root=ROOT):
             name = path.relative_to(root).as_posix()
             if name.startswith((".", "build/", "results/site/")) or name == "CHANGELOG.md":
                 continue
-            for found in _PATH.findall(path.read_text(encoding="utf-8")):
-                if found not in texts and not any(root.glob(found)):
-                    lines.append(f"{name} names {found}, which does not exist")
+            for target in _PATH.findall(path.read_text(encoding="utf-8")):
+                if target not in texts and not any(root.glob(target)):
+                    lines.append(f"{name} names {target}, which does not exist")
     return sorted(set(lines))
 
 

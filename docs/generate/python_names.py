@@ -47,5 +47,5 @@ def signature(name, module, attribute):
 
 def _fields(named_tuple):
     """Return a table of the fields of a NamedTuple, with the comments beside them in its source."""
-    found = re.findall(r"^    (\w+): [^#\n]+# (.+)$", inspect.getsource(named_tuple), re.MULTILINE)
-    return table(["field", "meaning"], [[f"`{field}`", comment] for field, comment in found])
+    fields = re.findall(r"^    (\w+): [^#\n]+# (.+)$", inspect.getsource(named_tuple), re.MULTILINE)
+    return table(["field", "meaning"], [[f"`{field}`", comment] for field, comment in fields])

@@ -83,7 +83,7 @@ def candidate_pairs():
 def remembered_contacts():
     """Draw which share of the touching pairs keeps its facet from one step to the next, while the bed is shaken."""
     process = bed().process
-    contacts, seen = process.contacts, []
+    contacts, counts = process.contacts, []
     drive = process.stepper.drive(SHAKING, process.dt)
     for step in range(STEPS_WATCHED):
         touching, facet = contacts.touching.copy() > 0, contacts.facet.copy()
@@ -93,8 +93,8 @@ def remembered_contacts():
         same = (contacts.facet == facet).all(axis=1)
         idle = apart & (contacts.touching == 0)
         unchanged = (contacts.apart_at == at).all(axis=1)
-        seen.append((same[both].mean(), unchanged[idle].mean()))
-    kept, not_searched = np.transpose(seen)
+        counts.append((same[both].mean(), unchanged[idle].mean()))
+    kept, not_searched = np.transpose(counts)
     milliseconds = 1e3 * process.dt * (1.0 + np.arange(STEPS_WATCHED))
     figure = Figure(figsize=(8.0, 3.4), layout="constrained")
     axes = figure.subplots()

@@ -133,5 +133,5 @@ def _tail(log):
     except OSError:
         return "", None
     lines = [line for line in lines if line.strip()]
-    progress = next((found for line in reversed(lines) if (found := parse_progress(line)) is not None), None)
+    progress = next((parsed for line in reversed(lines) if (parsed := parse_progress(line)) is not None), None)
     return (lines[-1].strip() if lines else ""), progress

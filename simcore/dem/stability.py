@@ -176,8 +176,8 @@ def stiffest_body(
     """
     grips = _grips(bodies, candidates, width, certain, stiffness_factor)
     traces, contacts = _traces(bodies, grips, load), np.bincount(grips.body, minlength=len(bodies.mass))
-    held = bodies.own[contacts[bodies.own] > 0]
-    rows = held[np.argsort(-traces[held], kind="stable")[:BODIES_EXAMINED]]
+    touching = bodies.own[contacts[bodies.own] > 0]
+    rows = touching[np.argsort(-traces[touching], kind="stable")[:BODIES_EXAMINED]]
     # The selection is made over all ranks, so that it does not depend on how the bodies are distributed.
     best = sorted(ranks.all([(-traces[row], bodies.id[row]) for row in rows]))[:BODIES_EXAMINED]
     ids = {id_ for _, id_ in best}

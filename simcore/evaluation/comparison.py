@@ -110,10 +110,10 @@ def _differences(table, groups):
         for quantity in QUANTITIES:
             if common:
                 a, b = first.loc[common], other.loc[common]
-                each = (b[quantity] - a[quantity]).to_numpy()
-                difference = each.mean()
-                if len(each) > 1:
-                    error, freedom = each.std(ddof=1) / np.sqrt(len(each)), len(each) - 1.0
+                differences = (b[quantity] - a[quantity]).to_numpy()
+                difference = differences.mean()
+                if len(differences) > 1:
+                    error, freedom = differences.std(ddof=1) / np.sqrt(len(differences)), len(differences) - 1.0
                 else:
                     error, freedom = _combine(_error_of_mean(a, quantity), _error_of_mean(b, quantity))
             else:

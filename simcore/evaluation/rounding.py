@@ -5,18 +5,18 @@ import numpy as np
 MOST_DECIMALS = 4  # for errors that are nearly zero
 
 
-def error_decimals(error, digits=None, most=MOST_DECIMALS):
-    """Return the number of decimals at which an error has that many significant digits, at most `most`.
+def error_decimals(error, digits=None, largest_number=MOST_DECIMALS):
+    """Return the number of decimals at which an error has that many significant digits, at most `largest_number`.
 
     digits: None gives one digit, or two if the first digit is 1, so that rounding changes the error by a quarter at
-    most. An error that is zero, negative or not finite has `most` decimals.
+    most. An error that is zero, negative or not finite has `largest_number` decimals.
     """
     if not (np.isfinite(error) and error > 0.0):
-        return most
+        return largest_number
     power = int(np.floor(np.log10(error)))
     if digits is None:
         digits = 2 if error < 1.95 * 10.0**power else 1
-    return int(np.clip(digits - 1 - power, 0, most))
+    return int(np.clip(digits - 1 - power, 0, largest_number))
 
 
 def rounded(value, error=np.nan, decimals=3, sign=""):

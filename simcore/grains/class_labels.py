@@ -90,12 +90,12 @@ def _size(where, column, label, text, unit, in_header):
     """Return a size [m] in the text of a label; unit: text, or None."""
     if not unit:
         raise ValueError(f"{where}: {column} is '{label}' without a unit; write it as '{label} mm'{in_header}")
-    known = known_unit(unit)
-    if known == PHI:
+    meaning = known_unit(unit)
+    if meaning == PHI:
         raise ValueError(f"{where}: {column} is '{label}' in phi; give classes in mm, or the openings in phi")
-    if known not in LENGTHS:
+    if meaning not in LENGTHS:
         raise ValueError(f"{where}: {column} is '{label}'; its unit '{unit}' is unknown, use {', '.join(LENGTHS)}")
-    return read_number(f"{where}, {column} '{label}'", "size", text) * LENGTHS[known]
+    return read_number(f"{where}, {column} '{label}'", "size", text) * LENGTHS[meaning]
 
 
 def _number(text):

@@ -122,18 +122,18 @@ def retained_only(path, columns):
 
 def _column_of_classes(path, table):
     """Return the position of the column of classes and the text of its unit; (None, None) if there are openings."""
-    found, named_only = [], []
+    of_classes, named_only = [], []
     for position, name in enumerate(table.header):
         named = CLASS_NAME.fullmatch(name)
         unit = named[1] if named else unit_in_name(name)
         is_class = any(_is_class(label, unit, named) for label in table.cells[position])
         if is_class:
-            found.append((position, unit))
+            of_classes.append((position, unit))
         elif named:
             named_only.append((position, unit))
         elif column_meaning(path, name)[0] == OPENING:
             return None, None
-    return [*found, *named_only, (None, None)][0]
+    return [*of_classes, *named_only, (None, None)][0]
 
 
 def _is_class(label, unit, named):

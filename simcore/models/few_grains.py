@@ -17,10 +17,10 @@ def few_grains_errors(model, samples):
     for one form, unless this is the form of a single grain.
     """
     errors = np.array([0.0 if sample.one_form and sample.grains != 1 else np.nan for sample in samples])
-    known = [index for index, sample in enumerate(samples) if sample.covariance is not None]
-    if not known:
+    measured = [index for index, sample in enumerate(samples) if sample.covariance is not None]
+    if not measured:
         return errors
-    values = np.array([[getattr(samples[index], name) for name in STATISTICS] for index in known])
+    values = np.array([[getattr(samples[index], name) for name in STATISTICS] for index in measured])
     changes = np.empty(values.shape)
     for column in range(len(STATISTICS)):
         ends = []
@@ -32,8 +32,8 @@ def few_grains_errors(model, samples):
             changes[:, column] = (ends[0] - ends[1]) / (2 * RELATIVE_STEP)
     # If a statistic is 0, so is its change, or the model gives no porosity.
     slopes = np.divide(changes, values, out=np.zeros(values.shape), where=values > 0)
-    covariance = np.array([samples[index].covariance for index in known])
-    errors[known] = np.sqrt(np.einsum("ni,nij,nj->n", slopes, covariance, slopes))
+    covariance = np.array([samples[index].covariance for index in measured])
+    errors[measured] = np.sqrt(np.einsum("ni,nij,nj->n", slopes, covariance, slopes))
     return errors
 
 

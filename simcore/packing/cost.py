@@ -125,16 +125,17 @@ def cost_of(scene: Scene, pour: Pour) -> PackingCost:
     damping = min(round(settling_time(scene.convergence.rule) / dt), longest)
     # The inserted grains are stepped until the next batch is inserted.
     waiting = sum(count * steps for count, steps in zip(inserted, waits, strict=True))
-    grain_steps = waiting + pour.grains * (shaking + damping)
+    grains = inserted[-1]
+    grain_steps = waiting + grains * (shaking + damping)
     return PackingCost(
-        grains=pour.grains,
+        grains=grains,
         batches=len(inserted),
         generating=sum(waits),
         shaking=shaking,
         damping=damping,
         longest_damping=longest,
         cpu_seconds=1e-6 * scene_step_cost(scene) * grain_steps,
-        array_bytes=float(pour.grains) * GRAIN_MEMORY[WORDS[scene.kind]],
+        array_bytes=float(grains) * GRAIN_MEMORY[WORDS[scene.kind]],
         time_step=dt,
     )
 
@@ -239,7 +240,8 @@ def _lattice_batches(scene, pour):
 
     Heavy stones can throw pebbles high; the longer wait is not counted. In the cylinder of Rettinger et al. (2022) U1
     took 1.1 to 1.3 times as many grain-steps as planned, and U7 about twice as many. If grains are taller than a layer
-    of the lattice, a batch fills only every second or third layer.
+    of the lattice, a batch fills only every second or third layer. The last batch of Rettinger et al. is whole unless a
+    number of grains is given.
     """
     generation, domain = scene.generation, scene.domain
     height, spacing, r22 = domain.height, generation.spacing, generation.fill == "r22"
@@ -261,12 +263,12 @@ def _lattice_batches(scene, pour):
         has_space = done == 0 or low <= REFILL_HEIGHT * height or (not r22 and low < height)
         high = max(height - spacing, low if r22 or done == 0 else low + 0.5 * spacing)
         sites = len(lattice_sites(domain, spacing, low, high, *stretch)) // stride if has_space else 0
-        count = min(sites, pour.grains - done)
+        count = sites if r22 and scene.amount_grains is None else min(sites, pour.grains - done)
         if count == 0:  # `pack` reports that the domain is too small, or fits the rest in
             return inserted + [pour.grains], steps + [0]
         done += count
         inserted.append(done)
-        if done == pour.grains:
+        if done >= pour.grains:
             return inserted, steps + [0]
         steps.append(wait)
 

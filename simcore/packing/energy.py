@@ -92,9 +92,9 @@ def _stretch(rows, normal, mass, p, law, share):
     square = share * rows.overlap[p] ** 2
     if len(rows.spring):
         push = np.abs((rows.force[p] * normal[p]).sum(axis=1))
-        held = (law.friction * push / (law.tangential * law.stiffness * mass)) ** 2
-        square += law.tangential * np.minimum((rows.spring[p] ** 2).sum(axis=1), held)
+        limit = (law.friction * push / (law.tangential * law.stiffness * mass)) ** 2
+        square += law.tangential * np.minimum((rows.spring[p] ** 2).sum(axis=1), limit)
     if len(rows.twist):
         twist = np.maximum(rows.spread[p, :3].sum(axis=1), 0.0) * rows.twist[p] ** 2
-        square += law.tangential * np.minimum(twist, held)
+        square += law.tangential * np.minimum(twist, limit)
     return square

@@ -50,16 +50,16 @@ def estimate_cost(setup: Setup, sample=None) -> Cost:
     """Return the Cost of a packing. sample: all its grains, if they have been drawn already."""
     scene = setup.scene
     volumes = (draw_packing(setup) if sample is None else sample).volume
-    n = len(volumes)
     per_grain, per_pair = _bytes_per_grain(setup), bytes_per_pair(compose(scene).features)
     shapes = collect_shapes(setup.bases)
     fixed = sum(array.nbytes for group in (shapes, make_workspace(shapes, 1)) for array in group)
+    packing = cost_of(scene, _pour(setup, volumes))
     return Cost(
-        packing=cost_of(scene, _pour(setup, volumes)),
-        mass=scene.material.density * float(volumes.sum()),
+        packing=packing,
+        mass=scene.material.density * float(volumes.mean()) * packing.grains,
         bytes_per_grain=per_grain,
         bytes_per_pair=per_pair,
-        memory=fixed + n * (per_grain + CANDIDATE_PAIRS[WORDS[scene.kind]] * per_pair),
+        memory=fixed + packing.grains * (per_grain + CANDIDATE_PAIRS[WORDS[scene.kind]] * per_pair),
     )
 
 

@@ -66,14 +66,14 @@ class _Bar:
         atexit.register(self.progress.stop)  # the cursor is hidden while there is a bar
 
     def move(self, line, ahead):
-        known = ahead.share == ahead.share
-        share = f"{100.0 * ahead.share:3.0f} %, about {duration_text(ahead.left)} left, " if known else ""
+        has_share = ahead.share == ahead.share
+        share = f"{100.0 * ahead.share:3.0f} %, about {duration_text(ahead.left)} left, " if has_share else ""
         about = f"{share}{line.grains} grains, {line.rate:.0f} steps/s"
         description = f"{line.name}: {line.phase}"
         if self.task is None:
             self.progress.start()
-            self.task = self.progress.add_task(description, total=1.0 if known else None, about=about)
-        done = ahead.share if known else None
+            self.task = self.progress.add_task(description, total=1.0 if has_share else None, about=about)
+        done = ahead.share if has_share else None
         self.progress.update(self.task, description=description, completed=done, about=about, refresh=True)
 
     def write(self, line):

@@ -68,9 +68,9 @@ def voxel_pores(packing, low, high, voxel=None, network=True):
             values |= {f"pore_diameter_d{p}": percentile(*sizes, p) for p in PERCENTILES}
         results.append(values)
     coarse, fine = results
-    found = {"voxel_coarse": edges[0], "voxel_fine": edges[1]}
+    numbers = {"voxel_coarse": edges[0], "voxel_fine": edges[1]}
     for name, value in fine.items():
-        found[name] = value
-        found[f"{name}_resolution"] = abs(value - coarse[name]) if np.isfinite(value) else np.inf
-    found["tortuosity"] = extrapolated(coarse["tortuosity"], fine["tortuosity"])
-    return found, sizes
+        numbers[name] = value
+        numbers[f"{name}_resolution"] = abs(value - coarse[name]) if np.isfinite(value) else np.inf
+    numbers["tortuosity"] = extrapolated(coarse["tortuosity"], fine["tortuosity"])
+    return numbers, sizes

@@ -46,14 +46,16 @@ def _experiment(table):
     """Compare with the measured porosities, one sentence on the range and one on each curve that is far off."""
     rows = table[table["experiment_n"].notna()]
     percent = rows["experiment_error_percent"]
-    near = int((percent.abs() <= 5.0).sum())
+    within = int((percent.abs() <= 5.0).sum())
     sentence = (
         f"The simulated porosity differs from the measured one by {_signed(percent.min(), 1)} to "
         f"{_signed(percent.max(), 1)} %"
         if len(rows) > 1
         else f"The simulated porosity differs from the measured one by {_signed(percent.iloc[0], 1)} %"
     )
-    sentences = [f"{sentence}; {near} of {len(rows)} sieve curves are within 5 %." if len(rows) > 1 else f"{sentence}."]
+    sentences = [
+        f"{sentence}; {within} of {len(rows)} sieve curves are within 5 %." if len(rows) > 1 else f"{sentence}."
+    ]
     published = rows["r22_error_percent"].dropna() if "r22_error_percent" in rows else pd.Series(dtype=float)
     if len(published) > 1:
         sentences.append(

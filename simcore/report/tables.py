@@ -165,9 +165,9 @@ def _is_text(values):
 
 
 def _column(rows, name, table, has_error, is_detail):
-    heading, known = find_heading(name), find_column(table, name)
-    unit = heading.unit if heading.unit is not None else known.unit if known else ""
-    meaning = known.meaning if known else heading.words
+    heading, column = find_heading(name), find_column(table, name)
+    unit = heading.unit if heading.unit is not None else column.unit if column else ""
+    meaning = column.meaning if column else heading.words
     if has_error:
         error = find_column(table, ERRORS.get(name, ""))
         meaning += f"; after ±: {error.meaning if error else 'its standard error'}"
@@ -222,7 +222,7 @@ def _number(value, heading):
     if abs(value) >= 1e6:
         power = int(np.floor(np.log10(abs(value))))
         return f"{value / 10.0**power:.2f}·10{str(power).translate(str.maketrans('0123456789', '⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
-    return rounded(value, decimals=error_decimals(abs(value), digits=3, most=6))
+    return rounded(value, decimals=error_decimals(abs(value), digits=3, largest_number=6))
 
 
 def _key(value):
@@ -233,9 +233,9 @@ def _factors(rows):
     """Return the abbreviations of form factors in a table with their meanings."""
     texts = " ".join(str(value) for name in ("feature", "features", "term") if name in rows for value in rows[name])
     named = {name for name in rows if name not in HEADINGS} | set(texts.replace("_", " ").replace("/", " ").split())
-    found = [name for name in FORM_FACTORS if name in named]
-    if not found:
+    factors = [name for name in FORM_FACTORS if name in named]
+    if not factors:
         return []
     described = read_r22_table("form_factors").set_index("abbreviation")
-    found = [name for name in found if name in described.index]
-    return [(name, f"{described.loc[name, 'name']}, {described.loc[name, 'definition']}") for name in found]
+    factors = [name for name in factors if name in described.index]
+    return [(name, f"{described.loc[name, 'name']}, {described.loc[name, 'definition']}") for name in factors]

@@ -39,14 +39,23 @@ class State(NamedTuple):
 
 def bytes_per_pair(features: Features) -> int:
     """Return the memory [bytes] of a candidate pair in a scene with these features."""
-    return sum(array.nbytes for array in empty_contacts(np.zeros((1, 4), np.int64), 0, features)) - 8
+    # Without `list_incident`, so that `explain` compiles nothing: a pair has two sides, and no start of its own.
+    contacts = _contacts(*_keys(np.zeros((1, 4), np.int64)), np.zeros(0, np.int64), np.zeros(2, np.int32), features)
+    return sum(array.nbytes for array in contacts)
 
 
 def empty_contacts(pairs: np.ndarray, n_bodies: int, features: Features) -> Contacts:
-    """Return contacts with the given keys (m, 4) and no remembered contacts."""
-    m = len(pairs)
-    body_a, body_b, image = pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:].astype(np.int32)
-    start, incident = list_incident(body_a, body_b, n_bodies)
+    """Return contacts with the given sorted keys (m, 4) and no remembered contacts."""
+    body_a, body_b, image = _keys(pairs)
+    return _contacts(body_a, body_b, image, *list_incident(body_a, body_b, n_bodies), features)
+
+
+def _keys(pairs):
+    return pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:].astype(np.int32)
+
+
+def _contacts(body_a, body_b, image, start, incident, features):
+    m = len(body_a)
     apart = 0 if features.kind == SPHERE else m
     return Contacts(
         body_a=body_a,

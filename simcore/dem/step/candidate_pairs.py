@@ -51,7 +51,7 @@ def list_pairs(bodies, shapes, box, features, old) -> np.ndarray:
         return pairs
     before = empty_contacts(pairs[:0], 0, features) if old is None else old.contacts
     threads = get_num_threads()
-    can_meet = _can_meet_alone if threads == 1 else _can_meet_together
+    can_meet = _can_meet_serial if threads == 1 else _can_meet_parallel
     return pairs[can_meet(pairs, bodies, shapes, before, box.width, threads)]
 
 
@@ -77,7 +77,7 @@ def _can_meet(pairs, bodies, shapes, old, width, threads):
     return can
 
 
-_can_meet_alone, _can_meet_together = kernel(_can_meet), parallel_kernel(_can_meet)
+_can_meet_serial, _can_meet_parallel = kernel(_can_meet), parallel_kernel(_can_meet)
 
 
 @routine

@@ -40,11 +40,11 @@ def find_pairs(position, reach, box: Box, moves_here=None) -> np.ndarray:
         for k in range(len(cell_width))
         if np.any(level == k)
     ]
-    found = []
+    pairs_of_levels = []
     for fine, grid in enumerate(grids):
         for coarse in range(fine, len(grids)):
-            found += _search(spheres, grid, grids[coarse], fine == coarse)
-    return sort_pairs(np.concatenate(found), len(reach))
+            pairs_of_levels += _search(spheres, grid, grids[coarse], fine == coarse)
+    return sort_pairs(np.concatenate(pairs_of_levels), len(reach))
 
 
 class _Grid(NamedTuple):
@@ -100,18 +100,18 @@ def _sort_into_cells(spheres, members, cell_width, box: Box) -> _Grid:
 def _search(spheres, fine, coarse, same_level) -> list[np.ndarray]:
     """Return the pairs of members of two grids that meet, in arrays (k, 4); pairs of one level are found once."""
     threads = get_num_threads()
-    search = _search_alone if threads == 1 else _search_together
-    room = 2 * BLOCK * PAIRS_PER_SPHERE + PAIRS_PER_SPHERE * len(fine.members) // threads
+    search = _search_serial if threads == 1 else _search_parallel
+    capacity = 2 * BLOCK * PAIRS_PER_SPHERE + PAIRS_PER_SPHERE * len(fine.members) // threads
     while True:
-        pairs, counts = search(spheres, fine, coarse, same_level, threads, room)
-        if counts.max() <= room:
+        pairs, counts = search(spheres, fine, coarse, same_level, threads, capacity)
+        if counts.max() <= capacity:
             return [pairs[thread, :count] for thread, count in enumerate(counts)]
-        room = int(counts.max())
+        capacity = int(counts.max())
 
 
-def _search_blocks(spheres, fine, coarse, same_level, threads, room):
-    """Return the pairs that each thread finds, (threads, room, 4), and their numbers, which may exceed the room."""
-    pairs = np.empty((threads, room, 4), np.int64)
+def _search_blocks(spheres, fine, coarse, same_level, threads, capacity):
+    """Return the pairs of each thread (threads, capacity, 4) and their numbers, which may exceed the capacity."""
+    pairs = np.empty((threads, capacity, 4), np.int64)
     counts = np.zeros(threads, np.int64)
     n = len(fine.members)
     for thread in prange(threads):
@@ -121,7 +121,7 @@ def _search_blocks(spheres, fine, coarse, same_level, threads, room):
     return pairs, counts
 
 
-_search_alone, _search_together = kernel(_search_blocks), parallel_kernel(_search_blocks)
+_search_serial, _search_parallel = kernel(_search_blocks), parallel_kernel(_search_blocks)
 
 
 @routine

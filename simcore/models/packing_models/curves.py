@@ -56,10 +56,10 @@ def quantile(curve, share):
 
 def _log_quantiles(curve, shares):
     """Return the logarithms of the sizes [m] below which these shares (k,) of the mass are."""
-    held = np.flatnonzero(curve.mass_fractions > 0)
+    with_mass = np.flatnonzero(curve.mass_fractions > 0)
     cumulative = np.cumsum(curve.mass_fractions)
     wanted = shares * cumulative[-1]
-    index = held[np.searchsorted(cumulative[held], wanted - 1e-12)]
+    index = with_mass[np.searchsorted(cumulative[with_mass], wanted - 1e-12)]
     within = 1 - (cumulative[index] - wanted) / curve.mass_fractions[index]
     logs = np.log(curve.bounds)
     return logs[index] + within * (logs[index + 1] - logs[index])

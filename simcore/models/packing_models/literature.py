@@ -14,9 +14,9 @@ def one_size(model):
     """Return porosity(curve, one_class) -> float of a packing model of sizes, fractions and one-class porosities."""
 
     def porosity(curve, one_class):
-        held = curve.mass_fractions > 0
-        sizes = np.sqrt(curve.bounds[1:] * curve.bounds[:-1])[held]
-        return float(model(sizes, curve.mass_fractions[held], one_class))
+        with_mass = curve.mass_fractions > 0
+        sizes = np.sqrt(curve.bounds[1:] * curve.bounds[:-1])[with_mass]
+        return float(model(sizes, curve.mass_fractions[with_mass], one_class))
 
     return porosity
 

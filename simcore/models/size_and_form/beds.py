@@ -54,8 +54,8 @@ def flags(table) -> pd.Series:
     fines = (floor - inside > FLOOR_ERRORS * errors) & (floor > FLOOR_FACTOR * inside)
     reasons = {"sizes separate over height": halves, "coarse grains lie outside": parts, "fines on the floor": fines}
     texts = pd.Series("", table.index)
-    for reason, found in reasons.items():
-        texts[found] = texts[found].where(texts[found] == "", texts[found] + "; ") + reason
+    for reason, flagged in reasons.items():
+        texts[flagged] = texts[flagged].where(texts[flagged] == "", texts[flagged] + "; ") + reason
     return texts
 
 

@@ -59,13 +59,13 @@ def fit_candidate(name, beds, scatter, start=None, fixed=None) -> Fit:
         return weights * (predict_beds(name, beds, values) - beds.n)
 
     begin = 1.0 + np.clip((first - low) / (high - low), 0.01, 0.99)
-    found = least_squares(residuals, begin, bounds=(1.0, 2.0), diff_step=STEP, xtol=1e-8, ftol=1e-10)
-    scaled = found.x - 1.0
+    solution = least_squares(residuals, begin, bounds=(1.0, 2.0), diff_step=STEP, xtol=1e-8, ftol=1e-10)
+    scaled = solution.x - 1.0
     values = low + scaled * (high - low)
-    normal = found.jac.T @ found.jac
+    normal = solution.jac.T @ solution.jac
     covariance = np.linalg.pinv(normal) * np.outer(high - low, high - low)
     bound = tuple(key for key, x in zip(parameters, scaled, strict=True) if not 1e-3 < x < 1 - 1e-3)
-    predicted = beds.n + found.fun / weights
+    predicted = beds.n + solution.fun / weights
     return Fit(name, dict(zip(parameters, map(float, values), strict=True)), covariance, predicted, bound)
 
 
@@ -80,8 +80,8 @@ def scatter_between_beds(beds, name=SCATTER_BY) -> float:
         information = np.linalg.slogdet(np.linalg.pinv(fit.covariance))[1]
         return float(np.sum(np.log(variance)) + information + np.sum((fit.predicted - beds.n) ** 2 / variance))
 
-    found = minimize_scalar(deviance, bounds=(0.0, LARGEST_SCATTER), method="bounded", options={"xatol": 1e-5})
-    return float(found.x) if found.fun < deviance(0.0) else 0.0
+    minimum = minimize_scalar(deviance, bounds=(0.0, LARGEST_SCATTER), method="bounded", options={"xatol": 1e-5})
+    return float(minimum.x) if minimum.fun < deviance(0.0) else 0.0
 
 
 def predict_left_out(name, beds, groups, scatter) -> np.ndarray:

@@ -35,10 +35,10 @@ def predict_by_class(
     """
     correction = fitted.curve if model is None else None
     model, fitted = model or sized_model(fitted), one_class_models(fitted)
-    held = np.flatnonzero(curve.mass_fractions > 0)
-    samples = [sample_of_class(curve, index, classes) for index in held]
+    with_mass = np.flatnonzero(curve.mass_fractions > 0)
+    samples = [sample_of_class(curve, index, classes) for index in with_mass]
     rows = [predict_preferred(sample, ONE_CLASS, fitted, level) for sample in samples]
-    shares = curve.mass_fractions[held]
+    shares = curve.mass_fractions[with_mass]
     refused = "; ".join(
         dict.fromkeys(f"{s.name}: {row['refused']}" for s, row in zip(samples, rows, strict=True) if row["refused"])
     )
@@ -59,7 +59,7 @@ def predict_by_class(
     def bed(values):
         # Classes without mass get the value of the first one; it has no effect.
         of_all = np.repeat(values[:, :1], len(curve.mass_fractions), axis=1)
-        of_all[:, held] = values
+        of_all[:, with_mass] = values
         return model.predict(curve, np.clip(of_all, LEAST, LARGEST), reference=of_rhine)
 
     def mixture(values):

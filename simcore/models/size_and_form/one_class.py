@@ -22,14 +22,14 @@ def one_class_porosity(model, statistics, curve):
     n = np.asarray(model.predict(unified_features(statistics)), float)
     if rows == 1 and classes > 1:
         return check_one_class(float(n[0]))
-    held = curve.mass_fractions > 0
-    if not np.all(np.isfinite(n[held])):
-        missing = np.flatnonzero(held & ~np.isfinite(n))[0]
+    with_mass = curve.mass_fractions > 0
+    if not np.all(np.isfinite(n[with_mass])):
+        missing = np.flatnonzero(with_mass & ~np.isfinite(n))[0]
         raise ValueError(
             f"{curve.name}: class {missing + 1} has mass but no form statistics; give them, or all grains'"
         )
     # The value of a class without mass has no effect.
-    return check_one_class(np.where(held, n, n[held].mean()))
+    return check_one_class(np.where(with_mass, n, n[with_mass].mean()))
 
 
 def check_one_class(porosity):

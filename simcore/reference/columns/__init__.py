@@ -120,8 +120,8 @@ def describe_columns(table):
     described = {}
     for group in groups:
         for column in group:
-            for known in filter(None, (column.name, column.committed)):
-                described.setdefault(known, column)
+            for column_name in filter(None, (column.name, column.committed)):
+                described.setdefault(column_name, column)
     return described
 
 

@@ -143,8 +143,8 @@ def _visible_edges(grain):
     """Return the edges of the triangles that are turned to the camera, (k, 2, 2) in the picture [mm]."""
     corners = _to_world(grain.vertices)[grain.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    seen = grain.faces[normals @ camera_axes(**ASLANT)[2] > 0.0]
-    edges = np.unique(np.sort(seen[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+    visible = grain.faces[normals @ camera_axes(**ASLANT)[2] > 0.0]
+    edges = np.unique(np.sort(visible[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
     return MM * project(_to_world(grain.vertices), **ASLANT)[edges]
 
 

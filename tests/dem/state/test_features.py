@@ -12,7 +12,7 @@ from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.shapes.polyhedra import ELLIPSOID, POLYHEDRON, SPHERE, collect_shapes, unit_sphere
 from simcore.dem.state.bodies import make_bodies
-from simcore.dem.state.contacts import Box, State
+from simcore.dem.state.contacts import Box, State, bytes_per_pair
 from simcore.dem.state.features import Features
 from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.dem.step.step import STAGES, Drive, make_advance
@@ -133,3 +133,12 @@ def test_polyhedra_at_their_deepest_point_find_no_patch():
     assert len(contacts.spread) == len(contacts.twist) == 0 and len(contacts.facet) == len(contacts.body_a)
     assert len(contacts.stuck) == 0  # without preloaded friction
     assert len(results[0][0].form_matrix) == 0
+
+
+@pytest.mark.parametrize("features", [BARE, FULL, Features(ELLIPSOID, True), Features(POLYHEDRON, True, patch=True)])
+def test_the_memory_of_a_pair_is_that_of_its_row(features):
+    base = make_pebble(1) if features.kind == POLYHEDRON else unit_sphere()
+    bodies = bodies_of(base, features.kind, [5e-3, 5e-3, 5e-3])
+    contacts = list_candidates(bodies, collect_shapes([base]), Box(1.0 * features.periodic), 0.01, features).contacts
+    rows = sum(array.nbytes for array in contacts) - contacts.incident_start.nbytes
+    assert rows == bytes_per_pair(features) * len(contacts.body_a) > 0

@@ -79,7 +79,7 @@ def test_contacts_of_bodies_are_those_that_sorting_gives():
     rng = np.random.default_rng(6)
     n = 40
     pairs = find_pairs(rng.uniform(0.0, 0.1, (n, 3)), rng.uniform(0.03, 0.08, n), Box(0.1))
-    a, b, image = pairs[:, 0], pairs[:, 1], pairs[:, 2:]
+    a, b, image = pairs[:, 0].astype(np.int32), pairs[:, 1].astype(np.int32), pairs[:, 2:]
     assert (a == b).any() and ((a[1:] == a[:-1]) & (b[1:] == b[:-1])).any()
     owner, partner, signed = np.concatenate([a, b]), np.concatenate([b, a]), np.concatenate([image, -image])
     order = np.lexsort((signed[:, 1], signed[:, 0], partner, owner))
