@@ -58,7 +58,7 @@ def wide_cost():
         axes.annotate(LABELS[name], (row.cpu_s, row.difference), PLACES.get(name, (7, 5)), color=colour, fontsize=9,
                       textcoords="offset points")  # fmt: skip
     axes.set(xlabel="CPU time of a packing of U5, 1.4 kg [s]", ylabel="porosity minus that of the reference")
-    axes.set_xlim(200, 950)
+    axes.set(xlim=(200, 950), ylim=(-0.007, None))
     return figure
 
 
