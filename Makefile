@@ -11,7 +11,7 @@ PYTEST_ARGS ?=
 QUICK_TESTS := $(addprefix tests/,test_structure.py test_command_line.py \
   $(addprefix grains/,test_form.py test_mesh.py test_sieve.py) \
   $(addprefix scene/,test_specification.py test_identity.py) \
-  $(addprefix dem/,test_vectors.py forces/test_spring_dashpot.py contact/pairs/test_ellipsoids.py step/test_candidate_pairs.py) \
+  $(addprefix dem/,test_vectors.py forces/test_spring_dashpot.py contact/pairs/test_ellipsoids.py step/test_candidate_pairs.py step/test_close_spheres.py) \
   physics/test_contact_law.py \
   $(addprefix packing/,test_cost.py test_file.py test_watch.py) \
   $(addprefix evaluation/,test_slicing.py test_porosity.py) \

@@ -102,7 +102,7 @@ class Bench:
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
         }
         self.starts += 1
-        with self.log().open("w") as output:
+        with self.log_path().open("w") as output:
             return subprocess.Popen(
                 [str(word) for word in command], cwd=folder, env=environment, stdout=output, stderr=subprocess.STDOUT
             )
@@ -119,11 +119,11 @@ class Bench:
                 except psutil.Error:
                     pass
             process.wait()
-        text = self.log().read_text()
+        text = self.log_path().read_text()
         lines = [line for line in text.splitlines() if line.startswith(("scree", "simcore")) or "interrupted" in line]
         return Ended(status, time.monotonic() - started, lines[-1] if lines else "", "Traceback" in text)
 
-    def log(self):
+    def log_path(self):
         """Return the path of the output of the run that was started last."""
         return self.folder / f"log_{self.starts}.txt"
 
@@ -334,7 +334,7 @@ def survive(options, folder):
         started = time.monotonic()
         undisturbed = bench.finish(bench.launch(startup=COMPILING if name == "compiling" else STARTING), started)
         if undisturbed.status != 0:
-            print(bench.log().read_text(), file=sys.stderr)
+            print(bench.log_path().read_text(), file=sys.stderr)
             print(f"the undisturbed run ended with status {undisturbed.status}", file=sys.stderr)
             return 1
         lasted.append(undisturbed.seconds)

@@ -2,21 +2,21 @@
 
 import numpy as np
 
-MOST_DECIMALS = 4  # for errors that are nearly zero
+MAX_DECIMALS = 4  # for errors that are nearly zero
 
 
-def error_decimals(error, digits=None, largest_number=MOST_DECIMALS):
-    """Return the number of decimals at which an error has that many significant digits, at most `largest_number`.
+def error_decimals(error, digits=None, max_decimals=MAX_DECIMALS):
+    """Return the number of decimals at which an error has that many significant digits, at most `max_decimals`.
 
     digits: None gives one digit, or two if the first digit is 1, so that rounding changes the error by a quarter at
-    most. An error that is zero, negative or not finite has `largest_number` decimals.
+    most. An error that is zero, negative or not finite has `max_decimals` decimals.
     """
     if not (np.isfinite(error) and error > 0.0):
-        return largest_number
+        return max_decimals
     power = int(np.floor(np.log10(error)))
     if digits is None:
         digits = 2 if error < 1.95 * 10.0**power else 1
-    return int(np.clip(digits - 1 - power, 0, largest_number))
+    return int(np.clip(digits - 1 - power, 0, max_decimals))
 
 
 def rounded(value, error=np.nan, decimals=3, sign=""):

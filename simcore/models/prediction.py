@@ -28,6 +28,7 @@ R22_MIXTURES = {"mu": (0.4, 0.8), "sigma": (0.1, 0.2)}
 NEARLY_ONE_FORM = 0.5
 # A porosity closer to 0 or 1 than this would be printed as 0 or 1.
 SMALLEST_PRINTED = 5e-4
+NO_MODEL = "no model was fitted"
 PREDICTION = ["by", "model", "preferred", "n", "lower", "upper", "few_grains_error", "outside", "distance", "refused"]
 
 
@@ -51,7 +52,7 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
     outside (description, empty if the sample is inside the fitted range), distance (from the range, in its widths) and
     refused. If a model is not evaluated for a sample, because the sample is too far outside or the formula or the
     interval leaves (0, 1), then n, lower and upper are nan and `refused` gives the reason; `refused` is empty
-    otherwise. A sample of a kind for which the case has no model has one row of that kind, which is refused.
+    otherwise. A sample of a kind for which the case has no model has one row, with empty `by` and `model`.
 
     For a distribution, the preferred model is the one with the smaller cross-validated error among our models whose
     fitted range contains the sample; if there is none, it is the unified model, which is also valid for narrow
@@ -76,11 +77,14 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
 
 def _no_model(sample, case):
     """Return the refused row of PREDICTION of a sample for which the case has no model."""
-    name, other = ("single_form", "a distribution of form") if sample.one_form else ("form_mixture", "one form")
-    refused = f"no model was fitted to beds of {case} with {kind_of_bed(sample)}, only to beds with {other}"
-    remedy = "the model of `predict --sieve` is valid for both"
-    values = ("ours", name, False, *(np.nan,) * 4, "", 0.0, f"{refused}; {remedy}")
-    return dict(zip(PREDICTION, values, strict=True))
+    other = "a distribution of form" if sample.one_form else "one form"
+    refused = f"{NO_MODEL} to beds of {case} with {kind_of_bed(sample)}, only to beds with {other}"
+    return dict(zip(PREDICTION, ("", "", False, *(np.nan,) * 4, "", np.nan, refused), strict=True))
+
+
+def remedy_without_model(case):
+    """Return what to do with samples of which the case has no model."""
+    return f"use predict --sieve {case}, whose model is valid for one form and for distributions"
 
 
 def predict_preferred(sample, case, fitted, level=0.95):
@@ -142,10 +146,16 @@ def _require_one(tables, case):
         return
     names = [table.name.iloc[0] for table in tables]
     samples = f"sample {names[0]}" if len(names) == 1 else f"samples {join_first(names, 10)}"
-    reasons = "; ".join(f"{describe_model(row.by, row.model)}: {row.refused}" for row in tables[0].itertuples())
+    if all((table.model == "").all() for table in tables):
+        remedy = remedy_without_model(case)
+        raise ValueError(
+            f"case {case}: the porosity of {samples} cannot be predicted: {tables[0].refused[0]}; {remedy}"
+        )
+    first = next(table for table in tables if (table.model != "").any())
+    reasons = "; ".join(f"{describe_model(row.by, row.model)}: {row.refused}" for row in first.itertuples())
     raise ValueError(
-        f"case {case}: the porosity of {samples} cannot be predicted. For {names[0]} no model is evaluated: {reasons}. "
-        "Correct the values, or simulate packings of these grains (scree pack)"
+        f"case {case}: the porosity of {samples} cannot be predicted. For {first.name[0]} no model is evaluated: "
+        f"{reasons}. Correct the values, or simulate packings of these grains (scree pack)"
     )
 
 

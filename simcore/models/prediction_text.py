@@ -9,7 +9,7 @@ from simcore.grains.text_columns import text_columns
 from simcore.models.fitted_range import FAR, NEAR
 from simcore.models.measured_prediction import check_level, models_for_cases, predict_measured
 from simcore.models.measured_text_parts import records
-from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case
+from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case, remedy_without_model
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS, predict_two_axes, two_axes_text
 from simcore.reference.r22_tables import read_r22_table
 
@@ -53,10 +53,10 @@ def describe(table, case, fitted, level=0.95):
         )
     lines += _describe_missing_models(table, model_case(case), fitted)
     lines += ["", *_samples_in_columns(table), "", "Models"]
-    own = [name for name, of_case in fitted.models if of_case == model_case(case)]
-    for (by, name), _ in table[(table.by == "r22") | table.model.isin(own)].groupby(["by", "model"], sort=False):
+    for (by, name), _ in table[table.model != ""].groupby(["by", "model"], sort=False):
         lines.append(f"  {_equation(by, name, model_case(case), fitted)}")
-    extrapolated, refused = table[(table.outside != "") & (table.refused == "")], table[table.refused != ""]
+    extrapolated = table[(table.outside != "") & (table.refused == "")]
+    refused = table[(table.refused != "") & (table.model != "")]
     if len(extrapolated):
         lines += [
             "",
@@ -66,7 +66,7 @@ def describe(table, case, fitted, level=0.95):
     if len(refused):
         lines += [
             "",
-            f"- not evaluated: no model, more than {FAR:g} of a range's width outside it, or a porosity not in (0, 1)",
+            f"- not evaluated: more than {FAR:g} of a range's width outside it, or the porosity is not in (0, 1)",
             *_remarks(refused, "refused"),
         ]
     return "\n".join([*lines, "", *_caveats(table, level)])
@@ -79,10 +79,14 @@ def _describe_missing_models(table, case, fitted):
         available = ", ".join(fitted.cases())
         lines.append(f"Only the model of Rettinger et al. is used: ours were fitted to {available}, not to {case}.")
     none = table.groupby("name").n.transform("count") == 0
-    if none.any():
+    without = table.model == ""
+    if without.any():
+        names, reason = ", ".join(table.name[without]), table.refused[without].iloc[0]
+        lines.append(f"Not predicted: {names}; {reason}. For these, {remedy_without_model(case)}.")
+    if (none & ~without).any():
         lines.append(
-            f"No model is evaluated for: {', '.join(table.name[none].unique())}. The reasons are listed below; correct "
-            "the values, or simulate packings of these grains (scree pack)."
+            f"No model is evaluated for: {', '.join(table.name[none & ~without].unique())}. The reasons are listed "
+            "below; correct the values, or simulate packings of these grains (scree pack)."
         )
     without = table[ours_exist & ~none & ~table.groupby("name").preferred.transform("any")]
     ours = without.name.isin(without.name[without.by == "ours"])

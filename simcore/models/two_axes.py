@@ -15,7 +15,7 @@ from simcore.grains.measured_forms import Sample
 from simcore.grains.statistics import equancy_statistics
 from simcore.grains.text_columns import text_columns
 from simcore.models.measured_text_parts import records
-from simcore.models.prediction import model_case, predict_samples
+from simcore.models.prediction import NO_MODEL, model_case, predict_samples, remedy_without_model
 from simcore.paths import R22_TABLES
 from simcore.reference.r22_tables import read_r22_table
 
@@ -47,9 +47,12 @@ def predict_two_axes(samples, case, fitted, level=0.95, r22_tables=R22_TABLES):
         )
     table = pd.DataFrame(rows, columns=RANGE)
     if (table.refused != "").all():
+        reason, remedy = table.refused.iloc[0], "correct the axes, or measure all three"
+        if reason.startswith(NO_MODEL):
+            remedy = f"measure the third axis too, and {remedy_without_model(model_case(case))}"
         raise ValueError(
-            f"case {case}, sample {table['sample'].iloc[0]}: no model can be evaluated at any flatness: "
-            f"{table.refused.iloc[0]}; correct the axes, or measure all three"
+            f"case {case}, sample {table['sample'].iloc[0]}: no model can be evaluated at any flatness: {reason}; "
+            f"{remedy}"
         )
     return table
 

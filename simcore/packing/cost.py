@@ -112,8 +112,10 @@ class PackingCost(NamedTuple):
 def estimate(specification: dict) -> PackingCost:
     """Return the PackingCost of a resolved specification. ValueError if its settings exclude each other."""
     curve = size_curve(specification["sizes"])
-    scene = make_scene(specification, curve, lambda: _masses_of_spheres(specification, curve))
-    return cost_of(scene, typical_pour(specification, curve))
+    pour = typical_pour(specification, curve)
+    number = pour.grains if specification["sizes"]["draw"] == "quota" else None
+    scene = make_scene(specification, curve, lambda: _masses_of_spheres(specification, curve), number)
+    return cost_of(scene, pour)
 
 
 def cost_of(scene: Scene, pour: Pour) -> PackingCost:
@@ -241,7 +243,7 @@ def _lattice_batches(scene, pour):
     Heavy stones can throw pebbles high; the longer wait is not counted. In the cylinder of Rettinger et al. (2022) U1
     took 1.1 to 1.3 times as many grain-steps as planned, and U7 about twice as many. If grains are taller than a layer
     of the lattice, a batch fills only every second or third layer. The last batch of Rettinger et al. is whole unless a
-    number of grains is given.
+    number of grains is given or sizes are drawn by quota.
     """
     generation, domain = scene.generation, scene.domain
     height, spacing, r22 = domain.height, generation.spacing, generation.fill == "r22"

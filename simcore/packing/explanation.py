@@ -11,6 +11,7 @@ from simcore.dem.shapes.polyhedra import collect_shapes
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import bytes_per_pair
 from simcore.dem.state.features import PARTS, Features
+from simcore.grains.sampling import GrainSample
 from simcore.packing.cost import CANDIDATE_PAIRS, WORDS, PackingCost, Pour, cost_of, scene_step_cost
 from simcore.packing.expectation import Expectation, expect, warnings
 from simcore.packing.forecast import draw_packing
@@ -46,17 +47,25 @@ def parts(features: Features) -> tuple[list[str], list[str]]:
     return has, lacks + [text for included, _, text in PARTS if not included(features)]
 
 
-def estimate_cost(setup: Setup, sample=None) -> Cost:
-    """Return the Cost of a packing. sample: all its grains, if they have been drawn already."""
+def draw_batches(setup: Setup) -> tuple[GrainSample, PackingCost]:
+    """Return all grains of a packing, with those of its last batch beyond the specified mass, and its PackingCost."""
+    sample = draw_packing(setup)
+    packing = cost_of(setup.scene, _pour(setup, sample.volume))
+    if packing.grains > len(sample.volume):
+        sample = setup.sample(np.arange(packing.grains))
+    return sample, packing
+
+
+def estimate_cost(setup: Setup, drawn=None) -> Cost:
+    """Return the Cost of a packing. drawn: what `draw_batches` returned, if the grains have been drawn already."""
     scene = setup.scene
-    volumes = (draw_packing(setup) if sample is None else sample).volume
+    sample, packing = draw_batches(setup) if drawn is None else drawn
     per_grain, per_pair = _bytes_per_grain(setup), bytes_per_pair(compose(scene).features)
     shapes = collect_shapes(setup.bases)
     fixed = sum(array.nbytes for group in (shapes, make_workspace(shapes, 1)) for array in group)
-    packing = cost_of(scene, _pour(setup, volumes))
     return Cost(
         packing=packing,
-        mass=scene.material.density * float(volumes.mean()) * packing.grains,
+        mass=scene.material.density * float(sample.volume.sum()),
         bytes_per_grain=per_grain,
         bytes_per_pair=per_pair,
         memory=fixed + packing.grains * (per_grain + CANDIDATE_PAIRS[WORDS[scene.kind]] * per_pair),
@@ -74,8 +83,8 @@ def _pour(setup: Setup, volumes) -> Pour:
 
 def explain(setup: Setup) -> str:
     """Return the text of `explain`: what the packing of `setup` computes and costs, and its margins to the limits."""
-    scene, sample = setup.scene, draw_packing(setup)
-    estimated = estimate_cost(setup, sample)
+    scene, drawn = setup.scene, draw_batches(setup)
+    sample, estimated = drawn[0], estimate_cost(setup, drawn)
     cost = estimated.packing
     expected = expect(scene, setup.bases, setup.draw)
     has, lacks = parts(compose(scene).features)

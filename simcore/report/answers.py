@@ -165,9 +165,10 @@ def _in_short(tables):
         rows = pd.read_csv(tables["validation"])
         if "experiment_n" in rows and rows["experiment_n"].notna().any():
             error = (rows["n"] - rows["experiment_n"]).abs()
-            rest = f" on average and by {error.max():.3f} at most" if len(error.dropna()) > 1 else ""
+            of_several = f" on average and by {error.max():.3f} at most" if len(error.dropna()) > 1 else ""
             sentences.append(
-                f"Porosities measured in the laboratory differ from those of our packings by {error.mean():.3f}{rest}."
+                f"Porosities measured in the laboratory differ from those of our packings by {error.mean():.3f}"
+                f"{of_several}."
             )
     return [" ".join(sentences)] if sentences else []
 

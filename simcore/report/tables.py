@@ -222,7 +222,7 @@ def _number(value, heading):
     if abs(value) >= 1e6:
         power = int(np.floor(np.log10(abs(value))))
         return f"{value / 10.0**power:.2f}·10{str(power).translate(str.maketrans('0123456789', '⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
-    return rounded(value, decimals=error_decimals(abs(value), digits=3, largest_number=6))
+    return rounded(value, decimals=error_decimals(abs(value), digits=3, max_decimals=6))
 
 
 def _key(value):

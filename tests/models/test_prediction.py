@@ -60,12 +60,12 @@ def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
     both = predict_samples([*one, wide], "B50", fitted)
     pd.testing.assert_frame_equal(both[both.name != "wide"], alone)
     row = both[both.name == "wide"].squeeze()
-    assert (row.by, row.model, row.preferred) == ("ours", "form_mixture", False) and np.isnan(row.n)
+    assert (row.by, row.model, row.preferred) == ("", "", False) and np.isnan(row.n)
     assert row.refused.startswith("no model was fitted to beds of B50 with a distribution of form, only to beds with")
     lines = describe(both, "B50", fitted).splitlines()
     assert lines[1] == "Only the model of Rettinger et al. is used: ours were fitted to U1, not to B50."
-    assert lines[2].startswith("No model is evaluated for: wide. ") and lines[3] == ""
-    assert f"  wide, ours form_mixture: {row.refused}" in lines
+    assert lines[2].startswith(f"Not predicted: wide; {row.refused}. For these, use predict --sieve B50, ")
+    assert lines[3] == "" and not any(line.startswith("- not evaluated") for line in lines)
     models = lines[lines.index("Models") + 1 :]
     assert models[0].startswith("  Rettinger et al. single_form: n =") and models[1] == ""
     with pytest.raises(ValueError, match="case B50: the porosity of sample wide cannot be predicted.*predict --sieve"):

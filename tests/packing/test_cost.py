@@ -12,7 +12,7 @@ import yaml
 
 from simcore.grains.sources import load_grains
 from simcore.packing import cost as packing_cost
-from simcore.packing.explanation import estimate_cost
+from simcore.packing.explanation import draw_batches, estimate_cost
 from simcore.packing.insertion.batches import Pouring
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
@@ -125,6 +125,34 @@ def test_a_stretched_lattice_inserts_fewer_grains_in_a_batch_as_planned_and_as_p
         planned.append(packing_cost.plan_insertion(setup.scene, pour)[0][0])
         packed.append(len(Pouring(setup.scene, setup.bases, setup.draw).batch(0, 0.0, None).places))
     assert planned[1] == pytest.approx(planned[0] / 2, rel=0.1) and packed[1] == pytest.approx(packed[0] / 2, rel=0.1)
+
+
+@pytest.mark.parametrize("draw", ["random", "quota"])
+@pytest.mark.parametrize("kind", ["sphere", "ellipsoid"])
+def test_the_last_batch_of_rettinger_et_al_is_whole_as_planned_and_as_packed(kind, draw):
+    raw = {
+        "domain": {"width": "0.06 m", "height": "1 m"},
+        "amount": {"mass": "0.9 kg"},
+        "shapes": {"kind": kind} | ({} if kind == "sphere" else {"choice": "form", "flatness": 0.7, "elongation": 0.7}),
+        "sizes": {"case": "U1", "draw": draw},
+        "generation": {"fill": "r22"},
+    }
+    setup = set_up(resolve(raw), load_grains)
+    sample, cost = draw_batches(setup)
+    pouring, inserted, mass = Pouring(setup.scene, setup.bases, setup.draw), 0, 0.0
+    while mass < 0.9 and inserted < (setup.scene.amount_grains or np.inf):
+        places = pouring.batch(inserted, 0.0, None).places
+        mass += setup.scene.material.density * setup.sample(inserted + np.arange(len(places))).volume.sum()
+        inserted += len(places)
+    # The plan has the layers of the lattice, but not how much of a layer the grains at the lid of the domain leave out.
+    assert cost.grains == len(sample.volume) == pytest.approx(inserted, rel=0.05 * (draw == "random"))
+    assert estimate_cost(setup).mass == pytest.approx(mass, rel=0.05)
+    assert (mass > 0.92) == (estimate_cost(setup).mass > 0.92) == (draw == "random")
+    typical = packing_cost.estimate(resolve(raw))
+    assert typical.grains == pytest.approx(inserted, rel=0.1)
+    if draw == "quota":
+        wanted = packing_cost.estimate(resolve({**raw, "generation": {"fill": "bed"}})).grains
+        assert typical.grains == wanted
 
 
 def test_ranks_are_kept_busy():

@@ -90,7 +90,7 @@ def list_incident(body_a, body_b, n_bodies):
         start[i + 1] += start[i]
     # Contacts of a body are in order of (partner, image). The partners of b are lower than b, those of a are higher;
     # images of a body of itself are in between. Seen from b, the images of a pair have the opposite sign and order.
-    place = start[:-1].copy()
+    next_side = start[:-1].copy()
     incident = np.empty(2 * m, np.int32)
     begin = 0
     while begin < m:
@@ -98,12 +98,12 @@ def list_incident(body_a, body_b, n_bodies):
         while end < m and body_a[end] == body_a[begin] and body_b[end] == body_b[begin]:
             end += 1
         for p in range(end - 1, begin - 1, -1):
-            incident[place[body_b[p]]] = 2 * p + 1
-            place[body_b[p]] += 1
+            incident[next_side[body_b[p]]] = 2 * p + 1
+            next_side[body_b[p]] += 1
         begin = end
     for p in range(m):
-        incident[place[body_a[p]]] = 2 * p
-        place[body_a[p]] += 1
+        incident[next_side[body_a[p]]] = 2 * p
+        next_side[body_a[p]] += 1
     return start, incident
 
 

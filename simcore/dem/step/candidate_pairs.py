@@ -1,4 +1,4 @@
-"""Candidate pairs: the neighbour search in linked cells, with a margin for each body.
+"""Candidate pairs: the pairs of bodies that may touch before the next listing, by a margin for each body.
 
 Each body has its own margin, so that a few fast bodies make neither the listings frequent nor all lists long.
 Pairs of bodies that are not spheres are listed only if they can meet before the next listing.
@@ -52,7 +52,7 @@ def list_pairs(bodies, shapes, box, features, old) -> np.ndarray:
     before = empty_contacts(pairs[:0], 0, features) if old is None else old.contacts
     threads = get_num_threads()
     can_meet = _can_meet_serial if threads == 1 else _can_meet_parallel
-    return pairs[can_meet(pairs, bodies, shapes, before, box.width, threads)]
+    return pairs[can_meet(pairs, bodies, shapes, before, box.width, threads, BLOCK)]
 
 
 def list_contacts(pairs, bodies, shapes, box, features, old) -> CandidatePairs:
@@ -68,12 +68,12 @@ def list_contacts(pairs, bodies, shapes, box, features, old) -> CandidatePairs:
     return CandidatePairs(contacts, walls)
 
 
-def _can_meet(pairs, bodies, shapes, old, width, threads):
+def _can_meet(pairs, bodies, shapes, old, width, threads, block):
     """Return for each pair (m, 4) whether it may touch before the next listing, by a quick test: (m,) bool."""
     can = np.ones(len(pairs), np.bool_)
     for thread in prange(threads):
-        for begin in range(thread * BLOCK, len(pairs), threads * BLOCK):
-            _test_pairs(pairs, bodies, shapes, old, width, begin, min(begin + BLOCK, len(pairs)), can)
+        for begin in range(thread * block, len(pairs), threads * block):
+            _test_pairs(pairs, bodies, shapes, old, width, begin, min(begin + block, len(pairs)), can)
     return can
 
 

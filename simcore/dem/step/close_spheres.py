@@ -1,10 +1,10 @@
 """Search for spheres that meet, in linked cells.
 
-The cells form as many levels as the sizes of the spheres require. A sphere belongs to the level whose cells are just
-wider than itself, and a pair is searched from its smaller sphere. In horizontally periodic boxes cells wrap around, and
-each wrap counts the image: a pair that is close through several images, or a sphere that is close to an image of
-itself, is found once for each image. Several threads share the spheres of a level; the pairs are the same, because they
-are sorted afterwards.
+The cells form as many levels as the sizes of the spheres require. A sphere belongs to the level of its size, crowded
+levels have finer cells, and a pair is searched from its smaller sphere. In horizontally periodic boxes cells wrap
+around, and each wrap counts the image: a pair that is close through several images, or a sphere that is close to an
+image of itself, is found once for each image. Several threads share the spheres of a level. The pairs are the same,
+because they are sorted afterwards.
 """
 
 from typing import NamedTuple
@@ -33,7 +33,7 @@ def find_pairs(position, reach, box: Box, moves_here=None) -> np.ndarray:
         moves_here = np.ones(len(reach), np.bool_)
     spheres = _spheres(position, reach, box, moves_here)
     level = np.floor(np.log2(reach / reach.min()) + 1e-12).astype(np.int64)
-    # At least half as wide as the widest pair of its level.
+    # A cell is at least as wide as the largest distance at which two spheres of its level meet.
     cell_width = 2.0 * reach.min() * 2.0 ** (1 + np.arange(level.max() + 1))
     grids = [
         _sort_into_cells(spheres, np.flatnonzero(level == k), cell_width[k], box)
@@ -126,7 +126,7 @@ _search_serial, _search_parallel = kernel(_search_blocks), parallel_kernel(_sear
 
 @routine
 def _search_from(spheres, fine, coarse, same_level, begin, end, pairs, count):
-    """Store the pairs of some members of `fine` in rows `count` and after, if there are such rows; return the count."""
+    """Store the pairs of some members of `fine` from row `count` on; return the number, which may exceed the rows."""
     nx, ny, nz = coarse.counts[0], coarse.counts[1], coarse.counts[2]
     width = spheres.width
     for m in range(begin, end):
@@ -190,7 +190,7 @@ def _meet(spheres, a, b, image_x, image_y):
 
 @kernel
 def sort_pairs(pairs, n_bodies):
-    """Return the rows (m, 4) sorted by all columns. It counts, because the bodies a and b are small numbers."""
+    """Return the rows (m, 4) sorted by all columns. It sorts by counting, which takes linear time."""
     m = len(pairs)
     order = _order_by(pairs, 0, _order_by(pairs, 1, np.arange(m), n_bodies), n_bodies)
     sorted_ = np.empty((m, 4), np.int64)

@@ -8,7 +8,7 @@ const Outputs = (() => {
 
   const takenAs = (sample) => (Grains.isOneForm(sample) ? "one form" : "a distribution");
 
-  // Returns the table that the command prints with --csv, with all digits; results: [{sample, rows} or {sample, range}].
+  // Returns the table that the command prints with --csv, with all digits, but without samples that no model suits; results: [{sample, rows} or {sample, range}].
   function csv(results, mark) {
     const separator = mark === "," ? ";" : ",";
     const cell = (value) => {
