@@ -77,7 +77,7 @@ def by_command(path, entry, fitted):
         except ValueError as error:  # none can be evaluated
             assert "no model" in str(error)
             table = None
-        if table is not None and (table.model == "").any():
+        if table is not None and "model" in table and (table.model == "").any():
             table = None  # the page has one sentence on such samples instead of a row
         rows.append((sample, table))
     return {"samples": rows, "notices": notices}
