@@ -94,6 +94,7 @@ def explain(setup: Setup) -> str:
     lines = [
         f"{scene.name}: {cost.grains} grains, {estimated.mass:.4g} kg, {place} {domain.width * 1e3:g} mm, height "
         f"{domain.height * 1e3:g} mm",
+        *_amount_lines(scene),
         *grain_lines(setup, sample),
         *bed_lines(setup, sample),
         "The step has",
@@ -115,6 +116,15 @@ def explain(setup: Setup) -> str:
         *(f"Warning     {text}" for text in setup_warnings(setup, sample)),
     ]
     return "\n".join(lines)
+
+
+def _amount_lines(scene: Scene) -> list[str]:
+    if scene.generation.fill != "r22" or scene.amount_grains is not None:
+        return []
+    return [
+        f"Amount      {scene.amount_mass:.4g} kg is specified, but generation.fill: r22 inserts the last batch whole",
+        "            The grains and the mass above contain the whole batch",
+    ]
 
 
 def _stability_lines(scene: Scene, expected: Expectation) -> list[str]:

@@ -160,3 +160,11 @@ def test_a_sheet_of_libreoffice_is_read(tmp_path):
     (tmp_path / "bad.ods").write_bytes(b"PK\x03\x04" + bytes(50))
     with pytest.raises(ValueError, match="bad.ods: the file cannot be read as an OpenDocument sheet"):
         read_measured(tmp_path / "bad.ods")
+
+
+def test_a_case_without_a_model_of_distributions_needs_a_third_axis_and_a_sieve_curve(write, fitted):
+    """The flatness is assumed to vary, so that the grains never have one form."""
+    samples, _ = read_two_axes(write(GRAINS))
+    remedy = "measure the third axis too, and use predict --sieve B50"
+    with pytest.raises(ValueError, match=f"case B50, sample bar: .*no model was fitted to beds of B50 .*{remedy}"):
+        predict_two_axes(samples, "B50", fitted)

@@ -12,7 +12,7 @@ import yaml
 
 from simcore.grains.sources import load_grains
 from simcore.packing import cost as packing_cost
-from simcore.packing.explanation import draw_batches, estimate_cost
+from simcore.packing.explanation import draw_batches, estimate_cost, explain
 from simcore.packing.insertion.batches import Pouring
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
@@ -148,6 +148,9 @@ def test_the_last_batch_of_rettinger_et_al_is_whole_as_planned_and_as_packed(kin
     assert cost.grains == len(sample.volume) == pytest.approx(inserted, rel=0.05 * (draw == "random"))
     assert estimate_cost(setup).mass == pytest.approx(mass, rel=0.05)
     assert (mass > 0.92) == (estimate_cost(setup).mass > 0.92) == (draw == "random")
+    text = explain(setup)
+    assert text.startswith(f"packing: {inserted if draw == 'quota' else cost.grains} grains, ")
+    assert ("Amount      0.9 kg is specified" in text) == (draw == "random")
     typical = packing_cost.estimate(resolve(raw))
     assert typical.grains == pytest.approx(inserted, rel=0.1)
     if draw == "quota":
