@@ -70,6 +70,9 @@ def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
     assert models[0].startswith("  Rettinger et al. single_form: n =") and models[1] == ""
     with pytest.raises(ValueError, match="case B50: the porosity of sample wide cannot be predicted.*predict --sieve"):
         predict_samples([wide], "B50", fitted)
+    far = sample_of_one_form(0.05, 0.7)
+    with pytest.raises(ValueError, match=f"For {far.name} no model is evaluated: Rettinger et al. single_form: "):
+        predict_samples([wide, far], "B50", fitted)
     with pytest.raises(ValueError, match="case B30: there is no model for it; choose one of B50, U1, U7, one-class"):
         predict_samples(one, "B30", fitted)
 

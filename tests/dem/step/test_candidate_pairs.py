@@ -158,9 +158,9 @@ def test_no_pair_that_is_left_out_can_touch_before_the_next_list(kind):
     assert touched > 20 * n
 
 
-def test_several_threads_leave_out_the_same_pairs(monkeypatch):
-    """Each thread starts within the old list, of which some pairs touched and others were apart."""
-    monkeypatch.setattr(candidate_pairs, "BLOCK", 64)
+def test_several_threads_and_any_blocks_leave_out_the_same_pairs(monkeypatch):
+    """Each block starts within the old list, of which some pairs touched and others were apart."""
+    monkeypatch.setattr(candidate_pairs, "BLOCK", 10**6)
     rng = np.random.default_rng(7)
     n, width = 300, 5.0
     bases = [make_pebble(k, 20) for k in range(5)]
@@ -175,6 +175,7 @@ def test_several_threads_leave_out_the_same_pairs(monkeypatch):
     bodies.margin[:] = rng.choice([0.02, 0.2], n)
     alone = list_pairs(bodies, shapes, Box(width), features, old)
     monkeypatch.setattr(candidate_pairs, "get_num_threads", lambda: 3)
+    monkeypatch.setattr(candidate_pairs, "BLOCK", 1)
     np.testing.assert_array_equal(list_pairs(bodies, shapes, Box(width), features, old), alone)
     every = find_pairs(bodies.position, bodies.radius + bodies.margin, Box(width))
-    assert 6 * 64 < len(alone) < 0.9 * len(every)
+    assert 300 < len(alone) < 0.9 * len(every)

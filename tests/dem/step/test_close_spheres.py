@@ -76,6 +76,14 @@ def test_places_on_the_border_of_box_and_cell():
     assert found_pairs(position, radius, 0.4) == all_pairs(position, radius, 0.4)
 
 
+@pytest.mark.parametrize("width", [0.0, 0.4])
+def test_crowded_spheres_are_searched_in_finer_cells(width):
+    position = np.random.default_rng(5).uniform(0.0, 0.4, (300, 3))
+    radius = np.full(300, 0.05)
+    found = found_pairs(position, radius, width)
+    assert found == all_pairs(position, radius, width) and len(found) > 5 * 300
+
+
 @pytest.mark.parametrize("threads", [1, 3])
 def test_more_pairs_than_there_is_memory_for_at_first(threads, monkeypatch):
     n = 400
