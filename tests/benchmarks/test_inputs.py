@@ -50,6 +50,23 @@ def test_the_reader_contradicts_porosities_that_are_not_physical(table, key, val
         input_tables.confirm(path, TABLE, json.dumps(answer))
 
 
+MIXED = "sample,FL,EL\none,0.6,0.7\nmany,0.5,0.8\nmany,0.7,0.6\n"
+
+
+def test_the_reader_accepts_a_sample_without_model_only_in_cases_that_lack_models(tmp_path):
+    path = tmp_path / "grains.csv"
+    path.write_text(MIXED)
+    answer = json.loads(run(["predict", str(path), "--case", "B50", "--json"], 60).output)
+    layout = Layout("ratios", "utf-8", ",", 0, [1, 2], None, 0, None)
+    input_tables.confirm(path, layout, json.dumps(answer))
+    with pytest.raises(Contradiction, match="sample many was answered without a porosity"):
+        input_tables.confirm(path, layout, json.dumps(answer | {"case": "U1"}))
+    for sample in answer["samples"]:
+        sample["predictions"] = answer["samples"][1]["predictions"]
+    with pytest.raises(Contradiction, match="all samples"):
+        input_tables.confirm(path, layout, json.dumps(answer))
+
+
 @pytest.mark.parametrize("row", ["1.2,0.5", "0.5,", "nan,0.5", "0.5,0.5,0.5", "0.5,zero"])
 def test_the_reader_contradicts_an_answer_to_what_is_no_table_of_grains(table, row):
     path, answer = table
