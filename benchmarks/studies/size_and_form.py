@@ -41,7 +41,6 @@ def describe(specification):
     curve, cost = size_curve(specification["sizes"]), estimate(specification)
     domain, grains = Domain(**specification["domain"]), typical_grains(specification)
     bed = forecast(domain, grains)
-    mean_volume = float(grains.volume @ grains.volume) / float(grains.volume.sum())
     evaluated = bed.solid_fraction * domain.area * bed.evaluated
     return {
         "curve": case,
@@ -53,7 +52,7 @@ def describe(specification):
         "top_share": float(curve.mass_fractions[curve.mass_fractions > 0][-1]),
         "width": domain.width / curve.largest,
         "depth": bed.height / curve.largest,
-        "effective": round(evaluated / mean_volume),
+        "effective": round(evaluated / grains.mean_volume),
         "error": bed.sampling_error,
         "cpu_h": cost.cpu_seconds / 3600.0,
     }

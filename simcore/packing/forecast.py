@@ -12,6 +12,7 @@ import numpy as np
 
 from simcore.evaluation.interval import end_cuts, median_size
 from simcore.grains.sampling import GrainSample, sample_sizes
+from simcore.grains.sieve import SieveCurve
 from simcore.packing.cost import typical_pour
 from simcore.scene.domain import Domain
 from simcore.scene.scene import GRAINS
@@ -19,8 +20,9 @@ from simcore.scene.setup import Setup
 from simcore.scene.sizes import size_curve
 
 # Solid fraction of shaken beds: of one sieve class, and its increase with the standard deviation of the logarithm (base
-# 2) of the grains' sizes, by volume. Beds are expected within SOLID_RANGE of it: docs/explanation/accuracy.md.
-ONE_CLASS, BY_SPREAD, SOLID_RANGE = 0.64, 0.085, 0.12
+# 2) of the grains' sizes, by volume, up to LARGEST_SOLID. Beds are expected within SOLID_RANGE of it:
+# docs/explanation/accuracy.md.
+ONE_CLASS, BY_SPREAD, LARGEST_SOLID, SOLID_RANGE = 0.64, 0.085, 0.8, 0.12
 # Sampling error of the porosity over √(φ (1 − φ) v / V), with the volume V of the evaluated part, its solid fraction φ
 # and the volume-weighted mean volume v of its grains. ONE_FORM applies to grains of one form in a periodic box,
 # MIXED_FORMS to mixed forms and to cylinders.
@@ -30,6 +32,9 @@ SLICE = 1e-3  # [m], smallest height that is evaluated
 LARGE_ERROR, GOOD_ERROR = 0.015, 0.01  # predicted sampling error that causes a warning, and target of its advice
 NARROW = 4.0  # width of a box in largest grains; no narrower box is advised
 CHUNK, ENOUGH = 10_000, 100_000  # grains drawn at once, and grains that represent a larger packing
+PER_CLASS = (
+    20  # sizes that represent a class of a sieve curve: the mean volume of a class of ratio 2 is right to 0.05 %
+)
 SAME_FORM = 0.03  # standard deviation of flatness and elongation below which all grains count as of one form
 
 
@@ -38,9 +43,15 @@ class Grains(NamedTuple):
 
     sieve_size: np.ndarray  # (k,) [m]
     volume: np.ndarray  # (k,) [m³]
+    share: np.ndarray  # (k,), of the volume of all grains that such grains have; the sum is 1
     total: float  # [m³], volume of all grains of the packing
     largest: float  # [m], upper bound of the sieve sizes
     one_form: bool  # whether all have the same form
+
+    @property
+    def mean_volume(self) -> float:
+        """Return the mean volume of a grain [m³], weighted by volume."""
+        return float(self.share @ self.volume)
 
 
 class Forecast(NamedTuple):
@@ -93,27 +104,44 @@ def grains_of(setup: Setup, sample: GrainSample | None = None) -> Grains:
         total = max(total, scene.amount_mass / scene.material.density) if number is None else number * mean_volume
     flatness, elongation = sample.S / sample.I, sample.I / sample.L
     one_form = max(flatness.std(), elongation.std()) < SAME_FORM
-    return Grains(sample.D, sample.volume, total, setup.curve.largest, bool(one_form))
+    share = sample.volume / sample.volume.sum()
+    return Grains(sample.D, sample.volume, share, total, setup.curve.largest, bool(one_form))
 
 
 def typical_grains(specification: dict) -> Grains:
     """Return typical Grains of a resolved specification; no grain is read, and their forms are typical forms."""
     curve = size_curve(specification["sizes"])
     pour = typical_pour(specification, curve)
-    sizes = sample_sizes(curve, np.arange(GRAINS), specification["seed"])
+    sizes, share = _typical_sizes(curve, specification["seed"])
     mass, total = specification["amount"]["mass"], pour.solid(pour.grains)
     if mass is not None:
         total = mass / specification["material"]["density"]
-    volume = sizes**3 * (total / pour.grains / np.mean(sizes**3))
+    volume = sizes**3 * (total / pour.grains * np.sum(share / sizes**3))
     shapes = specification["shapes"]
     one_form = shapes["kind"] == "sphere" or shapes["choice"] not in ("random", "form_distribution", "form_by_size")
-    return Grains(sizes, volume, total, curve.largest, one_form)
+    return Grains(sizes, volume, share, total, curve.largest, one_form)
+
+
+def _typical_sizes(curve, seed):
+    """Return sizes (k,) [m] that represent a curve, and their shares (k,) of its volume.
+
+    A sieve curve is represented by the same number of sizes from each class that has mass: of sizes drawn by number,
+    hardly any would be in the coarse classes of a wide curve. From other curves, sizes are drawn by number.
+    """
+    if not isinstance(curve, SieveCurve):
+        sizes = sample_sizes(curve, np.arange(GRAINS), seed)
+        return sizes, sizes**3 / np.sum(sizes**3)
+    filled = curve.mass_fractions > 0.0
+    low, high = curve.bounds[:-1][filled, None], curve.bounds[1:][filled, None]
+    sizes = low * (high / low) ** ((np.arange(PER_CLASS) + 0.5) / PER_CLASS)
+    share = sizes**3 / np.sum(sizes**3, axis=1, keepdims=True) * curve.expected_fractions()[filled, None]
+    return sizes.ravel(), share.ravel()
 
 
 def forecast(domain: Domain, grains: Grains, cut=None) -> Forecast:
     """Return the Forecast of a bed of these grains. cut: as in simcore.evaluation.interval.end_cuts."""
-    solid = expected_solid_fraction(grains)
-    median = median_size(grains.sieve_size, grains.volume)
+    solid = expected_solid_fraction(grains.sieve_size, grains.share)
+    median = median_size(grains.sieve_size, grains.share)
 
     def bed(fraction):
         height = grains.total / (fraction * domain.area)
@@ -127,11 +155,14 @@ def forecast(domain: Domain, grains: Grains, cut=None) -> Forecast:
     return Forecast(solid, height, at_floor, at_surface, loosest - sum(cuts), error)
 
 
-def expected_solid_fraction(grains: Grains) -> float:
-    """Return the solid fraction that a shaken bed of these grains is expected to have."""
-    logs, weight = np.log2(grains.sieve_size), grains.volume / grains.volume.sum()
-    spread = np.sqrt(weight @ (logs - weight @ logs) ** 2)
-    return float(min(ONE_CLASS + BY_SPREAD * spread, 0.8))
+def expected_solid_fraction(sizes: np.ndarray, share: np.ndarray) -> float:
+    """Return the solid fraction that a shaken bed of grains of these sizes is expected to have.
+
+    sizes: (n,) [m]; share: (n,), of the volume of the grains that grains of this size have; the sum is 1.
+    """
+    logs = np.log2(sizes)
+    spread = np.sqrt(share @ (logs - share @ logs) ** 2)
+    return float(min(ONE_CLASS + BY_SPREAD * spread, LARGEST_SOLID))
 
 
 def sampling_error(domain: Domain, grains: Grains, solid: float, height: float) -> float:
@@ -139,9 +170,8 @@ def sampling_error(domain: Domain, grains: Grains, solid: float, height: float) 
 
     Grains are weighted by volume: a few large grains cause more scatter than many small ones.
     """
-    by_volume = float(grains.volume @ grains.volume) / float(grains.volume.sum())
     scatter = ONE_FORM if grains.one_form and domain.periodic else MIXED_FORMS
-    return float(scatter * np.sqrt(solid * (1.0 - solid) * by_volume / (domain.area * height)))
+    return float(scatter * np.sqrt(solid * (1.0 - solid) * grains.mean_volume / (domain.area * height)))
 
 
 def bed_warnings(domain: Domain, grains: Grains, density: float, cut=None) -> list[str]:
@@ -192,7 +222,7 @@ def _needed_height(domain, grains, bed, cut):
 
     If a part of the bed is evaluated already, the sampling error at this height is also at most GOOD_ERROR.
     """
-    median, evaluated = median_size(grains.sieve_size, grains.volume), grains.largest
+    median, evaluated = median_size(grains.sieve_size, grains.share), grains.largest
     if bed.evaluated >= SLICE:
         needed = (sampling_error(domain, grains, bed.solid_fraction, 1.0) / GOOD_ERROR) ** 2
         evaluated = max(evaluated, needed)

@@ -8,7 +8,7 @@ import yaml
 from simcore.grains.forms_by_class import sample_of_class
 from simcore.grains.sources import load_grains
 from simcore.packing.expectation import DEEP_IMPACT, expect
-from simcore.packing.forecast import BY_SPREAD, ONE_CLASS
+from simcore.packing.forecast import expected_solid_fraction
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
@@ -44,10 +44,8 @@ def sieve_specification(curve, source, sample=None, classes=None, *, draw=True):
     largest = curve.largest
     width = np.ceil(WIDTH * largest * 1e3) / 1e3
     numbers = curve.number_fractions()
-    volumes = curve.mass_fractions / curve.mass_fractions.sum()
-    centres = np.log2(np.sqrt(curve.bounds[1:] * curve.bounds[:-1]))
-    spread = np.sqrt(volumes @ (centres - volumes @ centres) ** 2)
-    solid = ONE_CLASS + BY_SPREAD * spread
+    centres = np.sqrt(curve.bounds[1:] * curve.bounds[:-1])
+    solid = expected_solid_fraction(centres, curve.mass_fractions / curve.mass_fractions.sum())
     grain = DENSITY * np.pi / 6 * curve.mean(3)  # mean mass by number
     mass = max(DENSITY * solid * width**2 * HEIGHT * largest, LARGEST_GRAINS * grain / numbers[-1])
     grains = mass / grain

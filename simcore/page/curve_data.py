@@ -28,7 +28,7 @@ from simcore.models.size_and_form.one_class import LARGEST, LEAST
 from simcore.models.size_and_form.sized_model import current_model
 from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
 from simcore.packing import sieve_specification
-from simcore.packing.forecast import BY_SPREAD, ONE_CLASS
+from simcore.packing.forecast import BY_SPREAD, LARGEST_SOLID, ONE_CLASS
 from simcore.paths import REFERENCE
 
 COMPRESSIBLE, LINEAR, RODS_ON_A_LINE = "compressible", "linear", "rods"
@@ -91,6 +91,7 @@ def curve_data(levels, model=None):
             "too_many": sieve_specification.TOO_MANY,
             "solid": ONE_CLASS,
             "by_spread": BY_SPREAD,
+            "largest_solid": LARGEST_SOLID,
         },
     }
 

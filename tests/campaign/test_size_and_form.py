@@ -19,7 +19,7 @@ def test_beds_are_wide_deep_and_of_enough_grains(beds):
     assert (beds["top_grains"][beds["top_share"] >= 0.2] >= 30).all()
     assert (beds["top_grains"][beds["top_share"] >= 0.05] >= 10).all() and (beds["top_grains"] >= 5).all()
     widest = beds["curve"].str.startswith("R8")
-    assert (beds["effective"][~widest] >= 200).all() and (beds["effective"][widest] >= 155).all()
+    assert (beds["effective"][~widest] >= 220).all() and (beds["effective"][widest] >= 125).all()
 
 
 def test_every_family_has_beds_and_every_form_its_base(beds):

@@ -16,12 +16,14 @@ from simcore.campaign.study_tables import tabulate
 from simcore.evaluation.evaluate import evaluate
 from simcore.evaluation.porosity import bulk_porosity
 from simcore.grains.mesh import make_grain
-from simcore.grains.sieve import class_fractions, read_cases
+from simcore.grains.sieve import SieveCurve, class_fractions, read_cases
 from simcore.grains.sources import grain_warnings
 from simcore.packing.file import read_packing
 from simcore.packing.forecast import (
     ERROR_FACTOR,
     LARGE_ERROR,
+    LARGEST_SOLID,
+    ONE_CLASS,
     Grains,
     bed_warnings,
     check_bed,
@@ -56,7 +58,7 @@ RIVER = specify_few_spheres(
 def grains(total, size=8e-3, largest=None, one_form=True):
     """Return equal grains of that total volume [m³]."""
     sizes = np.full(100, size)
-    return Grains(sizes, np.pi / 6 * sizes**3, total, largest or size, one_form)
+    return Grains(sizes, np.pi / 6 * sizes**3, np.full(100, 0.01), total, largest or size, one_form)
 
 
 def write(tmp_path, raw):
@@ -98,8 +100,8 @@ def committed_errors():
             curve, rng = cases[row.case], np.random.default_rng(1)
             sizes = curve.sizes(rng.uniform(size=(int(row.grains), 2)))
             volume = 0.25 * np.pi * sizes**3  # 1.5 times spheres of that size
-            known = Grains(sizes, volume, float(volume.sum()), curve.largest, one_form)
-            bed = forecast(domain_of(row.case), known)
+            total = float(volume.sum())
+            bed = forecast(domain_of(row.case), Grains(sizes, volume, volume / total, total, curve.largest, one_form))
             rows.append((table, row.case, row.n_error, bed.sampling_error, row.n, 1.0 - bed.solid_fraction))
     return pd.DataFrame(rows, columns=["table", "case", "error", "expected", "n", "expected_n"])
 
@@ -125,9 +127,9 @@ def test_the_error_falls_with_the_root_of_the_volume_and_grows_with_large_grains
     assert sampling_error(BOX, two, 0.64, 0.1) == pytest.approx(8**0.5 * sampling_error(BOX, one, 0.64, 0.1))
     # One large grain among small ones of the same total volume increases the scatter of the bed.
     sizes = np.append(np.full(64, 4e-3), 16e-3)
-    mixed = Grains(sizes, sizes**3, 1e-3, 16e-3, True)
-    assert np.mean(mixed.volume) < mixed.volume @ mixed.volume / mixed.volume.sum() < 16e-3**3
-    assert expected_solid_fraction(mixed) > expected_solid_fraction(one)
+    mixed = Grains(sizes, sizes**3, sizes**3 / np.sum(sizes**3), 1e-3, 16e-3, True)
+    assert np.mean(mixed.volume) < mixed.mean_volume < 16e-3**3
+    assert expected_solid_fraction(mixed.sieve_size, mixed.share) > expected_solid_fraction(one.sieve_size, one.share)
 
 
 def test_the_advised_mass_and_width_are_enough():
@@ -216,6 +218,30 @@ def test_typical_grains_represent_those_drawn(kind):
     drawn = forecast(box, grains_of(set_up_few_spheres(**changes)))
     assert typical.height == pytest.approx(drawn.height, rel=0.1)
     assert typical.sampling_error == pytest.approx(drawn.sampling_error, rel=0.2)
+
+
+@pytest.mark.parametrize("numbers_by", ["mean_volume", "geometric_mean"])
+def test_typical_grains_have_the_sizes_of_a_wide_curve(numbers_by):
+    """Half of the mass is in a class of one grain in a thousand; closed forms give the forecast."""
+    bounds, fractions = np.array([1.0, 1.4, 16.0, 22.4]) * 1e-3, np.array([0.5, 0.0, 0.5])
+    curve = SieveCurve(bounds, fractions, "wide", numbers_by)
+    sizes = {"bounds": [f"{bound} m" for bound in bounds], "mass_fractions": fractions.tolist()}
+    specification = specify_few_spheres(sizes=sizes, amount={"grains": None, "mass": "20 kg"})
+    resolved = resolve(specification)
+    resolved["sizes"]["numbers_by"] = numbers_by
+    typical = typical_grains(resolved)
+    share = curve.expected_fractions()
+    volumes = np.pi / 6 * curve.class_means(6) / curve.class_means(3)  # mean by volume of each class
+    assert typical.share.sum() == pytest.approx(1.0, abs=1e-12)
+    assert typical.share[typical.sieve_size > 16e-3].sum() == pytest.approx(share[-1], abs=1e-12)
+    assert typical.mean_volume == pytest.approx(share @ volumes, rel=3e-3)
+    assert typical.total == pytest.approx(20.0 / DENSITY)
+
+
+def test_no_bed_is_expected_denser_than_the_largest_solid_fraction():
+    sizes = np.array([1e-3, 64e-3])
+    assert expected_solid_fraction(sizes, np.array([0.5, 0.5])) == LARGEST_SOLID
+    assert expected_solid_fraction(sizes, np.array([1.0, 0.0])) == ONE_CLASS
 
 
 def test_all_grains_of_a_packing_are_drawn_and_no_more():

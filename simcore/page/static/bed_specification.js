@@ -16,7 +16,7 @@ const BedSpecification = (() => {
     const centres = shares.map((_, i) => Math.log2(Math.sqrt(bounds[i] * bounds[i + 1])));
     const mean = sum(shares.map((share, i) => share * centres[i]));
     const spread = Math.sqrt(sum(shares.map((share, i) => share * (centres[i] - mean) ** 2)));
-    const solid = rule.solid + rule.by_spread * spread;
+    const solid = Math.min(rule.solid + rule.by_spread * spread, rule.largest_solid);
     const grain = rule.density * (Math.PI / 6) * sum(numbers.map((number, i) => (number / total) * volumes[i]));
     const mass = Math.max(
       rule.density * solid * width ** 2 * rule.height * largest, (rule.largest_grains * grain) / (numbers.at(-1) / total)
