@@ -13,6 +13,7 @@ import yaml
 from docs.generate.markdown import table
 from simcore.campaign.deposit_findings import findings
 from simcore.campaign.deposits import curve, read_deposits
+from simcore.evaluation.rounding import with_decimals
 from simcore.grains.form import FORM_FACTORS
 from simcore.grains.sieve import read_cases
 from simcore.paths import CONFIG, REFERENCE
@@ -64,7 +65,7 @@ def _rows(name):
 
 def _apart(difference, error):
     """Describe a difference with its standard error."""
-    return f"{difference:+.4f} ± {error:.4f}".replace("-", "−") + f" ({abs(difference) / error:.1f} standard errors)"
+    return f"{_signed(difference)} ± {error:.4f} ({abs(difference) / error:.1f} standard errors)"
 
 
 def _feature(name):
@@ -73,7 +74,7 @@ def _feature(name):
 
 
 def _signed(value, digits=4):
-    return f"{value:+.{digits}f}".replace("-", "−")
+    return with_decimals(value, digits, "+")
 
 
 def _not_packed(study):
@@ -138,9 +139,9 @@ def _shaking_cylinder():
     texts = []
     for case, rows in both.groupby("case", sort=False):
         apart = rows["n_x"] - rows["n_y"]
-        errors = np.hypot(rows["n_error"], rows["n_std"])
+        errors = np.hypot(rows["n_error"], rows["n_std"] / np.sqrt(2))
         texts.append(
-            f"{case} {_signed(apart.min(), 3)} to {_signed(apart.max(), 3)} (up to {(apart / errors).max():.1f} "
+            f"{case} {_signed(apart.min(), 3)} to {_signed(apart.max(), 3)} (up to {(apart / errors).abs().max():.1f} "
             "standard errors)"
         )
     return f"{len(ours)} packings of half the mass, 1 seed of 3", "; ".join(texts)
@@ -153,11 +154,11 @@ def _validation():
     apart = (n - theirs["mean"]).dropna()
     of_both = np.hypot(error, theirs["std"] / np.sqrt(2))
     z = (apart / of_both).abs()
-    experiment = read_cases(CONFIG / "cases.tsv")
+    cases = read_cases(CONFIG / "cases.tsv")
     measured = read_r22_table("table3_cases").set_index("case")["n_exp"].reindex(n.index)
     close = int(((n / measured - 1).abs() <= 0.05).sum())
     return (
-        f"{len(ours)} of {3 * len(experiment)} packings",
+        f"{len(ours)} of {3 * len(cases)} packings",
         f"{_signed(apart.min(), 3)} ({apart.idxmin()}) to {_signed(apart.max(), 3)} ({apart.idxmax()}); "
         f"{int((z <= 2).sum())} of {len(z)} within two standard errors; {close} within 5 % of the experiment",
     )

@@ -26,7 +26,7 @@ SETTINGS, SIZE, SHAKING, INSERTIONS = "settings", "size of the bed", "time of sh
 INSERTED = {"bed": "just above the bed", "r22": "at the heights of Rettinger et al."}  # by generation.fill
 REFERENCE, REFERENCE_BED = "r22", (63.0, 1200)  # preset, and (width [mm], grains), with which others are compared
 WIDE_REFERENCE = "a contact time of 0.2 ms and 2 s of shaking"  # settings of wide_quota in config/wide.yaml
-LEAST_PAIRS = 3  # with fewer pairs no bias is given
+LEAST_PAIRS = 3  # with fewer pairs no bias is given for the size of the bed and the insertion
 CONTACT_TIME, REGION, GATE = "numerics.contact_time", "numerics.polyhedron_contact", "convergence.max_unbalanced_force"
 
 
@@ -243,8 +243,7 @@ def _phrase(values, biases):
     named = {value for value in values if value is not None}
     if len(named) == 1 and None in values:
         count = sum(value is not None for value in values)
-        rest = len(values) - count
-        return f"for {count} packings {_phrase(named, biases)}, for the other {rest} not measured"
+        return f"for {count} of {len(values)} packings {_phrase(named, biases)}; for the rest not measured"
     if len(named) > 1:
         return "not the same in all packings"
     value = next(iter(values))

@@ -34,7 +34,8 @@ def compare(packings, cut=None) -> Comparison:
     """Compare packings. packings: dict from a label to a Dataset of read_packing; cut [m]: as in bulk_porosity.
 
     packings: label, group (A, B, ...), seed, grains, n and n_exact (slices of equal-volume spheres, and of the grains
-    themselves), coordination, each with *_std_error; D50 [m] by mass, mean FL and EL by number, bed_top [m].
+    themselves), coordination, each with *_std_error; D50 [m] by mass, mean FL and EL by number, bed_top [m], code: the
+    version that made it.
     differences: group, quantity, difference, std_error, low and high: its interval at the level of 95 %, pairs: number
     of pairs of equal seed, 0 if the groups have none; the difference is then that of the means. The error is the
     scatter over pairs or over seeds where a group has several, and the interval is Student's (Welch's for means).
@@ -52,14 +53,16 @@ def compare(packings, cut=None) -> Comparison:
             values = _evaluate(packing, cut)
         except ValueError as error:
             raise ValueError(f"{label}: {error}") from None
-        rows.append({"label": label, "group": groups[label], "seed": seeds[label], **values})
+        # The commit behind the digest of the code does not matter.
+        code = str(packing.attrs.get("code_version", "")).split(" ")[0]
+        rows.append({"label": label, "group": groups[label], "seed": seeds[label], **values, "code": code})
     table = pd.DataFrame(rows)
-    firsts = {groups[label]: label for label in reversed(packings)}
-    firsts = {group: firsts[group] for group in sorted(firsts, key=lambda name: (len(name), name))}
-    # The commit behind the digest of the code does not matter.
-    codes = {group: str(packings[label].attrs.get("code_version", "")).split(" ")[0] for group, label in firsts.items()}
-    settings = _settings({group: specifications[label] for group, label in firsts.items()}, codes)
-    return Comparison(table, _differences(table, list(firsts)), settings)
+    members = table.groupby("group", sort=False)
+    codes = members["code"].agg(lambda versions: ", ".join(versions.unique()))
+    settings = _settings(
+        {group: specifications[label] for group, label in members["label"].first().items()}, codes.to_dict()
+    )
+    return Comparison(table, _differences(table, list(codes.index)), settings)
 
 
 def _evaluate(packing, cut):
@@ -103,13 +106,13 @@ def _letter(number):
 
 def _differences(table, groups):
     rows = []
-    first = table[table.group == groups[0]].set_index("seed")
+    reference = table[table.group == groups[0]].set_index("seed")
     for group in groups[1:]:
         other = table[table.group == group].set_index("seed")
-        common = [seed for seed in first.index if seed in other.index and seed >= 0]
+        common = [seed for seed in reference.index if seed in other.index and seed >= 0]
         for quantity in QUANTITIES:
             if common:
-                a, b = first.loc[common], other.loc[common]
+                a, b = reference.loc[common], other.loc[common]
                 differences = (b[quantity] - a[quantity]).to_numpy()
                 difference = differences.mean()
                 if len(differences) > 1:
@@ -117,8 +120,8 @@ def _differences(table, groups):
                 else:
                     error, freedom = _combine(_error_of_mean(a, quantity), _error_of_mean(b, quantity))
             else:
-                difference = other[quantity].mean() - first[quantity].mean()
-                error, freedom = _combine(_error_of_mean(first, quantity), _error_of_mean(other, quantity))
+                difference = other[quantity].mean() - reference[quantity].mean()
+                error, freedom = _combine(_error_of_mean(reference, quantity), _error_of_mean(other, quantity))
             half = student.ppf(0.5 + 0.5 * LEVEL, freedom) * error
             rows.append((group, quantity, difference, error, difference - half, difference + half, len(common)))
     return pd.DataFrame(rows, columns=["group", "quantity", "difference", "std_error", "low", "high", "pairs"])
@@ -131,11 +134,14 @@ def _error_of_mean(rows, quantity):
     return rows[f"{quantity}_std_error"].iloc[0], np.inf
 
 
-def _combine(first, second):
-    """Return the standard error of the difference of two independent means, and its degrees of freedom (Welch)."""
-    (a, of_a), (b, of_b) = first, second
-    spread = a**4 / of_a + b**4 / of_b
-    return float(np.hypot(a, b)), (a**2 + b**2) ** 2 / spread if spread > 0.0 else np.inf
+def _combine(a, b):
+    """Return the standard error of the difference of two independent means, and its degrees of freedom (Welch).
+
+    a, b: standard error of each mean and its degrees of freedom.
+    """
+    (error_a, freedom_a), (error_b, freedom_b) = a, b
+    spread = error_a**4 / freedom_a + error_b**4 / freedom_b
+    return float(np.hypot(error_a, error_b)), (error_a**2 + error_b**2) ** 2 / spread if spread > 0.0 else np.inf
 
 
 def _settings(specifications, codes):

@@ -4,6 +4,7 @@ import numpy as np
 from tabulate import tabulate
 
 from simcore.evaluation.comparison import LEVEL
+from simcore.evaluation.rounding import with_decimals
 
 NAMES = {
     "n": "porosity n",
@@ -38,7 +39,7 @@ def comparison_text(comparison) -> str:
         for row in comparison.packings.itertuples()
     ]
     several = len(set(comparison.packings.group)) > 1
-    parts = [_table(rows), _OF_PACKINGS]
+    parts = [_table(rows), _OF_PACKINGS, *_codes(comparison.packings)]
     if not several:
         parts.append("All packings have the same settings but for the seed: there is one group.")
         parts += _scatter(comparison.packings)
@@ -56,6 +57,16 @@ def comparison_text(comparison) -> str:
     parts += ["", _table(_means(comparison.packings)), _OF_MEANS]
     parts += ["", _table(rows), "", *_settings(comparison.settings)]
     return "\n".join(parts)
+
+
+def _codes(packings):
+    """Return a line for each group whose packings were made by several versions of the code."""
+    codes = packings.groupby("group", sort=False)["code"].unique()
+    return [
+        f"Group {group} has packings of several versions of the code: {', '.join(map(str, versions))}."
+        for group, versions in codes.items()
+        if len(versions) > 1
+    ]
 
 
 def _scatter(packings):
@@ -96,11 +107,13 @@ def _source(pairs):
 
 
 def _interval(low, high, decimals):
-    return "-" if np.isnan(low) else f"{low:+.{decimals}f} to {high:+.{decimals}f}".replace("-", "−")
+    if np.isnan(low):
+        return "-"
+    return " to ".join(with_decimals(limit, decimals, "+") for limit in (low, high))
 
 
 def _pair(value, error, decimals, sign=""):
-    text = f"{value:{sign}.{decimals}f}".replace("-", "−")
+    text = with_decimals(value, decimals, sign)
     return text if np.isnan(error) else f"{text} ± {error:.{decimals}f}"
 
 

@@ -29,8 +29,14 @@ def rounded(value, error=np.nan, decimals=3, sign=""):
         return ""
     if np.isfinite(error):
         decimals = error_decimals(error)
-    text = f"{value:{sign}.{decimals}f}"
-    if float(text) == 0.0:
-        text = text.lstrip("+-")
-    text = text.replace("-", "−")
+    text = with_decimals(value, decimals, sign)
     return f"{text} ± {error:.{decimals}f}" if np.isfinite(error) else text
+
+
+def with_decimals(value, decimals, sign=""):
+    """Return a value with so many decimals as text, with a minus sign instead of a hyphen; a zero has no sign.
+
+    sign: "+" writes the sign of positive values too.
+    """
+    text = f"{value:{sign}.{decimals}f}"
+    return (text.lstrip("+-") if float(text) == 0.0 else text).replace("-", "−")

@@ -5,9 +5,12 @@ import json
 import numpy as np
 
 VARIABLES = (
-    "position", "orientation", "scale", "shape", "shape_vertices", "contact_body", "L", "I", "S", "D", "volume",
+    "position", "orientation", "scale", "shape", "L", "I", "S", "D", "volume",
+    "shape_kind", "shape_vertices", "shape_vertex_start", "shape_vertex_count",
+    "shape_faces", "shape_face_start", "shape_face_count",
+    "contact_body", "contact_image", "contact_normal", "contact_point", "contact_overlap", "contact_force",
 )  # fmt: skip
-ATTRIBUTES = ("domain_shape", "domain_width")
+ATTRIBUTES = ("domain_shape", "domain_width", "largest_sieve_size")
 POSITIVE = ("L", "I", "S", "D", "volume")
 UNIT = 1e-6  # largest deviation of the norm of an orientation from 1
 FARTHEST = 1e4  # maximum distance of a grain from the origin, in widths of the domain
@@ -20,9 +23,11 @@ def check_content(path, packing) -> None:
     if missing:
         raise ValueError(f"{path} is not a packing: {', '.join(missing)} missing. Give a file that `scree pack` wrote.")
     try:
-        json.loads(packing.attrs.get("scene", "{}"))  # a file made by hand may have none
+        scene = json.loads(packing.attrs.get("scene", "{}"))  # a file made by hand may have none
     except ValueError:
         raise _damaged(path, "the attribute scene is not JSON") from None
+    if not isinstance(scene, dict):
+        raise _damaged(path, "the attribute scene is not a specification")
     farthest = FARTHEST * float(packing.attrs["domain_width"])
     wrong = {name: ~(packing[name].values > 0.0) | np.isinf(packing[name].values) for name in POSITIVE}
     wrong["position"] = ~(np.abs(packing["position"].values) <= farthest).all(axis=1)

@@ -55,14 +55,15 @@ def campaign_page(files, titles, biases, captions, questions=None, test_only=Fal
     own = _own_sections(files, models, studies, captions)
     sections = own
     if committed is not None:
-        first = committed_sections(committed, titles, {}, captions, questions or {})
+        committed_parts = committed_sections(committed, titles, {}, captions, questions or {})
+        of_cost = [section for section in committed_parts if section.heading == COST_HEADING]
         parts = _check_parts(files, titles, committed)
         sections = [
-            *first[:-1],  # without the cost, which comes at the end
+            *(section for section in committed_parts if section not in of_cost),
             Section(CHECK_HEADING, [*parts, *_own_answer(models), *_model_parts(files, captions)]),
             *(section._replace(heading=OWN_STUDIES + section.heading) for section in studies.values()),
             *_grain_sections(files, captions),
-            _cost_section(files, captions, first[-1].parts if first[-1].heading == COST_HEADING else []),
+            _cost_section(files, captions, of_cost[0].parts if of_cost else []),
         ]
     lead = f"{LEAD} {LARGEST}" if committed is not None else LEAD
     bare = [section._replace(parts=_without_pictures(section.parts)) for section in own]

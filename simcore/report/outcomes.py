@@ -10,7 +10,7 @@ from simcore.report.words import value_in_words
 CLEAR = 2.0  # a difference of more standard errors is not explained by the scatter of packings
 FEW = 3  # with fewer rows a figure shows less than the sentence
 _SWEEPS = ("shaking_s", "width_m", "faces", "contact_time_s", "steps_per_contact_time", "mass_kg", "drop_height")
-_NOT_VARIED = {"study", "case", "runs", "source", "n", "seed", "packing"}
+_NOT_VARIED = {"study", "runs", "source", "n", "seed", "packing"}
 
 
 def outcome(table, missing="The table has no porosities."):
@@ -69,18 +69,19 @@ def _sweep(table, name):
     """Return the change between the ends of the varied setting, for each sieve curve."""
     heading, sentences = find_heading(name), []
     for case, rows in table.groupby("case", sort=False) if "case" in table else [("", table)]:
+        if len(rows) < 2:
+            continue
         numbers = pd.to_numeric(rows[name], errors="coerce")
         rows = rows.assign(order=numbers.fillna(np.inf)).sort_values("order", kind="stable")
-        first, last = rows.iloc[0], rows.iloc[-1]
-        error = np.hypot(first["n_std_error"], last["n_std_error"])
-        change = last["n"] - first["n"]
-        ends = " to ".join(_setting(row[name], name, heading) for row in (first, last))
-        if first is last or len(rows) < 2:
-            continue
+        lowest, highest = rows.iloc[0], rows.iloc[-1]
+        error = np.hypot(lowest["n_std_error"], highest["n_std_error"])
+        change = highest["n"] - lowest["n"]
+        ends = " to ".join(_setting(row[name], name, heading) for row in (lowest, highest))
         verdict = "more than" if abs(change) > CLEAR * error else "not more than"
+        start = f"{case}: from" if case else "From"
         sentences.append(
-            f"{case}: from {ends} the porosity changes by {rounded(change, error, sign='+')}, {verdict} twice its "
-            "standard error."
+            f"{start} {ends} the porosity changes by {rounded(change, error, sign='+')}, {verdict} twice its standard "
+            "error."
         )
     return sentences or _range(table)
 
@@ -154,7 +155,7 @@ def _range(table):
 def _label(table, row):
     """Return the settings that differ between the rows of a table, as text."""
     end = list(table).index("runs") if "runs" in table else list(table).index("n")
-    names = [name for name in list(table)[:end] if name not in _NOT_VARIED - {"case"} and table[name].nunique() > 1]
+    names = [name for name in list(table)[:end] if name not in _NOT_VARIED and table[name].nunique() > 1]
     return ", ".join(
         f"{find_heading(name).words} {value_in_words(name, row[name])}" for name in names if pd.notna(row[name])
     )

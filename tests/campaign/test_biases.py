@@ -170,8 +170,8 @@ def test_the_note_of_a_study_gives_the_bias_of_its_own_packings(folder):
     # One packing of three has shorter steps, for which no bias was measured.
     shorter = specification(numerics={"steps_per_contact_time": 14})
     note = bias_note([specification(), shorter, specification(seed=2)], biases)
-    assert "settings: for 2 packings +0.0020 ± 0.0006 (standard instead of r22;" in note
-    assert "inserted just above the bed), for the other 1 not measured; size" in note
+    assert "settings: for 2 of 3 packings +0.0020 ± 0.0006 (standard instead of r22;" in note
+    assert "inserted just above the bed); for the rest not measured; size" in note
     strewn = {"placement": "random", "orientation": "random"}
     assert bias_note([specification(generation=strewn)], biases).endswith("insertion: not measured")
 

@@ -96,6 +96,14 @@ def test_one_packing_by_two_versions_of_the_code_makes_two_groups(stand_in):
     assert compare(beds).settings.empty
 
 
+def test_a_group_of_several_versions_of_the_code_is_named(stand_in):
+    versions = ("1+a (x)", "1+b (y)", "1+a (z)")
+    beds = {f"a{seed}": bed(seed=seed, n=0.4, code_version=code) for seed, code in enumerate(versions)}
+    assert "Group A has packings of several versions of the code: 1+a, 1+b." in comparison_text(compare(beds))
+    del beds["a1"]
+    assert "versions" not in comparison_text(compare(beds))
+
+
 def test_files_without_a_specification_are_groups_of_their_own(stand_in):
     beds = {name: make_packing([[0, 0, 0]], 1e-3, n=0.4) for name in ("a", "b")}
     result = compare(beds)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simcore.evaluation.rounding import error_decimals, rounded
+from simcore.evaluation.rounding import error_decimals, rounded, with_decimals
 
 
 @pytest.mark.parametrize(
@@ -28,6 +28,7 @@ def test_a_value_has_the_decimals_of_its_error(value, error, text):
 def test_the_sign_of_a_positive_difference_can_be_written():
     assert rounded(0.0179, 0.0079, sign="+") == "+0.018 ± 0.008"
     assert rounded(1e-7, decimals=2, sign="+") == "0.00"
+    assert [with_decimals(value, 2, "+") for value in (0.126, -0.126, -1e-7)] == ["+0.13", "−0.13", "0.00"]
 
 
 def test_an_error_has_as_many_digits_as_asked():

@@ -104,6 +104,8 @@ def test_files_that_cannot_be_read_give_an_error_of_one_line(made, tmp_path):
     ("change", "message"),
     [
         (lambda packing: packing.attrs.pop("domain_shape"), "is not a packing: domain_shape missing"),
+        (lambda packing: packing.attrs.pop("largest_sieve_size"), "is not a packing: largest_sieve_size missing"),
+        (lambda packing: packing.attrs.update(scene="[]"), "the attribute scene is not a specification"),
         (
             lambda packing: packing.attrs.update(scene="{"),
             "the attribute scene is not JSON, so that the file is damaged",
@@ -124,6 +126,13 @@ def test_a_damaged_file_is_refused(made, tmp_path, change, message):
     change(dataset)
     write_packing(tmp_path / "filed.nc", dataset)
     with pytest.raises(ValueError, match=f"filed.nc.*{message}"):
+        read_packing(tmp_path / "filed.nc")
+
+
+@pytest.mark.parametrize("name", ["shape_kind", "shape_faces", "contact_overlap", "contact_force"])
+def test_a_file_without_what_an_evaluation_needs_is_no_packing(made, tmp_path, name):
+    write_packing(tmp_path / "filed.nc", made[1].drop_vars(name))
+    with pytest.raises(ValueError, match=f"filed.nc is not a packing: {name} missing"):
         read_packing(tmp_path / "filed.nc")
 
 

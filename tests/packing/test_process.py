@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from simcore.dem.from_scene import compose
+from simcore.packing.insertion.batches import Pouring
 from simcore.packing.packed import GENERATING, PackingError
 from simcore.packing.process import Process, pack
 from simcore.scene.domain import lattice_sites
@@ -168,6 +169,19 @@ def test_a_domain_that_is_too_low_is_an_error():
         pack_few_spheres(domain={"height": "40 mm"}, amount={"grains": 120})
     with pytest.raises(PackingError, match=r"no grain can be inserted"):
         pack_few_spheres(domain={"height": "9 mm"}, amount={"grains": 20})
+
+
+@pytest.mark.parametrize("height", ["0.1925 m", "0.195 m"])
+def test_a_cylinder_whose_lowest_layer_has_no_site_is_an_error(height):
+    """A cylinder 1.7 spacings wide has sites in the second layer only, which is above the domain here."""
+    made = set_up_few_spheres(
+        domain={"type": "cylinder", "width": "17 mm", "height": height},
+        generation={"spacing": "10 mm", "fill": "bed"},
+        amount={"grains": 40},
+    )
+    pouring = Pouring(made.scene, made.bases, made.draw)
+    with pytest.raises(PackingError, match=r"no grain can be inserted between 0\.\d+ m and domain.height"):
+        pouring.batch(3, 0.185, None)
 
 
 def test_a_bed_higher_than_where_batches_begin_gets_the_rest_in_what_room_is_left():

@@ -1,6 +1,7 @@
 """The page of a campaign with finished packings."""
 
 import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import pandas as pd
@@ -109,3 +110,16 @@ def test_the_largest_committed_campaign_comes_first_and_then_its_check(files):
     assert ">−0.024 ± 0.010</td>" in whole
     assert whole.count("First packing: picture, and porosity over the height") == 2
     assert "table of committed" in whole and "table of committed" not in bare
+
+
+def test_committed_rows_without_their_cost_keep_all_their_sections(files):
+    rows = {"case": "U1", "runs": 2, "n": 0.384, "n_std_error": 0.002, "experiment_n": 0.371}
+    path = files.write(
+        "committed", "validation.csv", **rows, experiment_error_percent=3.5, packing="table of committed"
+    )
+    files.committed.append(path.rsplit("/", 1)[0])
+    whole, _ = campaign_page(files, STUDIES, EFFECTS, CAPTIONS)
+    assert "table of committed" in whole
+    Path(path).unlink()
+    whole, _ = campaign_page(files, STUDIES, EFFECTS, CAPTIONS)
+    assert "table of committed" not in whole and "table of cost" in whole

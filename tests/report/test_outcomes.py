@@ -28,6 +28,11 @@ def test_the_change_over_a_setting_is_compared_with_its_error(end, verdict):
     assert sentence.startswith(f"U1: from 0.5 s of shaking to 2 s of shaking the porosity changes by {verdict}")
 
 
+def test_a_sweep_without_sieve_curves_is_a_sentence():
+    (sentence,) = outcome(table(shaking_s=[2.0, 0.5], n=[0.30, 0.35]).drop(columns="case"))
+    assert sentence.startswith("From 0.5 s of shaking to 2 s of shaking the porosity changes by −0.050")
+
+
 def test_words_among_numbers_come_last_and_widths_are_in_millimetres():
     (sentence,) = outcome(table(faces=["original", "50"], n=[0.38, 0.4]))
     assert "from 50 faces to original faces the porosity changes by −0.020" in sentence

@@ -179,14 +179,13 @@ class Pouring:
         stretch = generation.stretch_x, generation.stretch_z
         sites = lattice_sites(scene.domain, generation.spacing, low, scene.domain.height, *stretch)
         wanted = len(sites) if scene.amount_grains is None else min(len(sites), scene.amount_grains - inserted)
-        ids = np.arange(
-            inserted, inserted + max(wanted, 1)
-        )  # at least one grain, so that the error below can give its size
+        # At least one grain is drawn, so that the error below can give its size.
+        ids = np.arange(inserted, inserted + max(wanted, 1))
         drawn = self.draw(ids)
         reach, half_height = extents(self.bases, drawn, generation.orientation == "random")
         sites[:, 2] += half_height[: len(sites)].max(initial=0.0)
         tallest, ceiling = half_height.max(initial=0.0), scene.domain.height
-        if inserted > 0 and generation.fill == "bed":
+        if len(sites) and inserted > 0 and generation.fill == "bed":
             # The domain has no lid: the last layers may exceed the height of a domain that the bed nearly fills.
             ceiling = max(ceiling, sites[0, 2] + tallest)
         sites = sites[sites[:, 2] + tallest <= ceiling]
