@@ -25,7 +25,7 @@ from simcore.models.packing_models.compressible import compressible
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.linear import filling, linear, occupying
 from simcore.models.packing_models.linear_mixture import linear_mixture
-from simcore.models.packing_models.literature import one_size
+from simcore.models.packing_models.literature import POURED_COMPACTION, VIBRATED_COMPACTION, one_size
 from simcore.models.packing_models.rods import rods
 from simcore.models.size_and_form.candidates import predict
 from simcore.paths import CONFIG, REFERENCE
@@ -35,7 +35,7 @@ from simcore.reference.r22_tables import read_r22_table
 BASE = "U1"
 WIDE = ("U7", "B50")
 LOOSE = (0.32, 0.38)  # one-class porosities of the slopes
-INDICES = (4.1, 4.75, 9.0)
+INDICES = (POURED_COMPACTION, VIBRATED_COMPACTION, 9.0)
 TABLE = "size_models_measured.csv"
 FLAT = (filling, occupying)
 

@@ -9,7 +9,7 @@ from simcore.grains.class_labels import BELOW, class_patterns
 from simcore.grains.sieve_table import table_rules
 from simcore.models.packing_models.curves import IN_GAP, TAIL, WIDEST
 from simcore.models.packing_models.empirical import PREDICTORS
-from simcore.models.packing_models.literature import COMPACTION, LITERATURE
+from simcore.models.packing_models.literature import LITERATURE, VIBRATED_COMPACTION
 from simcore.models.packing_models.rods import LARGEST_FACTOR, RODS, SMALLEST_FACTOR
 from simcore.models.size_and_form import skeletons
 from simcore.models.size_and_form.bed_prediction import (
@@ -64,7 +64,7 @@ def curve_data(levels, model=None):
         "parts": WIDEST,
         "fixed_q": FIXED_Q,
         "rods": {"number": RODS, "smallest": SMALLEST_FACTOR, "largest": LARGEST_FACTOR},
-        "compaction": COMPACTION,
+        "compaction": VIBRATED_COMPACTION,
         "more_mass": MORE_MASS,
         "tail": TAIL,
         "in_gap": IN_GAP,

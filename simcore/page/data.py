@@ -3,8 +3,6 @@
 import re
 from pathlib import Path
 
-import pandas as pd
-
 from simcore.grains import grain_counts, measured_forms
 from simcore.grains.form_columns import MEANS, NEEDED, all_patterns
 from simcore.grains.sieve import read_cases
@@ -21,13 +19,11 @@ from simcore.models.regression import student_quantile
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS
 from simcore.packing.sieve_specification import sieve_specification
 from simcore.page.curve_data import curve_data
-from simcore.paths import CONFIG, R22_TABLES, REFERENCE
+from simcore.paths import CONFIG, R22_TABLES
 from simcore.provenance.version import VERSION
 from simcore.reference.r22_tables import read_r22_table
 
 LEVELS = (0.5, 0.8, 0.9, 0.95, 0.99)  # probabilities of the prediction intervals that the page offers
-# Compaction index of poured grains, attributed to de Larrard (1999); it was not read in the publication.
-COMPACTION = 4.1
 # The page puts the form of the sample here.
 SHAPES = "@SHAPES@"
 
@@ -68,22 +64,9 @@ def page_data(fitted, r22_tables=R22_TABLES):
         "nearly_one_form": prediction.NEARLY_ONE_FORM * prediction.R22_MIXTURES["sigma"][0],
         "smallest_porosity": prediction.SMALLEST_PRINTED,
         "reading": _reading(),
-        "literature": _measured_errors(),
         "curve": curve_data(LEVELS),
         "flatness": read_r22_table("table2_form_statistics", r22_tables)[["mu_FL", "sigma_FL"]].to_numpy().tolist(),
     }
-
-
-def _measured_errors():
-    """Return the compaction index of the compressible packing model, and the errors of predictors on measured gravels.
-
-    rms: root mean square error over the gravels U3 to B70 of Rettinger et al., by name
-    (`python -m benchmarks.studies.size_models`).
-    """
-    table = pd.read_csv(REFERENCE / "size_models_measured.csv")
-    published = table[(table["classes"] == "one size") & (table["K"].isna() | (table["K"] == COMPACTION))]
-    rows = pd.concat([published, table[table["given"] == "curve"]])
-    return {"K": COMPACTION, "rms": dict(zip(rows["model"], rows["rms_error"].astype(float), strict=True))}
 
 
 def _reading():

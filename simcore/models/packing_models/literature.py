@@ -7,7 +7,8 @@ from simcore.models.packing_models.linear import linear
 from simcore.models.packing_models.linear_mixture import linear_mixture
 from simcore.models.packing_models.rods import rods
 
-COMPACTION = 4.75  # compaction index of vibrated beds, attributed to de Larrard (1999); not read in the publication
+# Compaction index of poured and of vibrated beds, attributed to de Larrard (1999); not read in the publication.
+POURED_COMPACTION, VIBRATED_COMPACTION = 4.1, 4.75
 
 
 def one_size(model):
@@ -25,6 +26,6 @@ def one_size(model):
 LITERATURE = {
     "linear": one_size(linear),
     "linear mixture": one_size(linear_mixture),
-    f"compressible, K = {COMPACTION}": one_size(lambda *classes: compressible(*classes, COMPACTION)),
+    f"compressible, K = {VIBRATED_COMPACTION}": one_size(lambda *classes: compressible(*classes, VIBRATED_COMPACTION)),
     "rods": one_size(rods),
 }

@@ -19,6 +19,7 @@ import numpy as np
 import pandas as pd
 
 from simcore.models.packing_models.curves import span
+from simcore.models.packing_models.literature import POURED_COMPACTION
 from simcore.models.size_and_form.candidates import CANDIDATES, predict
 from simcore.models.size_and_form.known_beds import MEASURED, PACKED, known_beds
 from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
@@ -26,7 +27,7 @@ from simcore.paths import REFERENCE
 from simcore.scene.sizes import all_cases
 
 SETS = (MEASURED, PACKED)  # beds whose errors the model states
-CANDIDATE, UNFITTED = "H", {"K": 4.1, "m0": 1.0, "kappa": 0.0}
+CANDIDATE, UNFITTED = "H", {"K": POURED_COMPACTION, "m0": 1.0, "kappa": 0.0}
 NOT_FITTED = f"{CANDIDATE}, not fitted"  # its name in the table of candidates
 ANY = 1e9  # limit of a ratio that is not limited
 OF_FORM = ("U7", "B50")  # cases for which Rettinger et al. published models of single forms

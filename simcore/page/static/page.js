@@ -206,14 +206,14 @@ const Page = (() => {
   // Packing models with the one-class porosity of our models, and predictors that take the sieve curve alone.
   function literatureOf(name, sample) {
     const entry = DATA.cases.find((candidate) => candidate.name === name);
-    const { K } = DATA.literature;
+    const K = DATA.curve.compaction;
     const [sizes, fractions] = Packing.classes(entry);
     const oneClass = preferredOf(Prediction.predict(sample, DATA.one_class.name, Number(byId("level").value)));
     const rows = [];
     if (sizes.length > 1 && oneClass) {
       const models = [
         ["linear packing model", Packing.linear(sizes, fractions, oneClass.n)],
-        [`compressible packing model, K = ${number(K, 1)}`, Packing.compressible(sizes, fractions, oneClass.n, K)],
+        [`compressible packing model, K = ${K}`, Packing.compressible(sizes, fractions, oneClass.n, K)],
       ];
       rows.push(...models.map(([title, n]) => ({ n, label: `${title}: ${number(n)}`, kind: "packing" })));
     }
@@ -224,8 +224,8 @@ const Page = (() => {
   }
 
   function describeErrors() {
-    const ofCases = Object.entries(DATA.literature.rms)
-      .filter(([name]) => name === "linear" || name === "compressible" || /\d|Komura/.test(name))
+    const ofCases = Object.entries(DATA.curve.rms)
+      .filter(([name]) => name === "linear" || /\d|Komura/.test(name))
       .map(([name, rms]) => `${name} ${number(rms)}`);
     const texts = isOwn() ? BedOutput.errors() : ofCases;
     return `Their root mean square errors on six measured gravels are: ${texts.join(", ")}.`;
