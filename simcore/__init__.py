@@ -12,6 +12,7 @@
                                                 curve, predict("forms.csv", curve="curve.csv")
     simcore.fit("measured.csv", case="U1")      models compared with measured porosities, and corrected or fitted
     simcore.query(shape, pose, shape, pose)     distance of two shapes: sphere, ellipsoid, convex
+    simcore.Simulation(shapes, ...)             bodies that you place, moved by their contacts and by gravity
 
 These names are imported when they are first used, so that `import simcore` is fast.
 
@@ -58,6 +59,7 @@ _PUBLIC = {
     "sphere": ("simcore.dem.shapes.polyhedra", "sphere"),
     "ellipsoid": ("simcore.dem.shapes.polyhedra", "ellipsoid"),
     "convex": ("simcore.dem.shapes.polyhedra", "convex"),
+    "Simulation": ("simcore.dem.simulation", "Simulation"),
 }
 __all__ = ["__version__", *_PUBLIC]
 

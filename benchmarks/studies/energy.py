@@ -68,7 +68,7 @@ class Bed:
 
     def energy(self, dt):
         """Return the Energy of the current positions; dt as in mechanical_energy."""
-        from simcore.packing.energy import mechanical_energy
+        from simcore.dem.energy import mechanical_energy
 
         self.advance(0.0, 1)
         return mechanical_energy(self.bodies, self.candidates, self.law, self.gravity, dt)

@@ -8,6 +8,8 @@ import re
 import simcore
 from docs.generate.markdown import table
 from simcore.dem.contact.query import ContactQuery
+from simcore.dem.simulation import SystemEnergy
+from simcore.dem.state.touching_contacts import TouchingContacts
 
 WIDTH = 90  # columns of a signature; a longer one has one argument in a line
 
@@ -23,8 +25,15 @@ def page():
     parts = [_HEAD]
     for name, (module, attribute) in simcore._PUBLIC.items():
         parts += [f"## simcore.{name} {{#{name}}}", f"```python\n{signature(name, module, attribute)}\n```"]
-        parts.append(inspect.getdoc(getattr(simcore, name)))
+        value = getattr(simcore, name)
+        parts += [inspect.getdoc(value), *(_members(value) if inspect.isclass(value) else [])]
     parts += ["## Result of a query {#ContactQuery}", inspect.getdoc(ContactQuery), _fields(ContactQuery)]
+    parts += [
+        "## Contacts of a simulation {#TouchingContacts}",
+        inspect.getdoc(TouchingContacts),
+        _fields(TouchingContacts),
+    ]
+    parts += ["## Energy of a simulation {#SystemEnergy}", inspect.getdoc(SystemEnergy), _fields(SystemEnergy)]
     return "\n\n".join(parts) + "\n"
 
 
@@ -32,6 +41,9 @@ def signature(name, module, attribute):
     """Return the signature of a public name as in its source, with the values of constants that are defaults."""
     imported = importlib.import_module(module)
     (node,) = ast.parse(inspect.getsource(getattr(imported, attribute))).body
+    if isinstance(node, ast.ClassDef):
+        (node,) = (part for part in node.body if isinstance(part, ast.FunctionDef) and part.name == "__init__")
+        del node.args.args[0]  # self
     arguments = node.args
     for defaults in (arguments.defaults, arguments.kw_defaults):
         for k, default in enumerate(defaults):
@@ -43,6 +55,18 @@ def signature(name, module, attribute):
         return line
     listed = re.split(r", (?![^\[(]*[\])])", ast.unparse(arguments))
     return f"simcore.{name}(\n" + "".join(f"    {argument},\n" for argument in listed) + f"){returned}"
+
+
+def _members(kind):
+    """Return the docstring of the constructor of a class, and a table of its public methods and properties."""
+    rows = []
+    for name, member in vars(kind).items():
+        if name.startswith("_"):
+            continue
+        written = name if isinstance(member, property) else f"{name}{inspect.signature(member)}".replace("(self, ", "(")
+        text = inspect.getdoc(member.fget if isinstance(member, property) else member)
+        rows.append([f"`{written}`", " ".join(text.split())])
+    return [inspect.getdoc(kind.__init__), table(["attribute", "meaning"], rows)]
 
 
 def _fields(named_tuple):

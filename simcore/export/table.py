@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
+from simcore.dem.state.touching_contacts import CYLINDER_PARTNER, FLOOR_PARTNER
 from simcore.evaluation.coordination import coordination_number
-from simcore.packing.file import CYLINDER_PARTNER, FLOOR_PARTNER
 
 WALLS = {FLOOR_PARTNER: "floor", CYLINDER_PARTNER: "cylinder"}
 

@@ -11,7 +11,7 @@ import xarray as xr
 from filelock import lock_descriptor
 
 from simcore.compilation import source_digest
-from simcore.dem.state.bodies import CYLINDER, FLOOR
+from simcore.dem.state.touching_contacts import touching_contacts
 from simcore.grains.sieve import SieveCurve, class_fractions
 from simcore.packing.file_content import check_content
 from simcore.packing.packed import DAMPING, GENERATING, SHAKING, Packed
@@ -21,7 +21,6 @@ from simcore.scene.scene import Scene
 from simcore.scene.shapes import Base
 
 RENAMED = {"mass_fraction_asked": "mass_fraction_specified"}  # variables of files of Scree 0.1
-FLOOR_PARTNER, CYLINDER_PARTNER = -1, -2  # numbers of the second body if a contact is with a wall
 
 
 def packing_dataset(
@@ -226,37 +225,20 @@ def _shape_variables(bases):
 
 def _contact_variables(packed, shift, width):
     """Return the contacts between grains in the order of their key, then those with walls in the order of grains."""
-    bodies, contacts, walls = packed.bodies, packed.candidates.contacts, packed.candidates.walls
-    p = np.flatnonzero(contacts.touching)
-    a, b = contacts.body_a[p], contacts.body_b[p]
+    found = touching_contacts(packed.bodies, packed.candidates)
+    first, second = found.body.T
     # Wrapping shifts the centres of both bodies, so the image changes by the difference of their shifts.
-    image = shift[b] - shift[a]
-    if len(contacts.image):
-        image = image + contacts.image[p]
-    point = bodies.position[a] + contacts.point[p]
-    point[:, :2] -= shift[a] * width
-    body, images = [np.column_stack([a, b])], [image]
-    normals, points = [contacts.direction[p]], [point]
-    overlaps, forces = [contacts.overlap[p]], [contacts.force[p]]
-    for wall, partner in ((FLOOR, FLOOR_PARTNER), (CYLINDER, CYLINDER_PARTNER)):
-        w = np.flatnonzero((walls.touching > 0) & (walls.wall == wall))
-        i = walls.body[w]
-        point = bodies.position[i] + walls.point[w]
-        point[:, :2] -= shift[i] * width
-        body.append(np.column_stack([i, np.full(len(i), partner)]))
-        images.append(np.zeros((len(i), 2), np.int64))
-        normals.append(-walls.normal[w])
-        points.append(point)
-        overlaps.append(walls.overlap[w])
-        forces.append(-walls.force[w])
+    image = found.image + np.where(second[:, None] >= 0, shift[second] - shift[first], 0)
+    point = found.point.copy()
+    point[:, :2] -= shift[first] * width
     vector = ("contact", "xyz")
     return {
-        "contact_body": (("contact", "pair"), np.concatenate(body), _one("grains; second: -1 floor, -2 cylinder")),
-        "contact_image": (("contact", "horizontal"), np.concatenate(images), _one("periods added to the second")),
-        "contact_normal": (vector, np.concatenate(normals), _one("unit normal, first to second body")),
-        "contact_point": (vector, np.concatenate(points), _m("point where the force acts")),
-        "contact_overlap": ("contact", np.concatenate(overlaps), _m("overlap")),
-        "contact_force": (vector, np.concatenate(forces), {"units": "N", "long_name": "force on the second body"}),
+        "contact_body": (("contact", "pair"), found.body, _one("grains; second: -1 floor, -2 cylinder")),
+        "contact_image": (("contact", "horizontal"), image, _one("periods added to the second")),
+        "contact_normal": (vector, found.normal, _one("unit normal, first to second body")),
+        "contact_point": (vector, point, _m("point where the force acts")),
+        "contact_overlap": ("contact", found.overlap, _m("overlap")),
+        "contact_force": (vector, found.force, {"units": "N", "long_name": "force on the second body"}),
     }
 
 

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from simcore.dem.energy import TotalEnergy, spring_energy
 from simcore.dem.from_scene import Composition
 from simcore.dem.state.bodies import Bodies
 from simcore.dem.state.contacts import CandidatePairs
-from simcore.packing.energy import TotalEnergy, spring_energy
 from simcore.packing.expectation import depth_of_impact, fall_speed
 
 SPEED_MARGIN = 5.0  # factor on the speed that fall and shaking cause

@@ -2,7 +2,7 @@
 
 from dataclasses import asdict, dataclass, field
 
-from simcore.packing.energy import TotalEnergy
+from simcore.dem.energy import TotalEnergy
 from simcore.packing.observation import Observation
 from simcore.packing.packed import GENERATING
 

@@ -11,7 +11,12 @@ MIXED = 3  # kind of a scene, never of a body: bodies whose base is the unit sph
 
 
 class Base(NamedTuple):
-    """One base shape; vertices (n, 3) and outward faces (m, 3) are those of a polyhedron, empty for the unit sphere."""
+    """One base shape; vertices (n, 3) and outward faces (m, 3) are those of a polyhedron, empty for the unit sphere.
+
+    A body moves about the origin of its base and has the moments below as principal ones, so that the vertices of a
+    base of bodies are relative to the centre of mass and along the principal axes. The base of a
+    simcore.dem.shapes.polyhedra.Shape is about the middle of its bounding box; simcore.Simulation converts it.
+    """
 
     name: str
     vertices: np.ndarray

@@ -5,11 +5,11 @@ import re
 import numpy as np
 import pytest
 
+from simcore.dem.energy import spring_energy
 from simcore.dem.from_scene import compose
 from simcore.dem.shapes.polyhedra import unit_sphere
 from simcore.dem.stability import contact_load, stiffest_body
 from simcore.dem.state.bodies import make_bodies
-from simcore.packing.energy import spring_energy
 from simcore.packing.expectation import backing, depth_of_impact
 from simcore.packing.packed import DAMPING, SHAKING, PackingError
 from simcore.packing.process import Process, pack

@@ -6,10 +6,10 @@ All tests use one variant of the step: clamped, with viscous friction up to Coul
 import numpy as np
 import pytest
 
+from simcore.dem.energy import mechanical_energy
 from simcore.dem.forces.hertz import HertzLaw
 from simcore.dem.forces.viscous_friction import CAPPED
 from simcore.dem.shapes.polyhedra import SPHERE
-from simcore.packing.energy import mechanical_energy
 from simcore.scene.impact import DURATION, damping_number, impact_depth, restitution
 from tests.helpers.stepped_bodies import SteppedBodies
 

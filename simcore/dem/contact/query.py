@@ -90,8 +90,18 @@ def query_many(shapes, index_a, poses_a, index_b, poses_b) -> ContactQuery:
     """
     position_a, orientation_a = _pose(poses_a, "a")
     position_b, orientation_b = _pose(poses_b, "b")
-    index_a, index_b = (np.atleast_1d(np.asarray(index, np.int64)) for index in (index_a, index_b))
+    index_a, index_b = (_index(index, name) for index, name in ((index_a, "index_a"), (index_b, "index_b")))
     return ContactQuery(*_query(tuple(shapes), index_a, position_a, orientation_a, index_b, position_b, orientation_b))
+
+
+def _index(index, name: str):
+    """Return indices (n,) of shapes; ValueError unless they are whole numbers."""
+    index = np.atleast_1d(np.asarray(index))
+    if index.dtype.kind not in "iu" or index.ndim != 1:
+        raise ValueError(
+            f"query_many: {name} has the type {index.dtype} and the form {index.shape}; give whole numbers, (n,)."
+        )
+    return index.astype(np.int64)
 
 
 def _pose(pose, name: str):

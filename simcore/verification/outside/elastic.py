@@ -4,8 +4,8 @@ import time
 
 import xarray as xr
 
+from simcore.dem.energy import mechanical_energy
 from simcore.dem.from_scene import compose
-from simcore.packing.energy import mechanical_energy
 from simcore.packing.packed import SHAKING
 from simcore.packing.process import Process
 from simcore.scene.setup import set_up

@@ -5,12 +5,12 @@ import re
 import numpy as np
 import pytest
 
+from simcore.dem.energy import spring_energy
 from simcore.dem.forces.hertz import STORED, law_at, linear_law, local_law
 from simcore.dem.forces.spring_dashpot import normal_force
 from simcore.dem.forces.viscous_friction import CAPPED, NONE, VISCOUS
 from simcore.dem.from_scene import compose
 from simcore.dem.stability import body_steps, contact_load, longest_stable_step, stiffest_body
-from simcore.packing.energy import spring_energy
 from simcore.packing.expectation import depth_of_impact, expect, overlap_at_rest
 from simcore.packing.explanation import explain
 from simcore.packing.packed import DAMPING

@@ -1,4 +1,4 @@
-"""Mechanical energy of a packing: kinetic energy, potential energy of the height, and energy of the springs."""
+"""Mechanical energy of bodies: kinetic energy, potential energy of the height, and energy of the springs."""
 
 from typing import NamedTuple
 
