@@ -39,9 +39,9 @@ def check_decimal_marks(path, names, cells):
 
     path: file, for the message. cells: DataFrame of str, its index is the row. names: dict from the columns of `cells`
     with numbers to their names. A number such as 1.410 is refused if other cells have decimals behind a comma and none
-    has decimals behind a point, or if no cell has other decimals and its column has whole numbers of three digits.
+    has decimals behind a point, or if its column has whole numbers of three digits and no other decimals.
     """
-    decimals, in_groups, large = {}, [], set()
+    decimals, with_decimals, in_groups, large = {}, set(), [], set()
     for row, *texts in cells[list(names)].itertuples(name=None):
         for name, text in zip(names.values(), texts, strict=True):
             leading = _LEADING.match(text)
@@ -51,6 +51,7 @@ def check_decimal_marks(path, names, cells):
                 in_groups.append((row, name, text, number, mark))
             elif _DECIMAL.fullmatch(number):
                 decimals.setdefault(mark, number)
+                with_decimals.add(name)
             elif _LARGE.fullmatch(number):
                 large.add(name)
     for row, name, text, number, mark in in_groups:
@@ -61,7 +62,7 @@ def check_decimal_marks(path, names, cells):
                 f"{is_text}, but this table writes decimals with {_MARKS[used]} ({example}); write numbers without "
                 "separators of thousands"
             )
-        if not decimals and name in large:
+        if name in large and name not in with_decimals:
             raise ValueError(
                 f"{is_text}; if it is {number.replace(mark, '')}, write it so, without a separator of thousands; if "
                 f"not, write another number of decimals, such as {number}0"

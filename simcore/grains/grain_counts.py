@@ -7,7 +7,8 @@ from simcore.grains.cell_numbers import read_number
 from simcore.grains.form_columns import may_number_rows
 
 MAX_GRAINS = 1e12  # maximum of a count in one row
-FEWEST_IDS = 6  # as many rising whole numbers may be numbers of grains with gaps, such as 101, 102, 104, ...
+FEWEST_IDS = 6  # so many whole numbers may number the rows with gaps, such as 101, 102, 104, ..., or in another order
+ROWS_BY_SAMPLE = 3  # least mean number of rows of a sample whose rows are numbered from 1
 # 1,234 may mean 1234 or 1.234.
 _AMBIGUOUS = re.compile(r"[1-9]\d{0,2}[.,]\d{3}")
 _PERCENT = re.compile("%|percent")
@@ -41,7 +42,7 @@ def read_counts(path, header, cells, columns):
         if not 0 <= weights[row] <= MAX_GRAINS:
             raise ValueError(f"{where}: {name} = {weights[row]:g}; a number of grains must be between 0 and 1e12")
     values = list(weights.values())
-    if len(values) > 1 and may_number_rows(name) and _are_consecutive(values):
+    if may_number_rows(name) and _number_rows(values):
         return None, [_numbers_rows(name)]
     whole = all(value.is_integer() for value in values) and not _PERCENT.search(name)
     if whole and may_number_rows(name) and len(values) >= FEWEST_IDS and _rise(values):
@@ -68,14 +69,25 @@ def read_numbers(path, header, cells, columns):
             given = f"{text} in row {row} is no" if text else f"row {row} has no"
             return None, [f"the column {name} is not used, because {given} number of grains"]
     numbers = [int(text) for text in texts]
-    if len(numbers) > 1 and may_number_rows(name) and _are_consecutive(numbers):
+    if may_number_rows(name) and _number_rows(numbers):
         return None, [_numbers_rows(name)]
     notice = f"the column {name} is the number of grains of each sample; FL and EL are assumed to be independent"
     return Counts(dict(zip(texts.index, numbers, strict=True)), True), [notice]
 
 
-def _are_consecutive(values):
-    return all(b - a == 1 for a, b in zip(values, values[1:], strict=False))
+def _number_rows(values):
+    """Return whether values rise by 1 from row to row, are 1 to N in any order, or 1, 2, 3, ... anew for each sample.
+
+    The latter two hold only of so many rows that numbers of grains would hardly be so by chance.
+    """
+    rises = [b - a == 1 for a, b in zip(values, values[1:], strict=False)]
+    if rises and all(rises):
+        return True
+    if len(values) < FEWEST_IDS:
+        return False
+    starts = [value for value, rises_to in zip(values, [False, *rises], strict=True) if not rises_to]
+    anew = set(starts) == {1} and len(starts) * ROWS_BY_SAMPLE <= len(values)
+    return anew or sorted(values) == list(range(1, len(values) + 1))
 
 
 def _rise(values):

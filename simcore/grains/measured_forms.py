@@ -22,6 +22,7 @@ import numpy as np
 from simcore.grains.cell_numbers import NUMBER, check_decimal_marks, read_number
 from simcore.grains.class_labels import CLASS_NAME, look_like_classes
 from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, has_two_axes, recognise_columns
+from simcore.grains.form_notices import SHOWN, describe_single_rows, describe_slips, describe_small_deviations
 from simcore.grains.grain_counts import read_counts, read_numbers
 from simcore.grains.statistics import equancy_statistics, few_grains_covariance, means_covariance
 from simcore.grains.summary_rows import find_summary_rows
@@ -31,10 +32,8 @@ from simcore.grains.text_lists import join_first
 log = logging.getLogger(__name__)
 
 LONGEST = 100.0  # maximum L/S, that of FL = EL = 0.1, the minimum in Rettinger et al. (2022)
-SLIP = 0.1  # maximum of S/I and I/L that is noticed, that of equal axes if the decimal mark of one slips
 ALIKE = 1e-9  # relative deviation; measured grains differ by more, copies of one row only by rounding
 FEWEST_FOR_ERRORS = 5  # grains, from which the errors of their statistics are known: of fewer, intervals are too narrow
-SHOWN = 5  # maximum number of values that a notice lists
 
 
 @dataclass(frozen=True)
@@ -92,10 +91,11 @@ def samples_of_table(table, column=None):
     kind, counts = rows.columns.kind, rows.counts
     if kind == MEANS:
         samples = [_from_means(name, entries, counts) for name, entries in rows.groups.items()]
+        rows.notices.extend(describe_small_deviations(path, samples))
     else:
         check = _check_axes if kind == AXES else _check_ratios
         samples = [_from_grains(path, name, entries, check, counts) for name, entries in rows.groups.items()]
-        rows.notices.extend(_describe_slips(path, rows.groups, check))
+        rows.notices.extend([*describe_slips(path, rows.groups, check), *describe_single_rows(path, rows.groups)])
     return samples, rows.notices
 
 
@@ -125,7 +125,7 @@ def read_two_axes(path, column=None):
         weights, grains = _weigh(path, name, entries, rows.counts)
         mean, std = _mean_and_std(EL, weights)
         samples.append(TwoAxisSample(name, grains, float(mean), float(std if std > ALIKE * mean else 0.0)))
-    rows.notices.extend(_describe_slips(path, rows.groups, _check_two_axes))
+    rows.notices.extend(describe_slips(path, rows.groups, _check_two_axes))
     return samples, rows.notices
 
 
@@ -232,20 +232,6 @@ def _describe_unused(header, cells, columns):
     if unused:
         notices.append(f"columns that are not used: {', '.join(unused.values())}")
     return notices
-
-
-def _describe_slips(path, groups, check):
-    """Return a notice on grains so thin or long that a decimal mark may have slipped in one of their axes."""
-    entries = sorted((entry for group in groups.values() for entry in group), key=lambda entry: entry[-1])
-    forms = [(row, check(where, values)) for where, values, row in entries]
-    rows = [str(row) for row, form in forms if min(form) <= SLIP]
-    if not rows:
-        return []
-    ratios = "I/L" if len(forms[0][1]) == 1 else "S/I or I/L"
-    return [
-        f"{path}: row{'s' * (len(rows) > 1)} {join_first(rows, SHOWN)}: {ratios} is {SLIP:g} or less, which is rare "
-        "for gravel; check the decimal marks"
-    ]
 
 
 def _check_axes(where, values):

@@ -18,10 +18,13 @@ from simcore.models.size_and_form.bed_prediction import (
     MORE_MASS,
     STICKY,
     STICKY_SHARE,
+    TOO_WIDE,
+    WIDE_CLASS,
+    WIDE_SHARE,
     rhine_sample,
     states,
 )
-from simcore.models.size_and_form.bed_prediction_text import CHECK_BY_CLASS, STATE
+from simcore.models.size_and_form.bed_prediction_text import CHECK_BY_CLASS, OTHER_BEDS, STATE
 from simcore.models.size_and_form.candidates import CANDIDATES, FIXED_Q
 from simcore.models.size_and_form.forms_by_class import BY_CLASS
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
@@ -54,6 +57,7 @@ def curve_data(levels, model=None):
     return {
         "classes": class_patterns() | {"below": BELOW, "by_class": BY_CLASS, "check": CHECK_BY_CLASS},
         "state": STATE,
+        "other_beds": OTHER_BEDS,
         "model": model_data(model, levels),
         "reference": {
             "bounds": [1e3 * float(bound) for bound in skeletons.REFERENCE.bounds],
@@ -71,6 +75,9 @@ def curve_data(levels, model=None):
         "above": ABOVE,
         "sticky": 1e3 * STICKY,
         "sticky_share": STICKY_SHARE,
+        "too_wide": TOO_WIDE,
+        "wide_class": WIDE_CLASS,
+        "wide_share": WIDE_SHARE,
         "states": states()._asdict(),
         "rhine": asdict(rhine_sample()),
         "columns": COLUMNS,

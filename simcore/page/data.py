@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from simcore.grains import grain_counts, measured_forms
+from simcore.grains import form_notices, grain_counts, measured_forms
 from simcore.grains.form_columns import MEANS, NEEDED, all_patterns
 from simcore.grains.sieve import read_cases
 from simcore.grains.statistics import STATISTICS
@@ -75,11 +75,13 @@ def _reading():
         "patterns": all_patterns(),
         "labels": label_patterns(),
         "longest": measured_forms.LONGEST,
-        "slip": measured_forms.SLIP,
+        "slip": form_notices.SLIP,
+        "small_deviation": form_notices.SMALL_DEVIATION,
         "max_grains": grain_counts.MAX_GRAINS,
         "fewest_ids": grain_counts.FEWEST_IDS,
+        "rows_by_sample": grain_counts.ROWS_BY_SAMPLE,
         "alike": measured_forms.ALIKE,
-        "shown": measured_forms.SHOWN,
+        "shown": form_notices.SHOWN,
         "few_grains": FEW_GRAINS,
         "needed": NEEDED,
         "means": list(MEANS),

@@ -296,12 +296,12 @@ def test_a_column_that_may_separate_samples_is_named(notices_of):
     assert sample.grains == 3
     assert "the column river has repeated values (Rhine, Kall) and is not used, so all grains are one sample" in hint
     assert "give --sample 'river'" in hint and unused.endswith("not used: D50")
-    samples, (unused,) = notices_of(text, "River")
+    samples, (unused, single) = notices_of(text, "River")
     assert [sample.name for sample in samples] == ["Rhine", "Kall"] and unused.endswith("not used: D50")
     # With a name per grain, one name for all, or a column `sample`, no grains of different samples were merged.
     assert notices_of("stone,FL,EL\nx,.5,.7\ny,.6,.7\n")[1] == ["bed.csv: columns that are not used: stone"]
     assert notices_of("river,FL,EL\nx,.5,.7\nx,.6,.7\n")[1] == ["bed.csv: columns that are not used: river"]
-    assert notices_of("Sample,FL,EL\nx,.5,.7\nx,.6,.7\ny,.6,.7\n")[1] == []
+    assert notices_of("Sample,FL,EL\nx,.5,.7\nx,.6,.7\ny,.6,.7\ny,.6,.8\n")[1] == []
 
 
 def test_notices_go_to_the_log_of_who_reads_samples_alone(read, caplog):

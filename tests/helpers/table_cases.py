@@ -93,6 +93,13 @@ SIEVES = [
         error="row 3: mass [g] is '1.410'; if it is 1410, write it so, without a separator of thousands; if not, write "
         "another number of decimals, such as 1.4100",
     ),
+    # The decimals of the openings say nothing about the masses.
+    Case(
+        "opening [mm];mass [g]\n31.5;0\n16;944\n8;3.240\n4;3.807\npan;12\n",
+        error="row 4: mass [g] is '3.240'; if it is 3240, write it so, without a separator of thousands; if not, write "
+        "another number of decimals, such as 3.2400",
+    ),
+    Case("opening [mm];mass [g];note\n31.5;0;\n16;944;\n8;3.240;\n4;38.07;\npan;12;\n", notice="are not used: note"),
     Case(
         "Klasse [mm];Masse [g]\n8-16;930\n2-4;300\nSchale;10\n",
         error="no row has the class 4 to 8 mm, between rows 3 and 2; add it, with 0 if it is empty",
@@ -300,6 +307,30 @@ GRAINS = [
             ("n", "1", "2", "the column n numbers the rows, so it is not used as a number of grains"),
         ]
     ],
+    *[
+        Case("n;FL;EL\n" + "".join(f"{number};0.5;0.{7 + i % 2}\n" for i, number in enumerate(numbers)), notice=notice)
+        for numbers, notice in [
+            ((3, 1, 2, 6, 4, 5), "the column n numbers the rows, so it is not used as a number of grains"),
+            ((1, 2, 3, 4, 1, 2), "the column n numbers the rows, so it is not used as a number of grains"),
+            ((1, 2, 1, 2, 1, 2), "the column n is the number of grains of each row, 9 in all"),
+            ((2, 3, 4, 2, 3, 4), "the column n is the number of grains of each row, 18 in all"),
+            ((2, 1, 3), "the column n is the number of grains of each row, 6 in all"),
+        ]
+    ],
+    Case(
+        "sample;a [cm];b [cm];c [cm]\nleft;4;3;2\nright;4;3;1\nboth;4;3;1\nboth;4;2;1\n",
+        notice="the samples left, right have one row each, so that all grains have one form; if the row is a mean over "
+        "grains, the porosity is too low: give a row per grain, or mean_FL, std_FL, mean_EL, std_EL",
+    ),
+    Case(
+        "FL;EL;count\n0.5;0.7;120\n",
+        notice=" has one row, so that all grains have one form; if the row is a mean over grains, the porosity is too",
+    ),
+    Case(
+        "site;mean_FL;std_FL;mean_EL;std_EL\na;.6;.016;.7;.1\nb;.6;.1;.7;0\nc;.6;.1;.7;.012\n",
+        notice="std_FL or std_EL is below 0.06, which is rare for gravel; give the standard deviation over the grains, "
+        "not the standard error of their mean or the variance",
+    ),
     Case(
         "Fraktion;L;I;S\n8-11,2;14;10;4\n8-11,2;13;10;6\n11,2–16 mm;16;11;3\n",
         notice="the column Fraktion is not used; its values look like sieve classes (8-11,2, 11,2–16 mm); to give "

@@ -4,7 +4,7 @@ from urllib.parse import urlencode
 
 import pytest
 
-from simcore.models.size_and_form.bed_prediction_text import CHECK_BY_CLASS, STATE
+from simcore.models.size_and_form.bed_prediction_text import CHECK_BY_CLASS, OTHER_BEDS, STATE
 from simcore.scene.specification import read_specification
 
 SIEVES = "Siebweite [mm];Masse [g]\n16;0\n8;400,5\n4;200\n2;50\n"
@@ -29,8 +29,8 @@ def porosity(page):
 
 def test_a_curve_alone_has_the_porosity_of_the_rhines_form(open_page):
     page = open_curve(open_page)
-    assert "the form is the Rhine's mean form" in page.locator("#notices").inner_text()
-    assert STATE in page.locator("#answer").inner_text()
+    assert "the form is that of the Rhine's gravel" in page.locator("#notices").inner_text()
+    assert STATE in page.locator("#answer").inner_text() and OTHER_BEDS in page.locator("#answer").inner_text()
     assert "placed and not shaken" in page.locator("#answer").inner_text()
     labels = page.locator("#predictions svg").get_attribute("aria-label")
     assert all(name in labels for name in ("long shaken to not shaken", "linear mixture", "rods", "Wooster 2008"))

@@ -91,7 +91,7 @@ def read_bed_forms(forms, curve=None, column=None, finest=None, coarsest=None):
     reader = CurveReader({name: case.curve for name, case in all_cases().items()}, finest, coarsest)
     if forms is None:
         curve, source, notices = _given(curve, reader)
-        notices = [*notices, f"no table of grains is given: the form is {UNKNOWN_FORMS}"]
+        notices = [*notices, f"no table of grains is given: the form is that of {UNKNOWN_FORMS}"]
         return [BedForms(curve, source, [rhine_sample()], False)], notices
     table = read_table(forms)
     if table.cells.empty:

@@ -31,9 +31,11 @@ ONE_CLASS_NUMBERS = ("n", "lower", "upper", "few_grains_error")  # of the row of
 ABOVE = 1.0 + 1e-9  # ratio to a limit, from which a value is above it
 STICKY = 2e-3  # [m], sieve size below which clean grains may stick together, which the packings do not contain
 STICKY_SHARE = 0.01  # of the mass finer than STICKY, above which a remark is made
+TOO_WIDE = 2.0  # `span` over the widest of known error, above which predictions were 0.1 too low (sorted sands, docs)
+WIDE_CLASS, WIDE_SHARE = 2.1, 0.05  # ratio of the bounds of a wide class, and share of the mass there that is remarked
 SHAKEN = 1.0  # [s], of the beds to which the model is fitted
 MORE_MASS = 0.01  # of one class, for the sensitivity to the curve
-UNKNOWN_FORMS = "the Rhine's mean form"
+UNKNOWN_FORMS = "the Rhine's gravel"
 
 
 @cache
@@ -155,16 +157,30 @@ def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):
     """
     beyond = [] if curve is None else [*_outside_of_curve(curve, model), *_outside_of_forms(one_class[0], model)]
     if np.isfinite(n) and not 0.0 < n - half < n + half < 1.0:
-        refused, n = "its prediction interval reaches outside (0, 1)", np.nan
+        refused, n = _beyond_porosities(curve, model), np.nan
     numbers = [n, n - half, n + half, *(n + change for change in states()), *one_class]
     return [*form, *numbers, "; ".join(filter(None, [outside, *beyond])), refused]
+
+
+def _beyond_porosities(curve, model):
+    """Return why a bed has no porosity if its interval reaches outside (0, 1)."""
+    causes = [] if curve is None else _outside_of_curve(curve, model)
+    return ": ".join(["its prediction interval reaches outside (0, 1)", *causes[:1]])
 
 
 def _outside_of_curve(curve, model):
     """Return remarks on what lies outside the SieveCurves of known error."""
     texts = []
     if (ratio := span(curve)) > model.widest * ABOVE:
-        texts.append(f"98 % of the mass spans {ratio:.3g} : 1 in size, errors are known up to {model.widest:.3g} : 1")
+        low = ", and the porosity is probably too low" if ratio > TOO_WIDE * model.widest else ""
+        texts.append(
+            f"98 % of the mass spans {ratio:.3g} : 1 in size, errors are known up to {model.widest:.3g} : 1{low}"
+        )
+    if (share := in_wide_classes(curve)) > WIDE_SHARE:
+        texts.append(
+            f"{100 * share:.0f} % of the mass is in sieve classes wider than {WIDE_CLASS:g} : 1, whose sizes are "
+            "assumed to be uniform in log size; give more sieves"
+        )
     if (ratio := gap(curve)) > model.gap * ABOVE:
         texts.append(f"the curve has a gap of {ratio:.3g} : 1 in size, errors are known up to {model.gap:.3g} : 1")
     if (share := passing(curve, STICKY)) > STICKY_SHARE:
@@ -172,6 +188,11 @@ def _outside_of_curve(curve, model):
             f"{100 * share:.0f} % of the mass is finer than {1e3 * STICKY:g} mm, where grains may stick together"
         )
     return texts
+
+
+def in_wide_classes(curve) -> float:
+    """Return the share of the mass in classes of a SieveCurve that are wider than WIDE_CLASS."""
+    return float(curve.mass_fractions[curve.bounds[1:] / curve.bounds[:-1] > WIDE_CLASS * ABOVE].sum())
 
 
 def _outside_of_forms(one_class, model):

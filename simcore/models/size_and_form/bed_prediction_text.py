@@ -20,6 +20,10 @@ from simcore.models.size_and_form.bed_prediction import (
 
 NO_MODELS = FittedModels({}, {})
 STATE = "The porosity is that of a bed that is shaken for about a second."
+# From results/reference/size_and_form_known.csv; docs/how_to/predict_from_a_sieve_curve.md compares five sets of beds.
+OTHER_BEDS = (
+    "Measured gravels, and beds that are made in another way, may differ by up to 0.03: most are outside the interval."
+)
 # The rule is in docs/appendices/size_and_form_plan.md, the beds in results/reference/form_by_size.csv.
 CHECK_BY_CLASS = "On two packed beds, forms by sieve class erred less than the form of all grains together."
 
@@ -87,26 +91,26 @@ def describe(beds, table, forms=None, level=0.95, fitted=NO_MODELS) -> str:
     return "\n".join(lines)
 
 
-def _describe_curve(bed, first, fitted):
+def _describe_curve(bed, row, fitted):
     """Return the lines on how the curve of BedForms acts, and on other models, for the row of its first sample."""
     model, curve = sized_model(fitted), bed.curve
-    change = 1e4 * _sensitivity(curve, first["n_one_class"], fitted)
-    n1 = first["n_one_class"]
+    n1 = row["n_one_class"]
+    change = _sensitivity(curve, n1, fitted)
     step = n1 - model.predict(curve, n1, reference=rhine_one_class(fitted))
     return [
         "",
-        f"How the curve acts, sample {first['sample']}: a bed of one sieve class of these grains has the porosity "
-        f"{first['n_one_class']:.3f},",
-        f"and the range of sizes lowers it by {step:.3f}. If the mass of one class grows by 1 % of the whole, the",
-        "porosity changes by:",
+        f"How the curve acts, sample {row['sample']}: a bed of one sieve class of these grains has the porosity "
+        f"{row['n_one_class']:.3f},",
+        f"and the range of sizes lowers it by {step:.3f}. If the mass of one class grows by 1 % of the whole,",
+        "and the other masses stay, the porosity changes by the number in the last column:",
         "",
-        *text_columns([["class [mm]", "mass [%]", "change [0.0001]"], *_classes(curve, change)], "lrr"),
+        *text_columns([["class [mm]", "mass [%]", "change of porosity"], *_classes(curve, change)], "lrr"),
         "",
-        f"Other models, sample {first['sample']}",
+        f"Other models, sample {row['sample']}",
         *text_columns(
             [
-                [row.model, f"{row.n:.3f}", f"from {row.given}"]
-                for row in other_predictors(curve, first["n_one_class"]).itertuples()
+                [other.model, f"{other.n:.3f}", f"from {other.given}"]
+                for other in other_predictors(curve, n1).itertuples()
             ],
         ),
         "The range of validity of those from the curve alone is not known to us.",
@@ -123,6 +127,7 @@ def _state(correction):
     return [
         STATE,
         "The state of packing ranges from a bed that is shaken for eight seconds to one that is placed and not shaken.",
+        OTHER_BEDS,
     ]
 
 
@@ -143,7 +148,7 @@ def _require_one(table, path):
         row = table.iloc[0]
         raise ValueError(
             f"{path}: the porosity cannot be predicted for any sample; {row['sample']}: {row['refused']}. Correct the "
-            "table of grains, or pack a bed of them (scree pack)"
+            "sieve curve or the table of grains, or pack a bed of them (scree pack)"
         )
 
 
@@ -168,7 +173,7 @@ def _samples(table):
 def _classes(curve, change):
     bounds = 1e3 * curve.bounds
     return [
-        [f"{low:g} to {high:g}", f"{100 * share:.1f}", f"{value:+.1f}"]
+        [f"{low:g} to {high:g}", f"{100 * share:.1f}", f"{value:+.4f}"]
         for low, high, share, value in zip(bounds[:-1], bounds[1:], curve.mass_fractions, change, strict=True)
     ][::-1]
 

@@ -2,7 +2,7 @@
 const Bed = (() => {
   const { InputError, general } = Numbers;
   const { one_class: range, rhine, states, model, tail, in_gap: inGap, above, more_mass: moreMass, compaction } = DATA.curve;
-  const { sticky, sticky_share: stickyShare } = DATA.curve;
+  const { sticky, sticky_share: stickyShare, too_wide: tooWide, wide_class: wideClass, wide_share: wideShare } = DATA.curve;
   const CLASSES = DATA.curve.classes;
   const { CLASS_NAME, boundsOf } = SieveClasses;
   const RHINE = { ...rhine, forms: [] };
@@ -148,7 +148,7 @@ const Bed = (() => {
 
   function bedOf(curve, n, half, oneClass, refused) {
     if (Number.isFinite(n) && !(n - half > 0 && half > 0 && n + half < 1)) {
-      refused = "its prediction interval reaches outside (0, 1)";
+      refused = ["its prediction interval reaches outside (0, 1)", ...beyondOfCurve(curve).slice(0, 1)].join(": ");
       n = NaN;
     }
     return {
@@ -185,12 +185,24 @@ const Bed = (() => {
   const wider = (curve) =>
     Math.max(1, Math.log(span(curve)) / Math.log(model.widest), Math.log(gap(curve)) / Math.log(model.gap));
 
-  // Returns remarks on what lies outside the beds of known error.
-  function beyond(curve, oneClass) {
+  // Share of the mass in classes that are wider than those of known error.
+  const inWideClasses = ({ bounds, mass_fractions: shares }) =>
+    Packing.sum(shares.filter((_, i) => bounds[i + 1] / bounds[i] > wideClass * above));
+
+  // Returns remarks on what lies outside the sieve curves of known error.
+  function beyondOfCurve(curve) {
     const texts = [];
     const known = (limit) => `errors are known up to ${general(limit, 3)} : 1`;
     if (span(curve) > model.widest * above) {
-      texts.push(`98 % of the mass spans ${general(span(curve), 3)} : 1 in size, ${known(model.widest)}`);
+      const low = span(curve) > tooWide * model.widest ? ", and the porosity is probably too low" : "";
+      texts.push(`98 % of the mass spans ${general(span(curve), 3)} : 1 in size, ${known(model.widest)}${low}`);
+    }
+    const share = inWideClasses(curve);
+    if (share > wideShare) {
+      texts.push(
+        `${(100 * share).toFixed(0)} % of the mass is in sieve classes wider than ${general(wideClass)} : 1, whose sizes ` +
+          "are assumed to be uniform in log size; give more sieves"
+      );
     }
     if (gap(curve) > model.gap * above) {
       texts.push(`the curve has a gap of ${general(gap(curve), 3)} : 1 in size, ${known(model.gap)}`);
@@ -199,6 +211,12 @@ const Bed = (() => {
     if (fine > stickyShare) {
       texts.push(`${(100 * fine).toFixed(0)} % of the mass is finer than ${general(sticky)} mm, where grains may stick together`);
     }
+    return texts;
+  }
+
+  // Returns remarks on what lies outside the beds of known error.
+  function beyond(curve, oneClass) {
+    const texts = beyondOfCurve(curve);
     const [least, largest] = model.one_class;
     if (oneClass < least / above || oneClass > largest * above) {
       const range = `from ${least.toFixed(3)} to ${largest.toFixed(3)}`;

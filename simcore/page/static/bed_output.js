@@ -3,7 +3,6 @@ const BedOutput = (() => {
   const { byId, number, node, row } = Elements;
   const { general } = Numbers;
   const { model, rhine, columns } = DATA.curve;
-  const PER_CLASS = 1e4; // changes of porosity are shown in units of 0.0001
 
   const marked = (text) => text.replace(/(\d)\.(\d)/g, `$1${byId("mark").value}$2`);
   const interval = ({ lower, upper }) => `${number(lower)} to ${number(upper)}`;
@@ -23,7 +22,7 @@ const BedOutput = (() => {
       node(
         "p",
         `${DATA.curve.state} By its state of packing it is between ${number(bed.n_long_shaken)}, shaken for eight seconds, ` +
-          `and ${number(bed.n_not_shaken)}, placed and not shaken.`
+          `and ${number(bed.n_not_shaken)}, placed and not shaken. ${DATA.curve.other_beds}`
       ),
       node("p", `One sieve class of these grains has ${oneClass}; the range of sizes lowers it by ${number(bed.n_one_class - bed.n)}.`),
     ];
@@ -58,8 +57,7 @@ const BedOutput = (() => {
     const written = (value) => general(value, 4).replace(".", byId("mark").value);
     return curve.mass_fractions
       .map((share, i) => {
-        const change = PER_CLASS * changes[i];
-        const signed = `${change < 0 ? "−" : "+"}${number(Math.abs(change), 1)}`;
+        const signed = `${changes[i] < 0 ? "−" : "+"}${number(Math.abs(changes[i]), 4)}`;
         return row(`${written(curve.bounds[i])} to ${written(curve.bounds[i + 1])} mm`, [number(100 * share, 1), signed]);
       })
       .reverse();
@@ -120,7 +118,7 @@ const BedOutput = (() => {
     return bed.refused ? "No porosity is predicted." : `Porosity ${number(bed.n)}, interval ${interval(bed)}.`;
   }
 
-  const noForms = `No table of grains is given: the form is ${rhine.name}.`;
+  const noForms = `No table of grains is given: the form is that of ${rhine.name}.`;
 
   return { answer, brief, errors, lines, states, classRows, width, formula, csv, noForms };
 })();

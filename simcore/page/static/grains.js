@@ -2,7 +2,7 @@
 const Grains = (() => {
   const { InputError, NUMBER, general } = Numbers;
   const { AXES, RATIOS, MEANS, TWO_AXES } = Columns;
-  const { longest, slip, max_grains: maxGrains, alike, shown, needed } = DATA.reading;
+  const { longest, slip, small_deviation: smallDeviation, max_grains: maxGrains, alike, shown, needed } = DATA.reading;
   const AMBIGUOUS = /^[1-9]\d{0,2}[.,]\d{3}$/;
   const [PERCENT, WHOLE] = [/%|percent/, /^[1-9]\d{0,11}$/];
 
@@ -35,8 +35,10 @@ const Grains = (() => {
       return { ...sample, row: entries[0].row };
     });
     const unused = describeUnused(table.header, rows, columns);
-    const slips = columns.kind === MEANS ? [] : describeSlips(groups, columns.kind);
-    const all = [...table.notices, ...summaries, ...countNotices, ...unused, ...slips].map((notice) => `${name}: ${notice}`);
+    const rare = columns.kind === MEANS
+      ? describeSmallDeviations(samples)
+      : [...describeSlips(groups, columns.kind), ...(columns.kind === TWO_AXES ? [] : describeSingleRows(groups))];
+    const all = [...table.notices, ...summaries, ...countNotices, ...unused, ...rare].map((notice) => `${name}: ${notice}`);
     return { samples, notices: all, kind: columns.kind, header: table.header };
   }
 
@@ -135,8 +137,19 @@ const Grains = (() => {
     return [{ weights, whole: true }, [notice]];
   }
 
-  const numbersRows = (title, values) =>
-    values.length > 1 && Columns.mayNumberRows(title) && values.every((v, i) => !i || v - values[i - 1] === 1);
+  const numbersRows = (title, values) => Columns.mayNumberRows(title) && areNumbers(values);
+
+  // Whether values rise by 1 from row to row; or are 1 to N in any order, or 1, 2, 3, ... anew for each sample, if there
+  // are so many that numbers of grains would hardly be so by chance.
+  function areNumbers(values) {
+    const rises = values.slice(1).map((value, i) => value - values[i] === 1);
+    if (values.length > 1 && rises.every(Boolean)) return true;
+    if (values.length < DATA.reading.fewest_ids) return false;
+    const starts = values.filter((value, i) => i === 0 || !rises[i - 1]);
+    const anew = starts.every((value) => value === 1) && starts.length * DATA.reading.rows_by_sample <= values.length;
+    return anew || [...values].sort((a, b) => a - b).every((value, i) => value === i + 1);
+  }
+
   const describeRunning = (title) => `the column ${title} numbers the rows, so it is not used as a number of grains`;
 
   function describeUnused(header, rows, columns) {
@@ -179,6 +192,29 @@ const Grains = (() => {
     return [
       `row${rows.length > 1 ? "s" : ""} ${joinFirst(rows.map(({ row }) => `${row}`))}: ${ratios} is ${general(slip)} or ` +
         "less, which is rare for gravel; check the decimal marks",
+    ];
+  }
+
+  // Returns a notice on samples of one row, which may be a mean over grains.
+  function describeSingleRows(groups) {
+    const names = [...groups].filter(([, entries]) => entries.length === 1).map(([name]) => name);
+    if (!names.length) return [];
+    const [samples, have] = names.length > 1 ? ["samples", "have one row each"] : ["sample", "has one row"];
+    return [
+      `the ${samples} ${joinFirst(names)} ${have}, so that all grains have one form; if the row is a mean over grains, ` +
+        "the porosity is too low: give a row per grain, or mean_FL, std_FL, mean_EL, std_EL",
+    ];
+  }
+
+  // Returns a notice on samples whose deviation of FL or EL is small.
+  function describeSmallDeviations(samples) {
+    const small = (deviation) => deviation > 0 && deviation < smallDeviation;
+    const names = samples.filter(({ sigma_FL, sigma_EL }) => small(sigma_FL) || small(sigma_EL)).map(({ name }) => name);
+    if (!names.length) return [];
+    return [
+      `the sample${names.length > 1 ? "s" : ""} ${joinFirst(names)}: std_FL or std_EL is below ${general(smallDeviation)}, ` +
+        "which is rare for gravel; give the standard deviation over the grains, not the standard error of their mean or " +
+        "the variance",
     ];
   }
 

@@ -40,18 +40,20 @@ const Numbers = (() => {
   }
 
   // Refuses separators of thousands, which would be read as a decimal mark: 1.410 where all other decimals have a comma,
-  // or where no cell has other decimals and its column has whole numbers of three digits.
+  // or where its column has whole numbers of three digits and no other decimals.
   // columns: [position, name] of the columns with numbers.
   function checkDecimalMarks(file, columns, rows) {
-    const [decimals, inGroups, large] = [new Map(), [], new Set()];
+    const [decimals, withDecimals, inGroups, large] = [new Map(), new Set(), [], new Set()];
     for (const { row, cells } of rows) {
       for (const [position, name] of columns) {
         const text = cells[position];
         const number = LEADING.exec(text)?.[0] ?? "";
         const mark = Object.keys(MARKS).find((key) => number.includes(key));
         if (IN_GROUPS.test(number)) inGroups.push({ row, name, text, number, mark });
-        else if (DECIMAL.test(number) && !decimals.has(mark)) decimals.set(mark, number);
-        else if (LARGE.test(number)) large.add(name);
+        else if (DECIMAL.test(number)) {
+          withDecimals.add(name);
+          if (!decimals.has(mark)) decimals.set(mark, number);
+        } else if (LARGE.test(number)) large.add(name);
       }
     }
     for (const { row, name, text, number, mark } of inGroups) {
@@ -63,7 +65,7 @@ const Numbers = (() => {
             "thousands"
         );
       }
-      if (!decimals.size && large.has(name)) {
+      if (!withDecimals.has(name) && large.has(name)) {
         throw new InputError(
           `${is}; if it is ${number.replaceAll(mark, "")}, write it so, without a separator of thousands; if not, write ` +
             `another number of decimals, such as ${number}0`

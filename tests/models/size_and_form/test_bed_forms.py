@@ -154,7 +154,12 @@ def test_any_column_names_the_samples(write, tmp_path):
         (f"sample,sieve,{MEANS}", [f"a,U7,{A}"], ["--case", "U7"], "leave out --case"),
         (f"sample,sieve,{MEANS}", [], [], "there are no rows below the header"),
         ("sample,class [mm],FL,EL", [], ["--sieve", "U7"], "there are no rows below the header"),
-        ("sample,class [mm],FL,EL", ["a,0-8,0.6,0.7"], ["--sieve", "U7"], "sample a: U7: the class 8 to 11.2 mm"),
+        (
+            "sample,class [mm],FL,EL",
+            ["a,0-8,0.6,0.7", "a,0-8,0.6,0.8"],
+            ["--sieve", "U7"],
+            "sample a: U7: the class 8 to 11.2 mm",
+        ),
     ],
 )
 def test_faults_have_one_clear_error(write, capsys, header, rows, options, fault):

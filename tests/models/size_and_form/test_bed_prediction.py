@@ -246,7 +246,7 @@ def test_csv_and_json_have_the_numbers_of_the_function(capsys):
 def test_without_a_table_the_form_is_that_of_the_rhine(capsys):
     main(["predict", "--sieve", str(CURVE)])
     captured = capsys.readouterr()
-    assert "no table of grains is given: the form is the Rhine's mean form" in captured.err
+    assert "no table of grains is given: the form is that of the Rhine's gravel" in captured.err
     assert "0.647 ± 0.175  0.682 ± 0.139" in captured.out
 
 
