@@ -25,16 +25,26 @@ def models_dataset(models, table, title):
     return dataset.assign(covariance=(("row", "term_of_model"), covariance, attrs))
 
 
+def load_models(path):
+    """Return the Dataset of a file of models, in memory; ValueError if there is no such file or it is not netCDF."""
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as dataset:
+            return dataset.load()
+    except FileNotFoundError:
+        raise ValueError(f"{path}: there is no such file; run the campaign's models first") from None
+    except (OSError, ValueError) as error:
+        raise ValueError(
+            f"{path} cannot be read as a file of models ({error}); give a netCDF file of a campaign's folder "
+            "results/models, or the JSON file of `fit`"
+        ) from None
+
+
 def read_models(path):
     """Read the models from a file written from models_dataset: dict from (name, case) to PorosityModel.
 
-    ValueError or OSError if there is no such file or it is not of this kind.
+    ValueError if there is no such file or it is not of this kind.
     """
-    try:
-        with xr.open_dataset(path, engine="netcdf4") as dataset:
-            dataset.load()
-    except FileNotFoundError:
-        raise ValueError(f"{path}: there is no such file; run the campaign's models first") from None
+    dataset = load_models(path)
     if "covariance" not in dataset:
         raise ValueError(f"{path}: these models were written without covariances; run the rule that fits them again")
     if dataset.sizes["row"] == 0:

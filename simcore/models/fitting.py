@@ -4,9 +4,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
-import xarray as xr
 
-from simcore.models.files import read_models
+from simcore.models.files import load_models, read_models
 from simcore.models.measured_file import is_file_of_fit, not_written_by_fit, read_curve_models, read_measured_models
 from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import fewest_samples, fit_and_validate
@@ -119,8 +118,7 @@ def read_campaign_models(path):
     models, behind = {}, {}
     files = [path / f"{name}.nc" for name in ("single_form", "form_mixture", "unified")]
     for file in [path] if path.is_file() else filter(Path.exists, files):
-        with xr.open_dataset(file, engine="netcdf4") as dataset:
-            mark = ", test only" if dataset.attrs.get("test_only") else ""
+        mark = ", test only" if load_models(file).attrs.get("test_only") else ""
         for key, model in read_models(file).items():
             if key[0] == file.stem:
                 models[key], behind[key] = model, f"{model.n_samples} beds{mark}: {file}"

@@ -10,6 +10,8 @@ from benchmarks.studies.long_grains import (
     LARGE,
     PARTS,
     SETS,
+    TOTAL,
+    WIDE,
     by_r22,
     campaign,
     divided,
@@ -17,6 +19,7 @@ from benchmarks.studies.long_grains import (
     our_misfit,
     summarised,
 )
+from simcore.evaluation.rounding import with_decimals
 from simcore.paths import REFERENCE, ROOT
 from simcore.reference.columns import find_column
 
@@ -125,3 +128,25 @@ def test_the_page_has_the_parts_of_the_difference():
             for values in judged
         ]
         assert " | ".join(cells).replace("-", "−") in page, part
+
+
+def test_the_page_has_the_parts_and_the_porosities_of_the_wide_boxes():
+    """Each row of its tables is made here from the committed rows."""
+    page = (ROOT / "docs/appendices/mixtures_of_form.md").read_text(encoding="utf-8")
+    rows, wide = campaign(), pd.read_csv(REFERENCE / WIDE)
+    grains = pd.read_csv(REFERENCE / GRAINS)
+    table = divided(rows, our_misfit(rows), grains, wide)
+    narrow = grains[grains["source"] == "rhine"].set_index(SETS)["n"]
+    for key, n in wide.set_index(SETS)["n"].items():
+        FL, EL, *deviations = key
+        change = with_decimals(n - narrow[key], 3, "+")
+        assert f"| {FL} | {EL} | {deviations[0]}, {deviations[1]} | {narrow[key]:.3f} | {n:.3f} | {change} |" in page
+    parts = [summarised(table), summarised(table[table[TOTAL] >= LARGE])]
+    for part, title in {"width": "a box twice as wide, their grains", "open": "open"}.items():
+        sign = "+" if part == "open" else ""
+        cells = [
+            f"{with_decimals(of['mean'][part], 4, sign)} ± {of['standard error'][part]:.4f}, "
+            f"{'' if of['found'][part] else 'not '}found | {of['share'][part]:.2f}"
+            for of in parts
+        ]
+        assert f"| {title} | {' | '.join(cells)} |" in page

@@ -68,6 +68,9 @@ def test_a_campaigns_models_are_read_from_its_folder(tmp_path):
     assert fitted.behind["single_form", "U7"] == f"20 beds, test only: {tmp_path / 'single_form.nc'}"
     row = predict_samples([sample_of_one_form(0.6, 0.7)], "U7", fitted).iloc[0]
     assert row.lower < porosity_of_form(0.6, 0.7) < row.upper
+    (tmp_path / "bad.nc").write_text("no netCDF")
+    with pytest.raises(ValueError, match=r"bad.nc cannot be read as a file of models \(.*\); give a netCDF file"):
+        read_campaign_models(tmp_path / "bad.nc")
     with pytest.raises(ValueError, match="none: there is no such folder or file of models"):
         read_campaign_models(tmp_path / "none")
     (tmp_path / "empty").mkdir()
