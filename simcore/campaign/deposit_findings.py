@@ -72,11 +72,11 @@ def _vertex(ratio, value):
     x = np.log(ratio)
     places = np.unique(x)
     highest = places[np.argmax([value[x == place].mean() for place in places])]
-    near = np.abs(x - highest) <= WINDOW
-    if len(np.unique(x[near])) < 3:
+    in_window = np.abs(x - highest) <= WINDOW
+    if len(np.unique(x[in_window])) < 3:
         return None
-    degree = DEGREE if len(np.unique(x[near])) > DEGREE + 1 else 2
-    fit = np.polynomial.Polynomial.fit(x[near] - highest, value[near], degree)
+    degree = DEGREE if len(np.unique(x[in_window])) > DEGREE + 1 else 2
+    fit = np.polynomial.Polynomial.fit(x[in_window] - highest, value[in_window], degree)
     low, high = fit.domain
     slope = fit.deriv()
     # If the cubic is nearly a parabola, its leading coefficient is round-off and would spoil the roots.
@@ -84,7 +84,7 @@ def _vertex(ratio, value):
     turns = np.real(turns[np.abs(np.imag(turns)) < 1e-9])
     tops = np.concatenate([turns[(turns > low) & (turns < high)], [low, high]])
     top = tops[np.argmax(fit(tops))]
-    return float(np.exp(highest + top)), float(fit(top)), int(near.sum())
+    return float(np.exp(highest + top)), float(fit(top)), int(in_window.sum())
 
 
 def maxima(rows, names=("solid_fraction", "coordination_number")):

@@ -165,18 +165,18 @@ def _add_polyhedra(out, rows, grains, geometry, edges):
         s = geometry.shape[g]
         count = world_vertices(points, g, geometry)
         low, high = points[:count, 2].min(), points[:count, 2].max()
-        first = max(np.searchsorted(edges, position[g, 2] + low) - 1, 0)
-        last = min(np.searchsorted(edges, position[g, 2] + high), len(edges) - 1)
-        below[first : last + 1] = 0.0
+        lowest_edge = max(np.searchsorted(edges, position[g, 2] + low) - 1, 0)
+        highest_edge = min(np.searchsorted(edges, position[g, 2] + high), len(edges) - 1)
+        below[lowest_edge : highest_edge + 1] = 0.0
         for f in range(geometry.face_start[s], geometry.face_start[s] + geometry.face_count[s]):
             p, q, r = points[faces[f, 0]], points[faces[f, 1]], points[faces[f, 2]]
             area = 0.5 * ((q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]))
             a, c = min(p[2], q[2], r[2]), max(p[2], q[2], r[2])
             b = max(min(p[2], q[2]), min(max(p[2], q[2]), r[2]))
-            for k in range(first, last + 1):
+            for k in range(lowest_edge, highest_edge + 1):
                 z = min(edges[k] - position[g, 2], high)
                 below[k] -= area * _volume_over_face(z, a, b, c)
-        for k in range(first, last):
+        for k in range(lowest_edge, highest_edge):
             out[rows[g], k] += below[k + 1] - below[k]
 
 

@@ -10,6 +10,13 @@ _LARGE = re.compile(r"[-+\u2212]?[1-9]\d{2,}")  # a whole number that may be bes
 _DECIMAL = re.compile(r"[-+\u2212]?\d*[.,]\d+(?:[eE][-+]?\d+)?")
 _SPLIT = re.compile(r"\d[ \u00a0\u202f'\u2019]\d")
 _MARKS = {".": "a point", ",": "a comma"}
+_MONTH = r"(?:jan|feb|fév|mär|mrz|mar|apr|avr|mai|may|jun|jui|jul|aug|aoû|sep|okt|oct|nov|dez|dec|déc)[a-zûé]{0,6}\.?"
+# What a spreadsheet makes of the number 31.5 or of the class 2-4.
+DATE = re.compile(
+    rf"\d{{4}}-\d\d-\d\d.*|\d{{1,2}}[./]\d{{1,2}}[./]\d{{2,4}}"
+    rf"|\d{{1,2}}[-. ]+{_MONTH}(?:[-. ]+\d{{2,4}})?|{_MONTH}[-. ]+\d{{2,4}}",
+    re.IGNORECASE,
+)
 NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity)", re.IGNORECASE)
 
 
@@ -21,6 +28,11 @@ def read_number(where, name, text):
     plain = text.replace("\u2212", "-")
     if plain.rstrip().endswith("%"):
         raise ValueError(f"{where}: {name} is '{text}'; give a fraction, 0.65 instead of 65 %")
+    if DATE.fullmatch(plain):
+        raise ValueError(
+            f"{where}: {name} is '{text}'; a spreadsheet took the number for a date: format the column as text, and "
+            "enter it"
+        )
     if "." in plain and "," in plain or max(plain.count(mark) for mark in ",.") > 1 or _SPLIT.search(plain):
         raise ValueError(
             f"{where}: {name} is '{text}'; a number is needed, without separators of thousands; write its unit, if "

@@ -3,7 +3,7 @@
 import math
 import re
 
-from simcore.grains.cell_numbers import read_number
+from simcore.grains.cell_numbers import DATE, read_number
 from simcore.grains.sieve_columns import LENGTHS, PHI, known_unit
 
 CLASS_NAME = re.compile(
@@ -24,8 +24,6 @@ LOWER_NAME = re.compile(r"from|von|lower|low|d?[ _]?min|untergrenze|unten|de", r
 UPPER_NAME = re.compile(r"to|bis|upper|high|d?[ _]?max|obergrenze|oben|à", re.IGNORECASE)
 SIZE = re.compile(r"[\d.,]+\s*[a-zµμ]*", re.IGNORECASE)
 NO_SIZE = re.compile(r"[-–—−]?|inf(?:inity)?|∞", re.IGNORECASE)  # of a class that is open at this end
-# What a spreadsheet makes of the class 2-4.
-DATE = re.compile(r"\d{4}-\d\d-\d\d.*|\d{1,2}[-. ]+[a-zä]{3,4}|[a-zä]{3,4}[-. ]+\d\d", re.IGNORECASE)
 
 
 def class_patterns():

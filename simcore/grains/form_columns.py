@@ -22,12 +22,13 @@ _UNIT = (
 )
 # "L", "L_mm", "L mm", "L/mm", "L, mm", "L in mm", "L [mm]", "L (mm)" and R's "L..mm." are one column.
 _WITH_UNIT = rf"(?:\s*\[\s*({_UNIT})\s*\]|\s*\(\s*({_UNIT})\s*\)|\s*[/,]\s*({_UNIT})|(?:\s+in)?[\s_.-]+({_UNIT})\.?)?"
-_AXIS_WORD = r"(?:[\s_-]*(?:axis|axes|diameter|dimension|length|side))?"
+_AXIS_WORD = r"(?:[\s_-]*(?:axis|axes|achse|diameter|durchmesser|dimension|length|side))?"
 # Dmax, Dmed and Dmin are the axes in exports of G3Point (Steer et al. 2022).
 _AXIS_NAMES = {
-    "L": r"L|a|longest|long|length|major|Dmax|l(?:ä|ae)nge",
-    "I": r"I|b|intermediate|medium|middle|width|breadth|Dmed|breite",
-    "S": r"S|c|shortest|short|thickness|height|minor|Dmin|h(?:ö|oe)he|dicke",
+    "L": r"L|a|longest|long|length|major|Dmax|d_?L|l(?:ä|ae)nge|lange?|l(?:ä|ae)ngste|achse[\s_-]+a",
+    "I": r"I|b|intermediate|medium|middle|width|breadth|Dmed|d_?I|breite|mittel|mittlere|achse[\s_-]+b",
+    "S": r"S|c|shortest|short|thickness|height|minor|Dmin|d_?S|h(?:(?:ö|oe)he)?|dicke|kurze?|k(?:ü|ue)rzeste"
+    r"|achse[\s_-]+c",
 }
 _NO_UNIT = r"(?:\s*[\[(]\s*[-–1]?\s*[\])])?"
 _RATIO_NAMES = {

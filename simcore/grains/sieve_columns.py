@@ -30,10 +30,13 @@ _SPELLINGS = {
 }  # fmt: skip
 _OPENING_WORDS = {
     "opening", "openings", "aperture", "mesh", "size", "sieve", "sieves", "diameter", "d", "grainsize", "maschenweite",
-    "siebweite", "sieb", "siebe", "korngröße", "korndurchmesser", "tamis", "ouverture", PHI,
+    "siebweite", "sieb", "siebe", "siebgröße", "sieböffnung", "maschenöffnung", "öffnung", "korngröße",
+    "korndurchmesser", "tamis", "ouverture", PHI,
 }  # fmt: skip
-_PASSING_WORDS = {"passing", "passes", "finer", "undersize", "durchgang", "siebdurchgang", "unterkorn", "passant"}
-_COARSER_WORDS = {"coarser", "oversize"}
+_PASSING_WORDS = {
+    "passing", "passes", "finer", "undersize", "durchgang", "siebdurchgang", "durchgangssumme", "unterkorn", "passant",
+}  # fmt: skip
+_COARSER_WORDS = {"coarser", "oversize", "rückstandssumme", "summenrückstand"}
 _SUMMED_WORDS = {
     "cumulative",
     "cumulated",

@@ -117,8 +117,8 @@ def number(value):
     return "-" if math.isnan(value) else f"{value:.4f}"
 
 
-def wrap(text, first=""):
-    """Return the lines of a sentence; further lines are indented like the text after `first`."""
+def wrap(text, bullet=""):
+    """Return the lines of a sentence after a bullet; further lines are indented like the text."""
     return textwrap.wrap(
-        first + text, WIDTH, subsequent_indent=" " * len(first), break_long_words=False, break_on_hyphens=False
+        bullet + text, WIDTH, subsequent_indent=" " * len(bullet), break_long_words=False, break_on_hyphens=False
     )

@@ -154,18 +154,22 @@ def few_grains_error_caveats(names, of_one_form, errors, what) -> list[str]:
     `what`, such as "the porosity"; nan if they are unknown.
     """
     errors, differ = np.asarray(errors, float), ~np.asarray(of_one_form, bool)
-    known, unknown = differ & np.isfinite(errors), differ & ~np.isfinite(errors)
+    with_error, without_error = differ & np.isfinite(errors), differ & ~np.isfinite(errors)
     lines = []
-    if known.any():
-        least, largest = (f"{value:.3f}" for value in (errors[known].min(), errors[known].max()))
+    if with_error.any():
+        least, largest = (f"{value:.3f}" for value in (errors[with_error].min(), errors[with_error].max()))
         size = largest if least == largest else f"{least} to {largest}"
         size = "less than 0.001" if largest == "0.000" else size
         lines.append(
             f"Because only some grains were measured, {what} has a standard error of {size}, which the intervals "
             "contain."
         )
-    if unknown.any():
-        of = "" if not known.any() else f" of {', '.join(dict.fromkeys(map(str, np.asarray(names)[unknown])))}"
+    if without_error.any():
+        of = (
+            ""
+            if not with_error.any()
+            else f" of {', '.join(dict.fromkeys(map(str, np.asarray(names)[without_error])))}"
+        )
         lines.append(
             f"{WITHOUT_FEW_GRAINS}{of}; it is known if each of at least {FEWEST_FOR_ERRORS} grains has a row, or if a "
             "column `grains` has their number."

@@ -49,10 +49,10 @@ def correlate(features, porosity):
     return features.corrwith(pd.Series(np.asarray(porosity, float), index=features.index)).rename("r")
 
 
-def screen(features, first="EQ_inv", limit=CORRELATED):
-    """Return the names of the features whose |r| to the feature `first` is at most `limit`; `first` leads the list."""
-    r = correlate(features, features[first])
-    return [first] + [name for name in features.columns if name != first and abs(r[name]) <= limit]
+def screen(features, leading="EQ_inv", limit=CORRELATED):
+    """Return the name of the feature `leading`, and of all whose |r| to it is at most `limit`."""
+    r = correlate(features, features[leading])
+    return [leading] + [name for name in features.columns if name != leading and abs(r[name]) <= limit]
 
 
 def predict_unseen(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0, groups=None):

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from simcore.grains import form_notices, grain_counts, measured_forms
+from simcore.grains import cell_numbers, form_notices, grain_counts, measured_forms
 from simcore.grains.form_columns import MEANS, NEEDED, all_patterns
 from simcore.grains.sieve import read_cases
 from simcore.grains.statistics import STATISTICS
@@ -74,6 +74,7 @@ def _reading():
     return {
         "patterns": all_patterns(),
         "labels": label_patterns(),
+        "date": cell_numbers.DATE.pattern,
         "longest": measured_forms.LONGEST,
         "slip": form_notices.SLIP,
         "small_deviation": form_notices.SMALL_DEVIATION,

@@ -65,8 +65,10 @@ def answer(models):
     for name in {"formula", "r22_formula"} & set(shown):
         shown[name] = [formula_markup(text) or None for text in shown[name]]
     parts = _examples(one_form_models(models)) if "single_form" in models else []
-    first = [name for name in ("kind_of_bed", "case", "formula", "r22_formula", "mean_absolute_error") if name in shown]
-    shown = shown[[*first, *shown.columns.drop(first)]]
+    leading = [
+        name for name in ("kind_of_bed", "case", "formula", "r22_formula", "mean_absolute_error") if name in shown
+    ]
+    shown = shown[[*leading, *shown.columns.drop(leading)]]
     return [*parts, rows_table(shown, FORMULAS, "report/formulas", details=("samples", "fitted_range"))]
 
 
@@ -105,15 +107,15 @@ def _examples(models):
             numbers[case, words] = n
             row[f"porosity_{case}"] = rounded(n, scatter) or "outside the fit"
         rows.append(row | {"flatness": flatness, "elongation": elongation})
-    first = next(iter(models), None)
-    named = {words: n for (case, words), n in numbers.items() if case == first and np.isfinite(n)}
+    example_case = next(iter(models), None)
+    named = {words: n for (case, words), n in numbers.items() if case == example_case and np.isfinite(n)}
     if not named:
         return []
     ends = " and ".join(
         f"{n:.2f} if the grains are {words}" if words != RHINE[0] else f"{n:.2f} at the {words}"
         for words, n in (min(named.items(), key=lambda pair: pair[1]), max(named.items(), key=lambda pair: pair[1]))
     )
-    sentence = f"Gravel of the sieve curve {describe_case(first)}, poured and shaken, has a porosity of {ends}."
+    sentence = f"Gravel of the sieve curve {describe_case(example_case)}, poured and shaken, has a porosity of {ends}."
     ratios = {words: 1.0 / (flatness * elongation) for words, flatness, elongation in FORMS}
     if ratios[min(named, key=named.get)] < ratios[max(named, key=named.get)]:
         sentence += " The flatter and longer the grains, the looser the bed."

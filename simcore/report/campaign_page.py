@@ -107,7 +107,7 @@ def _studies(files, models, texts, captions, committed):
     texts: titles, questions and effects of settings, dicts by name. committed: folder of committed rows with which the
     page begins, or None; the packings of the campaign are then a check, and their pictures are folded.
     """
-    first = {"application": unseen(models), "equivalent_ellipsoids": replaced_by_ellipsoids(models)}
+    before = {"application": unseen(models), "equivalent_ellipsoids": replaced_by_ellipsoids(models)}
     remarks, is_check = _remarks(committed), committed is not None
     titles, questions, biases = texts
     by_study = zip(files.tables, files.packings, files.study_figures, files.pictures, files.profiles, strict=True)
@@ -123,7 +123,7 @@ def _studies(files, models, texts, captions, committed):
             figure=picture(figure, read_caption(captions, "study_porosities")),
             warnings=packing_warnings(packings),
             pictures=shown if not is_check else [folded(FIRST_PACKING, shown)],
-            first=first.get(study, ()),
+            before=before.get(study, ()),
             remarks=remarks.get(study, ()),
         )
     return sections

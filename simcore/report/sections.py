@@ -93,12 +93,12 @@ def study_section(title, path, question="", effects="", **more):
 
     path: its table. question: what was asked; by default it follows from the columns of the table. effects: measured
     effects of its settings, (kind, text) each, or a text. more: caption of the table, warnings and pictures, lists of
-    parts; figure, the part with its porosities, which is left out if the sentences contain as much; first and remarks,
+    parts; figure, the part with its porosities, which is left out if the sentences contain as much; before and remarks,
     sentences before and after those on what came out.
     """
     rows = pd.read_csv(path).drop(columns="note", errors="ignore")
-    first, *others = [*more.get("first", ()), *outcome(rows)]
-    parts = [paragraph(question or _question(rows), "asked"), paragraph(first, "outcome")]
+    summary, *others = [*more.get("before", ()), *outcome(rows)]
+    parts = [paragraph(question or _question(rows), "asked"), paragraph(summary, "outcome")]
     parts += [paragraph(" ".join(others), "text")] if others else []
     parts += [paragraph(text, "text") for text in more.get("remarks", ())]
     parts.append(table(path, more.get("caption") or _study_caption(rows)))
@@ -153,7 +153,7 @@ def committed_sections(folder, titles, biases, captions, questions, names=(ANSWE
             tables[name],
             questions.get(study, ""),
             biases.get(study, ""),
-            first=unseen(tables) if study == "application" else (),
+            before=unseen(tables) if study == "application" else (),
             caption=read_caption(captions, "models_shape_kinds") if name == "shape_kind_pairs" else "",
             figure=picture(figures[name], read_caption(captions, "study_porosities")) if name in figures else None,
         )

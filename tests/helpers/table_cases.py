@@ -93,6 +93,16 @@ SIEVES = [
         error="row 3: mass [g] is '1.410'; if it is 1410, write it so, without a separator of thousands; if not, write "
         "another number of decimals, such as 1.4100",
     ),
+    Case(
+        "opening [mm];mass [g]\n63;0\n31. Mai;944\n16;810\n",
+        error="row 3: opening [mm] is '31. Mai'; a spreadsheet took the number for a date: format the column as text, "
+        "and enter it",
+    ),
+    Case(
+        "opening [mm];mass [g]\n63;0\n31.5;2024-05-31 00:00:00\n16;810\n",
+        error="row 3: mass [g] is "
+        "'2024-05-31 00:00:00'; a spreadsheet took the number for a date: format the column as text, and enter it",
+    ),
     # The decimals of the openings say nothing about the masses.
     Case(
         "opening [mm];mass [g]\n31.5;0\n16;944\n8;3.240\n4;3.807\npan;12\n",
@@ -220,6 +230,8 @@ SIEVES = [
         "separators of thousands; write its unit, if any, in the header",
     ),
     # Both marks are decimals elsewhere, or no cell shows which mark is.
+    Case("Sieböffnung [mm];Summenrückstand [%];note\n16;10;a\n8;60;b\n4;100;c\n", notice="are not used: note"),
+    Case("Öffnung [mm];Durchgangssumme [%];note\n16;100;a\n8;60;b\n4;0;c\n", notice="are not used: note"),
     Case("opening [mm];mass [kg];note\n16;0,5;a\n8;1.410;b\n4;0.7;c\npan;0;d\n", notice="are not used: note"),
     Case("opening [mm];mass [kg];note\n16;0;a\n8;1.410;2,5\n4;1.125;c\npan;0;d\n", notice="are not used: note"),
 ]
@@ -273,6 +285,15 @@ SAME_SIEVES = [
 ]
 
 GRAINS = [
+    Case(
+        "L [mm];I [mm];S [mm]\n40,5;30;10\n31. Mai;20;12\n",
+        error="row 3: L is '31. Mai'; a spreadsheet took the number for a date: format the column as text, and "
+        "enter it",
+    ),
+    Case(
+        "L [mm];I [mm];S [mm]\n12 inch;3;2\n",
+        error="row 2: L is '12 inch'; a number is needed; write its unit, if any, in the header",
+    ),
     Case(
         "number;FL;EL\n11;.5;.7\n12;.6;.7\n14;.5;.6\n15;.5;.7\n17;.6;.7\n18;.5;.6\n",
         error="the numbers in the column number rise from row to row; rename the column to `id` if they number the "
@@ -353,6 +374,11 @@ GRAINS = [
     ),
     Case("Nr.;Länge;Breite;Höhe\n1;14,5;10,3;4,0\n", notice="columns that are not used: Nr."),
     Case("grain,length [mm],breadth [mm],height [mm]\n1,14.5,10.3,4.0\n", notice="are not used: grain"),
+    Case("grain;a-Achse;b-Achse;c-Achse\n1;14,5;10,3;4,0\n", notice="are not used: grain"),
+    Case("grain;Achse a [cm];Achse b [cm];Achse c [cm]\n1;14,5;10,3;4,0\n", notice="are not used: grain"),
+    Case("grain;lang;mittel;kurz\n1;14,5;10,3;4,0\n", notice="are not used: grain"),
+    Case("grain;dL;dI;dS\n1;14,5;10,3;4,0\n", notice="are not used: grain"),
+    Case("grain;L [cm];B [cm];H [cm]\n1;14,5;10,3;4,0\n", notice="are not used: grain"),
     Case("L I S\n40 30\n", error="row 2: the row has 2 fields, but the header has 3; add or remove fields"),
     Case("L;I;S;note\n40,5;30;10\n4.5;2;1\n4.125;2;1;wet\n", notice="columns that are not used: note"),
 ]

@@ -8,6 +8,7 @@ const Numbers = (() => {
   const LARGE = /^[-+\u2212]?[1-9]\d{2,}$/; // a whole number that may be beside one with separators
   const DECIMAL = /^[-+\u2212]?\d*[.,]\d+(?:e[-+]?\d+)?$/i;
   const MARKS = { ".": "a point", ",": "a comma" };
+  const DATE = new RegExp(`^(?:${DATA.reading.date})$`, "iu");
 
   class InputError extends Error {}
 
@@ -16,6 +17,11 @@ const Numbers = (() => {
     const plain = text.replaceAll("\u2212", "-");
     if (plain.trimEnd().endsWith("%")) {
       throw new InputError(`${where}: ${name} is '${text}'; give a fraction, 0.65 instead of 65 %`);
+    }
+    if (DATE.test(plain)) {
+      throw new InputError(
+        `${where}: ${name} is '${text}'; a spreadsheet took the number for a date: format the column as text, and enter it`
+      );
     }
     const commas = plain.split(",").length - 1;
     const points = plain.split(".").length - 1;
