@@ -116,7 +116,10 @@ def main() -> None:
     rms = {name: np.sqrt(np.mean(np.square(beds[name].dropna()))) for name in ("rain", "lattice", "on_lattices")}
     print(f"{len(beds)} beds, root mean square differences:", ", ".join(f"{k} {value:.4f}" for k, value in rms.items()))
     at_all = beds[beds["form"] == ALL_FORMS]["lattice"].item()
-    print(f"of which the same for all beds: the model of beds on lattices is {at_all:+.4f} off at the Rhine's forms")
+    print(
+        "of these, a part is the same for all beds: at the Rhine's forms, the model of beds on lattices errs by "
+        f"{at_all:+.4f}"
+    )
 
 
 if __name__ == "__main__":

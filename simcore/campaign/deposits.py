@@ -27,7 +27,6 @@ RESULTS = (
 )
 FORM = ("eta", "zeta", "std_eta", "std_zeta", "spread")
 TABLE, SOURCE = "deposits", "ellipsoids"  # in simcore.campaign.gathering
-KEYS = ["study", "packing"]  # columns that identify the packing of a row
 AS_OTHERS = "none"
 
 

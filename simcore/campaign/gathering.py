@@ -133,9 +133,8 @@ def _ledger(folder):
     path = Path(folder) / "gathered.csv"
     if not path.exists():
         return pd.DataFrame(columns=LEDGER)
-    return pd.read_csv(path, dtype={"packing": str, "settings": str}).reindex(
-        columns=LEDGER
-    )  # older files lack columns
+    # Files of earlier versions lack columns.
+    return pd.read_csv(path, dtype={"packing": str, "settings": str}).reindex(columns=LEDGER)
 
 
 def rows_of(study, rows, evaluations, source):

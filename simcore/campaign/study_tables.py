@@ -55,7 +55,7 @@ def summarise(packings, varied):
 
     packings: as from `tabulate`. varied: the columns that the study varies. runs: number of packings. n_std: standard
     deviation over the runs. n_seed_error: standard error of their mean (nan for one run). n_std_error: standard error
-    of the mean from the sampling errors of the runs, since few seeds give the scatter badly (three to half of it).
+    of the mean from the sampling errors of the runs, because three seeds determine the scatter only to a factor of two.
     cpu_h: of all runs together.
     """
     settings = dict.fromkeys(["study", "case", *varied, "grain"])

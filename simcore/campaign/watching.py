@@ -30,7 +30,7 @@ class Watched(NamedTuple):
 
 
 class Watcher:
-    """Looks at a folder again and again; the estimated cost of each specification is computed once.
+    """Reads the state of the packings in a folder, at each call anew; it estimates each specification's cost once.
 
     folder: results of a campaign (with the folders `packings` and `logs/packing`), or any folder with logs of `pack
     --log`, whose packings have no estimate. ValueError if it is no folder.

@@ -33,9 +33,9 @@ class Comparison(NamedTuple):
 def compare(packings, cut=None) -> Comparison:
     """Compare packings. packings: dict from a label to a Dataset of read_packing; cut [m]: as in bulk_porosity.
 
-    packings: label, group (A, B, ...), seed, grains, n and n_exact (slices of equal-volume spheres, and of the grains
-    themselves), coordination, each with *_std_error; D50 [m] by mass, mean FL and EL by number, bed_top [m], code: the
-    version that made it.
+    Tables of the result. packings: label, group (A, B, ...), seed, grains, n and n_exact (slices of equal-volume
+    spheres, and of the grains themselves), coordination, each with *_std_error; D50 [m] by mass, mean FL and EL by
+    number, bed_top [m], code: the version that made it.
     differences: group, quantity, difference, std_error, low and high: its interval at the level of 95 %, pairs: number
     of pairs of equal seed, 0 if the groups have none; the difference is then that of the means. The error is the
     scatter over pairs or over seeds where a group has several, and the interval is Student's (Welch's for means).

@@ -83,7 +83,7 @@ def separation_warnings(composed) -> list[str]:
 
 
 def _size_at(size, volume, share):
-    """Return the sieve size [m] whose share of finer volume is closest to `share`; 0 if that is a share of nothing."""
+    """Return the sieve size [m] whose share of finer volume is closest to `share`; 0 if no finer volume is closest."""
     sizes, index = np.unique(size, return_inverse=True)
     passing = np.concatenate([[0.0], np.cumsum(np.bincount(index, volume))]) / volume.sum()
     return float(np.concatenate([[0.0], sizes])[np.argmin(np.abs(passing - share))])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import xarray as xr
+from scipy.stats import linregress, spearmanr
 
 from simcore.evaluation.porosity import describe, evaluation_interval, porosity_profile
 from simcore.evaluation.slicing import vertical_axes
@@ -107,8 +108,6 @@ def _layer_means(values, layer, count):
 
 def _trend(z, values, height):
     """Return Spearman's r, its p-value, the relative change by linear regression, and its standard error."""
-    from scipy.stats import linregress, spearmanr  # imported here because it loads slowly and plans load this module
-
     if np.ptp(values) <= 1e-9 * np.abs(values).max():  # all grains have the same value, up to round-off
         return np.full(4, np.nan)
     rank = spearmanr(z, values)
