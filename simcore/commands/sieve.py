@@ -48,6 +48,7 @@ def run(options) -> int:
         check_writable(options.specification)
     finest, coarsest = read_size("--finest", options.finest), read_size("--coarsest", options.coarsest)
     table, notices = read_sieve_table(options.curve, coarsest)
+    notices += [f"{options.curve}: {notice}" for notice in table.ends_without_effect(finest, coarsest)]
     try:
         table = table.closed(finest, coarsest)
         specification = _specification(options, table, notices) if options.specification else None

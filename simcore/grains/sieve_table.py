@@ -77,6 +77,15 @@ class SieveTable:
             table = replace(table, openings=np.r_[table.openings, coarsest], passing=np.r_[table.passing, 1.0])
         return table
 
+    def ends_without_effect(self, finest=None, coarsest=None):
+        """Return notices on bounds, as of `closed`, of ends that have no grains."""
+        notices = []
+        if finest is not None and not self.below > 0.0:
+            notices.append(f"--finest has no effect, because nothing passes {self.openings[0] * 1e3:g} mm")
+        if coarsest is not None and not self.above > 0.0:
+            notices.append(f"--coarsest has no effect, because all grains pass {self.openings[-1] * 1e3:g} mm")
+        return notices
+
     def with_small_ends_closed(self):
         """Return (SieveTable with bounds at both ends, notices); the same table if an open end has over SMALL_END.
 
@@ -119,6 +128,7 @@ class SieveTable:
 def read_curve(path, finest=None, coarsest=None):
     """Return (SieveCurve, notices) of the table at `path`; finest, coarsest [m]: as in SieveTable.closed."""
     table, notices = read_sieve_table(path, coarsest)
+    notices = [*notices, *(f"{path}: {notice}" for notice in table.ends_without_effect(finest, coarsest))]
     try:
         table, assumed = table.closed(finest, coarsest).with_small_ends_closed()
         return table.curve(Path(path).stem), [*notices, *(f"{path}: it is assumed that {text}" for text in assumed)]

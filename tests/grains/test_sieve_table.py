@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.grains.sieve_table import read_sieve_table
+from simcore.grains.sieve_table import read_curve, read_sieve_table
 from tests.helpers.table_cases import SAME_SIEVES, SIEVES, assert_words
 
 OPENINGS = [2, 4, 8, 16]  # mm
@@ -250,6 +250,19 @@ def test_empty_sieves_above_the_coarsest_grains_add_no_class(read):
     masses = {90: 0, 63: 0, 45: 2.4, 32: 0.1, 16: 3.6, 8: 1.6, 4: 6.2, 2: 2.9, 1: 3.4, "pan": 1.3}
     table, _ = read("opening [mm],mass [g]\n" + "".join(f"{size},{mass}\n" for size, mass in masses.items()))
     assert table.closed(5e-4).curve().largest == pytest.approx(0.063)
+
+
+def test_the_size_of_an_end_without_grains_has_no_effect_and_a_notice(tmp_path):
+    path = tmp_path / "curve.csv"
+    path.write_text("opening [mm],passing [%]\n16,100\n8,60\n4,0\n")
+    curve, notices = read_curve(path, 2e-3, 0.032)
+    assert curve.bounds.tolist() == [4e-3, 8e-3, 16e-3]
+    assert notices[-2:] == [
+        f"{path}: --finest has no effect, because nothing passes 4 mm",
+        f"{path}: --coarsest has no effect, because all grains pass 16 mm",
+    ]
+    path.write_text("opening [mm],passing [%]\n16,99\n8,60\n4,5\n")
+    assert not any("no effect" in notice for notice in read_curve(path, 2e-3, 0.032)[1])
 
 
 def test_a_size_of_the_coarsest_grains_is_used_or_refused(read):
