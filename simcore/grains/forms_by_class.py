@@ -49,6 +49,17 @@ def classes_of_table(table, column):
     return dict(classes), notices
 
 
+def describe_unused_classes(path, curve, classes):
+    """Return notices on the classes of read_classes in which the SieveCurve has no mass; path: of their table."""
+    held = curve.mass_fractions > 0.0
+    filled = list(zip(curve.bounds[:-1][held], curve.bounds[1:][held], strict=True))
+    return [
+        f"{path}: the class {class_text(lower, upper)} is not used, because the sieve curve has no mass there"
+        for lower, upper in classes
+        if not any(low < upper * (1 - 1e-6) and lower * (1 + 1e-6) < high for low, high in filled)
+    ]
+
+
 def sample_of_class(curve, index, classes):
     """Return the Sample of the class `index` of a SieveCurve, from the classes of read_classes.
 

@@ -104,8 +104,12 @@ def test_each_sieve_class_may_have_its_form(open_page):
     page = open_curve(open_page, table="class;FL;EL\n2-8 mm;0,6;0,7\n8-16 mm;0,4;0,7\n")
     by_class = porosity(page)
     assert CHECK_BY_CLASS in page.locator("#answer").inner_text()
+    assert "because the sieve curve has no mass there" not in page.locator("#notices").inner_text()
     assert "candidate" in page.locator("#formula").inner_text()
     assert page.get_by_role("button", name="Specification that packs it").is_disabled()
+    page = open_curve(open_page, table="class;FL;EL\n0-1 mm;0,6;0,7\n1-16 mm;0,4;0,7\n")
+    notice = "the class below 1 mm is not used, because the sieve curve has no mass there"
+    assert notice in page.locator("#notices").inner_text()
     page = open_curve(open_page, table="FL;EL\n0,6;0,7\n")
     assert CHECK_BY_CLASS not in page.locator("#answer").inner_text()
     assert float(by_class.replace(",", ".")) > float(porosity(page).replace(",", "."))

@@ -15,7 +15,7 @@ import pandas as pd
 
 from simcore.grains.class_labels import CLASS_LABEL, OPEN_END, SIZE
 from simcore.grains.form_columns import MEANS, SAMPLE, recognise_columns, sample_position
-from simcore.grains.forms_by_class import BY_CLASS, class_name, classes_of_table
+from simcore.grains.forms_by_class import BY_CLASS, class_name, classes_of_table, describe_unused_classes
 from simcore.grains.measured_beds import SIEVE_NAME, CurveReader
 from simcore.grains.measured_forms import read_measured, samples_of_table
 from simcore.grains.sieve import SieveCurve
@@ -105,7 +105,11 @@ def read_bed_forms(forms, curve=None, column=None, finest=None, coarsest=None):
             )
         curve, source, notices = _given(curve, reader)
         samples, of_forms, by_class = _samples(table, column)
-        return [BedForms(curve, source, samples, by_class)], [*notices, *of_forms]
+        return [BedForms(curve, source, samples, by_class)], [
+            *notices,
+            *of_forms,
+            *_unused(forms, curve, samples, by_class),
+        ]
     if of_sieve is None:
         raise ValueError(
             f"{forms}: the sieve curve is not given; add --sieve CURVE.csv, or a column sieve to the table"
@@ -121,9 +125,19 @@ def read_bed_forms(forms, curve=None, column=None, finest=None, coarsest=None):
         notices += more
         bed = beds.setdefault(text, BedForms(curve, Path(text), [], by_class, []))
         bed.samples.append(sample)
+        notices += _unused(forms, curve, [sample], by_class)
         bed.places.append(place)
     reader.check_ends()
     return list(beds.values()), [*notices, *of_forms]
+
+
+def _unused(path, curve, samples, by_class):
+    """Return notices on classes with forms in which the curve has no mass; samples: as in BedForms."""
+    return [
+        notice
+        for _, classes in (samples if by_class else ())
+        for notice in describe_unused_classes(path, curve, classes)
+    ]
 
 
 def _given(curve, reader):

@@ -51,6 +51,14 @@ const Bed = (() => {
     return classes;
   }
 
+  // Returns notices on classes with forms in which the sieve curve has no mass.
+  function describeUnusedClasses(name, curve, classes) {
+    const filled = curve.mass_fractions.flatMap((share, i) => (share > 0 ? [curve.bounds.slice(i, i + 2)] : []));
+    return classes
+      .filter((entry) => !filled.some(([low, high]) => low < entry.high * (1 - 1e-6) && entry.low * (1 + 1e-6) < high))
+      .map((entry) => `${name}: the class ${SieveClasses.written(entry)} is not used, because the sieve curve has no mass there`);
+  }
+
   // Returns {sample, bed} of grains that have another form in each sieve class, as simcore.models.size_and_form has it.
   function predictByClass(curve, classes, level) {
     const held = curve.mass_fractions.flatMap((share, i) => (share > 0 ? [i] : []));
@@ -296,5 +304,5 @@ const Bed = (() => {
     (curve) => 0.245 + 0.0864 / (0.1 * median(curve)) ** 0.21,
   ];
 
-  return { RHINE, classColumn, readClasses, predict, predictByClass, sensitivity, others, quantile, span };
+  return { RHINE, classColumn, readClasses, describeUnusedClasses, predict, predictByClass, sensitivity, others, quantile, span };
 })();

@@ -51,7 +51,11 @@ const Page = (() => {
     byId("notices").replaceChildren(...read.notices.map((notice) => node("li", notice)));
     if (isOwn()) {
       if (!curve) return [];
-      if (byClass) return [Bed.predictByClass(curve, Bed.readClasses(name, byClass, read.samples), level)];
+      if (byClass) {
+        const classes = Bed.readClasses(name, byClass, read.samples);
+        byId("notices").append(...Bed.describeUnusedClasses(name, curve, classes).map((notice) => node("li", notice)));
+        return [Bed.predictByClass(curve, classes, level)];
+      }
       return read.samples.map((sample) => ({ sample, bed: Bed.predict(curve, sample, level) }));
     }
     return read.samples.map((sample) =>

@@ -13,6 +13,7 @@ from simcore.grains.sieve import SieveCurve
 from simcore.models.fitting import fit_reference_models
 from simcore.models.packing_models.curves import split
 from simcore.models.regression import student_quantile
+from simcore.models.size_and_form.bed_forms import read_bed_forms
 from simcore.models.size_and_form.bed_prediction import predict_curve, rhine_one_class
 from simcore.models.size_and_form.forms_by_class import BY_CLASS, predict_by_class
 from simcore.models.size_and_form.sized_model import current_model
@@ -176,6 +177,14 @@ def test_the_command_and_the_function_use_the_classes(table, capsys):
     line = capsys.readouterr().out.splitlines()[1]
     n = simcore.predict(path, curve=curve).n[0]
     assert line.startswith(BY_CLASS) and f"{n:.10f}"[:8] in line
+
+
+def test_a_class_without_mass_has_a_notice(table):
+    path = table(f"0-2 mm,{FLAT}", f"2-16 mm,{ROUND}", f"> 16,{FLAT}", header=HEADER.replace("class", "class [mm]"))
+    notices = read_bed_forms(path, CURVE)[1]
+    ending = "is not used, because the sieve curve has no mass there"
+    assert notices[-2:] == [f"{path}: the class {name} {ending}" for name in ("below 2 mm", "above 16 mm")]
+    assert not any("is not used" in notice for notice in read_bed_forms(table(f"1.9-16 mm,{FLAT}"), CURVE)[1])
 
 
 def test_the_text_says_that_predictions_by_class_were_confirmed(table, capsys):
