@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import linregress, spearmanr
 
-from simcore.evaluation.porosity import describe, evaluation_interval, porosity_profile
+from simcore.evaluation.porosity import describe, evaluation_interval, largest_sieve_size, porosity_profile
 from simcore.evaluation.slicing import vertical_axes
 
 # name: (units, long_name)
@@ -31,7 +31,7 @@ def height_trends(packing, interval=None, n_layers=5):
     """
     if interval is None:
         profile = porosity_profile(packing)
-        interval = evaluation_interval(packing, profile, cut=packing.attrs["largest_sieve_size"])
+        interval = evaluation_interval(packing, profile, cut=largest_sieve_size(packing))
     low, high = interval
     z = packing["position"].values[:, 2]
     inside = (z >= low) & (z <= high)

@@ -69,6 +69,16 @@ def bed_top(profile):
     return float(profile["z_bounds"].values[np.flatnonzero(surface)[-1], 1])
 
 
+def largest_sieve_size(packing):
+    """Return the upper bound of the sieve sizes of a packing [m]; ValueError if its file does not have it."""
+    if "largest_sieve_size" not in packing.attrs:
+        raise ValueError(
+            "the packing has no attribute largest_sieve_size, by which the ends of the bed are cut; give the height that "
+            "is cut, or pack the bed with `scree pack`"
+        )
+    return packing.attrs["largest_sieve_size"]
+
+
 def evaluation_interval(packing, profile, cut=None):
     """Return the heights (z-, z+) [m] between which bulk porosity is evaluated.
 
@@ -77,7 +87,7 @@ def evaluation_interval(packing, profile, cut=None):
     """
     top = bed_top(profile)
     periodic = packing.attrs["domain_shape"] == "periodic"
-    largest = packing.attrs["largest_sieve_size"] if cut is None and periodic else np.nan
+    largest = largest_sieve_size(packing) if cut is None and periodic else np.nan
     median = median_size(packing["D"].values, packing["volume"].values)
     at_floor, at_surface = end_cuts(periodic, top, largest, median, cut)
     if top - at_floor - at_surface < profile.attrs["slice_height"]:

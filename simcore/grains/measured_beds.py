@@ -107,7 +107,7 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
     _check_case(table.path, positions, case, sieve)
     of_all = None if sieve is None else curves.read("--sieve", str(sieve))
     forms, names, given = _name_rows(table.without(*positions.values()), column)
-    samples, notices = samples_of_table(forms, column)
+    samples, notices = samples_of_table(forms, column, of_beds=True)
     rows = {name: row for row, name in names.items()}
     beds = []
     for sample in samples:

@@ -84,8 +84,11 @@ def read_measured(path, column=None):
     return samples_of_table(_read_table(path), column)
 
 
-def samples_of_table(table, column=None):
-    """Return (samples, notices) as read_measured does, from a TextTable with a header."""
+def samples_of_table(table, column=None, of_beds=False):
+    """Return (samples, notices) as read_measured does, from a TextTable with a header.
+
+    of_beds: each row is a bed, so that samples of a single row have no notice.
+    """
     path = table.path
     rows = _read_rows(path, table, _recognise(path, table, column))
     kind, counts = rows.columns.kind, rows.counts
@@ -95,7 +98,8 @@ def samples_of_table(table, column=None):
     else:
         check = _check_axes if kind == AXES else _check_ratios
         samples = [_from_grains(path, name, entries, check, counts) for name, entries in rows.groups.items()]
-        rows.notices.extend([*describe_slips(path, rows.groups, check), *describe_single_rows(path, rows.groups)])
+        rows.notices.extend(describe_slips(path, rows.groups, check))
+        rows.notices.extend([] if of_beds else describe_single_rows(path, rows.groups))
     return samples, rows.notices
 
 

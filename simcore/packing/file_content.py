@@ -10,7 +10,7 @@ VARIABLES = (
     "shape_faces", "shape_face_start", "shape_face_count",
     "contact_body", "contact_image", "contact_normal", "contact_point", "contact_overlap", "contact_force",
 )  # fmt: skip
-ATTRIBUTES = ("domain_shape", "domain_width", "largest_sieve_size")
+ATTRIBUTES = ("domain_shape", "domain_width")
 POSITIVE = ("L", "I", "S", "D", "volume")
 UNIT = 1e-6  # largest deviation of the norm of an orientation from 1
 FARTHEST = 1e4  # maximum distance of a grain from the origin, in widths of the domain

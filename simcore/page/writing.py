@@ -31,7 +31,7 @@ def page_text(data):
     environment = Environment(undefined=StrictUndefined, autoescape=False, keep_trailing_newline=True)
     return environment.from_string(_read("page.html")).render(
         style=_read("page.css"),
-        scripts=[_read(f"{name}.js") for name in SCRIPTS],
+        scripts=[_without_comments(_read(f"{name}.js")) for name in SCRIPTS],
         data=_json(data),
         version=data["version"],
     )
@@ -41,6 +41,11 @@ def _json(data):
     """Return JSON that can be inside <script>: without the characters that could end it."""
     text = json.dumps(data, allow_nan=False, ensure_ascii=True, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _without_comments(script):
+    """Return a script without its lines of comment, so that the page is smaller."""
+    return "\n".join(line for line in script.splitlines() if not line.lstrip().startswith("//"))
 
 
 def _read(name):

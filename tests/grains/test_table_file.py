@@ -73,7 +73,7 @@ def test_a_row_is_counted_as_an_editor_does(read):
 
 
 def test_names_with_letters_of_latin_1_are_read_with_a_notice(tmp_path):
-    (tmp_path / "bed.csv").write_bytes("sample;FL;EL\nK\xf6ln;0,5;0,7\n".encode("latin-1"))
+    (tmp_path / "bed.csv").write_bytes("sample;FL;EL\nK\xf6ln;0,5;0,7\nK\xf6ln;0,6;0,7\n".encode("latin-1"))
     (sample,), (notice,) = read_measured(tmp_path / "bed.csv")
     assert sample.name == "K\xf6ln" and "the text is not UTF-8; it is read as Windows-1252" in notice
 

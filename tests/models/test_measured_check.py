@@ -137,14 +137,14 @@ def test_beds_that_cannot_be_predicted_are_an_error_beside_too_few_of_a_case(wri
 
 
 def test_beds_outside_the_range_and_unlikely_porosities_are_named(write, model, capsys):
-    path = write(f"A,0.62,{FORM}", "flat,0.5,0.12,0.02,0.3,0.02")
+    path = write(f"A,0.62,{FORM}", "flat,0.5,0.12,0.06,0.3,0.06")
     assert main(["fit", str(path), "--models", str(model)]) == 0
     printed = capsys.readouterr()
     assert printed.err.startswith("scree fit: bed A: measured 0.62, predicted 0.3") and printed.err.count("\n") == 1
     assert "is 0.62 the solid fraction, 1 − n?" in printed.err
     assert "- Bed flat is not predicted: mu_EQ_inv = " in printed.out and "0 of 1 (0 %)" in printed.out
     with pytest.raises(ValueError, match="the model is evaluated for none of the beds; flat: mu_EQ_inv = "):
-        check_models(write("flat,0.5,0.12,0.02,0.3,0.02"), model)
+        check_models(write("flat,0.5,0.12,0.06,0.3,0.06"), model)
     path = write("A,0.35,0.62,0.72", head="sample,n,FL,EL\n")
     text = describe_check(check_models(path, model), path, model)
     expected = "Bed A differs from the beds behind the model: it was fitted only to beds with a distribution of form."

@@ -104,7 +104,6 @@ def test_files_that_cannot_be_read_give_an_error_of_one_line(made, tmp_path):
     ("change", "message"),
     [
         (lambda packing: packing.attrs.pop("domain_shape"), "is not a packing: domain_shape missing"),
-        (lambda packing: packing.attrs.pop("largest_sieve_size"), "is not a packing: largest_sieve_size missing"),
         (lambda packing: packing.attrs.update(scene="[]"), "the attribute scene is not a specification"),
         (
             lambda packing: packing.attrs.update(scene="{"),

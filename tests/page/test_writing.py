@@ -23,6 +23,7 @@ def test_the_page_needs_no_other_file(page_file):
     assert set(re.findall(r"https?://[^\"']*", text)) == {"http://www.w3.org/2000/svg"}  # a name, never fetched
     assert not re.search(r"<link|\bsrc=|@import|url\(|\bfetch\(|XMLHttpRequest|\bimport\(", text)
     assert len(text.encode()) < 210_000
+    assert not re.search(r"^\s*//", text, re.MULTILINE) and "const Grains = (() => {" in text
 
 
 def test_the_data_are_those_of_the_models(data, fitted, page_file):
