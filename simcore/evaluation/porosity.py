@@ -73,8 +73,8 @@ def largest_sieve_size(packing):
     """Return the upper bound of the sieve sizes of a packing [m]; ValueError if its file does not have it."""
     if "largest_sieve_size" not in packing.attrs:
         raise ValueError(
-            "the packing has no attribute largest_sieve_size, by which the ends of the bed are cut; give the height that "
-            "is cut, or pack the bed with `scree pack`"
+            "the packing has no attribute largest_sieve_size, by which the ends of the bed are cut; give the height "
+            "that is cut, or pack the bed with `scree pack`"
         )
     return packing.attrs["largest_sieve_size"]
 

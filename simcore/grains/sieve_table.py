@@ -81,9 +81,13 @@ class SieveTable:
         """Return notices on bounds, as of `closed`, of ends that have no grains."""
         notices = []
         if finest is not None and not self.below > 0.0:
-            notices.append(f"--finest has no effect, because nothing passes {self.openings[0] * 1e3:g} mm")
+            notices.append(
+                f"the size of the finest grains has no effect, because nothing passes {self.openings[0] * 1e3:g} mm"
+            )
         if coarsest is not None and not self.above > 0.0:
-            notices.append(f"--coarsest has no effect, because all grains pass {self.openings[-1] * 1e3:g} mm")
+            notices.append(
+                f"the size of the coarsest grains has no effect, because all grains pass {self.openings[-1] * 1e3:g} mm"
+            )
         return notices
 
     def with_small_ends_closed(self):

@@ -258,8 +258,8 @@ def test_the_size_of_an_end_without_grains_has_no_effect_and_a_notice(tmp_path):
     curve, notices = read_curve(path, 2e-3, 0.032)
     assert curve.bounds.tolist() == [4e-3, 8e-3, 16e-3]
     assert notices[-2:] == [
-        f"{path}: --finest has no effect, because nothing passes 4 mm",
-        f"{path}: --coarsest has no effect, because all grains pass 16 mm",
+        f"{path}: the size of the finest grains has no effect, because nothing passes 4 mm",
+        f"{path}: the size of the coarsest grains has no effect, because all grains pass 16 mm",
     ]
     path.write_text("opening [mm],passing [%]\n16,99\n8,60\n4,5\n")
     assert not any("no effect" in notice for notice in read_curve(path, 2e-3, 0.032)[1])

@@ -136,7 +136,9 @@ def test_a_workbook_is_read_as_the_same_rows_in_text(tmp_path, expected):
     path = workbook(
         tmp_path / "bed.xlsx", grains=[["L", "I", "S"], [4, 2, 1], [None] * 3, [4, pd.Timestamp("2020-05-01"), 1]]
     )
-    with pytest.raises(ValueError, match="bed.xlsx, row 4: I is '2020-05-01 00:00:00'; a number is needed"):
+    with pytest.raises(
+        ValueError, match="bed.xlsx, row 4: I is '2020-05-01 00:00:00'; a spreadsheet took the number for"
+    ):
         read_samples(path)
 
 

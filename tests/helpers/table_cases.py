@@ -230,7 +230,7 @@ SIEVES = [
         "separators of thousands; write its unit, if any, in the header",
     ),
     # Both marks are decimals elsewhere, or no cell shows which mark is.
-    Case("Sieböffnung [mm];Summenrückstand [%];note\n16;10;a\n8;60;b\n4;100;c\n", notice="are not used: note"),
+    Case("Sieböffnung [mm];Summenrückstand [%];note\n16;0;a\n8;60;b\n4;100;c\n", notice="are not used: note"),
     Case("Öffnung [mm];Durchgangssumme [%];note\n16;100;a\n8;60;b\n4;0;c\n", notice="are not used: note"),
     Case("opening [mm];mass [kg];note\n16;0,5;a\n8;1.410;b\n4;0.7;c\npan;0;d\n", notice="are not used: note"),
     Case("opening [mm];mass [kg];note\n16;0;a\n8;1.410;2,5\n4;1.125;c\npan;0;d\n", notice="are not used: note"),

@@ -117,7 +117,7 @@ def test_samples_far_outside_are_listed_beside_those_that_are_predicted(capsys, 
     path.write_text(f"sample,FL,EL\n{FAR_OUTSIDE}good,0.6,0.7\ngood,0.7,0.6\n")
     status, text, err = run(capsys, path)
     assert status == 0 and err.count("\n") == 2 and "row 4: S/I or I/L is 0.1 or less" in err
-    assert "the samples needles, slate have one row each" in err
+    assert "the sample slate has one row, so that" in err
     assert "No model is evaluated for: needles, slate. The reasons are listed below" in text
     assert "only that of Rettinger et al., for" not in text
     assert "needles, ours unified: mu_EQ_inv = 59 is above" in text and "slate, Rettinger et al. single_form" in text

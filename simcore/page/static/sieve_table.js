@@ -292,7 +292,8 @@ const SieveTable = (() => {
   // grains that pass the finest, or stay on the coarsest sieve, or null.
   function curve(name, table, finest = null, coarsest = null) {
     const closed = close(name, table, finest, coarsest);
-    const { openings, passing, notices } = closeSmallEnds(name, closed);
+    const { openings, passing, notices: assumed } = closeSmallEnds(name, closed);
+    const notices = [...endsWithoutEffect(name, table, finest, coarsest), ...assumed];
     const [below, above] = [passing[0], 1 - passing.at(-1)];
     if (below > 0) {
       throw new InputError(
@@ -317,6 +318,15 @@ const SieveTable = (() => {
       mass_fractions: kept.map((share) => share / total),
       notices,
     };
+  }
+
+  // Returns notices on sizes of ends that have no grains.
+  function endsWithoutEffect(name, { openings, passing }, finest, coarsest) {
+    const notices = [];
+    const add = (end, why, size) => notices.push(`${name}: the size of the ${end} grains has no effect, because ${why} ${general(size)} mm`);
+    if (finest !== null && !(passing[0] > 0)) add("finest", "nothing passes", openings[0]);
+    if (coarsest !== null && !(1 - passing.at(-1) > 0)) add("coarsest", "all grains pass", openings.at(-1));
+    return notices;
   }
 
   function close(name, { openings, passing }, finest, coarsest) {
