@@ -17,7 +17,7 @@ from simcore.models.regression import student_quantile
 from simcore.models.unified import feature_table
 from simcore.paths import REFERENCE
 from simcore.reference.columns import COMMITTED_NAMES, SPECIFIED_FORM
-from simcore.reference.r22_tables import read_r22_table
+from simcore.reference.r22_tables import read_r22_models
 
 STRETCHED, CAMPAIGN = "difference_long_lattice.csv", "form_mixture.csv"
 GRAINS, WIDE = "difference_long_grains.csv", "difference_long_wide.csv"
@@ -32,9 +32,8 @@ DEVIATION = 0.2  # standard deviation of FL and of EL in these sets
 
 def by_r22(rows):
     """Return the porosity (n,) of sets of forms by the model of mixtures of Rettinger et al., U1."""
-    model = read_r22_table("models").query("model == 'form_mixture' and case == 'U1'").iloc[0]
-    features = {name: 1.0 / rows[name.removesuffix("_inv")] for name in ("mu_EQ_inv", "sigma_EQ_inv", "mu_EL_inv")}
-    return model["intercept"] + sum(model[name] * values for name, values in features.items())
+    model = read_r22_models()["form_mixture", "U1"]
+    return model.porosity(pd.DataFrame({name: 1.0 / rows[name.removesuffix("_inv")] for name in model.slopes.index}))
 
 
 def campaign():

@@ -28,8 +28,8 @@ from simcore.models.packing_models.linear_mixture import linear_mixture
 from simcore.models.packing_models.literature import POURED_COMPACTION, VIBRATED_COMPACTION, one_size
 from simcore.models.packing_models.rods import rods
 from simcore.models.size_and_form.candidates import predict
+from simcore.models.size_and_form.known_beds import known_forms
 from simcore.paths import CONFIG, REFERENCE
-from simcore.reference.committed_rows import read_single_forms
 from simcore.reference.r22_tables import read_r22_table
 
 BASE = "U1"
@@ -95,14 +95,8 @@ def size_models_table():
 
 def single_form_slopes():
     """Return the slopes of the published porosities of U7 and B50 against those of U1, over our 63 synthetic forms."""
-    forms = read_single_forms(REFERENCE / "single_form.csv")
-    forms = forms[(forms["source"] == "synthetic") & (forms["case"] == BASE)].drop_duplicates("grain")
-    published = read_r22_table("models").query("model == 'single_form'").set_index("case")
-    n = {
-        case: published.loc[case, "EQ_inv"] * forms.L / forms.S + published.loc[case, "EL_inv"] * forms.L / forms.I
-        for case in (BASE, *WIDE)
-    }
-    return {f"slope_{case}": np.polyfit(n[BASE], n[case], 1)[0] for case in WIDE}
+    n = known_forms()
+    return {f"slope_{case}": np.polyfit(n["n_one_class"], n[f"n_{case}"], 1)[0] for case in WIDE}
 
 
 def _named(errors):

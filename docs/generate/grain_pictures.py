@@ -19,11 +19,11 @@ def grains():
 
 def forms():
     """Draw the synthetic grains in the Zingg diagram, coloured by sieve class, beside the Rhine's grains."""
-    from simcore.reference.r22_tables import read_r22_table
+    from simcore.reference.r22_tables import rhine_statistics
     from simcore.report.figures.grains import zingg_diagram
 
     table = pd.read_csv(REFERENCE / "grains" / "forms.csv")
-    return zingg_diagram({"synthetic grains": table}, read_r22_table("table2_form_statistics").iloc[0])
+    return zingg_diagram({"synthetic grains": table}, rhine_statistics())
 
 
 def sheet():

@@ -16,9 +16,10 @@ from simcore.campaign.deposits import curve, read_deposits
 from simcore.evaluation.rounding import with_decimals
 from simcore.grains.form import FORM_FACTORS
 from simcore.grains.sieve import read_cases
+from simcore.grains.statistics import STATISTICS
 from simcore.paths import CONFIG, REFERENCE
 from simcore.reference.committed_rows import fitted_forms, read_mixtures
-from simcore.reference.r22_tables import read_r22_table
+from simcore.reference.r22_tables import read_r22_models, read_r22_table, rhine_statistics
 
 LISTED = Path(__file__).with_name("papers.yaml")
 _HEAD = """# The two papers, table by table
@@ -29,7 +30,6 @@ is the standard error of both together. The numbers follow from the committed ta
 campaigns find](findings.md) explains them, and has the command that draws figures 8 to 12 from these tables.
 """
 _TITLES = {"r22": "Rettinger et al. (2022)", "baram_lind": "Baram and Lind"}
-MEAN_FORM = {"FL": 0.647, "EL": 0.682}  # of the Rhine's gravel
 ROUNDING = 5e-4 / np.sqrt(3)  # standard deviation of rounding to three decimals
 
 
@@ -87,7 +87,7 @@ def _factors():
 
 
 def _forms():
-    ours, theirs = _rows("grains/statistics"), read_r22_table("table2_form_statistics").iloc[0]
+    ours, theirs = _rows("grains/statistics"), rhine_statistics()
     ours = ours.iloc[0]
     texts = [f"mean {ratio} {_signed(ours[f'mu_{ratio}'] - theirs[f'mu_{ratio}'], 3)}" for ratio in ("FL", "EL")]
     return f"{ours.n_samples} synthetic grains", ", ".join(texts) + ", because they are made to have these statistics"
@@ -169,7 +169,7 @@ def _single(case):
     rows = forms[(forms["case"] == case) & (forms["source"] == "synthetic") & (forms["representation"] == "polyhedron")]
     covariance = _rows("models/covariance").query("model == 'single_form' and case == @case")
     matrix = covariance.pivot(index="term", columns="with_term", values="covariance")
-    FL, EL = MEAN_FORM.values()
+    FL, EL = rhine_statistics()[["mu_FL", "mu_EL"]]
     terms = pd.Series({"intercept": 1.0, "EQ_inv": 1 / (FL * EL), "EL_inv": 1 / EL})
     of_form = terms[matrix.index].to_numpy()
     error = float(np.sqrt(of_form @ matrix[matrix.index].to_numpy() @ of_form))
@@ -219,12 +219,8 @@ def _spheres():
 def _mixtures():
     rows = read_mixtures(REFERENCE / "form_mixture.csv").query("case == 'U1'")
     grains = _rows("form_mixture")["grains"].median()
-    model = read_r22_table("models").query("model == 'form_mixture' and case == 'U1'").iloc[0]
-    predicted = model["intercept"] + sum(
-        model[f"{name}_inv"] / rows[name]
-        for name in ("mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL")
-        if np.isfinite(model[f"{name}_inv"])
-    )
+    model = read_r22_models()["form_mixture", "U1"]
+    predicted = model.porosity(1.0 / rows[list(STATISTICS)].add_suffix("_inv"))
     apart = (rows["n"] - predicted).groupby(rows["sample"]).mean()
     size = f"{len(apart)} of 52 sets, {len(rows)} packings of {grains:.0f} grains"
     return size, (

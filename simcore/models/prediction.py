@@ -16,7 +16,7 @@ from simcore.models.fitted_range import FAR, RangedValue
 from simcore.models.measured_file import MEASURED
 from simcore.models.unified import feature_table, unified_features
 from simcore.paths import R22_TABLES
-from simcore.reference.r22_tables import read_r22_table
+from simcore.reference.r22_tables import read_r22_models, rhine_statistics
 
 ONE_CLASS = "one-class"  # any single sieve class
 _OF_ONE_CLASS = "U1"
@@ -60,8 +60,8 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
     """
     case = model_case(case)
     published = published_models(case, r22_tables)
-    if case not in fitted.cases() and published.empty:
-        cases = sorted({*fitted.cases(), *read_r22_table("models", r22_tables)["case"]})
+    if case not in fitted.cases() and not published:
+        cases = sorted({*fitted.cases(), *(of_case for _, of_case in read_r22_models(r22_tables))})
         raise ValueError(f"case {case}: there is no model for it; choose one of {', '.join(cases)}, {ONE_CLASS}")
     tables = []
     for sample in samples:
@@ -126,8 +126,8 @@ def _preferred_row(rows, case):
 
 
 def published_models(case, r22_tables=R22_TABLES):
-    """Return the models of Rettinger et al. (2022) of a case, DataFrame by name of the model; it may be empty."""
-    return read_r22_table("models", r22_tables).query("case == @case").set_index("model")
+    """Return the models of Rettinger et al. (2022) of a case, a dict from the name to R22Model; it may be empty."""
+    return {name: model for (name, of_case), model in read_r22_models(r22_tables).items() if of_case == case}
 
 
 def predict_sample(sample, case, fitted, published, level=0.95, r22_tables=R22_TABLES):
@@ -211,11 +211,10 @@ def _predict_r22(sample, features, published, folder):
     least = NEARLY_ONE_FORM * R22_MIXTURES["sigma"][0]
     nearly_one_form = not sample.one_form and max(sample.sigma_FL, sample.sigma_EL) < least
     name = "single_form" if sample.one_form or nearly_one_form else "form_mixture"
-    if name not in published.index:
+    if name not in published:
         return []
-    slopes = published.loc[name].drop(["intercept", "case", "equation_arxiv"]).dropna().astype(float)
-    values = features[slopes.index].iloc[0]
-    n = published.loc[name, "intercept"] + float(values.to_numpy() @ slopes.to_numpy())
+    model = published[name]
+    n, values = float(model.porosity(features)[0]), features[model.slopes.index].iloc[0]
     ranges = r22_ranges(name, values.index, folder)
     quantities = [
         RangedValue(key, values[key] if key in values else getattr(sample, key), *limits) for key, limits in ranges
@@ -240,7 +239,7 @@ def _r22_form_range(folder):
     The ranges are not published. We take two standard deviations about the means of their grains, which are the first
     data set of their Table 2.
     """
-    grains = read_r22_table("table2_form_statistics", folder).iloc[0]
+    grains = rhine_statistics(folder)
     return {
         f"mu_{X}": (
             grains[f"mu_{X}"] - 2 * grains[f"sigma_{X}"],

@@ -11,7 +11,7 @@ from simcore.models.measured_prediction import check_level, models_for_cases, pr
 from simcore.models.measured_text_parts import records
 from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case, remedy_without_model
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS, predict_two_axes, two_axes_text
-from simcore.reference.r22_tables import read_r22_table
+from simcore.reference.r22_tables import read_r22_models
 
 FEW_GRAINS = 30  # fewer grains do not determine the spread of form well
 
@@ -196,10 +196,9 @@ def _caveats(table, level):
 
 def _equation(by, name, case, fitted):
     if by == "r22":
-        row = read_r22_table("models").query("case == @case and model == @name").iloc[0]
-        slopes = row.drop(["model", "case", "intercept", "equation_arxiv"]).dropna()
-        text = _terms(row["intercept"], slopes.index, slopes)
-        return f"{describe_model(by, name)}: {text}; their Eq. {row['equation_arxiv']}"
+        published = read_r22_models()[name, case]
+        text = _terms(published.intercept, published.slopes.index, published.slopes)
+        return f"{describe_model(by, name)}: {text}; their Eq. {published.equation}"
     model = fitted.models[name, case]
     text = _terms(model.coefficients[0], model.features, model.coefficients[1:])
     error = f"cross-validated error {model.mean_absolute_error:.4f} (mean), {model.median_absolute_error:.4f} (median)"

@@ -25,6 +25,7 @@ from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import FOLDS, fewest_samples, fit_and_validate, predict_unseen
 from simcore.models.single_form import SINGLE_FORM
 from simcore.models.tables import over_seeds
+from simcore.reference.r22_tables import parse_r22_models
 
 log = logging.getLogger(__name__)
 
@@ -186,17 +187,13 @@ def _separate(features, n, groups, mixed, seed, folds):
 
 def _published(features, mixed, r22_models):
     """Return predictions of the models of Rettinger et al. for the same beds, (1, n); None if a model is missing."""
-    by_name = {row["model"]: row for _, row in r22_models.iterrows()}
+    by_name = {name: model for (name, _), model in parse_r22_models(r22_models).items()}
     if not {"single_form", "form_mixture"} <= set(by_name):
         return None
+    features = features.assign(EQ_inv=features["mu_EQ_inv"], EL_inv=features["mu_EL_inv"])
     predicted = np.full(len(features), np.nan)
-    for name, kind, columns in (
-        ("single_form", ~mixed, {"EQ_inv": "mu_EQ_inv", "EL_inv": "mu_EL_inv"}),
-        ("form_mixture", mixed, {feature: feature for feature in MIXTURE}),
-    ):
-        slopes = by_name[name][list(columns)].dropna()  # the published model of U1 has no sigma_EL
-        values = features.loc[kind, [columns[term] for term in slopes.index]].to_numpy()
-        predicted[kind] = by_name[name]["intercept"] + values @ slopes.to_numpy(float)
+    for name, kind in (("single_form", ~mixed), ("form_mixture", mixed)):
+        predicted[kind] = by_name[name].porosity(features[kind])
     return predicted[None]
 
 

@@ -21,7 +21,7 @@ from simcore.packing.sieve_specification import sieve_specification
 from simcore.page.curve_data import curve_data
 from simcore.paths import CONFIG, R22_TABLES
 from simcore.provenance.version import VERSION
-from simcore.reference.r22_tables import read_r22_table
+from simcore.reference.r22_tables import read_r22_models, read_r22_table
 
 LEVELS = (0.5, 0.8, 0.9, 0.95, 0.99)  # probabilities of the prediction intervals that the page offers
 # The page puts the form of the sample here.
@@ -104,16 +104,15 @@ def _model(name, model, behind):
 def _published(folder):
     """Return the models of Rettinger et al., dict from case to a list of models."""
     models = {}
-    for _, row in read_r22_table("models", folder).iterrows():
-        slopes = row.drop(["model", "case", "intercept", "equation_arxiv"]).dropna().astype(float)
-        ranges = prediction.r22_ranges(row["model"], slopes.index, folder)
-        models.setdefault(row["case"], []).append(
+    for (name, case), model in read_r22_models(folder).items():
+        ranges = prediction.r22_ranges(name, model.slopes.index, folder)
+        models.setdefault(case, []).append(
             {
-                "model": row["model"],
-                "equation": int(row["equation_arxiv"]),
-                "intercept": float(row["intercept"]),
-                "features": list(slopes.index),
-                "slopes": slopes.tolist(),
+                "model": name,
+                "equation": int(model.equation),
+                "intercept": model.intercept,
+                "features": list(model.slopes.index),
+                "slopes": model.slopes.tolist(),
                 "ranges": [[key, *map(float, limits)] for key, limits in ranges],
             }
         )

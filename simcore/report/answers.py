@@ -10,19 +10,12 @@ from simcore.evaluation.rounding import rounded
 from simcore.grains.sieve import read_cases
 from simcore.models.formulas import BEDS, formulas
 from simcore.paths import CONFIG
+from simcore.reference.r22_tables import rhine_statistics
 from simcore.report.page import bullets, folded, paragraph, rows_table
 from simcore.report.tables import read_table
 from simcore.report.words import formula_markup
 
-# Forms of which the page gives the porosity: words, flatness S/I and elongation I/L.
-RHINE = ("mean form of the Rhine gravel of Rettinger et al.", 0.647, 0.682)
-FORMS = (
-    ("nearly round", 0.9, 0.9),
-    RHINE,
-    ("flat", 0.4, 0.8),
-    ("long", 0.8, 0.4),
-    ("flat and long", 0.55, 0.5),
-)
+MEAN_FORM = "mean form of the Rhine gravel of Rettinger et al."
 LIMITS = (
     "The numbers are for clean gravel that is poured into a box and shaken. A river bed may be imbricated, looser or "
     "denser, and may have sand in its pores; its porosity can differ by more than the errors given here.",
@@ -97,10 +90,22 @@ def predict_form(terms, flatness, elongation):
     return float(terms.loc["intercept", "coefficient"] + (fitted["coefficient"] * values).sum()), float(scatter)
 
 
+def _example_forms():
+    """Return the forms of which the page gives the porosity, a list of (words, flatness S/I, elongation I/L)."""
+    rhine = rhine_statistics()
+    return [
+        ("nearly round", 0.9, 0.9),
+        (MEAN_FORM, rhine["mu_FL"], rhine["mu_EL"]),
+        ("flat", 0.4, 0.8),
+        ("long", 0.8, 0.4),
+        ("flat and long", 0.55, 0.5),
+    ]
+
+
 def _examples(models):
     """Return a sentence and a table of the porosity of gravels with typical forms."""
-    rows, numbers = [], {}
-    for words, flatness, elongation in FORMS:
+    rows, numbers, forms = [], {}, _example_forms()
+    for words, flatness, elongation in forms:
         row = {"example": words}
         for case, terms in models.items():
             n, scatter = predict_form(terms, flatness, elongation)
@@ -112,11 +117,11 @@ def _examples(models):
     if not named:
         return []
     ends = " and ".join(
-        f"{n:.2f} if the grains are {words}" if words != RHINE[0] else f"{n:.2f} at the {words}"
+        f"{n:.2f} if the grains are {words}" if words != MEAN_FORM else f"{n:.2f} at the {words}"
         for words, n in (min(named.items(), key=lambda pair: pair[1]), max(named.items(), key=lambda pair: pair[1]))
     )
     sentence = f"Gravel of the sieve curve {describe_case(example_case)}, poured and shaken, has a porosity of {ends}."
-    ratios = {words: 1.0 / (flatness * elongation) for words, flatness, elongation in FORMS}
+    ratios = {words: 1.0 / (flatness * elongation) for words, flatness, elongation in forms}
     if ratios[min(named, key=named.get)] < ratios[max(named, key=named.get)]:
         sentence += " The flatter and longer the grains, the looser the bed."
     caption = (

@@ -23,7 +23,8 @@ from simcore.models.unified import UNIFIED, unified_features, unified_models
 from simcore.paths import CONFIG
 from simcore.reference.columns import FORM, SPECIFIED_FORM, SPECIFIED_MEANS, study_names
 from simcore.reference.committed_rows import SOURCE_OF_MIXTURES, fitted_forms, fitted_mixtures
-from simcore.reference.r22_tables import add_reference, read_r22_table
+from simcore.reference.r22_comparison import add_reference
+from simcore.reference.r22_tables import parse_r22_models, read_r22_table, rhine_statistics
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.report.figures.studies import porosities_figure, trends_figure
 from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
@@ -164,16 +165,15 @@ def _with_source(table, source):
 
 def _at_mean_form(models, r22_models):
     """Predict the porosity at the mean form of Rettinger et al., by our models and by theirs: one row per case."""
-    form = read_r22_table("table2_form_statistics").iloc[0]
+    form, published = rhine_statistics(), parse_r22_models(r22_models)
     features = pd.DataFrame({"EQ_inv": [1.0 / (form["mu_FL"] * form["mu_EL"])], "EL_inv": [1.0 / form["mu_EL"]]})
     rows = []
     for (name, case), model in models.items():
         if name == "single_form":
             n, lower, upper = (value[0] for value in model.predict_interval(features))
-            published = r22_models.query("model == 'single_form' and case == @case").iloc[:1]
-            r22_n = published["intercept"] + sum(published[feature] * features[feature][0] for feature in features)
+            r22_n = published[name, case].porosity(features)[0] if (name, case) in published else np.nan
             row = {"case": case, "FL": form["mu_FL"], "EL": form["mu_EL"], "n": n, "lower_95": lower, "upper_95": upper}
-            rows.append(row | {"r22_n": r22_n.iloc[0] if len(r22_n) else np.nan})
+            rows.append(row | {"r22_n": r22_n})
     table = pd.DataFrame(rows)
     return table.assign(difference=table["n"] - table["r22_n"])
 
@@ -224,7 +224,7 @@ def _mixtures(packings, seed, folds):
     of_grains = _statistics(means)
     mu_FL, sigma_FL = flatness_statistics(*(of_grains[name] for name in STATISTICS))
     realised = of_grains.assign(mu_FL=mu_FL, sigma_FL=sigma_FL, case=means["case"], n=means["n"])
-    figures["form_mixture_sets"] = form_sets_figure(realised, read_r22_table("table2_form_statistics").iloc[0])
+    figures["form_mixture_sets"] = form_sets_figure(realised, rhine_statistics())
     return Findings(tables, figures, models)
 
 

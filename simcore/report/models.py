@@ -9,7 +9,8 @@ from simcore.models.single_form import single_form_models
 from simcore.models.tables import compare_predictions
 from simcore.models.unified import unified_models
 from simcore.reference.columns import SPECIFIED_MEANS
-from simcore.reference.r22_tables import add_reference, read_r22_table
+from simcore.reference.r22_comparison import add_reference
+from simcore.reference.r22_tables import read_r22_table, rhine_statistics
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
 from simcore.report.findings import Findings
@@ -66,7 +67,7 @@ def form_mixture_findings(features, packings, application, seed, folds) -> Findi
     rows = add_reference(packings, "form_mixtures")[["packing", "n_std_error", "r22_n"]]
     predictions = compare_predictions(models, "form_mixture", features.merge(rows, on="packing"))
     figures = {
-        "sets": form_sets_figure(features, read_r22_table("table2_form_statistics").iloc[0]),
+        "sets": form_sets_figure(features, rhine_statistics()),
         "prediction": prediction_figure(predictions, list(models.values())),
     }
     return Findings(tables, figures, models)

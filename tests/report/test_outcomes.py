@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.reference.r22_tables import add_reference
+from simcore.reference.r22_comparison import add_reference
 from simcore.report.outcomes import outcome, shows_more
 
 

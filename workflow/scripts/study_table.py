@@ -4,7 +4,7 @@ import xarray as xr
 
 from simcore.campaign.study_tables import mark, summarise, tabulate, tabulate_features
 from simcore.campaign.trend_tables import tabulate_trends
-from simcore.reference.r22_tables import add_reference
+from simcore.reference.r22_comparison import add_reference
 
 rows, study = snakemake.params.rows, snakemake.wildcards.study
 evaluations = [xr.load_dataset(path) for path in snakemake.input.evaluations]

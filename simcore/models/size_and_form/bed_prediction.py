@@ -20,7 +20,7 @@ from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
 from simcore.models.size_and_form.sized_model import SizedModel, current_model
 from simcore.paths import REFERENCE
-from simcore.reference.r22_tables import read_r22_table
+from simcore.reference.r22_tables import read_r22_table, rhine_statistics
 
 COLUMNS = [
     "sample", "grains", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL",
@@ -41,7 +41,7 @@ UNKNOWN_FORMS = "the Rhine's gravel"
 @cache
 def rhine_sample() -> Sample:
     """Return the form statistics of the Rhine's grains in Table 2 of Rettinger et al. (2022)."""
-    row = read_r22_table("table2_form_statistics").iloc[0]
+    row = rhine_statistics()
     form = [float(row[name]) for name in ("mu_FL", "sigma_FL", "mu_EL", "sigma_EL")]
     return Sample(UNKNOWN_FORMS, 0, *form, *map(float, equancy_statistics(*form)))
 

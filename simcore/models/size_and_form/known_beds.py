@@ -15,12 +15,11 @@ import numpy as np
 import pandas as pd
 
 from simcore.grains.form import features as form_features
-from simcore.models.mixtures import MIXTURE
 from simcore.models.single_form import SINGLE_FORM
 from simcore.models.unified import unified_features
 from simcore.paths import REFERENCE
 from simcore.reference.committed_rows import read_single_forms
-from simcore.reference.r22_tables import read_r22_table
+from simcore.reference.r22_tables import read_r22_models, read_r22_table, rhine_statistics
 
 BASE = "U1"
 MEASURED, PACKED, PACKED_BY_R22, PUBLISHED = "measured", "packed", "packed by r22", "published"
@@ -67,7 +66,7 @@ def published_mixture(case, statistics) -> np.ndarray:
 
     statistics: DataFrame with columns mu_EQ, sigma_EQ, mu_EL, sigma_EL over the grains, one row per bed.
     """
-    return _published("form_mixture", case, unified_features(statistics)[list(MIXTURE)])
+    return read_r22_models()["form_mixture", case].porosity(unified_features(statistics))
 
 
 def known_forms() -> pd.DataFrame:
@@ -77,7 +76,8 @@ def known_forms() -> pd.DataFrame:
     """
     forms = read_single_forms(REFERENCE / "single_form.csv", "synthetic", [BASE]).drop_duplicates("grain")
     features = pd.DataFrame({"EQ_inv": forms.L / forms.S, "EL_inv": forms.L / forms.I}).reset_index(drop=True)
-    porosities = {case: _published("single_form", case, features) for case in (BASE, *OF_ONE_FORM)}
+    models = read_r22_models()
+    porosities = {case: models["single_form", case].porosity(features) for case in (BASE, *OF_ONE_FORM)}
     return pd.DataFrame(
         {"EQ": 1.0 / features["EQ_inv"], "EL": 1.0 / features["EL_inv"], "n_one_class": porosities[BASE]}
         | {f"n_{case}": porosities[case] for case in OF_ONE_FORM}
@@ -86,21 +86,12 @@ def known_forms() -> pd.DataFrame:
 
 def published_slopes(case) -> np.ndarray:
     """Return the published coefficients of the features SINGLE_FORM of beds of one form, (2,)."""
-    models = read_r22_table("models").query("model == 'single_form'").set_index("case")
-    return models.loc[case, list(SINGLE_FORM)].to_numpy(float)
-
-
-def _published(name, case, features):
-    """Return the porosity (s,) by a published linear model; a feature without a coefficient is left out."""
-    model = read_r22_table("models").query("model == @name").set_index("case").loc[case]
-    slopes = model[list(features)].astype(float).fillna(0.0)
-    return model["intercept"] + features.to_numpy(float) @ slopes.to_numpy()
+    return read_r22_models()["single_form", case].slopes[list(SINGLE_FORM)].to_numpy()
 
 
 def _at_mean_form():
     """Return the porosity by the published models of single forms at the mean form of the Rhine, Series by case."""
-    form = read_r22_table("table2_form_statistics").iloc[0]
+    form = rhine_statistics()
     axes = [1.0, form["mu_EL"], form["mu_EL"] * form["mu_FL"]]
-    features = form_features(*([axis] for axis in axes))[list(SINGLE_FORM)]
-    cases = (BASE, *OF_ONE_FORM)
-    return pd.Series({case: float(_published("single_form", case, features)[0]) for case in cases})
+    features, models = form_features(*([axis] for axis in axes)), read_r22_models()
+    return pd.Series({case: float(models["single_form", case].porosity(features)[0]) for case in (BASE, *OF_ONE_FORM)})

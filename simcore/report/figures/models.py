@@ -1,9 +1,11 @@
 """Figures of models: porosity against form, predicted against simulated, polyhedra against ellipsoids."""
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from simcore.grains.form import features as form_features
+from simcore.reference.r22_tables import parse_r22_models
 
 # Markers and lightness distinguish the cases without colour.
 STYLES = [("o", "#20313b"), ("s", "#b3541e"), ("^", "#7f9aa0"), ("D", "#c9a227"), ("v", "#6b4c7a"), ("P", "#4f7a4f")]
@@ -57,14 +59,12 @@ def _draw_feature(axes, case, x, rows, feature, style, r22_correlations):
 
 def _draw_r22_line(axes, case, values, r22_models):
     """Draw the model of single forms of Rettinger et al. over EQ^-1."""
-    model = r22_models.query("model == 'single_form' and case == @case")
-    if len(model) == 0:
+    model = parse_r22_models(r22_models).get(("single_form", case))
+    if model is None:
         return
-    model = model.iloc[0]
-    line = np.array([values["EQ_inv"].min(), values["EQ_inv"].max()])
-    n = model["intercept"] + model["EQ_inv"] * line + model["EL_inv"] * values["EL_inv"].mean()
-    label = f"Rettinger et al., Eq. {model['equation_arxiv']:.0f} at mean L/I = {values['EL_inv'].mean():.2f}"
-    axes.plot(line, n, ls="--", color="0.55", lw=1.6, label=label)
+    ends = pd.DataFrame({"EQ_inv": [values["EQ_inv"].min(), values["EQ_inv"].max()], "EL_inv": values["EL_inv"].mean()})
+    label = f"Rettinger et al., Eq. {model.equation} at mean L/I = {values['EL_inv'].mean():.2f}"
+    axes.plot(ends["EQ_inv"], model.porosity(ends), ls="--", color="0.55", lw=1.6, label=label)
 
 
 def prediction_figure(predictions, models=()):

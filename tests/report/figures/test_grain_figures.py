@@ -6,7 +6,7 @@ import pytest
 from simcore.grains.scan_shapes import scan_ranges, shape_table
 from simcore.grains.synthetic import synthetic_grains
 from simcore.grains.tables import decimation_summary, decimation_table, factor_correlations, form_table
-from simcore.reference.r22_tables import read_r22_table
+from simcore.reference.r22_tables import rhine_statistics
 from simcore.report.figures import grains as figures
 
 
@@ -65,7 +65,7 @@ def test_sieve_classes_contain_all_sizes(sizes, bounds):
 
 
 def test_r22_grains_are_shown_with_ours(table, tmp_path):
-    study = read_r22_table("table2_form_statistics").iloc[0]
+    study = rhine_statistics()
     figure = figures.zingg_diagram({"a": table}, study)
     (cross,) = figure.axes[0].containers
     np.testing.assert_allclose(cross[0].get_xydata()[0], [0.647, 0.682])
