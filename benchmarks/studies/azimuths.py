@@ -35,6 +35,7 @@ from scipy.spatial import cKDTree
 from simcore.campaign.deposits import read_deposits
 from simcore.evaluation.axis_statistics import grain_axes, rayleigh_test
 from simcore.evaluation.bulk_region import bulk
+from simcore.grains.form import equal_volume_diameter
 from simcore.packing.file import read_packing, write_packing
 from simcore.packing.single import pack
 from simcore.paths import CONFIG, REFERENCE
@@ -88,7 +89,7 @@ def axes_of(packing, kind):
     axes, grains = grain_axes(packing)[kind]
     inner = bulk(packing).grains[grains]
     axes, grains = axes[inner], grains[inner]
-    diameter = np.cbrt(6.0 / np.pi * float(packing["volume"].mean()))
+    diameter = equal_volume_diameter(float(packing["volume"].mean()))
     doubled = np.exp(2j * np.arctan2(axes[:, 1], axes[:, 0]))
     return packing["position"].values[grains] / diameter, doubled, packing.attrs["domain_width"] / diameter
 

@@ -18,12 +18,13 @@ from benchmarks.studies.base_forms import evaluated_statistics, of_all_forms, ra
 from benchmarks.studies.size_and_form_fit import CONFIGURATION, OTHER_BASES, STUDY, read_rows
 from simcore.grains.statistics import STATISTICS, equancy_statistics
 from simcore.models.fitting import fit_reference_models
-from simcore.models.size_and_form.bases import curve_of, fit_bases
+from simcore.models.size_and_form.bases import fit_bases
 from simcore.models.size_and_form.beds import ALL_FORMS, BASE, form_labels
 from simcore.models.size_and_form.candidates import predict
 from simcore.models.size_and_form.sized_model import current_model
 from simcore.models.unified import unified_features
 from simcore.paths import REFERENCE
+from simcore.reference.share_columns import realised_curve
 from simcore.scene.specification import resolve
 
 STUDIES = ("flat_coarse_grains", "flat_fine_grains")
@@ -80,7 +81,7 @@ def comparison(names=STUDIES, of_form=None) -> pd.DataFrame:
     rows = []
     for name in names:
         for _, bed in (beds := read_rows(name)).iterrows():
-            curve, reference = curve_of(bed, name), fitted.constants[ALL_FORMS] + fitted.effect(beds)[0]
+            curve, reference = realised_curve(bed, name), fitted.constants[ALL_FORMS] + fitted.effect(beds)[0]
             forms = statistics_by_class(curve, ranges(name)), evaluated_statistics(bed.to_frame().T.infer_objects())
             by_class, together = (
                 reference + of_form.predict(unified_features(form)) - base

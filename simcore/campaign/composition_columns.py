@@ -1,5 +1,7 @@
 """Columns of a committed row with the sizes and forms of the grains in the evaluated part of its bed."""
 
+from simcore.reference.share_columns import share_columns
+
 # Columns of the shares of coarse and of fine grains: (variable of simcore.evaluation.composition, dimension, place).
 _SHARES = {
     "coarse_lower": ("coarse_share", "half", "lower"),
@@ -9,7 +11,6 @@ _SHARES = {
     "fine_floor": ("fine_share", "zone", "floor"),
     "fine_evaluated": ("fine_share", "zone", "evaluated"),
 }
-FRACTION = "share_"  # columns of the sieve classes begin so
 
 
 def composition_columns(data) -> dict:
@@ -27,8 +28,7 @@ def composition_columns(data) -> dict:
             "porosity, so that it is evaluated again"
         )
     of_volume = data.sel(part="evaluated", weight="volume")
-    bounds, fractions = 1e3 * data["sieve_bounds"].values, of_volume["sieve_fraction"].values
-    columns = {f"{FRACTION}{low:.6g}-{high:.6g}mm": share for (low, high), share in zip(bounds, fractions, strict=True)}
+    columns = share_columns(data["sieve_bounds"].values, of_volume["sieve_fraction"].values)
     for name, variable in (("mu", "form_mean"), ("sigma", "form_std")):
         for ratio in ("FL", "EL", "EQ"):
             columns[f"{name}_{ratio}_evaluated"] = float(of_volume[variable].sel(ratio=ratio))

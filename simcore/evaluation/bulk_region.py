@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from simcore.evaluation.porosity import bulk_porosity
+from simcore.grains.form import equal_volume_diameter
 
 # ASSUME: heights left out, in long axes (mean weighted by volume, so that one long grain does not change them). In
 # packings of 900 shaken spheres, and of as many ellipsoids (S/I 0.55, I/L 0.6), P2 of the contact normals deviated by
@@ -38,7 +39,7 @@ def bulk(packing, cut=None):
     long_axis = np.average(packing["L"].values, weights=packing["volume"].values)
     ends = (FLOOR_LAYER * long_axis, SURFACE_LAYER * long_axis) if cut is None else (cut, cut)
     at_wall = WALL_LAYER * long_axis if cut is None else cut
-    diameter = np.cbrt(6.0 / np.pi * float(packing["volume"].mean()))
+    diameter = equal_volume_diameter(float(packing["volume"].mean()))
     porosity = bulk_porosity(packing, "exact", ends, diameter / SLICES_PER_GRAIN)
     x, y, z = packing["position"].values.T
     grains = (z >= float(porosity["z_lower"])) & (z <= float(porosity["z_upper"]))

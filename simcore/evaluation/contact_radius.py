@@ -9,6 +9,8 @@ higher, that part of the surface is preferred.
 
 import numpy as np
 
+from simcore.grains.form import equal_volume_diameter
+
 # All packings share one grid of bins, so that their densities can be averaged; 1, the value of spheres, is the middle
 # of a bin.
 BIN_WIDTH = 0.05
@@ -30,7 +32,7 @@ def contact_radii(packing, contacts, second):
 
 def equal_volume_radius(packing):
     """Return the radius of the sphere of each grain's volume, (n,) [m]."""
-    return np.cbrt(3.0 / (4.0 * np.pi) * packing["volume"].values)
+    return 0.5 * equal_volume_diameter(packing["volume"].values)
 
 
 def radius_bins(largest):

@@ -1,8 +1,7 @@
 """Evaluation of a deposit: its fabric and the mean overlap of its contacts."""
 
-import numpy as np
-
 from simcore.evaluation.fabric import fabric
+from simcore.grains.form import equal_volume_diameter
 
 
 def deposit(packing):
@@ -15,7 +14,7 @@ def deposit(packing):
     evaluation = fabric(packing)
     overlap = packing["contact_overlap"].values
     between = (packing["contact_body"].values >= 0).all(axis=1) & (overlap > 0.0)
-    diameter = np.cbrt(6.0 / np.pi * float(packing["volume"].mean()))
+    diameter = equal_volume_diameter(float(packing["volume"].mean()))
     share = overlap[between].mean() / diameter if between.any() else 0.0
     evaluation["mean_overlap"] = ((), share, {"units": "1", "long_name": "mean overlap over the grains' diameter"})
     run = {name: packing.attrs[name] for name in ("steps", "time", "last_insertion", "cpu_seconds")}

@@ -24,6 +24,7 @@ import numpy as np
 from scipy.special import jnp_zeros, jv, spherical_jn
 
 from simcore.evaluation.slicing import slab_volumes
+from simcore.grains.form import equal_volume_diameter
 from simcore.scene.domain import Domain
 
 # ASSUME: half a wavelength, the size of a block, is at least 1.5 volume-weighted mean grain diameters. At this distance
@@ -45,7 +46,7 @@ def sampling_error(packing, z_lower, z_upper, method="spheres"):
     height = z_upper - z_lower
     area = Domain(shape, width, height).area
     inside = slab_volumes(packing, [z_lower, z_upper], method, per_grain=True)[:, 0]
-    diameter = np.cbrt(6.0 * packing["volume"].values / np.pi)
+    diameter = equal_volume_diameter(packing["volume"].values)
     block = BLOCK_DIAMETERS * np.average(diameter, weights=inside)
     modes = _choose_modes(_all_modes(shape, width, height, np.pi / block), np.pi / block)
 

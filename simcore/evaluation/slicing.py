@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from simcore.compilation import kernel, leaf
+from simcore.grains.form import equal_volume_diameter
 
 METHODS = ("spheres", "exact")
 
@@ -83,7 +84,7 @@ def _polyhedral(packing, method):
 def _half_heights(packing, method):
     """Return the half height of the sphere or ellipsoid that represents each grain, (n,) [m]."""
     if method == "spheres":
-        return np.cbrt(3.0 * packing["volume"].values / (4.0 * np.pi))
+        return 0.5 * equal_volume_diameter(packing["volume"].values)
     return np.linalg.norm(vertical_axes(packing["orientation"].values) * packing["scale"].values, axis=1)
 
 

@@ -39,6 +39,11 @@ def sieve_size(I, S):
     return np.sqrt((np.asarray(S) ** 2 + np.asarray(I) ** 2) / 2)
 
 
+def equal_volume_diameter(volume):
+    """Return the diameter [m] of the sphere that has a volume [m³]."""
+    return np.cbrt(6.0 / np.pi * volume)
+
+
 def axes_from_form(sieve_size, flatness, elongation):
     """Return the full axes (L, I, S) [m] of the ellipsoid with this sieve size [m], FL = S/I and EL = I/L."""
     I = np.sqrt(2 / (1 + np.asarray(flatness) ** 2)) * sieve_size

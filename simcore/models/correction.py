@@ -12,9 +12,8 @@ model's design, and A is the least-squares projection of the design on these reg
 
 import numpy as np
 import statsmodels.api as sm
-from scipy.stats import t as student
 
-from simcore.models.regression import PorosityModel
+from simcore.models.regression import PorosityModel, student_quantile
 
 CORRECTIONS = {"offset": 1, "rescaling": 2}  # number of fitted coefficients
 
@@ -47,7 +46,7 @@ def correct_model(base, kind, features, porosity, name, case):
     remaining = np.eye(len(own)) - (np.linalg.pinv(columns) @ design).T @ G
     covariance = G.T @ result.cov_params() @ G + slope**2 * remaining.T @ np.array(base.covariance) @ remaining
     errors = np.sqrt(np.diag(covariance))
-    half = student.ppf(0.975, result.df_resid) * errors
+    half = student_quantile(0.95, result.df_resid) * errors
     unknown = (np.nan,) * len(own)
     total = np.sum((y - y.mean()) ** 2)
     model = PorosityModel(

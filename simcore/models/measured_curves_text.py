@@ -12,6 +12,7 @@ from simcore.models.measured_text_parts import (
     table_of_beds,
     table_of_candidates,
     table_of_coefficients,
+    validity,
     wrap,
 )
 
@@ -90,13 +91,7 @@ def sentences(fit):
             side = "less" if row.value < 1 else "more"
             texts.append(f"The factor of the rescaling is {span}: sizes and form act {side} than in our model.")
     texts += describe_errors(fit)
-    if fit.only_kind is not None:
-        other = "one form" if fit.only_kind != "one form" else "a distribution of form"
-        texts.append(f"Each bed has {fit.only_kind}; these data do not show the error for beds with {other}.")
-    texts.append(
-        "The chosen model is for beds that are made and measured in the same way. The porosities alone do not show why "
-        "they differ from our packings, such as by preparation, walls or method of measurement."
-    )
+    texts += validity(fit)
     return texts
 
 

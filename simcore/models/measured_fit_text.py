@@ -20,6 +20,7 @@ from simcore.models.measured_text_parts import (
     table_of_beds,
     table_of_candidates,
     table_of_coefficients,
+    validity,
     wrap,
 )
 from simcore.models.prediction import describe_model
@@ -140,13 +141,7 @@ def sentences(case):
         texts.append("1/EQ or 1/EL is the same for all beds, so its effect cannot be measured with them.")
     texts += sentences_on_reasons(case)
     texts += [*_describe_terms(case), *describe_errors(case)]
-    if case.only_kind is not None:
-        other = "one form" if case.only_kind != "one form" else "a distribution of form"
-        texts.append(f"Each bed has {case.only_kind}; these data do not show the error for beds with {other}.")
-    texts.append(
-        "The chosen model is for beds that are made and measured in the same way. The porosities alone do not show why "
-        "they differ from our packings, such as by preparation, walls or method of measurement."
-    )
+    texts += validity(case)
     return texts
 
 

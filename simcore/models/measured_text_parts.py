@@ -6,6 +6,7 @@ import textwrap
 import numpy as np
 
 from simcore.grains.text_columns import text_columns
+from simcore.models.prediction import other_kind
 
 WIDTH = 116
 LISTED = 10  # maximum number of beds in the text of a fit
@@ -21,6 +22,18 @@ def table_of_candidates(case, as_it_is):
         mark = "chosen" if item is case.chosen else "not fitted" if item.reason else ""
         cells.append([item.kind, count, str(item.needed), number(item.error), number(item.error_se), mark])
     return text_columns(cells)
+
+
+def validity(case):
+    """Return the sentences on the beds for which the chosen model of a CaseFit or CurveFit is valid."""
+    texts, only = [], case.only_kind
+    if only is not None:
+        texts.append(f"Each bed has {only}; these data do not show the error for beds with {other_kind(only)}.")
+    texts.append(
+        "The chosen model is for beds that are made and measured in the same way. The porosities alone do not show why "
+        "they differ from our packings, such as by preparation, walls or method of measurement."
+    )
+    return texts
 
 
 def table_of_beds(beds, model):

@@ -20,6 +20,7 @@ from simcore.reference.r22_tables import read_r22_models, rhine_statistics
 
 ONE_CLASS = "one-class"  # any single sieve class
 _OF_ONE_CLASS = "U1"
+KINDS_OF_BED = ("one form", "a distribution of form")
 # Ranges of the means and standard deviations of FL and EL of the mixtures to which Eqs. 23 and 24 were fitted
 # (Rettinger et al. 2022, Fig. 11).
 R22_MIXTURES = {"mu": (0.4, 0.8), "sigma": (0.1, 0.2)}
@@ -77,8 +78,8 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
 
 def _no_model(sample, case):
     """Return the refused row of PREDICTION of a sample for which the case has no model."""
-    other = "a distribution of form" if sample.one_form else "one form"
-    refused = f"{NO_MODEL} to beds of {case} with {kind_of_bed(sample)}, only to beds with {other}"
+    kind = kind_of_bed(sample)
+    refused = f"{NO_MODEL} to beds of {case} with {kind}, only to beds with {other_kind(kind)}"
     return dict(zip(PREDICTION, ("", "", False, *(np.nan,) * 4, "", np.nan, refused), strict=True))
 
 
@@ -172,8 +173,13 @@ def sample_features(samples):
 
 
 def kind_of_bed(sample):
-    """Return "one form" or "a distribution of form", whichever the grains of a Sample have."""
-    return "one form" if sample.one_form else "a distribution of form"
+    """Return which of KINDS_OF_BED the grains of a Sample make."""
+    return KINDS_OF_BED[0] if sample.one_form else KINDS_OF_BED[1]
+
+
+def other_kind(kind):
+    """Return the other one of KINDS_OF_BED."""
+    return KINDS_OF_BED[1 - KINDS_OF_BED.index(kind)]
 
 
 def _predict_ours(samples, features, case, fitted, level):

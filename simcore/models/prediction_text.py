@@ -9,7 +9,14 @@ from simcore.grains.text_columns import text_columns
 from simcore.models.fitted_range import FAR, NEAR
 from simcore.models.measured_prediction import check_level, models_for_cases, predict_measured
 from simcore.models.measured_text_parts import records
-from simcore.models.prediction import ONE_CLASS, PREDICTION, describe_model, model_case, remedy_without_model
+from simcore.models.prediction import (
+    KINDS_OF_BED,
+    ONE_CLASS,
+    PREDICTION,
+    describe_model,
+    model_case,
+    remedy_without_model,
+)
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS, predict_two_axes, two_axes_text
 from simcore.reference.r22_tables import read_r22_models
 
@@ -91,7 +98,7 @@ def _describe_missing_models(table, case, fitted):
     without = table[ours_exist & ~none & ~table.groupby("name").preferred.transform("any")]
     ours = without.name.isin(without.name[without.by == "ours"])
     for kind in without.taken_as[~ours].unique():
-        form = kind if kind == "one form" else "a distribution of form"
+        form = KINDS_OF_BED[kind != KINDS_OF_BED[0]]
         lines.append(
             f"Too few of our packings of {case} have {form}: only the model of Rettinger et al. is used for these."
         )
@@ -185,7 +192,7 @@ def _caveats(table, level):
         )
     lines += few_grains_caveats(table.name, table.grains)
     ours = table[table.preferred]
-    one_form = ours.taken_as == "one form"
+    one_form = ours.taken_as == KINDS_OF_BED[0]
     lines += few_grains_error_caveats(ours.name, one_form, ours.few_grains_error, "the porosity")
     lines.append(
         "The interval contains the porosity of a new sample, poured and shaken in the same way, with "

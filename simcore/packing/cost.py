@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from simcore.grains.form import equal_volume_diameter
 from simcore.grains.sampling import sample_grains
 from simcore.packing.insertion.random_placement import fall_time, layer_grains, zone_height
 from simcore.scene.domain import lattice_sites
@@ -168,7 +169,7 @@ def _form_factors(specification, curve) -> tuple[float, float]:
         return SET_VOLUME, SET_LENGTH * HULL_LENGTH[kind]
     smooth = replace(shape_choice(shapes), kind="sphere" if kind == "sphere" else "ellipsoid", ellipsoid_share=None)
     sample = sample_grains(np.arange(SAMPLED), specification["seed"], curve, smooth, [])
-    size = np.cbrt(6.0 / np.pi * sample.volume) if curve.of_volume else sample.D
+    size = equal_volume_diameter(sample.volume) if curve.of_volume else sample.D
     volume_factor = (6.0 / np.pi * sample.volume / size**3).mean()
     return float(volume_factor), float((sample.L / size).mean()) * HULL_LENGTH[kind]
 

@@ -3,7 +3,6 @@
 from dataclasses import asdict
 
 import pandas as pd
-from scipy.stats import t as student
 
 from simcore.grains.class_labels import BELOW, class_patterns
 from simcore.grains.sieve_table import table_rules
@@ -11,6 +10,7 @@ from simcore.models.packing_models.curves import IN_GAP, TAIL, WIDEST
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import LITERATURE, VIBRATED_COMPACTION
 from simcore.models.packing_models.rods import LARGEST_FACTOR, RODS, SMALLEST_FACTOR
+from simcore.models.regression import student_quantile
 from simcore.models.size_and_form import skeletons
 from simcore.models.size_and_form.bed_prediction import (
     ABOVE,
@@ -136,5 +136,5 @@ def model_data(model, levels):
         "gap": model.gap,
         "one_class": list(model.one_class),
         "behind": model.behind,
-        "quantiles": {f"{level:g}": float(student.ppf(0.5 + 0.5 * level, model.freedom)) for level in levels},
+        "quantiles": {f"{level:g}": student_quantile(level, model.freedom) for level in levels},
     }

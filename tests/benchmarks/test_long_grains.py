@@ -44,9 +44,7 @@ def test_the_campaign_has_every_judged_set_and_is_compared_with_the_published_mo
         assert ((rows[SETS] == [FL, EL, 0.2, 0.2]).all(axis=1) & (rows["seed"] == 1)).sum() == 1
     first = rows.iloc[0]
     expected = 0.287 + 0.032 / first["mu_EQ"] - 0.003 / first["sigma_EQ"] + 0.011 / first["mu_EL"]
-    assert by_r22(rows).iloc[0] == pytest.approx(expected) and first["difference"] == pytest.approx(
-        first["n"] - expected
-    )
+    assert by_r22(rows)[0] == pytest.approx(expected) and first["difference"] == pytest.approx(first["n"] - expected)
 
 
 def test_the_stretch_of_the_lattice_is_a_column_of_the_rows():

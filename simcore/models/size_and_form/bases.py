@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 import statsmodels.api as sm
 
-from simcore.grains.sieve import SieveCurve
+from simcore.reference.share_columns import realised_curve
 
 TIME, RATE, SIZE = "time", "rate", "size"
 PROCESS = (TIME, RATE, SIZE)
@@ -40,15 +40,6 @@ class Bases(NamedTuple):
         return (logs[names] - pd.Series(self.mean)[names]).to_numpy() @ np.array(list(self.slopes.values()))
 
 
-def curve_of(row, name) -> SieveCurve:
-    """Return the realised SieveCurve of a row, from its columns share_A-Bmm."""
-    shares = {key: float(row[key]) for key in row.index if key.startswith("share_")}
-    bounds = [tuple(float(end) for end in key.removeprefix("share_").removesuffix("mm").split("-")) for key in shares]
-    fractions = np.array(list(shares.values()))
-    edges = 1e-3 * np.array([low for low, _ in bounds] + [bounds[-1][1]])
-    return SieveCurve(edges, fractions / fractions.sum(), name)
-
-
 def process_logs(rows) -> pd.DataFrame:
     """Return the logarithms of PROCESS of each row; rows: with time_s, after_s, fall_s, mass_kg, width_m, share_A-Bmm.
 
@@ -56,7 +47,7 @@ def process_logs(rows) -> pd.DataFrame:
     of the box.
     """
     inserted = rows["time_s"] - rows["after_s"] + rows["fall_s"]
-    curves = [curve_of(row, "") for _, row in rows.iterrows()]
+    curves = [realised_curve(row, "") for _, row in rows.iterrows()]
     sizes = [curve.mass_fractions @ (0.5 * np.log(curve.bounds[1:] * curve.bounds[:-1])) for curve in curves]
     rate = rows["mass_kg"] / (rows["width_m"] ** 2 * inserted)
     return pd.DataFrame({TIME: np.log(rows["time_s"]), RATE: np.log(rate), SIZE: sizes}, rows.index)

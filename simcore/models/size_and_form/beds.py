@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from simcore.models.size_and_form.bases import PROCESS, curve_of, fit_bases
+from simcore.models.size_and_form.bases import PROCESS, fit_bases
 from simcore.models.unified import unified_features
+from simcore.reference.share_columns import realised_curve
 
 BASE, ALL_FORMS, SPHERE = "U1", "all", "sphere"
 # A bed is kept out of the fit if a share of coarse grains differs by more than this beyond its standard error.
@@ -100,7 +101,7 @@ def read_beds(table, unified, families, others=None, process=PROCESS, spheres=Fa
         of_base = _of_statistics(unified, all_bases[all_bases["form"] == ALL_FORMS]).mean()
         n1[mixed] += _of_statistics(unified, wide[mixed]) - of_base
     names = [f"{row.case} {row.form} {row.seed}" for row in wide.itertuples()]
-    curves = tuple(curve_of(row, name) for (_, row), name in zip(wide.iterrows(), names, strict=True))
+    curves = tuple(realised_curve(row, name) for (_, row), name in zip(wide.iterrows(), names, strict=True))
     numbers = [wide[column].to_numpy(float) for column in ("mu_EQ_evaluated", "mu_EL_evaluated", "n", "n_error")]
     labels = [wide["case"].map(families).to_numpy(str), wide["form"].to_numpy(str)]
     return Beds(np.array(names), curves, n1, reference, *numbers, *labels)

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from scipy.stats import norm
-from scipy.stats import t as student
 
 from simcore.models.packing_models.literature import LITERATURE
 from simcore.models.regression import student_quantile
@@ -93,9 +92,7 @@ def coverage(beds, predicted, level=LEVEL) -> float:
     for family in families:
         own = beds.family == family
         error = relative_error(predicted[~own], beds.n[~own], beds.one_class[~own])
-        of_prediction = (
-            student.ppf(0.5 + 0.5 * level, len(families) - 2) * error * (beds.one_class[own] - predicted[own])
-        )
+        of_prediction = student_quantile(level, len(families) - 2) * error * (beds.one_class[own] - predicted[own])
         half = np.hypot(of_prediction, norm.ppf(0.5 + 0.5 * level) * beds.error[own])
         inside[own] = np.abs(predicted[own] - beds.n[own]) <= half
     return float(inside.mean())

@@ -19,11 +19,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 import statsmodels.api as sm
-from scipy.stats import t as student
 
 from simcore.models.correction import regressors
 from simcore.models.fitted_range import NEAR
 from simcore.models.prediction import sample_features
+from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.sized_model import SizedModel
 
 
@@ -81,11 +81,10 @@ class CurveCorrection:
         columns, added = regressors(self.kind, np.asarray(n, float))
         corrected = columns @ np.array(self.coefficients) + added
         variance = self.scatter**2 + np.einsum("si,ij,sj->s", columns, np.array(self.covariance), columns)
-        chance = 0.5 + 0.5 * level
-        sizes = student.ppf(chance, self.sized.freedom) * (of_sizes - columns @ np.array(self.of_sizes))
+        sizes = student_quantile(level, self.sized.freedom) * (of_sizes - columns @ np.array(self.of_sizes))
         form = of_form - columns @ np.array(self.of_form)
         own = self.factor**2 * (sizes**2 + form**2 + np.square(of_one_class) + np.square(of_few_grains))
-        return corrected, np.sqrt(student.ppf(chance, self.freedom) ** 2 * variance + own)
+        return corrected, np.sqrt(student_quantile(level, self.freedom) ** 2 * variance + own)
 
     def to_dict(self):
         """Return plain values without the one-class models."""

@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 from simcore.evaluation.coordination import coordination_number
 from simcore.evaluation.porosity import bulk_porosity, domain_area
 from simcore.evaluation.slicing import slab_volumes
+from simcore.grains.form import equal_volume_diameter
 
 SLICES_PER_GRAIN = 8  # slices per mean grain diameter, in which the surface of the bed is detected
 POINTS = 1_000_000  # number of points of core_porosity, whose error is then 0.0005
@@ -62,7 +63,7 @@ def energy_ratio(record):
 
 
 def _bulk(packing, floor, surface):
-    diameter = np.cbrt(6.0 / np.pi * float(packing["volume"].mean()))
+    diameter = equal_volume_diameter(float(packing["volume"].mean()))
     return bulk_porosity(packing, "exact", (floor, surface), diameter / SLICES_PER_GRAIN)
 
 

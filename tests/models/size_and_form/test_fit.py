@@ -4,10 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.campaign.composition_columns import FRACTION
-from simcore.grains.sieve import SieveCurve
 from simcore.models.regression import fit
-from simcore.models.size_and_form.bases import PROCESS, TIME, curve_of, fit_bases
+from simcore.models.size_and_form.bases import PROCESS, TIME, fit_bases
 from simcore.models.size_and_form.beds import ALL_FORMS, BASE, Beds, flags, read_beds
 from simcore.models.size_and_form.candidates import CANDIDATES
 from simcore.models.size_and_form.comparison import PREFERENCE, compare, coverage, parameter_rows
@@ -20,6 +18,7 @@ from simcore.models.size_and_form.fit import (
 )
 from simcore.models.size_and_form.sized_model import NOT_FITTED
 from simcore.models.unified import UNIFIED, unified_features
+from simcore.reference.share_columns import share_columns
 from simcore.scene.sizes import all_cases
 
 CURVES = ("R2_70", "R4_70", "R4_50", "U5", "LN100", "B50", "FR250", "GAP")
@@ -153,10 +152,7 @@ def unified():
 
 def row(case="U7", grain="", n=0.3, **changes):
     curve = all_cases()[case].curve
-    shares = {
-        f"{FRACTION}{1e3 * low:.6g}-{1e3 * high:.6g}mm": share
-        for low, high, share in zip(curve.bounds[:-1], curve.bounds[1:], curve.mass_fractions, strict=True)
-    }
+    shares = share_columns(np.column_stack([curve.bounds[:-1], curve.bounds[1:]]), curve.mass_fractions)
     zeros = {f"{name}{end}": 0.0 for name in ("coarse_lower", "coarse_upper") for end in ("_error",)}
     form = {"mu_EQ": 0.5, "sigma_EQ": 0.0 if grain else 0.1, "mu_EL": 0.7, "sigma_EL": 0.0 if grain else 0.1}
     return {
@@ -300,9 +296,3 @@ def test_flags_follow_the_rule():
     ]  # fmt: skip
     halves, parts, floor = "sizes separate over height", "coarse grains lie outside", "fines on the floor"
     assert list(flags(pd.DataFrame(rows))) == ["", "", halves, "", parts, "", floor, ""]
-
-
-def test_curves_keep_their_realised_shares():
-    curve = SieveCurve([1e-3, 2e-3, 4e-3], [0.25, 0.75])
-    table = pd.DataFrame([{"share_1-2mm": 0.2, "share_2-4mm": 0.6}])
-    np.testing.assert_allclose(curve_of(table.iloc[0], "c").mass_fractions, curve.mass_fractions)
