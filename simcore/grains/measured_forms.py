@@ -120,7 +120,7 @@ def read_two_axes(path, column=None):
     as in read_measured, as are the errors.
     """
     table = _read_table(path)
-    if not has_two_axes(path, table.header):
+    if not _with_notices(table, lambda: has_two_axes(path, table.header)):
         return None
     rows = _read_rows(path, table, _recognise(path, table, column, two_axes=True))
     samples = []
@@ -134,9 +134,13 @@ def read_two_axes(path, column=None):
 
 
 def _recognise(path, table, column, two_axes=False):
-    """Return the FormColumns; a ValueError also has the notices, such as which sheet of a workbook was read."""
+    return _with_notices(table, lambda: recognise_columns(path, table.header, column, two_axes))
+
+
+def _with_notices(table, function):
+    """Return the result of a function; its ValueError gets the notices, such as which sheet of a workbook was read."""
     try:
-        return recognise_columns(path, table.header, column, two_axes)
+        return function()
     except ValueError as error:
         raise ValueError("; ".join([str(error), *table.notices])) from None
 

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from simcore.grains.table_head import join_units, rows_above_header, width
+
 _WORKBOOKS = (".xlsx", ".xlsm", ".ods")
 _THREE_DECIMALS = re.compile(r"-?\d+\.\d{3}")
 # Kind of workbook, library that reads it, and pandas' name of the library.
@@ -29,6 +31,7 @@ _MARKS = (
 _EXCEL_SEPARATOR = re.compile(r'"?sep=([!#-/:-@[-^`{-~\t]|\\t)"?[;,\t]*', re.IGNORECASE)
 _SEPARATORS = (";", "\t", "|", ",")
 _SPACES = r"\s+"
+_WEAK_SEPARATORS = (",", _SPACES)  # which a title may contain too
 SAVE_AS = "save it as CSV (UTF-8)"
 
 
@@ -63,8 +66,9 @@ def read_table(path):
     Text may be UTF-8, UTF-16 or UTF-32 (this one only with a byte order mark). Other text is read as Windows-1252
     (Latin-1), with a notice. Columns are separated by semicolons, tabs, bars, commas or, without any of these, white
     space; Excel's first line `sep=` overrides this. In a workbook (.xlsx, .ods) the first sheet that is not empty is
-    read. The settings at the beginning of an export of PebbleCounts are left out. ValueError if the file does not exist
-    or is not a table, or if a row has more cells than the header.
+    read. The settings at the beginning of an export of PebbleCounts are left out, and with a notice the rows of a title
+    above the names of the columns. A row of units below the names is joined with them. ValueError if the file does not
+    exist or is not a table, or if a row has more cells than the header.
     """
     path = Path(path)
     if path.is_dir():
@@ -161,14 +165,35 @@ def _decode(path, data):
 
 
 def _find_separator(text):
-    """Return the separator of the columns, found in the header outside quoted fields."""
+    """Return the separator of the columns, outside quoted fields: that of the first row, or that of most rows below it.
+
+    The latter counts only if the first row is a title, in which commas and spaces separate words.
+    """
     header = ""
     for line in text.split("\n"):
         header += line + "\n"
         if header.count('"') % 2 == 0:
             break
-    bare = re.sub(r'"[^"]*"', "", header)
-    return next((mark for mark in _SEPARATORS if mark in bare), _SPACES if len(bare.split()) > 1 else ",")
+    bare = _without_quoted(header)
+    own = next((mark for mark in _SEPARATORS if mark in bare), _SPACES if len(bare.split()) > 1 else ",")
+    if own not in _WEAK_SEPARATORS:
+        return own
+    rows = [line for line in _without_quoted(text[len(header) :]).split("\n") if line.strip()]
+    return next((mark for mark in _SEPARATORS if mark != own and _separates(mark, rows)), own)
+
+
+def _separates(mark, rows):
+    """Return whether a mark separates the columns in most of the rows, of which one has the names of the columns.
+
+    A row of names has no digits, unlike a row with a mark in a note. Beside spaces, the comma of a number is decimal.
+    """
+    names = [mark in row and not re.search(r"\d", row) for row in rows]
+    numbers = [mark in row and (mark != "," or len(row.split()) == 1) for row in rows]
+    return any(names) and sum(map(max, names, numbers)) > 0.5 * len(rows)
+
+
+def _without_quoted(text):
+    return re.sub(r'"[^"]*"', "", text)
 
 
 def _read_workbook(path, data, kind, library, engine):
@@ -203,21 +228,34 @@ def _cell_text(cell):
 
 
 def _split_header(path, cells, notices, fields=(), separator=""):
-    """Return the TextTable of all cells; the first row that is not empty is the header. fields: number in each row."""
+    """Return the TextTable of all cells.
+
+    The header is the first row that is not empty, or the row below a title; a row of units is joined with it. fields:
+    number of fields in each row.
+    """
     cells = cells.map(lambda text: " ".join(text.split()))
     cells.index, cells.columns = range(1, len(cells) + 1), range(cells.shape[1])
     cells = cells[(cells != "").any(axis=1)]
     if cells.empty:
         return TextTable(path, [], cells, notices)
-    names, cells = cells.iloc[0], cells.iloc[1:]
-    width = max((position + 1 for position in names.index if names[position]), default=0)
-    for row, texts in cells.loc[:, width:].iterrows():
+    above = rows_above_header(cells.to_numpy().tolist())
+    if above:
+        rows = ", ".join(f"row {row}" for row in cells.index[:above])
+        verb = "are" if above > 1 else "is"
+        notices = [*notices, f"{rows} {verb} above the names of the columns and {verb} left out"]
+    names, cells = cells.iloc[above].tolist(), cells.iloc[above + 1 :]
+    columns = width(names)
+    for row, texts in cells.loc[:, columns:].iterrows():
         if (texts != "").any():
-            remedy = "remove the rows above the names of the columns" if width == 1 else advice_on_fields(separator)
             raise ValueError(
-                f"{path}, row {row}: the row has {_width(cells.loc[row])} fields, but the header has {width}; {remedy}"
+                f"{path}, row {row}: the row has {width(cells.loc[row])} fields, but the header has {columns}; "
+                f"{advice_on_fields(separator)}; if there is a title above the names of the columns, remove it"
             )
-    kept = [position for position in range(width) if names[position] or (cells[position] != "").any()]
+    joined = join_units(names, cells.iloc[0].tolist()) if len(cells) else None
+    if joined:
+        notices = [*notices, f"row {cells.index[0]} has the units of the columns"]
+        names, cells = joined, cells.iloc[1:]
+    kept = [position for position in range(columns) if names[position] or (cells[position] != "").any()]
     cells = cells[kept].set_axis(range(len(kept)), axis=1)
     numbers = {row: sum(position < number for position in kept) for row, number in enumerate(fields, start=1)}
     short = {row: numbers[row] for row in cells.index if numbers.get(row, len(kept)) < len(kept)}
@@ -227,8 +265,3 @@ def _split_header(path, cells, notices, fields=(), separator=""):
 def plain_words(text):
     """Return the words of a column's name in lower case, without punctuation and numbers, as a set."""
     return set(re.findall(r"[^\W\d_]+", text.lower()))
-
-
-def _width(texts):
-    """Return the number of cells up to the last one with text."""
-    return max((i + 1 for i, text in enumerate(texts) if text), default=0)

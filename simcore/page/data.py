@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from simcore.grains import cell_numbers, form_notices, grain_counts, measured_forms
+from simcore.grains import cell_numbers, form_notices, grain_counts, measured_forms, table_head
 from simcore.grains.form_columns import MEANS, NEEDED, all_patterns
 from simcore.grains.sieve import read_cases
 from simcore.grains.statistics import STATISTICS
@@ -73,6 +73,7 @@ def _reading():
     """Return what the reader of tables needs."""
     return {
         "patterns": all_patterns(),
+        "head": {"patterns": table_head.head_patterns(), "most_numbers": table_head.MOST_NUMBERS},
         "labels": label_patterns(),
         "date": cell_numbers.DATE.pattern,
         "longest": measured_forms.LONGEST,

@@ -16,7 +16,16 @@ def random_table(rng, faulty=False):
         row[rng.integers(len(row))] = FAULTS[rng.integers(len(FAULTS))]
     separator, mark = ((";", ","), (";", "."), ("\t", ","), ("\t", "."), (",", "."), ("|", "."))[rng.integers(6)]
     end = ("\n", "\r\n")[rng.integers(2)]
-    lines = [header, *([cell if isinstance(cell, str) else _write(rng, cell, mark) for cell in row] for row in rows)]
+    title = "Gravel of the Rhine" if separator == "," else "Gravel, Rhine km 640"
+    above = [[title], ["date:", "12.03.2025"]][: rng.integers(1, 3)] if rng.random() < 0.2 else []
+    units = {"L": "mm", "I": "mm", "S": "mm", "FL": "-", "EL": "-"}
+    below = [[units.get(name, "") for name in header]] if header[0] == "L" and rng.random() < 0.3 else []
+    lines = [
+        *above,
+        header,
+        *below,
+        *([cell if isinstance(cell, str) else _write(rng, cell, mark) for cell in row] for row in rows),
+    ]
     return end.join(separator.join(line) for line in lines) + (end if rng.random() < 0.8 else "")
 
 

@@ -86,7 +86,7 @@ SIEVES = [
     ),
     Case(
         "Siebanalyse Isar;;\n\nMaschenweite [mm];Rückstand [g];Bemerkung\n16;0;\n8;930;verstopft\n4;300;\nSchale;10;\n",
-        error="row 3: the row has 3 fields, but the header has 1; remove the rows above the names of the columns",
+        notice="row 1 is above the names of the columns and is left out",
     ),
     Case(
         "opening [mm];mass [g]\n16;0\n8;1.410\n4;850\npan;12\n",
@@ -279,6 +279,18 @@ SAME_SIEVES = [
         "opening [mm],retained [%]\n16,0\n8,60\n4,39.5\n2,0.5\n",
     ),
     (
+        "Sieve analysis, Rhine km 640\nDate:;12.03.2025\n\nopening;mass;note\n[mm];[g];-\n16;0;\n8;60,5;wet\n4;39,5;\n",
+        "opening [mm];mass [g]\n16;0\n8;60,5\n4;39,5\n",
+    ),
+    (
+        "Sieve analysis of the Rhine\nsize,passing\nmm,%\n16,100\n8,40.5\n4,0\n",
+        "opening [mm];passing [%]\n16;100\n8;40.5\n4;0\n",
+    ),
+    (
+        "size passing\nmm %\n16 100\n8 40,5\n4 0\n",
+        "opening [mm];passing [%]\n16;100\n8;40,5\n4;0\n",
+    ),
+    (
         "size [µm];mass [g]\n500-1000;20\n1000-2000;30\n",
         "opening [mm];mass [g]\n2;0\n1;30\n0.5;20\n",
     ),
@@ -312,11 +324,31 @@ GRAINS = [
         error="row 2: the row has 2 fields, but the header has 3; add or remove fields, and "
         "write decimals with a point, because commas separate the fields",
     ),
-    Case("L;I;S\n40;30;10;5;3\n", error="row 2: the row has 5 fields, but the header has 3; add or remove fields"),
+    Case(
+        "L;I;S\n40;30;10;5;3\n",
+        error="row 2: the row has 5 fields, but the header has 3; add or remove fields; if there is a title above the "
+        "names of the columns, remove it",
+    ),
+    # The title has two numbers, so it may be a row of the table.
+    Case(
+        "640;2025\nL;I;S\n40;30;10\n",
+        error="row 2: the row has 3 fields, but the header has 2; add or remove fields; if there is a title above the "
+        "names of the columns, remove it",
+    ),
+    Case("L;I;S\nmm;mm;mm\n40;30;10\n", notice="row 2 has the units of the columns"),
+    Case(
+        "sample;L;I;S\nunit;[cm];[cm];[mm]\nA;4;3;10\n",
+        error="the header mixes units (L in cm, I in cm, S in mm); give all three axes in one unit; row 2 has "
+        "the units of the columns",
+    ),
+    Case(
+        "FL;EL\n%;%\n65;70\n",
+        error="the column FL [%] is in percent; give FL as a fraction, 0.65 not 65; row 2 has the units of the columns",
+    ),
     Case('note;L;I;S\n"wet;\ncold";40;30;10\n"dry";40;30;\n', error="row 3: S is empty; measure it, or remove the row"),
     Case(
         "Kiesprobe Isar km 120;;;\nDatum: 12.03.2021;;;\n;;;\nNr.;a [cm];b [cm];c [cm]\n1;1,45;1,03;0,40\n",
-        error="row 4: the row has 4 fields, but the header has 1; remove the rows above the names of the columns",
+        notice="row 1, row 2 are above the names of the columns and are left out",
     ),
     *[
         Case(f"mean_FL;std_FL;mean_EL;std_EL;{names}\n.6;.1;.7;.1;{first}\n.7;.1;.7;.1;{second}\n", notice=notice)

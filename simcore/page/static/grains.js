@@ -14,8 +14,7 @@ const Grains = (() => {
   function read(name, text, sample = "", notices = [], forBed = false) {
     const table = Table.read(name, text, notices);
     if (!table.header.length) throw new InputError(`${name}: the file is empty; ${needed}`);
-    const columns = Columns.recognise(name, table.header, sample);
-    if (forBed) checkForBed(name, table.header, columns);
+    const columns = recognise(name, table, sample, forBed);
     const [rows, summaries] = leaveOutSummaries(name, table, columns);
     if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${needed}`);
     const readTheirs = columns.kind === MEANS ? readNumbers : readCounts;
@@ -40,6 +39,18 @@ const Grains = (() => {
       : [...describeSlips(groups, columns.kind), ...(columns.kind === TWO_AXES ? [] : describeSingleRows(groups))];
     const all = [...table.notices, ...summaries, ...countNotices, ...unused, ...rare].map((notice) => `${name}: ${notice}`);
     return { samples, notices: all, kind: columns.kind, header: table.header };
+  }
+
+  // An error also has the notices, such as a title that was left out.
+  function recognise(name, { header, notices }, sample, forBed) {
+    try {
+      const columns = Columns.recognise(name, header, sample);
+      if (forBed) checkForBed(name, header, columns);
+      return columns;
+    } catch (error) {
+      if (!(error instanceof InputError)) throw error;
+      throw new InputError([error.message, ...notices].join("; "));
+    }
   }
 
   function checkForBed(name, header, columns) {

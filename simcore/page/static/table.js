@@ -69,16 +69,29 @@ const Table = (() => {
     return lines.map((line, i) => (i <= start ? "" : line));
   }
 
-  // Returns the separator of the columns, found in the header outside quoted fields.
+  // Returns the separator of the columns, outside quoted fields: that of the first row or, if it is a title, that of most
+  // rows below it.
   function findSeparator(text) {
     let header = "";
     for (const line of text.split("\n")) {
       header += line + "\n";
       if ((header.split('"').length - 1) % 2 === 0) break;
     }
-    const bare = header.replace(/"[^"]*"/g, "");
-    const found = [";", "\t", "|", ","].find((mark) => bare.includes(mark));
-    return found ?? (bare.trim().split(/\s+/).length > 1 ? SPACES : ",");
+    const withoutQuoted = (part) => part.replace(/"[^"]*"/g, "");
+    const words = (part) => part.trim().split(/\s+/).length;
+    const bare = withoutQuoted(header);
+    const marks = [";", "\t", "|", ","];
+    const own = marks.find((mark) => bare.includes(mark)) ?? (words(bare) > 1 ? SPACES : ",");
+    if (own !== "," && own !== SPACES) return own;
+    const rows = withoutQuoted(text.slice(header.length)).split("\n").filter((line) => line.trim());
+    // A row of names has no digits, unlike a row with a mark in a note. Beside spaces, the comma of a number is decimal.
+    const isNames = (row) => !/\p{Nd}/u.test(row);
+    const found = marks.filter((mark) => mark !== own).find((mark) => {
+      const having = rows.filter((row) => row.includes(mark));
+      const separated = having.filter((row) => isNames(row) || mark !== "," || words(row) === 1);
+      return having.some(isNames) && separated.length > 0.5 * rows.length;
+    });
+    return found ?? own;
   }
 
   // Returns the rows of cells; a quotation mark counts at the beginning of a field only.
@@ -121,7 +134,8 @@ const Table = (() => {
     return rows;
   }
 
-  // The first row that is not empty is the header; rows and columns without any text are left out.
+  // The header is the first row that is not empty, or the row below a title; a row of units is joined with it. Rows and
+  // columns without any text are left out.
   function splitHeader(name, cells, notices, separator) {
     const clean = cells.map((row, i) => ({
       row: i + 1,
@@ -129,17 +143,27 @@ const Table = (() => {
     }));
     const filled = clean.filter(({ cells: texts }) => texts.some((text) => text));
     if (!filled.length) return { header: [], rows: [], notices };
-    const width = (texts) => texts.reduce((most, text, i) => (text ? i + 1 : most), 0);
-    const [{ cells: names }, ...rows] = filled;
+    const { width } = TableHead;
+    const above = TableHead.rowsAbove(filled.map(({ cells: texts }) => texts));
+    if (above) {
+      const listed = filled.slice(0, above).map(({ row }) => `row ${row}`).join(", ");
+      const verb = above > 1 ? "are" : "is";
+      notices = [...notices, `${listed} ${verb} above the names of the columns and ${verb} left out`];
+    }
+    let [{ cells: names }, ...rows] = filled.slice(above);
     const columns = width(names);
     for (const { row, cells: texts } of rows) {
       if (width(texts) > columns) {
-        const remedy =
-          columns === 1 ? "remove the rows above the names of the columns" : adviceOnFields(separator);
         throw new InputError(
-          `${name}, row ${row}: the row has ${width(texts)} fields, but the header has ${columns}; ${remedy}`
+          `${name}, row ${row}: the row has ${width(texts)} fields, but the header has ${columns}; ` +
+            `${adviceOnFields(separator)}; if there is a title above the names of the columns, remove it`
         );
       }
+    }
+    const joined = rows.length ? TableHead.joinUnits(names, rows[0].cells) : null;
+    if (joined) {
+      notices = [...notices, `row ${rows[0].row} has the units of the columns`];
+      [names, rows] = [joined, rows.slice(1)];
     }
     const kept = [...Array(columns).keys()].filter((i) => names[i] || rows.some(({ cells: texts }) => texts[i]));
     const pick = (texts) => kept.map((i) => texts[i] ?? "");

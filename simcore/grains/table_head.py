@@ -1,0 +1,68 @@
+"""Finds the names of the columns of a table below its title, and joins a row of units with them."""
+
+import re
+
+_WORDS_OF_UNITS = r"(?:units?|einheit(?:en)?|unités?)\s*:?"
+_UNIT = (
+    r"[µμumcd]?m|in|inch(?:es)?|microns?|millimet(?:er|re)s?|phi|[φΦϕ]|mg|g|kg|t|lbs?|grams?|percent"
+    r"|(?:[a-z]+\.?[\s-]?)?%"
+)
+_WITHOUT_UNIT = r"[-–—1]"
+_IN_BRACKETS = r"[\[(]?\s*({})\s*[\])]?"
+_NUMBER = r"[-+−<>]?\s*[.,]?\d.*"  # also with a unit, a date, or a class
+MOST_NUMBERS = 1  # in a row of the title, such as a date
+
+
+def head_patterns():
+    """Return the regular expressions of whole cells, in any case, dict: unit (group 1), without_unit, number."""
+    return {
+        "unit": _IN_BRACKETS.format(_UNIT),
+        "without_unit": f"{_IN_BRACKETS.format(_WITHOUT_UNIT)}|{_WORDS_OF_UNITS}",
+        "number": _NUMBER,
+    }
+
+
+def rows_above_header(rows) -> int:
+    """Return how many rows of a table are a title above the names of the columns.
+
+    rows: list of the texts of each row, without empty rows. The names are in the first row unless a later one is wider,
+    has at least two cells and no number, and the rows above it have at most MOST_NUMBERS each.
+    """
+    above = 0
+    for i, texts in enumerate(rows):
+        names = [text for text in texts if text]
+        numbers = sum(map(_is_number, names))
+        if numbers > MOST_NUMBERS:
+            break
+        if width(texts) > width(rows[above]) and numbers == 0 and len(names) > 1 and not join_units(names, names):
+            above = i
+    return above
+
+
+def join_units(names, texts):
+    """Return the names of columns with the units in the row below them, or None if it is not a row of units.
+
+    names, texts: cells of the two rows, as long as each other. A name that has a unit already stays as it is.
+    """
+    patterns = head_patterns()
+    units = [re.fullmatch(patterns["unit"], text, re.IGNORECASE) for text in texts]
+    bare = [re.fullmatch(patterns["without_unit"], text, re.IGNORECASE) for text in texts]
+    if not any(units) or not all(a or b or not text for a, b, text in zip(units, bare, texts, strict=True)):
+        return None
+    return [
+        f"{name} [{unit[1]}]" if unit and name and not _has_unit(name, unit[1]) else name
+        for name, unit in zip(names, units, strict=True)
+    ]
+
+
+def width(texts) -> int:
+    """Return the number of cells up to the last one with text."""
+    return max((i + 1 for i, text in enumerate(texts) if text), default=0)
+
+
+def _has_unit(name, unit):
+    return name.lower().rstrip(")] ").endswith(unit.lower())
+
+
+def _is_number(text):
+    return re.fullmatch(_NUMBER, text, re.IGNORECASE) is not None
