@@ -21,7 +21,7 @@ import numpy as np
 
 from simcore.grains.cell_numbers import NUMBER, check_decimal_marks, read_number
 from simcore.grains.class_labels import CLASS_NAME, look_like_classes
-from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, has_two_axes, recognise_columns
+from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, TWO_AXES, has_two_axes, recognise_columns
 from simcore.grains.form_notices import SHOWN, describe_single_rows, describe_slips, describe_small_deviations
 from simcore.grains.grain_counts import read_counts, read_numbers
 from simcore.grains.statistics import equancy_statistics, few_grains_covariance, means_covariance
@@ -96,7 +96,7 @@ def samples_of_table(table, column=None, of_beds=False):
         samples = [_from_means(name, entries, counts) for name, entries in rows.groups.items()]
         rows.notices.extend(describe_small_deviations(path, samples))
     else:
-        check = _check_axes if kind == AXES else _check_ratios
+        check = _CHECKS[kind]
         samples = [_from_grains(path, name, entries, check, counts) for name, entries in rows.groups.items()]
         rows.notices.extend(describe_slips(path, rows.groups, check))
         rows.notices.extend([] if of_beds else describe_single_rows(path, rows.groups))
@@ -170,14 +170,30 @@ def _read_rows(path, table, columns):
     read = read_numbers if columns.kind == MEANS else read_counts
     counts, count_notices = read(path, table.header, cells, columns)
     check_decimal_marks(path, {position: name for name, position in columns.forms.items()}, cells)
-    groups = {}
+    groups, errors = {}, {}
     for row, texts in cells.iterrows():
         where = f"{path}, row {row}"
-        values = _read_forms(where, table, texts, columns, row)
-        name = _name_of(where, table.header, texts, columns, row, Path(path).stem)
-        groups.setdefault(name, []).append((where, values, row))
+        try:
+            values = _read_forms(where, table, texts, columns, row)
+            _CHECKS[columns.kind](where, values)
+            name = _name_of(where, table.header, texts, columns, row, Path(path).stem)
+        except ValueError as error:
+            errors[row] = error
+        else:
+            groups.setdefault(name, []).append((where, values, row))
+    if errors:
+        raise ValueError(_describe_errors(errors))
     notices = [*table.notices, *notices, *count_notices, *_describe_unused(table.header, cells, columns)]
     return _Rows(columns, groups, counts, [f"{path}: {notice}" for notice in notices])
+
+
+def _describe_errors(errors):
+    """Return the text of the first error of a dict from the row to its error, and the other rows."""
+    (_, first), *others = errors.items()
+    if not others:
+        return str(first)
+    rows, verb = ("rows", "have errors") if len(others) > 1 else ("row", "has an error")
+    return f"{first}; {rows} {join_first([str(row) for row, _ in others], SHOWN)} {verb} too"
 
 
 def _leave_out_summaries(path, cells, columns):
@@ -286,6 +302,23 @@ def _check_ratios(where, values):
     return values
 
 
+def _check_means(where, values):
+    mu_FL, sigma_FL, mu_EL, sigma_EL = values
+    for feature, mu, sigma in (("FL", mu_FL, sigma_FL), ("EL", mu_EL, sigma_EL)):
+        if not 0 < mu <= 1:
+            raise ValueError(f"{where}: mean_{feature} = {mu:g} is not in (0, 1]; FL is S/I and EL is I/L, not percent")
+        # The distribution on [0, 1] with this mean that has the values 0 and 1 only is the widest.
+        widest = np.sqrt(mu * (1 - mu))
+        if not 0 <= sigma <= widest:
+            raise ValueError(
+                f"{where}: std_{feature} = {sigma:g}; with a mean of {mu:g} it is between 0 and {widest:.3g}; give "
+                "the standard deviation, not the variance or a percentage"
+            )
+
+
+_CHECKS = {AXES: _check_axes, TWO_AXES: _check_two_axes, RATIOS: _check_ratios, MEANS: _check_means}
+
+
 def _from_grains(path, name, entries, check, counts):
     """Return the Sample of a group of rows (where, values, row); check(where, values) returns FL and EL of a row."""
     FL, EL = np.array([check(where, values) for where, values, _ in entries], float).T
@@ -327,17 +360,7 @@ def _from_means(name, entries, counts):
             f"{entries[1][0]}: sample {name} occurs twice, but each row of means and deviations is one sample; rename "
             "or remove one"
         )
-    where, (mu_FL, sigma_FL, mu_EL, sigma_EL), row = entries[0]
-    for feature, mu, sigma in (("FL", mu_FL, sigma_FL), ("EL", mu_EL, sigma_EL)):
-        if not 0 < mu <= 1:
-            raise ValueError(f"{where}: mean_{feature} = {mu:g} is not in (0, 1]; FL is S/I and EL is I/L, not percent")
-        # The distribution on [0, 1] with this mean that has the values 0 and 1 only is the widest.
-        widest = np.sqrt(mu * (1 - mu))
-        if not 0 <= sigma <= widest:
-            raise ValueError(
-                f"{where}: std_{feature} = {sigma:g}; with a mean of {mu:g} it is between 0 and {widest:.3g}; give "
-                "the standard deviation, not the variance or a percentage"
-            )
+    _, (mu_FL, sigma_FL, mu_EL, sigma_EL), row = entries[0]
     mu_EQ, sigma_EQ = equancy_statistics(mu_FL, sigma_FL, mu_EL, sigma_EL)
     # If nothing varies, the difference of squares is rounding.
     sigma_EQ = float(sigma_EQ) if sigma_FL or sigma_EL else 0.0

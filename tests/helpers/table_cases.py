@@ -316,6 +316,20 @@ GRAINS = [
         error="row 3: L is '1.250', but this table writes decimals with a comma (40,5); write numbers without "
         "separators of thousands",
     ),
+    Case(
+        "L;I;S\n40;30;10\n12;10;\n10;12;8\n9;8;7\n",
+        error="row 3: S is empty; measure it, or remove the row; row 4 has an error too",
+    ),
+    Case(
+        "FL;EL\n" + "65;70\n" * 8,
+        error="row 2: FL = 65 is not in (0, 1]; FL is S/I and EL is I/L; do not give their inverses or percent; rows "
+        "3, 4, 5, 6, 7 and 2 more have errors too",
+    ),
+    Case(
+        "sample;mean_FL;std_FL;mean_EL;std_EL\nA;.6;.7;.7;.1\nB;.6;.1;7;.1\n",
+        error="row 2: std_FL = 0.7; with a mean of 0.6 it is between 0 and 0.49; give the standard deviation, not the "
+        "variance or a percentage; row 3 has an error too",
+    ),
     Case("L;I;S\n40;30;10\n\n12;10;\n", error="row 4: S is empty; measure it, or remove the row"),
     Case("L;I;S;note\n40;;10;wet\n", error="row 2: I is empty; measure it, or remove the row"),
     Case("L;I;S\n40;30\n", error="row 2: the row has 2 fields, but the header has 3; add or remove fields"),

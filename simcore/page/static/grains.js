@@ -21,13 +21,21 @@ const Grains = (() => {
     const [counts, countNotices] = readTheirs(name, table.header, rows, columns);
     Numbers.checkDecimalMarks(name, columns.forms.map((position, i) => [position, columns.kind[i]]), rows);
     const groups = new Map();
+    const errors = new Map();
     for (const { row, cells, fields } of rows) {
       const where = `${name}, row ${row}`;
-      const values = readForms(where, table, cells, columns, fields);
-      const group = nameOf(where, table.header, cells, columns, row, name);
-      if (!groups.has(group)) groups.set(group, []);
-      groups.get(group).push({ where, values, row });
+      try {
+        const values = readForms(where, table, cells, columns, fields);
+        formOf(where, values, columns.kind);
+        const group = nameOf(where, table.header, cells, columns, row, name);
+        if (!groups.has(group)) groups.set(group, []);
+        groups.get(group).push({ where, values, row });
+      } catch (error) {
+        if (!(error instanceof InputError)) throw error;
+        errors.set(row, error.message);
+      }
     }
+    if (errors.size) throw new InputError(describeErrors(errors));
     const samples = [...groups].map(([group, entries]) => {
       const isMean = columns.kind === MEANS;
       const sample = isMean ? fromMeans(group, entries, counts) : fromGrains(name, group, entries, columns.kind, counts);
@@ -57,6 +65,14 @@ const Grains = (() => {
     if (columns.kind === TWO_AXES) {
       throw new InputError(`${name}: the column S is missing beside ${header.join(", ")}; ${needed}`);
     }
+  }
+
+  // Returns the first message of a map from the row to its error, and the other rows.
+  function describeErrors(errors) {
+    const [[, message], ...others] = errors;
+    if (!others.length) return message;
+    const [rows, verb] = others.length > 1 ? ["rows", "have errors"] : ["row", "has an error"];
+    return `${message}; ${rows} ${joinFirst(others.map(([row]) => `${row}`))} ${verb} too`;
   }
 
   function leaveOutSummaries(name, { header, rows }, columns) {
@@ -243,10 +259,11 @@ const Grains = (() => {
     });
   }
 
-  // Returns [FL, EL] of a row; FL is null with two axes only.
+  // Returns [FL, EL] of a row, of means their means; FL is null with two axes only.
   function formOf(where, values, kind) {
     if (kind === AXES) return ofAxes(where, values);
     if (kind === TWO_AXES) return [null, ofTwoAxes(where, values)];
+    if (kind === MEANS) return ofMeans(where, values);
     RATIOS.forEach((title, i) => {
       if (!(values[i] > 0 && values[i] <= 1)) {
         throw new InputError(
@@ -296,6 +313,24 @@ const Grains = (() => {
     return Math.min(I / L, 1);
   }
 
+  function ofMeans(where, [mu_FL, sigma_FL, mu_EL, sigma_EL]) {
+    for (const [key, mu, sigma] of [["FL", mu_FL, sigma_FL], ["EL", mu_EL, sigma_EL]]) {
+      if (!(mu > 0 && mu <= 1)) {
+        throw new InputError(
+          `${where}: mean_${key} = ${general(mu)} is not in (0, 1]; FL is S/I and EL is I/L, not percent`
+        );
+      }
+      const widest = Math.sqrt(mu * (1 - mu));
+      if (!(sigma >= 0 && sigma <= widest)) {
+        throw new InputError(
+          `${where}: std_${key} = ${general(sigma)}; with a mean of ${general(mu)} it is between 0 and ` +
+            `${general(widest, 3)}; give the standard deviation, not the variance or a percentage`
+        );
+      }
+    }
+    return [mu_FL, mu_EL];
+  }
+
   function fromGrains(name, group, entries, kind, counts) {
     const forms = entries.map(({ where, values }) => formOf(where, values, kind));
     const weights = counts ? entries.map(({ row }) => counts.weights.get(row)) : forms.map(() => 1);
@@ -337,22 +372,8 @@ const Grains = (() => {
           "rename or remove one"
       );
     }
-    const [{ where, values, row }] = entries;
+    const [{ values, row }] = entries;
     const [mu_FL, sigma_FL, mu_EL, sigma_EL] = values;
-    for (const [key, mu, sigma] of [["FL", mu_FL, sigma_FL], ["EL", mu_EL, sigma_EL]]) {
-      if (!(mu > 0 && mu <= 1)) {
-        throw new InputError(
-          `${where}: mean_${key} = ${general(mu)} is not in (0, 1]; FL is S/I and EL is I/L, not percent`
-        );
-      }
-      const widest = Math.sqrt(mu * (1 - mu));
-      if (!(sigma >= 0 && sigma <= widest)) {
-        throw new InputError(
-          `${where}: std_${key} = ${general(sigma)}; with a mean of ${general(mu)} it is between 0 and ` +
-            `${general(widest, 3)}; give the standard deviation, not the variance or a percentage`
-        );
-      }
-    }
     const grains = counts ? counts.weights.get(row) : 0;
     const sample = { name: group, grains, forms: [], ...withEquancy(mu_FL, sigma_FL, mu_EL, sigma_EL) };
     return grains >= DATA.few_grains.fewest && !isOneForm(sample) ? { ...sample, covariance: meansCovariance(sample) } : sample;
