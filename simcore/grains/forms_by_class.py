@@ -5,14 +5,8 @@ The column has a name such as `class` or `Siebklasse` (simcore.grains.class_labe
 
 from simcore.grains.class_labels import CLASS_NAME, class_bounds, class_text
 from simcore.grains.measured_forms import samples_of_table
-from simcore.grains.table_file import read_table
 
 BY_CLASS = "forms by sieve class"  # name of a sample without a name
-
-
-def class_column(path):
-    """Return the name of the column of sieve classes of the table at `path`, None if it has none or `path` is None."""
-    return None if path is None else class_name(read_table(path).header)
 
 
 def class_name(header):
@@ -20,16 +14,11 @@ def class_name(header):
     return next((name for name in header if CLASS_NAME.fullmatch(name)), None)
 
 
-def read_classes(path, column):
-    """Return ({(lower, upper) [m]: Sample}, notices) of the table at `path` with a column of sieve classes.
-
-    ValueError if a label is no class, or if two classes overlap.
-    """
-    return classes_of_table(read_table(path), column)
-
-
 def classes_of_table(table, column):
-    """Return the result of read_classes of a TextTable."""
+    """Return ({(lower, upper) [m]: Sample}, notices) of a TextTable with a column of sieve classes.
+
+    column: its name. ValueError if a label is no class, or if two classes overlap.
+    """
     path = table.path
     samples, notices = samples_of_table(table, column)
     labels = table.cells[table.header.index(column)]
@@ -50,9 +39,9 @@ def classes_of_table(table, column):
 
 
 def describe_unused_classes(path, curve, classes):
-    """Return notices on the classes of read_classes in which the SieveCurve has no mass; path: of their table."""
-    held = curve.mass_fractions > 0.0
-    filled = list(zip(curve.bounds[:-1][held], curve.bounds[1:][held], strict=True))
+    """Return notices on the classes of classes_of_table in which the SieveCurve has no mass; path: of their table."""
+    with_mass = curve.mass_fractions > 0.0
+    filled = list(zip(curve.bounds[:-1][with_mass], curve.bounds[1:][with_mass], strict=True))
     return [
         f"{path}: the class {class_text(lower, upper)} is not used, because the sieve curve has no mass there"
         for lower, upper in classes
@@ -61,7 +50,7 @@ def describe_unused_classes(path, curve, classes):
 
 
 def sample_of_class(curve, index, classes):
-    """Return the Sample of the class `index` of a SieveCurve, from the classes of read_classes.
+    """Return the Sample of the class `index` of a SieveCurve, from the classes of classes_of_table.
 
     ValueError if the class of the curve lies in none of them.
     """

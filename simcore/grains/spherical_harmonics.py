@@ -78,9 +78,3 @@ def sampled_directions(coefficients):
     with far more points, the hull then loses at most 0.3 % of its volume.
     """
     return spiral_directions(max(4000, 16 * (int(coefficients[0].max()) + 1) ** 2))
-
-
-def surface_points(coefficients):
-    """Return the points (k, 3) on the surface in sampled_directions, in the coefficients' unit."""
-    directions = sampled_directions(coefficients)
-    return radius(coefficients, directions)[:, None] * directions

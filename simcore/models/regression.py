@@ -8,7 +8,6 @@ from functools import lru_cache
 import numpy as np
 import pandas as pd
 import statsmodels.api as sm
-import xarray as xr
 from scipy.stats import t as student
 from sklearn.linear_model import LinearRegression
 from sklearn.model_selection import GroupKFold
@@ -259,20 +258,6 @@ class PorosityModel:
             median_absolute_error=self.median_absolute_error,
             samples=self.n_samples,
         )
-
-    def to_dataset(self):
-        """Return the model as a Dataset over `term`."""
-        data = {
-            "coefficient": ("term", list(self.coefficients), {"units": "1", "long_name": "coefficient"}),
-            "std_error": ("term", list(self.std_errors), {"units": "1", "long_name": "standard error"}),
-            "lower_95": ("term", list(self.lower), {"units": "1", "long_name": "lower end of the 95 % interval"}),
-            "upper_95": ("term", list(self.upper), {"units": "1", "long_name": "upper end of the 95 % interval"}),
-            "r_squared": ((), self.r_squared, {"units": "1", "long_name": "coefficient of determination"}),
-            "rmse": ((), self.rmse, {"units": "1", "long_name": "root mean square residual of porosity"}),
-            "samples": ((), self.n_samples, {"units": "1", "long_name": "number of packings in the fit"}),
-        }
-        attrs = {"Conventions": "CF-1.11", "title": f"Porosity model {self.name}", "case": self.case}
-        return xr.Dataset(data, coords={"term": list(self.terms)}, attrs=attrs)
 
     def to_dict(self):
         """Return the model as plain Python values, for JSON."""

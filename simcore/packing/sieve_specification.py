@@ -36,7 +36,7 @@ def sieve_specification(curve, source, sample=None, classes=None, *, draw=True):
     """Return (YAML text of a specification that packs this SieveCurve, notices). source: file that the curve is from.
 
     The text is accepted by `explain` and `pack`. sample: simcore.grains.measured_forms.Sample with the form of the
-    grains, or classes: forms by sieve class, as from simcore.grains.forms_by_class.read_classes; None: synthetic
+    grains, or classes: forms by sieve class, as from simcore.grains.forms_by_class.classes_of_table; None: synthetic
     pebbles, because a sieve curve says nothing about form. draw: draw the grains, and set contact time and steps so
     that `explain` has no warning about them; otherwise a contact time for grains of any form is written, as by `scree
     page`. ValueError if the curve has too many grains for any packing, or if a class with mass has no forms.

@@ -5,7 +5,7 @@ import pytest
 
 from simcore.grains.mesh import make_grain
 from simcore.grains.readers import read_grain, read_grains_of
-from simcore.grains.spherical_harmonics import cut_at, radius, read_coefficients, surface_points
+from simcore.grains.spherical_harmonics import cut_at, radius, read_coefficients, sampled_directions
 from simcore.grains.spiral import spiral_directions
 
 # r = 10 + 2 z + 1.5 x - 0.8 y + 0.7 (x² - y²) on the unit sphere, written in orthonormal Y_nm by hand:
@@ -27,6 +27,11 @@ def expected(u):
 def write(path, rows, comments=""):
     path.write_text(comments + "".join(f"{n:4d}{m:4d} {re:20.10f} {im:20.10f}\n" for n, m, re, im in rows))
     return path
+
+
+def surface_points(coefficients):
+    directions = sampled_directions(coefficients)
+    return radius(coefficients, directions)[:, None] * directions
 
 
 @pytest.mark.parametrize("rows, comments", [(HALF, "# one\n# two\n# three\n"), (FULL, "")])

@@ -168,14 +168,13 @@ def test_mesh_and_ellipsoid_differ_by_their_rms():
 
 
 def test_tables_survive_netcdf(tmp_path, single_form_packings):
-    tables, models = single_form_models(single_form_packings)
+    tables, _ = single_form_models(single_form_packings)
     for name, table in tables.items():
         table_dataset(table, name).to_netcdf(tmp_path / "table.nc")
         with xr.open_dataset(tmp_path / "table.nc") as dataset:
             assert dataset["case"].values.tolist() == table["case"].tolist()
             column = "r" if name == "correlations" else table.columns[3]
             np.testing.assert_array_equal(dataset[column].values, table[column])
-    models["single_form", "U1"].to_dataset().to_netcdf(tmp_path / "model.nc")
 
 
 def test_models_come_back_from_netcdf_whole(tmp_path, single_form_packings):

@@ -7,9 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.grains.forms_by_class import class_column, read_classes
+from simcore.grains.forms_by_class import class_name, classes_of_table
 from simcore.grains.measured_forms import read_measured
 from simcore.grains.sieve_table import read_curve
+from simcore.grains.table_file import read_table
 from simcore.models.size_and_form.bed_prediction import (
     other_predictors,
     predict_curve,
@@ -215,7 +216,9 @@ def test_a_form_for_each_sieve_class(open_page, fitted, tmp_path):
     answers = open_page().evaluate(BY_CLASS, [sieves, tables, 0.9])
     for table, answer in zip(tables, answers, strict=True):
         path.write_text(table)
-        row = predict_by_class(curve, read_classes(path, class_column(path))[0], fitted, 0.9).iloc[0]
+        given = read_table(path)
+        classes, _ = classes_of_table(given, class_name(given.header))
+        row = predict_by_class(curve, classes, fitted, 0.9).iloc[0]
         assert (answer["name"], float(answer["grains"])) == (row["sample"], row.grains)
         assert (answer["outside"], answer["refused"]) == (row.outside, row.refused)
         keys = [*NUMBERS, "mu_FL", "sigma_FL", "mu_EL", "sigma_EL"]

@@ -33,7 +33,7 @@ class BedForms(NamedTuple):
     """Beds with one sieve curve.
 
     curve: SieveCurve. source: its file or name. samples: list of Sample, or with forms by sieve class a list of
-    (name, classes), as from simcore.grains.forms_by_class.read_classes. by_class: whether it is the latter. places:
+    (name, classes), as from simcore.grains.forms_by_class.classes_of_table. by_class: whether it is the latter. places:
     of the samples among those of all beds, if the table of forms has the curves, else None.
     """
 

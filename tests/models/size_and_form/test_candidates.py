@@ -1,13 +1,12 @@
 """The candidates for size and form: their limits, and what splitting a class, a form or a size changes."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from simcore.grains.sieve import SieveCurve, read_cases
 from simcore.models.packing_models.curves import LAWS, passing, split
 from simcore.models.size_and_form.candidates import CANDIDATES, predict
-from simcore.models.size_and_form.one_class import check_one_class, one_class_porosity
+from simcore.models.size_and_form.one_class import check_one_class
 from simcore.models.size_and_form.skeletons import least_porosity
 from simcore.models.size_and_form.stretch import REFERENCE_POROSITY, by_form, by_looseness
 from simcore.paths import CONFIG
@@ -152,33 +151,6 @@ def test_stretch_rules_at_the_reference():
     assert by_form(0.3, 0.682, 1.0, 0.1) == pytest.approx(1 + 0.1 * (1 / 0.3 - 1 / 0.441))
     with pytest.raises(ValueError, match="not positive"):
         by_form(0.1, 0.7, 1.0, -1.0)
-
-
-class Linear:
-    """A one-class model with the signature of PorosityModel.predict."""
-
-    def predict(self, features):
-        return 0.28 + 0.03 * features["mu_EQ_inv"] + 0.01 * features["relative_variance_EL"]
-
-
-def statistics(mu_EQ):
-    return pd.DataFrame({"mu_EQ": mu_EQ, "sigma_EQ": 0.1, "mu_EL": 0.7, "sigma_EL": 0.14})
-
-
-def test_one_class_porosity_of_all_grains_and_by_class():
-    expected = 0.28 + 0.03 / np.array([0.4, 0.5, 0.6]) + 0.01 * 0.2**2
-    assert one_class_porosity(Linear(), statistics([0.4]), BINARY) == pytest.approx(expected[0])
-    np.testing.assert_allclose(
-        one_class_porosity(Linear(), statistics([0.4, 0.5, 0.6]), BINARY),
-        expected[[0, 1, 2]] * [1, 0, 1] + np.array([0, expected[[0, 2]].mean(), 0]),
-    )
-    np.testing.assert_allclose(
-        one_class_porosity(Linear(), statistics([0.4, np.nan, 0.6]), BINARY)[[0, 2]], expected[[0, 2]]
-    )
-    with pytest.raises(ValueError, match="binary: 2 rows of form statistics do not fit 3 classes"):
-        one_class_porosity(Linear(), statistics([0.4, 0.5]), BINARY)
-    with pytest.raises(ValueError, match="class 3 has mass but no form statistics"):
-        one_class_porosity(Linear(), statistics([0.4, 0.5, np.nan]), BINARY)
 
 
 def test_a_porosity_outside_0_and_1_is_refused(monkeypatch):

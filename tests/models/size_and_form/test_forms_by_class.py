@@ -7,9 +7,10 @@ import pytest
 
 import simcore
 from simcore.__main__ import main
-from simcore.grains.forms_by_class import class_column, read_classes
+from simcore.grains.forms_by_class import class_name, classes_of_table
 from simcore.grains.sampling import sample_grains
 from simcore.grains.sieve import SieveCurve
+from simcore.grains.table_file import read_table
 from simcore.models.fitting import fit_reference_models
 from simcore.models.packing_models.curves import split
 from simcore.models.regression import student_quantile
@@ -45,7 +46,8 @@ def table(tmp_path):
 
 
 def classes_of(path):
-    return read_classes(path, class_column(path))[0]
+    table = read_table(path)
+    return classes_of_table(table, class_name(table.header))[0]
 
 
 @pytest.mark.parametrize("form", [FLAT, NEAR_THE_LIMIT])
@@ -120,8 +122,7 @@ def test_units_may_stand_in_the_header_and_axes_in_the_rows(table):
 
 
 def test_a_table_without_classes_has_no_such_column(table):
-    assert class_column(table(FLAT, header=HEADER.removeprefix("class,"))) is None
-    assert class_column(None) is None
+    assert class_name(HEADER.removeprefix("class,").split(",")) is None
 
 
 @pytest.mark.parametrize(
