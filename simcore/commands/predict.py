@@ -50,22 +50,22 @@ def add(commands) -> None:
     )
     parser.add_argument("--source", help="use only the committed packings of one form with grains of this source")
     parser.add_argument("--level", type=float, default=0.95, help="level of the prediction interval (0.95)")
-    form = parser.add_mutually_exclusive_group()
-    form.add_argument(
+    output = parser.add_mutually_exclusive_group()
+    output.add_argument(
         "--csv",
         action="store_const",
-        dest="form",
+        dest="output",
         const="csv",
         help="one row per sample; with --case, one per sample and model",
     )
-    form.add_argument(
+    output.add_argument(
         "--json",
         action="store_const",
-        dest="form",
+        dest="output",
         const="json",
         help="JSON, with the models, their data and all notices",
     )
-    parser.set_defaults(run=run, form="text")
+    parser.set_defaults(run=run, output="text")
 
 
 def run(options) -> int:
@@ -77,7 +77,7 @@ def run(options) -> int:
         "source": options.source,
         "column": options.sample,
         "level": options.level,
-        "form": options.form,
+        "output": options.output,
         "notify": lambda notice: print(f"scree predict: {notice}", file=sys.stderr),
     }
     if options.sieve is not None or (options.case is None and has_curves(options.forms)):

@@ -23,12 +23,12 @@ from simcore.reference.r22_tables import read_r22_models
 FEW_GRAINS = 30  # fewer grains do not determine the spread of form well
 
 
-def predict_file(path, case, models=None, source=None, column=None, level=0.95, form="text", notify=None):
+def predict_file(path, case, models=None, source=None, column=None, level=0.95, output="text", notify=None):
     """Return what `scree predict` prints for the table of measured grains at `path`.
 
-    Arguments and errors: as in `predict_measured`. form: "text", "csv" or "json". notify: function that is called with
-    each notice on how the table was read; JSON output contains the notices too. For a table with two axes only, the
-    text has a range over the third axis (simcore.models.two_axes).
+    Arguments and errors: as in `predict_measured`. output: "text", "csv" or "json". notify: function that is called
+    with each notice on how the table was read; JSON output contains the notices too. For a table with two axes only,
+    the text has a range over the third axis (simcore.models.two_axes).
     """
     check_level(level)
     two_axes = read_two_axes(path, column)
@@ -37,13 +37,13 @@ def predict_file(path, case, models=None, source=None, column=None, level=0.95, 
         for notice in notices if notify is not None else []:
             notify(notice)
         ranges = predict_two_axes(samples, case, models_for_cases(models, source), level)
-        return two_axes_text(ranges, case, notices, level, form)
+        return two_axes_text(ranges, case, notices, level, output)
     table, fitted, notices = predict_measured(path, case, models, source, column, level)
     for notice in notices if notify is not None else []:
         notify(notice)
-    if form == "csv":
+    if output == "csv":
         return table.rename(columns={"name": "sample"}).to_csv(index=False).rstrip("\n")
-    if form == "json":
+    if output == "json":
         return as_json(table, case, fitted, level, notices)
     return describe(table, case, fitted, level)
 

@@ -57,11 +57,11 @@ def predict_two_axes(samples, case, fitted, level=0.95, r22_tables=R22_TABLES):
     return table
 
 
-def two_axes_text(table, case, notices=(), level=0.95, form="text"):
-    """Return the result of predict_two_axes as text for people, or as "csv" or "json" if `form` says so."""
-    if form == "csv":
+def two_axes_text(table, case, notices=(), level=0.95, output="text"):
+    """Return the result of predict_two_axes as text for people, or as "csv" or "json" if `output` is one of these."""
+    if output == "csv":
         return table.to_csv(index=False).rstrip("\n")
-    if form == "json":
+    if output == "json":
         content = {"case": model_case(case), "level": level, "notices": list(notices), "samples": records(table)}
         return json.dumps(content, indent=1, allow_nan=False)
     low, high = table.flatness_low.min(), table.flatness_high.max()

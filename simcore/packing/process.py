@@ -21,7 +21,7 @@ from simcore.packing.observation import observe
 from simcore.packing.packed import DAMPING, GENERATING, SHAKING, Interrupted, Packed, PackingError
 from simcore.packing.progress import Progress
 from simcore.packing.rest import judge_settled, judge_still
-from simcore.packing.state import State
+from simcore.packing.state import PackingState
 from simcore.packing.stepper import Stepper
 from simcore.packing.watch import Watch
 from simcore.provenance.cpu_time import before_compiling
@@ -68,7 +68,7 @@ class Process:
         self.dt = scene.numerics.time_step
         self.interval_steps = max(round(scene.convergence.interval / self.dt), 1)
         self.shaking_steps = round(scene.shaking.duration / self.dt)
-        self.state = State()
+        self.state = PackingState()
         self.bodies = None
         self.candidates = None
 
@@ -200,7 +200,7 @@ class Process:
         if latest is None:
             return
         header, sections = latest
-        self.state = state = State.from_header(header)
+        self.state = state = PackingState.from_header(header)
         self.bodies, self.candidates = self.ranks.restore(sections, self.stepper.box, self.stepper.features)
         self.progress.resume(state.step)
         self.progress.phase(f"resumes from step {state.step}, t = {state.step * self.dt:.3f} s, {state.phase}")

@@ -23,7 +23,7 @@ class WatchState:
 
 
 @dataclass
-class State:
+class PackingState:
     """All that later steps depend on, besides bodies and candidate pairs.
 
     A stretch is the steps between two checks. Times are in steps.

@@ -27,29 +27,31 @@ from simcore.packing.run_checks import (
     pinched,
     too_deep,
 )
-from simcore.packing.state import State, WatchState
+from simcore.packing.state import PackingState, WatchState
 from simcore.scene.scene import Scene
 
 CHECKS_PER_SEARCH = 5  # number of checks from one search for the stiffest grain to the next
 
 
 class Watch:
-    """Checks the bodies of a scene; its state between checks is State.watch."""
+    """Checks the bodies of a scene; its state between checks is PackingState.watch."""
 
     def __init__(self, scene: Scene, width: float, report, ranks=ONE_RANK):
         self.scene, self.width, self.report, self.ranks = scene, width, report, ranks
         self.composition = compose(scene)
         self.backing = backing(scene)
 
-    def begin_anew(self, state: State, bodies: Bodies) -> None:
+    def begin_anew(self, state: PackingState, bodies: Bodies) -> None:
         """Discard the stored energy, because bodies were added or changed. PackingError as in `check`."""
         state.watch.energy = None
         self._check_speeds(state, bodies, half_thickness(bodies))
 
-    def check(self, state: State, bodies: Bodies, candidates: CandidatePairs, drive: Drive, falling: bool) -> None:
+    def check(
+        self, state: PackingState, bodies: Bodies, candidates: CandidatePairs, drive: Drive, falling: bool
+    ) -> None:
         """Raise PackingError if a check fails at the end of a stretch of steps with this drive.
 
-        falling: whether grains may still be falling from their insertion height, until State.space_deadline.
+        falling: whether grains may still be falling from their insertion height, until PackingState.space_deadline.
         """
         watch_state, step = state.watch, state.step
         self.check_finite(bodies, step)

@@ -114,7 +114,7 @@ def test_a_sample_without_a_model_is_listed_beside_the_others(write, fitted):
     lines = two_axes_text(table, "U7").splitlines()
     assert next(line for line in lines if line.startswith("narrow")).count("  -") == 3
     assert any(line.startswith("  narrow: sigma_EL_inv") for line in lines)
-    assert json.loads(two_axes_text(table, "U7", form="json"))["samples"][0]["n_low"] is None
+    assert json.loads(two_axes_text(table, "U7", output="json"))["samples"][0]["n_low"] is None
 
 
 def test_an_export_of_pebblecounts_gives_a_range_on_the_command_line(write, capsys):

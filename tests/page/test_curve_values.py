@@ -252,7 +252,7 @@ def test_a_candidate_without_a_port_is_refused():
 
 def test_the_table_to_take_away_is_that_of_the_command(open_page):
     sieves, forms = ROOT / "examples" / "sieve_curve.csv", ROOT / "examples" / "table2.csv"
-    expected = pd.read_csv(io.StringIO(predict_curve_file(sieves, forms, form="csv")), keep_default_na=False)
+    expected = pd.read_csv(io.StringIO(predict_curve_file(sieves, forms, output="csv")), keep_default_na=False)
     state = {"case": "own", "sieves": sieves.read_text(), "curve": "sieve_curve.csv", "mark": "."}
     page = open_page("#" + urlencode({**state, "table": forms.read_text()}))
     with page.expect_download() as download:

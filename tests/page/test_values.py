@@ -151,7 +151,7 @@ def test_shared_cases_have_the_same_words(open_page, fitted, tmp_path):
 
 def test_the_table_to_take_away_is_that_of_the_command(open_page, fitted):
     path = ROOT / "examples" / "table2.csv"
-    expected = pd.read_csv(io.StringIO(predict_file(path, "U1", form="csv")))
+    expected = pd.read_csv(io.StringIO(predict_file(path, "U1", output="csv")))
     page = open_page()
     page.get_by_label("Table of grains").fill(path.read_text())
     page.get_by_label("Sieve curve").select_option("U1")

@@ -30,15 +30,15 @@ CHECK_BY_CLASS = "On two packed beds, forms by sieve class erred less than the f
 
 def predict_curve_file(
     path=None, forms=None, *, models=None, source=None, column=None, level=0.95, finest=None, coarsest=None,
-    form="text", notify=None,
+    output="text", notify=None,
 ):  # fmt: skip
     """Return what `predict --sieve` prints for the sieve curve at `path` and the table of grains at `forms`.
 
     path: also the name of a listed curve; None if the table of grains has a column `sieve`. forms: None for the Rhine's
     mean form; with a column `class` each sieve class has its own form. finest, coarsest [m]: sizes of the grains in the
     pan and on the coarsest sieve. models, source, column, level: as in
-    simcore.models.measured_prediction.predict_measured. form: "text", "csv" or "json". notify: called with each notice
-    on how the tables were read. ValueError names the file and the remedy.
+    simcore.models.measured_prediction.predict_measured. output: "text", "csv" or "json". notify: called with each
+    notice on how the tables were read. ValueError names the file and the remedy.
     """
     check_level(level)
     beds, notices = read_bed_forms(forms, path, column, finest, coarsest)
@@ -48,9 +48,9 @@ def predict_curve_file(
     tables = [bed.predict(fitted, level) for bed in beds]
     joined = join_tables(beds, tables)
     _require_one(joined, forms if path is None else path)
-    if form == "csv":
+    if output == "csv":
         return joined.to_csv(index=False).rstrip("\n")
-    if form == "json":
+    if output == "json":
         return _json(beds, tables, level, notices, fitted)
     return describe(beds, joined, forms, level, fitted)
 

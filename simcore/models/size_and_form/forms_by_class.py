@@ -27,9 +27,9 @@ def predict_by_class(
 ) -> pd.DataFrame:
     """Return one row with the columns of predict_curve: the porosity of a bed with this SieveCurve.
 
-    classes: as from simcore.grains.forms_by_class.classes_of_table; each class of the curve that has mass must lie within
-    one of them. The errors of the one-class porosities of the classes are taken as equal in sign, because one model
-    gives them; their errors from few measured grains are independent. Form statistics of the row are by mass;
+    classes: as from simcore.grains.forms_by_class.classes_of_table; each class of the curve that has mass must lie
+    within one of them. The errors of the one-class porosities of the classes are taken as equal in sign, because one
+    model gives them; their errors from few measured grains are independent. Form statistics of the row are by mass;
     n_one_class is the porosity that the classes would give if they did not interact. ValueError if a class has no
     forms; a form that is too far outside the fitted range is a refusal, as in predict_curve. name: of the sample.
     """
