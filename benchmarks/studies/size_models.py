@@ -28,12 +28,11 @@ from simcore.models.packing_models.linear_mixture import linear_mixture
 from simcore.models.packing_models.literature import POURED_COMPACTION, VIBRATED_COMPACTION, one_size
 from simcore.models.packing_models.rods import rods
 from simcore.models.size_and_form.candidates import predict
-from simcore.models.size_and_form.known_beds import known_forms
+from simcore.models.size_and_form.known_beds import OF_ONE_FORM, known_forms
 from simcore.paths import CONFIG, REFERENCE
 from simcore.reference.r22_tables import read_r22_table
 
 BASE = "U1"
-WIDE = ("U7", "B50")
 LOOSE = (0.32, 0.38)  # one-class porosities of the slopes
 INDICES = (POURED_COMPACTION, VIBRATED_COMPACTION, 9.0)
 TABLE = "size_models_measured.csv"
@@ -82,7 +81,7 @@ def size_models_table():
     for model, K, classes, porosity in packing_models():
         errors = {name: porosity(curves[name], porosities[BASE]) - n for name, n in porosities.items()}
         row = {"model": model, "K": K, "given": f"curve and porosity of {BASE}", "classes": classes} | _named(errors)
-        for name in WIDE:
+        for name in OF_ONE_FORM:
             dense, loose = (porosity(curves[name], n1) for n1 in LOOSE)
             row[f"slope_{name}"] = (loose - dense) / (LOOSE[1] - LOOSE[0])
         rows.append(row)
@@ -96,7 +95,7 @@ def size_models_table():
 def single_form_slopes():
     """Return the slopes of the published porosities of U7 and B50 against those of U1, over our 63 synthetic forms."""
     n = known_forms()
-    return {f"slope_{case}": np.polyfit(n["n_one_class"], n[f"n_{case}"], 1)[0] for case in WIDE}
+    return {f"slope_{case}": np.polyfit(n["n_one_class"], n[f"n_{case}"], 1)[0] for case in OF_ONE_FORM}
 
 
 def _named(errors):

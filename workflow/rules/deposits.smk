@@ -1,16 +1,18 @@
 # Deposits of general ellipsoids (config/deposits.yaml). They are not part of `all`; the target is `deposits`. Their
 # packings are made like all others (packings.smk); this file has their evaluation and tables.
-deposit_studies = plan.studies_named("deposit_")
+from simcore.campaign.deposits import PREFIX
+
+deposit_studies = plan.studies_named(PREFIX)
 deposit_packings = plan.of(*deposit_studies)
 deposit_tables = ["packings", "means", "maxima", "symmetry", "crossings", "changes"]
 # Tables and figures that need only the rows.
 row_tables = ["means", "maxima", "symmetry", "changes"]
 row_figures = ["map", "forms", "directions", "sizes", "bridge", "size_distributions"]
 deposit_figures = [*row_figures, "histograms", "picture"]
-if plan.studies_named("deposit_sizes"):
+if plan.studies_named(PREFIX + "sizes"):
     deposit_figures += ["histograms_over_sizes"]
 # The packing of the picture: the middle one of the diagonal, or of all if there is no diagonal.
-pictured = plan.of(*(plan.studies_named("deposit_diagonal") or deposit_studies))
+pictured = plan.of(*(plan.studies_named(PREFIX + "diagonal") or deposit_studies))
 pictured = pictured.iloc[len(pictured) // 2 : len(pictured) // 2 + 1]
 
 

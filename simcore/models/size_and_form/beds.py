@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from simcore.evaluation.composition import FLOOR_FACTOR, LARGE_DIFFERENCE
 from simcore.models.size_and_form.bases import PROCESS, fit_bases
 from simcore.models.unified import unified_features
 from simcore.reference.share_columns import realised_curve
@@ -18,8 +19,6 @@ from simcore.reference.share_columns import realised_curve
 BASE, ALL_FORMS, SPHERE = "U1", "all", "sphere"
 # A bed is kept out of the fit if a share of coarse grains differs by more than this beyond its standard error.
 LARGEST_DIFFERENCE = 0.03
-# Rules of simcore.evaluation.composition, in which both are explained.
-FLOOR_ERRORS, FLOOR_FACTOR = 3.0, 1.5
 
 
 class Beds(NamedTuple):
@@ -52,7 +51,7 @@ def flags(table) -> pd.Series:
     parts = _beyond(table, "coarse_bed", "coarse_evaluated")
     floor, inside = table["fine_floor"], table["fine_evaluated"]
     errors = np.hypot(table["fine_floor_error"], table["fine_evaluated_error"])
-    fines = (floor - inside > FLOOR_ERRORS * errors) & (floor > FLOOR_FACTOR * inside)
+    fines = (floor - inside > LARGE_DIFFERENCE * errors) & (floor > FLOOR_FACTOR * inside)
     reasons = {"sizes separate over height": halves, "coarse grains lie outside": parts, "fines on the floor": fines}
     texts = pd.Series("", table.index)
     for reason, flagged in reasons.items():

@@ -21,7 +21,7 @@ import pandas as pd
 from simcore.models.packing_models.curves import span
 from simcore.models.packing_models.literature import POURED_COMPACTION
 from simcore.models.size_and_form.candidates import CANDIDATES, predict
-from simcore.models.size_and_form.known_beds import MEASURED, PACKED, known_beds
+from simcore.models.size_and_form.known_beds import MEASURED, OF_ONE_FORM, PACKED, known_beds
 from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
 from simcore.paths import REFERENCE
 from simcore.scene.sizes import all_cases
@@ -30,7 +30,6 @@ SETS = (MEASURED, PACKED)  # beds whose errors the model states
 CANDIDATE, UNFITTED = "H", {"K": POURED_COMPACTION, "m0": 1.0, "kappa": 0.0}
 NOT_FITTED = f"{CANDIDATE}, not fitted"  # its name in the table of candidates
 ANY = 1e9  # limit of a ratio that is not limited
-OF_FORM = ("U7", "B50")  # cases for which Rettinger et al. published models of single forms
 ENDS = (0.32, 0.38)  # one-class porosities between which the effect of form is compared, about that of the 63 forms
 # Families of sieve curves of config/curves.tsv and config/cases.tsv, without that of the bases
 WIDE_FAMILIES = {"binary_2_to_3", "binary_4_to_8", "log_normal", "two_modes", "fractal", "skewed_and_gap"}
@@ -141,7 +140,7 @@ def _form_error(candidate, parameters):
     table = pd.read_csv(REFERENCE / "size_models_measured.csv")
     published = table[table["model"] == "single forms of Rettinger et al."].iloc[0]
     ratios = []
-    for case in OF_FORM:
+    for case in OF_ONE_FORM:
         dense, loose, mean = (
             predict(candidate, all_cases()[case].curve, one_class, parameters, law="mass")
             for one_class in (*ENDS, REFERENCE_POROSITY)
