@@ -37,8 +37,11 @@ def pack(
     """
     if isinstance(specification, dict):
         specification = resolve_written(specification)
-    else:
+    elif isinstance(specification, str | PathLike):
         specification = read_specification(specification)
+    else:
+        kind = type(specification).__name__
+        raise ValueError(f"the specification is of type {kind}; give a nested dict, or the path of a YAML file")
     code_version()  # names the code that runs, even if files are changed in the meantime
     setup, warned = prepare(specification, threads, force)
     for text in warned:

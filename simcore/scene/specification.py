@@ -16,9 +16,11 @@ import difflib
 import functools
 import math
 import re
+from os import PathLike
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import yaml
 
 from simcore.paths import CONFIG
@@ -52,11 +54,25 @@ def express(resolved, schema="packing"):
 
 
 def resolve_written(raw, schema="packing"):
-    """Return the resolved specification that a user wrote; ValueError also for a key without effect or wrong sizes."""
-    resolved = resolve(raw, schema, unused="refuse")
+    """Return the resolved specification that a user wrote; ValueError also for a key without effect or wrong sizes.
+
+    raw: as for `resolve`; numpy's numbers and arrays, tuples and paths are as good as Python's numbers, lists and text.
+    """
+    resolved = resolve(_plain(raw), schema, unused="refuse")
     if schema == "packing" and not resolved["sizes"]["own"]:  # own sizes follow from the grains, which are read later
         size_curve(resolved["sizes"])
     return resolved
+
+
+def _plain(value):
+    """Return a value with the types that a YAML file gives."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    return str(value) if isinstance(value, PathLike) else value
 
 
 def read_specification(path, schema="packing"):

@@ -37,3 +37,10 @@ def test_ten_lines_of_the_readme_pack_spheres_and_print_their_coordination_numbe
     assert len(rows) == 100 and all(len(row.strip("[] ").split()) == 3 for row in rows)
     # With friction, spheres need at least four contacts on average where they carry load; the top of the bed has fewer.
     assert 3.0 < float(last) < 6.0
+
+
+def test_a_specification_of_another_type_is_refused():
+    with pytest.raises(
+        ValueError, match="the specification is of type list; give a nested dict, or the path"
+    ):
+        simcore.pack([])

@@ -3,10 +3,11 @@
 import copy
 import math
 
+import numpy as np
 import pytest
 
 from simcore.scene.quantity import parse_quantity
-from simcore.scene.specification import express, read_presets, read_schema, read_specification, resolve
+from simcore.scene.specification import express, read_presets, read_schema, read_specification, resolve, resolve_written
 
 MINIMAL = {
     "domain": {"width": "0.2 m", "height": "80 cm"},
@@ -76,6 +77,20 @@ def test_the_input_is_left_alone():
     raw = copy.deepcopy(MINIMAL)
     resolve(raw)
     assert raw == MINIMAL
+
+
+def test_values_of_numpy_and_paths_are_those_of_yaml():
+    given = specification("sizes", {"bounds": ("2.8 mm", "4 mm"), "mass_fractions": np.array([1.0])})
+    given |= {
+        "seed": np.int32(3),
+        "shapes": {"kind": "ellipsoid", "choice": "form", "flatness": np.float64(0.6), "elongation": 0.7},
+    }
+    plain = copy.deepcopy(given)
+    plain["sizes"] = {"bounds": ["2.8 mm", "4 mm"], "mass_fractions": [1.0]}
+    plain["seed"], plain["shapes"]["flatness"] = 3, 0.6
+    assert resolve_written(given) == resolve_written(plain)
+    with pytest.raises(ValueError, match="seed: 2.5 is wrong; a whole number is needed"):
+        resolve_written(given | {"seed": np.float64(2.5)})
 
 
 def test_express_is_the_inverse_of_resolve():
