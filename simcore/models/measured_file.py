@@ -52,17 +52,10 @@ def read_curve_models(path):
     content = _read(path).get("curve")
     if content is None:
         return None
-    models, behind, only_kind = {}, {}, {}
     try:
-        for entry in content["one_class"]:
-            model = _read_model(entry)
-            key = (model.name, model.case)
-            models[key], behind[key] = model, entry["behind"]
-            if entry["only_kind"] is not None:
-                only_kind[key] = entry["only_kind"]
         values = {key: _with_nan(value) for key, value in content["correction"].items()}
         values["behind"] = f"{values['behind']}: {path}"
-        return values, models, behind, only_kind
+        return values, *_read_models(content["one_class"], lambda entry: entry["behind"])
     except (ValueError, KeyError, TypeError, AttributeError):
         raise ValueError(not_written_by_fit(path)) from None
 
@@ -88,17 +81,22 @@ def read_measured_models(path):
     Returns dicts from (MEASURED, case): to the PorosityModel, to a description of the beds behind it, and, where all
     beds are of one kind, to this kind. ValueError if the file is not of this kind.
     """
-    models, behind, only_kind = {}, {}, {}
     content = _read(path)
     try:
-        for entry in content["models"]:
-            model = _read_model(entry)
-            key = (MEASURED, model.case)
-            models[key], behind[key] = model, f"{entry['fitted']}: {path}"
-            if entry["only_kind"] is not None:
-                only_kind[key] = entry["only_kind"]
+        return _read_models(content["models"], lambda entry: f"{entry['fitted']}: {path}", MEASURED)
     except (ValueError, KeyError, TypeError, AttributeError):
         raise ValueError(not_written_by_fit(path)) from None
+
+
+def _read_models(entries, describe, name=None):
+    """Return the dicts of read_measured_models. describe(entry): beds behind a model. name: of all models, or None."""
+    models, behind, only_kind = {}, {}, {}
+    for entry in entries:
+        model = _read_model(entry)
+        key = (name or model.name, model.case)
+        models[key], behind[key] = model, describe(entry)
+        if entry["only_kind"] is not None:
+            only_kind[key] = entry["only_kind"]
     return models, behind, only_kind
 
 

@@ -40,7 +40,5 @@ def test_ten_lines_of_the_readme_pack_spheres_and_print_their_coordination_numbe
 
 
 def test_a_specification_of_another_type_is_refused():
-    with pytest.raises(
-        ValueError, match="the specification is of type list; give a nested dict, or the path"
-    ):
+    with pytest.raises(ValueError, match="the specification is of type list; give a nested dict, or the path"):
         simcore.pack([])
