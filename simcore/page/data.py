@@ -63,6 +63,8 @@ def page_data(fitted, r22_tables=R22_TABLES):
         "rule": {"near": NEAR, "far": FAR, "widening": WIDENING},
         "nearly_one_form": prediction.NEARLY_ONE_FORM * prediction.R22_MIXTURES["sigma"][0],
         "smallest_porosity": prediction.SMALLEST_PRINTED,
+        "no_model": prediction.NO_MODEL,
+        "kinds_of_bed": list(prediction.KINDS_OF_BED),
         "reading": _reading(),
         "curve": curve_data(LEVELS),
         "flatness": read_r22_table("table2_form_statistics", r22_tables)[["mu_FL", "sigma_FL"]].to_numpy().tolist(),

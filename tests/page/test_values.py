@@ -163,6 +163,23 @@ def test_the_table_to_take_away_is_that_of_the_command(open_page, fitted):
         pd.testing.assert_frame_equal(got, expected, rtol=0, atol=TOLERANCE)
 
 
+def test_a_sample_without_a_model_is_in_the_table_as_by_the_command(open_page, fitted, tmp_path):
+    path = tmp_path / "forms.csv"
+    path.write_text("sample,mean_FL,std_FL,mean_EL,std_EL\nbar,0.65,0.17,0.7,0.14\ncubes,0.9,0,0.9,0\n")
+    expected = pd.read_csv(io.StringIO(predict_file(path, "B50", output="csv")))
+    assert (
+        expected["refused"]
+        == "no model was fitted to beds of B50 with a distribution of form, only to beds with one form"
+    ).sum() == 1
+    page = open_page()
+    page.get_by_label("Table of grains").fill(path.read_text())
+    page.get_by_label("Sieve curve").select_option("B50")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Table as CSV").click()
+    got = pd.read_csv(download.value.path(), encoding="utf-8-sig")
+    pd.testing.assert_frame_equal(got, expected, rtol=0, atol=TOLERANCE)
+
+
 def test_formats_are_those_of_python(open_page):
     rng = np.random.default_rng(3)
     values = [*(10.0 ** rng.uniform(-9, 12, 300) * rng.choice([-1, 1], 300)).tolist(), 0.0, 1.0, 100.0, 99999.95, 1e-5]

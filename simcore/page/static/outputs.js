@@ -8,8 +8,9 @@ const Outputs = (() => {
 
   const takenAs = (sample) => (Grains.isOneForm(sample) ? "one form" : "a distribution");
 
-  // Returns the table that the command prints with --csv, with all digits, but without samples that no model suits; results: [{sample, rows} or {sample, range}].
-  function csv(results, mark) {
+  // Returns the table that the command prints with --csv, with all digits. results: [{sample, rows} or {sample, range}];
+  // mark: of decimals; choice: of the case.
+  function csv(results, mark, choice) {
     const separator = mark === "," ? ";" : ",";
     const cell = (value) => {
       if (typeof value === "number") return Number.isNaN(value) ? "" : String(value).replace(".", mark);
@@ -25,9 +26,19 @@ const Outputs = (() => {
         lines.push([sample.name, sample.grains, sample.mu_EL, sample.sigma_EL, ...RANGE.map((key) => range[key])]);
       }
       const common = [takenAs(sample), sample.name, sample.grains, ...STATISTICS.map((key) => sample[key])];
-      for (const row of rows ?? []) lines.push([...common, ...PREDICTION.map((key) => row[key])]);
+      const given = rows?.length === 0 ? [withoutModel(sample, choice)] : rows ?? [];
+      for (const row of given) lines.push([...common, ...PREDICTION.map((key) => row[key])]);
     }
     return lines.map((line) => line.map(cell).join(separator)).join("\n") + "\n";
+  }
+
+  // Returns the row of a sample for which the case has no model.
+  function withoutModel(sample, choice) {
+    const [one, distribution] = DATA.kinds_of_bed;
+    const [kind, other] = Grains.isOneForm(sample) ? [one, distribution] : [distribution, one];
+    const refused = `${DATA.no_model} to beds of ${Prediction.modelCase(choice)} with ${kind}, only to beds with ${other}`;
+    const numbers = { n: NaN, lower: NaN, upper: NaN, few_grains_error: NaN, distance: NaN };
+    return { by: "", model: "", preferred: false, outside: "", ...numbers, refused };
   }
 
   // Returns the YAML that packs a sample's distribution of form with the sieve curve of the case, or "".

@@ -355,7 +355,7 @@ const Page = (() => {
     byId("clear").addEventListener("click", () => setTable("", ""));
     byId("csv").addEventListener("click", () => {
       const mark = byId("mark").value;
-      const text = (isOwn() ? BedOutput : Outputs).csv(results, mark);
+      const text = (isOwn() ? BedOutput : Outputs).csv(results, mark, byId("case").value);
       // Excel recognises UTF-8 by the byte order mark only.
       download("porosity.csv", (mark === "," ? "\ufeff" : "") + text, "text/csv");
     });
