@@ -69,11 +69,12 @@ def query(shape_a: Shape, pose_a, shape_b: Shape, pose_b) -> ContactQuery:
     """Return signed distance [m], normal and closest (or deepest) points of two Shapes.
 
     pose: position (3,) [m] and quaternion (4,) (w, x, y, z), of any length but zero, from the frame of the shape to the
-    world. ValueError for a pose that is not finite or has a zero quaternion.
+    world. ValueError for a pose that is not finite or has a zero quaternion, and for an argument that is no shape.
 
     An overlap is the length of the shortest translation that separates the shapes. If several translations are equally
     short (concentric spheres), one of them is returned, the same at every call.
     """
+    _check_shapes(shape_a, shape_b)
     position_a, orientation_a = _pose(pose_a, "a")
     position_b, orientation_b = _pose(pose_b, "b")
     one = np.zeros(1, np.int64)
@@ -88,10 +89,20 @@ def query_many(shapes, index_a, poses_a, index_b, poses_b) -> ContactQuery:
     and quaternions (n, 4). The fields of the result are arrays (n,) and (n, 3). ValueError as in `query`, and if the
     numbers of indices and poses differ; IndexError for an index outside `shapes`.
     """
+    _check_shapes(*shapes)
     position_a, orientation_a = _pose(poses_a, "a")
     position_b, orientation_b = _pose(poses_b, "b")
     index_a, index_b = (_index(index, name) for index, name in ((index_a, "index_a"), (index_b, "index_b")))
     return ContactQuery(*_query(tuple(shapes), index_a, position_a, orientation_a, index_b, position_b, orientation_b))
+
+
+def _check_shapes(*shapes):
+    """Raise ValueError unless all are Shapes."""
+    for shape in shapes:
+        if not isinstance(shape, Shape):
+            raise ValueError(
+                f"query: {shape!r} is no shape; make one with simcore.sphere, simcore.ellipsoid or simcore.convex."
+            )
 
 
 def _index(index, name: str):
@@ -106,7 +117,13 @@ def _index(index, name: str):
 
 def _pose(pose, name: str):
     """Return positions (n, 3) and unit quaternions (n, 4)."""
-    position, quaternion = (np.atleast_2d(np.asarray(part, np.float64)) for part in pose)
+    try:
+        position, quaternion = (np.atleast_2d(np.asarray(part, np.float64)) for part in pose)
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"pose {name}: {pose!r} is no pair of a position (3,) and a quaternion (4,), such as ((0, 0, 0), "
+            "(1, 0, 0, 0))."
+        ) from None
     if position.shape[1:] != (3,) or quaternion.shape != (len(position), 4):
         raise ValueError(
             f"pose {name}: give a position (3,) and a quaternion (4,), or n of each. "

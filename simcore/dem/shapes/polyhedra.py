@@ -285,7 +285,11 @@ def convex(vertices) -> Shape:
 
 
 def _lengths(name: str, **lengths: float) -> tuple[float, ...]:
-    values = tuple(float(value) for value in lengths.values())
+    try:
+        values = tuple(float(value) for value in lengths.values())
+    except (TypeError, ValueError):
+        given = ", ".join(f"{key} = {value!r}" for key, value in lengths.items())
+        raise ValueError(f"{name}: lengths must be numbers [m], but {given}.") from None
     for key, value in zip(lengths, values, strict=True):
         if not (np.isfinite(value) and value > 0.0):
             raise ValueError(f"{name}: {key} must be a positive length [m], but it is {value}.")

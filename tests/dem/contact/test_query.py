@@ -276,6 +276,17 @@ def test_hulls_that_are_refused(points, words):
         convex(points)
 
 
+def test_arguments_of_another_type_are_refused():
+    with pytest.raises(ValueError, match="query: 'ball' is no shape; make one with simcore.sphere"):
+        query("ball", ORIGIN, sphere(1.0), ORIGIN)
+    with pytest.raises(ValueError, match="query: 3 is no shape"):
+        query_many([sphere(1.0), 3], [0], ORIGIN, [0], ORIGIN)
+    with pytest.raises(ValueError, match=r"pose b: \[0, 0, 0\] is no pair of a position \(3,\) and a quaternion"):
+        query(sphere(1.0), ORIGIN, sphere(1.0), [0, 0, 0])
+    with pytest.raises(ValueError, match="sphere: lengths must be numbers \\[m\\], but radius = '1 mm'"):
+        sphere("1 mm")
+
+
 def test_lengths_and_poses_that_are_refused():
     for wrong in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(ValueError, match="radius"):
