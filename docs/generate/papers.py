@@ -212,8 +212,10 @@ def _ellipsoids():
 
 
 def _spheres():
-    row = _rows("near_spheres").query("shape_kind == 'sphere'").iloc[0]
-    return f"{row.grains} grains, 1 seed", f"{_apart(row.n - 0.36, np.hypot(row.n_error, 10 * ROUNDING))}"
+    rows = _rows("near_spheres").query("shape_kind == 'sphere'")
+    seeds = f"{len(rows)} seed" + "s" * (len(rows) > 1)
+    error = float(np.hypot(np.sqrt((rows["n_error"] ** 2).sum()) / len(rows), 10 * ROUNDING))
+    return f"{rows['grains'].iloc[0]} grains, {seeds}", _apart(rows["n"].mean() - 0.36, error)
 
 
 def _mixtures():
