@@ -1,10 +1,15 @@
 """Notices on measured forms that are possible, but rare for gravel, and probably mean something else."""
 
+import numpy as np
+
 from simcore.grains.text_lists import join_first
 
 SLIP = 0.1  # maximum of S/I and I/L that is noticed, that of equal axes if the decimal mark of one slips
 SMALL_DEVIATION = 0.06  # deviation of FL or EL below which one that is not 0 is noticed; that of gravel is 0.1 to 0.2
 SHOWN = 5  # maximum number of values that a notice lists
+# A row is noticed as the mean of those above it if it is one of the LAST of its sample, has FEWEST_ABOVE rows above it,
+# and differs from their mean by no more than ROUNDED of it, while their standard deviation is more than SPREAD of it.
+LAST, FEWEST_ABOVE, ROUNDED, SPREAD = 5, 3, 0.01, 0.05
 
 
 def describe_slips(path, groups, check):
@@ -33,6 +38,24 @@ def describe_single_rows(path, groups):
     return [
         f"{path}: the {samples} {join_first(names, SHOWN)} {have}, so that all grains have one form; if the row is a "
         "mean over grains, the porosity is too low: give a row per grain, or mean_FL, std_FL, mean_EL, std_EL"
+    ]
+
+
+def describe_mean_rows(path, groups):
+    """Return a notice on rows with the means of the rows above them, without a label; groups: as in describe_slips."""
+    rows = []
+    for entries in groups.values():
+        numbers = np.array([values for _, values, _ in entries])
+        for k in range(max(FEWEST_ABOVE, len(numbers) - LAST), len(numbers)):
+            mean, deviation = numbers[:k].mean(axis=0), numbers[:k].std(axis=0)
+            if (abs(numbers[k] - mean) <= ROUNDED * mean).all() and (deviation > SPREAD * mean).all():
+                rows.append(str(entries[k][-1]))
+    if not rows:
+        return []
+    plural, have = ("s", "have") if len(rows) > 1 else ("", "has")
+    return [
+        f"{path}: row{plural} {join_first(rows, SHOWN)} {have} the means of the rows above of the same sample; if this "
+        "is no grain, remove it, and other statistics below it"
     ]
 
 

@@ -22,7 +22,13 @@ import numpy as np
 from simcore.grains.cell_numbers import NUMBER, check_decimal_marks, read_number
 from simcore.grains.class_labels import CLASS_NAME, look_like_classes
 from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, TWO_AXES, has_two_axes, recognise_columns
-from simcore.grains.form_notices import SHOWN, describe_single_rows, describe_slips, describe_small_deviations
+from simcore.grains.form_notices import (
+    SHOWN,
+    describe_mean_rows,
+    describe_single_rows,
+    describe_slips,
+    describe_small_deviations,
+)
 from simcore.grains.grain_counts import read_counts, read_numbers
 from simcore.grains.statistics import equancy_statistics, few_grains_covariance, means_covariance
 from simcore.grains.summary_rows import find_summary_rows
@@ -99,6 +105,7 @@ def samples_of_table(table, column=None, of_beds=False):
         check = _CHECKS[kind]
         samples = [_from_grains(path, name, entries, check, counts) for name, entries in rows.groups.items()]
         rows.notices.extend(describe_slips(path, rows.groups, check))
+        rows.notices.extend([] if of_beds or counts else describe_mean_rows(path, rows.groups))
         rows.notices.extend([] if of_beds else describe_single_rows(path, rows.groups))
     return samples, rows.notices
 

@@ -86,6 +86,12 @@ def _reading():
         "rows_by_sample": grain_counts.ROWS_BY_SAMPLE,
         "alike": measured_forms.ALIKE,
         "shown": form_notices.SHOWN,
+        "mean_rows": {
+            "last": form_notices.LAST,
+            "fewest_above": form_notices.FEWEST_ABOVE,
+            "rounded": form_notices.ROUNDED,
+            "spread": form_notices.SPREAD,
+        },
         "few_grains": FEW_GRAINS,
         "needed": NEEDED,
         "means": list(MEANS),

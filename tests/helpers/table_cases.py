@@ -349,6 +349,11 @@ GRAINS = [
         error="row 2: the row has 3 fields, but the header has 2; add or remove fields; if there is a title above the "
         "names of the columns, remove it",
     ),
+    Case(
+        "L;I;S\n40;30;10\n30;20;15\n50;40;20\n41;28;17\n;;\n40,25;29,5;15,5\n28;20;10\n50;40;20\n",
+        notice="row 7 has the means of the rows above of the same sample; if this is no grain, remove it, and other "
+        "statistics below it",
+    ),
     Case("L;I;S\nmm;mm;mm\n40;30;10\n", notice="row 2 has the units of the columns"),
     Case(
         "sample;L;I;S\nunit;[cm];[cm];[mm]\nA;4;3;10\n",

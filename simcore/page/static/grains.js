@@ -44,7 +44,7 @@ const Grains = (() => {
     const unused = describeUnused(table.header, rows, columns);
     const rare = columns.kind === MEANS
       ? describeSmallDeviations(samples)
-      : [...describeSlips(groups, columns.kind), ...(columns.kind === TWO_AXES ? [] : describeSingleRows(groups))];
+      : describeRareRows(groups, columns.kind, counts);
     const all = [...table.notices, ...summaries, ...countNotices, ...unused, ...rare].map((notice) => `${name}: ${notice}`);
     return { samples, notices: all, kind: columns.kind, header: table.header };
   }
@@ -219,6 +219,34 @@ const Grains = (() => {
     return [
       `row${rows.length > 1 ? "s" : ""} ${joinFirst(rows.map(({ row }) => `${row}`))}: ${ratios} is ${general(slip)} or ` +
         "less, which is rare for gravel; check the decimal marks",
+    ];
+  }
+
+  function describeRareRows(groups, kind, counts) {
+    const slips = describeSlips(groups, kind);
+    if (kind === TWO_AXES) return slips;
+    return [...slips, ...(counts ? [] : describeMeanRows(groups)), ...describeSingleRows(groups)];
+  }
+
+  // Returns a notice on rows with the means of the rows above them, without a label.
+  function describeMeanRows(groups) {
+    const { last, fewest_above: fewestAbove, rounded, spread } = DATA.reading.mean_rows;
+    const isMean = (above, value) => {
+      const mean = sum(above) / above.length;
+      const deviation = Math.sqrt(sum(above.map((other) => (other - mean) ** 2)) / above.length);
+      return Math.abs(value - mean) <= rounded * mean && deviation > spread * mean;
+    };
+    const rows = [...groups.values()].flatMap((entries) =>
+      entries.filter(({ values }, k) => {
+        if (k < Math.max(fewestAbove, entries.length - last)) return false;
+        return values.every((value, i) => isMean(entries.slice(0, k).map((entry) => entry.values[i]), value));
+      })
+    );
+    if (!rows.length) return [];
+    const [plural, have] = rows.length > 1 ? ["s", "have"] : ["", "has"];
+    return [
+      `row${plural} ${joinFirst(rows.map(({ row }) => `${row}`))} ${have} the means of the rows above of the same sample; ` +
+        "if this is no grain, remove it, and other statistics below it",
     ];
   }
 
