@@ -16,11 +16,12 @@ import pandas as pd
 from benchmarks.studies.size_and_form_fit import describe_bases, read_rows
 from simcore.models.size_and_form.bases import RATE, process_logs
 from simcore.models.size_and_form.beds import ALL_FORMS, BASE, form_labels
-from simcore.paths import CONFIG
+from simcore.paths import CONFIG, REFERENCE
 from simcore.reference.r22_tables import read_r22_table
 
 CONFIGURATION = CONFIG / "insertion_rate.yaml"
 LATTICE, OTHER_BASES = "lattice_beds", ("base_time", "base_rate", "base_size")
+LATTICE_OF_U7 = "wide_both"
 FEWEST_FORMS = 3
 KEY = ["case", "form", "seed"]  # identifies a bed
 
@@ -57,15 +58,26 @@ def paired_beds():
 def measured_steps():
     """Return one row per measured gravel: case and step from U1, measured and of beds of all forms by each process.
 
-    Measured: by Rettinger et al. (2022), Table 3, in a cylinder. Errors are standard errors of the packed steps.
+    Measured: by Rettinger et al. (2022), Table 3, in a cylinder. Errors are standard errors of the packed steps. On
+    lattices, U7 was packed with the same settings in LATTICE_OF_U7; it is the mean over its seeds.
     """
     measured = read_r22_table("table3_cases").set_index("case")["n_exp"]
     steps = {"measured": measured - measured[BASE]}
     for name, rows in (("lattice", read_rows(LATTICE, CONFIGURATION)), ("rain", read_rows())):
-        beds = rows[(form_labels(rows) == ALL_FORMS) & (rows["seed"] == 1)].set_index("case")
+        beds = rows[(form_labels(rows) == ALL_FORMS) & (rows["seed"] == 1)].set_index("case")[["n", "n_error"]]
+        if name == "lattice":
+            others = _means_over_seeds(pd.read_csv(REFERENCE / f"{LATTICE_OF_U7}.csv"))
+            beds = pd.concat([beds, others.drop(index=beds.index, errors="ignore")])
         steps[name] = beds["n"] - beds["n"][BASE]
         steps[f"{name}_error"] = np.hypot(beds["n_error"], beds["n_error"][BASE])
     return pd.DataFrame(steps).loc[[case for case in measured.index if case != BASE]].rename_axis("case").reset_index()
+
+
+def _means_over_seeds(rows):
+    """Return mean porosity n of the beds of each case and its standard error n_error, from their sampling errors."""
+    beds = rows.groupby("case")
+    error = np.sqrt(beds["n_error"].agg(lambda errors: np.square(errors).sum())) / beds.size()
+    return pd.DataFrame({"n": beds["n"].mean(), "n_error": error})
 
 
 def form_slopes(pairs):

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from benchmarks.studies.insertion_rate import measured_steps
 from benchmarks.studies.wide_cost import compare_means, paired
 from simcore.paths import REFERENCE, ROOT
 
@@ -68,3 +69,14 @@ def test_directions_of_the_grains():
     changes = trends.loc[pd.IndexSlice[studies, ["D", "FL", "EL"]], :]
     assert len(changes) == 12 and (changes.relative_change.abs() < 2 * changes.relative_change_std_error).all()
     assert f"{changes.grains.min()} to {changes.grains.max()} grains" in PAGE
+
+
+def test_steps_from_one_class_to_wide_curves():
+    for step in measured_steps().itertuples():
+        rain, lattice = (
+            "" if np.isnan(n) else f"{n:.3f} ± {error:.3f}".replace("-", "−")
+            for n, error in ((step.rain, step.rain_error), (step.lattice, step.lattice_error))
+        )
+        assert (
+            f"| {step.case} | {step.measured:.3f} | ".replace("-", "−") + f"{rain} | {lattice}".rstrip() + " |" in PAGE
+        )
