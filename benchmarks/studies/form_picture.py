@@ -28,8 +28,8 @@ def form_picture(packings: pd.DataFrame, model: R22Model) -> Figure:
     for source, (label, marker, color) in SOURCES.items():
         rows = means[means.source == source]
         axes.plot(rows.L / rows.S, rows.n, marker, color=color, ms=5.5, mec="white", mew=0.5, label=label)
-    stretched, elongated = means.L / means.S, means.L / means.I
-    ends = pd.DataFrame({"EQ_inv": [stretched.min(), stretched.max()], "EL_inv": elongated.mean()})
+    inverse_equancy, inverse_elongation = means.L / means.S, means.L / means.I
+    ends = pd.DataFrame({"EQ_inv": [inverse_equancy.min(), inverse_equancy.max()], "EL_inv": inverse_elongation.mean()})
     axes.plot(
         ends["EQ_inv"], model.porosity(ends), "--", color="0.45", lw=1.8, label="formula of Rettinger et al. (2022)"
     )

@@ -98,7 +98,7 @@ def _describe_missing_models(table, case, fitted):
     without = table[ours_exist & ~none & ~table.groupby("name").preferred.transform("any")]
     ours = without.name.isin(without.name[without.by == "ours"])
     for kind in without.taken_as[~ours].unique():
-        form = KINDS_OF_BED[kind != KINDS_OF_BED[0]]
+        form = kind if kind == KINDS_OF_BED[0] else KINDS_OF_BED[1]
         lines.append(
             f"Too few of our packings of {case} have {form}: only the model of Rettinger et al. is used for these."
         )

@@ -11,6 +11,7 @@ With a polyhedron, a sphere is queried as a polyhedron of one vertex, and its ra
 """
 
 import functools
+import reprlib
 from typing import NamedTuple
 
 import numpy as np
@@ -100,8 +101,9 @@ def _check_shapes(*shapes):
     """Raise ValueError unless all are Shapes."""
     for shape in shapes:
         if not isinstance(shape, Shape):
+            given = reprlib.repr(shape)
             raise ValueError(
-                f"query: {shape!r} is no shape; make one with simcore.sphere, simcore.ellipsoid or simcore.convex."
+                f"query: {given} is no shape; make one with simcore.sphere, simcore.ellipsoid or simcore.convex."
             )
 
 
@@ -121,8 +123,8 @@ def _pose(pose, name: str):
         position, quaternion = (np.atleast_2d(np.asarray(part, np.float64)) for part in pose)
     except (TypeError, ValueError):
         raise ValueError(
-            f"pose {name}: {pose!r} is no pair of a position (3,) and a quaternion (4,), such as ((0, 0, 0), "
-            "(1, 0, 0, 0))."
+            f"pose {name}: {reprlib.repr(pose)} is no pair of a position (3,) and a quaternion (4,), such as "
+            "((0, 0, 0), (1, 0, 0, 0))."
         ) from None
     if position.shape[1:] != (3,) or quaternion.shape != (len(position), 4):
         raise ValueError(
