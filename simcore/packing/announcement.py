@@ -5,7 +5,7 @@ from simcore.dem.state.features import Features
 
 # CPU time [s] with an empty cache on the reference machine, rounded up: docs/reference/cost.md.
 SECONDS = {SPHERE: 10, ELLIPSOID: 15, POLYHEDRON: 50, MIXED: 60}
-WORDS = {
+KIND_WORDS = {
     SPHERE: "spheres",
     ELLIPSOID: "ellipsoids",
     POLYHEDRON: "convex polyhedra",
@@ -17,6 +17,6 @@ def announcement(features: Features) -> str:
     """Return a sentence that says what is compiled and how long it takes, for the step with these features."""
     friction = "with" if features.friction or features.sliding else "without"
     return (
-        f"Compiling the step for {WORDS[features.kind]} {friction} friction, once; this takes about "
+        f"Compiling the step for {KIND_WORDS[features.kind]} {friction} friction, once; this takes about "
         f"{SECONDS[features.kind]} s of CPU time."
     )

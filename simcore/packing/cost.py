@@ -16,7 +16,7 @@ from simcore.grains.sampling import sample_grains
 from simcore.packing.insertion.random_placement import fall_time, layer_grains, zone_height
 from simcore.scene.domain import lattice_sites
 from simcore.scene.scene import R22_FIRST_FILL, REFILL_HEIGHT, Scene
-from simcore.scene.setup import KINDS, make_scene, shape_choice
+from simcore.scene.setup import KIND_NUMBERS, make_scene, shape_choice
 from simcore.scene.sizes import size_curve
 
 # CPU time per grain and step [µs] on one thread, at the contact time and time step of Rettinger et al. (2022), by kind
@@ -64,7 +64,8 @@ PROCESS_MEMORY, COPIES = 1000.0e6, 4.0
 # wait for each other. A packing that takes longer continues from its last checkpoint.
 START_UP, MARGIN = 900.0, 3.0
 
-WORDS = {number: kind for kind, number in KINDS.items()}  # name of the kind in a specification, by Scene.kind
+# Name of the kind in a specification, by Scene.kind.
+KIND_NAMES = {number: kind for kind, number in KIND_NUMBERS.items()}
 
 
 class Pour(NamedTuple):
@@ -138,7 +139,7 @@ def cost_of(scene: Scene, pour: Pour) -> PackingCost:
         damping=damping,
         longest_damping=longest,
         cpu_seconds=1e-6 * scene_step_cost(scene) * grain_steps,
-        array_bytes=float(grains) * GRAIN_MEMORY[WORDS[scene.kind]],
+        array_bytes=float(grains) * GRAIN_MEMORY[KIND_NAMES[scene.kind]],
         time_step=dt,
     )
 
@@ -177,7 +178,7 @@ def _form_factors(specification, curve) -> tuple[float, float]:
 def scene_step_cost(scene: Scene) -> float:
     """Return the CPU time per grain and step of the scene [µs] on one thread."""
     numerics = scene.numerics
-    return step_cost(WORDS[scene.kind], numerics.polyhedron_contact, numerics.contact_time, numerics.time_step)
+    return step_cost(KIND_NAMES[scene.kind], numerics.polyhedron_contact, numerics.contact_time, numerics.time_step)
 
 
 def step_cost(kind: str, region: str, contact_time: float, time_step: float) -> float:

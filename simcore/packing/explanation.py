@@ -12,7 +12,7 @@ from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import bytes_per_pair
 from simcore.dem.state.features import PARTS, Features
 from simcore.grains.sampling import GrainSample
-from simcore.packing.cost import CANDIDATE_PAIRS, WORDS, PackingCost, Pour, cost_of, scene_step_cost
+from simcore.packing.cost import CANDIDATE_PAIRS, KIND_NAMES, PackingCost, Pour, cost_of, scene_step_cost
 from simcore.packing.expectation import Expectation, expect, warnings
 from simcore.packing.forecast import draw_packing
 from simcore.packing.forecast_text import bed_lines, grain_lines, setup_warnings
@@ -22,7 +22,7 @@ from simcore.scene.setup import Setup
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE
 
 # For each kind of scene: what its step includes, and what the steps of the other kinds leave out.
-KINDS = {
+PARTS_BY_KIND = {
     SPHERE: ("spheres, contacts in closed form", "spheres in closed form"),
     ELLIPSOID: ("ellipsoids, contacts by Newton iteration from the last normal", "ellipsoids"),
     POLYHEDRON: ("convex polyhedra, contacts from the facet found last", "polyhedra and their contact search"),
@@ -42,8 +42,8 @@ class Cost(NamedTuple):
 
 def parts(features: Features) -> tuple[list[str], list[str]]:
     """Return what a step with these features includes, and what it leaves out, in words."""
-    has = [KINDS[features.kind][0]] + [text for included, text, _ in PARTS if included(features)]
-    lacks = [text for kind, (_, text) in KINDS.items() if kind != features.kind]
+    has = [PARTS_BY_KIND[features.kind][0]] + [text for included, text, _ in PARTS if included(features)]
+    lacks = [text for kind, (_, text) in PARTS_BY_KIND.items() if kind != features.kind]
     return has, lacks + [text for included, _, text in PARTS if not included(features)]
 
 
@@ -68,7 +68,7 @@ def estimate_cost(setup: Setup, drawn=None) -> Cost:
         mass=scene.material.density * float(sample.volume.sum()),
         bytes_per_grain=per_grain,
         bytes_per_pair=per_pair,
-        memory=fixed + packing.grains * (per_grain + CANDIDATE_PAIRS[WORDS[scene.kind]] * per_pair),
+        memory=fixed + packing.grains * (per_grain + CANDIDATE_PAIRS[KIND_NAMES[scene.kind]] * per_pair),
     )
 
 
@@ -110,7 +110,7 @@ def explain(setup: Setup) -> str:
         "            Compiling takes a minute or two more where a step of this kind has not run before",
         f"Memory      {_size(estimated.memory)} of arrays: {estimated.bytes_per_grain} bytes per grain, and "
         f"{estimated.bytes_per_pair} per candidate pair; a grain has about "
-        f"{CANDIDATE_PAIRS[WORDS[scene.kind]]:g} candidate pairs",
+        f"{CANDIDATE_PAIRS[KIND_NAMES[scene.kind]]:g} candidate pairs",
         *_stability_lines(scene, expected),
         *(f"Warning     {text}" for text in warnings(scene, expected)),
         *(f"Warning     {text}" for text in setup_warnings(setup, sample)),

@@ -31,7 +31,7 @@ ERROR_FACTOR = 1.6  # in the committed tables, nine of ten beds are within this 
 SLICE = 1e-3  # [m], smallest height that is evaluated
 LARGE_ERROR, GOOD_ERROR = 0.015, 0.01  # predicted sampling error that causes a warning, and target of its advice
 NARROW = 4.0  # width of a box in largest grains; no narrower box is advised
-CHUNK, ENOUGH = 10_000, 100_000  # grains drawn at once, and grains that represent a larger packing
+DRAWN_AT_ONCE, ENOUGH = 10_000, 100_000  # grains drawn at once, and grains that represent a larger packing
 PER_CLASS = (
     20  # sizes that represent a class of a sieve curve: the mean volume of a class of ratio 2 is right to 0.05 %
 )
@@ -81,7 +81,7 @@ def draw_packing(setup: Setup, max_grains: int | None = None) -> GrainSample:
     wanted = scene.amount_grains if max_grains is None else min(scene.amount_grains or max_grains, max_grains)
     count = 0
     while mass < (scene.amount_mass or np.inf) and (wanted is None or count < wanted):
-        ids = np.arange(count, count + CHUNK if wanted is None else min(count + CHUNK, wanted))
+        ids = np.arange(count, count + DRAWN_AT_ONCE if wanted is None else min(count + DRAWN_AT_ONCE, wanted))
         parts.append(setup.sample(ids))
         mass += scene.material.density * float(parts[-1].volume.sum())
         count += len(ids)

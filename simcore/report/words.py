@@ -6,7 +6,7 @@ from markupsafe import Markup, escape
 
 from simcore.grains.form import FORM_FACTORS
 
-KINDS = {
+SHAPE_KINDS = {
     "polyhedron": "polyhedra",
     "ellipsoid": "ellipsoids",
     "sphere": "spheres",
@@ -26,8 +26,8 @@ VALUES = {
     },
     "quantity": {"D": "sieve size", "FL": "flatness", "EL": "elongation", "angle": "angle of the long axis"},
     "source": {"synthetic": "synthetic pebbles", "scans": "scanned grains"},
-    "kind": KINDS | {"continuous": "drawn from a distribution", "discrete": "drawn from the measured grains"},
-    "shape_kind": KINDS,
+    "kind": SHAPE_KINDS | {"continuous": "drawn from a distribution", "discrete": "drawn from the measured grains"},
+    "shape_kind": SHAPE_KINDS,
     "measure": {
         name + end: words + more
         for name, words in (

@@ -16,7 +16,7 @@ from simcore.scene.scene import GRAINS, Convergence, Damping, Generation, Materi
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, Draw, unit_sphere
 from simcore.scene.sizes import check_amount, check_top_class, lattice_spacing, size_curve
 
-KINDS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": POLYHEDRON, "mixed": MIXED}
+KIND_NUMBERS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": POLYHEDRON, "mixed": MIXED}
 INSERTION_STREAM = 1  # stream of the random numbers of insertion, separate from those of size and form
 
 
@@ -108,7 +108,7 @@ def make_scene(specification: dict, curve, masses, number: int | None = None) ->
     return Scene(
         name=specification["name"],
         seed=specification["seed"],
-        kind=KINDS[specification["shapes"]["kind"]],
+        kind=KIND_NUMBERS[specification["shapes"]["kind"]],
         amount_mass=specification["amount"]["mass"] if number is None else None,
         amount_grains=specification["amount"]["grains"] if number is None else number,
         domain=domain,

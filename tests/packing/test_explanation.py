@@ -13,7 +13,7 @@ import yaml
 from simcore.__main__ import main
 from simcore.dem.state.features import Features
 from simcore.packing.cost import step_cost
-from simcore.packing.explanation import KINDS, PARTS, describe_duration, estimate_cost, parts
+from simcore.packing.explanation import PARTS, PARTS_BY_KIND, describe_duration, estimate_cost, parts
 from simcore.packing.process import Process
 from simcore.scene.shapes import POLYHEDRON, SPHERE
 from simcore.scene.specification import express, read_specification, resolve
@@ -28,11 +28,11 @@ def test_every_part_is_there_or_left_out():
     rich = Features(POLYHEDRON, *(1 if name == "sliding" else True for name in others))
     bare = Features(SPHERE, *(False for _ in others))
     has, lacks = parts(rich)
-    assert len(has) == 1 + len(PARTS) and len(lacks) == len(KINDS) - 1
-    assert [len(lines) for lines in parts(bare)] == [1, len(KINDS) - 1 + len(PARTS)]
+    assert len(has) == 1 + len(PARTS) and len(lacks) == len(PARTS_BY_KIND) - 1
+    assert [len(lines) for lines in parts(bare)] == [1, len(PARTS_BY_KIND) - 1 + len(PARTS)]
     for name in sorted(set(others) - {"timed"}):
         fewer = parts(rich._replace(**{name: False}))
-        assert (len(fewer[0]), len(fewer[1])) == (len(has) - 1, len(KINDS)), name
+        assert (len(fewer[0]), len(fewer[1])) == (len(has) - 1, len(PARTS_BY_KIND)), name
 
 
 @pytest.mark.parametrize("example", sorted(path.stem for path in (ROOT / "examples").glob("*.yaml")))

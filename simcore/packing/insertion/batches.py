@@ -23,7 +23,7 @@ from simcore.scene.domain import lattice_sites
 from simcore.scene.scene import R22_FIRST_FILL, REFILL_HEIGHT, Scene
 from simcore.scene.shapes import Base, Draw, grain_volumes
 
-CHUNK = 1000  # grains that are drawn at least to find how many a mass has
+FIRST_DRAWN = 1000  # grains that are drawn at least to find how many a mass has
 MEAN_REACH = 200  # grains whose mean size gives the number of grains in a layer
 
 
@@ -137,7 +137,7 @@ class Pouring:
             ids = np.arange(inserted, scene.amount_grains)
         else:
             whole = scene.amount_mass / scene.material.density
-            ids = np.arange(CHUNK)
+            ids = np.arange(FIRST_DRAWN)
             while (volumes := np.cumsum(self.volumes(self.draw(ids))))[-1] < whole:
                 ids = np.arange(2 * len(ids))
             # At least one grain: the masses of inserted bodies are summed in another order.
