@@ -29,17 +29,13 @@ from simcore.dem.state.contacts import CandidatePairs
 
 LARGEST_LOAD = 4.0  # eigenvalue at which a mode alternates undamped
 BODIES_EXAMINED = 32  # number of bodies whose eigenvalues are computed; they are selected by the sums of eigenvalues
-# Number of contacts, each as stiff as one with a wall, spread over the surface of the stiffest grain. Twelve equal
-# spheres fit around a sphere, and each counts half of that. Heavier neighbours count more but fewer fit (six at 2.4
-# times the size, four at 4.4), so that the sum for a sphere among fixed neighbours is at most about six.
-# ASSUME: in a bed, where neighbours move too, a factor of 1.5; two at most. Settled beds of equal spheres, of spheres
-# of 2.8 to 16 mm and of ellipsoids required 27.5, 25.0 and 28.3 steps, 1.34, 1.22 and 1.29 times those of their
-# stiffest grain among fixed neighbours; the estimates are 33.8, 33.8 and 34.3.
+# Number of contacts, each as stiff as one with a wall, spread over the surface of the stiffest grain: at most about six
+# among fixed neighbours. ASSUME: 1.5 times as many in a bed, where neighbours move too, and at most twice as many.
+# Measurements: docs/explanation/constants_packing.md, "Stable time step".
 EXPECTED_CONTACTS, CAUTIOUS_CONTACTS = 9, 12
 # With the probability AT_CORNERS a contact of a polyhedron with at most POINTED corners is at a corner, otherwise
-# anywhere on its faces, because a corner of one of two polyhedra meets a face of the other. The corners of a polyhedron
-# with at least BLUNT corners differ little from its faces. Measurements: docs/explanation/stability.md, "Grains of few
-# corners".
+# anywhere on its faces. From BLUNT corners on, all contacts are spread over the faces. Measurements:
+# docs/explanation/stability.md, "Grains of few corners".
 AT_CORNERS, POINTED, BLUNT = 0.5, 8, 24
 SAMPLE = 200  # maximum number of grains whose form enters the estimate
 DIRECTIONS = 256  # points on the surface of an ellipsoid

@@ -8,10 +8,8 @@ import xarray as xr
 from simcore.evaluation.porosity import bulk_porosity
 from simcore.grains.form import equal_volume_diameter
 
-# ASSUME: heights left out, in long axes (mean weighted by volume, so that one long grain does not change them). In
-# packings of 900 shaken spheres, and of as many ellipsoids (S/I 0.55, I/L 0.6), P2 of the contact normals deviated by
-# up to 0.2 at the floor and was within its scatter from two axes upwards; within 3/4 axis of the surface there are
-# fewer contacts. Of a deposit four long axes high, one axis remains.
+# ASSUME: heights left out, in long axes (mean weighted by volume, so that one long grain does not change them).
+# Measurements: docs/explanation/constants_packing.md, "Bulk of a bed".
 FLOOR_LAYER, SURFACE_LAYER = 2.0, 1.0
 # The wall of a cylinder orders the grains next to it like the floor.
 WALL_LAYER = FLOOR_LAYER

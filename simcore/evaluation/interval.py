@@ -5,10 +5,8 @@ The module works without numba, so that this rule can be applied before a packin
 
 import numpy as np
 
-# Shaking packs the uppermost grains more closely. For 46 single forms of U1 the porosity was lower by up to 0.026 next
-# to the surface, by at most 0.003 five grains below it, and by 0.004 at the floor (results/reference/height.csv).
-# Rettinger et al. (2022) cut 31.5 mm from both ends, in U1 as well. At most a third of a low bed is cut, so that enough
-# of it remains.
+# Shaking packs the uppermost grains more closely (docs/explanation/porosity.md). At most a third of a low bed is cut,
+# so that enough of it remains.
 SURFACE_GRAINS, SURFACE_SHARE = 5.0, 1.0 / 3.0
 
 

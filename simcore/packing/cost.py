@@ -20,23 +20,17 @@ from simcore.scene.setup import KIND_NUMBERS, make_scene, shape_choice
 from simcore.scene.sizes import size_curve
 
 # CPU time per grain and step [µs] on one thread, at the contact time and time step of Rettinger et al. (2022), by kind
-# of grain and by whether contacts are patches. The value for patches comes from the packings of preset `r22` in
-# results/reference/accuracy.csv (1.1 to 1.7 on three machines), the others from
-# `python -m benchmarks.speed.throughput --shape ...` (docs/reference/cost.md; ellipsoids: 0.55 and 0.76 on two
-# machines).
+# of grain and by whether contacts are patches. Measurements: docs/explanation/constants_packing.md, "Estimated cost".
 STEP_COST = {("sphere", False): 0.14, ("ellipsoid", False): 0.65, ("polyhedron", False): 1.0, ("polyhedron", True): 1.4}
 # CPU time per grain and step [µs] that is added if each contact is searched anew, as in the program of Rettinger et al.
-# (numerics.polyhedron_contact: inflated): a search takes 6 to 8 µs (`python -m benchmarks.studies.inflated`), and the
-# first two packings of study difference_search took 4 and 7 µs more per grain and step.
+# (numerics.polyhedron_contact: inflated).
 INFLATED_COST = 6.0
-# A packing of half ellipsoids, half polyhedra costs the mean of both, within 2 %.
+# A packing of half ellipsoids, half polyhedra costs the mean of both.
 STEP_COST |= {
     ("mixed", patch): 0.5 * (STEP_COST["ellipsoid", False] + STEP_COST["polyhedron", patch]) for patch in (0, 1)
 }
 # A step costs more the longer it is (remembered contacts are reused less often) and the softer the contacts are
-# (patches are wider and more pairs touch). The exponents are fitted to the CPU times of pebbles with patch contacts in
-# results/reference/work_precision/packings.csv: 10 to 80 steps per contact time of 2 ms, and contact times of 0.25 to
-# 2 ms with 10 steps. ASSUME: other grains have the same exponents.
+# (patches are wider and more pairs touch). ASSUME: other grains have the exponents of pebbles with patch contacts.
 R22_TIME_STEP, LONGER = 5e-6, 0.12
 R22_CONTACT_TIME, SOFTER = 2e-4, 0.25
 # Candidate pairs per grain at rest, measured in the packings of examples/.
@@ -46,7 +40,7 @@ CANDIDATE_PAIRS["mixed"] = 0.5 * (CANDIDATE_PAIRS["ellipsoid"] + CANDIDATE_PAIRS
 GRAIN_MEMORY = {"sphere": 1200, "ellipsoid": 2600, "polyhedron": 4400, "mixed": 4400}
 # ASSUME: solid fraction of a poured bed, which gives its height when the next batch is inserted.
 SOLID_FRACTION = 0.6
-# ASSUME: time [s] until a shaken bed is at rest; it is 0.08 to 0.24 s in the packings of examples/.
+# ASSUME: time [s] until a shaken bed is at rest.
 SETTLING = 0.2
 # ASSUME: the same time for a bed that creeps, judged by convergence.rule `settled`; examples/deposit.yaml takes 1.4 s.
 CREEPING = 1.5
