@@ -1,5 +1,6 @@
 """Bias of the porosity caused by the settings and the size of a bed, as measured on other packings."""
 
+import functools
 from pathlib import Path
 
 import numpy as np
@@ -189,6 +190,7 @@ def describe_settings(specification):
     return _name_settings(specification["accuracy"], numerics["polyhedron_contact"], numerics["contact_time"])
 
 
+@functools.cache
 def _settings_of(accuracy):
     bare = {"name": "any", "domain": {"width": "1 m", "height": "1 m"}, "sizes": {"case": "U1"}}
     return resolve({**bare, "amount": {"grains": 1}, "accuracy": accuracy})

@@ -190,6 +190,10 @@ class Plan:
         """The rows of `packings` of the studies that are part of `all`."""
         return self.of(*self.studies)
 
+    def value(self, study, packing, column):
+        """Return the value of one packing in a column of `packings`."""
+        return getattr(self._rows[study, packing], column)
+
     def pieces(self):
         """Return the pieces of all studies, a list of (study, number from 1, names of the packings)."""
         groups = self.packings.groupby(["study", "piece"], sort=False)

@@ -19,7 +19,6 @@ effect of the rotation of a patch on its depth is left out.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from simcore.dem.forces.spring_dashpot import ContactLaw, explicit_dashpot, implicit_dashpot, implicit_law
 from simcore.dem.ranks.one_rank import ONE_RANK
@@ -115,6 +114,8 @@ def longest_stable_step(
     h = (√(γ² + 4 ω² / s) - γ) / ω². With an implicit one it is the positive root of
     (4 + 2 (s - 1) γ h) (1 + γ h / 2) = s ω² h² (1 + (s - 1/2) γ h), which is h = 2 / ω for s = 1.
     """
+    from scipy.optimize import brentq  # imported here because it loads slowly and finished packings do not need it
+
     if contacts < 1.0:
         raise ValueError(f"A mode needs at least one contact, but contacts is {contacts:g}.")
     normal = contacts if normal is None else normal

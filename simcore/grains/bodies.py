@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-import trimesh
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -70,6 +69,8 @@ def mesh_bodies(vertices, faces):
     to one body, so a scan whose surface touches itself remains one body. A surface inside a body, such as the wall of a
     cavity, belongs to that body.
     """
+    import trimesh  # imported here because it loads slowly and most commands read no mesh
+
     size = np.ptp(vertices[faces.ravel()], axis=0).max() or 1.0
     centred = (vertices - vertices.mean(0)) / size
     thickness = np.linalg.svd(centred - centred.mean(0), compute_uv=False)[-1] / np.sqrt(len(centred))

@@ -4,7 +4,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import trimesh
 
 from simcore.grains.form import mass_equivalent_axes, sieve_size
 from simcore.grains.polyhedron import convex_hull, face_areas, facet_areas, third_moments, volume_moments
@@ -173,6 +172,8 @@ def _collapsed(grain, faces):
 
     The hull may have more triangles than the collapsed mesh; then the target is lowered.
     """
+    import trimesh  # imported here because it loads slowly and most commands decimate no grain
+
     # The mesh is scaled to size one, because the collapse works in single precision.
     mesh = trimesh.Trimesh(grain.vertices / grain.L, grain.faces, process=False)
     target = faces

@@ -17,7 +17,6 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 # 2 ∫ dx / √(1 - x^2.5) from 0 to 1 = (4/5) B(2/5, 1/2)
 DURATION = 0.8 * math.gamma(0.4) * math.gamma(0.5) / math.gamma(0.9)
@@ -82,6 +81,8 @@ def restitution(number: float, attractive: bool) -> float:
 @cache
 def number_of_restitution(wanted: float, attractive: bool) -> float:
     """Return the damping number β whose restitution is `wanted`, in (0, 1]."""
+    from scipy.optimize import brentq  # imported here because it loads slowly and linear contacts do not need it
+
     if wanted == 1.0:
         return 0.0
     upper = 1.0

@@ -1,5 +1,6 @@
 """Converts quantities, text such as "31.5 mm" or "9.81 m/s2", to floats in SI units."""
 
+import functools
 import math
 import re
 from fractions import Fraction
@@ -66,6 +67,7 @@ def parse_quantity(text, unit):
     return value
 
 
+@functools.cache
 def describe_quantity(unit):
     """Describe the quantity that the SI unit `unit` needs, with an example."""
     name = _NAMES.get(_parse_unit(unit)[0], unit)
@@ -73,6 +75,7 @@ def describe_quantity(unit):
     return f"{article} {name} is needed, such as {_EXAMPLES.get(unit, repr('1 ' + unit))}"
 
 
+@functools.cache
 def _parse_unit(text):
     """Return (exponents of m, kg and s; factor to SI as a Fraction) of a unit such as "mm", "kg/m3" or "m/s2"."""
     exponents, factor = (0, 0, 0), Fraction(1)

@@ -122,8 +122,7 @@ def test_two_threads_give_the_bits_of_one():
     """All fields of bodies and contacts are compared for spheres, ellipsoids and polyhedra in a process of its own."""
     done = subprocess.run(
         [sys.executable, "-c", THREADS],
-        # A thread that waits must not keep a core from the other one, or from another test.
-        env={**os.environ, "NUMBA_NUM_THREADS": "2", "OMP_WAIT_POLICY": "passive"},
+        env={**os.environ, "NUMBA_NUM_THREADS": "2"},
         capture_output=True,
         text=True,
         timeout=1800,  # compiling on a busy machine

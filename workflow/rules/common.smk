@@ -48,6 +48,22 @@ def group_of_set(wildcards):
     return plan.grain_group(wildcards.grains)
 
 
+# The value of one packing in a column of the plan, as a list. A query of the whole table takes much longer, and a
+# campaign has hundreds of packings.
+def value_of(column):
+    def values(wildcards):
+        return [plan.value(wildcards.study, wildcards.packing, column)]
+
+    return values
+
+
+def has_value(column):
+    def is_given(wildcards):
+        return bool(plan.value(wildcards.study, wildcards.packing, column))
+
+    return is_given
+
+
 def unless_none(paths, there_are, overlay):
     """Return an input function: these paths, or an error that names the overlay if the campaign has no such studies."""
 

@@ -8,18 +8,9 @@ localrules:
 rule packing_specification:
     input:
         forms=branch(
-            lookup(
-                query="study == '{study}' & packing == '{packing}' & form > 0",
-                within=packings,
-                cols="form",
-            ),
+            has_value("form"),
             then=collect(
-                "<results>/grains/{grains}/forms.csv",
-                grains=lookup(
-                    query="study == '{study}' & packing == '{packing}'",
-                    within=packings,
-                    cols="grain_folder",
-                ),
+                "<results>/grains/{grains}/forms.csv", grains=value_of("grain_folder")
             ),
         ),
     output:
@@ -27,16 +18,8 @@ rule packing_specification:
     log:
         "<results>/logs/packing_specification/{study}/{packing}.log",
     params:
-        form=lookup(
-            query="study == '{study}' & packing == '{packing}'",
-            within=packings,
-            cols="form",
-        ),
-        specification=lookup(
-            query="study == '{study}' & packing == '{packing}'",
-            within=packings,
-            cols="specification",
-        ),
+        form=value_of("form"),
+        specification=value_of("specification"),
         code=digest("workflow/scripts/packing_specification.py"),
     script:
         "../scripts/packing_specification.py"
@@ -62,18 +45,9 @@ rule packing:
         compiled_steps,
         specification="<results>/packings/{study}/{packing}.yaml",
         grains=branch(
-            lookup(
-                query="study == '{study}' & packing == '{packing}' & grain_set != ''",
-                within=packings,
-                cols="grain_set",
-            ),
+            has_value("grain_set"),
             then=collect(
-                "<results>/grains/{grain_set}.nc",
-                grain_set=lookup(
-                    query="study == '{study}' & packing == '{packing}'",
-                    within=packings,
-                    cols="grain_set",
-                ),
+                "<results>/grains/{grain_set}.nc", grain_set=value_of("grain_set")
             ),
         ),
     output:
