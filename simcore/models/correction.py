@@ -11,7 +11,6 @@ model's design, and A is the least-squares projection of the design on these reg
 """
 
 import numpy as np
-import statsmodels.api as sm
 
 from simcore.models.regression import PorosityModel, student_quantile
 
@@ -36,6 +35,8 @@ def correct_model(base, kind, features, porosity, name, case):
     and the OLS results of statsmodels for the coefficients a (and b). The range of the corrected model is that of
     `base`; its bootstrap intervals are nan.
     """
+    import statsmodels.api as sm  # imported here because it loads slowly and a prediction needs no fit
+
     y, own = np.asarray(porosity, float), np.array(base.coefficients)
     design = base.design(features)
     columns, added = regressors(kind, design @ own)

@@ -7,10 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 import pandas as pd
-import statsmodels.api as sm
-from scipy.stats import t as student
-from sklearn.linear_model import LinearRegression
-from sklearn.model_selection import GroupKFold
+from scipy.special import stdtrit
 
 from simcore.grains.form import features as form_features
 from simcore.models.fitted_range import RangedValue, distance_outside, widening
@@ -62,6 +59,10 @@ def predict_unseen(features, porosity, folds=FOLDS, repeats=REPEATS, seed=0, gro
     groups than folds there are as many folds as groups; if each group is a fold, one repeat suffices.
     Returns (predictions, number of folds used). ValueError if too few samples are left to fit.
     """
+    # Imported here because they load slowly and a prediction needs no cross-validation.
+    from sklearn.linear_model import LinearRegression
+    from sklearn.model_selection import GroupKFold
+
     X, y = features.to_numpy(float), np.asarray(porosity, float)
     groups = np.arange(len(y)) if groups is None else np.unique(np.asarray(groups), return_inverse=True)[1]
     n_groups = len(np.unique(groups))
@@ -107,7 +108,7 @@ def bootstrap(features, porosity, resamples=RESAMPLES, seed=0):
     draw with too few different rows to fit is left out.
     """
     # In an orthonormal basis, the normal equations are as well conditioned as the draw allows.
-    Q, R = np.linalg.qr(sm.add_constant(features.to_numpy(float), has_constant="add"))
+    Q, R = np.linalg.qr(np.column_stack([np.ones(len(features)), features.to_numpy(float)]))
     y = np.asarray(porosity, float)
     rng = np.random.default_rng(seed)
     drawn = rng.multinomial(len(y), np.full(len(y), 1.0 / len(y)), size=resamples).astype(float)
@@ -121,7 +122,7 @@ def bootstrap(features, porosity, resamples=RESAMPLES, seed=0):
 @lru_cache(maxsize=64)
 def student_quantile(level, freedom) -> float:
     """Return Student's t that a value exceeds in magnitude with the probability 1 - level."""
-    return float(student.ppf(0.5 + 0.5 * level, freedom))
+    return float(stdtrit(freedom, 0.5 + 0.5 * level))
 
 
 @dataclass(frozen=True)
@@ -269,6 +270,8 @@ def fit(features, porosity, name="porosity", case="", seed=0):
 
     seed: of the bootstrap. ValueError if there are too few samples or a value is not finite.
     """
+    import statsmodels.api as sm  # imported here because it loads slowly and a prediction needs no fit
+
     X, y = features.to_numpy(float), np.asarray(porosity, float)
     if len(y) <= X.shape[1] + 1:
         raise ValueError(

@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-import statsmodels.api as sm
 
 from simcore.reference.share_columns import realised_curve
 
@@ -81,6 +80,8 @@ def fit_bases(rows, process=PROCESS) -> Bases:
 
 
 def _weighted_fit(rows, columns):
+    import statsmodels.api as sm  # imported here because it loads slowly and a prediction needs no fit
+
     return sm.WLS(rows["n"], columns, weights=rows["n_error"] ** -2.0).fit()
 
 

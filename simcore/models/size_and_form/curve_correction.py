@@ -18,7 +18,6 @@ widths of the range of the one-class model.
 from dataclasses import dataclass, fields
 
 import numpy as np
-import statsmodels.api as sm
 
 from simcore.models.correction import regressors
 from simcore.models.fitted_range import NEAR
@@ -123,6 +122,8 @@ def correct_curves(kind, predicted, porosity, errors, **constants):
     kind: "offset" or "rescaling". predicted, porosity (n,): by the SizedModel, and measured. errors: the pair
     (of_sizes, of_form) of the beds, each (n,). constants: the other fields of CurveCorrection.
     """
+    import statsmodels.api as sm  # imported here because it loads slowly and a prediction needs no fit
+
     columns, added = regressors(kind, predicted)
     result = sm.OLS(np.asarray(porosity, float) - added, columns).fit()
     projection = np.linalg.pinv(columns)
