@@ -10,7 +10,8 @@ from simcore.report.words import value_in_words
 CLEAR = 2.0  # a difference of more standard errors is not explained by the scatter of packings
 FEW = 3  # with fewer rows a figure shows less than the sentence
 _SWEEPS = ("shaking_s", "width_m", "faces", "contact_time_s", "steps_per_contact_time", "mass_kg", "drop_height")
-_NOT_VARIED = {"study", "runs", "source", "n", "seed", "packing"}
+# Columns of a study's table that it does not vary.
+_NOT_VARIED = {"study", "source", "seed", "packing"}
 
 
 def outcome(table, missing="The table has no porosities."):
@@ -154,11 +155,17 @@ def _range(table):
 
 def _label(table, row):
     """Return the settings that differ between the rows of a table, as text."""
-    end = list(table).index("runs") if "runs" in table else list(table).index("n")
-    names = [name for name in list(table)[:end] if name not in _NOT_VARIED and table[name].nunique() > 1]
     return ", ".join(
-        f"{find_heading(name).words} {value_in_words(name, row[name])}" for name in names if pd.notna(row[name])
+        f"{find_heading(name).words} {value_in_words(name, row[name])}"
+        for name in varied_columns(table)
+        if pd.notna(row[name])
     )
+
+
+def varied_columns(table):
+    """Return the names of the columns before the results of a study's table that differ between its rows."""
+    end = next((list(table).index(name) for name in ("runs", "n") if name in table), 0)
+    return [name for name in list(table)[:end] if name not in _NOT_VARIED and table[name].nunique() > 1]
 
 
 def _published(table):

@@ -7,7 +7,7 @@ import pandas as pd
 from simcore.grains.text_lists import join_first
 from simcore.reference.columns.headings import find_heading
 from simcore.report.answers import answer, by_stem, how_sure, unseen
-from simcore.report.outcomes import outcome, shows_more
+from simcore.report.outcomes import outcome, shows_more, varied_columns
 from simcore.report.page import Section, bullets, folded, page, paragraph, picture, rows_table, table
 from simcore.report.words import value_in_words
 
@@ -61,8 +61,6 @@ OF_A_STUDY = {
 }
 WARNINGS_SHOWN, NAMES_SHOWN = 12, 3  # maximum number of warnings per study, and of packings per warning
 _CAPTIONS = {"application_predictions": "models_application"}
-# Columns of a study's table that it does not vary
-_NOT_VARIED = {"study", "source", "seed", "packing"}
 
 
 def read_caption(folder, name):
@@ -114,8 +112,7 @@ def study_section(title, path, question="", effects="", **more):
 
 def _question(rows):
     """Return what a study asks, from the settings that differ between its rows."""
-    end = list(rows).index("runs") if "runs" in rows else 0
-    varied = [name for name in list(rows)[:end] if name not in _NOT_VARIED and rows[name].nunique() > 1]
+    varied = varied_columns(rows)
     if not varied:
         return "What is the porosity with these settings?"
     return f"How does the porosity depend on: {', '.join(find_heading(name).words for name in varied)}?"
