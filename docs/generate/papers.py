@@ -128,8 +128,33 @@ def _faces():
         f"{faces} faces {_signed(ours[faces], 2)} % (theirs {_signed(value, 1)} %)" for faces, value in theirs.items()
     )
     packed, open_ = _not_packed("mesh_resolution")
+    if (REFERENCE / "mesh_resolution.csv").exists():
+        open_ = _porosity_over_faces(_rows("mesh_resolution")) or open_
     grains = _rows("grains/decimation")["grain"].nunique()
-    return f"volumes of {grains} grains; {packed}", f"volume: {', '.join(texts)}; porosity: {open_}"
+    return f"volumes of {grains} grains; {packed}", f"volume: {', '.join(texts)}; porosity {open_}"
+
+
+def _porosity_over_faces(rows, base="300"):
+    """Compare beds of grains of several numbers of faces with those of `base` faces, as text; empty without a pair."""
+    theirs = read_r22_table("table4_mesh_resolution")
+    theirs = theirs.assign(faces=theirs["faces"].str.removeprefix("<=")).set_index(["case", "faces"])["n"]
+    texts = []
+    for case, beds in rows.assign(faces=rows["faces"].astype(str)).groupby("case", sort=False):
+        means = beds.groupby("faces", sort=False).agg(n=("n", "mean"), error=("n_error", _error_of_mean))
+        if base not in means.index:
+            continue
+        for faces, bed in means.drop(base).iterrows():
+            error = np.hypot(bed["error"], means["error"][base])
+            texts.append(
+                f"{case} {faces if faces == 'original' else f'{faces} faces'} "
+                f"{_signed(bed['n'] - means['n'][base], 3)} ± {error:.3f} "
+                f"(theirs {_signed(theirs[case, faces] - theirs[case, base], 3)})"
+            )
+    return f"minus that of {base} faces: {', '.join(texts)}" if texts else ""
+
+
+def _error_of_mean(errors):
+    return float(np.sqrt((errors**2).sum()) / len(errors))
 
 
 def _shaking_cylinder():
@@ -214,7 +239,7 @@ def _ellipsoids():
 def _spheres():
     rows = _rows("near_spheres").query("shape_kind == 'sphere'")
     seeds = f"{len(rows)} seed" + "s" * (len(rows) > 1)
-    error = float(np.hypot(np.sqrt((rows["n_error"] ** 2).sum()) / len(rows), 10 * ROUNDING))
+    error = float(np.hypot(_error_of_mean(rows["n_error"]), 10 * ROUNDING))
     return f"{rows['grains'].iloc[0]} grains, {seeds}", _apart(rows["n"].mean() - 0.36, error)
 
 
