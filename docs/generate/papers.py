@@ -19,6 +19,7 @@ from simcore.grains.sieve import read_cases
 from simcore.grains.statistics import STATISTICS
 from simcore.paths import CONFIG, REFERENCE
 from simcore.reference.committed_rows import fitted_forms, read_mixtures
+from simcore.reference.r22_comparison import add_reference
 from simcore.reference.r22_tables import read_r22_models, read_r22_table, rhine_statistics
 
 LISTED = Path(__file__).with_name("papers.yaml")
@@ -56,7 +57,7 @@ def _compare(entry):
         return entry["picture"], "a picture"
     if "absent" in entry:
         return "", entry["absent"]
-    return _not_packed(entry["study"]) if "study" in entry else COMPARED[entry["compared"]]()
+    return _study(entry["study"]) if "study" in entry else COMPARED[entry["compared"]]()
 
 
 def _rows(name):
@@ -75,6 +76,25 @@ def _feature(name):
 
 def _signed(value, digits=4):
     return with_decimals(value, digits, "+")
+
+
+def _study(study):
+    """Compare the rows of a study with the table of the paper, case by case."""
+    packed, open_ = _not_packed(study)
+    if not (REFERENCE / f"{study}.csv").exists():
+        return packed, open_
+    rows = add_reference(_rows(study).rename(columns={"n_error": "n_std_error"}), study)
+    return packed, _apart_by_case(rows["case"], rows["difference"], rows["z"]) or "the paper has no such beds"
+
+
+def _apart_by_case(cases, differences, in_errors):
+    """Describe the range of differences of each case and the largest one in standard errors; empty without any."""
+    table = pd.DataFrame({"case": cases, "apart": differences, "z": in_errors}).dropna()
+    return "; ".join(
+        f"{case} {_signed(rows['apart'].min(), 3)} to {_signed(rows['apart'].max(), 3)} "
+        f"(up to {rows['z'].abs().max():.1f} standard errors)"
+        for case, rows in table.groupby("case", sort=False)
+    )
 
 
 def _not_packed(study):
@@ -158,18 +178,7 @@ def _error_of_mean(errors):
 
 
 def _shaking_cylinder():
-    ours = _rows("shaking_cylinder")
-    theirs = read_r22_table("table5_shaking_cylinder").rename(columns={"t_s": "shaking_s"})
-    both = ours.merge(theirs, on=["case", "shaking_s"])
-    texts = []
-    for case, rows in both.groupby("case", sort=False):
-        apart = rows["n_x"] - rows["n_y"]
-        errors = np.hypot(rows["n_error"], rows["n_std"] / np.sqrt(2))
-        texts.append(
-            f"{case} {_signed(apart.min(), 3)} to {_signed(apart.max(), 3)} (up to {(apart / errors).abs().max():.1f} "
-            "standard errors)"
-        )
-    return f"{len(ours)} packings of half the mass, 1 seed of 3", "; ".join(texts)
+    return f"{len(_rows('shaking_cylinder'))} packings of half the mass, 1 seed of 3", _study("shaking_cylinder")[1]
 
 
 def _validation():

@@ -134,3 +134,10 @@ def _section(text, anchor):
         for part in re.split(r"^#+ ", text, flags=re.M)
     }
     return parts[anchor]
+
+
+def test_a_study_is_compared_with_its_table_case_by_case():
+    size, difference = papers._study("shaking_cylinder")
+    assert size == "8 of 8 packings"
+    assert [text.split()[0] for text in difference.split("; ")] == ["B50", "U7"] and "standard errors" in difference
+    assert papers._study("shaking_periodic") == ("0 of 6 packings", "not packed yet")
