@@ -149,7 +149,7 @@ def _faces():
     )
     packed, open_ = _not_packed("mesh_resolution")
     if (REFERENCE / "mesh_resolution.csv").exists():
-        open_ = _porosity_over_faces(_rows("mesh_resolution")) or open_
+        open_ = _porosity_over_faces(_rows("mesh_resolution")) or "of no pair of beds yet"
     grains = _rows("grains/decimation")["grain"].nunique()
     return f"volumes of {grains} grains; {packed}", f"volume: {', '.join(texts)}; porosity {open_}"
 
