@@ -30,7 +30,7 @@ LARGEST_LOAD = 4.0  # eigenvalue at which a mode alternates undamped
 BODIES_EXAMINED = 32  # number of bodies whose eigenvalues are computed; they are selected by the sums of eigenvalues
 # Number of contacts, each as stiff as one with a wall, spread over the surface of the stiffest grain: at most about six
 # among fixed neighbours. ASSUME: 1.5 times as many in a bed, where neighbours move too, and at most twice as many.
-# Measurements: docs/explanation/constants_packing.md, "Stable time step".
+# Measurements: docs/explanation/stability.md, "Contacts of the stiffest grain".
 EXPECTED_CONTACTS, CAUTIOUS_CONTACTS = 9, 12
 # With the probability AT_CORNERS a contact of a polyhedron with at most POINTED corners is at a corner, otherwise
 # anywhere on its faces. From BLUNT corners on, all contacts are spread over the faces. Measurements:

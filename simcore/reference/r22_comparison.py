@@ -26,8 +26,8 @@ def add_reference(table, study, folder=R22_TABLES):
     table: as from study_tables.summarise. New columns: r22_n, r22_n_std (over their runs), r22_n_error (standard error
     of r22_n), difference (n minus r22_n) and z, the difference divided by the standard error of both; nan where
     Rettinger et al. give no value. For the validation also experiment_n, experiment_n_std, experiment_error_percent (of
-    our packings) and r22_error_percent (of those of Rettinger et al.). For the study mesh_resolution also
-    cpu_h_per_run, and of Rettinger et al. r22_volume_change_percent and r22_runtime_h.
+    our packings) and r22_error_percent (of the packings of Rettinger et al.). For mesh_resolution also cpu_h_per_run of
+    our packings, and r22_volume_change_percent and r22_runtime_h of the packings of Rettinger et al.
 
     For single forms and mixtures they give no table of porosities. There r22_n is the prediction of their fitted model
     for the forms of our packing, and r22_n_error the error of such a prediction, from the mean absolute error of their

@@ -29,3 +29,10 @@ def test_hours_of_each_study(title):
     assert published.split(";")[0] == f"{row.r22_cpu_h:.0f}"
     if title.startswith("beds"):
         assert packings.startswith(f"{row.packings} ")
+
+
+def test_the_longest_time_over_its_estimate():
+    collected = pd.read_csv(REFERENCE / "collected.csv").set_index("study")
+    ratios = collected.cpu_h / collected.cpu_h_estimated.where(collected.cpu_h_estimated > 0)
+    page = " ".join((ROOT / "docs" / "reference" / "findings.md").read_text(encoding="utf-8").split())
+    assert f"take {ratios.max():.1f} times as long: the study `{ratios.idxmax()}` did" in page

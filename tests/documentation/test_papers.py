@@ -7,6 +7,7 @@ import pandas as pd
 
 from docs.generate import papers
 from simcore.paths import REFERENCE, ROOT
+from simcore.reference.r22_tables import read_r22_table
 
 
 def test_every_entry_has_a_place_a_size_and_a_difference():
@@ -136,8 +137,16 @@ def _section(text, anchor):
     return parts[anchor]
 
 
-def test_a_study_is_compared_with_its_table_case_by_case():
+def test_a_study_is_compared_with_its_table_case_by_case(monkeypatch, tmp_path):
+    planned = {"study": ["shaking_cylinder", "domain_size"], "packings": [3, 0], "planned": [8, 4]}
+    pd.DataFrame(planned).to_csv(tmp_path / "collected.csv", index=False)
+    theirs = read_r22_table("table5_shaking_cylinder").set_index(["case", "t_s"])["n"]
+    rows = [("U7", 1.0, theirs["U7", 1.0] + 0.02, 0.01), ("U7", 2.0, theirs["U7", 2.0] - 0.01, 0.01)]
+    rows += [("B50", 7.5, 0.3, 0.01)]  # a time that is not in the table
+    table = pd.DataFrame(rows, columns=["case", "shaking_s", "n", "n_error"])
+    table.to_csv(tmp_path / "shaking_cylinder.csv", index=False)
+    monkeypatch.setattr(papers, "REFERENCE", tmp_path)
     size, difference = papers._study("shaking_cylinder")
-    assert size == "8 of 8 packings"
-    assert [text.split()[0] for text in difference.split("; ")] == ["B50", "U7"] and "standard errors" in difference
-    assert papers._study("shaking_periodic") == ("0 of 6 packings", "not packed yet")
+    assert size == "3 of 8 packings"
+    assert difference == "U7 −0.010 to +0.020 (up to 2.0 standard errors)"
+    assert papers._study("domain_size") == ("0 of 4 packings", "not packed yet")
