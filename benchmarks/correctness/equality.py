@@ -49,7 +49,7 @@ MANY = {
     }
 }
 SCENES = {
-    "spheres": {"shapes": {"kind": "sphere"}, **MANY},
+    "spheres": {"shapes": {"kind": "sphere"}, **MANY, "numerics": {"dashpot": "implicit"}},
     "ellipsoids_cylinder": {"shapes": {"kind": "ellipsoid"}, **CYLINDER, "numerics": {"dashpot": "implicit"}},
     "ellipsoids_potential": {
         "shapes": {"kind": "ellipsoid"},

@@ -1,9 +1,5 @@
 """The packing process with a few grains: it ends at rest, repeats its bits, and fails with a reason."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -85,50 +81,6 @@ def test_the_skin_of_the_list_changes_no_bit_of_spheres(packed):
     one, other = (pack_few_spheres(numerics={"skin": skin, **implicit}) for skin in (0.02, 0.6))
     assert (one.bodies.position == other.bodies.position).all()
     assert one.observation.unbalanced_force < 0.02  # at a quarter of the steps
-
-
-THREADS = """
-import numba, numpy as np
-from simcore.packing.process import pack
-from simcore.scene.setup import set_up
-from simcore.scene.specification import resolve
-from simcore.grains.synthetic import synthetic_grains
-import warnings
-
-implicit = {"dashpot": "implicit", "steps_per_contact_time": 20}
-ellipsoid = {"kind": "ellipsoid", "choice": "form", "flatness": 0.6, "elongation": 0.7}
-for kind, dashpot in (({"kind": "sphere"}, {}), ({"kind": "sphere"}, implicit), (ellipsoid, {}),
-                      ({"kind": "polyhedron", "choice": "random"}, {})):
-    specification = resolve({"name": "threads", "domain": {"width": "25 mm", "height": "0.2 m"}, "shapes": kind,
-        "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1.0]}, "amount": {"grains": 30},
-        "shaking": {"duration": "0.15 s"}, "numerics": {"contact_time": "1 ms", **dashpot},
-        "convergence": {"max_speed": "1 m/s", "height_change": "1 mm", "max_unbalanced_force": 10}})
-    seen = []
-    for threads in (1, 2):
-        numba.set_num_threads(threads)
-        made = set_up(specification, lambda group: synthetic_grains(seed=1, n=21))
-        packed = pack(made.scene, made.bases, made.draw)
-        seen.append(packed)
-    one, two = seen
-    assert one.observation.coordination > 1.0 and one.steps == two.steps, one.steps
-    for first, second in ((one.bodies, two.bodies), *zip(one.candidates, two.candidates, strict=True)):
-        for name in first._fields:
-            assert np.array_equal(getattr(first, name), getattr(second, name)), (kind, name)
-    print(kind["kind"], one.steps, one.observation.coordination)
-"""
-
-
-def test_two_threads_give_the_bits_of_one():
-    """All fields of bodies and contacts are compared for spheres, ellipsoids and polyhedra in a process of its own."""
-    done = subprocess.run(
-        [sys.executable, "-c", THREADS],
-        env={**os.environ, "NUMBA_NUM_THREADS": "2"},
-        capture_output=True,
-        text=True,
-        timeout=1800,  # compiling on a busy machine
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
-    assert [line.split()[0] for line in done.stdout.splitlines()] == ["sphere", "sphere", "ellipsoid", "polyhedron"]
 
 
 def test_grains_are_drawn_by_id():

@@ -80,10 +80,10 @@ def test_the_settled_ellipsoids_of_r22():
 
     shared/reference/study_program.md lists its results: a coordination number of 4.45, a mean overlap of 8.2e-8 m, and
     largest overlaps of 6e-7 and 1.4e-6 m. Over our seeds the first two scatter by 0.13 and 0.3e-8 m. The bands are four
-    standard errors of the difference between our three seeds and those two, 4 √(1/3 + 1/2) = 3.65 scatters.
+    standard errors of the difference between our two seeds and those two, 4 √(1/2 + 1/2) = 4 scatters.
     """
     coordination, overlap, largest = [], [], []
-    for seed in (1, 2, 3):
+    for seed in (1, 2):
         packed, _ = run(
             seed,
             domain={"type": "cylinder", "width": "56 mm", "height": "0.25 m"},
@@ -100,7 +100,7 @@ def test_the_settled_ellipsoids_of_r22():
         largest.append(packed.contacts.overlap[touching].max())
         print(f"seed {seed}: shaken until {packed.last_insertion + 0.13:.3f} s, at rest after {packed.time:.3f} s")
     print("coordination", coordination, "mean overlap", overlap, "largest", largest)
-    assert np.mean(coordination) == pytest.approx(4.45, abs=3.65 * 0.13)
-    assert np.mean(overlap) == pytest.approx(8.2e-8, abs=3.65 * 0.3e-8)
+    assert np.mean(coordination) == pytest.approx(4.45, abs=4 * 0.13)
+    assert np.mean(overlap) == pytest.approx(8.2e-8, abs=4 * 0.3e-8)
     # The largest overlap of two seeds differed by a factor of 2.3, so values within that factor of the range pass.
-    assert 6e-7 / 2.3 < np.median(largest) < 1.4e-6 * 2.3
+    assert 6e-7 / 2.3 < np.mean(largest) < 1.4e-6 * 2.3
