@@ -114,7 +114,7 @@ def draw(family, rng, n, size=20, count=400):
     A third of the pairs is 1e6 sizes away from the world's origin. size: maximum number of vertices of a hull. count:
     number of shapes.
     """
-    from simcore.dem.contact import query_many
+    from simcore.dem.contact.query import query_many
     from simcore.dem.shapes.polyhedra import Shape
 
     a, b = make_shapes(family, rng, min(count, n), size)
@@ -178,8 +178,7 @@ def examine(pairs, exchange=True, reference=True):
     shows. points: of point_b − point_a against distance × normal; for a gap this bounds the distance from above, as
     `shown` does from below. exchange: of the distance when a and b are exchanged.
     """
-    from simcore.dem.contact import query_many
-    from simcore.dem.contact.query import place_solids, table_of
+    from simcore.dem.contact.query import place_solids, query_many, table_of
     from simcore.dem.state.bodies import rotation_matrix
     from simcore.verification import brute_force as brute
 

@@ -25,11 +25,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from simcore.compilation import kernel
-from simcore.dem.contact import query_many
 from simcore.dem.contact.find_contact import check_ellipsoids, check_potentials, search_ellipsoids, search_potentials
 from simcore.dem.contact.pair import Pair
 from simcore.dem.contact.pairs.ellipsoid_potentials import meeting_of
-from simcore.dem.contact.query import place_solids, table_of
+from simcore.dem.contact.query import place_solids, query_many, table_of
 from simcore.dem.contact.search.ellipsoid_climb import climb_normal, surface_point
 from simcore.dem.shapes.polyhedra import ELLIPSOID, collect_shapes, ellipsoid, unit_sphere
 from simcore.dem.state.bodies import make_bodies

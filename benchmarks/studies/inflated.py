@@ -19,10 +19,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from simcore.compilation import kernel
-from simcore.dem.contact import query_many
 from simcore.dem.contact.pair import pair_of
 from simcore.dem.contact.pairs.inflated import search_inflated
-from simcore.dem.contact.query import place_solids, table_of
+from simcore.dem.contact.query import place_solids, query_many, table_of
 from simcore.dem.shapes.polyhedra import convex
 from simcore.dem.vectors import read, write
 from simcore.grains.mesh import decimate

@@ -12,8 +12,8 @@ difference_long_wide.csv. config/differences.yaml has the rules of both comparis
 import numpy as np
 import pandas as pd
 
+from simcore.evaluation.confidence import student_quantile
 from simcore.models.fitting import fit_reference_models
-from simcore.models.regression import student_quantile
 from simcore.models.unified import feature_table
 from simcore.paths import REFERENCE
 from simcore.reference.columns import COMMITTED_NAMES, SPECIFIED_FORM

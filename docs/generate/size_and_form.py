@@ -16,9 +16,9 @@ from benchmarks.studies.sorted_sands import TABLE as SANDS
 from benchmarks.studies.sorted_sands import mean_ratios
 from benchmarks.studies.sorted_sands import rms_errors as rms_of_sands
 from docs.generate.markdown import table
+from simcore.evaluation.confidence import student_quantile
 from simcore.evaluation.rounding import with_decimals
 from simcore.models.packing_models.literature import LITERATURE
-from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.known_beds import MIXTURES, OF_MIXTURES, PACKED, PACKED_BY_R22, PUBLISHED
 from simcore.models.size_and_form.sized_model import current_model, unfitted_model
 from simcore.paths import REFERENCE

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.stats import t as student
 
+from simcore.evaluation.confidence import student_quantile
 from simcore.evaluation.coordination import coordination_number
 from simcore.evaluation.interval import median_size
 from simcore.evaluation.porosity import bulk_porosity
@@ -122,7 +122,7 @@ def _differences(table, groups):
             else:
                 difference = other[quantity].mean() - reference[quantity].mean()
                 error, freedom = _combine(_error_of_mean(reference, quantity), _error_of_mean(other, quantity))
-            half = student.ppf(0.5 + 0.5 * LEVEL, freedom) * error
+            half = student_quantile(LEVEL, freedom) * error
             rows.append((group, quantity, difference, error, difference - half, difference + half, len(common)))
     return pd.DataFrame(rows, columns=["group", "quantity", "difference", "std_error", "low", "high", "pairs"])
 

@@ -12,7 +12,8 @@ model's design, and A is the least-squares projection of the design on these reg
 
 import numpy as np
 
-from simcore.models.regression import PorosityModel, student_quantile
+from simcore.evaluation.confidence import student_quantile
+from simcore.models.regression import PorosityModel
 
 CORRECTIONS = {"offset": 1, "rescaling": 2}  # number of fitted coefficients
 

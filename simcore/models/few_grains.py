@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from simcore.evaluation.confidence import student_quantile
 from simcore.grains.statistics import STATISTICS
-from simcore.models.regression import student_quantile
 from simcore.models.unified import feature_table
 
 RELATIVE_STEP = 1e-4  # of a statistic, for the derivatives of a model

@@ -3,12 +3,11 @@
 
 import logging
 from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 import pandas as pd
-from scipy.special import stdtrit
 
+from simcore.evaluation.confidence import student_quantile
 from simcore.grains.form import features as form_features
 from simcore.models.fitted_range import RangedValue, distance_outside, widening
 
@@ -117,12 +116,6 @@ def bootstrap(features, porosity, resamples=RESAMPLES, seed=0):
     spans = np.linalg.eigvalsh(normal)[:, 0] > 1e-10
     solved = np.linalg.solve(normal[spans], ((drawn[spans] * y) @ Q)[..., None])[..., 0]
     return np.linalg.solve(R, solved.T).T
-
-
-@lru_cache(maxsize=64)
-def student_quantile(level, freedom) -> float:
-    """Return Student's t that a value exceeds in magnitude with the probability 1 - level."""
-    return float(stdtrit(freedom, 0.5 + 0.5 * level))
 
 
 @dataclass(frozen=True)

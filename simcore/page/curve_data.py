@@ -4,13 +4,13 @@ from dataclasses import asdict
 
 import pandas as pd
 
+from simcore.evaluation.confidence import student_quantile
 from simcore.grains.class_labels import BELOW, class_patterns
 from simcore.grains.sieve_table import table_rules
 from simcore.models.packing_models.curves import IN_GAP, TAIL, WIDEST
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import LITERATURE, VIBRATED_COMPACTION
 from simcore.models.packing_models.rods import LARGEST_FACTOR, RODS, SMALLEST_FACTOR
-from simcore.models.regression import student_quantile
 from simcore.models.size_and_form import skeletons
 from simcore.models.size_and_form.bed_prediction import (
     ABOVE,

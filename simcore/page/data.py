@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+from simcore.evaluation.confidence import student_quantile
 from simcore.grains import cell_numbers, form_notices, grain_counts, measured_forms, table_head
 from simcore.grains.form_columns import MEANS, NEEDED, all_patterns
 from simcore.grains.sieve import read_cases
@@ -15,7 +16,6 @@ from simcore.models.formulas import SYMBOLS
 from simcore.models.measured_file import MEASURED
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.prediction_text import FEW_GRAINS
-from simcore.models.regression import student_quantile
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS
 from simcore.packing.sieve_specification import sieve_specification
 from simcore.page.curve_data import curve_data

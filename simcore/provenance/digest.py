@@ -46,12 +46,22 @@ def read_source(path: Path) -> Source:
     if path.suffix != ".py":
         return Source(_hash(text), frozenset())
     tree, imports = ast.parse(text), set()
-    for node in ast.walk(tree):
+    for node in _with_statements(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list) and body and _is_docstring(body[0]):
             del body[0]
         imports.update(_imported(node, path))
     return Source(_hash(ast.dump(tree)), frozenset(imports))
+
+
+def _with_statements(node):
+    """Yield a node and all statements in it, but no expressions, which are most of a tree and import nothing."""
+    yield node
+    for field in ("body", "orelse", "finalbody", "handlers", "cases"):
+        inner = getattr(node, field, None)
+        if isinstance(inner, list):
+            for statement in inner:
+                yield from _with_statements(statement)
 
 
 def _hash(text):

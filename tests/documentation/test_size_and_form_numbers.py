@@ -9,9 +9,9 @@ import yaml
 
 from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS, OURS, R22
 from benchmarks.studies.sorted_sands import TABLE as SANDS
+from simcore.evaluation.confidence import student_quantile
 from simcore.models.fitting import fit_reference_models
 from simcore.models.prediction import predict_preferred
-from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.bed_prediction import rhine_one_class, rhine_sample
 from simcore.models.size_and_form.choice import Score, choose
 from simcore.models.size_and_form.known_beds import MEASURED, PUBLISHED

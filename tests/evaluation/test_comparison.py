@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 from scipy.stats import ttest_ind
 
 from simcore.__main__ import main
@@ -74,7 +75,7 @@ def test_groups_without_a_common_seed_are_compared_by_their_means(stand_in):
     assert row.std_error == pytest.approx(np.hypot(0.01, 0.004))  # over two seeds, and within one packing
     # Welch: only the scatter over seeds has few degrees of freedom (one).
     freedom = (0.01**2 + 0.004**2) ** 2 / 0.01**4
-    assert row.high - row.difference == pytest.approx(comparison.student.ppf(0.975, freedom) * row.std_error)
+    assert row.high - row.difference == pytest.approx(student.ppf(0.975, freedom) * row.std_error)
 
 
 def test_two_groups_of_several_seeds_have_the_freedom_of_welch(stand_in):

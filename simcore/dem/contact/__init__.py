@@ -26,7 +26,3 @@ module first forms the relative position r, and uses tolerances relative to the 
 `patch/` integrates over the overlap of polyhedra; `walls` finds contacts with the floor and the cylinder.
 `query` and `query_many` are stand-alone queries for any two shapes; `simcore.verification.brute_force` checks them.
 """
-
-from simcore.dem.contact.query import ContactQuery, query, query_many
-
-__all__ = ["ContactQuery", "query", "query_many"]

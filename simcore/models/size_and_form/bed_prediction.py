@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from simcore.evaluation.confidence import student_quantile
 from simcore.grains.measured_forms import Sample
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.statistics import equancy_statistics
@@ -16,7 +17,6 @@ from simcore.models.packing_models.curves import gap, passing, span
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import LITERATURE
 from simcore.models.prediction import ONE_CLASS, predict_all_preferred, predict_preferred
-from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
 from simcore.models.size_and_form.sized_model import SizedModel, current_model
 from simcore.paths import REFERENCE

@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import norm
 
+from simcore.evaluation.confidence import student_quantile
 from simcore.models.packing_models.literature import LITERATURE
-from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.candidates import CANDIDATES
 from simcore.models.size_and_form.choice import Score, choose, score
 from simcore.models.size_and_form.fit import Fit, fit_candidate, predict_beds, predict_left_out, scatter_between_beds

@@ -19,10 +19,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from simcore.evaluation.confidence import student_quantile
 from simcore.models.correction import regressors
 from simcore.models.fitted_range import NEAR
 from simcore.models.prediction import sample_features
-from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.sized_model import SizedModel
 
 

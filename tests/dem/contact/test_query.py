@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.contact import query, query_many
+from simcore.dem.contact.query import query, query_many
 from simcore.dem.shapes.polyhedra import convex, ellipsoid, sphere
 from tests.helpers.polyhedra import CUBE, TETRAHEDRON
 from tests.helpers.rotations import IDENTITY, X45, Y45, Z45, turn_about, turn_about_axis

@@ -9,8 +9,8 @@ import numba
 import numpy as np
 import pytest
 
-from simcore.dem.contact import query_many
 from simcore.dem.contact.patch.workspace import make_workspace
+from simcore.dem.contact.query import query_many
 from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.shapes.polyhedra import MIXED, POLYHEDRON, collect_shapes, convex, ellipsoid, sphere
 from simcore.dem.state.bodies import make_bodies

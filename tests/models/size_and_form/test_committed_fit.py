@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from benchmarks.studies.size_and_form_fit import TABLES, read_rows, usable_beds
-from simcore.models.regression import student_quantile
+from simcore.evaluation.confidence import student_quantile
 from simcore.models.size_and_form.comparison import PREFERENCE
 from simcore.models.size_and_form.fit import predict_beds
 from simcore.models.size_and_form.sized_model import CANDIDATE, NOT_FITTED, UNFITTED

@@ -7,13 +7,13 @@ import pytest
 
 import simcore
 from simcore.__main__ import main
+from simcore.evaluation.confidence import student_quantile
 from simcore.grains.forms_by_class import class_name, classes_of_table
 from simcore.grains.sampling import sample_grains
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.table_file import read_table
 from simcore.models.fitting import fit_reference_models
 from simcore.models.packing_models.curves import split
-from simcore.models.regression import student_quantile
 from simcore.models.size_and_form.bed_forms import read_bed_forms
 from simcore.models.size_and_form.bed_prediction import predict_curve, rhine_one_class
 from simcore.models.size_and_form.forms_by_class import BY_CLASS, predict_by_class

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from simcore.dem.contact import query_many
+from simcore.dem.contact.query import query_many
 from simcore.dem.shapes.polyhedra import convex, ellipsoid
 from tests.helpers.contact_pairs import UNIT_SPHERE, place_pairs, update_mixed
 from tests.helpers.polyhedra import CUBE, make_pebble, make_polyhedron
