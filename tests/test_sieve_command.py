@@ -1,14 +1,21 @@
 """`sieve`: what it prints and writes, and that the specification which it writes is accepted."""
 
 import json
+import re
 
+import numpy as np
 import pytest
 import yaml
 
 from simcore.__main__ import main
 from simcore.grains.measured_forms import Sample
+from simcore.grains.sieve import SieveCurve
+from simcore.grains.sources import load_grains
 from simcore.packing.forecast_text import check_setup, setup_warnings
+from simcore.packing.sieve_specification import MANY, sieve_specification
 from simcore.paths import CONFIG
+from simcore.scene.setup import set_up
+from simcore.scene.specification import read_specification, resolve
 
 CURVE = "opening [mm];mass [g]\n11,2;0\n8;1120\n5,6;760\n4;420\npan;10\n"
 
@@ -43,12 +50,6 @@ FLAT = Sample("flat", 40, 0.45, 0.14, 0.7, 0.13, 0.32, 0.12)  # thin grains need
 
 @pytest.mark.parametrize(("classes", "sample"), [(1, None), (3, None), (6, None), (3, FLAT)])
 def test_a_packing_of_any_curve_is_high_enough_and_has_no_warning(folder, classes, sample):
-    from simcore.grains.sieve import SieveCurve
-    from simcore.grains.sources import load_grains
-    from simcore.packing.sieve_specification import sieve_specification
-    from simcore.scene.setup import set_up
-    from simcore.scene.specification import read_specification
-
     bounds = [4e-3 * 2 ** (i / 2) for i in range(classes + 1)]
     text, notices = sieve_specification(SieveCurve(bounds, [1 / classes] * classes), folder / "my curve.csv", sample)
     (folder / "spec.yaml").write_text(text)
@@ -58,14 +59,35 @@ def test_a_packing_of_any_curve_is_high_enough_and_has_no_warning(folder, classe
     assert setup.scene.name == "my_curve"
 
 
-def test_a_curve_with_too_many_grains_is_refused(folder):
-    from simcore.grains.sieve import SieveCurve
-    from simcore.packing.sieve_specification import sieve_specification
+@pytest.mark.parametrize(
+    "bounds, shares, sieve, percent",
+    [
+        ([0.1, 0.5, 2, 4, 8, 16, 32, 64], [0.04, 0.06, 0.1, 0.2, 0.2, 0.2, 0.2], 8, 40),
+        ([0.1, 0.2, 64], [0.7, 0.3], 0.2, 70),
+    ],
+)
+def test_a_curve_with_too_many_grains_is_refused(folder, bounds, shares, sieve, percent):
+    """The message names the finest sieve above which the bed can be packed, and its number of grains."""
+    bounds = 1e-3 * np.array(bounds)
+    cure = f"leave out the grains below {sieve} mm, which are {percent}% of the mass; then the packing has (.*) grains"
+    with pytest.raises(ValueError, match=f"more than can be packed; {cure}$") as refused:
+        sieve_specification(SieveCurve(bounds, shares), folder / "mud.csv")
+    first = int(np.flatnonzero(np.isclose(bounds, 1e-3 * sieve))[0])
+    (coarse, text), (_, finer) = (described(bounds[k:], shares[k:], folder) for k in (first, first - 1))
+    mass = resolve(yaml.safe_load(text))["amount"]["mass"]
+    grains = mass / (2650 * np.pi / 6 * coarse.mean(3))
+    assert float(re.search(cure, str(refused.value))[1]) == pytest.approx(grains, rel=0.05)
+    assert grains < MANY and cure.split("which")[0] in finer
 
-    with pytest.raises(
-        ValueError, match="more than can be packed; leave out the finest classes, such as those below 4"
-    ):
-        sieve_specification(SieveCurve([1e-4, 2e-4, 64e-3], [0.5, 0.5]), folder / "mud.csv")
+
+def described(bounds, shares, folder):
+    """Return the SieveCurve, and the specification of a bed that is packed within days or what is said of another."""
+    curve = SieveCurve(bounds, np.array(shares) / sum(shares))
+    try:
+        text, notices = sieve_specification(curve, folder / "mud.csv", draw=False)
+    except ValueError as error:
+        return curve, str(error)
+    return curve, " ".join(notices) or text
 
 
 def test_json_has_the_same_numbers(folder, capsys):
@@ -97,9 +119,6 @@ def test_wrong_input_ends_with_one_line_and_leaves_no_file(folder, capsys):
 
 
 def test_a_packing_is_made_as_the_beds_of_the_model_of_size_and_form(folder):
-    from simcore.grains.sieve import SieveCurve
-    from simcore.packing.sieve_specification import sieve_specification
-
     text, _ = sieve_specification(SieveCurve([4e-3, 5.6e-3, 8e-3], [0.5, 0.5]), folder / "my curve.csv")
     written, beds = yaml.safe_load(text), yaml.safe_load((CONFIG / "size_and_form.yaml").read_text())
     fixed = beds["studies"]["size_and_form"]["fixes"]

@@ -6,6 +6,7 @@ import numpy as np
 import yaml
 
 from simcore.grains.forms_by_class import sample_of_class
+from simcore.grains.sieve import SieveCurve
 from simcore.grains.sources import load_grains
 from simcore.packing.expectation import DEEP_IMPACT, expect
 from simcore.packing.forecast import expected_solid_fraction
@@ -42,17 +43,11 @@ def sieve_specification(curve, source, sample=None, classes=None, *, draw=True):
     page`. ValueError if the curve has too many grains for any packing, or if a class with mass has no forms.
     """
     largest = curve.largest
-    width = np.ceil(WIDTH * largest * 1e3) / 1e3
-    numbers = curve.number_fractions()
-    centres = np.sqrt(curve.bounds[1:] * curve.bounds[:-1])
-    solid = expected_solid_fraction(centres, curve.mass_fractions / curve.mass_fractions.sum())
-    grain = DENSITY * np.pi / 6 * curve.mean(3)  # mean mass by number
-    mass = max(DENSITY * solid * width**2 * HEIGHT * largest, LARGEST_GRAINS * grain / numbers[-1])
-    grains = mass / grain
+    width, solid, mass, grains = _bed(curve)
     if grains > TOO_MANY:
         raise ValueError(
-            f"a packing of this curve with five grains of its coarsest class has {grains:.2g} grains, more than can be "
-            f"packed; leave out the finest classes, such as those below {curve.largest * 1e3 / 16:.3g} mm"
+            f"a packing of this curve with {LARGEST_GRAINS} grains of its coarsest class has {grains:.2g} grains, more "
+            f"than can be packed; {_leave_out(curve)}"
         )
     bed = mass / (DENSITY * solid * width**2)
     name = re.sub(r"[^A-Za-z0-9_.+-]+", "_", source.stem).strip("_.+-") or "sieve"
@@ -62,8 +57,8 @@ def sieve_specification(curve, source, sample=None, classes=None, *, draw=True):
     notices = []
     if grains > MANY:
         notices.append(
-            f"the packing has {grains:.2g} grains, most of them fine; `explain` prints its cost, which is less without "
-            "the finest classes"
+            f"the packing has {grains:.2g} grains, most of them fine, and takes days on one core; `explain` prints its "
+            f"cost. If that is too much, {_leave_out(curve)}"
         )
     start = f"""# Packs the sieve curve of {source.name}. See what it costs:  scree explain THIS_FILE
 name: {name}
@@ -83,6 +78,31 @@ accuracy: standard
     contact_time = _contact_time(curve.least, height)
     numerics = _numerics(start, contact_time) if draw else _NUMERICS.format(contact_time * 1e3, "")
     return start + numerics, notices
+
+
+def _bed(curve):
+    """Return (width [m], solid fraction, mass [kg], expected number of grains) of the bed of a SieveCurve."""
+    width = np.ceil(WIDTH * curve.largest * 1e3) / 1e3
+    centres = np.sqrt(curve.bounds[1:] * curve.bounds[:-1])
+    solid = expected_solid_fraction(centres, curve.mass_fractions / curve.mass_fractions.sum())
+    grain = DENSITY * np.pi / 6 * curve.mean(3)  # mean mass by number
+    least = LARGEST_GRAINS * grain / curve.number_fractions()[-1]
+    mass = max(DENSITY * solid * width**2 * HEIGHT * curve.largest, least)
+    return width, solid, mass, mass / grain
+
+
+def _leave_out(curve):
+    """Return what to leave out of a SieveCurve so that at most MANY grains remain; its coarsest class has fewer."""
+    for k in range(1, len(curve.mass_fractions)):
+        coarse = SieveCurve(curve.bounds[k:], curve.mass_fractions[k:] / curve.mass_fractions[k:].sum())
+        grains = _bed(coarse)[-1]
+        if grains <= MANY:
+            break
+    share = 1.0 - curve.mass_fractions[k:].sum() / curve.mass_fractions.sum()
+    return (
+        f"leave out the grains below {curve.bounds[k] * 1e3:.6g} mm, which are {100 * share:.3g}% of the mass; then "
+        f"the packing has {grains:.2g} grains"
+    )
 
 
 _NUMERICS = """# Contacts of so short a time are stiff enough that falling grains do not sink into the finest ones.

@@ -159,6 +159,13 @@ def test_shared_cases_have_the_same_words(open_page, fitted, tmp_path):
     compare(open_page(), entries, fitted, tmp_path)
 
 
+def test_a_bed_of_too_many_grains_has_the_same_words(open_page, fitted, tmp_path):
+    sieves = "opening [mm];mass [%]\n63;0\n31.5;20\n16;30\n8;20\n4;15\n2;10\n0.063;5\n"
+    entry = {"sieves": sieves, "table": None, "finest": None, "coarsest": None, "level": 0.95, "more": True}
+    assert "leave out the grains below 4 mm, which are 15%" in by_command(tmp_path, entry, fitted)["error"]
+    assert compare(open_page(), [entry], fitted, tmp_path) == (0, 1)
+
+
 def test_each_candidate_that_is_ported_gives_the_same_porosity(open_page):
     rng = np.random.default_rng(7)
     model, models, cases, expected = unfitted_model(), [], [], []

@@ -9,23 +9,11 @@ const BedSpecification = (() => {
     const bounds = curve.bounds.map((bound) => bound / 1e3); // [m]
     const shares = curve.mass_fractions;
     const largest = bounds.at(-1);
-    const width = Math.ceil(rule.width * largest * 1e3) / 1e3;
-    const volumes = shares.map((_, i) => classMean(bounds[i], bounds[i + 1], 3));
-    const numbers = shares.map((share, i) => share / volumes[i]);
-    const total = sum(numbers);
-    const centres = shares.map((_, i) => Math.log2(Math.sqrt(bounds[i] * bounds[i + 1])));
-    const mean = sum(shares.map((share, i) => share * centres[i]));
-    const spread = Math.sqrt(sum(shares.map((share, i) => share * (centres[i] - mean) ** 2)));
-    const solid = Math.min(rule.solid + rule.by_spread * spread, rule.largest_solid);
-    const grain = rule.density * (Math.PI / 6) * sum(numbers.map((number, i) => (number / total) * volumes[i]));
-    const mass = Math.max(
-      rule.density * solid * width ** 2 * rule.height * largest, (rule.largest_grains * grain) / (numbers.at(-1) / total)
-    );
-    const grains = mass / grain;
+    const { width, solid, mass, grains } = amounts(bounds, shares);
     if (grains > rule.too_many) {
       throw new InputError(
-        `a packing of this curve with five grains of its coarsest class has ${general(grains, 2)} grains, more than can ` +
-          `be packed; leave out the finest classes, such as those below ${general((largest * 1e3) / 16, 3)} mm`
+        `a packing of this curve with ${rule.largest_grains} grains of its coarsest class has ${general(grains, 2)} ` +
+          `grains, more than can be packed; ${leaveOut(bounds, shares)}`
       );
     }
     const bed = mass / (rule.density * solid * width ** 2);
@@ -48,6 +36,37 @@ ${rule.process}
 # Contacts of so short a time are stiff enough that falling grains do not sink into the finest ones.
 numerics: {contact_time: ${general(contactTime(bounds[0], height) * 1e3, 3)} ms}
 `;
+  }
+
+  // Width [m], solid fraction, mass [kg] and expected number of grains of the bed. bounds in metres.
+  function amounts(bounds, shares) {
+    const largest = bounds.at(-1);
+    const width = Math.ceil(rule.width * largest * 1e3) / 1e3;
+    const volumes = shares.map((_, i) => classMean(bounds[i], bounds[i + 1], 3));
+    const numbers = shares.map((share, i) => share / volumes[i]);
+    const total = sum(numbers);
+    const centres = shares.map((_, i) => Math.log2(Math.sqrt(bounds[i] * bounds[i + 1])));
+    const mean = sum(shares.map((share, i) => share * centres[i]));
+    const spread = Math.sqrt(sum(shares.map((share, i) => share * (centres[i] - mean) ** 2)));
+    const solid = Math.min(rule.solid + rule.by_spread * spread, rule.largest_solid);
+    const grain = rule.density * (Math.PI / 6) * sum(numbers.map((number, i) => (number / total) * volumes[i]));
+    const mass = Math.max(
+      rule.density * solid * width ** 2 * rule.height * largest, (rule.largest_grains * grain) / (numbers.at(-1) / total)
+    );
+    return { width, solid, mass, grains: mass / grain };
+  }
+
+  // What to leave out so that at most `many` grains remain; the coarsest class has fewer.
+  function leaveOut(bounds, shares) {
+    const from = (k) => shares.slice(k).map((share) => share / sum(shares.slice(k)));
+    const grainsFrom = (k) => amounts(bounds.slice(k), from(k)).grains;
+    let k = 1;
+    while (k < shares.length - 1 && grainsFrom(k) > rule.many) k += 1;
+    const share = 100 * (1 - sum(shares.slice(k)) / sum(shares));
+    return (
+      `leave out the grains below ${general(bounds[k] * 1e3, 6)} mm, which are ${general(share, 3)}% of the mass; then ` +
+      `the packing has ${general(grainsFrom(k), 2)} grains`
+    );
   }
 
   function shapes(sample) {
