@@ -3,8 +3,9 @@
     python -m benchmarks.studies.scatter
     python -m benchmarks.studies.scatter --draws
 
-It reads results/reference/wide_random.csv, wide_quota.csv and wide_spheres.csv (the check of the sampling error on
-spheres) and applies the rules that config/wide.yaml states. It prints one line per sieve curve and draw: the number of
+It reads results/reference/wide_random.csv and wide_quota.csv, wide_both_random.csv and wide_both.csv (with the settings
+of the preset `wide`) and wide_spheres.csv (the check of the sampling error on spheres), and applies the rules that
+config/wide.yaml states. It prints one line per sieve curve and draw: the number of
 seeds, the mean porosity, the standard deviation over the seeds with its 95 % confidence limits, the root mean square of
 the stated errors, chi-squared of the scatter over the stated errors with its 95 % limits, and the ratio of the
 variances by quota and by random draw with the lower 5 % limit of the F distribution.
@@ -30,7 +31,12 @@ from simcore.scene.specification import resolve
 
 CONFIDENCE = 0.95
 BETTER = 0.05  # a ratio of variances below this quantile of the F distribution is less scatter
-DRAWS = {"random": "wide_random.csv", "quota": "wide_quota.csv"}
+DRAWS = ("random", "quota")
+# Added to the name of the sieve curve: study of each draw.
+STUDIES = {
+    "": {"random": "wide_random", "quota": "wide_quota"},
+    ", preset wide": {"random": "wide_both_random", "quota": "wide_both"},
+}
 SPHERES = "wide_spheres.csv"  # contains both draws
 
 
@@ -56,8 +62,13 @@ def scatter(rows: pd.DataFrame) -> dict:
 
 
 def read_tables(folder=REFERENCE) -> dict:
-    """Return the rows of the packings by draw, DataFrames; spheres count as a sieve curve of their own."""
-    tables = {draw: [pd.read_csv(folder / name)] for draw, name in DRAWS.items() if (folder / name).exists()}
+    """Return the rows of the packings by draw, DataFrames; other settings and spheres are curves of their own."""
+    tables = {}
+    for settings, studies in STUDIES.items():
+        for draw, study in studies.items():
+            if (folder / f"{study}.csv").exists():
+                rows = pd.read_csv(folder / f"{study}.csv")
+                tables.setdefault(draw, []).append(rows.assign(case=rows["case"] + settings))
     if (folder / SPHERES).exists():
         spheres = pd.read_csv(folder / SPHERES)
         for draw, rows in spheres.assign(case=spheres["case"] + " spheres").groupby("draw"):
@@ -104,12 +115,19 @@ def coarsest_classes(packings: list[tuple[dict, list]]) -> pd.DataFrame:
 
 
 def planned(studies) -> list[tuple[dict, list]]:
-    """Return the specifications of the packings of these studies in config/wide.yaml, and their undecimated grains."""
+    """Return the specifications of the packings of these studies in config/wide.yaml, and their undecimated grains.
+
+    Packings of the same sieve curve, draw and seed have the same grains; only the first of them is returned.
+    """
     files = [yaml.safe_load((CONFIG / name).read_text(encoding="utf-8")) for name in ("config.yaml", "wide.yaml")]
     plan = expand(resolve(merge(*files), "config"))
     plan = plan[plan["study"].isin(studies)]
     grains = load_grains(plan["grains"].iloc[0])
-    return [(specification, grains) for specification in plan["specification"]]
+    first = {}
+    for specification in plan["specification"]:
+        sizes = specification["sizes"]
+        first.setdefault((sizes["case"], sizes["draw"], specification["seed"]), specification)
+    return [(specification, grains) for specification in first.values()]
 
 
 def main(arguments=None) -> None:
@@ -117,7 +135,7 @@ def main(arguments=None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--draws", action="store_true", help="draw the grains and print their coarsest class")
     if parser.parse_args(arguments).draws:
-        table = coarsest_classes(planned([f"wide_{draw}" for draw in DRAWS]))
+        table = coarsest_classes(planned([study for studies in STUDIES.values() for study in studies.values()]))
     else:
         table = scatter_table(read_tables())
     print(table.to_string(index=False, float_format="%.4f", na_rep=""))

@@ -6,9 +6,9 @@ It reads the tables results/reference/wide_*.csv of pebbles and writes results/r
 packing. It prints one line for each sieve curve and each study that packs beds of `wide_quota` again: the number of
 pairs (same curve, same seed), the mean difference of the porosity with its standard error, whether the rule of
 config/wide.yaml accepts the setting, and the ratio of the CPU times. A second table compares the means over all seeds
-with those of `wide_random`, whose packings have other grains, and a third one with the settings of Rettinger et al. The
-rule requires a mean difference of at most 0.003 in size with a standard error of at most 0.0015, over three seeds, or
-over the number in SEEDS.
+of beds with sizes drawn at random with those by quota, which have other grains. A third one compares with the settings
+of Rettinger et al. The rule requires a mean difference of at most 0.003 in size with a standard error of at most
+0.0015, over three seeds, or over the number in SEEDS.
 """
 
 from pathlib import Path
@@ -19,7 +19,7 @@ import pandas as pd
 from simcore.paths import REFERENCE
 
 BASE = "wide_quota"
-UNPAIRED = {"wide_random"}  # its packings have other grains
+UNPAIRED = {"wide_random": BASE, "wide_both_random": "wide_both"}  # other grains than the study after the colon
 NO_COST = {"wide_cost", "wide_spheres"}  # the table itself, and the check of the sampling error on spheres
 LARGEST_DIFFERENCE, LARGEST_ERROR = 0.003, 0.0015
 # Seeds over which the rule judges a study; three if it is not listed.
@@ -71,15 +71,15 @@ def paired(table: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["settings", "case", "pairs", "difference", "error", "cost", "verdict"])
 
 
-def compare_means(table: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
-    """Return the differences of means from `base` of the settings in UNPAIRED: one row for each settings and case.
+def compare_means(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the differences of means of the settings in UNPAIRED: one row for each settings and case.
 
     Columns: settings, case, beds, difference and error (of the means over the seeds of both), and cost (ratio of the
     mean CPU times of a packing).
     """
     rows = []
     for (settings, case), group in table[table["settings"].isin(UNPAIRED)].groupby(["settings", "case"], sort=False):
-        of_base = table[(table["settings"] == base) & (table["case"] == case)]
+        of_base = table[(table["settings"] == UNPAIRED[settings]) & (table["case"] == case)]
         if of_base.empty:
             continue
         difference = group["n"].mean() - of_base["n"].mean()

@@ -50,3 +50,15 @@ def test_spheres_of_both_draws_are_a_curve_of_their_own(tmp_path):
     table = scatter_table(read_tables(tmp_path)).set_index(["case", "draw"])
     assert set(table.index) == {("U5", "quota"), ("U5 spheres", "quota"), ("U5 spheres", "random")}
     assert table.loc[("U5 spheres", "quota"), "variance_ratio"] == pytest.approx(0.0625)
+
+
+def test_packings_with_other_settings_are_a_curve_of_their_own(tmp_path):
+    for study, n in (
+        ("wide_random", [0.30, 0.31]),
+        ("wide_both_random", [0.30, 0.32]),
+        ("wide_both", [0.30, 0.31]),
+    ):
+        rows(n, case="B50").to_csv(tmp_path / f"{study}.csv", index=False)
+    table = scatter_table(read_tables(tmp_path)).set_index(["case", "draw"])
+    assert table.loc[("B50, preset wide", "quota"), "variance_ratio"] == pytest.approx(0.25)
+    assert table["variance_ratio"].count() == 1 and len(table) == 3

@@ -46,6 +46,16 @@ def test_means_of_packings_of_other_grains():
     )  # both random porosities are 0.30
 
 
+def test_random_draws_of_the_preset_are_compared_with_its_quota():
+    tables = {
+        "wide_both": rows([0.3], [50.0]),
+        "wide_both_random": rows([0.32], [60.0]),
+        "wide_quota": rows([0.4], [90.0]),
+    }
+    (row,) = compare_means(pd.concat([table.assign(settings=name) for name, table in tables.items()])).itertuples()
+    assert row.difference == pytest.approx(0.02) and row.cost == pytest.approx(1.2)
+
+
 def test_pairs_with_the_settings_of_r22_have_the_same_grains():
     table = cost_table(TABLES, GATHERED)
     rows = pd.DataFrame({"case": "U5", "polyhedron_contact": "point", "steps_per_contact_time": [40.0, 40.0, 10.0],
