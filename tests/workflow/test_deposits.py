@@ -7,6 +7,10 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from simcore.campaign.deposit_findings import findings
+from simcore.campaign.deposits import read_deposits
+from simcore.report.figures.deposits import figures_of_rows
+from simcore.report.findings import Findings
 from tests.helpers.column_names import undescribed_columns
 from tests.helpers.workplace import Workplace
 
@@ -57,20 +61,28 @@ def test_deposits_are_a_target_of_their_own(workplace):
     }  # fmt: skip
 
 
-def test_committed_rows_become_tables_and_figures_without_a_packing(workplace, tmp_path):
-    """The rows are those of the repository, and those of the diagonal alone; what has no rows is left out."""
-    rows = pd.read_csv(REFERENCE / "deposits.csv")
-    (tmp_path / "deposits.csv").write_text(rows[rows.study == "deposit_diagonal"].to_csv(index=False))
-    for name, folder in (("whole", REFERENCE), ("part", tmp_path)):
-        (workplace.folder / f"{name}.yaml").write_text(f"pathvars: {{results: results/{name}}}\nreference: {folder}\n")
-        config = ("--configfile", "config/deposits.yaml", f"{name}.yaml")
-        assert workplace.plan(*config, "--", "committed_deposits") == [("committed_deposits", None)]
-        status, said = workplace.run(*config, "--", "committed_deposits")
-        assert status == 0, said
-        results = workplace.folder / "results" / name / "committed_deposits"
-        maxima = pd.read_csv(results / "maxima.csv").set_index(["of", "family"])
-        assert 1.2 < maxima.loc[("solid_fraction", "diagonal"), "ratio"] < 1.7
-        assert (results / "bridge.png").stat().st_size > 1000
+def test_committed_rows_become_tables_and_figures_without_a_packing(workplace):
+    (workplace.folder / "rows.yaml").write_text(f"pathvars: {{results: results/rows}}\nreference: {REFERENCE}\n")
+    config = ("--configfile", "config/deposits.yaml", "rows.yaml")
+    assert workplace.plan(*config, "--", "committed_deposits") == [("committed_deposits", None)]
+    status, said = workplace.run(*config, "--", "committed_deposits")
+    assert status == 0, said
+    results = workplace.folder / "results" / "rows" / "committed_deposits"
+    maxima = pd.read_csv(results / "maxima.csv").set_index(["of", "family"])
+    assert 1.2 < maxima.loc[("solid_fraction", "diagonal"), "ratio"] < 1.7
+    assert (results / "bridge.png").stat().st_size > 1000
+
+
+def test_what_has_no_rows_is_left_out_of_tables_and_figures(workplace, tmp_path):
+    """Rows of the diagonal alone give the files that the rule of all rows promises, without Snakemake."""
+    rows = read_deposits(REFERENCE / "deposits.csv")
+    rows = rows[rows["study"] == "deposit_diagonal"]
+    tables = findings(rows)
+    Findings(tables, figures_of_rows(rows, tables["maxima"])).write_into(tmp_path / "part")
+    (workplace.folder / "rows.yaml").write_text(f"reference: {REFERENCE}\n")
+    (job,) = workplace.jobs("--configfile", "config/deposits.yaml", "rows.yaml", "--", "committed_deposits")
+    assert {path.rsplit("/", 1)[1] for path in job.output} == {path.name for path in (tmp_path / "part").iterdir()}
+    assert set(tables["maxima"]["family"]) == {"diagonal"} and tables["changes"].empty
 
 
 @pytest.fixture(scope="session")
