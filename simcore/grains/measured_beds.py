@@ -16,6 +16,7 @@ from pathlib import Path
 from simcore.grains.cell_numbers import read_number
 from simcore.grains.form_columns import SAMPLE, sample_position
 from simcore.grains.measured_forms import Sample, samples_of_table
+from simcore.grains.row_errors import read_each
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_table import read_curve
 from simcore.grains.table_file import read_table
@@ -109,19 +110,24 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
     forms, names, given = _name_rows(table.without(*positions.values()), column)
     samples, notices = samples_of_table(forms, column, of_beds=True)
     rows = {name: row for row, name in names.items()}
-    beds = []
-    for sample in samples:
-        texts, where = table.cells.loc[rows[sample.name]], f"{table.path}, row {rows[sample.name]}"
+    by_row = {rows[sample.name]: sample for sample in samples}
+
+    def read_bed(row):
+        texts, where = table.cells.loc[row], f"{table.path}, row {row}"
         n, n_error = _read_porosity(where, texts, positions, percent)
-        of_bed, curve = _read_case(where, texts, positions, case), None
-        if of_all is not None:
-            curve, more = of_all
-            of_all = curve, []
-        elif "sieve" in positions and not of_bed:
+        of_bed = _read_case(where, texts, positions, case)
+        curve, more = of_all or (None, [])
+        if of_all is None and "sieve" in positions and not of_bed:
             of_bed = texts[positions["sieve"]]
             curve, more = curves.read(where, of_bed, Path(table.path).parent)
-        notices += more if curve is not None else []
-        beds.append(MeasuredBed(sample, n, n_error, of_bed, curve))
+        return MeasuredBed(by_row[row], n, n_error, of_bed, curve), more
+
+    read = read_each(by_row, read_bed).values()
+    beds = [bed for bed, _ in read]
+    if of_all is None:
+        notices += [notice for _, more in read for notice in more]
+    else:
+        notices += of_all[1]
     curves.check_ends()
     _check_repeats(table.path, beds, rows, given)
     if percent and all(bed.n < 0.01 for bed in beds):

@@ -30,6 +30,7 @@ from simcore.grains.form_notices import (
     describe_small_deviations,
 )
 from simcore.grains.grain_counts import read_counts, read_numbers
+from simcore.grains.row_errors import read_each
 from simcore.grains.statistics import equancy_statistics, few_grains_covariance, means_covariance
 from simcore.grains.summary_rows import find_summary_rows
 from simcore.grains.table_file import advice_on_fields, read_table
@@ -177,30 +178,18 @@ def _read_rows(path, table, columns):
     read = read_numbers if columns.kind == MEANS else read_counts
     counts, count_notices = read(path, table.header, cells, columns)
     check_decimal_marks(path, {position: name for name, position in columns.forms.items()}, cells)
-    groups, errors = {}, {}
-    for row, texts in cells.iterrows():
-        where = f"{path}, row {row}"
-        try:
-            values = _read_forms(where, table, texts, columns, row)
-            _CHECKS[columns.kind](where, values)
-            name = _name_of(where, table.header, texts, columns, row, Path(path).stem)
-        except ValueError as error:
-            errors[row] = error
-        else:
-            groups.setdefault(name, []).append((where, values, row))
-    if errors:
-        raise ValueError(_describe_errors(errors))
+
+    def read_row(row):
+        where, texts = f"{path}, row {row}", cells.loc[row]
+        values = _read_forms(where, table, texts, columns, row)
+        _CHECKS[columns.kind](where, values)
+        return _name_of(where, table.header, texts, columns, row, Path(path).stem), (where, values, row)
+
+    groups = {}
+    for name, form in read_each(cells.index, read_row).values():
+        groups.setdefault(name, []).append(form)
     notices = [*table.notices, *notices, *count_notices, *_describe_unused(table.header, cells, columns)]
     return _Rows(columns, groups, counts, [f"{path}: {notice}" for notice in notices])
-
-
-def _describe_errors(errors):
-    """Return the text of the first error of a dict from the row to its error, and the other rows."""
-    (_, first), *others = errors.items()
-    if not others:
-        return str(first)
-    rows, verb = ("rows", "have errors") if len(others) > 1 else ("row", "has an error")
-    return f"{first}; {rows} {join_first([str(row) for row, _ in others], SHOWN)} {verb} too"
 
 
 def _leave_out_summaries(path, cells, columns):

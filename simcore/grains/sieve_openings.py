@@ -6,6 +6,7 @@ from fractions import Fraction
 import numpy as np
 
 from simcore.grains.cell_numbers import read_number
+from simcore.grains.row_errors import read_each
 from simcore.grains.sieve_columns import LENGTHS, PAN, PHI, known_unit
 
 LEAST_COARSEST = 63e-6  # [m], opening of the coarsest sieve, below which sizes have a wrong unit or decimal mark
@@ -15,14 +16,16 @@ WITH_UNIT = re.compile(r"(.*?)\s*([a-zA-Zµμφϕ]+)\.?")
 
 def read_openings(path, header, cells, columns):
     """Return the rows of sieves from fine to coarse, their openings [m], ascending, and the row of the pan or None."""
-    name, pans, openings = header[columns.opening], [], {}
-    for row, text in cells[columns.opening].items():
-        where = f"{path}, row {row}"
-        opening = None if PAN.fullmatch(text) else _opening(path, where, name, text, columns.unit)
-        if opening is None or opening == 0.0:
-            pans.append(row)
-        else:
-            openings[row] = opening
+    name, texts = header[columns.opening], cells[columns.opening]
+    sieves = [row for row, text in texts.items() if not PAN.fullmatch(text)]
+    if columns.unit is None and sieves and not any(map(WITH_UNIT.fullmatch, texts[sieves])):
+        raise ValueError(
+            f"{path}: the unit of the column {name} is missing, and units are never guessed; write it in the header, "
+            f"such as `{name} [mm]` or `{name} [phi]`"
+        )
+    read = read_each(sieves, lambda row: _opening(f"{path}, row {row}", name, texts[row], columns.unit))
+    openings = {row: opening for row, opening in read.items() if opening > 0.0}
+    pans = [row for row in texts.index if row not in openings]
     if len(pans) > 1:
         raise ValueError(f"{path}, row {pans[1]}: this is a second pan, after row {pans[0]}; remove one")
     if len(openings) < 2:
@@ -46,7 +49,7 @@ def read_openings(path, header, cells, columns):
     return rows[order], values[order], pans[0] if pans else None
 
 
-def _opening(path, where, name, text, unit):
+def _opening(where, name, text, unit):
     """Return the opening in a cell [m]; 0 only for a length of 0, which is the pan."""
     if unit is None:
         match = WITH_UNIT.fullmatch(text)
@@ -55,8 +58,8 @@ def _opening(path, where, name, text, unit):
             raise ValueError(f"{where}: {name} is '{text}'; its unit is unknown; use {', '.join([*LENGTHS, PHI])}")
         if unit is None:
             raise ValueError(
-                f"{path}: the unit of the column {name} is missing, and units are never guessed; write it in the "
-                f"header, such as `{name} [mm]` or `{name} [phi]`"
+                f"{where}: {name} is '{text}', without a unit; write it as in the other rows, or for all rows in the "
+                f"header, such as `{name} [mm]`"
             )
         text = match[1]
     if re.match(r"(?:no|nr|#)", text, re.IGNORECASE):

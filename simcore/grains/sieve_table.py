@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from simcore.grains.cell_numbers import check_decimal_marks, read_number
+from simcore.grains.row_errors import read_each
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_classes import NEARLY, SAME_SIEVE, retained_only, with_joined_bounds, with_lower_sieves
 from simcore.grains.sieve_columns import (
@@ -167,8 +168,11 @@ def read_sieve_table(path, coarsest=None):
     results = []
     for column in columns.amounts:
         name = text.header[column.position]
-        values = {row: _read_amount(f"{path}, row {row}", name, cells.loc[row, column.position], row == pan)
-                  for row in cells.index}  # fmt: skip
+        amounts = cells[column.position]
+        values = read_each(
+            cells.index,
+            lambda row, name=name, texts=amounts: _read_amount(f"{path}, row {row}", name, texts[row], row == pan),
+        )
         results.append((name, _passing(path, name, column, (rows, openings, pan), values, coarsest, notices)))
         if column.meaning == RETAINED:
             totals = [

@@ -10,7 +10,7 @@ from simcore.page.data import page_data
 
 # In the order in which they are loaded; each one uses only those before it.
 SCRIPTS = (
-    "elements", "numbers", "table_head", "table", "summaries", "columns", "sieve_columns", "sieve_openings",
+    "elements", "numbers", "rows", "table_head", "table", "summaries", "columns", "sieve_columns", "sieve_openings",
     "sieve_classes", "grains", "sieve_table", "prediction", "packing", "skeletons", "bed", "bed_specification",
     "outputs", "drawings", "curve_chart", "curve_input", "bed_output", "page",
 )  # fmt: skip

@@ -82,6 +82,11 @@ def test_rows_of_one_name_are_repeats_or_refused(read):
         ),
         ("FL,n\n0.5,0.36\n", "U1", "the column EL is missing beside FL"),
         ("FL,EL,n\n0.5,1.7,0.36\n", "U1", r"row 2: EL = 1.7 is not in \(0, 1\]"),
+        (
+            "FL,EL,n\n0.5,0.7,loose\n0.6,0.7,0.36\n0.7,0.7,36\n0.8,0.7,\n",
+            "U1",
+            "row 2: n is .loose.; a number is needed; .*; rows 4, 5 have errors too",
+        ),
         ("FL,EL,n\n0.5,0.7,loose\n", "U1", "row 2: n is 'loose'; a number is needed"),
     ],
 )

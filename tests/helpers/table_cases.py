@@ -41,6 +41,21 @@ SIEVES = [
         "add it, or else correct the row that is wrong",
     ),
     Case(
+        "opening [mm],mass [g]\n16,0\n8,x\n4,-3\n2,\npan,-1\n",
+        error="row 3: mass [g] is 'x'; a number is needed; write its unit, if any, in the header; rows 4, 5, 6 have "
+        "errors too",
+    ),
+    Case(
+        "opening [mm],mass [g]\n16,0\nno 10,10\n1,30\n-0.5,5\npan,1\n",
+        error="row 3: opening [mm] is 'no 10', a number of a sieve; give its opening instead, in mm; row 5 has an "
+        "error too",
+    ),
+    Case(
+        "opening,mass [g]\n16 mm,0\n8,10\n4 mm,30\n2,5\npan,1\n",
+        error="row 3: opening is '8', without a unit; write it as in the other rows, or for all rows in the header, "
+        "such as `opening [mm]`; row 5 has an error too",
+    ),
+    Case(
         "min [mm],max [mm],mass [g]\n16,8,100\n8,4,300\n",
         error="row 2: min and max [mm] is '16-8'; give the smaller size first",
     ),
@@ -144,7 +159,7 @@ SIEVES = [
     Case("class;mass [kg];passing [%]\n8-16 mm;1,410;100\n4-8 mm;0,3;20\npan;0;0\n", notice="not used: passing [%]"),
     Case(
         "opening [in];mass [g]\n3/4;10\n3/8;20\n",
-        error="row 2: opening [in] is '3/4'; write a fraction as a decimal number, 0.75",
+        error="row 2: opening [in] is '3/4'; write a fraction as a decimal number, 0.75; row 3 has an error too",
     ),
     Case("sieve [mm];class;mass [g]\n8;8-16 mm;10\n4;4-8 mm;20\npan;;1\n", notice="columns that are not used: class"),
     Case(

@@ -2,11 +2,12 @@
 const Grains = (() => {
   const { InputError, NUMBER, general } = Numbers;
   const { AXES, RATIOS, MEANS, TWO_AXES } = Columns;
-  const { longest, slip, small_deviation: smallDeviation, max_grains: maxGrains, alike, shown, needed } = DATA.reading;
+  const { longest, slip, small_deviation: smallDeviation, max_grains: maxGrains, alike, needed } = DATA.reading;
   const AMBIGUOUS = /^[1-9]\d{0,2}[.,]\d{3}$/;
   const [PERCENT, WHOLE] = [/%|percent/, /^[1-9]\d{0,11}$/];
 
   const { CLASS_NAME, CLASS_LABEL } = SieveClasses;
+  const { joinFirst } = Rows;
 
   // Returns {samples, notices, kind, columns}. A sample has a name, its first row, its number of grains (0: only statistics), mu_FL,
   // sigma_FL, ..., sigma_EQ, and the forms [FL, EL] of its rows; with two axes only, it has no FL and no EQ.
@@ -21,21 +22,16 @@ const Grains = (() => {
     const [counts, countNotices] = readTheirs(name, table.header, rows, columns);
     Numbers.checkDecimalMarks(name, columns.forms.map((position, i) => [position, columns.kind[i]]), rows);
     const groups = new Map();
-    const errors = new Map();
-    for (const { row, cells, fields } of rows) {
+    const read = Rows.readEach(rows, ({ row, cells, fields }) => {
       const where = `${name}, row ${row}`;
-      try {
-        const values = readForms(where, table, cells, columns, fields);
-        formOf(where, values, columns.kind);
-        const group = nameOf(where, table.header, cells, columns, row, name);
-        if (!groups.has(group)) groups.set(group, []);
-        groups.get(group).push({ where, values, row });
-      } catch (error) {
-        if (!(error instanceof InputError)) throw error;
-        errors.set(row, error.message);
-      }
+      const values = readForms(where, table, cells, columns, fields);
+      formOf(where, values, columns.kind);
+      return [nameOf(where, table.header, cells, columns, row, name), { where, values, row }];
+    });
+    for (const [group, form] of read.values()) {
+      if (!groups.has(group)) groups.set(group, []);
+      groups.get(group).push(form);
     }
-    if (errors.size) throw new InputError(describeErrors(errors));
     const samples = [...groups].map(([group, entries]) => {
       const isMean = columns.kind === MEANS;
       const sample = isMean ? fromMeans(group, entries, counts) : fromGrains(name, group, entries, columns.kind, counts);
@@ -65,14 +61,6 @@ const Grains = (() => {
     if (columns.kind === TWO_AXES) {
       throw new InputError(`${name}: the column S is missing beside ${header.join(", ")}; ${needed}`);
     }
-  }
-
-  // Returns the first message of a map from the row to its error, and the other rows.
-  function describeErrors(errors) {
-    const [[, message], ...others] = errors;
-    if (!others.length) return message;
-    const [rows, verb] = others.length > 1 ? ["rows", "have errors"] : ["row", "has an error"];
-    return `${message}; ${rows} ${joinFirst(others.map(([row]) => `${row}`))} ${verb} too`;
   }
 
   function leaveOutSummaries(name, { header, rows }, columns) {
@@ -271,11 +259,6 @@ const Grains = (() => {
         "which is rare for gravel; give the standard deviation over the grains, not the standard error of their mean or " +
         "the variance",
     ];
-  }
-
-  function joinFirst(texts) {
-    const some = texts.slice(0, shown).join(", ");
-    return texts.length <= shown ? some : `${some} and ${texts.length - shown} more`;
   }
 
   // Whether there are texts, and each of them is a range of sizes; 3/2021, without a unit, is a date.

@@ -10,13 +10,17 @@ const SieveOpenings = (() => {
   // Returns {rows, openings, pan}: from fine to coarse; pan: the row of the pan, or null.
   function read(name, header, rows, columns) {
     const title = header[columns.opening];
-    const [pans, sieves] = [[], []];
-    for (const { row, cells } of rows) {
-      const text = cells[columns.opening];
-      const size = PAN.test(text) ? 0 : opening(name, `${name}, row ${row}`, title, text, columns.unit);
-      if (size === 0) pans.push(row);
-      else sieves.push({ row, size });
+    const textOf = ({ cells }) => cells[columns.opening];
+    const named = rows.filter((row) => !PAN.test(textOf(row)));
+    if (columns.unit === null && named.length && !named.some((row) => WITH_UNIT.test(textOf(row)))) {
+      throw new InputError(
+        `${name}: the unit of the column ${title} is missing, and units are never guessed; write it in the header, ` +
+          `such as \`${title} [mm]\` or \`${title} [phi]\``
+      );
     }
+    const sizes = Rows.readEach(named, (row) => opening(`${name}, row ${row.row}`, title, textOf(row), columns.unit));
+    const sieves = [...sizes].filter(([, size]) => size > 0).map(([row, size]) => ({ row, size }));
+    const pans = rows.map(({ row }) => row).filter((row) => !(sizes.get(row) > 0));
     if (pans.length > 1) {
       throw new InputError(`${name}, row ${pans[1]}: this is a second pan, after row ${pans[0]}; remove one`);
     }
@@ -46,7 +50,7 @@ const SieveOpenings = (() => {
   }
 
   // Returns the opening in a cell [mm]; 0 only for a length of 0, which is the pan.
-  function opening(name, where, title, text, unitOfColumn) {
+  function opening(where, title, text, unitOfColumn) {
     let unit = unitOfColumn;
     if (unit === null) {
       const match = WITH_UNIT.exec(text);
@@ -56,8 +60,8 @@ const SieveOpenings = (() => {
       }
       if (unit === null) {
         throw new InputError(
-          `${name}: the unit of the column ${title} is missing, and units are never guessed; write it in the header, ` +
-            `such as \`${title} [mm]\` or \`${title} [phi]\``
+          `${where}: ${title} is '${text}', without a unit; write it as in the other rows, or for all rows in the ` +
+            `header, such as \`${title} [mm]\``
         );
       }
       text = match[1];

@@ -27,11 +27,8 @@ const SieveTable = (() => {
     const sieves = SieveOpenings.read(name, table.header, rows, columns);
     const results = columns.amounts.map((column) => {
       const title = table.header[column.position];
-      const values = new Map(
-        rows.map(({ row, cells }) => {
-          const where = `${name}, row ${row}`;
-          return [row, readAmount(where, title, cells[column.position], row === sieves.pan)];
-        })
+      const values = Rows.readEach(rows, ({ row, cells }) =>
+        readAmount(`${name}, row ${row}`, title, cells[column.position], row === sieves.pan)
       );
       const passing = passingOf({ name, title, column, sieves, values, coarsest, notices });
       if (column.meaning === RETAINED) {
