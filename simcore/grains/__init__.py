@@ -14,6 +14,6 @@ scan_shapes            sphericity and flat facets of grains, and their ranges ov
 spiral, spread         evenly spread directions; order that spreads grains over the Zingg diagram
 sieve, beta_sizes, own_sizes   size distributions: sieve curve, beta distribution, the grains' own sizes
 sampling               size, form and shape of every grain of a packing
-measured_forms, table_file, form_columns, summary_rows   samples from tables of measured axes or forms
+measured_forms, table_file, form_columns, row_errors, summary_rows   samples from tables of measured axes or forms
 tables                 tables about a set of grains
 """
