@@ -80,6 +80,23 @@ def pinching_warning(scene, problem: DeepOverlap, step) -> str:
     )
 
 
+def no_space(scene, inserted, top, largest) -> str:
+    """Return the message that no batch can follow. top: height of the highest grain; largest: largest diameter [m]."""
+    height = scene.domain.height
+    begin = f"{scene.name}: after {inserted} grains "
+    # Grains are inserted below the top of the domain, so that one far above it was thrown there.
+    if top > height + largest:
+        return begin + (
+            f"one is {top * 1e3:.0f} mm above the floor, far above domain.height = {height * 1e3:.0f} mm: it was "
+            f"thrown, and there is no space for another batch. Most likely the time step is too long for its contacts: "
+            f"{steps_advice(scene)}"
+        )
+    return begin + (
+        f"the bed reaches {top * 1e3:.0f} mm and leaves no space for another batch below domain.height = "
+        f"{height * 1e3:.0f} mm. Make the domain higher or wider, or reduce amount"
+    )
+
+
 @singledispatch
 def describe(problem, scene, step, watch_state) -> str:
     """Return the message about a problem of simcore.packing.run_checks.

@@ -7,6 +7,7 @@ from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.packing.insertion.batches import Pouring
 from simcore.packing.insertion.initial_states import initial_states
 from simcore.packing.insertion.random_placement import fall_time
+from simcore.packing.messages import no_space
 from simcore.packing.packed import GENERATING, PackingError
 
 LONG_FLIGHT = 50.0  # longest wait for a grain in flight, in times to fall through the domain
@@ -41,11 +42,8 @@ class Insertion:
             return True
         if may_wait and self._has_space(state, bodies, bed_top, last=True):
             return False
-        raise PackingError(
-            f"{self.scene.name}: after {state.inserted} grains the bed reaches {top * 1e3:.0f} mm and leaves no space "
-            f"for another batch below domain.height = {self.scene.domain.height * 1e3:.0f} mm. Make the domain higher "
-            f"or wider, or reduce amount"
-        )
+        _, radius = self._highest(bodies)
+        raise PackingError(no_space(self.scene, state.inserted, top, 2.0 * float(radius)))
 
     def batch(self, state, bodies):
         """Return the next batch: (new bodies, their mean sieve size [m]); store in `state` when another may follow."""
