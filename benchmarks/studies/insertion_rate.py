@@ -21,7 +21,7 @@ from simcore.reference.r22_tables import read_r22_table
 
 CONFIGURATION = CONFIG / "insertion_rate.yaml"
 LATTICE, OTHER_BASES = "lattice_beds", ("base_time", "base_rate", "base_size")
-LATTICE_OF_U7 = "wide_both"
+LATTICE_OF_OTHERS = "wide_both"
 FEWEST_FORMS = 3
 KEY = ["case", "form", "seed"]  # identifies a bed
 
@@ -59,14 +59,14 @@ def measured_steps():
     """Return one row per measured gravel: case and step from U1, measured and of beds of all forms by each process.
 
     Measured: by Rettinger et al. (2022), Table 3, in a cylinder. Errors are standard errors of the packed steps. On
-    lattices, U7 was packed with the same settings in LATTICE_OF_U7; it is the mean over its seeds.
+    lattices, U7 and B50 were packed with the same settings in LATTICE_OF_OTHERS; they are means over seeds.
     """
     measured = read_r22_table("table3_cases").set_index("case")["n_exp"]
     steps = {"measured": measured - measured[BASE]}
     for name, rows in (("lattice", read_rows(LATTICE, CONFIGURATION)), ("rain", read_rows())):
         beds = rows[(form_labels(rows) == ALL_FORMS) & (rows["seed"] == 1)].set_index("case")[["n", "n_error"]]
         if name == "lattice":
-            others = _means_over_seeds(pd.read_csv(REFERENCE / f"{LATTICE_OF_U7}.csv"))
+            others = _means_over_seeds(pd.read_csv(REFERENCE / f"{LATTICE_OF_OTHERS}.csv"))
             beds = pd.concat([beds, others.drop(index=beds.index, errors="ignore")])
         steps[name] = beds["n"] - beds["n"][BASE]
         steps[f"{name}_error"] = np.hypot(beds["n_error"], beds["n_error"][BASE])
