@@ -110,9 +110,8 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
     forms, names, given = _name_rows(table.without(*positions.values()), column)
     samples, notices = samples_of_table(forms, column, of_beds=True)
     rows = {name: row for row, name in names.items()}
-    by_row = {rows[sample.name]: sample for sample in samples}
 
-    def read_bed(row):
+    def read_bed(row, sample):
         texts, where = table.cells.loc[row], f"{table.path}, row {row}"
         n, n_error = _read_porosity(where, texts, positions, percent)
         of_bed = _read_case(where, texts, positions, case)
@@ -120,9 +119,9 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
         if of_all is None and "sieve" in positions and not of_bed:
             of_bed = texts[positions["sieve"]]
             curve, more = curves.read(where, of_bed, Path(table.path).parent)
-        return MeasuredBed(by_row[row], n, n_error, of_bed, curve), more
+        return MeasuredBed(sample, n, n_error, of_bed, curve), more
 
-    read = read_each(by_row, read_bed).values()
+    read = read_each(((rows[sample.name], sample) for sample in samples), read_bed)
     beds = [bed for bed, _ in read]
     if of_all is None:
         notices += [notice for _, more in read for notice in more]

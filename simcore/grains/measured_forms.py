@@ -179,14 +179,14 @@ def _read_rows(path, table, columns):
     counts, count_notices = read(path, table.header, cells, columns)
     check_decimal_marks(path, {position: name for name, position in columns.forms.items()}, cells)
 
-    def read_row(row):
-        where, texts = f"{path}, row {row}", cells.loc[row]
+    def read_row(row, texts):
+        where = f"{path}, row {row}"
         values = _read_forms(where, table, texts, columns, row)
         _CHECKS[columns.kind](where, values)
         return _name_of(where, table.header, texts, columns, row, Path(path).stem), (where, values, row)
 
     groups = {}
-    for name, form in read_each(cells.index, read_row).values():
+    for name, form in read_each(cells.iterrows(), read_row):
         groups.setdefault(name, []).append(form)
     notices = [*table.notices, *notices, *count_notices, *_describe_unused(table.header, cells, columns)]
     return _Rows(columns, groups, counts, [f"{path}: {notice}" for notice in notices])

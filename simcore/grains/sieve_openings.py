@@ -23,8 +23,8 @@ def read_openings(path, header, cells, columns):
             f"{path}: the unit of the column {name} is missing, and units are never guessed; write it in the header, "
             f"such as `{name} [mm]` or `{name} [phi]`"
         )
-    read = read_each(sieves, lambda row: _opening(f"{path}, row {row}", name, texts[row], columns.unit))
-    openings = {row: opening for row, opening in read.items() if opening > 0.0}
+    read = read_each(texts[sieves].items(), lambda row, text: _opening(f"{path}, row {row}", name, text, columns.unit))
+    openings = {row: opening for row, opening in zip(sieves, read, strict=True) if opening > 0.0}
     pans = [row for row in texts.index if row not in openings]
     if len(pans) > 1:
         raise ValueError(f"{path}, row {pans[1]}: this is a second pan, after row {pans[0]}; remove one")

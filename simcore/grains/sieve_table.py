@@ -168,11 +168,11 @@ def read_sieve_table(path, coarsest=None):
     results = []
     for column in columns.amounts:
         name = text.header[column.position]
-        amounts = cells[column.position]
-        values = read_each(
-            cells.index,
-            lambda row, name=name, texts=amounts: _read_amount(f"{path}, row {row}", name, texts[row], row == pan),
+        read = read_each(
+            cells[column.position].items(),
+            lambda row, text, name=name: _read_amount(f"{path}, row {row}", name, text, row == pan),
         )
+        values = dict(zip(cells.index, read, strict=True))
         results.append((name, _passing(path, name, column, (rows, openings, pan), values, coarsest, notices)))
         if column.meaning == RETAINED:
             totals = [
