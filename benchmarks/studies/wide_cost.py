@@ -19,7 +19,8 @@ import pandas as pd
 from simcore.paths import REFERENCE
 
 BASE = "wide_quota"
-UNPAIRED = {"wide_random": BASE, "wide_both_random": "wide_both"}  # other grains than the study after the colon
+# Beds with sizes drawn at random: the beds by quota with the same settings, whose grains are others.
+UNPAIRED = {"wide_random": BASE, "wide_both_random": "wide_both"}
 NO_COST = {"wide_cost", "wide_spheres"}  # the table itself, and the check of the sampling error on spheres
 LARGEST_DIFFERENCE, LARGEST_ERROR = 0.003, 0.0015
 # Seeds over which the rule judges a study; three if it is not listed.

@@ -1,4 +1,4 @@
-"""Half widths of confidence intervals."""
+"""Quantiles for the half widths of confidence intervals."""
 
 from functools import lru_cache
 

@@ -34,6 +34,25 @@ def test_a_change_in_what_is_imported_counts_however_deep(project):
     assert project("simcore/deep/c.py", "def g():\n    return 2\n") != before
 
 
+STATEMENTS = {
+    "if": "if 1:\n    {}\n",
+    "else": "if 1:\n    pass\nelse:\n    {}\n",
+    "else of for": "for i in ():\n    pass\nelse:\n    {}\n",
+    "with": "with f:\n    {}\n",
+    "try": "try:\n    {}\nfinally:\n    pass\n",
+    "except": "try:\n    pass\nexcept E:\n    {}\n",
+    "finally": "try:\n    pass\nfinally:\n    {}\n",
+    "match": "match f:\n    case 1:\n        {}\n",
+    "method": "class A:\n    def g(self):\n        {}\n",
+}
+
+
+@pytest.mark.parametrize("text", STATEMENTS.values(), ids=STATEMENTS)
+def test_an_import_inside_any_statement_is_followed(project, text):
+    before = project("simcore/a.py", text.format("import simcore.d"))
+    assert project("simcore/d.py", "x = 2\n") != before
+
+
 def test_comments_docstrings_and_layout_do_not_count(project):
     before = provenance.digest("simcore/a.py")
     assert project("simcore/deep/c.py", 'def g():\n    """Other."""\n    # why\n    return  1\n') == before
