@@ -9,7 +9,6 @@ docstring recompiles nothing.
 import ast
 import functools
 import gc
-import os
 from pathlib import Path
 
 import numba
@@ -20,7 +19,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.targetconfig import ConfigStack
 from numba.extending import intrinsic
 
-from simcore.paths import ROOT
+from simcore.paths import ROOT, cache_folder
 from simcore.provenance.digest import digest
 
 DECORATORS = {"leaf", "routine", "loops", "kernel", "parallel_kernel"}
@@ -59,8 +58,7 @@ class _Locator(UserProvidedCacheLocator):
         self._py_file = py_file
         path = Path(py_file).resolve()
         self._stamp = _file_digest(path)
-        folder = Path(os.environ.get("SCREE_CACHE", Path.home() / ".cache" / "scree")) / "numba"
-        self._cache_path = str(folder / f"{path.relative_to(ROOT).with_suffix('')}-{self._stamp}")
+        self._cache_path = str(cache_folder() / "numba" / f"{path.relative_to(ROOT).with_suffix('')}-{self._stamp}")
 
     @classmethod
     def from_function(cls, py_func, py_file):

@@ -31,6 +31,11 @@ def project_name(path: Path) -> str:
     return str(path)
 
 
+def cache_folder() -> Path:
+    """Return the folder of what processes remember: the one that the variable SCREE_CACHE names, or ~/.cache/scree."""
+    return Path(os.environ.get("SCREE_CACHE", Path.home() / ".cache" / "scree"))
+
+
 def find_this_python_first() -> None:
     """Put this process's Python first in PATH for the programs that it starts, also without an active environment."""
     os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])

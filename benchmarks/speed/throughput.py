@@ -14,6 +14,8 @@ import os
 import sys
 from pathlib import Path
 
+from simcore.paths import cache_folder
+
 
 def parse(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -34,7 +36,7 @@ def face_count(text):
 
 
 def default_beds():
-    return str(Path(os.environ.get("SCREE_CACHE", Path.home() / ".cache" / "scree")) / "beds")
+    return str(cache_folder() / "beds")
 
 
 def use_threads(threads):

@@ -50,41 +50,71 @@ def maximum(ratio, value, seed=1, resampled=RESAMPLED):
     with one packing per ratio. ValueError if there are fewer than three ratios in the window.
     """
     ratio, value = np.asarray(ratio, float), np.asarray(value, float)
-    top = _vertex(ratio, value)
-    if top is None:
+    levels, counts = np.unique(ratio, return_counts=True)
+    value = value[np.argsort(ratio, kind="stable")]
+    first = np.cumsum(counts) - counts
+    (top,), (height,) = _tops(np.log(levels), counts, np.add.reduceat(value, first)[None] / counts)
+    if np.isnan(top):
         raise ValueError("maximum: there are fewer than three ratios near the highest mean; pack more forms near it")
-    rng = np.random.default_rng(seed)
-    groups = [np.flatnonzero(ratio == level) for level in np.unique(ratio)]
-    draws = []
-    for _ in range(resampled):
-        chosen = np.concatenate([rng.choice(group, len(group)) for group in groups])
-        drawn = _vertex(ratio[chosen], value[chosen])
-        draws += [] if drawn is None else [drawn[:2]]
+    size = np.repeat(counts, counts)
+    chosen = np.repeat(first, counts) + np.random.default_rng(seed).integers(0, size, (resampled, len(value)))
+    drawn = _tops(np.log(levels), counts, np.add.reduceat(value[chosen], first, axis=1) / counts)
+    draws = np.transpose(drawn)[~np.isnan(drawn[0])]
     # The spread of n packings drawn with replacement is too small by √((n-1)/n); n is the median over the ratios.
-    n = np.median([len(group) for group in groups])
+    n = np.median(counts)
     scale = np.sqrt(n / (n - 1.0)) if n > 1 else np.nan
     errors = scale * np.std(draws, axis=0, ddof=1)
-    return Maximum(top[0], float(errors[0]), top[1], float(errors[1]), top[2])
+    highest = np.argmax(np.add.reduceat(value, first) / counts)
+    packings = counts[_window(np.log(levels), highest)].sum()
+    return Maximum(float(top), float(errors[0]), float(height), float(errors[1]), int(packings))
 
 
-def _vertex(ratio, value):
-    """Return (ratio, value, number of packings) of the maximum; None with fewer than three ratios."""
-    x = np.log(ratio)
-    places = np.unique(x)
-    highest = places[np.argmax([value[x == place].mean() for place in places])]
-    in_window = np.abs(x - highest) <= WINDOW
-    if len(np.unique(x[in_window])) < 3:
-        return None
-    degree = DEGREE if len(np.unique(x[in_window])) > DEGREE + 1 else 2
-    fit = np.polynomial.Polynomial.fit(x[in_window] - highest, value[in_window], degree)
-    low, high = fit.domain
-    slope = fit.deriv()
-    # If the cubic is nearly a parabola, its leading coefficient is round-off and would spoil the roots.
-    turns = slope.trim(1e-9 * np.abs(slope.coef).max()).roots()
-    turns = np.real(turns[np.abs(np.imag(turns)) < 1e-9])
-    tops = np.concatenate([turns[(turns > low) & (turns < high)], [low, high]])
-    top = tops[np.argmax(fit(tops))]
-    return float(np.exp(highest + top)), float(fit(top)), int(in_window.sum())
+def _window(places, highest):
+    return np.abs(places - places[highest]) <= WINDOW
+
+
+def _tops(places, counts, means):
+    """Return (ratios, values), each (m,), of the maxima of m curves; nan with fewer than three ratios in the window.
+
+    places (k,): ln(ratio), ascending; counts (k,): packings at each; means (m, k): of the value over these packings. A
+    fit to the means, weighted by their counts, is that to the packings, and curves with the same window are solved at
+    once.
+    """
+    ratios, values = np.full((2, len(means)), np.nan)
+    highest = np.argmax(means, axis=1)
+    for level in np.unique(highest):
+        near = _window(places, level)
+        x = places[near]
+        if len(x) < 3:
+            continue
+        degree = DEGREE if len(x) > DEGREE + 1 else 2
+        middle, half = (x[-1] + x[0]) / 2.0, (x[-1] - x[0]) / 2.0
+        powers = np.vander((x - middle) / half, DEGREE + 1, increasing=True)
+        powers[:, degree + 1 :] = 0.0
+        weights = np.sqrt(counts[near])
+        curves = highest == level
+        fit = np.linalg.pinv(weights[:, None] * powers) @ (weights * means[curves][:, near]).T
+        ends = np.broadcast_to([[-1.0], [1.0]], (2, curves.sum()))
+        turns = _turns(fit)
+        inside = np.where(np.abs(turns) < 1.0, turns, -1.0)
+        candidates = np.concatenate([inside, ends])
+        heights = np.polynomial.polynomial.polyval(candidates, fit[:, None, :], tensor=False)
+        best = np.argmax(heights, axis=0)[None]
+        ratios[curves] = np.exp(middle + half * np.take_along_axis(candidates, best, axis=0)[0])
+        values[curves] = np.take_along_axis(heights, best, axis=0)[0]
+    return ratios, values
+
+
+def _turns(fit):
+    """Return the places (2, m) where cubics with the coefficients fit (4, m) are level; nan or infinite without one.
+
+    The larger root is divided out, so that the other one is exact also if the cubic is nearly a parabola.
+    """
+    constant, linear, square = fit[1], 2.0 * fit[2], 3.0 * fit[3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(linear**2 - 4.0 * square * constant)
+        larger = -0.5 * (linear + np.copysign(root, linear))
+        return np.stack([larger / square, constant / larger])
 
 
 def maxima(rows, names=("solid_fraction", "coordination_number")):

@@ -1,4 +1,8 @@
-"""Loads the grains of the group `grains` of a specification: synthetic, from files, or from a prepared set."""
+"""Loads the grains of the group `grains` of a specification: synthetic, from files, or from a prepared set.
+
+What reads grains is imported where it is used: each start of the workflow names the grains of its packings without
+reading any, and would wait half a second for libraries of geometry.
+"""
 
 import functools
 import hashlib
@@ -6,9 +10,6 @@ import json
 import re
 from pathlib import Path
 
-from simcore.grains.grain_set import read_attribute, read_grains
-from simcore.grains.readers import UNITS, file_name, grain_files, read_grain_files
-from simcore.grains.synthetic import synthetic_grains
 from simcore.grains.text_lists import join_first
 
 # There is a warning if the volume of a hull is more than this many times that of its grain.
@@ -71,6 +72,10 @@ def needs_grains(shapes):
 
 def load_grains(grains):
     """Return the list of Grain of the resolved group `grains` of a specification; ValueError names file and fault."""
+    from simcore.grains.grain_set import read_grains
+    from simcore.grains.readers import UNITS, read_grain_files
+    from simcore.grains.synthetic import synthetic_grains
+
     check_source(grains)
     files = source_files(grains)
     if not files:
@@ -133,6 +138,9 @@ def left_out_files(group):
 
     If the group names its files, the others were left out on purpose, and the list is empty.
     """
+    from simcore.grains.grain_set import read_attribute
+    from simcore.grains.readers import grain_files
+
     files = source_files(group)
     if group["names"] is not None:
         return []
@@ -151,6 +159,10 @@ def content_digest(paths, names=None):
     once per process.
     """
     total = hashlib.sha256()
+    if not paths:
+        return total.hexdigest()[:16]
+    from simcore.grains.readers import file_name, grain_files
+
     for path in map(Path, paths):
         try:
             files = [file for file in grain_files(path)[0] if names is None or file_name(file) in names]

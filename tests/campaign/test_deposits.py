@@ -74,6 +74,45 @@ def test_a_lopsided_maximum_is_found_where_it_is():
     assert abs(np.exp(-0.5 * b / a) - 1.4) > 0.05
 
 
+def slow_maximum(ratio, value):
+    """Return (ratio, value) of the maximum from one fit to the packings themselves; None if there is none."""
+    x = np.log(ratio)
+    places = np.unique(x)
+    highest = places[np.argmax([value[x == place].mean() for place in places])]
+    near = np.abs(x - highest) <= 0.3
+    number = len(np.unique(x[near]))
+    if number < 3:
+        return None
+    fit = np.polynomial.Polynomial.fit(x[near], value[near], 3 if number > 4 else 2)
+    slope = fit.deriv()
+    turns = slope.trim(1e-9 * np.abs(slope.coef).max()).roots()
+    turns = np.real(turns[np.abs(np.imag(turns)) < 1e-9])
+    low, high = fit.domain
+    places = np.array([*turns[(turns > low) & (turns < high)], low, high])
+    top = places[np.argmax(fit(places))]
+    return np.exp(top), fit(top)
+
+
+@pytest.mark.parametrize("ratios", [np.linspace(1.0, 2.5, 14), [1.2, 1.3, 1.4, 1.5, 2.6], [1.3, 1.4, 1.5, 2.2]])
+def test_draws_solved_at_once_are_those_of_one_fit_each(ratios):
+    """With fewer ratios, some draws have their highest mean where there are too few, and are left out."""
+    rng = np.random.default_rng(4)
+    counts = rng.integers(2, 6, len(ratios))
+    ratio = np.repeat(ratios, counts)[rng.permutation(counts.sum())]
+    value = 0.72 - 0.1 * np.log(ratio / PEAK) ** 2 + 0.03 * rng.normal(size=len(ratio))
+    found = maximum(ratio, value, seed=7, resampled=300)
+    draw = np.random.default_rng(7)
+    groups = [np.flatnonzero(ratio == level) for level in ratios]
+    tops = []
+    for _ in range(300):
+        chosen = np.concatenate([draw.choice(group, len(group)) for group in groups])
+        tops += filter(None, [slow_maximum(ratio[chosen], value[chosen])])
+    n = np.median(counts)
+    errors = np.sqrt(n / (n - 1)) * np.std(tops, axis=0, ddof=1)
+    assert (found.ratio, found.value) == pytest.approx(slow_maximum(ratio, value), rel=1e-9)
+    assert (found.ratio_error, found.value_error) == pytest.approx(tuple(errors), rel=1e-6)
+
+
 def test_errors_of_the_maximum_are_those_of_repeated_campaigns():
     """The stated standard errors equal the scatter of 60 campaigns within three standard errors of the two."""
     rng = np.random.default_rng(5)

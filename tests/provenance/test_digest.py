@@ -12,6 +12,7 @@ def project(tmp_path, monkeypatch):
     monkeypatch.setattr(provenance, "ROOT", tmp_path)
     monkeypatch.setattr(paths, "ROOT", tmp_path)
     monkeypatch.setattr(paths, "DATA", tmp_path)
+    monkeypatch.setenv("SCREE_CACHE", str(tmp_path / "cache"))
     package = tmp_path / "simcore"
     (package / "deep").mkdir(parents=True)
     (package / "__init__.py").write_text("")
@@ -56,6 +57,25 @@ def test_an_import_inside_any_statement_is_followed(project, text):
 def test_comments_docstrings_and_layout_do_not_count(project):
     before = provenance.digest("simcore/a.py")
     assert project("simcore/deep/c.py", 'def g():\n    """Other."""\n    # why\n    return  1\n') == before
+
+
+def test_a_text_is_parsed_once_for_all_processes(project, monkeypatch, tmp_path):
+    """What a process found in a file is on the disk; another text, or the same in another folder, is not."""
+    before = provenance.digest("simcore/a.py")
+    monkeypatch.setattr(provenance, "_parse", lambda text, package: ["parsed"])
+    text = "from simcore.deep.b import f\n"
+    assert project("simcore/a.py", text) == before
+    assert project("simcore/a.py", text + "x = 1\n") != before
+    (tmp_path / "simcore/deep/d.py").write_text(text)
+    assert provenance.read_source(tmp_path / "simcore/deep/d.py").content == "parsed"
+    assert provenance.read_source(tmp_path / "simcore/deep/b.py").content != "parsed"
+
+
+def test_no_folder_to_remember_in_is_needed(project, monkeypatch, tmp_path):
+    before = provenance.digest("simcore/a.py")
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("SCREE_CACHE", str(tmp_path / "file"))
+    assert project("simcore/a.py", "from simcore.deep.b import f\n") == before
 
 
 def test_what_is_not_imported_does_not_count(project):
