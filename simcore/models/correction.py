@@ -36,12 +36,13 @@ def correct_model(base, kind, features, porosity, name, case):
     and the OLS results of statsmodels for the coefficients a (and b). The range of the corrected model is that of
     `base`; its bootstrap intervals are nan.
     """
-    import statsmodels.api as sm  # imported here because it loads slowly and a prediction needs no fit
+    # Imported here because it loads slowly and a prediction needs no fit.
+    from statsmodels.regression.linear_model import OLS
 
     y, own = np.asarray(porosity, float), np.array(base.coefficients)
     design = base.design(features)
     columns, added = regressors(kind, design @ own)
-    result = sm.OLS(y - added, columns).fit()
+    result = OLS(y - added, columns).fit()
     G = np.eye(len(own))[:1] if kind == "offset" else np.vstack([np.eye(len(own))[0], own])
     slope = 1.0 if kind == "offset" else result.params[1]
     coefficients = result.params @ G + (own if kind == "offset" else 0.0)

@@ -62,9 +62,9 @@ def fit_reference_models(folder=REFERENCE, source=None, seed=0):
         if single_forms is not None:
             single_forms = fitted_forms(single_forms, source)
         mixtures = read_mixtures(mixture) if mixture.exists() else None
-        models = _fit_campaign(single_forms, mixtures, seed)
-        for key in [key for key in models if key not in fitted.models]:
-            fitted.models[key] = models[key]
+        models = _fit_campaign(single_forms, mixtures, seed, fitted.models)
+        fitted.models.update(models)
+        for key in models:
             fitted.behind[key] = _describe_rows(key, models[key], (single, single_forms), (mixture, mixtures))
     if not fitted.models:
         raise ValueError(
@@ -73,22 +73,29 @@ def fit_reference_models(folder=REFERENCE, source=None, seed=0):
     return fitted
 
 
-def _fit_campaign(single_forms, mixtures, seed):
-    """Fit the models to a campaign's packings; either table may be None. A model with too few packings is left out."""
+def _fit_campaign(single_forms, mixtures, seed, fitted):
+    """Fit the models to a campaign's packings, without those with a key in `fitted`, or with too few packings.
+
+    Either table may be None.
+    """
     models = {}
     if single_forms is not None:
         for case, rows in over_seeds(single_forms, "grain").groupby("case"):
-            if len(rows) >= fewest_samples(SINGLE_FORM):
+            if ("single_form", case) not in fitted and len(rows) >= fewest_samples(SINGLE_FORM):
                 features = pd.DataFrame({"EQ_inv": rows.L / rows.S, "EL_inv": rows.L / rows.I})
                 models["single_form", case] = fit_and_validate(features, rows.n, "single_form", case, seed)
     if mixtures is not None:
         for case, rows in over_seeds(mixtures, "sample").groupby("case"):
+            if ("form_mixture", case) in fitted:
+                continue
             # Sets of one mean form are left out together, as for the unified model, so that the errors are comparable.
             groups = rows.groupby(["mean_FL", "mean_EL"]).ngroup()
             if len(rows) - groups.value_counts().max() > len(MIXTURE) + 1 and groups.nunique() > 2:
                 features = unified_features(rows)[list(MIXTURE)]
                 models["form_mixture", case] = fit_and_validate(features, rows.n, "form_mixture", case, seed, groups)
     if single_forms is not None and mixtures is not None:
+        known = [case for name, case in fitted if name == "unified"]
+        single_forms, mixtures = (table[~table["case"].isin(known)] for table in (single_forms, mixtures))
         models |= fit_unified(single_forms, mixtures, seed)
     return models
 

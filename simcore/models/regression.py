@@ -263,7 +263,9 @@ def fit(features, porosity, name="porosity", case="", seed=0):
 
     seed: of the bootstrap. ValueError if there are too few samples or a value is not finite.
     """
-    import statsmodels.api as sm  # imported here because it loads slowly and a prediction needs no fit
+    # Imported here because it loads slowly and a prediction needs no fit.
+    from statsmodels.regression.linear_model import OLS
+    from statsmodels.tools import add_constant
 
     X, y = features.to_numpy(float), np.asarray(porosity, float)
     if len(y) <= X.shape[1] + 1:
@@ -275,7 +277,7 @@ def fit(features, porosity, name="porosity", case="", seed=0):
         raise ValueError(
             f"fit of model {name}, case {case or '-'}: a value is not finite; select the columns with usable_features"
         )
-    result = sm.OLS(y, sm.add_constant(X, has_constant="add")).fit()
+    result = OLS(y, add_constant(X, has_constant="add")).fit()
     lower, upper = result.conf_int(alpha=0.05).T
     drawn_lower, drawn_upper = np.percentile(bootstrap(features, y, seed=seed), [2.5, 97.5], axis=0)
     return PorosityModel(

@@ -80,9 +80,10 @@ def fit_bases(rows, process=PROCESS) -> Bases:
 
 
 def _weighted_fit(rows, columns):
-    import statsmodels.api as sm  # imported here because it loads slowly and a prediction needs no fit
+    # Imported here because it loads slowly and a prediction needs no fit.
+    from statsmodels.regression.linear_model import WLS
 
-    return sm.WLS(rows["n"], columns, weights=rows["n_error"] ** -2.0).fit()
+    return WLS(rows["n"], columns, weights=rows["n_error"] ** -2.0).fit()
 
 
 def _std_errors(result):

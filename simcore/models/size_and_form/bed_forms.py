@@ -2,7 +2,8 @@
 
 All samples of a table of forms have one curve, or the table has a column `sieve` with the curve of each sample, as for
 `fit`. Without a column of samples, the rows with one curve are then one sample. With a column `class`, each sieve class
-of a sample has its own form.
+of a sample has its own form. The model is imported where it is evaluated, as a prediction for a case only asks whether
+a table has curves.
 """
 
 import re
@@ -22,8 +23,6 @@ from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_columns import known_unit
 from simcore.grains.sieve_table import read_curve
 from simcore.grains.table_file import read_table
-from simcore.models.size_and_form.bed_prediction import UNKNOWN_FORMS, predict_curve, rhine_sample
-from simcore.models.size_and_form.forms_by_class import predict_by_class
 from simcore.scene.sizes import all_cases
 
 _UNIT = re.compile(r"[a-zµμ]*$", re.IGNORECASE)
@@ -45,12 +44,16 @@ class BedForms(NamedTuple):
 
     def predict(self, fitted, level=0.95):
         """Return the table of predict_curve, one row per sample; arguments as there."""
+        from simcore.models.size_and_form.bed_prediction import predict_curve
+
         if not self.by_class:
             return predict_curve(self.curve, self.samples, fitted, level)
         rows = [self._by_class(name, classes, fitted, level) for name, classes in self.samples]
         return pd.concat(rows, ignore_index=True)
 
     def _by_class(self, name, classes, fitted, level):
+        from simcore.models.size_and_form.forms_by_class import predict_by_class
+
         try:
             return predict_by_class(self.curve, classes, fitted, level, name=name)
         except ValueError as error:
@@ -90,6 +93,8 @@ def read_bed_forms(forms, curve=None, column=None, finest=None, coarsest=None):
     """
     reader = CurveReader({name: case.curve for name, case in all_cases().items()}, finest, coarsest)
     if forms is None:
+        from simcore.models.size_and_form.bed_prediction import UNKNOWN_FORMS, rhine_sample
+
         curve, source, notices = _given(curve, reader)
         notices = [*notices, f"no table of grains is given: the form is that of {UNKNOWN_FORMS}"]
         return [BedForms(curve, source, [rhine_sample()], False)], notices

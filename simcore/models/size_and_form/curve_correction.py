@@ -122,10 +122,11 @@ def correct_curves(kind, predicted, porosity, errors, **constants):
     kind: "offset" or "rescaling". predicted, porosity (n,): by the SizedModel, and measured. errors: the pair
     (of_sizes, of_form) of the beds, each (n,). constants: the other fields of CurveCorrection.
     """
-    import statsmodels.api as sm  # imported here because it loads slowly and a prediction needs no fit
+    # Imported here because it loads slowly and a prediction needs no fit.
+    from statsmodels.regression.linear_model import OLS
 
     columns, added = regressors(kind, predicted)
-    result = sm.OLS(np.asarray(porosity, float) - added, columns).fit()
+    result = OLS(np.asarray(porosity, float) - added, columns).fit()
     projection = np.linalg.pinv(columns)
     model = CurveCorrection(
         kind=kind,
