@@ -46,8 +46,8 @@ def sieve_specification(curve, source, sample=None, classes=None, *, draw=True):
     width, solid, mass, grains = _bed(curve)
     if grains > TOO_MANY:
         raise ValueError(
-            f"a packing of this curve with {LARGEST_GRAINS} grains of its coarsest class has {grains:.2g} grains, more "
-            f"than can be packed; {_leave_out(curve)}"
+            f"a packing of this curve with {LARGEST_GRAINS} grains of its coarsest class has {_about(grains)} grains, "
+            f"more than can be packed; {_leave_out(curve)}"
         )
     bed = mass / (DENSITY * solid * width**2)
     name = re.sub(r"[^A-Za-z0-9_.+-]+", "_", source.stem).strip("_.+-") or "sieve"
@@ -57,8 +57,8 @@ def sieve_specification(curve, source, sample=None, classes=None, *, draw=True):
     notices = []
     if grains > MANY:
         notices.append(
-            f"the packing has {grains:.2g} grains, most of them fine, and takes days on one core; `explain` prints its "
-            f"cost. If that is too much, {_leave_out(curve)}"
+            f"the packing has {_about(grains)} grains, most of them fine, and takes days on one core; `explain` prints "
+            f"its cost. If that is too much, {_leave_out(curve)}"
         )
     start = f"""# Packs the sieve curve of {source.name}. See what it costs:  scree explain THIS_FILE
 name: {name}
@@ -101,8 +101,13 @@ def _leave_out(curve):
     share = 1.0 - curve.mass_fractions[k:].sum() / curve.mass_fractions.sum()
     return (
         f"leave out the grains below {curve.bounds[k] * 1e3:.6g} mm, which are {100 * share:.3g}% of the mass; then "
-        f"the packing has {grains:.2g} grains"
+        f"the packing has {_about(grains)} grains"
     )
+
+
+def _about(number):
+    """Return a number rounded to two digits, such as "2 900 000"."""
+    return f"{float(f'{number:.1e}'):,.0f}".replace(",", " ")
 
 
 _NUMERICS = """# Contacts of so short a time are stiff enough that falling grains do not sink into the finest ones.

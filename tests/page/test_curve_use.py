@@ -100,6 +100,15 @@ def test_the_specification_is_accepted(open_page, tmp_path, table):
     assert len(specification["sizes"]["mass_fractions"]) == 3
 
 
+def test_a_specification_of_many_grains_has_a_notice(open_page):
+    page = open_curve(open_page, "opening [mm];passing [%]\n63;100\n16;45\n4;18\n2;0\n")
+    with page.expect_download():
+        page.get_by_role("button", name="Specification that packs it").click()
+    said = page.locator("#copied").inner_text()
+    assert said.startswith("The packing has 630 000 grains, most of them fine, and takes days on one core")
+    assert "leave out the grains below 4 mm, which are 18% of the mass" in said
+
+
 def test_each_sieve_class_may_have_its_form(open_page):
     page = open_curve(open_page, table="class;FL;EL\n2-8 mm;0,6;0,7\n8-16 mm;0,4;0,7\n")
     by_class = porosity(page)

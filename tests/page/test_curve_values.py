@@ -48,7 +48,7 @@ inputs => inputs.map(({sieves, table, finest, coarsest, level, more}) => {
       curve, notices: [...read.notices, ...curve.notices], beds: beds.map(texts),
       sensitivity: more && first ? Bed.sensitivity(curve, first.n_one_class) : null,
       others: more && first ? Bed.others(curve, first.n_one_class) : null,
-      yaml: more ? BedSpecification.write(curve, "curve.csv", table === null ? null : samples[0]) : null,
+      written: more ? BedSpecification.write(curve, "curve.csv", table === null ? null : samples[0]) : null,
     };
   } catch (error) {
     if (!(error instanceof Numbers.InputError)) throw error;
@@ -93,8 +93,8 @@ def by_command(folder, entry, fitted):
         if entry["more"]:
             of_first = forms if entry["table"] is not None else None
             if len(samples) == 1:
-                write_specification(folder / "bed.yaml", sieves, of_first, None, *ends, draw=False)
-                expected["yaml"] = (folder / "bed.yaml").read_text(encoding="utf-8")
+                said = write_specification(folder / "bed.yaml", sieves, of_first, None, *ends, draw=False)
+                expected["written"] = {"text": (folder / "bed.yaml").read_text(encoding="utf-8"), "notices": said}
         return expected
     except ValueError as error:
         text = str(error).replace(f"{folder}/", "")
@@ -125,8 +125,8 @@ def assert_equal(page, expected, entry, folder, fitted):
         others = other_predictors(curve, n1)
         assert [row["model"] for row in page["others"]] == others.model.tolist()
         np.testing.assert_allclose([row["n"] for row in page["others"]], others.n, atol=TOLERANCE)
-    if "yaml" in expected:
-        assert page["yaml"] == expected["yaml"]
+    if "written" in expected:
+        assert page["written"] == expected["written"]
     return int(table.n.notna().sum())
 
 

@@ -4,7 +4,8 @@ const BedSpecification = (() => {
   const rule = DATA.curve.specification;
   const { sum } = Packing;
 
-  // Returns YAML. curve: with bounds in mm. source: what it is called. sample: null for synthetic pebbles.
+  // Returns { text, notices }, the text in YAML. curve: with bounds in mm. source: what it is called. sample: null for
+  // synthetic pebbles.
   function write(curve, source, sample) {
     const bounds = curve.bounds.map((bound) => bound / 1e3); // [m]
     const shares = curve.mass_fractions;
@@ -12,14 +13,21 @@ const BedSpecification = (() => {
     const { width, solid, mass, grains } = amounts(bounds, shares);
     if (grains > rule.too_many) {
       throw new InputError(
-        `a packing of this curve with ${rule.largest_grains} grains of its coarsest class has ${general(grains, 2)} ` +
-          `grains, more than can be packed; ${leaveOut(bounds, shares)}`
+        `a packing of this curve with ${rule.largest_grains} grains of its coarsest class has ${about(grains)} grains, ` +
+          `more than can be packed; ${leaveOut(bounds, shares)}`
       );
     }
     const bed = mass / (rule.density * solid * width ** 2);
     const stem = source.replace(/(?<=.)\.[^.]+$/, "").replace(/[^A-Za-z0-9_.+-]+/g, "_").replace(/^[_.+-]+|[_.+-]+$/g, "");
     const height = Math.max(Math.ceil(rule.domain * bed * 100) / 100, rule.least_domain);
-    return `# Packs the sieve curve of ${source}. See what it costs:  scree explain THIS_FILE
+    const notices = [];
+    if (grains > rule.many) {
+      notices.push(
+        `the packing has ${about(grains)} grains, most of them fine, and takes days on one core; \`explain\` prints its ` +
+          `cost. If that is too much, ${leaveOut(bounds, shares)}`
+      );
+    }
+    const text = `# Packs the sieve curve of ${source}. See what it costs:  scree explain THIS_FILE
 name: ${stem || "sieve"}
 seed: 1
 sizes:
@@ -36,6 +44,7 @@ ${rule.process}
 # Contacts of so short a time are stiff enough that falling grains do not sink into the finest ones.
 numerics: {contact_time: ${general(contactTime(bounds[0], height) * 1e3, 3)} ms}
 `;
+    return { text, notices };
   }
 
   // Width [m], solid fraction, mass [kg] and expected number of grains of the bed. bounds in metres.
@@ -65,8 +74,13 @@ numerics: {contact_time: ${general(contactTime(bounds[0], height) * 1e3, 3)} ms}
     const share = 100 * (1 - sum(shares.slice(k)) / sum(shares));
     return (
       `leave out the grains below ${general(bounds[k] * 1e3, 6)} mm, which are ${general(share, 3)}% of the mass; then ` +
-      `the packing has ${general(grainsFrom(k), 2)} grains`
+      `the packing has ${about(grainsFrom(k))} grains`
     );
+  }
+
+  // A number rounded to two digits, such as "2 900 000".
+  function about(number) {
+    return Number(number.toPrecision(2)).toFixed(0).replace(/\B(?=(\d{3})+$)/g, " ");
   }
 
   function shapes(sample) {

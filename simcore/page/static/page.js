@@ -288,8 +288,9 @@ const Page = (() => {
     }
   }
 
+  // Returns { text, notices }.
   function specification(sample) {
-    if (!isOwn()) return Outputs.specification(sample, byId("case").value);
+    if (!isOwn()) return { text: Outputs.specification(sample, byId("case").value), notices: [] };
     const source = byId("sieves-name").value || "sieve curve";
     return BedSpecification.write(curve, source, sample === Bed.RHINE ? null : sample);
   }
@@ -362,7 +363,9 @@ const Page = (() => {
     byId("specification").addEventListener("click", () => {
       byId("copied").textContent = "";
       try {
-        download("packing.yaml", specification(current().sample), "text/yaml");
+        const { text, notices } = specification(current().sample);
+        download("packing.yaml", text, "text/yaml");
+        byId("copied").textContent = notices.map((notice) => `${notice[0].toUpperCase()}${notice.slice(1)}.`).join(" ");
       } catch (error) {
         if (!(error instanceof Numbers.InputError)) throw error;
         byId("copied").textContent = `No specification is written: ${error.message}.`;
