@@ -117,17 +117,22 @@ def coarsest_classes(packings: list[tuple[dict, list]]) -> pd.DataFrame:
 def planned(studies) -> list[tuple[dict, list]]:
     """Return the specifications of the packings of these studies in config/wide.yaml, and their undecimated grains.
 
-    Packings of the same sieve curve, draw and seed have the same grains; only the first of them is returned.
+    Packings with the same grains are returned once.
     """
     files = [yaml.safe_load((CONFIG / name).read_text(encoding="utf-8")) for name in ("config.yaml", "wide.yaml")]
     plan = expand(resolve(merge(*files), "config"))
     plan = plan[plan["study"].isin(studies)]
     grains = load_grains(plan["grains"].iloc[0])
+    return [(specification, grains) for specification in with_different_grains(plan["specification"])]
+
+
+def with_different_grains(specifications) -> list[dict]:
+    """Return the specifications without those that have sieve curve, draw and seed of an earlier one."""
     first = {}
-    for specification in plan["specification"]:
+    for specification in specifications:
         sizes = specification["sizes"]
         first.setdefault((sizes["case"], sizes["draw"], specification["seed"]), specification)
-    return [(specification, grains) for specification in first.values()]
+    return list(first.values())
 
 
 def main(arguments=None) -> None:

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from scipy.stats import f
 
-from benchmarks.studies.scatter import read_tables, scatter, scatter_table
+from benchmarks.studies.scatter import read_tables, scatter, scatter_table, with_different_grains
 
 
 def rows(n, error=0.01, case="U5"):
@@ -62,3 +62,16 @@ def test_packings_with_other_settings_are_a_curve_of_their_own(tmp_path):
     table = scatter_table(read_tables(tmp_path)).set_index(["case", "draw"])
     assert table.loc[("B50, preset wide", "quota"), "variance_ratio"] == pytest.approx(0.25)
     assert table["variance_ratio"].count() == 1 and len(table) == 3
+
+
+def test_packings_of_the_same_grains_in_two_studies_are_drawn_once():
+    def packing(case, draw, seed, faces=300):
+        return {"sizes": {"case": case, "draw": draw}, "seed": seed, "faces": faces}
+
+    first = [
+        packing("U5", "quota", 1),
+        packing("U5", "random", 1),
+        packing("B50", "quota", 1),
+        packing("U5", "quota", 2),
+    ]
+    assert with_different_grains([*first, packing("U5", "quota", 1, faces=100)]) == first
