@@ -32,8 +32,12 @@ def project_name(path: Path) -> str:
 
 
 def cache_folder() -> Path:
-    """Return the folder of what processes remember: the one that the variable SCREE_CACHE names, or ~/.cache/scree."""
-    return Path(os.environ.get("SCREE_CACHE", Path.home() / ".cache" / "scree"))
+    """Return the folder of compiled code and of what is read of source files: SCREE_CACHE, or ~/.cache/scree.
+
+    RuntimeError if the variable is not set and there is no home folder.
+    """
+    given = os.environ.get("SCREE_CACHE")
+    return Path(given) if given else Path.home() / ".cache" / "scree"
 
 
 def find_this_python_first() -> None:

@@ -4,17 +4,18 @@
 
 It prints the bases of lattice_beds.csv, base_time.csv, base_rate.csv and base_size.csv in results/reference with their
 rates of insertion, and the slopes of the one-class porosity on the logarithms of the three quantities. A second table
-compares beds that were packed on a lattice and as a rain (size_and_form.csv): porosity and rate by both, and the step
-from one class of the same form to the sieve curve. A third one lists these steps beside those of measured gravels. A
-fourth one has the share of the effect of form that remains in the beds of a curve: the slope of their porosity against
-that of one class, over the forms that were packed. It takes seconds.
+has the same bases as a rain (size_and_form.csv), and the part of the difference that the slopes explain. A third one
+compares all beds that were packed on a lattice and as a rain: porosity and rate by both, and the step from one class of
+the same form to the sieve curve. A fourth one lists these steps beside those of measured gravels. A fifth one has the
+share of the effect of form that remains in the beds of a curve: the slope of their porosity against that of one class,
+over the forms that were packed. It takes seconds.
 """
 
 import numpy as np
 import pandas as pd
 
 from benchmarks.studies.size_and_form_fit import describe_bases, read_rows
-from simcore.models.size_and_form.bases import RATE, process_logs
+from simcore.models.size_and_form.bases import RATE, fit_bases, process_logs
 from simcore.models.size_and_form.beds import ALL_FORMS, BASE, form_labels
 from simcore.paths import CONFIG, REFERENCE
 from simcore.reference.r22_tables import read_r22_table
@@ -38,6 +39,29 @@ def bases_table():
     rows = bases()
     rows = rows.assign(form=form_labels(rows), rate=np.exp(process_logs(rows)[RATE]))
     return rows[["case", "form", "spacing", "rate", "time_s", "n", "n_error"]].sort_values(["form", "rate"])
+
+
+def bases_as_rain():
+    """Return one row per base that was packed by both processes, with the difference that the insertion makes.
+
+    Columns: form, n_lattice, n_rain, difference (rain minus lattice) and its error, explained (the part that rate of
+    insertion and time of shaking explain, by the slopes of all bases on lattices) and rest.
+    """
+    fitted = fit_bases(bases().assign(form=form_labels(bases())))
+    tables = []
+    for rows in (read_rows(LATTICE, CONFIGURATION), read_rows()):
+        rows = rows[(rows["case"] == BASE) & (rows["seed"] == 1)]
+        rows = rows.assign(form=form_labels(rows), effect=fitted.effect(rows))
+        tables.append(rows[["form", "n", "n_error", "effect"]])
+    pairs = tables[0].merge(tables[1], on="form", suffixes=("_lattice", "_rain"))
+    difference = pairs["n_rain"] - pairs["n_lattice"]
+    explained = pairs["effect_rain"] - pairs["effect_lattice"]
+    return pairs[["form", "n_lattice", "n_rain"]].assign(
+        difference=difference,
+        error=np.hypot(pairs["n_error_lattice"], pairs["n_error_rain"]),
+        explained=explained,
+        rest=difference - explained,
+    )
 
 
 def paired_beds():
@@ -100,6 +124,7 @@ def main() -> None:
     """Print the tables."""
     print(bases_table().to_string(index=False, float_format="%.4g"))
     print(describe_bases(bases()))
+    print(bases_as_rain().to_string(index=False, float_format="%.4f"))
     pairs = paired_beds()
     print(pairs.to_string(index=False, float_format="%.4f"))
     print(measured_steps().to_string(index=False, float_format="%.4f"))

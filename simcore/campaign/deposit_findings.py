@@ -50,26 +50,28 @@ def maximum(ratio, value, seed=1, resampled=RESAMPLED):
     with one packing per ratio. ValueError if there are fewer than three ratios in the window.
     """
     ratio, value = np.asarray(ratio, float), np.asarray(value, float)
-    levels, counts = np.unique(ratio, return_counts=True)
+    ratios, counts = np.unique(ratio, return_counts=True)
     value = value[np.argsort(ratio, kind="stable")]
-    first = np.cumsum(counts) - counts
-    (top,), (height,) = _tops(np.log(levels), counts, np.add.reduceat(value, first)[None] / counts)
+    starts = np.cumsum(counts) - counts
+    means = np.add.reduceat(value, starts) / counts
+    (top,), (height,) = _tops(np.log(ratios), counts, means[None])
     if np.isnan(top):
         raise ValueError("maximum: there are fewer than three ratios near the highest mean; pack more forms near it")
-    size = np.repeat(counts, counts)
-    chosen = np.repeat(first, counts) + np.random.default_rng(seed).integers(0, size, (resampled, len(value)))
-    drawn = _tops(np.log(levels), counts, np.add.reduceat(value[chosen], first, axis=1) / counts)
+    # A packing is drawn from those of its ratio.
+    rng = np.random.default_rng(seed)
+    chosen = np.repeat(starts, counts) + rng.integers(0, np.repeat(counts, counts), (resampled, len(value)))
+    drawn = _tops(np.log(ratios), counts, np.add.reduceat(value[chosen], starts, axis=1) / counts)
     draws = np.transpose(drawn)[~np.isnan(drawn[0])]
     # The spread of n packings drawn with replacement is too small by √((n-1)/n); n is the median over the ratios.
     n = np.median(counts)
     scale = np.sqrt(n / (n - 1.0)) if n > 1 else np.nan
     errors = scale * np.std(draws, axis=0, ddof=1)
-    highest = np.argmax(np.add.reduceat(value, first) / counts)
-    packings = counts[_window(np.log(levels), highest)].sum()
+    packings = counts[_window(np.log(ratios), np.argmax(means))].sum()
     return Maximum(float(top), float(errors[0]), float(height), float(errors[1]), int(packings))
 
 
 def _window(places, highest):
+    """Return a mask (k,) of the places in the window about the one with the index `highest`."""
     return np.abs(places - places[highest]) <= WINDOW
 
 
@@ -82,8 +84,8 @@ def _tops(places, counts, means):
     """
     ratios, values = np.full((2, len(means)), np.nan)
     highest = np.argmax(means, axis=1)
-    for level in np.unique(highest):
-        near = _window(places, level)
+    for index in np.unique(highest):
+        near = _window(places, index)
         x = places[near]
         if len(x) < 3:
             continue
@@ -92,7 +94,7 @@ def _tops(places, counts, means):
         powers = np.vander((x - middle) / half, DEGREE + 1, increasing=True)
         powers[:, degree + 1 :] = 0.0
         weights = np.sqrt(counts[near])
-        curves = highest == level
+        curves = highest == index
         fit = np.linalg.pinv(weights[:, None] * powers) @ (weights * means[curves][:, near]).T
         ends = np.broadcast_to([[-1.0], [1.0]], (2, curves.sum()))
         turns = _turns(fit)
@@ -108,13 +110,13 @@ def _tops(places, counts, means):
 def _turns(fit):
     """Return the places (2, m) where cubics with the coefficients fit (4, m) are level; nan or infinite without one.
 
-    The larger root is divided out, so that the other one is exact also if the cubic is nearly a parabola.
+    Both roots are from the same sum, so that the smaller one is exact also if the cubic is nearly a parabola.
     """
     constant, linear, square = fit[1], 2.0 * fit[2], 3.0 * fit[3]
     with np.errstate(divide="ignore", invalid="ignore"):
         root = np.sqrt(linear**2 - 4.0 * square * constant)
-        larger = -0.5 * (linear + np.copysign(root, linear))
-        return np.stack([larger / square, constant / larger])
+        half_sum = -0.5 * (linear + np.copysign(root, linear))
+        return np.stack([half_sum / square, constant / half_sum])
 
 
 def maxima(rows, names=("solid_fraction", "coordination_number")):

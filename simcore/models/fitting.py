@@ -74,9 +74,9 @@ def fit_reference_models(folder=REFERENCE, source=None, seed=0):
 
 
 def _fit_campaign(single_forms, mixtures, seed, fitted):
-    """Fit the models to a campaign's packings, without those with a key in `fitted`, or with too few packings.
+    """Fit the models to a campaign's packings; either table may be None.
 
-    Either table may be None.
+    Models whose key is in `fitted` and models with too few packings are left out.
     """
     models = {}
     if single_forms is not None:
@@ -94,8 +94,8 @@ def _fit_campaign(single_forms, mixtures, seed, fitted):
                 features = unified_features(rows)[list(MIXTURE)]
                 models["form_mixture", case] = fit_and_validate(features, rows.n, "form_mixture", case, seed, groups)
     if single_forms is not None and mixtures is not None:
-        known = [case for name, case in fitted if name == "unified"]
-        single_forms, mixtures = (table[~table["case"].isin(known)] for table in (single_forms, mixtures))
+        fitted_cases = [case for name, case in fitted if name == "unified"]
+        single_forms, mixtures = (table[~table["case"].isin(fitted_cases)] for table in (single_forms, mixtures))
         models |= fit_unified(single_forms, mixtures, seed)
     return models
 

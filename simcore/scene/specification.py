@@ -262,16 +262,16 @@ def _follows_rules(resolved, schema):
     properties = schema.get("properties", {})
     if not isinstance(resolved, dict):
         return False
-    between_groups = {**schema, "properties": dict.fromkeys(properties, True)}
-    if not jsonschema.Draft202012Validator(between_groups).is_valid(resolved):
+    without_groups = {**schema, "properties": dict.fromkeys(properties, True)}
+    if not jsonschema.Draft202012Validator(without_groups).is_valid(resolved):
         return False
-    for key in properties.keys() & resolved.keys():
-        group = properties[key]
-        place = id(group), repr(resolved[key])
-        if place not in _checked:
-            if not jsonschema.Draft202012Validator(group).is_valid(resolved[key]):
+    for name in properties.keys() & resolved.keys():
+        group = properties[name]
+        key = id(group), repr(resolved[name])
+        if key not in _checked:
+            if not jsonschema.Draft202012Validator(group).is_valid(resolved[name]):
                 return False
-            _checked[place] = group  # a schema that is kept keeps its identity
+            _checked[key] = group  # a schema that is kept keeps its identity
     return True
 
 

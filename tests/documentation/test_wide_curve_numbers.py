@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.studies.insertion_rate import measured_steps
+from benchmarks.studies.insertion_rate import bases_as_rain, form_slopes, measured_steps, paired_beds
 from benchmarks.studies.wide_cost import compare_means, paired
 from simcore.paths import REFERENCE, ROOT
 
@@ -88,3 +88,18 @@ def test_steps_from_one_class_to_wide_curves():
         assert (
             f"| {step.case} | {step.measured:.3f} | ".replace("-", "−") + f"{rain} | {lattice}".rstrip() + " |" in PAGE
         )
+
+
+def test_beds_of_one_class_on_lattices_and_as_a_rain():
+    for bed in bases_as_rain().itertuples():
+        name = {"all": "all forms", "sphere": "spheres"}.get(bed.form, bed.form)
+        (line,) = (line for line in PAGE.splitlines() if line.startswith(f"| {name} |"))
+        *_, lattice, rain, rest = (cell.strip() for cell in line.strip("|").split("|"))
+        assert lattice.startswith(f"{bed.n_lattice:.3f} ±") and rain.startswith(f"{bed.n_rain:.3f} ±")
+        assert rest == f"{bed.rest:+.3f} ± {bed.error:.3f}".replace("-", "−")
+
+
+def test_share_of_the_effect_of_form_that_remains():
+    for row in form_slopes(paired_beds()).itertuples():
+        ending = f"| {row.forms} | {row.slope_lattice:.2f} | {row.slope_rain:.2f} |"
+        assert any(row.case in line and line.endswith(ending) for line in PAGE.splitlines())

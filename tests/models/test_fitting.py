@@ -44,7 +44,8 @@ def test_what_a_campaign_has_not_finished_is_taken_from_the_default_one(referenc
     table.assign(n=0.5 + 1e-6 * flatness).to_csv(default / "single_form.csv", index=False)
     beds = random_mixtures(seed=4).rename(columns={"mu_EQ": "EQ", "mu_EL": "EL"})
     asked = {name: np.arange(16) / 16 for name in ("mean_FL", "std_FL", "mean_EL", "std_EL")}
-    beds.assign(n=0.5 + 1e-6 * beds.EQ, **asked).to_csv(default / "form_mixtures.csv", index=False)
+    beds = beds.assign(n=0.5 + 1e-6 * beds.EQ, **asked)
+    beds.to_csv(default / "form_mixtures.csv", index=False)
     assert "default" not in " ".join(fit_reference_models(reference).behind.values())
     few = pd.read_csv(reference / "form_mixture.csv").head(5)
     few.to_csv(reference / "form_mixture.csv", index=False)
@@ -54,6 +55,18 @@ def test_what_a_campaign_has_not_finished_is_taken_from_the_default_one(referenc
     assert fitted.models["form_mixture", "U1"].coefficients[0] == pytest.approx(0.5, abs=1e-5)
     # The unified model takes both kinds of bed from one campaign, the complete one.
     assert fitted.models["unified", "U1"].n_samples == 8 + 16
+
+
+def test_a_case_of_the_default_campaign_alone_is_fitted_too(reference):
+    default = reference / "default"
+    default.mkdir()
+    for name, source in (("single_form", "single_form"), ("form_mixtures", "form_mixture")):
+        rows = pd.read_csv(reference / f"{source}.csv")
+        pd.concat([rows, rows.assign(case="U7")]).to_csv(default / f"{name}.csv", index=False)
+    fitted = fit_reference_models(reference)
+    for name in ("single_form", "form_mixture", "unified"):
+        assert "/default/" not in fitted.behind[name, "U1"] and "/default/" in fitted.behind[name, "U7"]
+        assert fitted.models[name, "U7"].coefficients == fitted.models[name, "U1"].coefficients
 
 
 def test_a_campaigns_models_are_read_from_its_folder(tmp_path):

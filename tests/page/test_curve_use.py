@@ -107,6 +107,8 @@ def test_a_specification_of_many_grains_has_a_notice(open_page):
     said = page.locator("#copied").inner_text()
     assert said.startswith("The packing has 630 000 grains, most of them fine, and takes days on one core")
     assert "leave out the grains below 4 mm, which are 18% of the mass" in said
+    page.get_by_label("Coarsest grains").fill("90")
+    assert page.locator("#copied").inner_text() == ""
 
 
 def test_each_sieve_class_may_have_its_form(open_page):

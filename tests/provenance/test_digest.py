@@ -71,7 +71,34 @@ def test_a_text_is_parsed_once_for_all_processes(project, monkeypatch, tmp_path)
     assert provenance.read_source(tmp_path / "simcore/deep/b.py").content != "parsed"
 
 
-def test_no_folder_to_remember_in_is_needed(project, monkeypatch, tmp_path):
+@pytest.mark.parametrize("damage", [b"", b"\xff", None])
+def test_a_damaged_file_on_the_disk_is_replaced(project, tmp_path, damage):
+    before = provenance.digest("simcore/a.py")
+    files = [path for path in (tmp_path / "cache").rglob("*") if path.is_file()]
+    contents = {path: path.read_bytes() for path in files}
+    assert len(files) == 3
+    for path, content in contents.items():
+        path.write_bytes(content.rpartition(b"\n")[0] if damage is None else damage)
+    provenance.read_source.cache_clear()
+    assert provenance.digest("simcore/a.py") == before
+    assert {path: path.read_bytes() for path in files} == contents
+    assert [path for path in (tmp_path / "cache").rglob("*") if path.is_file()] == files
+
+
+def test_no_home_folder_is_needed(project, monkeypatch):
+    def no_home():
+        raise RuntimeError("Could not determine home directory.")
+
+    before = provenance.digest("simcore/a.py")
+    monkeypatch.setattr("pathlib.Path.home", no_home)
+    provenance.read_source.cache_clear()
+    assert provenance.digest("simcore/a.py") == before
+    monkeypatch.delenv("SCREE_CACHE")
+    provenance.read_source.cache_clear()
+    assert provenance.digest("simcore/a.py") == before
+
+
+def test_no_folder_to_write_to_is_needed(project, monkeypatch, tmp_path):
     before = provenance.digest("simcore/a.py")
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("SCREE_CACHE", str(tmp_path / "file"))

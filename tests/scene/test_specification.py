@@ -3,8 +3,10 @@
 import copy
 import math
 
+import jsonschema
 import numpy as np
 import pytest
+import yaml
 
 from simcore.scene.quantity import parse_quantity
 from simcore.scene.specification import express, read_presets, read_schema, read_specification, resolve, resolve_written
@@ -281,3 +283,35 @@ def test_former_names_are_refused_with_the_present_ones(given, message):
     with pytest.raises(ValueError) as error:
         resolve({**MINIMAL, **given})
     assert str(error.value) == message
+
+
+LIMITED = {
+    "type": "object",
+    "additionalProperties": False,
+    "required": ["few"],
+    "properties": {
+        "few": {"type": "object", "properties": {"n": {"type": "number", "maximum": 3}}},
+        "many": {"type": "object", "properties": {"n": {"type": "number", "maximum": 9}}},
+        "limit": {"type": "number", "exclusiveMinimum": 0},
+    },
+    "allOf": [{"if": {"properties": {"limit": {"const": 5}}, "required": ["limit"]}, "then": {"required": ["many"]}}],
+}
+
+
+def test_a_group_that_was_checked_in_one_place_is_not_valid_in_another(tmp_path):
+    """Groups are checked once; what is accepted is compared with a check of the whole, each specification twice."""
+    (tmp_path / "limited.schema.yaml").write_text(yaml.safe_dump(LIMITED))
+    rng = np.random.default_rng(2)
+    accepted = 0
+    for _ in range(300):
+        n, raw = int(rng.integers(1, 6)), {}
+        for name in rng.permutation(["few", "many", "limit", "other"])[: rng.integers(2, 4)]:
+            raw[str(name)] = int(rng.integers(-1, 7)) if name == "limit" else {"n": n}
+        valid = jsonschema.Draft202012Validator(LIMITED).is_valid(raw)
+        for _ in range(2):
+            try:
+                assert resolve(raw, tmp_path / "limited.schema.yaml") == raw and valid
+                accepted += 1
+            except ValueError:
+                assert not valid
+    assert 50 < accepted < 500

@@ -2,8 +2,8 @@
 
 All samples of a table of forms have one curve, or the table has a column `sieve` with the curve of each sample, as for
 `fit`. Without a column of samples, the rows with one curve are then one sample. With a column `class`, each sieve class
-of a sample has its own form. The model is imported where it is evaluated, as a prediction for a case only asks whether
-a table has curves.
+of a sample has its own form. The model is imported where it is evaluated, because a prediction for a case only needs
+`has_curves`.
 """
 
 import re

@@ -25,6 +25,7 @@ const Page = (() => {
   function evaluate() {
     const state = readFields();
     byId("error").textContent = "";
+    byId("copied").textContent = "";
     byId("notices").replaceChildren();
     byId("own").hidden = !isOwn();
     results = [];
