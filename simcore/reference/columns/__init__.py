@@ -67,6 +67,7 @@ TABLES = {
     "ranks": (benchmarks.RANKS,),
     "scaling": (benchmarks.SCALING,),
     "settling": (benchmarks.SETTLING,),
+    "step_cost": (benchmarks.STEP_COST,),
     "base_*": (studies.COMPOSITION, COLUMNS),
     "form_by_size": (studies.COMPOSITION, COLUMNS),
     "lattice_beds": (studies.COMPOSITION, COLUMNS),

@@ -45,6 +45,17 @@ SCALING = (
     _LOAD,
     _DIGEST,
 )
+STEP_COST = (
+    Column("what", "", "bed of 2000 grains, or touching pair, of which a step or a query is measured"),
+    Column("code", "", "program, with its version"),
+    Column("median_us", "µs", "median of the runs: CPU time per grain and time step, or of a query"),
+    Column("lowest_us", "µs", "the same, of the fastest run"),
+    Column("highest_us", "µs", "the same, of the slowest run"),
+    _CONTACTS,
+    Column("runs", "", "number of runs, in turns with those of the other rows"),
+    _LOAD,
+    _DIGEST,
+)
 RANKS = (
     _SHAPE,
     _FACES,
