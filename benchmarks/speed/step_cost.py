@@ -29,14 +29,24 @@ BEDS = {
     "polyhedra, patch contact": ("polyhedron", ["numerics.polyhedron_contact=patch"]),
     "polyhedra, accuracy: wide": ("polyhedron", ["numerics.polyhedron_contact=patch", *WIDE]),
 }
-COLUMNS = ("what", "code", "median_us", "lowest_us", "highest_us", "contacts_per_grain", "runs", "load_average", "digest")
+COLUMNS = (
+    "what",
+    "code",
+    "median_us",
+    "lowest_us",
+    "highest_us",
+    "contacts_per_grain",
+    "runs",
+    "load_average",
+    "digest",
+)
 
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--python", help="interpreter of the environment of the other codes")
     parser.add_argument("--runs", type=int, default=3)
-    parser.add_argument("--duration", type=float, default=0.05, help="simulated time of each run [s]")
+    parser.add_argument("--duration", type=float, default=0.02, help="simulated time of each run [s]")
     parser.add_argument("--csv", metavar="FILE", help="otherwise printed")
     options = parser.parse_args(arguments)
     measured = []
@@ -47,10 +57,18 @@ def main(arguments=None):
                 measured.append(measure_bed(what, options.duration, Path(folder) / "bed.json"))
             if options.python:
                 measured += compare(options.python, options.duration, Path(folder) / "others.csv")
-    with open(options.csv, "w", newline="", encoding="utf-8") if options.csv else sys.stdout as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator=os.linesep)
-        writer.writeheader()
-        writer.writerows(summary(measured, load_average=os.getloadavg()[0]))
+            if options.csv:  # after each run, so that a stopped measurement leaves the runs before
+                with open(options.csv, "w", newline="", encoding="utf-8") as file:
+                    write(file, measured)
+    if not options.csv:
+        write(sys.stdout, measured)
+
+
+def write(file, measured):
+    """Write the summary of the runs as CSV."""
+    writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(summary(measured, load_average=os.getloadavg()[0]))
 
 
 def measure_bed(what, duration, path):
