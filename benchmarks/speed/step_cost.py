@@ -2,10 +2,10 @@
 
     python -m benchmarks.speed.step_cost [--python OTHERS/bin/python] [--runs 3] [--csv FILE]
 
-The dense shaken beds are those of benchmarks.speed.throughput: 2000 grains, one thread. Everything is measured once, then
-a second time and so on, so that a slow minute of the machine does not meet one kind of grain only. The median of the
-runs is given with the lowest and the highest one. OTHERS is the environment of benchmarks.speed.compare; without it, only
-our code is measured.
+The dense shaken beds are those of benchmarks.speed.throughput: 2000 grains, one thread. Everything is measured once,
+then a second time and so on, so that a slow minute of the machine does not meet one kind of grain only. The median of
+the runs is given with the lowest and the highest one. OTHERS is the environment of benchmarks.speed.compare; without
+it, only our code is measured.
 """
 
 import argparse
