@@ -34,6 +34,7 @@ GROUPS = (
     ("verification", "REST", "Beds at rest"),
     ("verification", "OUTSIDE", "Packings with known results"),
     ("benchmarks", "FEATURES", "Cost of features"),
+    ("benchmarks", "STEP_COST", "Cost of a time step"),
     ("benchmarks", "SCALING", "Cost over the number of grains"),
     ("benchmarks", "RANKS", "Speed of MPI ranks"),
     ("benchmarks", "SETTLING", "Time to a finished bed"),

@@ -1,4 +1,4 @@
-"""The numbers in docs/reference/cost.md on the growth of the cost, and on threads, are those of scaling.csv."""
+"""The numbers in docs/reference/cost.md on steps and threads are those of step_cost.csv and scaling.csv."""
 
 import pandas as pd
 import pytest
@@ -14,6 +14,41 @@ def row_below(header, first):
     lines = PAGE[PAGE.index(f"| {header}") :].split("\n\n")[0].splitlines()
     (line,) = (line for line in lines if line.startswith(f"| {first} |"))
     return [cell.strip() for cell in line.strip("|").split("|")][1:]
+
+
+STEPS = {
+    "spheres": "spheres",
+    "ellipsoids": "ellipsoids 1 : 0.75 : 0.5",
+    "polyhedra, point contact": "polyhedra of 300 faces, point contact",
+    "polyhedra, patch contact": "the same, patch contact",
+    "polyhedra, accuracy: wide": "the same, patch contact, 0.5 ms with 14 implicit steps (`accuracy: wide`)",
+}
+OTHERS = {
+    "sphere, per": ("a step of spheres, friction and history", "LAMMPS"),
+    "hulls, cold": ("first query of touching polyhedra of 152 vertices", "coal"),
+    "hulls, warm": ("the same pair a step later", "coal, with its guess"),
+}
+
+
+def microseconds(value):
+    return f"{value:#.3g}".rstrip(".")
+
+
+def test_cost_of_a_step():
+    table = pd.read_csv(REFERENCE / "step_cost.csv").set_index("what")
+    for what, name in STEPS.items():
+        row = table.loc[what]
+        between = f"{microseconds(row.lowest_us)} to {microseconds(row.highest_us)} µs"
+        assert row_below("grains | median", name) == [f"{microseconds(row.median_us)} µs", between]
+    for part, (name, other) in OTHERS.items():
+        ours, theirs = (row for row in table[table.index.str.contains(part)].itertuples())
+        cells = [
+            f"{microseconds(row.median_us)} µs ({microseconds(row.lowest_us)} to {microseconds(row.highest_us)})"
+            for row in (ours, theirs)
+        ]
+        ratio = f"{ours.median_us / theirs.median_us:.2f}"
+        assert row_below("| Scree | other program", name) == [cells[0], f"{other}: {cells[1]}", ratio]
+    assert f"measured {table['runs'].max()} times in turns" in PAGE and table["runs"].nunique() == 1
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 from benchmarks.studies.insertion_rate import bases_as_rain, form_slopes, measured_steps, paired_beds
+from benchmarks.studies.scatter import read_tables, scatter_table
 from benchmarks.studies.wide_cost import compare_means, paired
 from simcore.paths import REFERENCE, ROOT
 
@@ -51,7 +52,7 @@ def test_what_longer_shaking_takes_away_of_the_difference_of_filled_beds():
 
 
 def test_both_draws_have_the_same_mean_and_cost():
-    (row,) = compare_means(COST).itertuples()
+    (row,) = compare_means(COST).query("settings == 'wide_random'").itertuples()
     words = " ".join(PAGE.split())
     assert (
         f"differ by {row.difference:.4f} ± {row.error:.4f}, and a packing takes the same CPU time, {row.cost:.2f}"
@@ -103,3 +104,16 @@ def test_share_of_the_effect_of_form_that_remains():
     for row in form_slopes(paired_beds()).itertuples():
         ending = f"| {row.forms} | {row.slope_lattice:.2f} | {row.slope_rain:.2f} |"
         assert any(row.case in line and line.endswith(ending) for line in PAGE.splitlines())
+
+
+def test_scatter_over_seeds():
+    table = scatter_table(read_tables())
+    for row in table[table["case"].isin(["U5", "U5 spheres", "B50, preset wide"])].itertuples():
+        begin, limits = f"| {row.draw} | ", f" ({row.std_lower:.4f} to {row.std_upper:.4f})"
+        if row.case.startswith("B50"):
+            begin, limits = f"{begin}{row.seeds} | {row.n:.4f} | ", ""
+        line = f"| {row.std:.4f}{limits} | {row.stated:.4f} |"
+        assert any(text.startswith(begin) and line in text for text in PAGE.splitlines()), line
+    ratio = table.set_index(["case", "draw"])["variance_ratio"].map("{:.2f}".format)
+    assert f"the variance over the seeds is {ratio['U5', 'quota']} of that" in PAGE
+    assert f"By quota the variance is {ratio['U5 spheres', 'quota']} of that" in PAGE
