@@ -42,6 +42,18 @@ for package in (simcore.grains, simcore.scene):
         importlib.import_module(module.name)
 sys.exit("numba" in sys.modules)
 """
+# A plan reads no grains, and a prediction for a case evaluates no model of sieve curves.
+LOADED_LATER = {
+    "simcore.campaign.plan": {"numba", "simcore.grains.readers", "simcore.grains.voxels", "statsmodels", "sklearn"},
+    "simcore.models.size_and_form.bed_forms": {"numba", "simcore.models.size_and_form.bed_prediction", "statsmodels"},
+}
+
+
+@pytest.mark.parametrize("module", LOADED_LATER)
+def test_what_a_command_does_not_need_is_not_imported(module):
+    code = f"import sys, {module}; print(sorted({LOADED_LATER[module]!r} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert done.stdout.strip() == "[]", done.stderr
 
 
 def test_imports_run_one_way():

@@ -4,9 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from benchmarks.studies.base_forms import compare_beds, rain_bases, rain_model
 from benchmarks.studies.insertion_rate import bases_as_rain, form_slopes, measured_steps, paired_beds
 from benchmarks.studies.scatter import read_tables, scatter_table
 from benchmarks.studies.wide_cost import compare_means, paired
+from simcore.models.fitting import fit_reference_models
 from simcore.paths import REFERENCE, ROOT
 
 PAGE = (ROOT / "docs" / "explanation" / "wide_sieve_curves.md").read_text(encoding="utf-8")
@@ -117,3 +119,16 @@ def test_scatter_over_seeds():
     ratio = table.set_index(["case", "draw"])["variance_ratio"].map("{:.2f}".format)
     assert f"the variance over the seeds is {ratio['U5', 'quota']} of that" in PAGE
     assert f"By quota the variance is {ratio['U5 spheres', 'quota']} of that" in PAGE
+
+
+def test_beds_that_a_rain_makes_denser_and_looser_than_the_model_of_lattices():
+    rows = rain_bases()
+    beds = compare_beds(rows, rain_model(rows), fit_reference_models().models["unified", "U1"])
+    denser = (beds["lattice"] - beds["rain"]).sort_values()
+    assert beds["mu_EL"][denser.index[-1]] < 0.5 and beds["mu_EQ"][denser.index[0]] < 0.3
+    most, least = f"{denser.iloc[-1]:.3f}", f"{-denser.iloc[0]:.3f}"
+    assert f"is up to {most} denser than predicted, and a bed of flat grains up to {least} looser" in " ".join(
+        PAGE.split()
+    )
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert f"long grains are up to {most} denser, and beds of flat grains up to {least} looser" in readme

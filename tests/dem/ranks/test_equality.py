@@ -8,7 +8,7 @@ from simcore.packing.file import differences, read_packing
 
 # Three and four ranks on two cores are slow, so they pack fewer scenes, together all; two ranks pack all. The parallel
 # loops of two threads take minutes to compile. Those of mixed grains find contacts of ellipsoids and of polyhedra; the
-# loops over one kind of them, over potentials and over walls are compared by the benchmark only.
+# loops over one of these kinds, over potentials and over the wall of a cylinder are compared by the benchmark only.
 FEWER = {
     "threads_2": ["spheres", "mixed", "filled", "deposit"],
     "ranks_3": ["ellipsoids_cylinder", "ellipsoids_potential", "filled", "deposit"],
