@@ -46,7 +46,7 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
     probability of the prediction intervals. r22_tables: folder of the tables of Rettinger et al. (2022). require:
     whether at least one sample must be predicted.
 
-    Columns: the fields of Sample but the covariance, taken_as ("one form" or "a distribution"), and those of
+    Columns: the fields of Sample but the covariance, kind_of_bed (one of KINDS_OF_BED), and those of
     PREDICTION: by ("ours", or "r22" for Rettinger et al.), model, preferred (the recommended one of our models), n,
     lower, upper (nan for Rettinger et al., who publish no covariance), few_grains_error (the standard error of n that
     follows from the limited number of measured grains, which the interval contains; nan if it is unknown),
@@ -67,13 +67,13 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
     tables = []
     for sample in samples:
         rows = predict_sample(sample, case, fitted, published, level, r22_tables) or [_no_model(sample, case)]
-        statistics = {**vars(sample), "taken_as": "one form" if sample.one_form else "a distribution"}
+        statistics = {**vars(sample), "kind_of_bed": kind_of_bed(sample)}
         del statistics["covariance"]
         tables.append(pd.DataFrame(rows, columns=PREDICTION).assign(**statistics))
     if require:
         _require_one(tables, case)
     table = pd.concat(tables, ignore_index=True)
-    return table[["taken_as", *(name for name in table if name not in ("taken_as", *PREDICTION)), *PREDICTION]]
+    return table[["kind_of_bed", *(name for name in table if name not in ("kind_of_bed", *PREDICTION)), *PREDICTION]]
 
 
 def _no_model(sample, case):

@@ -97,10 +97,9 @@ def _describe_missing_models(table, case, fitted):
         )
     without = table[ours_exist & ~none & ~table.groupby("name").preferred.transform("any")]
     ours = without.name.isin(without.name[without.by == "ours"])
-    for kind in without.taken_as[~ours].unique():
-        form = kind if kind == KINDS_OF_BED[0] else KINDS_OF_BED[1]
+    for kind in without.kind_of_bed[~ours].unique():
         lines.append(
-            f"Too few of our packings of {case} have {form}: only the model of Rettinger et al. is used for these."
+            f"Too few of our packings of {case} have {kind}: only the model of Rettinger et al. is used for these."
         )
     if ours.any():
         names = ", ".join(without.name[ours].unique())
@@ -110,7 +109,7 @@ def _describe_missing_models(table, case, fitted):
 
 def _samples_in_columns(table):
     """Return the lines of the table of samples, beginning with its header."""
-    cells = [["sample", "grains", "taken as", "FL", "EL", "ours", "by", "other of ours", "Rettinger et al."]]
+    cells = [["sample", "grains", "form", "FL", "EL", "ours", "by", "other of ours", "Rettinger et al."]]
     for _, rows in table.groupby("name", sort=False):
         sample = rows.iloc[0]
         preferred = rows[rows.preferred]
@@ -119,7 +118,7 @@ def _samples_in_columns(table):
             [
                 str(sample["name"]),
                 str(sample.grains) if sample.grains else "-",
-                sample.taken_as,
+                "one" if sample.kind_of_bed == KINDS_OF_BED[0] else "distribution",
                 f"{sample.mu_FL:.3f} ± {sample.sigma_FL:.3f}",
                 f"{sample.mu_EL:.3f} ± {sample.sigma_EL:.3f}",
                 _cell(preferred),
@@ -192,7 +191,7 @@ def _caveats(table, level):
         )
     lines += few_grains_caveats(table.name, table.grains)
     ours = table[table.preferred]
-    one_form = ours.taken_as == KINDS_OF_BED[0]
+    one_form = ours.kind_of_bed == KINDS_OF_BED[0]
     lines += few_grains_error_caveats(ours.name, one_form, ours.few_grains_error, "the porosity")
     lines.append(
         "The interval contains the porosity of a new sample, poured and shaken in the same way, with "
@@ -222,7 +221,7 @@ def as_json(table, case, fitted, level=0.95, notices=()):
     table: result of predict_samples with the same case, fitted and level. A number that is not finite is null.
     """
     case = model_case(case)
-    common = ["name", "grains", "taken_as", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL", "mu_EQ", "sigma_EQ"]
+    common = ["name", "grains", "kind_of_bed", "mu_FL", "sigma_FL", "mu_EL", "sigma_EL", "mu_EQ", "sigma_EQ"]
     samples = []
     for _, rows in table.groupby("name", sort=False):
         predictions = records(rows[PREDICTION])

@@ -25,7 +25,11 @@ def test_one_form_and_a_distribution_take_their_own_models(reference):
     table = predict_samples([sample_of_one_form(0.6, 0.7), narrow, wide], "U1", fitted)
     ours = table[table.preferred].set_index("name")
     assert ours.model.to_dict() == {"one": "single_form", "narrow": "unified", "wide": "form_mixture"}
-    assert ours.taken_as.to_dict() == {"one": "one form", "narrow": "a distribution", "wide": "a distribution"}
+    assert ours.kind_of_bed.to_dict() == {
+        "one": "one form",
+        "narrow": "a distribution of form",
+        "wide": "a distribution of form",
+    }
     assert ours.n["one"] == pytest.approx(porosity_of_form(0.6, 0.7), rel=1e-9)
     assert ours.n["wide"] == pytest.approx(0.31 + 0.03 / 0.42 - 0.003 / 0.12 + 0.02 / 0.7 - 0.002 / 0.15, rel=1e-8)
     mixture = table.query("name == 'narrow' and by == 'ours' and model == 'form_mixture'").iloc[0]

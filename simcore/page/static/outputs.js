@@ -6,7 +6,8 @@ const Outputs = (() => {
   const RANGE = ["n_low", "n_high", "lower", "upper", "flatness_low", "flatness_high"];
   const LONG_LINK = 8000; // characters; some programs cut longer links
 
-  const takenAs = (sample) => (Grains.isOneForm(sample) ? "one form" : "a distribution");
+  // Returns which kind of bed the grains of a sample make, in the words of the command.
+  const kindOfBed = (sample) => DATA.kinds_of_bed[Grains.isOneForm(sample) ? 0 : 1];
 
   // Returns the table that the command prints with --csv, with all digits. results: [{sample, rows} or {sample, range}];
   // mark: of decimals; choice: of the case.
@@ -20,12 +21,12 @@ const Outputs = (() => {
     const twoAxes = results.some(({ range }) => range);
     const lines = twoAxes
       ? [["sample", "grains", "mu_EL", "sigma_EL", ...RANGE]]
-      : [["taken_as", "sample", "grains", ...STATISTICS, ...PREDICTION]];
+      : [["kind_of_bed", "sample", "grains", ...STATISTICS, ...PREDICTION]];
     for (const { sample, rows, range } of results) {
       if (range) {
         lines.push([sample.name, sample.grains, sample.mu_EL, sample.sigma_EL, ...RANGE.map((key) => range[key])]);
       }
-      const common = [takenAs(sample), sample.name, sample.grains, ...STATISTICS.map((key) => sample[key])];
+      const common = [kindOfBed(sample), sample.name, sample.grains, ...STATISTICS.map((key) => sample[key])];
       const given = rows?.length === 0 ? [withoutModel(sample, choice)] : rows ?? [];
       for (const row of given) lines.push([...common, ...PREDICTION.map((key) => row[key])]);
     }
@@ -34,8 +35,8 @@ const Outputs = (() => {
 
   // Returns the row of a sample for which the case has no model.
   function withoutModel(sample, choice) {
-    const [one, distribution] = DATA.kinds_of_bed;
-    const [kind, other] = Grains.isOneForm(sample) ? [one, distribution] : [distribution, one];
+    const kind = kindOfBed(sample);
+    const other = DATA.kinds_of_bed.find((name) => name !== kind);
     const refused = `${DATA.no_model} to beds of ${Prediction.modelCase(choice)} with ${kind}, only to beds with ${other}`;
     const numbers = { n: NaN, lower: NaN, upper: NaN, few_grains_error: NaN, distance: NaN };
     return { by: "", model: "", preferred: false, outside: "", ...numbers, refused };
@@ -87,5 +88,5 @@ const Outputs = (() => {
 
   const fromFragment = (hash) => Object.fromEntries(new URLSearchParams(hash.replace(/^#/, "")));
 
-  return { LONG_LINK, csv, specification, formula, fragment, fromFragment, takenAs };
+  return { LONG_LINK, csv, specification, formula, fragment, fromFragment, kindOfBed };
 })();

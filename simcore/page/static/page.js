@@ -164,7 +164,7 @@ const Page = (() => {
     if (!Number.isNaN(best.lower)) {
       parts.push(node("p", `${100 * byId("level").value} % prediction interval: ${interval(best)}`, "interval"));
     }
-    parts.push(node("p", `Model: ${modelName(best)}. The sample is taken as ${Outputs.takenAs(sample)}.`));
+    parts.push(node("p", `Model: ${modelName(best)}. It predicts a bed with ${Outputs.kindOfBed(sample)}.`));
     if (best.by === "r22") {
       parts.push(node("p", "None of our models is used: they were not fitted to such samples of this sieve curve, or not evaluated."));
     }
