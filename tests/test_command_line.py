@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 
@@ -145,6 +146,39 @@ def test_an_output_that_cannot_be_written_is_an_error_before_the_work(folder, ca
     assert main(["pack", str(folder / "good.yaml"), str(folder / "file" / "out.nc")]) == 2
     printed = capsys.readouterr().err
     assert printed.count("\n") == 1 and "generating" not in printed
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["predict", "grains.csv", "--sieve", "curve.csv", "--pack", "curve.csv"], "curve.csv is read by this command"),
+        (["predict", "grains.csv", "--sieve", "curve.csv", "--pack", "./grains.csv"], "grains.csv is read by"),
+        (["predict", "grains.csv", "--sieve", "curve.csv", "--pack", "bed.xlsx"], "bed.xlsx must end in .yaml or .yml"),
+        (["sieve", "curve.csv", "--specification", "curve.csv"], "curve.csv is read by this command"),
+        (["fit", "beds.csv", "--case", "one-class", "--out", "beds.csv"], "beds.csv is read by this command"),
+        (["fit", "beds.csv", "--case", "one-class", "--out", "model.txt"], "model.txt must end in .json"),
+        (["fit", "beds.csv", "--case", "one-class", "--out", "."], ". must end in .json"),
+        (["pack", "good.yaml", "good.yaml"], "good.yaml is read by this command"),
+    ],
+)
+def test_an_output_that_is_an_input_or_has_the_wrong_ending_is_refused(folder, capsys, monkeypatch, arguments, message):
+    monkeypatch.chdir(folder)
+    for name, example in (("grains", "grains"), ("curve", "sieve_curve"), ("beds", "measured")):
+        shutil.copy(ROOT / "examples" / f"{example}.csv", folder / f"{name}.csv")
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    assert main(arguments) == 2
+    error = capsys.readouterr().err
+    assert message in error and error.count("\n") == 1
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_a_written_specification_is_named(folder, capsys, monkeypatch):
+    monkeypatch.chdir(folder)
+    shutil.copy(ROOT / "examples" / "sieve_curve.csv", "curve.csv")
+    assert main(["sieve", "curve.csv", "--finest", "2 mm", "--specification", "curve.yaml"]) == 0
+    assert "curve.yaml is written; `scree pack curve.yaml bed.nc` packs this curve" in capsys.readouterr().err
+    assert main(["predict", "--sieve", "curve.csv", "--finest", "2 mm", "--pack", "bed.yaml"]) == 0
+    assert "bed.yaml is written; `scree pack bed.yaml bed.nc` packs this bed" in capsys.readouterr().err
 
 
 def test_a_closed_pipe_ends_without_a_traceback():

@@ -40,7 +40,7 @@ def run(options) -> int:
     from simcore.packing.file import read_packing
 
     voxel = length("--voxel", options.voxel)
-    check_writable(options.output)
+    check_writable(options.output, options.packing)
     packing = read_packing(options.packing)
     for path in export(packing, options.output, options.periodic, voxel, options.divisions):
         print(f"wrote {path}")

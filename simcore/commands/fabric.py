@@ -29,7 +29,7 @@ def run(options) -> int:
 
     cut = length("--cut", options.cut)
     if options.out is not None:
-        check_writable(options.out)
+        check_writable(options.out, *options.packings)
     bearing = BEARING_CONTACTS if options.bearing_contacts is None else options.bearing_contacts
     fabrics = []
     for path in options.packings:

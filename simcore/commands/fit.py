@@ -3,6 +3,8 @@
 import sys
 from pathlib import Path
 
+from simcore.commands.options import check_writable
+
 
 def add(commands) -> None:
     """Add the parser of this command."""
@@ -63,6 +65,8 @@ def run(options) -> int:
     from simcore.commands.sieve import read_size
     from simcore.models.measured_file import is_file_of_fit
 
+    if options.out is not None:
+        check_writable(options.out, options.measured, options.sieve, endings=(".json",))
     given = {
         "case": options.case,
         "sieve": options.sieve,

@@ -43,5 +43,5 @@ def run(options) -> int:
         raise ValueError("launch needs the signals of Linux, macOS or WSL; use `pack`, which runs on one rank")
     from simcore.packing.launch import launch_packing
 
-    check_writable(options.output)
+    check_writable(options.output, options.specification)
     return launch_packing(options, [sys.executable, "-m", "simcore"])

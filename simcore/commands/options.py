@@ -27,8 +27,19 @@ def length(option: str, text: str | None) -> float | None:
     return metres
 
 
-def check_writable(output: Path) -> None:
-    """Raise OSError if the output cannot be written, before any work is done."""
+def check_writable(output: Path, *inputs, endings=()) -> None:
+    """Raise OSError if the output cannot be written, before any work is done.
+
+    inputs: files that the command reads, or None. ValueError if the output is one of them, because it would be lost, or
+    if its name ends in none of the `endings`, such as .yaml.
+    """
+    for read in inputs:
+        if read is not None and output.exists() and Path(read).exists() and output.samefile(read):
+            raise ValueError(f"{output} is read by this command, and writing to it would destroy it; give another path")
+    if endings and output.suffix.lower() not in endings:
+        raise ValueError(f"{output} must end in {' or '.join(endings)}; give another name")
+    if output.is_dir():
+        raise ValueError(f"{output} is a folder; give the name of a file in it")
     probe = output.with_name(output.name + ".part")
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
@@ -36,6 +47,9 @@ def check_writable(output: Path) -> None:
         probe.unlink()
     except OSError as error:
         raise OSError(f"{output} cannot be written ({error.strerror}): {error.filename}; give another path") from None
+
+
+YAML = (".yaml", ".yml")  # endings of a specification
 
 
 def check_figure(option: str, figure: Path) -> None:

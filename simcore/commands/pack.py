@@ -99,7 +99,7 @@ def _prepare(ranks, options, report):
     expect(report, specification)
     interval = parse_quantity(options.checkpoint_interval, "s")
     setup, warned = prepare(specification, options.threads, options.force)
-    ranks.on_first(lambda: check_writable(options.output))
+    ranks.on_first(lambda: check_writable(options.output, options.specification))
     for text in warned:
         report(f"{setup.scene.name}: warning: {text}")
     key = packing_key(specification, setup) if options.checkpoints else ""

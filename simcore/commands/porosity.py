@@ -31,7 +31,7 @@ def run(options) -> int:
 
     method, cut = "exact" if options.exact else "spheres", length("--cut", options.cut)
     if options.profile is not None:
-        check_writable(options.profile)
+        check_writable(options.profile, options.packing)
     packing = read_packing(options.packing)
     bulk = bulk_porosity(packing, method=method, cut=cut)
     if options.profile is not None:

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from simcore.commands.options import check_writable
+from simcore.commands.options import YAML, check_writable
 
 
 def add(commands) -> None:
@@ -106,10 +106,11 @@ def _of_curve(options, common):
     from simcore.models.size_and_form.predicted_specification import write_specification
 
     if options.pack is not None:
-        check_writable(options.pack)
+        check_writable(options.pack, options.sieve, options.forms, endings=YAML)
     ends = {name: read_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")}
     text = predict_curve_file(options.sieve, options.forms, **ends, **common)
     if options.pack is not None:
         for notice in write_specification(options.pack, options.sieve, options.forms, options.sample, **ends):
             common["notify"](notice)
+        common["notify"](f"{options.pack} is written; `scree pack {options.pack} bed.nc` packs this bed")
     return text

@@ -4,7 +4,7 @@ import re
 import sys
 from pathlib import Path
 
-from simcore.commands.options import check_figure, check_writable
+from simcore.commands.options import YAML, check_figure, check_writable
 
 _DECIMAL_COMMA = re.compile(r"^(\s*(?:0|\d+(?!,\d{3}(?!\d)))),(?=\d)")  # not the comma of 1,000
 
@@ -45,7 +45,7 @@ def run(options) -> int:
     if options.plot is not None:
         check_figure("--plot", options.plot)
     if options.specification is not None:
-        check_writable(options.specification)
+        check_writable(options.specification, options.curve, endings=YAML)
     finest, coarsest = read_size("--finest", options.finest), read_size("--coarsest", options.coarsest)
     table, notices = read_sieve_table(options.curve, coarsest)
     notices += [f"{options.curve}: {notice}" for notice in table.ends_without_effect(finest, coarsest)]
@@ -59,6 +59,9 @@ def run(options) -> int:
         _plot(options, table)
     if specification is not None:
         options.specification.write_text(specification, encoding="utf-8")
+        notices.append(
+            f"{options.specification} is written; `scree pack {options.specification} bed.nc` packs this curve"
+        )
     for notice in [] if options.json else notices:
         print(f"scree sieve: {notice}", file=sys.stderr)
     if options.json:

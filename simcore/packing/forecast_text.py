@@ -96,11 +96,11 @@ def _hull_line(setup, sample):
             f"{INDENT}Each is packed as its convex hull; by how much the hull is larger is not recorded for all grains"
         )
     drawn = sample.shape[sample.shape < len(setup.grains)]
-    added = np.array([ratios[grain.name] for grain in setup.grains])[drawn] - 1.0
+    added = np.maximum(np.array([ratios[grain.name] for grain in setup.grains])[drawn] - 1.0, 0.0)  # no -0.0
     name, largest = max(ratios.items(), key=lambda item: item[1])
     return (
         f"{INDENT}Each is packed as its convex hull, which adds {100 * added.mean():.1f} % to its volume on average "
-        f"and {100 * (largest - 1.0):.1f} % at most ({name})"
+        f"and {100 * max(largest - 1.0, 0.0):.1f} % at most ({name})"
     )
 
 

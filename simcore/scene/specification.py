@@ -81,6 +81,11 @@ def read_specification(path, schema="packing"):
     if not path.is_file():
         raise ValueError(f"{path}: there is no such file; correct the path")
     raw = _read_yaml(path)
+    if schema == "packing" and isinstance(raw, dict) and "studies" in raw:
+        raise ValueError(
+            f"{path} is the file of a campaign, as it has the key `studies`; give the file of one packing, with the "
+            "keys that are under `fixes` there"
+        )
     try:
         return resolve_written(raw if raw is not None else {}, schema)
     except ValueError as error:

@@ -183,6 +183,9 @@ def test_errors_of_a_file_name_the_file(tmp_path):
     path = tmp_path / "mine.yaml"
     with pytest.raises(ValueError, match=r"mine\.yaml: there is no such file"):
         read_specification(path)
+    path.write_text("studies: {mine: {fixes: {amount: {grains: 40}}}}")
+    with pytest.raises(ValueError, match=r"mine\.yaml is the file of a campaign, .* under `fixes` there"):
+        read_specification(path)
     path.write_text("domain: {width: 0.2 m")
     with pytest.raises(ValueError, match=r"mine\.yaml is not valid YAML"):
         read_specification(path)

@@ -17,12 +17,14 @@ from simcore.models.size_and_form.bed_prediction import (
     sensitivity,
     sized_model,
 )
+from simcore.models.size_and_form.candidates import CANDIDATES
 
 NO_MODELS = FittedModels({}, {})
 STATE = "The porosity is that of a bed that is shaken for about a second."
 # From results/reference/size_and_form_known.csv; docs/how_to/predict_from_a_sieve_curve.md compares five sets of beds.
 OTHER_BEDS = (
-    "Measured gravels, and beds that are made in another way, may differ by up to 0.03: most are outside the interval."
+    "Measured gravels, and beds that are made in another way, differ from it by up to 0.03, and most are outside the "
+    "interval."
 )
 # The rule is in docs/appendices/size_and_form_plan.md, the beds in results/reference/form_by_size.csv.
 CHECK_BY_CLASS = "On two packed beds, forms by sieve class erred less than the form of all grains together."
@@ -78,7 +80,7 @@ def describe(beds, table, forms=None, level=0.95, fitted=NO_MODELS) -> str:
         lines += _describe_curve(beds[0], table[table["refused"] == ""].iloc[0], fitted)
     lines += [
         "",
-        f"Model of size and form: candidate {model.candidate}; {model.behind}",
+        f"Model of size and form: {CANDIDATES[model.candidate].title} ({model.candidate} of the plan); {model.behind}",
         *([CHECK_BY_CLASS] if beds[0].by_class else []),
         *([f"Correction: {fitted.curve.behind}"] if fitted.curve else []),
     ]
