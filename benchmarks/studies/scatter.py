@@ -38,16 +38,21 @@ STUDIES = {
     ", preset wide": {"random": "wide_both_random", "quota": "wide_both"},
 }
 SPHERES = "wide_spheres.csv"  # contains both draws
+# First seed whose stated error was evaluated after the last correction of simcore.evaluation.sampling_error. The polyhedra
+# of U5 were all evaluated before it.
+CORRECTED_FROM = {"B50, preset wide": 4}
 
 
-def scatter(rows: pd.DataFrame) -> dict:
+def scatter(rows: pd.DataFrame, corrected_from=None) -> dict:
     """Return the scatter of the packings of one sieve curve and draw as a dict.
 
-    rows: columns n and n_error, one row per seed, at least two.
+    rows: columns n and n_error, one row per seed, at least two. corrected_from: first seed whose stated error counts, by
+    the column seed; None: all count.
     """
+    errors = rows["n_error"] if corrected_from is None else rows["n_error"][rows["seed"] >= corrected_from]
     n, freedom = rows["n"].to_numpy(), len(rows) - 1
     low, high = chi2.ppf([0.5 * (1 - CONFIDENCE), 0.5 * (1 + CONFIDENCE)], freedom)
-    variance, stated = n.var(ddof=1), np.mean(rows["n_error"] ** 2)
+    variance, stated = n.var(ddof=1), np.mean(errors**2)
     return {
         "seeds": len(rows),
         "n": n.mean(),
@@ -79,7 +84,7 @@ def read_tables(folder=REFERENCE) -> dict:
 def scatter_table(tables: dict) -> pd.DataFrame:
     """Return one row per sieve curve and draw with two packings or more; tables: DataFrame of rows by draw."""
     rows = [
-        {"case": case, "draw": draw, **scatter(group)}
+        {"case": case, "draw": draw, **scatter(group, CORRECTED_FROM.get(case))}
         for draw, table in tables.items()
         for case, group in table.groupby("case", sort=False)
         if len(group) > 1

@@ -6,23 +6,26 @@ left blocks minus right blocks. Its weighted mean has the same variance as the m
 correlation length. The contrasts used are the eigenmodes of the domain: waves in the periodic box, Bessel modes in the
 cylinder, cosines along z. They have two advantages over sharp blocks: a grain that is cut by the border of a block does
 not count as scatter, and no correction for correlated neighbouring blocks is needed, because the modes are orthogonal.
+The modes are integrated over the grains as they are (simcore.evaluation.grain_points). Spheres of equal volume would
+not do in a wide sieve curve: fine grains fill the space beside a flat or long one, and not that beside a sphere.
 
 By the symmetry of the domain, modes that vary horizontally have the expected value zero for any profile along height
 and radius, so that floor, wall and compaction with depth have no influence. In the periodic box, whose floor and
 surface are cut away, modes that vary only with height are used as well, except the first, because a linear change of
 porosity with depth would contribute to it.
 
-Blocks with more coarse grains are denser. If sizes are drawn at random, the whole bed varies likewise. If they are
-drawn by quota, every bed has the same grain sizes, so that only the exchange of sizes between its evaluated part and
-the rest varies. The part of a contrast that the sizes of the grains explain, by linear regression on the logarithm of
-the sieve size, then counts with the share of the bed that is not evaluated.
+Blocks with more coarse grains are denser. The part of the contrasts that the sizes explain, by linear regression on the
+logarithm of the sieve size, is therefore replaced by what sizes do to the whole evaluated part. It exchanges grains
+with the rest of the bed as blocks do with each other; this counts with the share of the bed that is not evaluated. If
+sizes are drawn at random, those of the whole bed vary too, independently from grain to grain. By quota they do not.
 """
 
 import json
 
 import numpy as np
-from scipy.special import jnp_zeros, jv, spherical_jn
+from scipy.special import jnp_zeros, jv
 
+from simcore.evaluation.grain_points import grain_points
 from simcore.evaluation.slicing import slab_volumes
 from simcore.grains.form import equal_volume_diameter
 from simcore.scene.domain import Domain
@@ -46,39 +49,34 @@ def sampling_error(packing, z_lower, z_upper, method="spheres"):
     height = z_upper - z_lower
     area = Domain(shape, width, height).area
     inside = slab_volumes(packing, [z_lower, z_upper], method, per_grain=True)[:, 0]
-    diameter = equal_volume_diameter(packing["volume"].values)
-    block = BLOCK_DIAMETERS * np.average(diameter, weights=inside)
+    volume = packing["volume"].values
+    block = BLOCK_DIAMETERS * np.average(equal_volume_diameter(volume), weights=inside)
     modes = _choose_modes(_all_modes(shape, width, height, np.pi / block), np.pi / block)
 
-    n_layers = max(1, int(np.ceil(4.0 * height / block)))
-    edges = np.linspace(z_lower, z_upper, n_layers + 1)
-    volumes = slab_volumes(packing, edges, method, per_grain=True)
-    phase = (0.5 * (edges[1:] + edges[:-1]) - z_lower) / height
-    x, y = packing["position"].values[:, :2].T
+    points = grain_points(packing, z_lower, z_upper, modes[-1][0])
     log_size = np.log2(packing["D"].values)
-    log_size = log_size - np.average(log_size, weights=inside)
-    contrasts, of_size, wave_numbers = [], [], []
-    for wave_number, horizontal, vertical in modes:
-        k = _wave_number(shape, width, horizontal)
-        ball = _ball_average(0.5 * k * diameter)
-        along_z = volumes @ (np.sqrt(2.0) * np.cos(np.pi * vertical * phase)) if vertical else inside
+    volume_times_size = points.volume * (log_size - np.average(log_size, weights=inside))[points.grain]
+    x, y, z = points.position.T
+    phase = np.pi * (z - z_lower) / height
+    contrasts, of_size = [], []
+    for _, horizontal, vertical in modes:
+        along_z = np.sqrt(2.0) * np.cos(vertical * phase) if vertical else 1.0
         for values in _mode_values(shape, width, horizontal, x, y):
-            volumes_in_mode = values * ball * along_z
-            contrasts.append(np.sum(volumes_in_mode))
-            of_size.append(np.sum(volumes_in_mode * log_size))
-            wave_numbers.append(wave_number)
-    square = np.mean(np.square(contrasts))
-    if _draws_by_quota(packing):
-        left = _not_explained(np.array(contrasts), np.array(of_size))
-        evaluated = inside.sum() / packing["volume"].values.sum()
-        square = left + (1.0 - evaluated) * max(square - left, 0.0)
+            contrasts.append((values * along_z) @ points.volume)
+            of_size.append((values * along_z) @ volume_times_size)
+    evaluated = inside.sum() / volume.sum()
+    left, by_exchange, slope = _divided(np.array(contrasts), np.array(of_size))
+    square = left + (1.0 - evaluated) * by_exchange
+    if not _draws_by_quota(packing):
+        of_bed = volume * (log_size - np.average(log_size, weights=volume))
+        square += (slope * evaluated) ** 2 * (of_bed @ of_bed)
     variance = square / (area * height) ** 2
     solid_fraction = inside.sum() / (area * height)
     integral_range = variance * area * height / (solid_fraction * (1.0 - solid_fraction))
     return {
         "n_std_error": float(np.sqrt(variance)),
         "n_contrasts": len(contrasts),
-        "block_size": float(np.pi / max(wave_numbers)),
+        "block_size": float(np.pi / modes[-1][0]),
         "correlation_length": float(np.cbrt(integral_range)),
     }
 
@@ -89,12 +87,15 @@ def _draws_by_quota(packing):
     return scene.get("sizes", {}).get("draw") == "quota"
 
 
-def _not_explained(contrasts, of_size):
-    """Return the mean square of the contrasts (m,) that is left after regression on the contrasts of size (m,)."""
+def _divided(contrasts, of_size):
+    """Divide the mean square of contrasts (m,) by regression on the contrasts of size (m,).
+
+    Returns (part that sizes do not explain, part that they explain, slope of the regression).
+    """
     scale = of_size @ of_size
     slope = of_size @ contrasts / scale if scale > 0.0 else 0.0
     left = contrasts - slope * of_size
-    return left @ left / (len(left) - (1 if scale > 0.0 else 0))
+    return left @ left / (len(left) - (1 if scale > 0.0 else 0)), slope**2 * scale / len(of_size), slope
 
 
 def _all_modes(shape, width, height, k_max):
@@ -133,12 +134,6 @@ def _choose_modes(modes, k_max):
     return chosen
 
 
-def _ball_average(kr):
-    """Return the mean of an eigenmode of wave number k over a ball of radius r, divided by its value at the centre."""
-    kr = np.maximum(kr, 1e-9)  # for the constant mode the result is 1
-    return 3.0 * spherical_jn(1, kr) / kr
-
-
 def _wave_number(shape, width, mode):
     """Return the horizontal wave number of a mode [1/m]."""
     if shape == "periodic":
@@ -147,7 +142,7 @@ def _wave_number(shape, width, mode):
 
 
 def _mode_values(shape, width, mode, x, y):
-    """Return the even and the odd form of a mode at the grains' centres, (2, n); (1, n) for the constant mode.
+    """Return the even and the odd form of a mode at n points, (2, n); (1, n) for the constant mode.
 
     Their mean square over the area of the domain is one.
     """

@@ -22,6 +22,13 @@ def test_the_scatter_of_three_seeds():
     assert result["std_upper"] == pytest.approx(0.01 * np.sqrt(2 / result["chi2_lower"]))
 
 
+def test_stated_errors_count_from_the_seed_of_their_correction_on():
+    before = rows([0.30, 0.31, 0.32], error=[0.05, 0.01, 0.01]).assign(seed=[3, 4, 5])
+    after, all_seeds = scatter(before, corrected_from=4), scatter(before)
+    assert after["stated"] == pytest.approx(0.01) and all_seeds["stated"] == pytest.approx(0.03)
+    assert after["std"] == all_seeds["std"] and after["chi2"] == pytest.approx(2.0)
+
+
 def test_confidence_limits_contain_the_true_scatter_in_95_of_100():
     rng = np.random.default_rng(3)
     inside = agrees = 0
@@ -58,7 +65,7 @@ def test_packings_with_other_settings_are_a_curve_of_their_own(tmp_path):
         ("wide_both_random", [0.30, 0.32]),
         ("wide_both", [0.30, 0.31]),
     ):
-        rows(n, case="B50").to_csv(tmp_path / f"{study}.csv", index=False)
+        rows(n, case="B50").assign(seed=[4, 5]).to_csv(tmp_path / f"{study}.csv", index=False)
     table = scatter_table(read_tables(tmp_path)).set_index(["case", "draw"])
     assert table.loc[("B50, preset wide", "quota"), "variance_ratio"] == pytest.approx(0.25)
     assert table["variance_ratio"].count() == 1 and len(table) == 3

@@ -5,7 +5,9 @@ import json
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
+from simcore.evaluation.grain_points import half_axes_of
 from simcore.evaluation.sampling_error import sampling_error
 from simcore.evaluation.slicing import slab_volumes
 from tests.helpers.packings import make_packing
@@ -110,20 +112,17 @@ def test_blocks_are_thicker_than_the_correlation_length():
 
 
 def bed_of_cells(seed, draw):
-    """Return a bed of 8 x 8 x 12 cells of volume 1, each with one large sphere or eight small ones, in random order.
+    """Return a bed of 8 x 8 x 12 cells of volume 1, each with one large or one small sphere, in random order.
 
-    By quota half of the cells have large spheres; at random each cell has one with probability 1/2.
+    By quota half of the spheres are large; at random each one is with probability 1/2.
     """
     rng = np.random.default_rng(seed)
     shape = (8, 8, 12)
     number = int(np.prod(shape))
     large = rng.permutation(number) < number // 2 if draw == "quota" else rng.uniform(size=number) < 0.5
     corner = np.stack(np.unravel_index(np.arange(number), shape), axis=1).astype(float)
-    eighths = np.stack(np.meshgrid(*3 * [[0.25, 0.75]], indexing="ij"), axis=-1).reshape(-1, 3)
-    small = (corner[~large][:, None] + eighths).reshape(-1, 3)
-    radius = np.concatenate([np.full(large.sum(), 0.48), np.full(len(small), 0.2)])
     scene = json.dumps({"sizes": {"draw": draw}})
-    return make_packing(np.vstack([corner[large] + 0.5, small]), radius, width=8.0, scene=scene)
+    return make_packing(corner + 0.5, np.where(large, 0.48, 0.4), width=8.0, scene=scene)
 
 
 @pytest.mark.parametrize("draw", ["quota", "random"])
@@ -141,3 +140,52 @@ def test_error_agrees_with_the_scatter_of_beds_that_differ_in_the_order_of_sizes
     assert error == pytest.approx(np.std(fractions, ddof=1), rel=3 / np.sqrt(2 * 59))
     cell = (4 / 3 * np.pi * (0.48**3 - 8 * 0.2**3)) / 2  # standard deviation of the solid volume of a cell
     assert error == pytest.approx(cell / np.sqrt(64 * 6) * np.sqrt(0.5 if draw == "quota" else 1.0), rel=0.1)
+
+
+def bed_of_flat_stones(seed):
+    """Return flat ellipsoids at random places in a matrix of small spheres, of the same solid fraction everywhere.
+
+    The stones have as much solid as the spheres that they displace.
+    """
+    rng = np.random.default_rng(seed)
+    width, height, pitch, radius, half_axes = 6.0, 9.0, 0.3, 0.15, np.array([0.35, 1.0, 1.0])
+    centres = np.empty((0, 3))
+    while len(centres) < 20:
+        centre = rng.uniform(0.0, 1.0, 3) * [width, width, height]
+        gaps = centres - centre
+        gaps[:, :2] -= width * np.round(gaps[:, :2] / width)
+        if (np.linalg.norm(gaps, axis=1) > 2.0).all():
+            centres = np.vstack([centres, centre])
+    turn = Rotation.random(20, rng=rng)
+    axis = np.arange(0.5 * pitch, height, pitch)
+    matrix = np.stack(np.meshgrid(axis[axis < width], axis[axis < width], axis, indexing="ij"), axis=-1).reshape(-1, 3)
+    free = np.ones(len(matrix), bool)
+    for centre, rotation in zip(centres, turn, strict=True):
+        gaps = matrix - centre
+        gaps[:, :2] -= width * np.round(gaps[:, :2] / width)
+        free &= ((rotation.inv().apply(gaps) / half_axes) ** 2).sum(axis=1) > 1.0
+    scale = np.vstack([np.tile(half_axes, (20, 1)), np.full((np.count_nonzero(free), 3), radius)])
+    upright = np.tile([1.0, 0.0, 0.0, 0.0], (np.count_nonzero(free), 1))
+    orientation = np.vstack([turn.as_quat(scalar_first=True), upright])
+    bed = make_packing(np.vstack([centres, matrix[free]]), scale, orientation, width=width)
+    volume = bed["volume"].values
+    volume[:20] *= 4.0 / 3.0 * np.pi * (radius / pitch) ** 3
+    return bed.assign(volume=("grain", volume))
+
+
+def test_flat_stones_in_a_uniform_bed_are_no_scatter(monkeypatch):
+    """Spheres of equal volume would leave empty places beside the stones, and double the stated error."""
+
+    def squares():
+        return [sampling_error(bed_of_flat_stones(seed), 1.5, 7.5, "exact")["n_std_error"] ** 2 for seed in range(3)]
+
+    error = np.sqrt(np.mean(squares()))
+    equal_volume = np.array([0.35, 1.0, 1.0]).prod() ** (1 / 3)
+    axes = half_axes_of(bed_of_flat_stones(0))
+    assert axes.max() == 1.0 and axes.min() == 0.15
+    monkeypatch.setattr(
+        "simcore.evaluation.grain_points.half_axes_of",
+        lambda bed: np.where(half_axes_of(bed).max(axis=1)[:, None] == 1.0, equal_volume, half_axes_of(bed)),
+    )
+    assert error < 0.5 * np.sqrt(np.mean(squares()))
+    assert error < 0.001
