@@ -38,16 +38,16 @@ STUDIES = {
     ", preset wide": {"random": "wide_both_random", "quota": "wide_both"},
 }
 SPHERES = "wide_spheres.csv"  # contains both draws
-# First seed whose stated error was evaluated after the last correction of simcore.evaluation.sampling_error. The polyhedra
-# of U5 were all evaluated before it.
+# First seed whose stated error was evaluated after the last correction of simcore.evaluation.sampling_error. All beds of
+# polyhedra of U5 were evaluated before it.
 CORRECTED_FROM = {"B50, preset wide": 4}
 
 
 def scatter(rows: pd.DataFrame, corrected_from=None) -> dict:
     """Return the scatter of the packings of one sieve curve and draw as a dict.
 
-    rows: columns n and n_error, one row per seed, at least two. corrected_from: first seed whose stated error counts, by
-    the column seed; None: all count.
+    rows: columns n and n_error, one row per seed, at least two. corrected_from: first seed, in the column seed, whose
+    stated error counts; None: all count.
     """
     errors = rows["n_error"] if corrected_from is None else rows["n_error"][rows["seed"] >= corrected_from]
     n, freedom = rows["n"].to_numpy(), len(rows) - 1
