@@ -38,8 +38,8 @@ STUDIES = {
     ", preset wide": {"random": "wide_both_random", "quota": "wide_both"},
 }
 SPHERES = "wide_spheres.csv"  # contains both draws
-# First seed whose stated error was evaluated after the last correction of simcore.evaluation.sampling_error. All beds of U5
-# that are not of spheres were evaluated before it.
+# First seed whose stated error was evaluated after the last correction of simcore.evaluation.sampling_error. The
+# errors of all polyhedra of U5 are older.
 CORRECTED_FROM = {"B50, preset wide": 4}
 
 
