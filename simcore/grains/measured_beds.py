@@ -11,15 +11,18 @@ one form, or L, I, S of one form), and:
 
 import re
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 from simcore.grains.cell_numbers import read_number
 from simcore.grains.form_columns import SAMPLE, sample_position
+from simcore.grains.form_notices import SHOWN
 from simcore.grains.measured_forms import Sample, samples_of_table
 from simcore.grains.row_errors import read_each
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_table import read_curve
 from simcore.grains.table_file import read_table
+from simcore.grains.text_lists import join_first
 
 _PERCENT = r"(?:[\s_,]*[\[(]?\s*(?:%|percent|per cent)\s*[\])]?)"
 _FRACTION = r"(?:\s*[\[(]\s*[-–1]?\s*[\])])?"
@@ -95,8 +98,8 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
     path: a text file or a workbook, see simcore.grains.table_file. case: sieve curve of all beds, for a table without
     the columns case and sieve. sieve: path of the sieve curve of all beds instead. default: the case if neither these
     columns nor case nor sieve are given. curves: CurveReader. column: name of the column with the names of the beds;
-    with None it is "sample", if there is such a column. Rows of one name are repeats with the same form. ValueError
-    names the file, the row as a spreadsheet counts it, and the remedy.
+    with None it is "sample", "Probe", "bed" or "Bett", if there is such a column. Rows of one name are repeats with the
+    same form. ValueError names the file, the row as a spreadsheet counts it, and the remedy.
     """
     table = read_table(path)
     if not table.header or table.cells.empty:
@@ -129,6 +132,8 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
         notices += of_all[1]
     curves.check_ends()
     _check_repeats(table.path, beds, rows, given)
+    if sample_position(table.path, table.header, column) is None:
+        _check_grains(table.path, beds, rows)
     if percent and all(bed.n < 0.01 for bed in beds):
         raise ValueError(
             f"{table.path}: the header of n has %, but all porosities are below 1 %; remove % if they are fractions"
@@ -205,6 +210,22 @@ def _check_repeats(path, beds, rows, given):
                 "form, but each row is one bed. Rename one; if the rows are grains of one bed, give their means and "
                 "deviations in one row instead"
             )
+
+
+def _check_grains(path, beds, rows):
+    """Raise a ValueError if most rows have the porosity of the row above, but another form, as the grains of a bed."""
+    same_bed = [
+        rows[bed.sample.name]
+        for above, bed in pairwise(beds)
+        if (above.n, str(above.n_error), above.case) == (bed.n, str(bed.n_error), bed.case)
+        and replace(above.sample, name="") != replace(bed.sample, name="")
+    ]
+    if 2 * len(same_bed) > len(beds) and all(bed.sample.one_form for bed in beds):
+        raise ValueError(
+            f"{path}: rows {join_first([str(row) for row in same_bed], SHOWN)} have the porosity of the row above, but "
+            "another form. A row is one bed, not one grain: give the means and deviations of the grains of a bed in "
+            "one row (mean_FL, std_FL, mean_EL, std_EL). If each row is a bed, name the beds in a column sample"
+        )
 
 
 def _read_porosity(where, texts, positions, percent):

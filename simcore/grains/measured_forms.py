@@ -9,8 +9,9 @@ The columns determine the meaning of a row:
 
 Exports of G3Point and PebbleCounts are such tables: of three axes (Dmax, Dmed, Dmin) and of two (a, b).
 
-The column `sample`, or another column that the caller names, gives the sample of each row. A column of counts (count,
-n, number, ...) gives the number of grains that a row represents, or of which means and deviations are.
+The column `sample` (or `Probe`, `bed`, `Bett`), or another that the caller names, gives the sample of each row. A
+column of counts (count, n, number, ...) gives the number of grains that a row represents, or of which means and
+deviations are.
 """
 
 import logging
@@ -84,9 +85,9 @@ def read_measured(path, column=None):
     """Read a table and return (samples, notices): a list of Sample in the order of the rows, and a list of sentences.
 
     path: a text file or an Excel workbook, see simcore.grains.table_file. column: name of the column with the name of
-    the sample; with None it is "sample", if there is such a column. Numbers may have a decimal comma.
-    Rows that summarise others, such as Mean or Total, and columns that are not needed are left out, with a notice.
-    ValueError names the file, the row as a spreadsheet counts it, and the remedy.
+    the sample; with None it is "sample", "Probe", "bed" or "Bett", if there is such a column. Numbers may have a
+    decimal comma. Rows that summarise others, such as Mean or Total, and columns that are not needed are left out, with
+    a notice. ValueError names the file, the row as a spreadsheet counts it, and the remedy.
     """
     return samples_of_table(_read_table(path), column)
 

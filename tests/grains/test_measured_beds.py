@@ -58,6 +58,44 @@ def test_rows_of_one_name_are_repeats_or_refused(read):
         read("sample,FL,EL,n\nA,0.5,0.7,0.36\nB,0.5,0.7,0.36\nA,0.6,0.7,0.36\n", "U1")
 
 
+@pytest.mark.parametrize("name", ["bed", "Bett", "Probe", "SAMPLE"])
+def test_the_column_of_names_has_several_names(read, name):
+    beds, notices = read(f"{name},FL,EL,n\nA,0.5,0.7,0.36\nB,0.5,0.7,0.37\n", "U1")
+    assert [bed.sample.name for bed in beds] == ["A", "B"] and notices == []
+    with pytest.raises(ValueError, match="row 3: 1 is also the name of row 2, .*; if the rows are grains of one bed"):
+        read(f"{name},n,L,I,S\n1,0.350,9.5,7.2,5.1\n1,0.350,11,8.1,4.9\n2,0.365,9.5,7.2,3.1\n", "U1")
+
+
+def test_the_column_sample_counts_before_others(read):
+    beds, notices = read("bed,Probe,sample,FL,EL,n\nA,x,C,0.5,0.7,0.36\n", "U1")
+    assert beds[0].sample.name == "C" and notices[0].endswith("columns that are not used: bed, Probe")
+
+
+@pytest.mark.parametrize(
+    ("rows", "refused"),
+    [
+        ([(0.35, 0.5), (0.35, 0.6), (0.35, 0.7)], "rows 3, 4"),
+        ([(0.35, 0.5), (0.35, 0.6), (0.35, 0.7), (0.365, 0.4), (0.365, 0.5), (0.365, 0.6)], "rows 3, 4, 6, 7"),
+        ([(0.35, 0.5), (0.35, 0.6)], ""),
+        ([(0.36, 0.5), (0.36, 0.6), (0.38, 0.7)], ""),
+        ([(n, FL) for n in (0.34, 0.35, 0.36, 0.38) for FL in (0.5, 0.6)], ""),
+        ([(0.35, 0.5)] * 3, ""),
+    ],
+)
+def test_a_row_per_grain_is_refused(read, rows, refused):
+    """Beds whose rounded porosities are sometimes equal, repeats, and beds with names are read."""
+    text = "".join(f"{FL},0.7,{n}\n" for n, FL in rows)
+    if refused:
+        with pytest.raises(ValueError, match=f"{refused} have the porosity of the row above, but another form. A row "):
+            read(f"FL,EL,n\n{text}", "U1")
+    else:
+        assert len(read(f"FL,EL,n\n{text}", "U1")[0]) == len(rows)
+    named = "".join(f"{i},{FL},0.7,{n}\n" for i, (n, FL) in enumerate(rows))
+    assert len(read(f"sample,FL,EL,n\n{named}", "U1")[0]) == len(rows)
+    errors = "".join(f"{FL},0.7,{n},0.00{i + 1}\n" for i, (n, FL) in enumerate(rows))
+    assert len(read(f"FL,EL,n,n_error\n{errors}", "U1")[0]) == len(rows)
+
+
 @pytest.mark.parametrize(
     ("text", "case", "message"),
     [

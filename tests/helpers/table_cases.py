@@ -431,6 +431,13 @@ GRAINS = [
         "FL;EL\n0.06;0.7\n",
         notice="row 2: S/I or I/L is 0.1 or less, which is rare for gravel; check the decimal marks",
     ),
+    Case(
+        "Probe;bed;L;I;S\nA;1;14;10;4\nB;1;13;10;6\n", notice="the samples A, B have one row each, so that all grains"
+    ),
+    Case(
+        "BETT;L;I;S\nA;14;10;4\n;13;10;6\n",
+        error="row 3: BETT is empty; name the sample in every row (merged cells of a workbook count as empty)",
+    ),
     Case("month;L;I;S\n3/2021;14;10;4\n4/2021;13;10;6\n", notice="columns that are not used: month"),
     Case("date;L;I;S\n2021-03;14;10;4\n2021-03;13;10;6\n", notice="columns that are not used: date"),
     Case("Klasse;L;I;S\n8-16;14;10;4\n", notice="columns that are not used: Klasse"),
