@@ -369,6 +369,19 @@ GRAINS = [
         notice="row 7 has the means of the rows above of the same sample; if this is no grain, remove it, and other "
         "statistics below it",
     ),
+    *[
+        Case(
+            f"{above}\n;a;b;c\n{rows}",
+            error=f"column 1 has values but no name in row {row}, which has the names of the other columns; write its "
+            f"name there ({remedy})",
+        )
+        for above, rows, row, remedy in [
+            ("site;axes [mm]", "A;4;3;2\nA;5;4;3\nB;4;3;1\n", 2, "row 1 has site"),
+            ("Isar, 12.03.2021\nSample;axes", "A;4;3;2\n;5;4;3\nB;4;3;1\n", 3, "row 2 has Sample"),
+        ]
+    ],
+    # The column with the numbers of the rows needs no name.
+    Case("Isar\n;a;b;c\n1;4;3;2\n2;5;4;3\n3;4;3;1\n", notice="columns that are not used: (column 1, no name)"),
     Case("L;I;S\nmm;mm;mm\n40;30;10\n", notice="row 2 has the units of the columns"),
     Case(
         "sample;L;I;S\nunit;[cm];[cm];[mm]\nA;4;3;10\n",
