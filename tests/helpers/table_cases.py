@@ -405,18 +405,26 @@ GRAINS = [
             ("n", "0.31", "0.33", "the column n is not used, because 0.31 in row 2 is no number of grains"),
             ("count", "40", "", "the column count is not used, because row 3 has no number of grains"),
             ("n", "1", "2", "the column n numbers the rows, so it is not used as a number of grains"),
+            ("grains", "1", "2", "the column grains numbers the rows, so it is not used as a number of grains"),
+            ("grains", "40", "41", "the column grains is the number of grains of each sample"),
         ]
     ],
     *[
-        Case("n;FL;EL\n" + "".join(f"{number};0.5;0.{7 + i % 2}\n" for i, number in enumerate(numbers)), notice=notice)
+        Case(
+            f"{name};FL;EL\n" + "".join(f"{number};0.5;0.{7 + i % 2}\n" for i, number in enumerate(numbers)), "", notice
+        )
+        for name in ("n", "count")
         for numbers, notice in [
-            ((3, 1, 2, 6, 4, 5), "the column n numbers the rows, so it is not used as a number of grains"),
-            ((1, 2, 3, 4, 1, 2), "the column n numbers the rows, so it is not used as a number of grains"),
-            ((1, 2, 1, 2, 1, 2), "the column n is the number of grains of each row, 9 in all"),
-            ((2, 3, 4, 2, 3, 4), "the column n is the number of grains of each row, 18 in all"),
-            ((2, 1, 3), "the column n is the number of grains of each row, 6 in all"),
+            ((3, 1, 2, 6, 4, 5), f"the column {name} numbers the rows, so it is not used as a number of grains"),
+            ((1, 2, 3, 4, 1, 2), f"the column {name} numbers the rows, so it is not used as a number of grains"),
+            ((1, 2, 1, 2, 1, 2), f"the column {name} is the number of grains of each row, 9 in all"),
+            ((2, 3, 4, 2, 3, 4), f"the column {name} is the number of grains of each row, 18 in all"),
+            ((2, 1, 3), f"the column {name} is the number of grains of each row, 6 in all"),
         ]
     ],
+    Case(
+        "count;FL;EL\n0;.5;.7\n1;.5;.8\n2;.5;.7\n", notice="the column count is the number of grains of each row, 3 in"
+    ),
     Case(
         "sample;a [cm];b [cm];c [cm]\nleft;4;3;2\nright;4;3;1\nboth;4;3;1\nboth;4;2;1\n",
         notice="the samples left, right have one row each, so that all grains have one form; if the row is a mean over "

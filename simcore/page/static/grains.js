@@ -152,7 +152,7 @@ const Grains = (() => {
     return [{ weights, whole: true }, [notice]];
   }
 
-  const numbersRows = (title, values) => Columns.mayNumberRows(title) && areNumbers(values);
+  const numbersRows = (title, values) => (Columns.mayNumberRows(title) || (values.includes(1) && !values.includes(0))) && areNumbers(values);
 
   // Whether values rise by 1 from row to row; or are 1 to N in any order, or 1, 2, 3, ... anew for each sample, if there
   // are so many that numbers of grains would hardly be so by chance.
