@@ -3,7 +3,7 @@
 A row has the form of its grains, as in simcore.grains.measured_forms (mean_FL, std_FL, mean_EL, std_EL, or FL, EL of
 one form, or L, I, S of one form), and:
 
-    n           measured porosity, a fraction, or per cent if the header has %; also under the name porosity
+    n           measured porosity, a fraction, or per cent if the header has %; also named porosity, Porosität
     n_error     standard error of the measured porosity in the same unit, optional
     case        sieve curve of the bed, such as U1 or one-class, optional
     sieve       file with the table of the bed's sieve curve, beside this table, or the name of a listed curve, optional
@@ -26,13 +26,15 @@ from simcore.grains.text_lists import join_first
 
 _PERCENT = r"(?:[\s_,]*[\[(]?\s*(?:%|percent|per cent)\s*[\])]?)"
 _FRACTION = r"(?:\s*[\[(]\s*[-–1]?\s*[\])])?"
+_POROSITY = r"(?:n|porosity|porosit(?:ä|ae)t)"
 _COLUMNS = {
-    "n": r"(?:n|porosity)(?:[\s_]+measured)?",
-    "n_error": r"(?:n|porosity)[\s_]+(?:(?:std|standard)[\s_]+)?(?:error|uncertainty)",
+    "n": rf"{_POROSITY}(?:[\s_]+measured)?",
+    "n_error": rf"{_POROSITY}[\s_]+(?:(?:std|standard)[\s_]+)?(?:error|uncertainty)",
     "case": r"case",
-    "sieve": r"(?:sieve|sieves|sieve[\s_]+curve|curve)(?:[\s_]+file)?",
+    "sieve": r"(?:sieve|sieves|sieve[\s_]+curve|curve|siebkurve)(?:[\s_]+file)?",
 }
 SIEVE_NAME = re.compile(_COLUMNS["sieve"], re.IGNORECASE)  # of the column with the sieve curve of each bed or sample
+MAX_ERROR = 0.05  # maximum of n_error as a fraction; a larger one is probably in percentage points
 _MEANINGS = {"n": "the porosity", "n_error": "the error of n", "case": "the sieve curve", "sieve": "the sieve curve"}
 NEEDED = (
     "give a row per bed with the column n, its measured porosity, and the form of its grains: mean_FL, std_FL, "
@@ -241,6 +243,12 @@ def _read_porosity(where, texts, positions, percent):
     if not text:
         return n / scale, float("nan")
     n_error = read_number(where, "n_error", text)
+    if not percent and n_error > MAX_ERROR:
+        in_percent = f"; if {n_error:g} is in percentage points, write {n_error / 100:g}" if n_error < 5.0 else ""
+        raise ValueError(
+            f"{where}: n_error = {n_error:g} is above {MAX_ERROR:g}, but n is a fraction{in_percent}; if it is "
+            "unknown, leave it empty"
+        )
     if not 0 <= n_error < scale:
         raise ValueError(f"{where}: n_error = {n_error:g}{unit} is not between 0 and {scale:g}{unit}; correct it")
     return n / scale, n_error / scale

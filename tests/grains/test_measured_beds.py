@@ -36,6 +36,8 @@ def test_forms_of_one_grain_and_percent_are_the_same_bed(read):
         assert (a.n, a.n_error) == (pytest.approx(b.n), pytest.approx(b.n_error))
         assert a.sample.name == b.sample.name and a.case == "U1"
     assert [bed.sample.name for bed in axes] == ["row 2", "row 3"]
+    german, _ = read("Länge;Breite;Höhe;Porosität [%];Porosität error [%]\n40;28;14;36,5;6\n", "U1")
+    assert (german[0].n, german[0].n_error) == (pytest.approx(0.365), pytest.approx(0.06))
     without, _ = read("FL,EL,n\n0.5,0.7,0.365\n", "one-class")
     assert math.isnan(without[0].n_error) and without[0].case == "one-class"
     some, _ = read("FL,EL,n,n_error\n0.5,0.7,0.365,\n0.5,0.7,0.36,0.004\n", "one-class")
@@ -111,6 +113,17 @@ def test_a_row_per_grain_is_refused(read, rows, refused):
         ("FL,EL,n [%]\n0.5,0.7,120\n", "U1", "row 2: n = 120 % is not between 0 and 100 %; correct it"),
         ("FL,EL,n [%]\n0.5,0.7,0.36\n", "U1", "all porosities are below 1 %; remove % if they are fractions"),
         ("FL,EL,n,n_error\n0.5,0.7,0.36,-1\n", "U1", "row 2: n_error = -1 is not between 0 and 1"),
+        (
+            "FL,EL,n,n_error\n0.5,0.7,0.36,0.05\n0.5,0.7,0.36,0.3\n",
+            "U1",
+            "row 3: n_error = 0.3 is above 0.05, but n is a fraction; if 0.3 is in percentage points, write 0.003; if",
+        ),
+        (
+            "FL,EL,n,n_error\n0.5,0.7,0.36,30\n",
+            "U1",
+            "row 2: n_error = 30 is above 0.05, but n is a fraction; if it is",
+        ),
+        ("FL,EL,n [%],n_error [%]\n0.5,0.7,36,100\n", "U1", "row 2: n_error = 100 % is not between 0 and 100 %"),
         ("FL,EL,n\n0.5,0.7,\n", "U1", "row 2: n is empty; give the porosity, or remove the row"),
         ("FL,EL,n [%],n_error\n0.5,0.7,36,0.4\n", "U1", r"columns n \[%\] and n_error is in %, the other is not"),
         (

@@ -131,6 +131,8 @@ def test_a_curve_is_given_once_in_any_way(write, tmp_path, monkeypatch):
 
 def test_any_column_names_the_samples(write, tmp_path):
     """Another column `sample` is then left out. The one sample of a table is packed without the empty classes of U5."""
+    german = write("Probe,Siebkurve,FL,EL", "x,U7,0.6,0.7", "x,U7,0.7,0.8", "y,U5,0.6,0.7")
+    assert simcore.predict(german)["sample"].tolist() == ["x", "y"]
     path = write("site,sample,sieve,FL,EL", "x,1,U7,0.6,0.7", "x,2,U7,0.7,0.8", "y,1,U5,0.6,0.7")
     table = simcore.predict(path, column="site")
     assert table["sample"].tolist() == ["x", "y"] and table["grains"].tolist() == [2, 1]
