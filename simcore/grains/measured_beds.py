@@ -10,7 +10,7 @@ one form, or L, I, S of one form), and:
 """
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -47,7 +47,8 @@ class MeasuredBed:
     """A bed of measured porosity n.
 
     sample: Sample with the form of its grains. n_error: standard error of n, nan if unknown. case: name of the sieve
-    curve. curve: SieveCurve, or None if only the name of a case is given.
+    curve. curve: SieveCurve, or None if only the name of a case is given. where: file and row. in_percent: whether the
+    table has porosities in per cent.
     """
 
     sample: Sample
@@ -55,6 +56,8 @@ class MeasuredBed:
     n_error: float
     case: str
     curve: SieveCurve | None = None
+    where: str = field(default="", compare=False)
+    in_percent: bool = field(default=False, compare=False)
 
 
 class CurveReader:
@@ -124,7 +127,7 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
         if of_all is None and "sieve" in positions and not of_bed:
             of_bed = texts[positions["sieve"]]
             curve, more = curves.read(where, of_bed, Path(table.path).parent)
-        return MeasuredBed(sample, n, n_error, of_bed, curve), more
+        return MeasuredBed(sample, n, n_error, of_bed, curve, where, percent), more
 
     read = read_each(((rows[sample.name], sample) for sample in samples), read_bed)
     beds = [bed for bed, _ in read]
