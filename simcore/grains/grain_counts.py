@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass
 
 from simcore.grains.cell_numbers import read_number
+from simcore.grains.class_labels import group_noun
 from simcore.grains.form_columns import may_number_rows
 
 MAX_GRAINS = 1e12  # maximum of a count in one row
@@ -71,7 +72,8 @@ def read_numbers(path, header, cells, columns):
     numbers = [int(text) for text in texts]
     if _number_rows(name, numbers):
         return None, [_numbers_rows(name)]
-    notice = f"the column {name} is the number of grains of each sample; FL and EL are assumed to be independent"
+    noun = group_noun(header, columns.sample)
+    notice = f"the column {name} is the number of grains of each {noun}; FL and EL are assumed to be independent"
     return Counts(dict(zip(texts.index, numbers, strict=True)), True), [notice]
 
 

@@ -527,6 +527,34 @@ CLASSES = [
         "that are no class",
     ),
     Case("Siebklasse [mm];L;I;S\n8-11,2;14;10;4\n11,2-16;13;10;6\n"),
+    Case(
+        "Klasse [mm];L;I;S\n8-11,2;14;10;4\n11,2-16;13;10;6\n11,2-16;15;9;6\n",
+        notice="the class 8-11,2 has one row, so that all grains have one form; if the row is a mean over grains, the",
+    ),
+    Case(
+        "Klasse [mm];L;I;S\n8-11,2;14;10;4\n11,2-16;13;10;6\n",
+        notice="the classes 8-11,2, 11,2-16 have one row each, so that all grains have one form; if the row is a mean",
+    ),
+    Case(
+        "class [mm];mean_FL;std_FL;mean_EL;std_EL;n\n8-11.2;.6;.02;.7;.1;40\n11.2-16;.6;.1;.7;.1;30\n",
+        notice="the class 8-11.2: std_FL or std_EL is below 0.06, which is rare for gravel; give the standard",
+    ),
+    Case(
+        "class [mm];mean_FL;std_FL;mean_EL;std_EL;n\n8-11.2;.6;.1;.7;.1;40\n11.2-16;.6;.1;.7;.1;30\n",
+        notice="the column n is the number of grains of each class; FL and EL are assumed to be independent",
+    ),
+    Case(
+        "class [mm];FL;EL\n8-11.2;0.5;0.7\n8-11.2;0.7;0.5\n8-11.2;0.9;0.9\n8-11.2;0.7;0.7\n11.2-16;0.7;0.7\n",
+        notice="row 5 has the means of the rows above of the same class; if this is no grain, remove it, and other",
+    ),
+    Case(
+        "class [mm];mean_FL;std_FL;mean_EL;std_EL\n8-16;.6;.1;.7;.1\n8-16;.6;.1;.7;.1\n",
+        error="row 3: class 8-16 occurs twice, but each row of means and deviations is one class; rename or remove one",
+    ),
+    Case(
+        "class [mm];FL;EL;count\n8-16;.6;.7;0\n8-16;.5;.7;0\n16-32;.6;.7;5\n",
+        error="the numbers of grains of class 8-16 are all 0; correct or remove its rows",
+    ),
     Case("Kornklasse (cm);L;I;S\n0,8-1,12;14;10;4\n11,2-16 mm;13;10;6\n"),
     Case("size class [µm];L;I;S\n8000-11200;14;10;4\n1.12-1.6 cm;13;10;6\n"),
 ]
