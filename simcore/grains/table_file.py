@@ -248,8 +248,8 @@ def _split_header(path, cells, notices, fields=(), separator=""):
         if nameless := nameless_column(rows[:above], rows[above], rows[above + 1 :], SAMPLE_NAMES):
             position, row = nameless
             raise ValueError(
-                f"{path}: column {position + 1} has values but no name in row {cells.index[above]}, which has the "
-                f"names of the other columns; write its name there (row {cells.index[row]} has {rows[row][position]})"
+                f"{path}: column {position + 1} has values but no name in row {cells.index[above]}; write its "
+                f"name there (row {cells.index[row]} has {rows[row][position]})"
             )
     names, cells = cells.iloc[above].tolist(), cells.iloc[above + 1 :]
     columns = width(names)

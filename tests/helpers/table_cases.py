@@ -372,8 +372,7 @@ GRAINS = [
     *[
         Case(
             f"{above}\n;a;b;c\n{rows}",
-            error=f"column 1 has values but no name in row {row}, which has the names of the other columns; write its "
-            f"name there ({remedy})",
+            error=f"column 1 has values but no name in row {row}; write its name there ({remedy})",
         )
         for above, rows, row, remedy in [
             ("site;axes [mm]", "A;4;3;2\nA;5;4;3\nB;4;3;1\n", 2, "row 1 has site"),

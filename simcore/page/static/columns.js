@@ -72,8 +72,7 @@ const Columns = (() => {
 
   function findSample(name, header, sample, forms) {
     const given = sample ? [sample.trim().split(/\s+/).join(" ")] : sampleNames;
-    const spellings = [(text) => text, (text) => text.toLowerCase()];
-    for (const [wanted, normalise] of given.flatMap((wanted) => spellings.map((spelling) => [wanted, spelling]))) {
+    for (const [wanted, normalise] of given.flatMap((one) => [[one, (t) => t], [one, (t) => t.toLowerCase()]])) {
       const positions = header.flatMap((text, i) => (normalise(text) === normalise(wanted) ? [i] : []));
       if (!positions.length) continue;
       const position = only(name, header, positions, "the sample");

@@ -156,11 +156,11 @@ const Table = (() => {
     names.slice(0, columns).forEach((own, i) => {
       const over = filled.slice(0, above).filter(({ cells: texts }) => texts[i]).at(-1);
       const values = rows.flatMap(({ cells: texts }) => texts[i] || []);
-      const repeat = new Set(values).size < values.length;
-      if (own || !over || !values.length || !(repeat || samples.includes(over.cells[i].toLowerCase()))) return;
+      const isName = new Set(values).size < values.length || samples.includes(over?.cells[i].toLowerCase());
+      if (own || !over || !values.length || !isName) return;
       throw new InputError(
-        `${name}: column ${i + 1} has values but no name in row ${filled[above].row}, which has the names of the other ` +
-          `columns; write its name there (row ${over.row} has ${over.cells[i]})`
+        `${name}: column ${i + 1} has values but no name in row ${filled[above].row}; write its name there (row ` +
+          `${over.row} has ${over.cells[i]})`
       );
     });
     for (const { row, cells: texts } of rows) {
