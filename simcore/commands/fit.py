@@ -43,7 +43,7 @@ def add(commands) -> None:
         "or unified",
     )
     parser.add_argument(
-        "--sample", metavar="COLUMN", help='column with the names of the beds; default: "sample", if it exists'
+        "--sample", metavar="COLUMN", help="column with the names of the beds; default: sample, Probe, bed or Bett"
     )
     parser.add_argument(
         "--out", type=Path, metavar="MODEL.json", help="file to write, for `predict --models MODEL.json`"

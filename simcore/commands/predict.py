@@ -40,7 +40,7 @@ def add(commands) -> None:
         "--pack", type=Path, metavar="OUT.yaml", help="with --sieve: specification to write of a bed that checks it"
     )
     parser.add_argument(
-        "--sample", metavar="COLUMN", help='column with the name of the sample; default: "sample", if it exists'
+        "--sample", metavar="COLUMN", help="column with the name of the sample; default: sample, Probe, bed or Bett"
     )
     parser.add_argument(
         "--models",

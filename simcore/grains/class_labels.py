@@ -33,6 +33,11 @@ def class_patterns():
     return {key: pattern.pattern for key, pattern in patterns.items()}
 
 
+def group_noun(header, position):
+    """Return what the column that groups the rows names, "class" or "sample"; position: in the header, or None."""
+    return "class" if position is not None and CLASS_NAME.fullmatch(header[position]) else "sample"
+
+
 def look_like_classes(texts):
     """Return whether there are texts, and each of them is a range of sizes; 3/2021, without a unit, is a date."""
     matches = [CLASS_LABEL.fullmatch(text) for text in texts]

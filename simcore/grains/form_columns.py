@@ -7,6 +7,7 @@ AXES, RATIOS = ("L", "I", "S"), ("FL", "EL")
 TWO_AXES = ("L", "I")  # of grains seen from above, such as in a photo
 MEANS = ("mean_FL", "std_FL", "mean_EL", "std_EL")
 SAMPLE = "sample"
+SAMPLE_NAMES = (SAMPLE, "probe", "bed", "bett")  # of the column of samples, in any case; the first one counts
 NEEDED = (
     "give the columns L, I, S (axes of each grain), or FL, EL (of each grain), or mean_FL, std_FL, mean_EL, std_EL (of "
     "each sample)"
@@ -71,10 +72,10 @@ class FormColumns:
 def recognise_columns(path, header, sample=None, two_axes=False):
     """Return the FormColumns of a table.
 
-    header: list of the names of the columns. sample: name of the column of samples; with None it is "sample", if the
-    table has such a column. two_axes: whether the longest and the middle axis suffice. ValueError, which names the file
-    `path`, if the columns of a form are missing, if two columns have the same meaning, or if the units of the axes
-    differ.
+    header: list of the names of the columns. sample: name of the column of samples; with None it is the first of
+    SAMPLE_NAMES that the table has, if any. two_axes: whether the longest and the middle axis suffice. ValueError,
+    which names the file `path`, if the columns of a form are missing, if two columns have the same meaning, or if the
+    units of the axes differ.
     """
     names = _recognise_forms(path, header)
     kind = _kind(names, two_axes)
@@ -196,11 +197,11 @@ def sample_position(path, header, sample=None):
 
     Arguments and errors are those of recognise_columns.
     """
-    wanted = SAMPLE if sample is None else " ".join(sample.split())
-    for normalise in (str, str.lower):
-        positions = [position for position, name in enumerate(header) if normalise(name) == normalise(wanted)]
-        if positions:
-            return _only(path, header, positions, "the sample")
+    for wanted in SAMPLE_NAMES if sample is None else (" ".join(sample.split()),):
+        for normalise in (str, str.lower):
+            positions = [position for position, name in enumerate(header) if normalise(name) == normalise(wanted)]
+            if positions:
+                return _only(path, header, positions, "the sample")
     if sample is None:
         return None
     raise ValueError(

@@ -29,20 +29,27 @@ def describe_slips(path, groups, check):
     ]
 
 
-def describe_single_rows(path, groups):
-    """Return a notice on samples of one row, which may be a mean over grains; groups: as in describe_slips."""
+def describe_single_rows(path, groups, noun="sample", of=""):
+    """Return a notice on samples of one row, which may be a mean over grains; groups: as in describe_slips.
+
+    noun: "sample", or "class" if each group is a sieve class. of: text such as " of the sample A", or empty.
+    """
     names = [name for name, entries in groups.items() if len(entries) == 1]
     if not names:
         return []
-    samples, have = ("samples", "have one row each") if len(names) > 1 else ("sample", "has one row")
+    have = "have one row each" if len(names) > 1 else "has one row"
     return [
-        f"{path}: the {samples} {join_first(names, SHOWN)} {have}, so that all grains have one form; if the row is a "
-        "mean over grains, the porosity is too low: give a row per grain, or mean_FL, std_FL, mean_EL, std_EL"
+        f"{path}: the {_plural(noun, names)} {join_first(names, SHOWN)}{of} {have}, so that all grains have one form; "
+        "if the row is a mean over grains, the porosity is too low: give a row per grain, or mean_FL, std_FL, mean_EL, "
+        "std_EL"
     ]
 
 
-def describe_mean_rows(path, groups):
-    """Return a notice on rows with the means of the rows above them, without a label; groups: as in describe_slips."""
+def describe_mean_rows(path, groups, noun="sample"):
+    """Return a notice on rows with the means of the rows above them, without a label.
+
+    groups: as in describe_slips; noun: as in describe_single_rows.
+    """
     rows = []
     for entries in groups.values():
         numbers = np.array([values for _, values, _ in entries])
@@ -54,13 +61,16 @@ def describe_mean_rows(path, groups):
         return []
     plural, have = ("s", "have") if len(rows) > 1 else ("", "has")
     return [
-        f"{path}: row{plural} {join_first(rows, SHOWN)} {have} the means of the rows above of the same sample; if this "
+        f"{path}: row{plural} {join_first(rows, SHOWN)} {have} the means of the rows above of the same {noun}; if this "
         "is no grain, remove it, and other statistics below it"
     ]
 
 
-def describe_small_deviations(path, samples):
-    """Return a notice on samples whose deviation of FL or EL is small; samples: list of Sample, from means."""
+def describe_small_deviations(path, samples, noun="sample", of=""):
+    """Return a notice on samples whose deviation of FL or EL is small.
+
+    samples: list of Sample, from means; noun, of: as in describe_single_rows.
+    """
     names = [
         sample.name
         for sample in samples
@@ -69,7 +79,11 @@ def describe_small_deviations(path, samples):
     if not names:
         return []
     return [
-        f"{path}: the sample{'s' * (len(names) > 1)} {join_first(names, SHOWN)}: std_FL or std_EL is below "
+        f"{path}: the {_plural(noun, names)} {join_first(names, SHOWN)}{of}: std_FL or std_EL is below "
         f"{SMALL_DEVIATION:g}, which is rare for gravel; give the standard deviation over the grains, not the standard "
         "error of their mean or the variance"
     ]
+
+
+def _plural(noun, names):
+    return noun if len(names) == 1 else {"class": "classes"}.get(noun, f"{noun}s")

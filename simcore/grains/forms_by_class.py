@@ -14,13 +14,15 @@ def class_name(header):
     return next((name for name in header if CLASS_NAME.fullmatch(name)), None)
 
 
-def classes_of_table(table, column):
+def classes_of_table(table, column, name=None):
     """Return ({(lower, upper) [m]: Sample}, notices) of a TextTable with a column of sieve classes.
 
-    column: its name. ValueError if a label is no class, or if two classes overlap.
+    column: its name. name: of the sample, for messages, or None. ValueError if a label is no class, or if two classes
+    overlap.
     """
     path = table.path
-    samples, notices = samples_of_table(table, column)
+    of = "" if name is None else f" of the sample {name}"
+    samples, notices = samples_of_table(table, column, of=of)
     labels = table.cells[table.header.index(column)]
     rows = {label: row for row, label in reversed(list(labels.items()))}  # the first row of each class
     unit = CLASS_NAME.fullmatch(column).group(1)
@@ -32,18 +34,22 @@ def classes_of_table(table, column):
     for (low, high), (lower, upper) in zip(ends, ends[1:], strict=False):
         if lower < high * (1 - 1e-9):
             raise ValueError(
-                f"{path}: the classes {class_text(low, high)} and {class_text(lower, upper)} overlap; correct the "
-                f"column {column}"
+                f"{path}: the classes {class_text(low, high)} and {class_text(lower, upper)}{of} overlap; correct "
+                f"the column {column}"
             )
     return dict(classes), notices
 
 
-def describe_unused_classes(path, curve, classes):
-    """Return notices on the classes of classes_of_table in which the SieveCurve has no mass; path: of their table."""
+def describe_unused_classes(path, curve, classes, name=BY_CLASS):
+    """Return notices on the classes of classes_of_table in which the SieveCurve has no mass.
+
+    path: of their table. name: of the sample.
+    """
+    of = "" if name == BY_CLASS else f" of the sample {name}"
     with_mass = curve.mass_fractions > 0.0
     filled = list(zip(curve.bounds[:-1][with_mass], curve.bounds[1:][with_mass], strict=True))
     return [
-        f"{path}: the class {class_text(lower, upper)} is not used, because the sieve curve has no mass there"
+        f"{path}: the class {class_text(lower, upper)}{of} is not used, because the sieve curve has no mass there"
         for lower, upper in classes
         if not any(low < upper * (1 - 1e-6) and lower * (1 + 1e-6) < high for low, high in filled)
     ]

@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass
 
 from simcore.grains.cell_numbers import read_number
+from simcore.grains.class_labels import group_noun
 from simcore.grains.form_columns import may_number_rows
 
 MAX_GRAINS = 1e12  # maximum of a count in one row
@@ -42,7 +43,7 @@ def read_counts(path, header, cells, columns):
         if not 0 <= weights[row] <= MAX_GRAINS:
             raise ValueError(f"{where}: {name} = {weights[row]:g}; a number of grains must be between 0 and 1e12")
     values = list(weights.values())
-    if may_number_rows(name) and _number_rows(values):
+    if _number_rows(name, values):
         return None, [_numbers_rows(name)]
     whole = all(value.is_integer() for value in values) and not _PERCENT.search(name)
     if whole and may_number_rows(name) and len(values) >= FEWEST_IDS and _rise(values):
@@ -69,17 +70,21 @@ def read_numbers(path, header, cells, columns):
             given = f"{text} in row {row} is no" if text else f"row {row} has no"
             return None, [f"the column {name} is not used, because {given} number of grains"]
     numbers = [int(text) for text in texts]
-    if may_number_rows(name) and _number_rows(numbers):
+    if _number_rows(name, numbers):
         return None, [_numbers_rows(name)]
-    notice = f"the column {name} is the number of grains of each sample; FL and EL are assumed to be independent"
+    noun = group_noun(header, columns.sample)
+    notice = f"the column {name} is the number of grains of each {noun}; FL and EL are assumed to be independent"
     return Counts(dict(zip(texts.index, numbers, strict=True)), True), [notice]
 
 
-def _number_rows(values):
+def _number_rows(name, values):
     """Return whether values rise by 1 from row to row, are 1 to N in any order, or 1, 2, 3, ... anew for each sample.
 
-    The latter two hold only of so many rows that numbers of grains would hardly be so by chance.
+    The latter two hold only of so many rows that numbers of grains would hardly be so by chance. In a column whose name
+    can only be that of a number of grains, such as `count`, the smallest value must be 1.
     """
+    if not may_number_rows(name) and min(values) != 1:
+        return False
     rises = [b - a == 1 for a, b in zip(values, values[1:], strict=False)]
     if rises and all(rises):
         return True

@@ -3,33 +3,38 @@
 A row has the form of its grains, as in simcore.grains.measured_forms (mean_FL, std_FL, mean_EL, std_EL, or FL, EL of
 one form, or L, I, S of one form), and:
 
-    n           measured porosity, a fraction, or per cent if the header has %; also under the name porosity
+    n           measured porosity, a fraction, or per cent if the header has %; also named porosity, Porosität
     n_error     standard error of the measured porosity in the same unit, optional
     case        sieve curve of the bed, such as U1 or one-class, optional
     sieve       file with the table of the bed's sieve curve, beside this table, or the name of a listed curve, optional
 """
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 
 from simcore.grains.cell_numbers import read_number
 from simcore.grains.form_columns import SAMPLE, sample_position
+from simcore.grains.form_notices import SHOWN
 from simcore.grains.measured_forms import Sample, samples_of_table
 from simcore.grains.row_errors import read_each
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_table import read_curve
 from simcore.grains.table_file import read_table
+from simcore.grains.text_lists import join_first
 
 _PERCENT = r"(?:[\s_,]*[\[(]?\s*(?:%|percent|per cent)\s*[\])]?)"
 _FRACTION = r"(?:\s*[\[(]\s*[-–1]?\s*[\])])?"
+_POROSITY = r"(?:n|porosity|porosit(?:ä|ae)t)"
 _COLUMNS = {
-    "n": r"(?:n|porosity)(?:[\s_]+measured)?",
-    "n_error": r"(?:n|porosity)[\s_]+(?:(?:std|standard)[\s_]+)?(?:error|uncertainty)",
+    "n": rf"{_POROSITY}(?:[\s_]+measured)?",
+    "n_error": rf"{_POROSITY}[\s_]+(?:(?:std|standard)[\s_]+)?(?:error|uncertainty)",
     "case": r"case",
-    "sieve": r"(?:sieve|sieves|sieve[\s_]+curve|curve)(?:[\s_]+file)?",
+    "sieve": r"(?:sieve|sieves|sieve[\s_]+curve|curve|siebkurve)(?:[\s_]+file)?",
 }
 SIEVE_NAME = re.compile(_COLUMNS["sieve"], re.IGNORECASE)  # of the column with the sieve curve of each bed or sample
+MAX_ERROR = 0.05  # maximum of n_error as a fraction; a larger one is probably in percentage points
 _MEANINGS = {"n": "the porosity", "n_error": "the error of n", "case": "the sieve curve", "sieve": "the sieve curve"}
 NEEDED = (
     "give a row per bed with the column n, its measured porosity, and the form of its grains: mean_FL, std_FL, "
@@ -42,7 +47,8 @@ class MeasuredBed:
     """A bed of measured porosity n.
 
     sample: Sample with the form of its grains. n_error: standard error of n, nan if unknown. case: name of the sieve
-    curve. curve: SieveCurve, or None if only the name of a case is given.
+    curve. curve: SieveCurve, or None if only the name of a case is given. where: file and row. in_percent: whether the
+    table has porosities in per cent.
     """
 
     sample: Sample
@@ -50,6 +56,8 @@ class MeasuredBed:
     n_error: float
     case: str
     curve: SieveCurve | None = None
+    where: str = field(default="", compare=False)
+    in_percent: bool = field(default=False, compare=False)
 
 
 class CurveReader:
@@ -95,8 +103,8 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
     path: a text file or a workbook, see simcore.grains.table_file. case: sieve curve of all beds, for a table without
     the columns case and sieve. sieve: path of the sieve curve of all beds instead. default: the case if neither these
     columns nor case nor sieve are given. curves: CurveReader. column: name of the column with the names of the beds;
-    with None it is "sample", if there is such a column. Rows of one name are repeats with the same form. ValueError
-    names the file, the row as a spreadsheet counts it, and the remedy.
+    with None it is "sample", "Probe", "bed" or "Bett", if there is such a column. Rows of one name are repeats with the
+    same form. ValueError names the file, the row as a spreadsheet counts it, and the remedy.
     """
     table = read_table(path)
     if not table.header or table.cells.empty:
@@ -119,7 +127,7 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
         if of_all is None and "sieve" in positions and not of_bed:
             of_bed = texts[positions["sieve"]]
             curve, more = curves.read(where, of_bed, Path(table.path).parent)
-        return MeasuredBed(sample, n, n_error, of_bed, curve), more
+        return MeasuredBed(sample, n, n_error, of_bed, curve, where, percent), more
 
     read = read_each(((rows[sample.name], sample) for sample in samples), read_bed)
     beds = [bed for bed, _ in read]
@@ -129,6 +137,8 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
         notices += of_all[1]
     curves.check_ends()
     _check_repeats(table.path, beds, rows, given)
+    if sample_position(table.path, table.header, column) is None:
+        _check_grains(table.path, beds, rows)
     if percent and all(bed.n < 0.01 for bed in beds):
         raise ValueError(
             f"{table.path}: the header of n has %, but all porosities are below 1 %; remove % if they are fractions"
@@ -207,6 +217,22 @@ def _check_repeats(path, beds, rows, given):
             )
 
 
+def _check_grains(path, beds, rows):
+    """Raise a ValueError if most rows have the porosity of the row above, but another form, as the grains of a bed."""
+    same_bed = [
+        rows[bed.sample.name]
+        for above, bed in pairwise(beds)
+        if (above.n, str(above.n_error), above.case) == (bed.n, str(bed.n_error), bed.case)
+        and replace(above.sample, name="") != replace(bed.sample, name="")
+    ]
+    if 2 * len(same_bed) > len(beds) and all(bed.sample.one_form for bed in beds):
+        raise ValueError(
+            f"{path}: rows {join_first([str(row) for row in same_bed], SHOWN)} have the porosity of the row above, but "
+            "another form. A row is one bed, not one grain: give the means and deviations of the grains of a bed in "
+            "one row (mean_FL, std_FL, mean_EL, std_EL). If each row is a bed, name the beds in a column sample"
+        )
+
+
 def _read_porosity(where, texts, positions, percent):
     """Return the porosity in a row and its standard error, nan if it is not given, as fractions."""
     scale, unit = (100.0, " %") if percent else (1.0, "")
@@ -220,6 +246,12 @@ def _read_porosity(where, texts, positions, percent):
     if not text:
         return n / scale, float("nan")
     n_error = read_number(where, "n_error", text)
+    if not percent and n_error > MAX_ERROR:
+        in_percent = f"; if {n_error:g} is in percentage points, write {n_error / 100:g}" if n_error < 5.0 else ""
+        raise ValueError(
+            f"{where}: n_error = {n_error:g} is above {MAX_ERROR:g}, but n is a fraction{in_percent}; if it is "
+            "unknown, leave it empty"
+        )
     if not 0 <= n_error < scale:
         raise ValueError(f"{where}: n_error = {n_error:g}{unit} is not between 0 and {scale:g}{unit}; correct it")
     return n / scale, n_error / scale

@@ -9,8 +9,9 @@ The columns determine the meaning of a row:
 
 Exports of G3Point and PebbleCounts are such tables: of three axes (Dmax, Dmed, Dmin) and of two (a, b).
 
-The column `sample`, or another column that the caller names, gives the sample of each row. A column of counts (count,
-n, number, ...) gives the number of grains that a row represents, or of which means and deviations are.
+The column `sample` (or `Probe`, `bed`, `Bett`), or another that the caller names, gives the sample of each row. A
+column of counts (count, n, number, ...) gives the number of grains that a row represents, or of which means and
+deviations are.
 """
 
 import logging
@@ -20,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from simcore.grains.cell_numbers import NUMBER, check_decimal_marks, read_number
-from simcore.grains.class_labels import CLASS_NAME, look_like_classes
+from simcore.grains.class_labels import CLASS_NAME, group_noun, look_like_classes
 from simcore.grains.form_columns import AXES, MEANS, NEEDED, RATIOS, TWO_AXES, has_two_axes, recognise_columns
 from simcore.grains.form_notices import (
     SHOWN,
@@ -84,30 +85,31 @@ def read_measured(path, column=None):
     """Read a table and return (samples, notices): a list of Sample in the order of the rows, and a list of sentences.
 
     path: a text file or an Excel workbook, see simcore.grains.table_file. column: name of the column with the name of
-    the sample; with None it is "sample", if there is such a column. Numbers may have a decimal comma.
-    Rows that summarise others, such as Mean or Total, and columns that are not needed are left out, with a notice.
-    ValueError names the file, the row as a spreadsheet counts it, and the remedy.
+    the sample; with None it is "sample", "Probe", "bed" or "Bett", if there is such a column. Numbers may have a
+    decimal comma. Rows that summarise others, such as Mean or Total, and columns that are not needed are left out, with
+    a notice. ValueError names the file, the row as a spreadsheet counts it, and the remedy.
     """
     return samples_of_table(_read_table(path), column)
 
 
-def samples_of_table(table, column=None, of_beds=False):
+def samples_of_table(table, column=None, of_beds=False, of=""):
     """Return (samples, notices) as read_measured does, from a TextTable with a header.
 
-    of_beds: each row is a bed, so that samples of a single row have no notice.
+    of_beds: each row is a bed, so that samples of a single row have no notice. of: text for notices on the classes of a
+    sample, " of the sample A".
     """
     path = table.path
     rows = _read_rows(path, table, _recognise(path, table, column))
-    kind, counts = rows.columns.kind, rows.counts
+    kind, counts, noun = rows.columns.kind, rows.counts, rows.noun
     if kind == MEANS:
-        samples = [_from_means(name, entries, counts) for name, entries in rows.groups.items()]
-        rows.notices.extend(describe_small_deviations(path, samples))
+        samples = [_from_means(name, entries, counts, noun) for name, entries in rows.groups.items()]
+        rows.notices.extend(describe_small_deviations(path, samples, noun, of))
     else:
         check = _CHECKS[kind]
-        samples = [_from_grains(path, name, entries, check, counts) for name, entries in rows.groups.items()]
+        samples = [_from_grains(path, name, entries, check, counts, noun) for name, entries in rows.groups.items()]
         rows.notices.extend(describe_slips(path, rows.groups, check))
-        rows.notices.extend([] if of_beds or counts else describe_mean_rows(path, rows.groups))
-        rows.notices.extend([] if of_beds else describe_single_rows(path, rows.groups))
+        rows.notices.extend([] if of_beds or counts else describe_mean_rows(path, rows.groups, noun))
+        rows.notices.extend([] if of_beds else describe_single_rows(path, rows.groups, noun, of))
     return samples, rows.notices
 
 
@@ -134,7 +136,7 @@ def read_two_axes(path, column=None):
     samples = []
     for name, entries in rows.groups.items():
         EL = np.array([_check_two_axes(where, values)[-1] for where, values, _ in entries])
-        weights, grains = _weigh(path, name, entries, rows.counts)
+        weights, grains = _weigh(path, name, entries, rows.counts, rows.noun)
         mean, std = _mean_and_std(EL, weights)
         samples.append(TwoAxisSample(name, grains, float(mean), float(std if std > ALIKE * mean else 0.0)))
     rows.notices.extend(describe_slips(path, rows.groups, _check_two_axes))
@@ -162,12 +164,16 @@ def _read_table(path):
 
 @dataclass(frozen=True)
 class _Rows:
-    """Rows of a table of forms: the FormColumns, (where, numbers, row) by sample, Counts or None, and notices."""
+    """Rows of a table of forms: the FormColumns, (where, numbers, row) by sample, Counts or None, and notices.
+
+    noun: what a group is, "sample" or "class".
+    """
 
     columns: object
     groups: dict
     counts: object
     notices: list
+    noun: str
 
 
 def _read_rows(path, table, columns):
@@ -189,7 +195,8 @@ def _read_rows(path, table, columns):
     for name, form in read_each(cells.iterrows(), read_row):
         groups.setdefault(name, []).append(form)
     notices = [*table.notices, *notices, *count_notices, *_describe_unused(table.header, cells, columns)]
-    return _Rows(columns, groups, counts, [f"{path}: {notice}" for notice in notices])
+    noun = group_noun(table.header, columns.sample)
+    return _Rows(columns, groups, counts, [f"{path}: {notice}" for notice in notices], noun)
 
 
 def _leave_out_summaries(path, cells, columns):
@@ -315,10 +322,10 @@ def _check_means(where, values):
 _CHECKS = {AXES: _check_axes, TWO_AXES: _check_two_axes, RATIOS: _check_ratios, MEANS: _check_means}
 
 
-def _from_grains(path, name, entries, check, counts):
+def _from_grains(path, name, entries, check, counts, noun):
     """Return the Sample of a group of rows (where, values, row); check(where, values) returns FL and EL of a row."""
     FL, EL = np.array([check(where, values) for where, values, _ in entries], float).T
-    weights, grains = _weigh(path, name, entries, counts)
+    weights, grains = _weigh(path, name, entries, counts, noun)
     statistics = {}
     for feature, values in (("FL", FL), ("EL", EL), ("EQ", FL * EL)):
         mean, std = _mean_and_std(values, weights)
@@ -332,13 +339,13 @@ def _from_grains(path, name, entries, check, counts):
     return replace(sample, covariance=tuple(map(tuple, covariance.tolist())))
 
 
-def _weigh(path, name, entries, counts):
+def _weigh(path, name, entries, counts, noun):
     """Return the weights of a group of rows, or None if all count alike, and the number of its grains, 0 if unknown."""
     if counts is None:
         return None, len(entries)
     weights = np.array([counts.weights[row] for *_, row in entries])
     if not weights.sum() > 0:
-        raise ValueError(f"{path}: the numbers of grains of sample {name} are all 0; correct or remove its rows")
+        raise ValueError(f"{path}: the numbers of grains of {noun} {name} are all 0; correct or remove its rows")
     # A row with a weight is at least one grain.
     return weights, int(weights.sum()) if counts.whole else int(np.count_nonzero(weights) == 1)
 
@@ -350,10 +357,10 @@ def _mean_and_std(values, weights):
     return mean, np.sqrt(np.average((values - mean) ** 2, weights=weights))
 
 
-def _from_means(name, entries, counts):
+def _from_means(name, entries, counts, noun):
     if len(entries) > 1:
         raise ValueError(
-            f"{entries[1][0]}: sample {name} occurs twice, but each row of means and deviations is one sample; rename "
+            f"{entries[1][0]}: {noun} {name} occurs twice, but each row of means and deviations is one {noun}; rename "
             "or remove one"
         )
     _, (mu_FL, sigma_FL, mu_EL, sigma_EL), row = entries[0]

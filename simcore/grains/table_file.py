@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from simcore.grains.table_head import join_units, rows_above_header, width
+from simcore.grains.form_columns import SAMPLE_NAMES
+from simcore.grains.table_head import join_units, nameless_column, rows_above_header, width
 
 _WORKBOOKS = (".xlsx", ".xlsm", ".ods")
 _THREE_DECIMALS = re.compile(r"-?\d+\.\d{3}")
@@ -243,6 +244,13 @@ def _split_header(path, cells, notices, fields=(), separator=""):
         rows = ", ".join(f"row {row}" for row in cells.index[:above])
         verb = "are" if above > 1 else "is"
         notices = [*notices, f"{rows} {verb} above the names of the columns and {verb} left out"]
+        rows = cells.to_numpy().tolist()
+        if nameless := nameless_column(rows[:above], rows[above], rows[above + 1 :], SAMPLE_NAMES):
+            position, row = nameless
+            raise ValueError(
+                f"{path}: column {position + 1} has values but no name in row {cells.index[above]}; write its "
+                f"name there (row {cells.index[row]} has {rows[row][position]})"
+            )
     names, cells = cells.iloc[above].tolist(), cells.iloc[above + 1 :]
     columns = width(names)
     for row, texts in cells.loc[:, columns:].iterrows():

@@ -55,6 +55,21 @@ def join_units(names, texts):
     ]
 
 
+def nameless_column(title, names, rows, sample_names):
+    """Return the position of the first column whose name is in the title instead, and that of its row, or None.
+
+    title: texts of the rows above the names, names: those of the names, rows: those below. A text of the title is taken
+    for a name if the column has values but no name, and values repeat or the text is one of sample_names, in any case.
+    """
+    for position, name in enumerate(names[: width(names)]):
+        above = [i for i, texts in enumerate(title) if texts[position]]
+        values = [texts[position] for texts in rows if texts[position]]
+        if above and values and not name:
+            if len(set(values)) < len(values) or title[above[-1]][position].lower() in sample_names:
+                return position, above[-1]
+    return None
+
+
 def width(texts) -> int:
     """Return the number of cells up to the last one with text."""
     return max((i + 1 for i, text in enumerate(texts) if text), default=0)

@@ -12,11 +12,7 @@ def question_beds(measured, predicted):
     measured: MeasuredBeds. predicted: porosity of each of them by a model that was not fitted to them; nan if there is
     none, and then nothing is reported.
     """
-    return [
-        _question(name_bed(bed.sample.name), bed.n, n)
-        for bed, n in zip(measured, predicted, strict=True)
-        if abs(bed.n - n) > DIFFERENT
-    ]
+    return [_question(bed, n) for bed, n in zip(measured, predicted, strict=True) if abs(bed.n - n) > DIFFERENT]
 
 
 def question_repeats(groups, predicted):
@@ -25,11 +21,17 @@ def question_repeats(groups, predicted):
     return question_beds(beds, np.repeat(np.asarray(predicted, float), [len(group) for group in groups]))
 
 
-def _question(name, n, predicted):
-    numbers = f"{name}: measured {n:.3g}, predicted {predicted:.2f}"
-    if abs(1.0 - n - predicted) <= DIFFERENT:
-        return f"{numbers}; is {n:.3g} the solid fraction, 1 − n?"
-    return f"{numbers}; check that {n:.3g} is the volume of the pores over the volume of the bed"
+def _question(bed, predicted):
+    """Return the sentences on a MeasuredBed, with porosities in the unit of its table."""
+    scale, unit = (100.0, " %") if bed.in_percent else (1.0, "")
+    digits = 0 if bed.in_percent else 2
+    far = (
+        f"{bed.where or name_bed(bed.sample.name)}: n = {scale * bed.n:.4g}{unit} is far from the predicted "
+        f"{scale * predicted:.{digits}f}{unit}."
+    )
+    if abs(1.0 - bed.n - predicted) <= DIFFERENT:
+        return f"{far} If it is the solid fraction, write {scale * (1.0 - bed.n):.4g}."
+    return f"{far} Check that it is the volume of the pores over the volume of the bed."
 
 
 def name_bed(name):

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from simcore.evaluation.confidence import student_quantile
 from simcore.grains import cell_numbers, form_notices, grain_counts, measured_forms, table_head
-from simcore.grains.form_columns import MEANS, NEEDED, all_patterns
+from simcore.grains.form_columns import MEANS, NEEDED, SAMPLE_NAMES, all_patterns
 from simcore.grains.sieve import read_cases
 from simcore.grains.statistics import STATISTICS
 from simcore.grains.summary_rows import label_patterns
@@ -94,6 +94,7 @@ def _reading():
         },
         "few_grains": FEW_GRAINS,
         "needed": NEEDED,
+        "sample_names": list(SAMPLE_NAMES),
         "means": list(MEANS),
     }
 

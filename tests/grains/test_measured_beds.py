@@ -36,6 +36,8 @@ def test_forms_of_one_grain_and_percent_are_the_same_bed(read):
         assert (a.n, a.n_error) == (pytest.approx(b.n), pytest.approx(b.n_error))
         assert a.sample.name == b.sample.name and a.case == "U1"
     assert [bed.sample.name for bed in axes] == ["row 2", "row 3"]
+    german, _ = read("Länge;Breite;Höhe;Porosität [%];Porosität error [%]\n40;28;14;36,5;6\n", "U1")
+    assert (german[0].n, german[0].n_error) == (pytest.approx(0.365), pytest.approx(0.06))
     without, _ = read("FL,EL,n\n0.5,0.7,0.365\n", "one-class")
     assert math.isnan(without[0].n_error) and without[0].case == "one-class"
     some, _ = read("FL,EL,n,n_error\n0.5,0.7,0.365,\n0.5,0.7,0.36,0.004\n", "one-class")
@@ -58,6 +60,44 @@ def test_rows_of_one_name_are_repeats_or_refused(read):
         read("sample,FL,EL,n\nA,0.5,0.7,0.36\nB,0.5,0.7,0.36\nA,0.6,0.7,0.36\n", "U1")
 
 
+@pytest.mark.parametrize("name", ["bed", "Bett", "Probe", "SAMPLE"])
+def test_the_column_of_names_has_several_names(read, name):
+    beds, notices = read(f"{name},FL,EL,n\nA,0.5,0.7,0.36\nB,0.5,0.7,0.37\n", "U1")
+    assert [bed.sample.name for bed in beds] == ["A", "B"] and notices == []
+    with pytest.raises(ValueError, match="row 3: 1 is also the name of row 2, .*; if the rows are grains of one bed"):
+        read(f"{name},n,L,I,S\n1,0.350,9.5,7.2,5.1\n1,0.350,11,8.1,4.9\n2,0.365,9.5,7.2,3.1\n", "U1")
+
+
+def test_the_column_sample_counts_before_others(read):
+    beds, notices = read("bed,Probe,sample,FL,EL,n\nA,x,C,0.5,0.7,0.36\n", "U1")
+    assert beds[0].sample.name == "C" and notices[0].endswith("columns that are not used: bed, Probe")
+
+
+@pytest.mark.parametrize(
+    ("rows", "refused"),
+    [
+        ([(0.35, 0.5), (0.35, 0.6), (0.35, 0.7)], "rows 3, 4"),
+        ([(0.35, 0.5), (0.35, 0.6), (0.35, 0.7), (0.365, 0.4), (0.365, 0.5), (0.365, 0.6)], "rows 3, 4, 6, 7"),
+        ([(0.35, 0.5), (0.35, 0.6)], ""),
+        ([(0.36, 0.5), (0.36, 0.6), (0.38, 0.7)], ""),
+        ([(n, FL) for n in (0.34, 0.35, 0.36, 0.38) for FL in (0.5, 0.6)], ""),
+        ([(0.35, 0.5)] * 3, ""),
+    ],
+)
+def test_a_row_per_grain_is_refused(read, rows, refused):
+    """Beds whose rounded porosities are sometimes equal, repeats, and beds with names are read."""
+    text = "".join(f"{FL},0.7,{n}\n" for n, FL in rows)
+    if refused:
+        with pytest.raises(ValueError, match=f"{refused} have the porosity of the row above, but another form. A row "):
+            read(f"FL,EL,n\n{text}", "U1")
+    else:
+        assert len(read(f"FL,EL,n\n{text}", "U1")[0]) == len(rows)
+    named = "".join(f"{i},{FL},0.7,{n}\n" for i, (n, FL) in enumerate(rows))
+    assert len(read(f"sample,FL,EL,n\n{named}", "U1")[0]) == len(rows)
+    errors = "".join(f"{FL},0.7,{n},0.00{i + 1}\n" for i, (n, FL) in enumerate(rows))
+    assert len(read(f"FL,EL,n,n_error\n{errors}", "U1")[0]) == len(rows)
+
+
 @pytest.mark.parametrize(
     ("text", "case", "message"),
     [
@@ -73,6 +113,17 @@ def test_rows_of_one_name_are_repeats_or_refused(read):
         ("FL,EL,n [%]\n0.5,0.7,120\n", "U1", "row 2: n = 120 % is not between 0 and 100 %; correct it"),
         ("FL,EL,n [%]\n0.5,0.7,0.36\n", "U1", "all porosities are below 1 %; remove % if they are fractions"),
         ("FL,EL,n,n_error\n0.5,0.7,0.36,-1\n", "U1", "row 2: n_error = -1 is not between 0 and 1"),
+        (
+            "FL,EL,n,n_error\n0.5,0.7,0.36,0.05\n0.5,0.7,0.36,0.3\n",
+            "U1",
+            "row 3: n_error = 0.3 is above 0.05, but n is a fraction; if 0.3 is in percentage points, write 0.003; if",
+        ),
+        (
+            "FL,EL,n,n_error\n0.5,0.7,0.36,30\n",
+            "U1",
+            "row 2: n_error = 30 is above 0.05, but n is a fraction; if it is",
+        ),
+        ("FL,EL,n [%],n_error [%]\n0.5,0.7,36,100\n", "U1", "row 2: n_error = 100 % is not between 0 and 100 %"),
         ("FL,EL,n\n0.5,0.7,\n", "U1", "row 2: n is empty; give the porosity, or remove the row"),
         ("FL,EL,n [%],n_error\n0.5,0.7,36,0.4\n", "U1", r"columns n \[%\] and n_error is in %, the other is not"),
         (

@@ -369,6 +369,18 @@ GRAINS = [
         notice="row 7 has the means of the rows above of the same sample; if this is no grain, remove it, and other "
         "statistics below it",
     ),
+    *[
+        Case(
+            f"{above}\n;a;b;c\n{rows}",
+            error=f"column 1 has values but no name in row {row}; write its name there ({remedy})",
+        )
+        for above, rows, row, remedy in [
+            ("site;axes [mm]", "A;4;3;2\nA;5;4;3\nB;4;3;1\n", 2, "row 1 has site"),
+            ("Isar, 12.03.2021\nSample;axes", "A;4;3;2\n;5;4;3\nB;4;3;1\n", 3, "row 2 has Sample"),
+        ]
+    ],
+    # The column with the numbers of the rows needs no name.
+    Case("Isar\n;a;b;c\n1;4;3;2\n2;5;4;3\n3;4;3;1\n", notice="columns that are not used: (column 1, no name)"),
     Case("L;I;S\nmm;mm;mm\n40;30;10\n", notice="row 2 has the units of the columns"),
     Case(
         "sample;L;I;S\nunit;[cm];[cm];[mm]\nA;4;3;10\n",
@@ -392,18 +404,26 @@ GRAINS = [
             ("n", "0.31", "0.33", "the column n is not used, because 0.31 in row 2 is no number of grains"),
             ("count", "40", "", "the column count is not used, because row 3 has no number of grains"),
             ("n", "1", "2", "the column n numbers the rows, so it is not used as a number of grains"),
+            ("grains", "1", "2", "the column grains numbers the rows, so it is not used as a number of grains"),
+            ("grains", "40", "41", "the column grains is the number of grains of each sample"),
         ]
     ],
     *[
-        Case("n;FL;EL\n" + "".join(f"{number};0.5;0.{7 + i % 2}\n" for i, number in enumerate(numbers)), notice=notice)
+        Case(
+            f"{name};FL;EL\n" + "".join(f"{number};0.5;0.{7 + i % 2}\n" for i, number in enumerate(numbers)), "", notice
+        )
+        for name in ("n", "count")
         for numbers, notice in [
-            ((3, 1, 2, 6, 4, 5), "the column n numbers the rows, so it is not used as a number of grains"),
-            ((1, 2, 3, 4, 1, 2), "the column n numbers the rows, so it is not used as a number of grains"),
-            ((1, 2, 1, 2, 1, 2), "the column n is the number of grains of each row, 9 in all"),
-            ((2, 3, 4, 2, 3, 4), "the column n is the number of grains of each row, 18 in all"),
-            ((2, 1, 3), "the column n is the number of grains of each row, 6 in all"),
+            ((3, 1, 2, 6, 4, 5), f"the column {name} numbers the rows, so it is not used as a number of grains"),
+            ((1, 2, 3, 4, 1, 2), f"the column {name} numbers the rows, so it is not used as a number of grains"),
+            ((1, 2, 1, 2, 1, 2), f"the column {name} is the number of grains of each row, 9 in all"),
+            ((2, 3, 4, 2, 3, 4), f"the column {name} is the number of grains of each row, 18 in all"),
+            ((2, 1, 3), f"the column {name} is the number of grains of each row, 6 in all"),
         ]
     ],
+    Case(
+        "count;FL;EL\n0;.5;.7\n1;.5;.8\n2;.5;.7\n", notice="the column count is the number of grains of each row, 3 in"
+    ),
     Case(
         "sample;a [cm];b [cm];c [cm]\nleft;4;3;2\nright;4;3;1\nboth;4;3;1\nboth;4;2;1\n",
         notice="the samples left, right have one row each, so that all grains have one form; if the row is a mean over "
@@ -430,6 +450,13 @@ GRAINS = [
     Case(
         "FL;EL\n0.06;0.7\n",
         notice="row 2: S/I or I/L is 0.1 or less, which is rare for gravel; check the decimal marks",
+    ),
+    Case(
+        "Probe;bed;L;I;S\nA;1;14;10;4\nB;1;13;10;6\n", notice="the samples A, B have one row each, so that all grains"
+    ),
+    Case(
+        "BETT;L;I;S\nA;14;10;4\n;13;10;6\n",
+        error="row 3: BETT is empty; name the sample in every row (merged cells of a workbook count as empty)",
     ),
     Case("month;L;I;S\n3/2021;14;10;4\n4/2021;13;10;6\n", notice="columns that are not used: month"),
     Case("date;L;I;S\n2021-03;14;10;4\n2021-03;13;10;6\n", notice="columns that are not used: date"),
@@ -499,6 +526,34 @@ CLASSES = [
         "that are no class",
     ),
     Case("Siebklasse [mm];L;I;S\n8-11,2;14;10;4\n11,2-16;13;10;6\n"),
+    Case(
+        "Klasse [mm];L;I;S\n8-11,2;14;10;4\n11,2-16;13;10;6\n11,2-16;15;9;6\n",
+        notice="the class 8-11,2 has one row, so that all grains have one form; if the row is a mean over grains, the",
+    ),
+    Case(
+        "Klasse [mm];L;I;S\n8-11,2;14;10;4\n11,2-16;13;10;6\n",
+        notice="the classes 8-11,2, 11,2-16 have one row each, so that all grains have one form; if the row is a mean",
+    ),
+    Case(
+        "class [mm];mean_FL;std_FL;mean_EL;std_EL;n\n8-11.2;.6;.02;.7;.1;40\n11.2-16;.6;.1;.7;.1;30\n",
+        notice="the class 8-11.2: std_FL or std_EL is below 0.06, which is rare for gravel; give the standard",
+    ),
+    Case(
+        "class [mm];mean_FL;std_FL;mean_EL;std_EL;n\n8-11.2;.6;.1;.7;.1;40\n11.2-16;.6;.1;.7;.1;30\n",
+        notice="the column n is the number of grains of each class; FL and EL are assumed to be independent",
+    ),
+    Case(
+        "class [mm];FL;EL\n8-11.2;0.5;0.7\n8-11.2;0.7;0.5\n8-11.2;0.9;0.9\n8-11.2;0.7;0.7\n11.2-16;0.7;0.7\n",
+        notice="row 5 has the means of the rows above of the same class; if this is no grain, remove it, and other",
+    ),
+    Case(
+        "class [mm];mean_FL;std_FL;mean_EL;std_EL\n8-16;.6;.1;.7;.1\n8-16;.6;.1;.7;.1\n",
+        error="row 3: class 8-16 occurs twice, but each row of means and deviations is one class; rename or remove one",
+    ),
+    Case(
+        "class [mm];FL;EL;count\n8-16;.6;.7;0\n8-16;.5;.7;0\n16-32;.6;.7;5\n",
+        error="the numbers of grains of class 8-16 are all 0; correct or remove its rows",
+    ),
     Case("Kornklasse (cm);L;I;S\n0,8-1,12;14;10;4\n11,2-16 mm;13;10;6\n"),
     Case("size class [µm];L;I;S\n8000-11200;14;10;4\n1.12-1.6 cm;13;10;6\n"),
 ]

@@ -140,8 +140,11 @@ def test_beds_outside_the_range_and_unlikely_porosities_are_named(write, model, 
     path = write(f"A,0.62,{FORM}", "flat,0.5,0.12,0.06,0.3,0.06")
     assert main(["fit", str(path), "--models", str(model)]) == 0
     printed = capsys.readouterr()
-    assert printed.err.startswith("scree fit: bed A: measured 0.62, predicted 0.3") and printed.err.count("\n") == 1
-    assert "is 0.62 the solid fraction, 1 − n?" in printed.err
+    assert (
+        printed.err.startswith(f"scree fit: {path}, row 2: n = 0.62 is far from the predicted 0.3")
+        and printed.err.count("\n") == 1
+    )
+    assert "If it is the solid fraction, write 0.38." in printed.err
     assert "- Bed flat is not predicted: mu_EQ_inv = " in printed.out and "0 of 1 (0 %)" in printed.out
     with pytest.raises(ValueError, match="the model is evaluated for none of the beds; flat: mu_EQ_inv = "):
         check_models(write("flat,0.5,0.12,0.06,0.3,0.06"), model)

@@ -291,15 +291,15 @@ def test_several_cases_are_fitted_and_small_ones_left_out(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("n", "question"),
     [
-        (0.62, "bed A: measured 0.62, predicted 0.35; is 0.62 the solid fraction, 1 − n?"),
-        (0.51, "bed A: measured 0.51, predicted 0.35; is 0.51 the solid fraction, 1 − n?"),
+        (0.62, "n = 0.62 is far from the predicted 0.35. If it is the solid fraction, write 0.38."),
+        (0.51, "n = 0.51 is far from the predicted 0.35. If it is the solid fraction, write 0.49."),
         (
             0.95,
-            "bed A: measured 0.95, predicted 0.35; check that 0.95 is the volume of the pores over the volume of the",
+            "n = 0.95 is far from the predicted 0.35. Check that it is the volume of the pores over the volume of the",
         ),
         (
             0.15,
-            "bed A: measured 0.15, predicted 0.35; check that 0.15 is the volume of the pores over the volume of the",
+            "n = 0.15 is far from the predicted 0.35. Check that it is the volume of the pores over the volume of the",
         ),
         (0.49, None),
         (0.21, None),
@@ -308,7 +308,7 @@ def test_several_cases_are_fitted_and_small_ones_left_out(tmp_path, capsys):
 def test_a_porosity_far_from_the_prediction_is_questioned(n, question):
     bed = MeasuredBed(Sample("A", 0, 0.6, 0.1, 0.7, 0.1, 0.42, 0.1), n, np.nan, "U1")
     notices = question_beds([bed], [0.35])
-    assert (notices == []) if question is None else notices[0].startswith(question)
+    assert (notices == []) if question is None else notices[0].startswith(f"bed A: {question}")
     assert question_beds([bed], [np.nan]) == []
 
 
@@ -319,12 +319,19 @@ def test_fit_names_the_bed_whose_column_n_has_the_solid_fraction(tmp_path, capsy
     path.write_text(f"{head}A,0.62,{form}\n{rest}")
     assert main(["fit", str(path), "--case", "one-class"]) == 0
     printed = capsys.readouterr()
-    assert printed.err == "scree fit: bed A: measured 0.62, predicted 0.35; is 0.62 the solid fraction, 1 − n?\n"
+    far = "n = 0.62 is far from the predicted 0.35. If it is the solid fraction, write 0.38.\n"
+    assert printed.err == f"scree fit: {path}, row 2: {far}"
     assert re.search(r"^A +0.6200 +0.3498 +-0.2702$", printed.out, re.MULTILINE)
     path.write_text(f"{head}A,0.36,{form}\nA,0.62,{form}\nA,0.36,{form}\n{rest}")
     result = simcore.fit(path, case="U1")
-    assert [notice.split(":")[0] for notice in result.notices] == ["bed A (row 3)"], "each repeat is compared by itself"
+    (notice,) = result.notices
+    assert notice.startswith(f"{path}, row 3: n = 0.62 is far"), "each repeat is compared by itself"
     assert result.cases[0].beds.predicted.iloc[0] == pytest.approx(0.3498, abs=1e-4)
+    path.write_text(
+        f"{head}A,62,{form}\n{rest}".replace(",n,", ",n [%],").replace(",0.36,", ",36,").replace(",0.345,", ",34.5,")
+    )
+    (notice,) = simcore.fit(path, case="U1").notices
+    assert notice.endswith("row 2: n = 62 % is far from the predicted 35 %. If it is the solid fraction, write 38.")
 
 
 @pytest.mark.parametrize("number", [10, 11])

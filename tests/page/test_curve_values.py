@@ -238,8 +238,9 @@ def test_classes_of_shared_cases_have_the_same_words(open_page):
     texts => texts.map((text) => {
       try {
         const column = Bed.classColumn("table.csv", text);
-        const classes = Bed.readClasses("table.csv", column, Grains.read("table.csv", text, column).samples);
-        return classes.map(({ low, high }) => [low, high]);
+        const { samples, notices } = Grains.read("table.csv", text, column);
+        const classes = Bed.readClasses("table.csv", column, samples);
+        return { bounds: classes.map(({ low, high }) => [low, high]), notices };
       } catch (error) {
         return error instanceof Numbers.InputError ? error.message : String(error.stack);
       }
@@ -249,7 +250,8 @@ def test_classes_of_shared_cases_have_the_same_words(open_page):
         if case.error:
             assert answer.removeprefix("table.csv").lstrip(",: ") == case.error
         else:
-            np.testing.assert_allclose(answer, [[8, 11.2], [11.2, 16]], rtol=1e-12)
+            np.testing.assert_allclose(answer["bounds"], [[8, 11.2], [11.2, 16]], rtol=1e-12)
+            assert any(case.notice in notice for notice in ["", *answer["notices"]])
 
 
 def test_a_candidate_without_a_port_is_refused():

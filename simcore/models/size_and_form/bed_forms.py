@@ -140,8 +140,8 @@ def _unused(path, curve, samples, by_class):
     """Return notices on classes with forms in which the curve has no mass; samples: as in BedForms."""
     return [
         notice
-        for _, classes in (samples if by_class else ())
-        for notice in describe_unused_classes(path, curve, classes)
+        for name, classes in (samples if by_class else ())
+        for notice in describe_unused_classes(path, curve, classes, name)
     ]
 
 
@@ -194,7 +194,7 @@ def _samples(table, column):
             raise ValueError(
                 f"{table.path}, row {row}: {table.header[position]} is empty; name the sample in every row"
             )
-        classes, more = classes_of_table(table.without(position, rows=names == name), by_class)
+        classes, more = classes_of_table(table.without(position, rows=names == name), by_class, name)
         samples.append((name, classes))
         notices += more
     return samples, list(dict.fromkeys(notices)), True

@@ -27,7 +27,7 @@ const Bed = (() => {
   function classColumn(name, text) {
     const { header, rows } = Table.read(name, text);
     const column = header.find((title) => CLASS_NAME.test(title)) ?? "";
-    const ofSample = header.findIndex((title) => title.toLowerCase() === "sample");
+    const ofSample = Columns.findSample(name, header, "", []);
     if (column && new Set(rows.map(({ cells }) => cells[ofSample])).size > 1) {
       throw new InputError(
         `${name}: the page reads forms by sieve class of one sample, and the column ${header[ofSample]} has several; ` +

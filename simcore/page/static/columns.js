@@ -5,7 +5,7 @@ const Columns = (() => {
   const RATIOS = ["FL", "EL"];
   const MEANS = ["mean_FL", "std_FL", "mean_EL", "std_EL"];
   const TWO_AXES = ["L", "I"];
-  const { patterns, needed } = DATA.reading;
+  const { patterns, needed, sample_names: sampleNames } = DATA.reading;
   const whole = (pattern) => new RegExp(`^(?:${pattern})$`, "iu");
   const compiled = (table) => Object.entries(table).map(([name, pattern]) => [name, whole(pattern)]);
   const FORMS = compiled(patterns.forms);
@@ -71,8 +71,8 @@ const Columns = (() => {
   }
 
   function findSample(name, header, sample, forms) {
-    const wanted = sample ? sample.trim().split(/\s+/).join(" ") : "sample";
-    for (const normalise of [(text) => text, (text) => text.toLowerCase()]) {
+    const given = sample ? [sample.trim().split(/\s+/).join(" ")] : sampleNames;
+    for (const [wanted, normalise] of given.flatMap((one) => [[one, (t) => t], [one, (t) => t.toLowerCase()]])) {
       const positions = header.flatMap((text, i) => (normalise(text) === normalise(wanted) ? [i] : []));
       if (!positions.length) continue;
       const position = only(name, header, positions, "the sample");
@@ -106,5 +106,5 @@ const Columns = (() => {
     return null;
   }
 
-  return { AXES, RATIOS, MEANS, TWO_AXES, recognise, mayNumberRows: (text) => RUNNING.test(text) };
+  return { AXES, RATIOS, MEANS, TWO_AXES, recognise, mayNumberRows: (text) => RUNNING.test(text), findSample };
 })();

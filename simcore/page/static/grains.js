@@ -34,13 +34,13 @@ const Grains = (() => {
     }
     const samples = [...groups].map(([group, entries]) => {
       const isMean = columns.kind === MEANS;
-      const sample = isMean ? fromMeans(group, entries, counts) : fromGrains(name, group, entries, columns.kind, counts);
+      const sample = isMean ? fromMeans(group, entries, counts, columns.noun) : fromGrains(name, group, entries, columns, counts);
       return { ...sample, row: entries[0].row };
     });
     const unused = describeUnused(table.header, rows, columns);
     const rare = columns.kind === MEANS
-      ? describeSmallDeviations(samples)
-      : describeRareRows(groups, columns.kind, counts);
+      ? describeSmallDeviations(samples, columns.noun)
+      : describeRareRows(groups, columns, counts);
     const all = [...table.notices, ...summaries, ...countNotices, ...unused, ...rare].map((notice) => `${name}: ${notice}`);
     return { samples, notices: all, kind: columns.kind, header: table.header };
   }
@@ -50,7 +50,7 @@ const Grains = (() => {
     try {
       const columns = Columns.recognise(name, header, sample);
       if (forBed) checkForBed(name, header, columns);
-      return columns;
+      return { ...columns, noun: CLASS_NAME.test(header[columns.sample]) ? "class" : "sample" };
     } catch (error) {
       if (!(error instanceof InputError)) throw error;
       throw new InputError([error.message, ...notices].join("; "));
@@ -148,11 +148,11 @@ const Grains = (() => {
     }
     const weights = new Map(texts.map(({ row, text }) => [row, Number(text)]));
     if (numbersRows(title, [...weights.values()])) return [null, [describeRunning(title)]];
-    const notice = `the column ${title} is the number of grains of each sample; FL and EL are assumed to be independent`;
+    const notice = `the column ${title} is the number of grains of each ${columns.noun}; FL and EL are assumed to be independent`;
     return [{ weights, whole: true }, [notice]];
   }
 
-  const numbersRows = (title, values) => Columns.mayNumberRows(title) && areNumbers(values);
+  const numbersRows = (title, values) => (Columns.mayNumberRows(title) || (values.includes(1) && !values.includes(0))) && areNumbers(values);
 
   // Whether values rise by 1 from row to row; or are 1 to N in any order, or 1, 2, 3, ... anew for each sample, if there
   // are so many that numbers of grains would hardly be so by chance.
@@ -210,14 +210,14 @@ const Grains = (() => {
     ];
   }
 
-  function describeRareRows(groups, kind, counts) {
+  function describeRareRows(groups, { kind, noun }, counts) {
     const slips = describeSlips(groups, kind);
     if (kind === TWO_AXES) return slips;
-    return [...slips, ...(counts ? [] : describeMeanRows(groups)), ...describeSingleRows(groups)];
+    return [...slips, ...(counts ? [] : describeMeanRows(groups, noun)), ...describeSingleRows(groups, noun)];
   }
 
   // Returns a notice on rows with the means of the rows above them, without a label.
-  function describeMeanRows(groups) {
+  function describeMeanRows(groups, noun) {
     const { last, fewest_above: fewestAbove, rounded, spread } = DATA.reading.mean_rows;
     const isMean = (above, value) => {
       const mean = sum(above) / above.length;
@@ -233,29 +233,31 @@ const Grains = (() => {
     if (!rows.length) return [];
     const [plural, have] = rows.length > 1 ? ["s", "have"] : ["", "has"];
     return [
-      `row${plural} ${joinFirst(rows.map(({ row }) => `${row}`))} ${have} the means of the rows above of the same sample; ` +
+      `row${plural} ${joinFirst(rows.map(({ row }) => `${row}`))} ${have} the means of the rows above of the same ${noun}; ` +
         "if this is no grain, remove it, and other statistics below it",
     ];
   }
 
   // Returns a notice on samples of one row, which may be a mean over grains.
-  function describeSingleRows(groups) {
+  function describeSingleRows(groups, noun) {
     const names = [...groups].filter(([, entries]) => entries.length === 1).map(([name]) => name);
     if (!names.length) return [];
-    const [samples, have] = names.length > 1 ? ["samples", "have one row each"] : ["sample", "has one row"];
+    const have = names.length > 1 ? "have one row each" : "has one row";
     return [
-      `the ${samples} ${joinFirst(names)} ${have}, so that all grains have one form; if the row is a mean over grains, ` +
+      `the ${plural(noun, names)} ${joinFirst(names)} ${have}, so that all grains have one form; if the row is a mean over grains, ` +
         "the porosity is too low: give a row per grain, or mean_FL, std_FL, mean_EL, std_EL",
     ];
   }
 
+  const plural = (noun, names) => noun + (names.length === 1 ? "" : noun === "class" ? "es" : "s");
+
   // Returns a notice on samples whose deviation of FL or EL is small.
-  function describeSmallDeviations(samples) {
+  function describeSmallDeviations(samples, noun) {
     const small = (deviation) => deviation > 0 && deviation < smallDeviation;
     const names = samples.filter(({ sigma_FL, sigma_EL }) => small(sigma_FL) || small(sigma_EL)).map(({ name }) => name);
     if (!names.length) return [];
     return [
-      `the sample${names.length > 1 ? "s" : ""} ${joinFirst(names)}: std_FL or std_EL is below ${general(smallDeviation)}, ` +
+      `the ${plural(noun, names)} ${joinFirst(names)}: std_FL or std_EL is below ${general(smallDeviation)}, ` +
         "which is rare for gravel; give the standard deviation over the grains, not the standard error of their mean or " +
         "the variance",
     ];
@@ -342,12 +344,12 @@ const Grains = (() => {
     return [mu_FL, mu_EL];
   }
 
-  function fromGrains(name, group, entries, kind, counts) {
+  function fromGrains(name, group, entries, { kind, noun }, counts) {
     const forms = entries.map(({ where, values }) => formOf(where, values, kind));
     const weights = counts ? entries.map(({ row }) => counts.weights.get(row)) : forms.map(() => 1);
     const total = sum(weights);
     if (counts && !(total > 0)) {
-      throw new InputError(`${name}: the numbers of grains of sample ${group} are all 0; correct or remove its rows`);
+      throw new InputError(`${name}: the numbers of grains of ${noun} ${group} are all 0; correct or remove its rows`);
     }
     const sample = { name: group, grains: counts ? (counts.whole ? total : Number(weights.filter((w) => w > 0).length === 1)) : forms.length, forms };
     const features = { FL: ([FL]) => FL, EL: ([, EL]) => EL, EQ: ([FL, EL]) => FL * EL };
@@ -376,10 +378,10 @@ const Grains = (() => {
     return changes.map((a) => changes.map((b) => covariance(a, b)));
   }
 
-  function fromMeans(group, entries, counts) {
+  function fromMeans(group, entries, counts, noun) {
     if (entries.length > 1) {
       throw new InputError(
-        `${entries[1].where}: sample ${group} occurs twice, but each row of means and deviations is one sample; ` +
+        `${entries[1].where}: ${noun} ${group} occurs twice, but each row of means and deviations is one ${noun}; ` +
           "rename or remove one"
       );
     }

@@ -3,6 +3,7 @@ const Table = (() => {
   const { InputError } = Numbers;
   const DECLARED = /^"?sep=([!#-/:-@[-^`{-~\t]|\\t)"?[;,\t]*$/i;
   const SPACES = "spaces";
+  const samples = DATA.reading.sample_names;
   const SAVE_AS = "save it as CSV (UTF-8)";
 
   // Returns {text, notices} of the bytes of a file.
@@ -152,6 +153,16 @@ const Table = (() => {
     }
     let [{ cells: names }, ...rows] = filled.slice(above);
     const columns = width(names);
+    names.slice(0, columns).forEach((own, i) => {
+      const over = filled.slice(0, above).filter(({ cells: texts }) => texts[i]).at(-1);
+      const values = rows.flatMap(({ cells: texts }) => texts[i] || []);
+      const isName = new Set(values).size < values.length || samples.includes(over?.cells[i].toLowerCase());
+      if (own || !over || !values.length || !isName) return;
+      throw new InputError(
+        `${name}: column ${i + 1} has values but no name in row ${filled[above].row}; write its name there (row ` +
+          `${over.row} has ${over.cells[i]})`
+      );
+    });
     for (const { row, cells: texts } of rows) {
       if (width(texts) > columns) {
         throw new InputError(

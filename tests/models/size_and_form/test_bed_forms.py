@@ -117,6 +117,15 @@ def test_samples_have_forms_by_class(write, tmp_path):
     assert mixed["curve"].tolist() == ["U7", "U5"] and mixed.n.iloc[0] == table.n[0] and mixed.n.iloc[1] > table.n[1]
 
 
+def test_notices_on_classes_name_their_sample(write):
+    rows = ["0-63,a,0.6,0.7", "63-90,a,0.7,0.8", "63-90,a,0.8,0.8", "0-63,b,0.5,0.5", "0-63,b,0.6,0.5"]
+    _, notices = read_bed_forms(write("class [mm],sample,FL,EL", *rows), "U7")
+    assert any("the class 0-63 of the sample a has one row, so that" in notice for notice in notices)
+    assert any("the class 63 to 90 mm of the sample a is not used, because" in notice for notice in notices)
+    with pytest.raises(ValueError, match="the classes below 63 mm and 8 to 16 mm of the sample b overlap"):
+        read_bed_forms(write("class [mm],sample,FL,EL", *rows, "8-16,b,0.5,0.5"), "U7")
+
+
 def test_a_curve_is_given_once_in_any_way(write, tmp_path, monkeypatch):
     path = write(f"sample,{MEANS}", f"a,{A}")
     curve = all_cases()["U7"].curve
@@ -131,6 +140,8 @@ def test_a_curve_is_given_once_in_any_way(write, tmp_path, monkeypatch):
 
 def test_any_column_names_the_samples(write, tmp_path):
     """Another column `sample` is then left out. The one sample of a table is packed without the empty classes of U5."""
+    german = write("Probe,Siebkurve,FL,EL", "x,U7,0.6,0.7", "x,U7,0.7,0.8", "y,U5,0.6,0.7")
+    assert simcore.predict(german)["sample"].tolist() == ["x", "y"]
     path = write("site,sample,sieve,FL,EL", "x,1,U7,0.6,0.7", "x,2,U7,0.7,0.8", "y,1,U5,0.6,0.7")
     table = simcore.predict(path, column="site")
     assert table["sample"].tolist() == ["x", "y"] and table["grains"].tolist() == [2, 1]
