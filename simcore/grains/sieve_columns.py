@@ -51,6 +51,7 @@ _SUMMED_WORDS = {
     "kumulativ",
     "kum",
     "aufsummiert",
+    "aufaddiert",
     "summe",
     "σ",
 }

@@ -181,8 +181,8 @@ def read_sieve_table(path, coarsest=None):
             notices += notices_of_total(name, np.nan_to_num(list(values.values())), totals)
         if len(columns.amounts) == 1 and _is_mass_retained(column):
             listed = [row for row in rows[::-1] if row in given.cells.index]  # without the sieve above all classes
-            coarse_to_fine = [values[row] for row in [*listed, *([] if pan is None else [pan])]]
-            notices += notices_of_sums(name, column.unit, np.nan_to_num(coarse_to_fine), pan is not None)
+            in_pan = None if pan is None else np.nan_to_num(values[pan])
+            notices += notices_of_sums(name, column.unit, np.array([values[row] for row in listed]), in_pan)
     if pan is None and all(_is_mass_retained(column) for column in columns.amounts):
         notices.append(
             f"there is no row `pan`: nothing is taken to pass {openings[0] * 1e3:g} mm; if finer grains were weighed, "

@@ -91,8 +91,26 @@ SIEVES = [
     ),
     Case(
         "opening [mm];mass [g]\n16;0\n11,2;410\n8;1340\n5,6;2100\n4;2400\n2,8;2490\npan;2500\n",
-        notice="mass [g] rises from the coarsest sieve to the pan; if these are sums, name the column `cumulative "
+        notice="mass [g] rises from the coarsest sieve to the finest; if these are sums, name the column `cumulative "
         "retained [g]`",
+    ),
+    # Sums without a pan, with the mass of the pan instead of the total, and of three sieves with the total.
+    *[
+        Case(
+            f"opening [mm];mass [kg]\n{rows}",
+            notice="mass [kg] rises from the coarsest sieve to the finest; if these are sums, name the column "
+            "`cumulative retained [kg]`",
+        )
+        for rows in (
+            "31.5;0\n16;520\n8;1130\n4;1610\n2;1890\n1;2010\n",
+            "16;0\n8;200\n4;350\n2;450\npan;4\n",
+            "16;0\n8;200\n4;350\n2;450\npan;\n",
+            "8;200\n4;350\n2;450\npan;454\n",
+        )
+    ],
+    Case(
+        "Siebweite [mm];Rückstand aufaddiert [g]\n16;0\n8;200\n4;350\n2;450\n",
+        error="Rückstand aufaddiert [g] is a mass, but its total is unknown; give it in percent, or add the pan",
     ),
     Case(
         "opening [mm];Masse\n2,8;10\n4;100\n5,6;400\n8;1160\n11,2;2090\n16;2500\n",
