@@ -25,7 +25,14 @@ from simcore.grains.sieve_columns import (
     reading_rules,
     recognise_sieve_columns,
 )
-from simcore.grains.sieve_openings import COMMON_FRACTION, LEAST_COARSEST, WITH_UNIT, read_openings
+from simcore.grains.sieve_openings import (
+    COMMON_FRACTION,
+    LEAST_COARSEST,
+    MOST_COARSEST,
+    WITH_UNIT,
+    notices_of_size,
+    read_openings,
+)
 from simcore.grains.sieve_sums import FEWEST_SUMS, LOSS, SMALL_STEP, notices_of_sums, notices_of_total
 from simcore.grains.summary_rows import find_summary_rows, is_total
 from simcore.grains.table_file import read_table
@@ -198,6 +205,7 @@ def read_sieve_table(path, coarsest=None):
             )
         notices.append(f"the columns {name} and {other} agree; {name} is used")
     _check_classes(path, table)
+    notices += notices_of_size(text.header[columns.opening], openings, table.passing)
     unused = [text.header[i] or f"(column {i + 1}, no name)" for i in cells if i not in used]
     if unused:
         notices.append(f"columns that are not used: {', '.join(unused)}")
@@ -215,6 +223,7 @@ def table_rules():
         "rounding": ROUNDING,
         "agreement": AGREEMENT,
         "least_coarsest": LEAST_COARSEST,
+        "most_coarsest": MOST_COARSEST,
         "fewest_sums": FEWEST_SUMS,
         "small_step": SMALL_STEP,
         "loss": LOSS,

@@ -262,6 +262,44 @@ SIEVES = [
         error="row 3: mass [g] is '1’250'; a number is needed, without "
         "separators of thousands; write its unit, if any, in the header",
     ),
+    *[
+        Case(
+            text,
+            notice=f"there are grains of about {size} mm, which are too large for a sieve; the unit of {name} may be "
+            "µm",
+        )
+        for name, size, text in (
+            ("opening [mm]", "2000", "opening [mm];passing [%]\n2000;100\n1000;60\n500;30\n250;10\n125;0\n"),
+            ("Sieb [mm]", "1400", "Sieb [mm];Masse [g]\n2000;0\n1400;0\n1000;60\n500;30\n250;10\npan;1\n"),
+            ("class [mm]", "2000", "class [mm];mass [g]\n> 2000;1\n1000-2000;60\n500-1000;30\n250-500;10\n"),
+        )
+    ],
+    *[
+        Case(
+            f"Siebweite [{unit}];Durchgang [%]\n{rows}",
+            error=f"row {row}: the opening {fault}order the sieves from coarse "
+            "to fine or from fine to coarse, each once",
+        )
+        for unit, rows, row, fault in (
+            (
+                "mm",
+                "63;100\n31,5;80\n8;50\n2;20\n1;15\n500;10\n",
+                7,
+                "500 mm is out of the order of the other sieves; it may be in µm, which is 0.5 mm; if not, ",
+            ),
+            (
+                "mm",
+                "500;10\n1;15\n2;20\n8;50\n63;100\n",
+                2,
+                "500 mm is out of the order of the other sieves; it may be in µm, which is 0.5 mm; if not, ",
+            ),
+            ("mm", "63;100\n3,15;80\n16;50\n8;20\n", 3, "3.15 mm is out of the order of the other sieves; "),
+            ("cm", "6.3;100\n0.8;50\n0.2;20\n10;0\n", 5, "100 mm is out of the order of the other sieves; "),
+            ("mm", "63;100\n31,5;80\n8;50\n2;20\n500;10\n250;0\n", 6, "500 mm follows 2 mm; "),
+            ("mm", "63;100\n31,5;80\n4;50\n8;20\n2;0\n", 5, "8 mm follows 4 mm; "),
+            ("mm", "8;100\n16;80\n8;50\n", 3, "16 mm follows 8 mm; "),
+        )
+    ],
     # Both marks are decimals elsewhere, or no cell shows which mark is.
     Case("Sieböffnung [mm];Summenrückstand [%];note\n16;0;a\n8;60;b\n4;100;c\n", notice="are not used: note"),
     Case("Öffnung [mm];Durchgangssumme [%];note\n16;100;a\n8;60;b\n4;0;c\n", notice="are not used: note"),

@@ -60,6 +60,7 @@ const SieveTable = (() => {
       notices.push(`the columns ${title} and ${other.title} agree; ${title} is used`);
     }
     checkClasses(name, sieves.openings, passing);
+    notices.push(...SieveOpenings.noticesOfSize(table.header[columns.opening], sieves.openings, passing));
     const unused = table.header.flatMap((t, i) => (used.includes(i) ? [] : [t || `(column ${i + 1}, no name)`]));
     if (unused.length) notices.push(`columns that are not used: ${unused.join(", ")}`);
     return { openings: sieves.openings, passing, notices: notices.map((notice) => `${name}: ${notice}`) };
