@@ -228,10 +228,37 @@ SIEVES = [
         error="row 2: class [mm] is '2≤d<4'; give both sieves, such as '8-11.2', or an "
         "end such as '> 63'; remove rows that are no class",
     ),
+    *[
+        Case(
+            f"{name};mass [g]\n{label};30\n{other};4\n",
+            error=f"row 2: {name} is '{label}'; classes in phi are not read; give the classes in mm, or the openings in "
+            "a column `phi`",
+        )
+        for name, label, other in (
+            ("class [phi]", "1-2", "2-3"),
+            ("class [phi]", "-4 to -3", "-3 to -2"),
+            ("Klasse (φ)", "> 2", "1 bis 2"),
+            ("phi class", "-4 - -3", "-3 - -2"),
+            ("phi", "-4/-3", "-3/-2"),
+            ("size [phi]", "3-4", "2-3"),
+            ("class", "3-4 phi", "2-3 phi"),
+        )
+    ],
+    *[
+        Case(
+            f"{low};{high};mass [g]\n8;16;30\n4;8;20\n",
+            error=f"the columns {low} and {high} need the same unit of length; write it in both names, such as "
+            f"`{low.split(' [')[0]} [mm]` and `{high.split(' [')[0]} [mm]`",
+        )
+        for low, high in (("from [cm]", "to [mm]"), ("from", "to"), ("von", "bis [mm]"), ("min [ell]", "max [ell]"))
+    ],
     Case(
-        "class [phi];mass [g]\n1-2;30\n2-3;4\n",
-        error="row 2: class [phi] is '1-2' in phi; give classes in mm, or the openings in phi",
+        "from [phi];to [phi];mass [g]\n-4;-3;200\n-3;-2;150\n",
+        error="the columns from [phi] and to [phi] are the bounds of classes; classes in phi are not read; give the "
+        "classes in mm, or the openings in a column `phi`",
     ),
+    Case("from;to;opening [mm];mass [g]\n1;2;16;0\n1;2;8;60\n1;2;4;40\n", notice="columns that are not used: from, to"),
+    Case("from;from [mm];to [mm];to;mass [g]\n1;8;16;2;60\n2;4;8;3;39\n", notice="columns that are not used: from, to"),
     Case(
         "class [mm];mass [g]\n> 31,5;30\n> 16;40\n",
         error="the classes above 16 mm (row 3) and above 31.5 mm (row 2) overlap; correct the column class [mm]",
