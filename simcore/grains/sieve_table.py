@@ -161,7 +161,7 @@ def read_sieve_table(path, coarsest=None):
     try:
         given = with_joined_bounds(path, given)
         text, classes = with_lower_sieves(path, given)
-        columns = recognise_sieve_columns(path, text.header, classes)
+        columns = recognise_sieve_columns(path, text, classes)
     except ValueError as error:
         raise ValueError("; ".join([str(error), *given.notices])) from None
     columns = columns if classes is None else retained_only(path, columns)

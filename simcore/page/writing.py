@@ -1,6 +1,7 @@
 """Writes the page: a template, a style, scripts and the data of the models in one file."""
 
 import json
+import re
 from importlib.resources import files
 from pathlib import Path
 
@@ -44,8 +45,8 @@ def _json(data):
 
 
 def _without_comments(script):
-    """Return a script without its lines of comment, so that the page is smaller."""
-    return "\n".join(line for line in script.splitlines() if not line.lstrip().startswith("//"))
+    """Return a script without its lines of comment and its empty lines, so that the page is smaller."""
+    return "\n".join(line for line in script.splitlines() if not re.match(r"\s*(?://|$)", line))
 
 
 def _read(name):

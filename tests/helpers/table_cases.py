@@ -231,8 +231,8 @@ SIEVES = [
     *[
         Case(
             f"{name};mass [g]\n{label};30\n{other};4\n",
-            error=f"row 2: {name} is '{label}'; classes in phi are not read; give the classes in mm, or the openings in "
-            "a column `phi`",
+            error=f"row 2: {name} is '{label}'; classes in phi are not read; give the classes in mm, or the "
+            "openings in a column `phi`",
         )
         for name, label, other in (
             ("class [phi]", "1-2", "2-3"),
@@ -326,6 +326,25 @@ SIEVES = [
             ("mm", "63;100\n31,5;80\n4;50\n8;20\n2;0\n", 5, "8 mm follows 4 mm; "),
             ("mm", "8;100\n16;80\n8;50\n", 3, "16 mm follows 8 mm; "),
         )
+    ],
+    *[
+        Case(
+            text,
+            error=f"the columns {names} are not named as amounts; a table has one sieve curve, so that each sample "
+            "needs its own file with a column such as `mass [g]`",
+        )
+        for names, text in (
+            ("Probe 1, Probe 2", "opening [mm];Probe 1;Probe 2\n16;0;0\n8;200,5;100\n4;100;\nSchale;5;3\n"),
+            ("A [g], (no name)", "n;class;A [g];;note\n1;8-16 mm;200;1;wet\n2;4-8 mm;100;50;\n"),
+        )
+    ],
+    *[
+        Case(
+            f"class [mm];{name};note\n16-32;12;5\n8-16;30;\n4-8;40;\n",
+            error=f"the column {name} has counts of grains, which are shares by number; a sieve curve needs masses, "
+            "such as `mass [g]`",
+        )
+        for name in ("count", "Counts", "Anzahl", "number of grains", "n [-]")
     ],
     # Both marks are decimals elsewhere, or no cell shows which mark is.
     Case("Sieböffnung [mm];Summenrückstand [%];note\n16;0;a\n8;60;b\n4;100;c\n", notice="are not used: note"),

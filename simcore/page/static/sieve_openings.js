@@ -50,10 +50,8 @@ const SieveOpenings = (() => {
     let [i] = alone;
     let fault = "is out of the order of the other sieves; ";
     if (alone.length === 1) {
-      const small = sizes[i] / 1e3;
-      if (unit === "mm" && inOrder(sizes.map((size, k) => (k === i ? small : size)))) {
-        fault += `it may be in µm, which is ${general(small)} mm; if not, `;
-      }
+      const divided = sizes.map((size, k) => (k === i ? size / 1e3 : size));
+      if (unit === "mm" && inOrder(divided)) fault += `it may be in µm, which is ${general(divided[i])} mm; if not, `;
     } else {
       const steps = signs(sizes);
       const direction = Math.sign(steps.reduce((a, b) => a + b)) || Math.sign(sizes.at(-1) - sizes[0]);

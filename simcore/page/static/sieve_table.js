@@ -15,7 +15,7 @@ const SieveTable = (() => {
     if (!file.header.length) throw new InputError(`${name}: the file is empty; ${rules.needed}`);
     const given = SieveClasses.withJoinedBounds(name, file);
     const [table, classes] = SieveClasses.withLowerSieves(name, given);
-    const recognised = SieveColumns.recognise(name, table.header, classes);
+    const recognised = SieveColumns.recognise(name, table, classes);
     const columns = classes === null ? recognised : SieveClasses.retainedOnly(name, recognised);
     const notices = [...table.notices];
     const [rows, labels] = leaveOutTotals(table.rows, columns, notices);
