@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from simcore.grains.cell_numbers import read_number
+from simcore.grains.cell_numbers import check_sheet_error, read_number
 from simcore.grains.row_errors import read_each
 from simcore.grains.sieve_columns import LENGTHS, PAN, PHI, known_unit
 
@@ -87,6 +87,7 @@ def _fault_of_order(path, rows, values, unit):
 
 def _opening(where, name, text, unit):
     """Return the opening in a cell [m]; 0 only for a length of 0, which is the pan."""
+    check_sheet_error(where, name, text)
     if unit is None:
         match = WITH_UNIT.fullmatch(text)
         unit = known_unit(match[2]) if match else None

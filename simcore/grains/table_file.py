@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from simcore.grains.table_head import join_units, rows_above_header, width
+from simcore.grains.table_head import comment_of, join_units, rows_above_header, width
 
 _WORKBOOKS = (".xlsx", ".xlsm", ".ods")
 _THREE_DECIMALS = re.compile(r"-?\d+\.\d{3}")
@@ -68,7 +68,7 @@ def read_table(path):
     space; Excel's first line `sep=` overrides this. In a workbook (.xlsx, .ods) the first sheet that is not empty is
     read. The settings at the beginning of an export of PebbleCounts are left out, and with a notice the rows of a title
     above the names of the columns. A row of units below the names is joined with them. ValueError if the file does not
-    exist or is not a table, or if a row has more cells than the header.
+    exist or is not a table, if a row below the header is a comment, or if it has more cells than the header.
     """
     path = Path(path)
     if path.is_dir():
@@ -205,6 +205,8 @@ def _read_workbook(path, data, kind, library, engine):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about styles and the like, which do not affect the values
             sheets = pd.read_excel(io.BytesIO(data), sheet_name=None, header=None, dtype=object, engine=engine)
+            if engine == _EXCEL[2]:
+                _put_errors(sheets, data)
     except ImportError:
         raise ValueError(
             f"{path}: {kind}s are read with {library.partition('>')[0]}, which is not installed; install it "
@@ -219,6 +221,18 @@ def _read_workbook(path, data, kind, library, engine):
     name, *others = filled
     notices = [f"only the sheet {name} is read, not {', '.join(map(str, others))}"] if others else []
     return filled[name].map(_cell_text).astype(str), notices
+
+
+def _put_errors(sheets, data):
+    """Put errors of formulas, such as #DIV/0!, into the sheets, dict of DataFrame; pandas reads them as empty cells."""
+    from openpyxl import load_workbook
+
+    if all(sheet.notna().all(axis=None) for sheet in sheets.values()):
+        return
+    workbook = load_workbook(io.BytesIO(data), read_only=True, data_only=True, keep_links=False)
+    for name, sheet in sheets.items():
+        for cell in (cell for cells in workbook[name].iter_rows() for cell in cells if cell.data_type == "e"):
+            sheet.iat[cell.row - 1, cell.column - 1] = cell.value
 
 
 def _cell_text(cell):
@@ -245,6 +259,9 @@ def _split_header(path, cells, notices, fields=(), separator=""):
         notices = [*notices, f"{rows} {verb} above the names of the columns and {verb} left out"]
     names, cells = cells.iloc[above].tolist(), cells.iloc[above + 1 :]
     columns = width(names)
+    for row, *texts in cells.itertuples(name=None):
+        if comment := comment_of(texts):
+            raise ValueError(f"{path}, row {row}: the line is a comment, '{comment}'; remove it")
     for row, texts in cells.loc[:, columns:].iterrows():
         if (texts != "").any():
             raise ValueError(

@@ -2,6 +2,8 @@
 
 import re
 
+from simcore.grains.cell_numbers import NUMBER, SHEET_ERROR
+
 _WORDS_OF_UNITS = r"(?:units?|einheit(?:en)?|unités?)\s*:?"
 _UNIT = (
     r"[µμumcd]?m|in|inch(?:es)?|microns?|millimet(?:er|re)s?|phi|[φΦϕ]|mg|g|kg|t|lbs?|grams?|percent"
@@ -10,15 +12,20 @@ _UNIT = (
 _WITHOUT_UNIT = r"[-–—1]"
 _IN_BRACKETS = r"[\[(]?\s*({})\s*[\])]?"
 _NUMBER = r"[-+−<>]?\s*[.,]?\d.*"  # also with a unit, a date, or a class
+_COMMENT = r"#\s*[^\d\s].*"  # not #4
 MOST_NUMBERS = 1  # in a row of the title, such as a date
 
 
 def head_patterns():
-    """Return the regular expressions of whole cells, in any case, dict: unit (group 1), without_unit, number."""
+    """Return the regular expressions of whole cells, in any case, dict.
+
+    unit (group 1), without_unit, number; comment: of the text of a row.
+    """
     return {
         "unit": _IN_BRACKETS.format(_UNIT),
         "without_unit": f"{_IN_BRACKETS.format(_WITHOUT_UNIT)}|{_WORDS_OF_UNITS}",
         "number": _NUMBER,
+        "comment": _COMMENT,
     }
 
 
@@ -53,6 +60,13 @@ def join_units(names, texts):
         f"{name} [{unit[1]}]" if unit and name and not _has_unit(name, unit[1]) else name
         for name, unit in zip(names, units, strict=True)
     ]
+
+
+def comment_of(texts):
+    """Return the text of a row that is a comment, such as `# end`, without numbers in its other cells, or ""."""
+    text = " ".join(filter(None, texts))
+    is_value = SHEET_ERROR.fullmatch(texts[0]) or any(map(NUMBER.fullmatch, texts))
+    return text if texts[0] and re.fullmatch(_COMMENT, text) and not is_value else ""
 
 
 def width(texts) -> int:

@@ -40,7 +40,7 @@ def page_text(data):
 
 def _json(data):
     """Return JSON that can be inside <script>: without the characters that could end it."""
-    text = json.dumps(data, allow_nan=False, ensure_ascii=True, separators=(",", ":"))
+    text = json.dumps(data, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 

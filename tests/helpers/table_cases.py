@@ -346,6 +346,35 @@ SIEVES = [
         )
         for name in ("count", "Counts", "Anzahl", "number of grains", "n [-]")
     ],
+    *[
+        Case(
+            f"opening [mm],mass [g]\n16,0\n8,200\n\n4,150\n{line}\n2,100\n,\npan,10\n",
+            error=f"row 6: the line is a comment, '{text}'; remove it",
+        )
+        for line, text in (
+            ("# comment", "# comment"),
+            ("#wet!,", "#wet!"),
+            ("# sieved, then dried", "# sieved then dried"),
+            ("# sieved, dried, weighed on 5 May", "# sieved dried weighed on 5 May"),
+        )
+    ],
+    *[
+        Case(
+            f"opening [mm],mass [g]\n16,0\n{cells}\n4,150\n",
+            error=f"row 3: {name} is '{text}', an error of the spreadsheet; correct its formula",
+        )
+        for cells, name, text in (
+            ("8,#DIV/0!", "mass [g]", "#DIV/0!"),
+            ("8,#N/A", "mass [g]", "#N/A"),
+            ("#BEZUG!,200", "opening [mm]", "#BEZUG!"),
+            ("#DIV/0!,", "opening [mm]", "#DIV/0!"),
+            ("#WERT!,#WERT!", "opening [mm]", "#WERT!"),
+        )
+    ],
+    Case(
+        "opening [mm],mass [g]\n16,0\n# 10,200\n4,150\n",
+        error="row 3: opening [mm] is '# 10', a number of a sieve; give its opening instead, in mm",
+    ),
     # Both marks are decimals elsewhere, or no cell shows which mark is.
     Case("Sieböffnung [mm];Summenrückstand [%];note\n16;0;a\n8;60;b\n4;100;c\n", notice="are not used: note"),
     Case("Öffnung [mm];Durchgangssumme [%];note\n16;100;a\n8;60;b\n4;0;c\n", notice="are not used: note"),
@@ -449,6 +478,13 @@ GRAINS = [
     ),
     Case("L;I;S\n40;30;10\n\n12;10;\n", error="row 4: S is empty; measure it, or remove the row"),
     Case("L;I;S;note\n40;;10;wet\n", error="row 2: I is empty; measure it, or remove the row"),
+    Case("L;I;S\n40;30;10\n# Ende\n", error="row 3: the line is a comment, '# Ende'; remove it"),
+    Case("L I S\n40 30 10\n# the end of it\n", error="row 3: the line is a comment, '# the end of it'; remove it"),
+    Case(
+        "L;I;S\n40;30;10\n#NAME?;3;2\n",
+        error="row 3: L is '#NAME?', an error of the spreadsheet; correct its formula",
+    ),
+    Case("id;L;I;S\n#a;4;3;2\n#b;4;3;1\n", notice="id"),
     Case("L;I;S\n40;30\n", error="row 2: the row has 2 fields, but the header has 3; add or remove fields"),
     Case(
         "L,,I,S,\n40,,30\n",

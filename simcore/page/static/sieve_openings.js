@@ -74,6 +74,7 @@ const SieveOpenings = (() => {
 
   // Returns the opening in a cell [mm]; 0 only for a length of 0, which is the pan.
   function opening(where, title, text, unitOfColumn) {
+    Numbers.checkSheetError(where, title, text);
     let unit = unitOfColumn;
     if (unit === null) {
       const match = WITH_UNIT.exec(text);

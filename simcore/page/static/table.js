@@ -153,6 +153,10 @@ const Table = (() => {
     let [{ cells: names }, ...rows] = filled.slice(above);
     const columns = width(names);
     for (const { row, cells: texts } of rows) {
+      const comment = TableHead.commentOf(texts);
+      if (comment) throw new InputError(`${name}, row ${row}: the line is a comment, '${comment}'; remove it`);
+    }
+    for (const { row, cells: texts } of rows) {
       if (width(texts) > columns) {
         throw new InputError(
           `${name}, row ${row}: the row has ${width(texts)} fields, but the header has ${columns}; ` +
