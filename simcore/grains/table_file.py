@@ -205,8 +205,6 @@ def _read_workbook(path, data, kind, library, engine):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about styles and the like, which do not affect the values
             sheets = pd.read_excel(io.BytesIO(data), sheet_name=None, header=None, dtype=object, engine=engine)
-            if engine == _EXCEL[2]:
-                _put_errors(sheets, data)
     except ImportError:
         raise ValueError(
             f"{path}: {kind}s are read with {library.partition('>')[0]}, which is not installed; install it "
@@ -220,18 +218,18 @@ def _read_workbook(path, data, kind, library, engine):
         return pd.DataFrame(dtype=str), []
     name, *others = filled
     notices = [f"only the sheet {name} is read, not {', '.join(map(str, others))}"] if others else []
+    if engine == _EXCEL[2] and filled[name].isna().any(axis=None):
+        _put_errors(filled[name], name, data)
     return filled[name].map(_cell_text).astype(str), notices
 
 
-def _put_errors(sheets, data):
-    """Put errors of formulas, such as #DIV/0!, into the sheets, dict of DataFrame; pandas reads them as empty cells."""
+def _put_errors(sheet, name, data):
+    """Put errors of formulas, such as #DIV/0!, into a sheet of an Excel workbook; pandas reads them as empty cells."""
     from openpyxl import load_workbook
 
-    if all(sheet.notna().all(axis=None) for sheet in sheets.values()):
-        return
-    workbook = load_workbook(io.BytesIO(data), read_only=True, data_only=True, keep_links=False)
-    for name, sheet in sheets.items():
-        for cell in (cell for cells in workbook[name].iter_rows() for cell in cells if cell.data_type == "e"):
+    rows = load_workbook(io.BytesIO(data), read_only=True, data_only=True, keep_links=False)[name].iter_rows()
+    for cell in (cell for cells in rows for cell in cells if cell.data_type == "e"):
+        if cell.row <= sheet.shape[0] and cell.column <= sheet.shape[1]:
             sheet.iat[cell.row - 1, cell.column - 1] = cell.value
 
 
@@ -262,10 +260,9 @@ def _split_header(path, cells, notices, fields=(), separator=""):
     for row, *texts in cells.itertuples(name=None):
         if comment := comment_of(texts):
             raise ValueError(f"{path}, row {row}: the line is a comment, '{comment}'; remove it")
-    for row, texts in cells.loc[:, columns:].iterrows():
-        if (texts != "").any():
+        if width(texts) > columns:
             raise ValueError(
-                f"{path}, row {row}: the row has {width(cells.loc[row])} fields, but the header has {columns}; "
+                f"{path}, row {row}: the row has {width(texts)} fields, but the header has {columns}; "
                 f"{advice_on_fields(separator)}; if there is a title above the names of the columns, remove it"
             )
     joined = join_units(names, cells.iloc[0].tolist()) if len(cells) else None

@@ -12,20 +12,15 @@ _UNIT = (
 _WITHOUT_UNIT = r"[-–—1]"
 _IN_BRACKETS = r"[\[(]?\s*({})\s*[\])]?"
 _NUMBER = r"[-+−<>]?\s*[.,]?\d.*"  # also with a unit, a date, or a class
-_COMMENT = r"#\s*[^\d\s].*"  # not #4
 MOST_NUMBERS = 1  # in a row of the title, such as a date
 
 
 def head_patterns():
-    """Return the regular expressions of whole cells, in any case, dict.
-
-    unit (group 1), without_unit, number; comment: of the text of a row.
-    """
+    """Return the regular expressions of whole cells, in any case, dict: unit (group 1), without_unit, number."""
     return {
         "unit": _IN_BRACKETS.format(_UNIT),
         "without_unit": f"{_IN_BRACKETS.format(_WITHOUT_UNIT)}|{_WORDS_OF_UNITS}",
         "number": _NUMBER,
-        "comment": _COMMENT,
     }
 
 
@@ -66,7 +61,7 @@ def comment_of(texts):
     """Return the text of a row that is a comment, such as `# end`, without numbers in its other cells, or ""."""
     text = " ".join(filter(None, texts))
     is_value = SHEET_ERROR.fullmatch(texts[0]) or any(map(NUMBER.fullmatch, texts))
-    return text if texts[0] and re.fullmatch(_COMMENT, text) and not is_value else ""
+    return text if texts[0] and re.match(r"#\s*[^\d\s]", text) and not is_value else ""
 
 
 def width(texts) -> int:

@@ -155,8 +155,6 @@ const Table = (() => {
     for (const { row, cells: texts } of rows) {
       const comment = TableHead.commentOf(texts);
       if (comment) throw new InputError(`${name}, row ${row}: the line is a comment, '${comment}'; remove it`);
-    }
-    for (const { row, cells: texts } of rows) {
       if (width(texts) > columns) {
         throw new InputError(
           `${name}, row ${row}: the row has ${width(texts)} fields, but the header has ${columns}; ` +

@@ -2,7 +2,7 @@
 const TableHead = (() => {
   const { most_numbers: mostNumbers, patterns } = DATA.reading.head;
   const whole = (pattern) => new RegExp(`^(?:${pattern})$`, "iu");
-  const [UNIT, WITHOUT_UNIT, NUMBER, COMMENT] = ["unit", "without_unit", "number", "comment"].map((key) => whole(patterns[key]));
+  const [UNIT, WITHOUT_UNIT, NUMBER] = [patterns.unit, patterns.without_unit, patterns.number].map(whole);
 
   // Returns the number of cells up to the last one with text.
   const width = (texts) => texts.reduce((last, text, i) => (text ? i + 1 : last), 0);
@@ -10,9 +10,8 @@ const TableHead = (() => {
   // Returns the text of a row that is a comment, such as "# end", without numbers in its other cells, or "".
   function commentOf(texts) {
     const text = texts.filter((cell) => cell).join(" ");
-    const { NUMBER: plain, SHEET_ERROR } = Numbers;
-    const isValue = SHEET_ERROR.test(texts[0]) || texts.some((cell) => plain.test(cell));
-    return texts[0] && COMMENT.test(text) && !isValue ? text : "";
+    const isValue = Numbers.SHEET_ERROR.test(texts[0]) || texts.some((cell) => Numbers.NUMBER.test(cell));
+    return texts[0] && /^#\s*[^\d\s]/.test(text) && !isValue ? text : "";
   }
 
   // Returns how many rows are a title above the names of the columns; rows: texts of each row, without empty rows.
