@@ -17,6 +17,9 @@ DATE = re.compile(
     rf"|\d{{1,2}}[-. ]+{_MONTH}(?:[-. ]+\d{{2,4}})?|{_MONTH}[-. ]+\d{{2,4}}",
     re.IGNORECASE,
 )
+SHEET_ERROR = re.compile(
+    r"#(?:[A-ZÜ\d/_]+[!?]|N/A|NV)"
+)  # what a spreadsheet displays instead of the result of a formula
 NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity)", re.IGNORECASE)
 
 
@@ -28,6 +31,7 @@ def read_number(where, name, text):
     plain = text.replace("\u2212", "-")
     if plain.rstrip().endswith("%"):
         raise ValueError(f"{where}: {name} is '{text}'; give a fraction, 0.65 instead of 65 %")
+    check_sheet_error(where, name, text)
     if DATE.fullmatch(plain):
         raise ValueError(
             f"{where}: {name} is '{text}'; a spreadsheet took the number for a date: format the column as text, and "
@@ -44,6 +48,12 @@ def read_number(where, name, text):
     if not isfinite(value):
         raise ValueError(f"{where}: {name} is {text}; a finite number is needed; remove the row if it is unknown")
     return value
+
+
+def check_sheet_error(where, name, text):
+    """Raise ValueError if a cell has an error of a spreadsheet, such as #DIV/0!."""
+    if SHEET_ERROR.fullmatch(text):
+        raise ValueError(f"{where}: {name} is '{text}', an error of the spreadsheet; correct its formula")
 
 
 def check_decimal_marks(path, names, cells):

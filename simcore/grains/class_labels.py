@@ -23,13 +23,16 @@ BELOW = ("<", "<=", "≤", "-", "−", "unter", "kleiner", "below", "under", "fi
 LOWER_NAME = re.compile(r"from|von|lower|low|d?[ _]?min|untergrenze|unten|de", re.IGNORECASE)
 UPPER_NAME = re.compile(r"to|bis|upper|high|d?[ _]?max|obergrenze|oben|à", re.IGNORECASE)
 SIZE = re.compile(r"[\d.,]+\s*[a-zµμ]*", re.IGNORECASE)
+IN_PHI = re.compile(r"(?<![a-z])phi(?![a-z])|[φϕ]", re.IGNORECASE)  # anywhere in the name of a column, or in a cell
+NO_PHI = "classes in phi are not read; give the classes in mm, or the openings in a column `phi`"
 NO_SIZE = re.compile(r"[-–—−]?|inf(?:inity)?|∞", re.IGNORECASE)  # of a class that is open at this end
 
 
 def class_patterns():
-    """Return the regular expressions that whole texts match, in any case, dict by what they recognise."""
+    """Return the regular expressions, in any case, dict by what they recognise; whole texts match, except for phi."""
     patterns = {"name": CLASS_NAME, "label": CLASS_LABEL, "end": OPEN_END, "date": DATE}
     patterns |= {"lower": LOWER_NAME, "upper": UPPER_NAME, "size": SIZE, "no_size": NO_SIZE}
+    patterns["phi"] = IN_PHI
     return {key: pattern.pattern for key, pattern in patterns.items()}
 
 
@@ -56,6 +59,8 @@ def class_bounds(where, column, label, unit):
     label is no class, or has no unit or an unknown one.
     """
     is_text = f"{where}: {column} is '{label}'"
+    if known_unit(unit or "") == PHI or IN_PHI.search(label):
+        raise ValueError(f"{is_text}; {NO_PHI}")
     in_header = "" if unit else f", or put the unit in the header, `{column} [mm]`"
     end = OPEN_END.fullmatch(label)
     if end:
@@ -94,8 +99,6 @@ def _size(where, column, label, text, unit, in_header):
     if not unit:
         raise ValueError(f"{where}: {column} is '{label}' without a unit; write it as '{label} mm'{in_header}")
     meaning = known_unit(unit)
-    if meaning == PHI:
-        raise ValueError(f"{where}: {column} is '{label}' in phi; give classes in mm, or the openings in phi")
     if meaning not in LENGTHS:
         raise ValueError(f"{where}: {column} is '{label}'; its unit '{unit}' is unknown, use {', '.join(LENGTHS)}")
     return read_number(f"{where}, {column} '{label}'", "size", text) * LENGTHS[meaning]

@@ -1,13 +1,16 @@
 """Reads a table of sieve classes, such as "8-11.2 mm" with its mass, as a table of sieves."""
 
 import math
+import re
 from dataclasses import replace
 
 from simcore.grains.cell_numbers import check_decimal_marks
 from simcore.grains.class_labels import (
     CLASS_LABEL,
     CLASS_NAME,
+    IN_PHI,
     LOWER_NAME,
+    NO_PHI,
     NO_SIZE,
     OPEN_END,
     SIZE,
@@ -19,6 +22,7 @@ from simcore.grains.sieve_columns import (
     LENGTHS,
     OPENING,
     PAN,
+    PHI,
     RETAINED,
     column_meaning,
     known_unit,
@@ -27,6 +31,7 @@ from simcore.grains.sieve_columns import (
 )
 from simcore.grains.summary_rows import find_summary_rows
 
+_SIGN = re.compile(r"(?<!\d)[-+−](?=\d)")
 SAME_SIEVE = 1e-6  # relative deviation
 NEARLY = 0.01  # relative deviation of two sizes that may be meant as the same sieve, such as 3.99 and 4
 
@@ -36,33 +41,51 @@ def with_joined_bounds(path, table):
 
     The names are those of LOWER_NAME and UPPER_NAME with the same unit of length, such as `von [mm]` and `bis [mm]`. A
     class without a lower sieve is "< 2", one without an upper sieve "> 63". Other tables are returned as they are, also
-    if a third column has the classes or the openings. ValueError if a size has a separator of thousands.
+    if a third column has the classes or the openings. ValueError if the units are missing, differ or are phi, or if a
+    size has a separator of thousands.
     """
     parts = [split_unit(name) for name in table.header]
-    lower = [i for i, (name, unit) in enumerate(parts) if unit and LOWER_NAME.fullmatch(name)]
-    upper = [i for i, (name, unit) in enumerate(parts) if unit and UPPER_NAME.fullmatch(name)]
-    if len(lower) != 1 or len(upper) != 1:
+    lower, upper = (_position_of_bounds(parts, pattern) for pattern in (LOWER_NAME, UPPER_NAME))
+    if lower is None or upper is None:
         return table
-    (low_name, unit), (high_name, other) = parts[lower[0]], parts[upper[0]]
-    if known_unit(unit) not in LENGTHS or known_unit(other) != known_unit(unit):
-        return table
-    used = {i: table.header[i] for i in (*lower, *upper)}
+    used = {i: table.header[i] for i in (lower, upper)}
     if any(_has_sizes(path, table, i) for i in table.cells if i not in used):
         return table
+    (low_name, unit), (high_name, other) = parts[lower], parts[upper]
+    _check_units(path, used.values(), (low_name, high_name), (unit, other))
     check_decimal_marks(path, used, table.cells)
-    header = [name for i, name in enumerate(table.header) if i != upper[0]]
+    header = [name for i, name in enumerate(table.header) if i != upper]
     cells = table.cells.copy()
-    cells[lower[0]] = [_joined(*texts) for texts in zip(cells[lower[0]], cells[upper[0]], strict=True)]
-    cells = cells.drop(columns=upper).rename(columns=lambda i: i - (i > upper[0]))
-    header[lower[0] - (lower[0] > upper[0])] = f"{low_name} and {high_name} [{unit}]"
+    cells[lower] = [_joined(*texts) for texts in zip(cells[lower], cells[upper], strict=True)]
+    cells = cells.drop(columns=upper).rename(columns=lambda i: i - (i > upper))
+    header[lower - (lower > upper)] = f"{low_name} and {high_name} [{unit}]"
     return replace(table, header=header, cells=cells)
+
+
+def _position_of_bounds(parts, pattern):
+    """Return the position of the only column with such a name, of those with a unit if there are any, or None."""
+    named = [i for i, (name, _) in enumerate(parts) if pattern.fullmatch(name)]
+    positions = [i for i in named if parts[i][1]] or named
+    return positions[0] if len(positions) == 1 else None
+
+
+def _check_units(path, columns, names, texts):
+    """Raise ValueError unless the texts of the two units are the same unit of length; names: columns without units."""
+    units = {known_unit(text or "") for text in texts}
+    the_columns = f"{path}: the columns {' and '.join(columns)}"
+    if PHI in units:
+        raise ValueError(f"{the_columns} are the bounds of classes; {NO_PHI}")
+    if len(units) > 1 or not units <= set(LENGTHS):
+        raise ValueError(
+            f"{the_columns} need the same unit of length; write it in both names, such as "
+            f"{' and '.join(f'`{name} [mm]`' for name in names)}"
+        )
 
 
 def _has_sizes(path, table, position):
     """Return whether a column has the openings of the sieves, or classes."""
     name = table.header[position]
-    named = CLASS_NAME.fullmatch(name)
-    unit = named[1] if named else unit_in_name(name)
+    named, unit = _named_class(name)
     is_class = any(_is_class(label, unit, named) for label in table.cells[position])
     return bool(named) or is_class or column_meaning(path, name)[0] == OPENING
 
@@ -124,8 +147,7 @@ def _column_of_classes(path, table):
     """Return the position of the column of classes and the text of its unit; (None, None) if there are openings."""
     of_classes, named_only = [], []
     for position, name in enumerate(table.header):
-        named = CLASS_NAME.fullmatch(name)
-        unit = named[1] if named else unit_in_name(name)
+        named, unit = _named_class(name)
         is_class = any(_is_class(label, unit, named) for label in table.cells[position])
         if is_class:
             of_classes.append((position, unit))
@@ -136,12 +158,21 @@ def _column_of_classes(path, table):
     return [*of_classes, *named_only, (None, None)][0]
 
 
+def _named_class(name):
+    """Return the match of the name of a column with CLASS_NAME or None, and the text of its unit or None."""
+    named = CLASS_NAME.fullmatch(name)
+    unit = named[1] if named else unit_in_name(name)
+    return named, PHI if unit is None and IN_PHI.search(name) else unit
+
+
 def _is_class(label, unit, named):
-    """Return whether a cell is a class.
+    """Return whether a cell is a class, in phi too, which is refused later.
 
     3/8 inches are a fraction. In a column that is not named for classes, a class has a unit of length, since 2021-03 is
     a date.
     """
+    if known_unit(unit or "") == PHI and CLASS_LABEL.fullmatch(_SIGN.sub("", label)):
+        return True
     match = CLASS_LABEL.fullmatch(label)
     length = known_unit(match[5] or unit or "") if match else None
     return bool(match) and (

@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass
 
+from simcore.grains.cell_numbers import NUMBER
 from simcore.grains.table_file import plain_words
 
 NEEDED = (
@@ -51,6 +52,7 @@ _SUMMED_WORDS = {
     "kumulativ",
     "kum",
     "aufsummiert",
+    "aufaddiert",
     "summe",
     "σ",
 }
@@ -58,6 +60,7 @@ _RETAINED_WORDS = {
     "retained", "mass", "masses", "weight", "weights", "fraction", "fractions", "rückstand", "masse", "gewicht",
     "refus", "percent", "wt", "siebrückstand", "auswaage", "anteil", "anteile", "massenanteil", "gew",
 }  # fmt: skip
+_COUNT_WORDS = {"count", "counts", "number", "numbers", "anzahl", "n"}
 _BRACKETS = re.compile(r"\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 # A unit without brackets: "opening_mm", "mass g", "size, mm".
 _TRAILING = re.compile(
@@ -83,25 +86,25 @@ class SieveColumns:
     amounts: list
 
 
-def recognise_sieve_columns(path, header, classes=None):
-    """Return the SieveColumns of a table with these names of columns.
+def recognise_sieve_columns(path, table, classes=None):
+    """Return the SieveColumns of a TextTable.
 
     classes: position of a column of classes whose cells have been replaced by openings, with their unit, or None.
     ValueError, which names the file `path`, if a needed column is missing, if two have the same meaning, or if a unit
     is unknown or of the wrong kind.
     """
-    openings, amounts = [], []
+    header, openings, amounts = table.header, [], []
     for position, name in enumerate(header):
         meaning, unit = (OPENING, None) if position == classes else column_meaning(path, name)
         if meaning == OPENING:
             openings.append((position, unit))
         elif meaning is not None:
             amounts.append(AmountColumn(position, meaning, unit))
-    columns = ", ".join(name or "(no name)" for name in header)
+    names = [name or "(no name)" for name in header]
     if not openings:
-        raise ValueError(f"{path}: none of the columns ({columns}) has sieve openings; {NEEDED}")
+        raise ValueError(f"{path}: none of the columns ({', '.join(names)}) has sieve openings; {NEEDED}")
     if not amounts:
-        raise ValueError(f"{path}: none of the columns ({columns}) has amounts; {NEEDED}")
+        raise ValueError(f"{path}: {_without_amounts(names, table.cells, openings[0][0])}")
     if len(openings) > 1:
         names = " and ".join(header[position] for position, _ in openings[:2])
         raise ValueError(f"{path}: the columns {names} are both sieve openings; remove one")
@@ -111,6 +114,30 @@ def recognise_sieve_columns(path, header, classes=None):
             names = f"{header[amounts[kinds.index(kind)].position]} and {header[amounts[i].position]}"
             raise ValueError(f"{path}: the columns {names} are both the amount {amounts[i].meaning}; remove one")
     return SieveColumns(*openings[0], amounts)
+
+
+def _without_amounts(names, cells, opening):
+    """Return what is wrong with a table without amounts: a column for each of several samples, counts, or neither.
+
+    names: of the columns of `cells`. opening: position of the column of openings.
+    """
+    counts = [name for name in names if plain_words(name) & _COUNT_WORDS]
+    numeric = []
+    for name, (position, texts) in zip(names, cells.items(), strict=True):
+        filled = [text for text in texts if text]
+        if position != opening and name not in counts and filled and all(map(NUMBER.fullmatch, filled)):
+            numeric.append(name)
+    if len(numeric) > 1:
+        return (
+            f"the columns {', '.join(numeric)} are not named as amounts; a table has one sieve curve, so that each "
+            "sample needs its own file with a column such as `mass [g]`"
+        )
+    if counts:
+        return (
+            f"the column {counts[0]} has counts of grains, which are shares by number; a sieve curve needs masses, "
+            "such as `mass [g]`"
+        )
+    return f"none of the columns ({', '.join(names)}) has amounts; {NEEDED}"
 
 
 def column_meaning(path, name):
@@ -140,7 +167,7 @@ def reading_rules():
     """Return the words, units and patterns by which columns are recognised, as plain values for another language."""
     words = {
         "opening": _OPENING_WORDS, "passing": _PASSING_WORDS, "coarser": _COARSER_WORDS, "summed": _SUMMED_WORDS,
-        "retained": _RETAINED_WORDS,
+        "retained": _RETAINED_WORDS, "count": _COUNT_WORDS,
     }  # fmt: skip
     return {
         "words": {key: sorted(values) for key, values in words.items()},

@@ -5,11 +5,12 @@ from fractions import Fraction
 
 import numpy as np
 
-from simcore.grains.cell_numbers import read_number
+from simcore.grains.cell_numbers import check_sheet_error, read_number
 from simcore.grains.row_errors import read_each
 from simcore.grains.sieve_columns import LENGTHS, PAN, PHI, known_unit
 
 LEAST_COARSEST = 63e-6  # [m], opening of the coarsest sieve, below which sizes have a wrong unit or decimal mark
+MOST_COARSEST = 1.0  # [m], size of grains above which it may be in µm
 COMMON_FRACTION = re.compile(r"[1-9]\d* ?/ ?[1-9]\d*")
 WITH_UNIT = re.compile(r"(.*?)\s*([a-zA-Zµμφϕ]+)\.?")
 
@@ -38,19 +39,55 @@ def read_openings(path, header, cells, columns):
             f"{path}: the coarsest sieve is {values.max() * 1e3:g} mm, finer than sand; correct the unit of {name}, "
             "and write sizes without separators of thousands"
         )
-    steps = np.diff(values)
-    if not (np.all(steps > 0) or np.all(steps < 0)):
-        wrong = int(np.flatnonzero(np.sign(steps) != np.sign(values[-1] - values[0]))[0]) + 1
-        raise ValueError(
-            f"{path}, row {rows[wrong]}: the opening {values[wrong] * 1e3:g} mm follows "
-            f"{values[wrong - 1] * 1e3:g} mm; order the sieves from coarse to fine or from fine to coarse, each once"
-        )
+    if not _in_order(values):
+        raise ValueError(_fault_of_order(path, rows, values, columns.unit))
     order = slice(None) if values[0] < values[-1] else slice(None, None, -1)
     return rows[order], values[order], pans[0] if pans else None
 
 
+def notices_of_size(name, openings, passing):
+    """Return a notice if there are grains of more than MOST_COARSEST; name: of the column of openings."""
+    largest = openings[min(np.count_nonzero(passing < 1.0), len(openings) - 1)]
+    if largest <= MOST_COARSEST:
+        return []
+    return [
+        f"there are grains of about {largest * 1e3:g} mm, which are too large for a sieve; the unit of {name} may be µm"
+    ]
+
+
+def _in_order(values):
+    steps = np.diff(values)
+    return bool(np.all(steps > 0) or np.all(steps < 0))
+
+
+def _fault_of_order(path, rows, values, unit):
+    """Return what is wrong with openings [m] that neither rise nor fall.
+
+    A single opening without which the others are in order is the wrong one. Otherwise it is the first that differs from
+    most steps or, if as many rise as fall, from the step between the ends.
+    """
+    advice = "order the sieves from coarse to fine or from fine to coarse, each once"
+    alone = [i for i in range(len(values)) if _in_order(np.delete(values, i))]
+    if len(alone) == 1:
+        (i,) = alone
+        divided = np.where(np.arange(len(values)) == i, values * 1e-3, values)
+        hint = f"it may be in µm, which is {values[i]:g} mm; if not, " if unit == "mm" and _in_order(divided) else ""
+        return (
+            f"{path}, row {rows[i]}: the opening {values[i] * 1e3:g} mm is out of the order of the other sieves; "
+            f"{hint}{advice}"
+        )
+    signs = np.sign(np.diff(values))
+    direction = np.sign(signs.sum()) or np.sign(values[-1] - values[0])
+    wrong = int(np.flatnonzero(signs != direction)[0]) + 1
+    return (
+        f"{path}, row {rows[wrong]}: the opening {values[wrong] * 1e3:g} mm follows {values[wrong - 1] * 1e3:g} mm; "
+        f"{advice}"
+    )
+
+
 def _opening(where, name, text, unit):
     """Return the opening in a cell [m]; 0 only for a length of 0, which is the pan."""
+    check_sheet_error(where, name, text)
     if unit is None:
         match = WITH_UNIT.fullmatch(text)
         unit = known_unit(match[2]) if match else None

@@ -11,26 +11,31 @@ FEWEST_SUMS = 4  # rows from which masses that only rise or only fall may be sum
 SMALL_STEP = 0.1  # maximum of the last step of sums, as a share of the largest sum
 
 
-def notices_of_sums(name, unit, masses, has_pan):
-    """Return a notice if masses, from the coarsest sieve to the finest row, look like sums over sieves.
+def notices_of_sums(name, unit, masses, in_pan):
+    """Return a notice if masses on the sieves, from the coarsest to the finest, look like sums over sieves.
 
-    Sums retained rise down to the pan, which adds little; masses that pass fall from the total to nearly nothing. Such
-    masses may also be retained on single sieves, so that they are no error. has_pan: whether the last is in the pan.
+    Sums retained rise, with a pan that adds little to few of them; masses that pass fall from the total to nearly
+    nothing. Such masses may also be retained on single sieves, so that they are no error. in_pan: mass, or None.
     """
-    steps, little = np.diff(masses), SMALL_STEP * masses.max()
-    if len(masses) < FEWEST_SUMS:
-        return []
-    if has_pan and np.all(steps >= 0) and np.count_nonzero(steps) >= 2 and steps[-1] < little:
+    rows = masses if in_pan is None else np.r_[masses, in_pan]
+    little = SMALL_STEP * rows.max()
+    if _only_rise(masses) or in_pan is not None and _only_rise(rows) and in_pan - masses[-1] < little:
         return [
-            f"{name} rises from the coarsest sieve to the pan; if these are sums, name the column "
+            f"{name} rises from the coarsest sieve to the finest; if these are sums, name the column "
             f"`cumulative retained [{unit or 'g'}]`"
         ]
-    if np.all(steps <= 0) and np.count_nonzero(steps) >= 2 and masses[-1] < little:
+    if _only_rise(-rows) and rows[-1] < little:
         return [
             f"{name} falls from the coarsest sieve to the finest; if these masses pass the sieves, name the column "
             f"`passing [{unit or 'g'}]`"
         ]
     return []
+
+
+def _only_rise(masses):
+    """Return whether there are at least FEWEST_SUMS masses that rise in at least two steps and never fall."""
+    steps = np.diff(masses)
+    return len(masses) >= FEWEST_SUMS and bool(np.all(steps >= 0)) and np.count_nonzero(steps) >= 2
 
 
 def notices_of_total(name, amounts, totals):

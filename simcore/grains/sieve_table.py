@@ -25,7 +25,14 @@ from simcore.grains.sieve_columns import (
     reading_rules,
     recognise_sieve_columns,
 )
-from simcore.grains.sieve_openings import COMMON_FRACTION, LEAST_COARSEST, WITH_UNIT, read_openings
+from simcore.grains.sieve_openings import (
+    COMMON_FRACTION,
+    LEAST_COARSEST,
+    MOST_COARSEST,
+    WITH_UNIT,
+    notices_of_size,
+    read_openings,
+)
 from simcore.grains.sieve_sums import FEWEST_SUMS, LOSS, SMALL_STEP, notices_of_sums, notices_of_total
 from simcore.grains.summary_rows import find_summary_rows, is_total
 from simcore.grains.table_file import read_table
@@ -154,7 +161,7 @@ def read_sieve_table(path, coarsest=None):
     try:
         given = with_joined_bounds(path, given)
         text, classes = with_lower_sieves(path, given)
-        columns = recognise_sieve_columns(path, text.header, classes)
+        columns = recognise_sieve_columns(path, text, classes)
     except ValueError as error:
         raise ValueError("; ".join([str(error), *given.notices])) from None
     columns = columns if classes is None else retained_only(path, columns)
@@ -181,8 +188,8 @@ def read_sieve_table(path, coarsest=None):
             notices += notices_of_total(name, np.nan_to_num(list(values.values())), totals)
         if len(columns.amounts) == 1 and _is_mass_retained(column):
             listed = [row for row in rows[::-1] if row in given.cells.index]  # without the sieve above all classes
-            coarse_to_fine = [values[row] for row in [*listed, *([] if pan is None else [pan])]]
-            notices += notices_of_sums(name, column.unit, np.nan_to_num(coarse_to_fine), pan is not None)
+            in_pan = None if pan is None else np.nan_to_num(values[pan])
+            notices += notices_of_sums(name, column.unit, np.array([values[row] for row in listed]), in_pan)
     if pan is None and all(_is_mass_retained(column) for column in columns.amounts):
         notices.append(
             f"there is no row `pan`: nothing is taken to pass {openings[0] * 1e3:g} mm; if finer grains were weighed, "
@@ -198,6 +205,7 @@ def read_sieve_table(path, coarsest=None):
             )
         notices.append(f"the columns {name} and {other} agree; {name} is used")
     _check_classes(path, table)
+    notices += notices_of_size(text.header[columns.opening], openings, table.passing)
     unused = [text.header[i] or f"(column {i + 1}, no name)" for i in cells if i not in used]
     if unused:
         notices.append(f"columns that are not used: {', '.join(unused)}")
@@ -215,6 +223,7 @@ def table_rules():
         "rounding": ROUNDING,
         "agreement": AGREEMENT,
         "least_coarsest": LEAST_COARSEST,
+        "most_coarsest": MOST_COARSEST,
         "fewest_sums": FEWEST_SUMS,
         "small_step": SMALL_STEP,
         "loss": LOSS,

@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from simcore.grains.form_columns import SAMPLE_NAMES
-from simcore.grains.table_head import join_units, nameless_column, rows_above_header, width
+from simcore.grains.table_head import comment_of, join_units, nameless_column, rows_above_header, width
 
 _WORKBOOKS = (".xlsx", ".xlsm", ".ods")
 _THREE_DECIMALS = re.compile(r"-?\d+\.\d{3}")
@@ -69,7 +69,7 @@ def read_table(path):
     space; Excel's first line `sep=` overrides this. In a workbook (.xlsx, .ods) the first sheet that is not empty is
     read. The settings at the beginning of an export of PebbleCounts are left out, and with a notice the rows of a title
     above the names of the columns. A row of units below the names is joined with them. ValueError if the file does not
-    exist or is not a table, or if a row has more cells than the header.
+    exist or is not a table, if a row below the header is a comment, or if it has more cells than the header.
     """
     path = Path(path)
     if path.is_dir():
@@ -219,7 +219,19 @@ def _read_workbook(path, data, kind, library, engine):
         return pd.DataFrame(dtype=str), []
     name, *others = filled
     notices = [f"only the sheet {name} is read, not {', '.join(map(str, others))}"] if others else []
+    if engine == _EXCEL[2] and filled[name].isna().any(axis=None):
+        _put_errors(filled[name], name, data)
     return filled[name].map(_cell_text).astype(str), notices
+
+
+def _put_errors(sheet, name, data):
+    """Put errors of formulas, such as #DIV/0!, into a sheet of an Excel workbook; pandas reads them as empty cells."""
+    from openpyxl import load_workbook
+
+    rows = load_workbook(io.BytesIO(data), read_only=True, data_only=True, keep_links=False)[name].iter_rows()
+    for cell in (cell for cells in rows for cell in cells if cell.data_type == "e"):
+        if cell.row <= sheet.shape[0] and cell.column <= sheet.shape[1]:
+            sheet.iat[cell.row - 1, cell.column - 1] = cell.value
 
 
 def _cell_text(cell):
@@ -253,10 +265,12 @@ def _split_header(path, cells, notices, fields=(), separator=""):
             )
     names, cells = cells.iloc[above].tolist(), cells.iloc[above + 1 :]
     columns = width(names)
-    for row, texts in cells.loc[:, columns:].iterrows():
-        if (texts != "").any():
+    for row, *texts in cells.itertuples(name=None):
+        if comment := comment_of(texts):
+            raise ValueError(f"{path}, row {row}: the line is a comment, '{comment}'; remove it")
+        if width(texts) > columns:
             raise ValueError(
-                f"{path}, row {row}: the row has {width(cells.loc[row])} fields, but the header has {columns}; "
+                f"{path}, row {row}: the row has {width(texts)} fields, but the header has {columns}; "
                 f"{advice_on_fields(separator)}; if there is a title above the names of the columns, remove it"
             )
     joined = join_units(names, cells.iloc[0].tolist()) if len(cells) else None

@@ -2,6 +2,8 @@
 
 import re
 
+from simcore.grains.cell_numbers import NUMBER, SHEET_ERROR
+
 _WORDS_OF_UNITS = r"(?:units?|einheit(?:en)?|unités?)\s*:?"
 _UNIT = (
     r"[µμumcd]?m|in|inch(?:es)?|microns?|millimet(?:er|re)s?|phi|[φΦϕ]|mg|g|kg|t|lbs?|grams?|percent"
@@ -68,6 +70,13 @@ def nameless_column(title, names, rows, sample_names):
             if len(set(values)) < len(values) or title[above[-1]][position].lower() in sample_names:
                 return position, above[-1]
     return None
+
+
+def comment_of(texts):
+    """Return the text of a row that is a comment, such as `# end`, without numbers in its other cells, or ""."""
+    text = " ".join(filter(None, texts))
+    is_value = SHEET_ERROR.fullmatch(texts[0]) or any(map(NUMBER.fullmatch, texts))
+    return text if texts[0] and re.match(r"#\s*[^\d\s]", text) and not is_value else ""
 
 
 def width(texts) -> int:

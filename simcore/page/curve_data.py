@@ -5,7 +5,7 @@ from dataclasses import asdict
 import pandas as pd
 
 from simcore.evaluation.confidence import student_quantile
-from simcore.grains.class_labels import BELOW, class_patterns
+from simcore.grains.class_labels import BELOW, NO_PHI, class_patterns
 from simcore.grains.sieve_table import table_rules
 from simcore.models.packing_models.curves import IN_GAP, TAIL, WIDEST
 from simcore.models.packing_models.empirical import PREDICTORS
@@ -55,7 +55,7 @@ def curve_data(levels, model=None):
     """
     model = model or current_model()
     return {
-        "classes": class_patterns() | {"below": BELOW, "by_class": BY_CLASS, "check": CHECK_BY_CLASS},
+        "classes": class_patterns() | {"below": BELOW, "no_phi": NO_PHI, "by_class": BY_CLASS, "check": CHECK_BY_CLASS},
         "state": STATE,
         "other_beds": OTHER_BEDS,
         "model": model_data(model, levels),

@@ -1,6 +1,7 @@
 """Writes the page: a template, a style, scripts and the data of the models in one file."""
 
 import json
+import re
 from importlib.resources import files
 from pathlib import Path
 
@@ -31,7 +32,7 @@ def page_text(data):
     environment = Environment(undefined=StrictUndefined, autoescape=False, keep_trailing_newline=True)
     return environment.from_string(_read("page.html")).render(
         style=_read("page.css"),
-        scripts=[_without_comments(_read(f"{name}.js")) for name in SCRIPTS],
+        scripts=[_compact(_read(f"{name}.js")) for name in SCRIPTS],
         data=_json(data),
         version=data["version"],
     )
@@ -39,13 +40,21 @@ def page_text(data):
 
 def _json(data):
     """Return JSON that can be inside <script>: without the characters that could end it."""
-    text = json.dumps(data, allow_nan=False, ensure_ascii=True, separators=(",", ":"))
+    text = json.dumps(data, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
-def _without_comments(script):
-    """Return a script without its lines of comment, so that the page is smaller."""
-    return "\n".join(line for line in script.splitlines() if not line.lstrip().startswith("//"))
+def _compact(script):
+    """Return a script without lines of comment, empty lines and indentation, so that the page is smaller.
+
+    Lines that begin inside a text in backquotes stay as they are. A backquote that begins no text is written \\x60.
+    """
+    lines, in_text = [], False
+    for line in script.splitlines():
+        if in_text or not re.match(r"\s*(?://|$)", line):
+            lines.append(line if in_text else line.strip())
+            in_text ^= line.count("`") % 2 == 1
+    return "\n".join(lines)
 
 
 def _read(name):

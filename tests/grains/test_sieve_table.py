@@ -194,7 +194,8 @@ def test_a_pan_is_only_missed_where_it_may_be_missing(read):
 def test_masses_of_single_sieves_are_not_taken_for_sums(read):
     """The most is in the pan, in the middle, on three rows only, on each sieve alike, or another column agrees."""
     for text in (
-        "opening [mm],mass [g]\n16,0\n8,20\n4,40\n2,60\npan,90\n",
+        "opening [mm],mass [g]\n8,20\n4,40\n2,60\npan,90\n",
+        "opening [mm],mass [g]\n16,0\n8,0\n4,0\n2,60\n1,60\npan,90\n",
         MASSES,
         "opening [mm],mass [g]\n8,10\n4,20\npan,21\n",
         "opening [mm],mass [g]\n16,10\n8,10\n4,10\npan,10\n",

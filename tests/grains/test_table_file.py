@@ -140,6 +140,18 @@ def test_a_workbook_is_read_as_the_same_rows_in_text(tmp_path, expected):
         read_samples(path)
 
 
+def test_an_error_of_a_formula_in_a_workbook_is_named(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (["L", "I", "S"], [4, 2, 1], [None] * 3, [4, "#DIV/0!", 1]):
+        book.active.append(row)
+    book.create_sheet("notes").append(["dry", None, "#N/A"])
+    assert book.active["B4"].data_type == "e"
+    book.save(tmp_path / "bed.xlsx")
+    with pytest.raises(ValueError, match="bed.xlsx, row 4: I is '#DIV/0!', an error of the spreadsheet"):
+        read_samples(tmp_path / "bed.xlsx")
+
+
 def test_without_openpyxl_it_is_said_how_to_install_it(tmp_path, monkeypatch):
     pytest.importorskip("openpyxl")
     path = workbook(tmp_path / "bed.xlsx", grains=[["L", "I", "S"], [4, 2, 1]])

@@ -91,8 +91,26 @@ SIEVES = [
     ),
     Case(
         "opening [mm];mass [g]\n16;0\n11,2;410\n8;1340\n5,6;2100\n4;2400\n2,8;2490\npan;2500\n",
-        notice="mass [g] rises from the coarsest sieve to the pan; if these are sums, name the column `cumulative "
+        notice="mass [g] rises from the coarsest sieve to the finest; if these are sums, name the column `cumulative "
         "retained [g]`",
+    ),
+    # Sums without a pan, with the mass of the pan instead of the total, and of three sieves with the total.
+    *[
+        Case(
+            f"opening [mm];mass [kg]\n{rows}",
+            notice="mass [kg] rises from the coarsest sieve to the finest; if these are sums, name the column "
+            "`cumulative retained [kg]`",
+        )
+        for rows in (
+            "31.5;0\n16;520\n8;1130\n4;1610\n2;1890\n1;2010\n",
+            "16;0\n8;200\n4;350\n2;450\npan;4\n",
+            "16;0\n8;200\n4;350\n2;450\npan;\n",
+            "8;200\n4;350\n2;450\npan;454\n",
+        )
+    ],
+    Case(
+        "Siebweite [mm];Rückstand aufaddiert [g]\n16;0\n8;200\n4;350\n2;450\n",
+        error="Rückstand aufaddiert [g] is a mass, but its total is unknown; give it in percent, or add the pan",
     ),
     Case(
         "opening [mm];Masse\n2,8;10\n4;100\n5,6;400\n8;1160\n11,2;2090\n16;2500\n",
@@ -210,10 +228,37 @@ SIEVES = [
         error="row 2: class [mm] is '2≤d<4'; give both sieves, such as '8-11.2', or an "
         "end such as '> 63'; remove rows that are no class",
     ),
+    *[
+        Case(
+            f"{name};mass [g]\n{label};30\n{other};4\n",
+            error=f"row 2: {name} is '{label}'; classes in phi are not read; give the classes in mm, or the "
+            "openings in a column `phi`",
+        )
+        for name, label, other in (
+            ("class [phi]", "1-2", "2-3"),
+            ("class [phi]", "-4 to -3", "-3 to -2"),
+            ("Klasse (φ)", "> 2", "1 bis 2"),
+            ("phi class", "-4 - -3", "-3 - -2"),
+            ("phi", "-4/-3", "-3/-2"),
+            ("size [phi]", "3-4", "2-3"),
+            ("class", "3-4 phi", "2-3 phi"),
+        )
+    ],
+    *[
+        Case(
+            f"{low};{high};mass [g]\n8;16;30\n4;8;20\n",
+            error=f"the columns {low} and {high} need the same unit of length; write it in both names, such as "
+            f"`{low.split(' [')[0]} [mm]` and `{high.split(' [')[0]} [mm]`",
+        )
+        for low, high in (("from [cm]", "to [mm]"), ("from", "to"), ("von", "bis [mm]"), ("min [ell]", "max [ell]"))
+    ],
     Case(
-        "class [phi];mass [g]\n1-2;30\n2-3;4\n",
-        error="row 2: class [phi] is '1-2' in phi; give classes in mm, or the openings in phi",
+        "from [phi];to [phi];mass [g]\n-4;-3;200\n-3;-2;150\n",
+        error="the columns from [phi] and to [phi] are the bounds of classes; classes in phi are not read; give the "
+        "classes in mm, or the openings in a column `phi`",
     ),
+    Case("from;to;opening [mm];mass [g]\n1;2;16;0\n1;2;8;60\n1;2;4;40\n", notice="columns that are not used: from, to"),
+    Case("from;from [mm];to [mm];to;mass [g]\n1;8;16;2;60\n2;4;8;3;39\n", notice="columns that are not used: from, to"),
     Case(
         "class [mm];mass [g]\n> 31,5;30\n> 16;40\n",
         error="the classes above 16 mm (row 3) and above 31.5 mm (row 2) overlap; correct the column class [mm]",
@@ -243,6 +288,92 @@ SIEVES = [
         "opening [mm];mass [g]\n16;0\n8;1’250\n4;20\n",
         error="row 3: mass [g] is '1’250'; a number is needed, without "
         "separators of thousands; write its unit, if any, in the header",
+    ),
+    *[
+        Case(
+            text,
+            notice=f"there are grains of about {size} mm, which are too large for a sieve; the unit of {name} may be "
+            "µm",
+        )
+        for name, size, text in (
+            ("opening [mm]", "2000", "opening [mm];passing [%]\n2000;100\n1000;60\n500;30\n250;10\n125;0\n"),
+            ("Sieb [mm]", "1400", "Sieb [mm];Masse [g]\n2000;0\n1400;0\n1000;60\n500;30\n250;10\npan;1\n"),
+            ("class [mm]", "2000", "class [mm];mass [g]\n> 2000;1\n1000-2000;60\n500-1000;30\n250-500;10\n"),
+        )
+    ],
+    *[
+        Case(
+            f"Siebweite [{unit}];Durchgang [%]\n{rows}",
+            error=f"row {row}: the opening {fault}order the sieves from coarse "
+            "to fine or from fine to coarse, each once",
+        )
+        for unit, rows, row, fault in (
+            (
+                "mm",
+                "63;100\n31,5;80\n8;50\n2;20\n1;15\n500;10\n",
+                7,
+                "500 mm is out of the order of the other sieves; it may be in µm, which is 0.5 mm; if not, ",
+            ),
+            (
+                "mm",
+                "500;10\n1;15\n2;20\n8;50\n63;100\n",
+                2,
+                "500 mm is out of the order of the other sieves; it may be in µm, which is 0.5 mm; if not, ",
+            ),
+            ("mm", "63;100\n3,15;80\n16;50\n8;20\n", 3, "3.15 mm is out of the order of the other sieves; "),
+            ("cm", "6.3;100\n0.8;50\n0.2;20\n10;0\n", 5, "100 mm is out of the order of the other sieves; "),
+            ("mm", "63;100\n31,5;80\n8;50\n2;20\n500;10\n250;0\n", 6, "500 mm follows 2 mm; "),
+            ("mm", "63;100\n31,5;80\n4;50\n8;20\n2;0\n", 5, "8 mm follows 4 mm; "),
+            ("mm", "8;100\n16;80\n8;50\n", 3, "16 mm follows 8 mm; "),
+        )
+    ],
+    *[
+        Case(
+            text,
+            error=f"the columns {names} are not named as amounts; a table has one sieve curve, so that each sample "
+            "needs its own file with a column such as `mass [g]`",
+        )
+        for names, text in (
+            ("Probe 1, Probe 2", "opening [mm];Probe 1;Probe 2\n16;0;0\n8;200,5;100\n4;100;\nSchale;5;3\n"),
+            ("A [g], (no name)", "n;class;A [g];;note\n1;8-16 mm;200;1;wet\n2;4-8 mm;100;50;\n"),
+        )
+    ],
+    *[
+        Case(
+            f"class [mm];{name};note\n16-32;12;5\n8-16;30;\n4-8;40;\n",
+            error=f"the column {name} has counts of grains, which are shares by number; a sieve curve needs masses, "
+            "such as `mass [g]`",
+        )
+        for name in ("count", "Counts", "Anzahl", "number of grains", "n [-]")
+    ],
+    *[
+        Case(
+            f"opening [mm],mass [g]\n16,0\n8,200\n\n4,150\n{line}\n2,100\n,\npan,10\n",
+            error=f"row 6: the line is a comment, '{text}'; remove it",
+        )
+        for line, text in (
+            ("# comment", "# comment"),
+            ("#wet!,", "#wet!"),
+            ("# sieved, then dried", "# sieved then dried"),
+            ("# sieved, dried, weighed on 5 May", "# sieved dried weighed on 5 May"),
+        )
+    ],
+    *[
+        Case(
+            f"opening [mm],mass [g]\n16,0\n{cells}\n4,150\n",
+            error=f"row 3: {name} is '{text}', an error of the spreadsheet; correct its formula",
+        )
+        for cells, name, text in (
+            ("8,#DIV/0!", "mass [g]", "#DIV/0!"),
+            ("8,#N/A", "mass [g]", "#N/A"),
+            ("#BEZUG!,200", "opening [mm]", "#BEZUG!"),
+            ("#DIV/0!,", "opening [mm]", "#DIV/0!"),
+            ("#WERT!,#WERT!", "opening [mm]", "#WERT!"),
+        )
+    ],
+    Case(
+        "opening [mm],mass [g]\n16,0\n# 10,200\n4,150\n",
+        error="row 3: opening [mm] is '# 10', a number of a sieve; give its opening instead, in mm",
     ),
     # Both marks are decimals elsewhere, or no cell shows which mark is.
     Case("Sieböffnung [mm];Summenrückstand [%];note\n16;0;a\n8;60;b\n4;100;c\n", notice="are not used: note"),
@@ -347,6 +478,13 @@ GRAINS = [
     ),
     Case("L;I;S\n40;30;10\n\n12;10;\n", error="row 4: S is empty; measure it, or remove the row"),
     Case("L;I;S;note\n40;;10;wet\n", error="row 2: I is empty; measure it, or remove the row"),
+    Case("L;I;S\n40;30;10\n# Ende\n", error="row 3: the line is a comment, '# Ende'; remove it"),
+    Case("L I S\n40 30 10\n# the end of it\n", error="row 3: the line is a comment, '# the end of it'; remove it"),
+    Case(
+        "L;I;S\n40;30;10\n#NAME?;3;2\n",
+        error="row 3: L is '#NAME?', an error of the spreadsheet; correct its formula",
+    ),
+    Case("id;L;I;S\n#a;4;3;2\n#b;4;3;1\n", notice="id"),
     Case("L;I;S\n40;30\n", error="row 2: the row has 2 fields, but the header has 3; add or remove fields"),
     Case(
         "L,,I,S,\n40,,30\n",

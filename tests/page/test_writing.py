@@ -10,7 +10,7 @@ from scipy.stats import t as student
 from simcore.__main__ import main
 from simcore.models.prediction import predict_samples
 from simcore.page.data import LEVELS, SHAPES, page_data
-from simcore.page.writing import page_text
+from simcore.page.writing import _compact, page_text
 
 
 @pytest.fixture(scope="module")
@@ -24,6 +24,11 @@ def test_the_page_needs_no_other_file(page_file):
     assert not re.search(r"<link|\bsrc=|@import|url\(|\bfetch\(|XMLHttpRequest|\bimport\(", text)
     assert len(text.encode()) < 210_000
     assert not re.search(r"^\s*//", text, re.MULTILINE) and "const Grains = (() => {" in text
+
+
+def test_scripts_lose_comments_and_indentation_but_texts_in_backquotes_stay():
+    script = "// comment\n\n  const a = `one\n  // two\n\n  three`;\n    f(`x`, `y`);\n"
+    assert _compact(script) == "const a = `one\n  // two\n\n  three`;\nf(`x`, `y`);"
 
 
 def test_the_data_are_those_of_the_models(data, fitted, page_file):

@@ -10,6 +10,8 @@ const Numbers = (() => {
   const MARKS = { ".": "a point", ",": "a comma" };
   const DATE = new RegExp(`^(?:${DATA.reading.date})$`, "iu");
 
+  const SHEET_ERROR = /^#(?:[A-ZÜ\d/_]+[!?]|N\/A|NV)$/; // what a spreadsheet displays instead of the result of a formula
+
   class InputError extends Error {}
 
   // Returns the finite number in the text of a cell; `where` and `name` are for the message.
@@ -18,6 +20,7 @@ const Numbers = (() => {
     if (plain.trimEnd().endsWith("%")) {
       throw new InputError(`${where}: ${name} is '${text}'; give a fraction, 0.65 instead of 65 %`);
     }
+    checkSheetError(where, name, text);
     if (DATE.test(plain)) {
       throw new InputError(
         `${where}: ${name} is '${text}'; a spreadsheet took the number for a date: format the column as text, and enter it`
@@ -43,6 +46,11 @@ const Numbers = (() => {
       );
     }
     return value;
+  }
+
+  function checkSheetError(where, name, text) {
+    if (!SHEET_ERROR.test(text)) return;
+    throw new InputError(`${where}: ${name} is '${text}', an error of the spreadsheet; correct its formula`);
   }
 
   // Refuses separators of thousands, which would be read as a decimal mark: 1.410 where all other decimals have a comma,
@@ -100,5 +108,5 @@ const Numbers = (() => {
     return /^50*$/.test(all.slice(digits)) && Number(all[digits - 1]) % 2 === 0;
   }
 
-  return { NUMBER, InputError, read, checkDecimalMarks, general };
+  return { NUMBER, SHEET_ERROR, InputError, read, checkDecimalMarks, checkSheetError, general };
 })();

@@ -4,6 +4,9 @@ const SieveClasses = (() => {
   const { OPENING, PHI, RETAINED } = SieveColumns;
   const rules = DATA.curve.reading;
   const whole = (pattern) => new RegExp(`^(?:${pattern})$`, "iu");
+  const { no_phi: NO_PHI, phi } = DATA.curve.classes;
+  const IN_PHI = new RegExp(phi, "iu");
+  const isPhi = (unit) => SieveColumns.knownUnit(unit ?? "") === PHI;
   const [CLASS_NAME, CLASS_LABEL, OPEN_END, DATE, LOWER_NAME, UPPER_NAME, SIZE, NO_SIZE] = [
     "name", "label", "end", "date", "lower", "upper", "size", "no_size",
   ].map((key) => whole(DATA.curve.classes[key]));
@@ -13,11 +16,11 @@ const SieveClasses = (() => {
   // name of the column, or undefined.
   function boundsOf(where, column, label, unitOfColumn) {
     const is = `${where}: ${column} is '${label}'`;
+    if (isPhi(unitOfColumn) || IN_PHI.test(label)) throw new InputError(`${is}; ${NO_PHI}`);
     const inHeader = unitOfColumn ? "" : `, or put the unit in the header, \`${column} [mm]\``;
     const sizeOf = (text, unit) => {
       if (!unit) throw new InputError(`${is} without a unit; write it as '${label} mm'${inHeader}`);
       const known = SieveColumns.knownUnit(unit);
-      if (known === PHI) throw new InputError(`${is} in phi; give classes in mm, or the openings in phi`);
       if (!SieveColumns.isLength(known)) {
         throw new InputError(`${is}; its unit '${unit}' is unknown, use ${Object.keys(rules.lengths).join(", ")}`);
       }
@@ -59,26 +62,34 @@ const SieveClasses = (() => {
   // column of classes; other tables as they are, also if a third column has the classes or the openings.
   function withJoinedBounds(name, table) {
     const parts = table.header.map(SieveColumns.splitUnit);
-    const [lower, upper] = [LOWER_NAME, UPPER_NAME].map((pattern) => {
-      return parts.flatMap(([title, unit], i) => (unit && pattern.test(title) ? [i] : []));
+    const used = [LOWER_NAME, UPPER_NAME].flatMap((pattern) => {
+      const named = parts.flatMap(([title], i) => (pattern.test(title) ? [i] : []));
+      const withUnit = named.filter((i) => parts[i][1]);
+      const positions = withUnit.length ? withUnit : named;
+      return positions.length === 1 ? positions : [];
     });
-    if (lower.length !== 1 || upper.length !== 1) return table;
-    const [[lowTitle, unit], [highTitle, other]] = [parts[lower[0]], parts[upper[0]]];
-    const known = SieveColumns.knownUnit(unit);
-    if (!SieveColumns.isLength(known) || SieveColumns.knownUnit(other) !== known) return table;
-    const used = [lower[0], upper[0]];
-    if (table.header.some((_, i) => !used.includes(i) && hasSizes(name, table, i))) return table;
+    if (used.length < 2 || table.header.some((_, i) => !used.includes(i) && hasSizes(name, table, i))) return table;
+    const [lower, upper] = used;
+    const [[lowTitle, unit], [highTitle, other]] = [parts[lower], parts[upper]];
+    const known = SieveColumns.knownUnit(unit ?? "");
+    const columns = `${name}: the columns ${table.header[lower]} and ${table.header[upper]}`;
+    if (isPhi(unit) || isPhi(other)) throw new InputError(`${columns} are the bounds of classes; ${NO_PHI}`);
+    if (!SieveColumns.isLength(known) || SieveColumns.knownUnit(other ?? "") !== known) {
+      throw new InputError(
+        `${columns} need the same unit of length; write it in both names, such as \`${lowTitle} [mm]\` and ` +
+          `\`${highTitle} [mm]\``
+      );
+    }
     Numbers.checkDecimalMarks(name, used.map((position) => [position, table.header[position]]), table.rows);
-    const put = (texts, text) => texts.map((old, i) => (i === lower[0] ? text : old)).filter((_, i) => i !== upper[0]);
-    const rows = table.rows.map((row) => ({ ...row, cells: put(row.cells, joined(row.cells[lower[0]], row.cells[upper[0]])) }));
+    const put = (texts, text) => texts.map((old, i) => (i === lower ? text : old)).filter((_, i) => i !== upper);
+    const rows = table.rows.map((row) => ({ ...row, cells: put(row.cells, joined(row.cells[lower], row.cells[upper])) }));
     return { ...table, header: put(table.header, `${lowTitle} and ${highTitle} [${unit}]`), rows };
   }
 
   // Whether a column has the openings of the sieves, or classes.
   function hasSizes(name, { header, rows }, position) {
     const title = header[position];
-    const named = CLASS_NAME.exec(title);
-    const unit = named ? named[1] : SieveColumns.unitInName(title);
+    const [named, unit] = namedClass(title);
     if (named || rows.some(({ cells }) => isClass(cells[position], unit, named))) return true;
     return SieveColumns.meaningOf(name, title).meaning === OPENING;
   }
@@ -131,8 +142,7 @@ const SieveClasses = (() => {
   function columnOfClasses(name, { header, rows }) {
     const [found, namedOnly] = [[], []];
     for (const [position, title] of header.entries()) {
-      const named = CLASS_NAME.exec(title);
-      const unit = named ? named[1] : SieveColumns.unitInName(title);
+      const [named, unit] = namedClass(title);
       if (rows.some(({ cells }) => isClass(cells[position], unit, named))) found.push({ position, unit });
       else if (named) namedOnly.push({ position, unit });
       else if (SieveColumns.meaningOf(name, title).meaning === OPENING) return { position: null };
@@ -140,9 +150,17 @@ const SieveClasses = (() => {
     return [...found, ...namedOnly, { position: null }][0];
   }
 
-  // Whether a cell is a class. 3/8 inches are a fraction. In a column that is not named for classes, a class has a unit of
+  // Returns the match of a title with CLASS_NAME or null, and the text of its unit or undefined.
+  function namedClass(title) {
+    const named = CLASS_NAME.exec(title);
+    const unit = named ? named[1] : SieveColumns.unitInName(title);
+    return [named, unit === undefined && IN_PHI.test(title) ? PHI : unit];
+  }
+
+  // Whether a cell is a class, in phi too, which is refused later. 3/8 inches are a fraction. In a column that is not named for classes, a class has a unit of
   // length: 2021-03 is a date.
   function isClass(label, unit, named) {
+    if (isPhi(unit) && CLASS_LABEL.test(label.replace(/(?<!\d)[-+−](?=\d)/g, ""))) return true;
     const match = CLASS_LABEL.exec(label);
     if (!match) return false;
     const length = SieveColumns.knownUnit(match[5] || unit || "");

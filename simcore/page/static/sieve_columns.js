@@ -18,16 +18,16 @@ const SieveColumns = (() => {
   // classes: position of a column of classes whose cells have been replaced by openings with their unit, or null.
   // Returns {opening, unit, amounts}: position and unit (null: the cells have it) of the openings, and the columns of
   // amounts as {position, meaning, unit}.
-  function recognise(name, header, classes = null) {
+  function recognise(name, { header, rows }, classes) {
     const [openings, amounts] = [[], []];
     header.forEach((title, position) => {
       const { meaning, unit } = position === classes ? { meaning: OPENING, unit: null } : meaningOf(name, title);
       if (meaning === OPENING) openings.push({ position, unit });
       else if (meaning !== null) amounts.push({ position, meaning, unit });
     });
-    const columns = header.map((title) => title || "(no name)").join(", ");
-    if (!openings.length) throw new InputError(`${name}: none of the columns (${columns}) has sieve openings; ${needed}`);
-    if (!amounts.length) throw new InputError(`${name}: none of the columns (${columns}) has amounts; ${needed}`);
+    const titles = header.map((title) => title || "(no name)");
+    if (!openings.length) throw new InputError(`${name}: none of the columns (${titles.join(", ")}) has sieve openings; ${needed}`);
+    if (!amounts.length) throw new InputError(`${name}: ${withoutAmounts(titles, rows, openings[0].position)}`);
     if (openings.length > 1) {
       const both = openings.slice(0, 2).map(({ position }) => header[position]).join(" and ");
       throw new InputError(`${name}: the columns ${both} are both sieve openings; remove one`);
@@ -40,6 +40,22 @@ const SieveColumns = (() => {
       throw new InputError(`${name}: the columns ${both} are both the amount ${amounts[i].meaning}; remove one`);
     });
     return { opening: openings[0].position, unit: openings[0].unit, amounts };
+  }
+
+  // Returns what is wrong with a table without amounts: a column for each of several samples, counts of grains, or no numbers.
+  function withoutAmounts(titles, rows, opening) {
+    const counts = titles.filter((title) => have(plainWords(title), "count"));
+    const numeric = titles.filter((title, i) => {
+      const texts = rows.map(({ cells }) => cells[i]).filter((text) => text);
+      return i !== opening && !counts.includes(title) && texts.length && texts.every((text) => Numbers.NUMBER.test(text));
+    });
+    if (numeric.length > 1) {
+      return `the columns ${numeric.join(", ")} are not named as amounts; a table has one sieve curve, so that each sample ` +
+        "needs its own file with a column such as `mass [g]`";
+    }
+    if (!counts.length) return `none of the columns (${titles.join(", ")}) has amounts; ${needed}`;
+    return `the column ${counts[0]} has counts of grains, which are shares by number; a sieve curve needs masses, such as ` +
+      "`mass [g]`";
   }
 
   // Returns the title without its unit, and the text of the unit or undefined.

@@ -35,22 +35,46 @@ const SieveOpenings = (() => {
           "sizes without separators of thousands"
       );
     }
-    const ascending = sieves.at(-1).size - sieves[0].size;
-    const wrong = sieves.findIndex(({ size }, i) => i && Math.sign(size - sieves[i - 1].size) !== Math.sign(ascending));
-    const steps = sieves.slice(1).map(({ size }, i) => Math.sign(size - sieves[i].size));
-    if (!(steps.every((step) => step > 0) || steps.every((step) => step < 0))) {
-      const [before, after] = [sieves[wrong - 1], sieves[wrong]];
-      throw new InputError(
-        `${name}, row ${after.row}: the opening ${general(after.size)} mm follows ${general(before.size)} mm; order ` +
-          "the sieves from coarse to fine or from fine to coarse, each once"
-      );
-    }
-    if (ascending < 0) sieves.reverse();
+    checkOrder(name, sieves, columns.unit);
+    if (sieves[0].size > sieves[1].size) sieves.reverse();
     return { rows: sieves.map(({ row }) => row), openings: sieves.map(({ size }) => size), pan: pans[0] ?? null };
+  }
+
+  // Openings rise or fall. A single one without which the others do is wrong, or else the first unlike most of the steps.
+  function checkOrder(name, sieves, unit) {
+    const sizes = sieves.map(({ size }) => size);
+    const signs = (values) => values.slice(1).map((value, i) => Math.sign(value - values[i]));
+    const inOrder = (values) => signs(values).every((sign, _, all) => sign && sign === all[0]);
+    if (inOrder(sizes)) return;
+    const alone = sizes.flatMap((_, i) => (inOrder(sizes.filter((_, k) => k !== i)) ? [i] : []));
+    let [i] = alone;
+    let fault = "is out of the order of the other sieves; ";
+    if (alone.length === 1) {
+      const divided = sizes.map((size, k) => (k === i ? size / 1e3 : size));
+      if (unit === "mm" && inOrder(divided)) fault += `it may be in µm, which is ${general(divided[i])} mm; if not, `;
+    } else {
+      const steps = signs(sizes);
+      const direction = Math.sign(steps.reduce((a, b) => a + b)) || Math.sign(sizes.at(-1) - sizes[0]);
+      i = steps.findIndex((sign) => sign !== direction) + 1;
+      fault = `follows ${general(sizes[i - 1])} mm; `;
+    }
+    throw new InputError(
+      `${name}, row ${sieves[i].row}: the opening ${general(sizes[i])} mm ${fault}order the sieves from coarse to fine or ` +
+        "from fine to coarse, each once"
+    );
+  }
+
+  function noticesOfSize(title, openings, passing) {
+    const largest = openings.find((_, i) => !(passing[i] < 1)) ?? openings.at(-1);
+    if (largest <= 1e3 * rules.most_coarsest) return [];
+    return [
+      `there are grains of about ${general(largest)} mm, which are too large for a sieve; the unit of ${title} may be µm`,
+    ];
   }
 
   // Returns the opening in a cell [mm]; 0 only for a length of 0, which is the pan.
   function opening(where, title, text, unitOfColumn) {
+    Numbers.checkSheetError(where, title, text);
     let unit = unitOfColumn;
     if (unit === null) {
       const match = WITH_UNIT.exec(text);
@@ -95,5 +119,5 @@ const SieveOpenings = (() => {
     return unit === "mm" ? value : value * rules.lengths[unit] * 1e3;
   }
 
-  return { read };
+  return { noticesOfSize, read };
 })();

@@ -15,7 +15,7 @@ const SieveTable = (() => {
     if (!file.header.length) throw new InputError(`${name}: the file is empty; ${rules.needed}`);
     const given = SieveClasses.withJoinedBounds(name, file);
     const [table, classes] = SieveClasses.withLowerSieves(name, given);
-    const recognised = SieveColumns.recognise(name, table.header, classes);
+    const recognised = SieveColumns.recognise(name, table, classes);
     const columns = classes === null ? recognised : SieveClasses.retainedOnly(name, recognised);
     const notices = [...table.notices];
     const [rows, labels] = leaveOutTotals(table.rows, columns, notices);
@@ -37,9 +37,8 @@ const SieveTable = (() => {
       }
       if (columns.amounts.length === 1 && isMassRetained(column)) {
         const listed = sieves.rows.filter((row) => row !== table.added).reverse(); // without the sieve above all classes
-        const fromCoarsest = listed.concat(sieves.pan ?? []);
-        const masses = fromCoarsest.map((row) => values.get(row) || 0);
-        notices.push(...noticesOfSums(title, column.unit ?? "g", masses, sieves.pan !== null));
+        const inPan = sieves.pan === null ? null : values.get(sieves.pan) || 0;
+        notices.push(...noticesOfSums(title, column.unit ?? "g", listed.map((row) => values.get(row)), inPan));
       }
       return { title, passing };
     });
@@ -61,6 +60,7 @@ const SieveTable = (() => {
       notices.push(`the columns ${title} and ${other.title} agree; ${title} is used`);
     }
     checkClasses(name, sieves.openings, passing);
+    notices.push(...SieveOpenings.noticesOfSize(table.header[columns.opening], sieves.openings, passing));
     const unused = table.header.flatMap((t, i) => (used.includes(i) ? [] : [t || `(column ${i + 1}, no name)`]));
     if (unused.length) notices.push(`columns that are not used: ${unused.join(", ")}`);
     return { openings: sieves.openings, passing, notices: notices.map((notice) => `${name}: ${notice}`) };
@@ -69,18 +69,21 @@ const SieveTable = (() => {
   // A column without a unit is taken as masses.
   const isMassRetained = ({ meaning, unit }) => meaning === RETAINED && ![PERCENT, FRACTION].includes(unit);
 
-  // Returns a notice if masses, from the coarsest sieve to the finest row, look like sums over sieves.
-  function noticesOfSums(title, unit, masses, hasPan) {
-    const steps = masses.slice(1).map((mass, i) => mass - masses[i]);
-    const little = rules.small_step * Math.max(...masses);
-    if (masses.length < rules.fewest_sums || steps.filter((step) => step !== 0).length < 2) return [];
-    if (hasPan && steps.every((step) => step >= 0) && steps.at(-1) < little) {
+  // Returns a notice if masses on the sieves, from the coarsest to the finest, look like sums over sieves.
+  function noticesOfSums(title, unit, masses, inPan) {
+    const rows = masses.concat(inPan ?? []);
+    const little = rules.small_step * Math.max(...rows);
+    const onlyRise = (values) => {
+      const steps = values.slice(1).map((value, i) => value - values[i]);
+      return values.length >= rules.fewest_sums && steps.every((step) => step >= 0) && steps.filter((step) => step).length >= 2;
+    };
+    if (onlyRise(masses) || (inPan !== null && onlyRise(rows) && inPan - masses.at(-1) < little)) {
       return [
-        `${title} rises from the coarsest sieve to the pan; if these are sums, name the column ` +
+        `${title} rises from the coarsest sieve to the finest; if these are sums, name the column ` +
           `\`cumulative retained [${unit}]\``,
       ];
     }
-    if (steps.every((step) => step <= 0) && masses.at(-1) < little) {
+    if (onlyRise(rows.map((mass) => -mass)) && rows.at(-1) < little) {
       return [
         `${title} falls from the coarsest sieve to the finest; if these masses pass the sieves, name the column ` +
           `\`passing [${unit}]\``,

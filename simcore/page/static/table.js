@@ -1,7 +1,7 @@
 // Reads a table from text, with any common encoding and separator, as simcore.grains.table_file does.
 const Table = (() => {
   const { InputError } = Numbers;
-  const DECLARED = /^"?sep=([!#-/:-@[-^`{-~\t]|\\t)"?[;,\t]*$/i;
+  const DECLARED = /^"?sep=([!#-/:-@[-^\x60{-~\t]|\\t)"?[;,\t]*$/i;
   const SPACES = "spaces";
   const samples = DATA.reading.sample_names;
   const SAVE_AS = "save it as CSV (UTF-8)";
@@ -164,6 +164,8 @@ const Table = (() => {
       );
     });
     for (const { row, cells: texts } of rows) {
+      const comment = TableHead.commentOf(texts);
+      if (comment) throw new InputError(`${name}, row ${row}: the line is a comment, '${comment}'; remove it`);
       if (width(texts) > columns) {
         throw new InputError(
           `${name}, row ${row}: the row has ${width(texts)} fields, but the header has ${columns}; ` +

@@ -7,6 +7,13 @@ const TableHead = (() => {
   // Returns the number of cells up to the last one with text.
   const width = (texts) => texts.reduce((last, text, i) => (text ? i + 1 : last), 0);
 
+  // Returns the text of a row that is a comment, such as "# end", without numbers in its other cells, or "".
+  function commentOf(texts) {
+    const text = texts.filter((cell) => cell).join(" ");
+    const isValue = Numbers.SHEET_ERROR.test(texts[0]) || texts.some((cell) => Numbers.NUMBER.test(cell));
+    return texts[0] && /^#\s*[^\d\s]/.test(text) && !isValue ? text : "";
+  }
+
   // Returns how many rows are a title above the names of the columns; rows: texts of each row, without empty rows.
   function rowsAbove(rows) {
     let above = 0;
@@ -31,5 +38,5 @@ const TableHead = (() => {
     });
   }
 
-  return { joinUnits, rowsAbove, width };
+  return { commentOf, joinUnits, rowsAbove, width };
 })();
