@@ -10,11 +10,13 @@ seeds, the mean porosity, the standard deviation over the seeds with its 95 % co
 the stated errors, chi-squared of the scatter over the stated errors with its 95 % limits, and the ratio of the
 variances by quota and by random draw with the lower 5 % limit of the F distribution.
 
-With --draws it draws the grains of these packings instead, without packing them, and prints how the share of the mass
-in the coarsest class scatters over the seeds. This takes about half a minute.
+With --draws it draws the grains of these packings instead, without packing them. It prints how the share of the mass in
+the coarsest class scatters over the seeds. It also prints how the porosity scatters that the model of size and form
+predicts for the drawn sizes, over all seeds and over those that are packed. This takes about half a minute.
 """
 
 import argparse
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -24,6 +26,8 @@ from scipy.stats import chi2, f
 from simcore.campaign.studies import expand, merge
 from simcore.grains.sieve import class_fractions
 from simcore.grains.sources import load_grains
+from simcore.models.size_and_form.sized_model import current_model
+from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
 from simcore.packing.forecast import draw_packing
 from simcore.paths import CONFIG, REFERENCE
 from simcore.scene.setup import set_up
@@ -100,23 +104,52 @@ def scatter_table(tables: dict) -> pd.DataFrame:
     return table
 
 
-def coarsest_classes(packings: list[tuple[dict, list]]) -> pd.DataFrame:
-    """Return the share of the mass in the coarsest class of these packings, one row per sieve curve and draw.
+def drawn_sizes(packings: list[tuple[dict, list]]) -> pd.DataFrame:
+    """Return the sizes that these packings draw, one row per packing.
 
-    packings: resolved specifications with sieve curves, and the grains of each. Columns: case, draw, seeds, required
-    (by the curve), least, largest and std, over the seeds.
+    packings: resolved specifications with sieve curves, and the grains of each. Columns: case, draw, seed, required and
+    share, the share of the mass in the coarsest class by the curve and as drawn, and n, the porosity of the drawn sieve
+    curve by the model of size and form, for the mean form of the Rhine.
     """
-    rows = []
+    rows, model = [], current_model()
     for specification, shapes in packings:
         setup = set_up(specification, lambda _, shapes=shapes: shapes)
         grains = draw_packing(setup)
         shares = class_fractions(setup.curve, grains.D, grains.volume)
         coarsest = np.flatnonzero(setup.curve.mass_fractions)[-1]
+        drawn = replace(setup.curve, mass_fractions=shares / shares.sum())
         sizes = specification["sizes"]
-        rows.append((sizes["case"], sizes["draw"], setup.curve.mass_fractions[coarsest], shares[coarsest]))
-    table = pd.DataFrame(rows, columns=["case", "draw", "required", "share"])
-    groups = table.groupby(["case", "draw", "required"], sort=False)["share"]
-    return groups.agg(seeds="size", least="min", largest="max", std="std").reset_index()
+        rows.append(
+            (
+                sizes["case"], sizes["draw"], specification["seed"], setup.curve.mass_fractions[coarsest],
+                shares[coarsest], model.predict(drawn, REFERENCE_POROSITY),
+            )
+        )  # fmt: skip
+    return pd.DataFrame(rows, columns=["case", "draw", "seed", "required", "share", "n"])
+
+
+def coarsest_classes(drawn: pd.DataFrame, packed=()) -> pd.DataFrame:
+    """Return how the drawn sizes scatter over the seeds, one row per sieve curve and draw.
+
+    drawn: result of drawn_sizes; packed: set of (case, draw, seed) that are packed. Columns: case, draw, required;
+    seeds, least, largest and std of the share of the coarsest class; n_std, standard deviation of the porosity by the
+    model, and n_std_packed, the same of the packed seeds, nan if there are fewer than two.
+    """
+    keys = ["case", "draw", "required"]
+    is_packed = [key in packed for key in drawn[["case", "draw", "seed"]].itertuples(index=False, name=None)]
+    groups = drawn.assign(n_packed=drawn["n"].where(is_packed)).groupby(keys, sort=False)
+    table = groups["share"].agg(seeds="size", least="min", largest="max", std="std")
+    table["n_std"], table["n_std_packed"] = groups["n"].std(), groups["n_packed"].std()
+    return table.reset_index()
+
+
+def packed_seeds(tables: dict) -> set:
+    """Return (case, draw, seed) of the packings of polyhedra in the tables of read_tables."""
+    return {
+        (case.removesuffix(", preset wide"), draw, seed)
+        for draw, table in tables.items()
+        for case, seed in table[["case", "seed"]].itertuples(index=False)
+    }
 
 
 def planned(studies) -> list[tuple[dict, list]]:
@@ -145,7 +178,8 @@ def main(arguments=None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--draws", action="store_true", help="draw the grains and print their coarsest class")
     if parser.parse_args(arguments).draws:
-        table = coarsest_classes(planned([study for studies in STUDIES.values() for study in studies.values()]))
+        packings = planned([study for studies in STUDIES.values() for study in studies.values()])
+        table = coarsest_classes(drawn_sizes(packings), packed_seeds(read_tables()))
     else:
         table = scatter_table(read_tables())
     print(table.to_string(index=False, float_format="%.4f", na_rep=""))

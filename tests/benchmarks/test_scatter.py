@@ -5,7 +5,14 @@ import pandas as pd
 import pytest
 from scipy.stats import f
 
-from benchmarks.studies.scatter import read_tables, scatter, scatter_table, with_different_grains
+from benchmarks.studies.scatter import (
+    coarsest_classes,
+    packed_seeds,
+    read_tables,
+    scatter,
+    scatter_table,
+    with_different_grains,
+)
 
 
 def rows(n, error=0.01, case="U5"):
@@ -69,6 +76,18 @@ def test_packings_with_other_settings_are_a_curve_of_their_own(tmp_path):
     table = scatter_table(read_tables(tmp_path)).set_index(["case", "draw"])
     assert table.loc[("B50, preset wide", "quota"), "variance_ratio"] == pytest.approx(0.25)
     assert table["variance_ratio"].count() == 1 and len(table) == 3
+
+
+def test_drawn_sizes_scatter_over_all_seeds_and_over_the_packed_ones():
+    drawn = pd.DataFrame(
+        {"case": "B50", "draw": "random", "seed": [1, 2, 3], "required": 0.1, "share": [0.08, 0.1, 0.12], "n": [0.25, 0.27, 0.29]}
+    )  # fmt: skip
+    tables = {"random": rows([0.3, 0.3], case="B50, preset wide").assign(seed=[2, 3])}
+    (row,) = coarsest_classes(drawn, packed_seeds(tables)).itertuples()
+    assert (row.seeds, row.least, row.largest) == (3, 0.08, 0.12) and row.std == pytest.approx(0.02)
+    assert row.n_std == pytest.approx(0.02) and row.n_std_packed == pytest.approx(0.02 / np.sqrt(2.0))
+    (row,) = coarsest_classes(drawn).itertuples()
+    assert np.isnan(row.n_std_packed)
 
 
 def test_packings_of_the_same_grains_in_two_studies_are_drawn_once():
