@@ -80,8 +80,8 @@ def test_packings_with_other_settings_are_a_curve_of_their_own(tmp_path):
 
 def test_drawn_sizes_scatter_over_all_seeds_and_over_the_packed_ones():
     drawn = pd.DataFrame(
-        {"case": "B50", "draw": "random", "seed": [1, 2, 3], "required": 0.1, "share": [0.08, 0.1, 0.12], "n": [0.25, 0.27, 0.29]}
-    )  # fmt: skip
+        {"seed": [1, 2, 3], "required": 0.1, "share": [0.08, 0.1, 0.12], "n": [0.25, 0.27, 0.29]}
+    ).assign(case="B50", draw="random")
     tables = {"random": rows([0.3, 0.3], case="B50, preset wide").assign(seed=[2, 3])}
     (row,) = coarsest_classes(drawn, packed_seeds(tables)).itertuples()
     assert (row.seeds, row.least, row.largest) == (3, 0.08, 0.12) and row.std == pytest.approx(0.02)
