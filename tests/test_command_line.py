@@ -159,6 +159,7 @@ def test_an_output_that_cannot_be_written_is_an_error_before_the_work(folder, ca
         (["fit", "beds.csv", "--case", "one-class", "--out", "model.txt"], "model.txt must end in .json"),
         (["fit", "beds.csv", "--case", "one-class", "--out", "."], ". must end in .json"),
         (["pack", "good.yaml", "good.yaml"], "good.yaml is read by this command"),
+        (["pack", "good.yaml", "bed.nc", "--log", "good.yaml"], "good.yaml is read by this command"),
     ],
 )
 def test_an_output_that_is_an_input_or_has_the_wrong_ending_is_refused(folder, capsys, monkeypatch, arguments, message):

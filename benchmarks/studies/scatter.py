@@ -43,7 +43,7 @@ STUDIES = {
 }
 SPHERES = "wide_spheres.csv"  # contains both draws
 # First seed whose stated error was evaluated after the last correction of simcore.evaluation.sampling_error. The
-# errors of all polyhedra of U5 are older.
+# errors of all polyhedra of U1, U5 and U7 are older.
 CORRECTED_FROM = {"B50, preset wide": 4}
 
 

@@ -52,6 +52,8 @@ def _pack_on(ranks, options):
     from simcore.packing.process import pack
 
     started = time.monotonic()
+    if options.log is not None:
+        ranks.on_first(lambda: check_writable(options.log, options.specification))
     report = reporter(options.log) if ranks.rank == 0 else _ignore_line
     try:
         specification, setup, keeper, warned = _prepare(ranks, options, report)

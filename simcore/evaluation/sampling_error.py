@@ -6,8 +6,8 @@ left blocks minus right blocks. Its weighted mean has the same variance as the m
 correlation length. The contrasts used are the eigenmodes of the domain: waves in the periodic box, Bessel modes in the
 cylinder, cosines along z. They have two advantages over sharp blocks: a grain that is cut by the border of a block does
 not count as scatter, and no correction for correlated neighbouring blocks is needed, because the modes are orthogonal.
-The modes are integrated over the grains as they are (simcore.evaluation.grain_points). Spheres of equal volume would
-not do in a wide sieve curve: fine grains fill the space beside a flat or long one, and not that beside a sphere.
+The modes are integrated over the ellipsoids of the grains (simcore.evaluation.grain_points). Spheres of equal volume
+would overstate the error of a wide sieve curve, because fine grains fill the space beside a flat or long grain.
 
 By the symmetry of the domain, modes that vary horizontally have the expected value zero for any profile along height
 and radius, so that floor, wall and compaction with depth have no influence. In the periodic box, whose floor and
@@ -15,9 +15,10 @@ surface are cut away, modes that vary only with height are used as well, except 
 porosity with depth would contribute to it.
 
 Blocks with more coarse grains are denser. The part of the contrasts that the sizes explain, by linear regression on the
-logarithm of the sieve size, is therefore replaced by what sizes do to the whole evaluated part. It exchanges grains
-with the rest of the bed as blocks do with each other; this counts with the share of the bed that is not evaluated. If
-sizes are drawn at random, those of the whole bed vary too, independently from grain to grain. By quota they do not.
+logarithm of the sieve size, is therefore replaced by what sizes do to the whole evaluated part. The evaluated part
+exchanges grains with the rest of the bed as blocks do with each other; this counts with the share of the bed that is
+not evaluated. If sizes are drawn at random, those of the whole bed vary too, independently from grain to grain. By
+quota they do not.
 """
 
 import json
@@ -35,6 +36,8 @@ from simcore.scene.domain import Domain
 BLOCK_DIAMETERS = 1.5
 # The longest waves are the most similar to the mean; with 32 of them the error is accurate to 1/sqrt(2 * 32) = 12 %.
 ENOUGH_CONTRASTS = 32
+FEWEST_TO_DIVIDE = 6  # contrasts from which the effect of sizes is separated; with fewer the slope is mostly chance
+ONE_SIZE = 1e-9  # largest difference of log2 of the sieve sizes of grains of one size
 
 
 def sampling_error(packing, z_lower, z_upper, method="spheres"):
@@ -55,6 +58,8 @@ def sampling_error(packing, z_lower, z_upper, method="spheres"):
 
     points = grain_points(packing, z_lower, z_upper, modes[-1][0])
     log_size = np.log2(packing["D"].values)
+    if np.ptp(log_size) < ONE_SIZE:
+        log_size = np.zeros(len(log_size))
     volume_times_size = points.volume * (log_size - np.average(log_size, weights=inside))[points.grain]
     x, y, z = points.position.T
     phase = np.pi * (z - z_lower) / height
@@ -65,11 +70,11 @@ def sampling_error(packing, z_lower, z_upper, method="spheres"):
             contrasts.append((values * along_z) @ points.volume)
             of_size.append((values * along_z) @ volume_times_size)
     evaluated = inside.sum() / volume.sum()
-    left, by_exchange, slope = _divided(np.array(contrasts), np.array(of_size))
-    square = left + (1.0 - evaluated) * by_exchange
+    left, of_one_contrast, slope_squared = _divided(np.array(contrasts), np.array(of_size))
+    square = left + (1.0 - evaluated) * slope_squared * of_one_contrast
     if not _draws_by_quota(packing):
         of_bed = volume * (log_size - np.average(log_size, weights=volume))
-        square += (slope * evaluated) ** 2 * (of_bed @ of_bed)
+        square += slope_squared * evaluated**2 * (of_bed @ of_bed)
     variance = square / (area * height) ** 2
     solid_fraction = inside.sum() / (area * height)
     integral_range = variance * area * height / (solid_fraction * (1.0 - solid_fraction))
@@ -90,12 +95,15 @@ def _draws_by_quota(packing):
 def _divided(contrasts, of_size):
     """Divide the mean square of contrasts (m,) by regression on the contrasts of size (m,).
 
-    Returns (part that sizes do not explain, part that they explain, slope of the regression).
+    Returns (part that sizes do not explain, mean square of the contrasts of size, square of the slope without the part
+    that is chance). With few contrasts, or grains of one size, the first part is the whole and the slope is 0.
     """
-    scale = of_size @ of_size
-    slope = of_size @ contrasts / scale if scale > 0.0 else 0.0
-    left = contrasts - slope * of_size
-    return left @ left / (len(left) - (1 if scale > 0.0 else 0)), slope**2 * scale / len(of_size), slope
+    scale, number = of_size @ of_size, len(contrasts)
+    if number < FEWEST_TO_DIVIDE or not scale > 0.0:
+        return contrasts @ contrasts / number, 0.0, 0.0
+    slope = of_size @ contrasts / scale
+    left = np.sum((contrasts - slope * of_size) ** 2) / (number - 1)
+    return left, scale / number, max(slope**2 - left / scale, 0.0)
 
 
 def _all_modes(shape, width, height, k_max):

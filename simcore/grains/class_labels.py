@@ -59,7 +59,7 @@ def class_bounds(where, column, label, unit):
     label is no class, or has no unit or an unknown one.
     """
     is_text = f"{where}: {column} is '{label}'"
-    if known_unit(unit or "") == PHI or IN_PHI.search(label):
+    if IN_PHI.search(label) or (known_unit(unit or "") == PHI and not _has_length(label)):
         raise ValueError(f"{is_text}; {NO_PHI}")
     in_header = "" if unit else f", or put the unit in the header, `{column} [mm]`"
     end = OPEN_END.fullmatch(label)
@@ -92,6 +92,13 @@ def class_text(low, high):
     if low == 0.0:
         return f"below {1e3 * high:g} mm"
     return f"{1e3 * low:g} to {1e3 * high:g} mm" if math.isfinite(high) else f"above {1e3 * low:g} mm"
+
+
+def _has_length(label):
+    """Return whether a label has a unit of length; φ in the name of its column is then the sign of a diameter."""
+    match, end = CLASS_LABEL.fullmatch(label), OPEN_END.fullmatch(label)
+    unit = match[5] if match else (end[3] or end[5]) if end else None
+    return known_unit(unit or "") in LENGTHS
 
 
 def _size(where, column, label, text, unit, in_header):

@@ -81,12 +81,13 @@ def _number_rows(name, values):
     """Return whether values rise by 1 from row to row, are 1 to N in any order, or 1, 2, 3, ... anew for each sample.
 
     The latter two hold only of so many rows that numbers of grains would hardly be so by chance. In a column whose name
-    can only be that of a number of grains, such as `count`, the smallest value must be 1.
+    can only be that of a number of grains, such as `count`, this holds of the first too, and the smallest value must be
+    1.
     """
     if not may_number_rows(name) and min(values) != 1:
         return False
     rises = [b - a == 1 for a, b in zip(values, values[1:], strict=False)]
-    if rises and all(rises):
+    if rises and all(rises) and (may_number_rows(name) or len(values) >= FEWEST_IDS):
         return True
     if len(values) < FEWEST_IDS:
         return False

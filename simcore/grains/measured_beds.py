@@ -35,6 +35,7 @@ _COLUMNS = {
 }
 SIEVE_NAME = re.compile(_COLUMNS["sieve"], re.IGNORECASE)  # of the column with the sieve curve of each bed or sample
 MAX_ERROR = 0.05  # maximum of n_error as a fraction; a larger one is probably in percentage points
+LEAST_ERROR = 0.001  # minimum that a measurement can reach
 _MEANINGS = {"n": "the porosity", "n_error": "the error of n", "case": "the sieve curve", "sieve": "the sieve curve"}
 NEEDED = (
     "give a row per bed with the column n, its measured porosity, and the form of its grains: mean_FL, std_FL, "
@@ -247,7 +248,8 @@ def _read_porosity(where, texts, positions, percent):
         return n / scale, float("nan")
     n_error = read_number(where, "n_error", text)
     if not percent and n_error > MAX_ERROR:
-        in_percent = f"; if {n_error:g} is in percentage points, write {n_error / 100:g}" if n_error < 5.0 else ""
+        is_percent = LEAST_ERROR <= n_error / 100.0 <= MAX_ERROR
+        in_percent = f"; if {n_error:g} is in percentage points, write {n_error / 100:g}" if is_percent else ""
         raise ValueError(
             f"{where}: n_error = {n_error:g} is above {MAX_ERROR:g}, but n is a fraction{in_percent}; if it is "
             "unknown, leave it empty"

@@ -78,7 +78,7 @@ def _fault_of_order(path, rows, values, unit):
         )
     signs = np.sign(np.diff(values))
     direction = np.sign(signs.sum()) or np.sign(values[-1] - values[0])
-    wrong = int(np.flatnonzero(signs != direction)[0]) + 1
+    wrong = int(np.argmax((signs != direction) | (signs == 0.0))) + 1
     return (
         f"{path}, row {rows[wrong]}: the opening {values[wrong] * 1e3:g} mm follows {values[wrong - 1] * 1e3:g} mm; "
         f"{advice}"

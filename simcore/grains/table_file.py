@@ -225,12 +225,16 @@ def _read_workbook(path, data, kind, library, engine):
 
 
 def _put_errors(sheet, name, data):
-    """Put errors of formulas, such as #DIV/0!, into a sheet of an Excel workbook; pandas reads them as empty cells."""
+    """Put errors of formulas, such as #DIV/0!, into a sheet of an Excel workbook; pandas reads them as empty cells.
+
+    Rows without any value stay empty: formulas are often copied below the data.
+    """
     from openpyxl import load_workbook
 
     rows = load_workbook(io.BytesIO(data), read_only=True, data_only=True, keep_links=False)[name].iter_rows()
+    has_values = sheet.notna().any(axis=1).to_numpy()
     for cell in (cell for cells in rows for cell in cells if cell.data_type == "e"):
-        if cell.row <= sheet.shape[0] and cell.column <= sheet.shape[1]:
+        if cell.row <= sheet.shape[0] and cell.column <= sheet.shape[1] and has_values[cell.row - 1]:
             sheet.iat[cell.row - 1, cell.column - 1] = cell.value
 
 

@@ -2,7 +2,7 @@
 
 import re
 
-from simcore.grains.cell_numbers import NUMBER, SHEET_ERROR
+from simcore.grains.cell_numbers import SHEET_ERROR
 
 _WORDS_OF_UNITS = r"(?:units?|einheit(?:en)?|unités?)\s*:?"
 _UNIT = (
@@ -75,7 +75,7 @@ def nameless_column(title, names, rows, sample_names):
 def comment_of(texts):
     """Return the text of a row that is a comment, such as `# end`, without numbers in its other cells, or ""."""
     text = " ".join(filter(None, texts))
-    is_value = SHEET_ERROR.fullmatch(texts[0]) or any(map(NUMBER.fullmatch, texts))
+    is_value = SHEET_ERROR.fullmatch(texts[0]) or any(re.search(r"\d", text) for text in texts[1:])
     return text if texts[0] and re.match(r"#\s*[^\d\s]", text) and not is_value else ""
 
 

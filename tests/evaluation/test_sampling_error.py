@@ -142,6 +142,30 @@ def test_error_agrees_with_the_scatter_of_beds_that_differ_in_the_order_of_sizes
     assert error == pytest.approx(cell / np.sqrt(64 * 6) * np.sqrt(0.5 if draw == "quota" else 1.0), rel=0.1)
 
 
+@pytest.mark.parametrize("draw", ["quota", "random"])
+def test_error_of_equal_spheres_does_not_depend_on_their_size(draw):
+    """Logarithms of equal sizes differ from their mean by round-off, which must not be taken for an effect of size."""
+    scene = json.dumps({"sizes": {"draw": draw}})
+    position = np.random.default_rng(2).uniform(0.0, 1.0, (600, 3)) * [6, 6, 9]
+    errors = [
+        sampling_error(make_packing(size * position, 0.5 * size, width=6 * size, scene=scene), size, 8 * size)
+        for size in (1.0, 0.7, 0.48, 0.3, 0.007, 0.0065)
+    ]
+    assert [error["n_std_error"] for error in errors] == pytest.approx(6 * [errors[0]["n_std_error"]], rel=1e-6)
+
+
+@pytest.mark.parametrize(("width", "height"), [(2.0, 2.0), (4.0, 5.0), (5.0, 7.0)])
+def test_sizes_without_an_effect_do_not_change_the_error(width, height):
+    """The volumes of the grains do not depend on the sizes that are given here, drawn independently and at random."""
+    squares, without = [], []
+    for seed in range(60):
+        bed = poisson_bed(seed, "periodic", width, height, 40 * width, np.array([0.3]))
+        without.append(sampling_error(bed, 0.0, height)["n_std_error"] ** 2)
+        sizes = np.random.default_rng(seed + 1000).uniform(0.5, 2.0, bed.sizes["grain"])
+        squares.append(sampling_error(bed.assign(D=("grain", sizes)), 0.0, height)["n_std_error"] ** 2)
+    assert np.sqrt(np.mean(squares) / np.mean(without)) == pytest.approx(1.0, abs=0.06)
+
+
 def bed_of_flat_stones(seed):
     """Return flat ellipsoids at random places in a matrix of small spheres, of the same solid fraction everywhere.
 

@@ -143,13 +143,17 @@ def test_a_workbook_is_read_as_the_same_rows_in_text(tmp_path, expected):
 def test_an_error_of_a_formula_in_a_workbook_is_named(tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
-    for row in (["L", "I", "S"], [4, 2, 1], [None] * 3, [4, "#DIV/0!", 1]):
+    # Formulas that were copied below the data are no row of the table.
+    for row in (["L", "I", "S"], [4, 2, 1], [None] * 3, [4, "#DIV/0!", 1], [None, None, "#DIV/0!"]):
         book.active.append(row)
     book.create_sheet("notes").append(["dry", None, "#N/A"])
     assert book.active["B4"].data_type == "e"
     book.save(tmp_path / "bed.xlsx")
     with pytest.raises(ValueError, match="bed.xlsx, row 4: I is '#DIV/0!', an error of the spreadsheet"):
         read_samples(tmp_path / "bed.xlsx")
+    book.active["B4"] = 2
+    book.save(tmp_path / "bed.xlsx")
+    assert read_samples(tmp_path / "bed.xlsx")[0][0].grains == 2
 
 
 def test_without_openpyxl_it_is_said_how_to_install_it(tmp_path, monkeypatch):

@@ -79,6 +79,15 @@ SIEVES = [
         error="row 4: retained [%] is '49.500 %', but this table writes decimals with a comma (50,5); write numbers "
         "without separators of thousands",
     ),
+    *[
+        Case(
+            f"opening [mm],mass [g]\n{rows}",
+            error="row 3: the opening 4 mm follows 4 mm; order the sieves from coarse to fine",
+        )
+        for rows in ("4,10\n4,20\n", "4,10\n4,20\npan,5\n", "4,10\n4,20\n4,30\n")
+    ],
+    # φ in a header is the sign of a diameter if the labels have a unit of length.
+    Case("Klasse φ;Masse [g]\n8-16 mm;10\n4-8 mm;200\n< 4 mm;100\n", notice=""),
     Case(
         "opening [mm],mass [g]\n16,0\n11.2,410\n8,930\n5.6,760\n",
         notice="there is no row `pan`: nothing is taken to pass 5.6 mm; if finer grains were weighed, add them in a "
@@ -542,7 +551,7 @@ GRAINS = [
             ("n", "0.31", "0.33", "the column n is not used, because 0.31 in row 2 is no number of grains"),
             ("count", "40", "", "the column count is not used, because row 3 has no number of grains"),
             ("n", "1", "2", "the column n numbers the rows, so it is not used as a number of grains"),
-            ("grains", "1", "2", "the column grains numbers the rows, so it is not used as a number of grains"),
+            ("grains", "1", "2", "the column grains is the number of grains of each sample"),
             ("grains", "40", "41", "the column grains is the number of grains of each sample"),
         ]
     ],

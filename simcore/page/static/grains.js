@@ -152,7 +152,11 @@ const Grains = (() => {
     return [{ weights, whole: true }, [notice]];
   }
 
-  const numbersRows = (title, values) => (Columns.mayNumberRows(title) || (values.includes(1) && !values.includes(0))) && areNumbers(values);
+  // A column that can only be a number of grains needs many rows and a 1 to be taken for numbers of rows.
+  function numbersRows(title, values) {
+    const isMany = values.length >= DATA.reading.fewest_ids && values.includes(1) && !values.includes(0);
+    return (Columns.mayNumberRows(title) || isMany) && areNumbers(values);
+  }
 
   // Whether values rise by 1 from row to row; or are 1 to N in any order, or 1, 2, 3, ... anew for each sample, if there
   // are so many that numbers of grains would hardly be so by chance.

@@ -16,7 +16,10 @@ const SieveClasses = (() => {
   // name of the column, or undefined.
   function boundsOf(where, column, label, unitOfColumn) {
     const is = `${where}: ${column} is '${label}'`;
-    if (isPhi(unitOfColumn) || IN_PHI.test(label)) throw new InputError(`${is}; ${NO_PHI}`);
+    // φ in the name of a column is the sign of a diameter if the label has a unit of length.
+    const own = CLASS_LABEL.exec(label)?.[5] || OPEN_END.exec(label)?.slice(3).find((text, i) => text && i !== 1);
+    const inPhi = isPhi(unitOfColumn) && !SieveColumns.isLength(SieveColumns.knownUnit(own ?? ""));
+    if (inPhi || IN_PHI.test(label)) throw new InputError(`${is}; ${NO_PHI}`);
     const inHeader = unitOfColumn ? "" : `, or put the unit in the header, \`${column} [mm]\``;
     const sizeOf = (text, unit) => {
       if (!unit) throw new InputError(`${is} without a unit; write it as '${label} mm'${inHeader}`);

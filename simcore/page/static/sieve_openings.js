@@ -55,7 +55,7 @@ const SieveOpenings = (() => {
     } else {
       const steps = signs(sizes);
       const direction = Math.sign(steps.reduce((a, b) => a + b)) || Math.sign(sizes.at(-1) - sizes[0]);
-      i = steps.findIndex((sign) => sign !== direction) + 1;
+      i = steps.findIndex((sign) => sign !== direction || !sign) + 1;
       fault = `follows ${general(sizes[i - 1])} mm; `;
     }
     throw new InputError(
