@@ -153,7 +153,7 @@ def test_an_error_of_a_formula_in_a_workbook_is_named(tmp_path):
         read_samples(tmp_path / "bed.xlsx")
     book.active["B4"] = 2
     book.save(tmp_path / "bed.xlsx")
-    assert read_samples(tmp_path / "bed.xlsx")[0][0].grains == 2
+    assert read_samples(tmp_path / "bed.xlsx")[0].grains == 2
 
 
 def test_without_openpyxl_it_is_said_how_to_install_it(tmp_path, monkeypatch):

@@ -82,12 +82,15 @@ SIEVES = [
     *[
         Case(
             f"opening [mm],mass [g]\n{rows}",
-            error="row 3: the opening 4 mm follows 4 mm; order the sieves from coarse to fine",
+            error="row 3: the opening 4 mm follows 4 mm; order the sieves from coarse to fine or from fine to coarse, "
+            "each once",
         )
         for rows in ("4,10\n4,20\n", "4,10\n4,20\npan,5\n", "4,10\n4,20\n4,30\n")
     ],
     # φ in a header is the sign of a diameter if the labels have a unit of length.
-    Case("Klasse φ;Masse [g]\n8-16 mm;10\n4-8 mm;200\n< 4 mm;100\n", notice=""),
+    Case(
+        "Klasse φ;Masse [g];Notiz\n8-16 mm;10;\n4-8 mm;200;\n< 4 mm;100;x\n", notice="columns that are not used: Notiz"
+    ),
     Case(
         "opening [mm],mass [g]\n16,0\n11.2,410\n8,930\n5.6,760\n",
         notice="there is no row `pan`: nothing is taken to pass 5.6 mm; if finer grains were weighed, add them in a "

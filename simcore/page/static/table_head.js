@@ -10,7 +10,7 @@ const TableHead = (() => {
   // Returns the text of a row that is a comment, such as "# end", without numbers in its other cells, or "".
   function commentOf(texts) {
     const text = texts.filter((cell) => cell).join(" ");
-    const isValue = Numbers.SHEET_ERROR.test(texts[0]) || texts.slice(1).some((cell) => /\d/.test(cell));
+    const isValue = Numbers.SHEET_ERROR.test(texts[0]) || texts.slice(1).some((cell) => /^[-+]?[.,]?\d/.test(cell));
     return texts[0] && /^#\s*[^\d\s]/.test(text) && !isValue ? text : "";
   }
 
