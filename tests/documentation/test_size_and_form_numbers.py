@@ -66,7 +66,7 @@ def test_fitted_parameters(chosen):
     names = {"m0": "m0", "kappa": "κ"}
     table = pd.read_csv(REFERENCE / "models" / "size_and_form_parameters.csv")
     for row in table[table["model"] == chosen.model].itertuples():
-        assert states(HOW_TO, f"{names[row.parameter]} = {row.value:.2f} ± {row.std_error:.2f}")
+        assert states(HOW_TO, f"| {names[row.parameter]} | {row.value:.2f} ± {row.std_error:.2f} |")
 
 
 def test_how_much_of_the_effect_of_form_remains():

@@ -254,7 +254,7 @@ def test_a_row_has_a_file_or_a_listed_curve(write):
             {},
             "row 2: .*fine.csv: 10.0% of the mass pass the finest .* --finest",
         ),
-        ("FL,EL,n,sieve\n0.6,0.7,0.3,beds.csv\n", {}, "row 2: .*beds.csv: none of the columns .* has amounts"),
+        ("FL,EL,n,sieve\n0.6,0.7,0.3,beds.csv\n", {}, "row 2: .*beds.csv: the columns FL, EL are not named as amounts"),
         ("FL,EL,n,sieve,case\n0.6,0.7,0.3,good.csv,U1\n", {}, "row 2: case and sieve are both given; each row has one"),
         ("FL,EL,n,sieve,case\n0.6,0.7,0.3,,\n", {}, "row 2: case and sieve are empty"),
         ("FL,EL,n,sieve\n0.6,0.7,0.3,good.csv\n", {"case": "U1"}, "has a column sieve; leave out --case"),
