@@ -4,6 +4,7 @@ A model is evaluated only inside its fitted range or not far outside it (simcore
 outside (0, 1) is returned, neither as a prediction nor as an end of its interval.
 """
 
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -236,7 +237,7 @@ def r22_ranges(name, features, folder=R22_TABLES):
     name: "single_form" or "form_mixture"; features: names of the model's features.
     """
     ranges = _r22_form_range(folder) if name == "single_form" else _r22_mixture_range()
-    return [*ranges.items(), *_feature_ranges(ranges, features)]
+    return [*ranges.items(), *_feature_ranges(tuple(ranges.items()), tuple(features))]
 
 
 def _r22_form_range(folder):
@@ -260,12 +261,15 @@ def _r22_mixture_range():
     return {f"{kind}_{X}": R22_MIXTURES[kind] for kind in ("mu", "sigma") for X in ("FL", "EL")}
 
 
+@cache  # the same for every sample, and most of the time of a prediction
 def _feature_ranges(ranges, names):
     """Return [(name, (low, high))] of the features that follow from ranges of the statistics of FL and EL.
 
-    All features are monotonic in these statistics, so their extremes are at corners of the ranges.
+    ranges: tuple of (name, (low, high)); names: tuple of the features' names. All features are monotonic in these
+    statistics, so their extremes are at corners of the ranges.
     """
-    corners = pd.DataFrame(product(*ranges.values()), columns=list(ranges)).reindex(
+    statistics, limits = zip(*ranges, strict=True)
+    corners = pd.DataFrame(product(*limits), columns=statistics).reindex(
         columns=["mu_FL", "sigma_FL", "mu_EL", "sigma_EL"], fill_value=0.0
     )
     corners["mu_EQ"], corners["sigma_EQ"] = equancy_statistics(*(corners[name] for name in corners))
