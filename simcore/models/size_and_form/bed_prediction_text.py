@@ -80,7 +80,7 @@ def describe(beds, table, forms=None, level=0.95, fitted=NO_MODELS) -> str:
         lines += _describe_curve(beds[0], table[table["refused"] == ""].iloc[0], fitted)
     lines += [
         "",
-        f"Model of size and form: {CANDIDATES[model.candidate].title} ({model.candidate} of the plan); {model.behind}",
+        f"Model of size and form, candidate {model.candidate}: {CANDIDATES[model.candidate].title}; {model.behind}",
         *([CHECK_BY_CLASS] if beds[0].by_class else []),
         *([f"Correction: {fitted.curve.behind}"] if fitted.curve else []),
     ]

@@ -91,19 +91,25 @@ def _damped(skeleton):
     return porosity
 
 
+_POWER = "ratios of sizes to a power that depends on"
+_BY_POROSITY, _BY_FORMS = f"{_POWER} the one-class porosity", f"{_POWER} the form"
+
 CANDIDATES = {
     candidate.name: candidate
     for candidate in (
-        Candidate("H", "compressible skeleton, stretch by looseness", _COMPACTION | _M0 | _KAPPA, _h),
-        Candidate("H_form", "compressible skeleton, stretch by form", _COMPACTION | _M0 | _BY_FORM, _h),
+        Candidate("H", f"compressible packing model, {_BY_POROSITY}", _COMPACTION | _M0 | _KAPPA, _h),
+        Candidate("H_form", f"compressible packing model, {_BY_FORMS}", _COMPACTION | _M0 | _BY_FORM, _h),
         Candidate(
-            "H_free", "compressible skeleton, f and g fitted, stretch by looseness",
+            "H_free", f"compressible packing model, f and g fitted, {_BY_POROSITY}",
             _COMPACTION | _KAPPA | _FUNCTIONS, _h,
         ),
-        Candidate("L", "linear skeleton, stretch by looseness", _M0 | _KAPPA, _l),
-        Candidate("L_free", "linear skeleton, f and g fitted, stretch by looseness", _KAPPA | _FUNCTIONS, _l),
-        Candidate("F", "rods on a line, stretch by looseness", _M0 | _KAPPA, _f),
-        Candidate("D_H", "compressible skeleton, damped effect of form", _COMPACTION | _M0 | _DAMPING, _damped(_h)),
+        Candidate("L", f"linear packing model, {_BY_POROSITY}", _M0 | _KAPPA, _l),
+        Candidate("L_free", f"linear packing model, f and g fitted, {_BY_POROSITY}", _KAPPA | _FUNCTIONS, _l),
+        Candidate("F", f"rods on a line, {_BY_POROSITY}", _M0 | _KAPPA, _f),
+        Candidate(
+            "D_H", "compressible packing model, damped effect of form",
+            _COMPACTION | _M0 | _DAMPING, _damped(_h),
+        ),
         Candidate("D_F", "rods on a line, damped effect of form", _M0 | _DAMPING, _damped(_f)),
     )
 }  # fmt: skip
