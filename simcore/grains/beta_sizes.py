@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.special import roots_jacobi, roots_legendre
 
 NODES = 64  # of the quadrature: at S = 0.95, where 1/r³ varies by a factor of 6e4, moments are correct to 1e-12
 PANELS = 2048  # of the table from which sizes are drawn
@@ -51,6 +50,8 @@ class BetaSizes:
     @cached_property
     def _quadrature(self):
         """Nodes in [0, 1] between r_min and r_max, (NODES,), and their shares of the volume, (NODES,)."""
+        from scipy.special import roots_jacobi  # imported here because it loads slowly
+
         x, weights = roots_jacobi(NODES, self.beta, self.alpha)
         return 0.5 * (1.0 + x), weights / weights.sum()
 
@@ -82,6 +83,8 @@ class BetaSizes:
 
         The panels are narrow at both ends of the range.
         """
+        from scipy.special import roots_legendre  # imported here because it loads slowly
+
         edges = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, PANELS + 1)))
         x, weights = roots_legendre(8)
         half = 0.5 * np.diff(edges)

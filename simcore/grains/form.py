@@ -3,7 +3,6 @@
 
 import numpy as np
 import pandas as pd
-from scipy.special import elliprg
 
 # Table 1 of Rettinger et al. (2022), in its order. L >= I >= S > 0 in any one unit of length.
 FORM_FACTORS = {
@@ -64,6 +63,8 @@ def ellipsoid_sphericity(L, I, S):
 
     Its surface is 4 pi R_G(b²c², a²c², a²b²) with Carlson's symmetric integral (Carlson 1995).
     """
+    from scipy.special import elliprg  # imported here because it loads slowly and most commands do not need it
+
     a, b, c = (np.asarray(axis, float) / 2 for axis in (L, I, S))
     surface = 4 * np.pi * elliprg((b * c) ** 2, (a * c) ** 2, (a * b) ** 2)
     return np.pi ** (1 / 3) * (8 * np.pi * a * b * c) ** (2 / 3) / surface
