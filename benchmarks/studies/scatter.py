@@ -4,11 +4,11 @@
     python -m benchmarks.studies.scatter --draws
 
 It reads results/reference/wide_random.csv and wide_quota.csv, wide_both_random.csv and wide_both.csv (with the settings
-of the preset `wide`) and wide_spheres.csv (the check of the sampling error on spheres), and applies the rules that
-config/wide.yaml states. It prints one line per sieve curve and draw: the number of
-seeds, the mean porosity, the standard deviation over the seeds with its 95 % confidence limits, the root mean square of
-the stated errors, chi-squared of the scatter over the stated errors with its 95 % limits, and the ratio of the
-variances by quota and by random draw with the lower 5 % limit of the F distribution.
+of the preset `wide`), wide_spheres.csv (the check of the sampling error on spheres) and scatter_forms.csv (the same on
+small beds with a distribution of form), and applies the rules that config/wide.yaml states. It prints one line per
+sieve curve and draw: the number of seeds, the mean porosity, the standard deviation over the seeds with its 95 %
+confidence limits, the root mean square of the stated errors, chi-squared of the scatter over the stated errors with its
+95 % limits, and the ratio of the variances by quota and by random draw with the lower 5 % limit of the F distribution.
 
 With --draws it draws the grains of these packings instead, without packing them. It prints how the share of the mass in
 the coarsest class scatters over the seeds. It also prints how the porosity scatters that the model of size and form
@@ -42,29 +42,41 @@ STUDIES = {
     ", preset wide": {"random": "wide_both_random", "quota": "wide_both"},
 }
 SPHERES = "wide_spheres.csv"  # contains both draws
+FORMS = "scatter_forms.csv"
+OF_FORMS = ", distributions of form"  # added to the name of their sieve curve
+# Columns that tell the sets of beds of one curve apart; each set has a mean porosity of its own.
+SETS = {f"U1{OF_FORMS}": [f"{kind}_{X}_nominal" for X in ("FL", "EL") for kind in ("mu", "sigma")]}
 # First seed whose stated error was evaluated after the last correction of simcore.evaluation.sampling_error. The
 # errors of all polyhedra of U1, U5 and U7 are older.
 CORRECTED_FROM = {"B50, preset wide": 4}
 
 
-def scatter(rows: pd.DataFrame, corrected_from=None) -> dict:
+def scatter(rows: pd.DataFrame, corrected_from=None, sets=()) -> dict:
     """Return the scatter of the packings of one sieve curve and draw as a dict.
 
-    rows: columns n and n_error, one row per seed, at least two. corrected_from: first seed, in the column seed, whose
-    stated error counts; None: all count.
+    rows: columns n and n_error, one row per packing. corrected_from: first seed, in the column seed, whose stated error
+    counts; None: all count. sets: columns whose values tell sets of beds apart. The scatter is that about the mean of
+    each set, which has at least two packings; without sets all beds are one.
     """
-    errors = rows["n_error"] if corrected_from is None else rows["n_error"][rows["seed"] >= corrected_from]
-    n, freedom = rows["n"].to_numpy(), len(rows) - 1
+    groups = [group for _, group in rows.groupby(list(sets))] if sets else [rows]
+    freedoms = np.array([len(group) - 1 for group in groups])
+    squares = np.array([np.sum((group["n"] - group["n"].mean()) ** 2) for group in groups])
+    errors = [
+        group["n_error"] if corrected_from is None else group["n_error"][group["seed"] >= corrected_from]
+        for group in groups
+    ]
+    stated = np.array([np.mean(error**2) for error in errors])
+    freedom = freedoms.sum()
     low, high = chi2.ppf([0.5 * (1 - CONFIDENCE), 0.5 * (1 + CONFIDENCE)], freedom)
-    variance, stated = n.var(ddof=1), np.mean(errors**2)
+    variance = squares.sum() / freedom
     return {
         "seeds": len(rows),
-        "n": n.mean(),
+        "n": rows["n"].mean(),
         "std": np.sqrt(variance),
         "std_lower": np.sqrt(variance * freedom / high),
         "std_upper": np.sqrt(variance * freedom / low),
-        "stated": np.sqrt(stated),
-        "chi2": freedom * variance / stated,
+        "stated": np.sqrt(stated @ freedoms / freedom),
+        "chi2": np.sum(squares / stated),
         "chi2_lower": low,
         "chi2_upper": high,
     }
@@ -82,13 +94,16 @@ def read_tables(folder=REFERENCE) -> dict:
         spheres = pd.read_csv(folder / SPHERES)
         for draw, rows in spheres.assign(case=spheres["case"] + " spheres").groupby("draw"):
             tables.setdefault(draw, []).append(rows)
+    if (folder / FORMS).exists():
+        forms = pd.read_csv(folder / FORMS)
+        tables.setdefault("random", []).append(forms.assign(case=forms["case"] + OF_FORMS))
     return {draw: pd.concat(parts, ignore_index=True) for draw, parts in tables.items()}
 
 
 def scatter_table(tables: dict) -> pd.DataFrame:
     """Return one row per sieve curve and draw with two packings or more; tables: DataFrame of rows by draw."""
     rows = [
-        {"case": case, "draw": draw, **scatter(group, CORRECTED_FROM.get(case))}
+        {"case": case, "draw": draw, **scatter(group, CORRECTED_FROM.get(case), SETS.get(case, ()))}
         for draw, table in tables.items()
         for case, group in table.groupby("case", sort=False)
         if len(group) > 1

@@ -21,9 +21,10 @@ def compare_predictions(models, name, table):
     the features of the models. Its optional columns n_std_error and r22_n are kept, the latter as r22_predicted.
     """
     kept = {"n_std_error": "n_std_error", "r22_n": "r22_predicted"}
-    names = ["case", "simulated", "predicted", *(new for old, new in kept.items() if old in table)]
+    others = [new for old, new in kept.items() if old in table]
+    given, names = ["case", "simulated", *others], ["case", "simulated", "predicted", *others]
     parts = [
-        rows.rename(columns={"n": "simulated", **kept}).assign(predicted=models[name, case].predict(rows))[names]
+        rows.rename(columns={"n": "simulated", **kept})[given].assign(predicted=models[name, case].predict(rows))[names]
         for case, rows in table.groupby("case", sort=False)
         if (name, case) in models
     ]

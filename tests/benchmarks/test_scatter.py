@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import f
+from scipy.stats import chi2, f
 
 from benchmarks.studies.scatter import (
     coarsest_classes,
@@ -36,6 +36,16 @@ def test_stated_errors_count_from_the_seed_of_their_correction_on():
     assert after["std"] == all_seeds["std"] and after["chi2"] == pytest.approx(2.0)
 
 
+def test_sets_with_different_porosities_scatter_about_their_own_means():
+    first, second = rows([0.30, 0.31, 0.32], error=0.01), rows([0.40, 0.42], error=0.02)
+    table = pd.concat([first.assign(mu_FL_nominal=0.4), second.assign(mu_FL_nominal=0.8)])
+    result = scatter(table, sets=["mu_FL_nominal"])
+    assert result["std"] == pytest.approx(np.sqrt((2e-4 + 2e-4) / 3))
+    assert result["chi2"] == pytest.approx(2e-4 / 1e-4 + 2e-4 / 4e-4)
+    assert result["stated"] == pytest.approx(np.sqrt((2 * 1e-4 + 4e-4) / 3))
+    assert result["chi2_lower"] == pytest.approx(chi2.ppf(0.025, 3))
+
+
 def test_confidence_limits_contain_the_true_scatter_in_95_of_100():
     rng = np.random.default_rng(3)
     inside = agrees = 0
@@ -64,6 +74,16 @@ def test_spheres_of_both_draws_are_a_curve_of_their_own(tmp_path):
     table = scatter_table(read_tables(tmp_path)).set_index(["case", "draw"])
     assert set(table.index) == {("U5", "quota"), ("U5 spheres", "quota"), ("U5 spheres", "random")}
     assert table.loc[("U5 spheres", "quota"), "variance_ratio"] == pytest.approx(0.0625)
+
+
+def test_beds_with_a_distribution_of_form_are_sets_of_one_curve(tmp_path):
+    first, second = rows([0.30, 0.31], case="U1"), rows([0.40, 0.42], case="U1")
+    forms = {"mu_FL_nominal": 0.4, "sigma_FL_nominal": 0.1, "mu_EL_nominal": 0.6, "sigma_EL_nominal": 0.2}
+    table = pd.concat([first.assign(**forms), second.assign(**forms | {"mu_EL_nominal": 0.8})])
+    table.to_csv(tmp_path / "scatter_forms.csv", index=False)
+    (row,) = scatter_table(read_tables(tmp_path)).itertuples()
+    assert row.case == "U1, distributions of form" and row.draw == "random" and row.seeds == 4
+    assert row.chi2 == pytest.approx((0.5e-4 + 2e-4) / 1e-4)
 
 
 def test_packings_with_other_settings_are_a_curve_of_their_own(tmp_path):
