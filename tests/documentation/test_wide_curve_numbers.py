@@ -121,6 +121,15 @@ def test_scatter_over_seeds():
     assert f"By quota the variance is {ratio['U5 spheres', 'quota']} of that" in PAGE
 
 
+def test_scatter_of_small_beds_of_mixed_forms():
+    page = (ROOT / "docs" / "explanation" / "porosity.md").read_text(encoding="utf-8")
+    table = scatter_table(read_tables())
+    (row,) = table[table["case"] == "U1, distributions of form"].itertuples()
+    assert f"scatter by {row.std:.4f}, and the beds state {row.stated:.4f}: chi-squared is {row.chi2:.1f}" in page
+    assert f"within the limits of {row.chi2_lower:.1f} and {row.chi2_upper:.1f}" in page
+    assert row.chi2_lower < row.chi2 < row.chi2_upper
+
+
 def test_beds_that_a_rain_makes_denser_and_looser_than_the_model_of_lattices():
     rows = rain_bases()
     beds = compare_beds(rows, rain_model(rows), fit_reference_models().models["unified", "U1"])

@@ -85,40 +85,69 @@ def test_a_packed_bed_is_as_high_as_predicted(tmp_path):
     assert 0.25 < bed.sampling_error / float(found.n_std_error) < 4.0
 
 
+BOX_OF_MIXTURES = Domain("periodic", 0.063, 0.6)
+SMALL_BOX = Domain("periodic", 0.045, 0.6)
+SETS = [f"{kind}_{X}_nominal" for kind in ("mu", "sigma") for X in ("FL", "EL")]
+
+
+def bed_of(case, number, domain, one_form):
+    """Return the Forecast of a bed of so many grains of a case."""
+    curve, rng = read_cases(CONFIG / "cases.tsv")[case].curve, np.random.default_rng(1)
+    sizes = curve.sizes(rng.uniform(size=(int(number), 2)))
+    volume = 0.25 * np.pi * sizes**3  # 1.5 times spheres of that size
+    total = float(volume.sum())
+    return forecast(domain, Grains(sizes, volume, volume / total, total, curve.largest, one_form))
+
+
 def committed_errors():
-    """Return predicted and evaluated sampling errors of committed rows: one form and mixtures in boxes, cylinders."""
-    cases = {name: case.curve for name, case in read_cases(CONFIG / "cases.tsv").items()}
-    box, cylinder = Domain("periodic", 0.063, 0.6), Domain("cylinder", 0.104, 1.0)
+    """Return predicted and evaluated sampling errors of committed rows: one form, mixed forms in boxes, cylinders.
+
+    Those of form_mixture.csv are nan: they were evaluated with spheres instead of the ellipsoids of the grains.
+    """
+    cylinder = Domain("cylinder", 0.104, 1.0)
     wide = {"U7": Domain("periodic", 0.1, 1.0), "B50": Domain("periodic", 0.08, 1.0)}
     rows = []
     for table, domain_of, one_form in (
-        ("single_form", lambda case: wide.get(case, box), True),
-        ("form_mixture", lambda case: box, False),
+        ("single_form", lambda case: wide.get(case, BOX_OF_MIXTURES), True),
+        ("form_mixture", lambda case: BOX_OF_MIXTURES, False),
+        ("scatter_forms", lambda case: SMALL_BOX, False),
         ("validation", lambda case: cylinder, False),
     ):
         for row in pd.read_csv(REFERENCE / f"{table}.csv").itertuples():
-            curve, rng = cases[row.case], np.random.default_rng(1)
-            sizes = curve.sizes(rng.uniform(size=(int(row.grains), 2)))
-            volume = 0.25 * np.pi * sizes**3  # 1.5 times spheres of that size
-            total = float(volume.sum())
-            bed = forecast(domain_of(row.case), Grains(sizes, volume, volume / total, total, curve.largest, one_form))
-            rows.append((table, row.case, row.n_error, bed.sampling_error, row.n, 1.0 - bed.solid_fraction))
+            bed = bed_of(row.case, row.grains, domain_of(row.case), one_form)
+            error = np.nan if table == "form_mixture" else row.n_error
+            rows.append((table, row.case, error, bed.sampling_error, row.n, 1.0 - bed.solid_fraction))
     return pd.DataFrame(rows, columns=["table", "case", "error", "expected", "n", "expected_n"])
 
 
 def test_predictions_hold_for_committed_rows():
-    """About nine of ten errors are within ERROR_FACTOR of the predicted ones, and porosities within 0.06.
+    """Nine of ten errors of mixed forms, and more of one form, are within ERROR_FACTOR, and porosities within 0.06.
 
-    For B50 in a narrow box, 5 mm are evaluated of a bed 68 mm high, less than predicted.
+    For B50 in a narrow box, 5 mm are evaluated of a bed 68 mm high, less than predicted. Beds of mixed forms
+    have long and flat grains, which are looser than most.
     """
-    rows = committed_errors().dropna()
-    off = np.abs(np.log(rows.error / rows.expected))
-    assert np.quantile(off, 0.87) < np.log(ERROR_FACTOR) < np.quantile(off, 0.95)
-    medians = (rows.error / rows.expected).groupby([rows.table, rows.case]).median()
+    rows = committed_errors()
+    errors = rows.dropna()
+    inside = (np.abs(np.log(errors.error / errors.expected)) < np.log(ERROR_FACTOR)).groupby(errors.table).mean()
+    assert (inside > 0.87).all() and inside["scatter_forms"] < 0.95, inside
+    medians = (errors.error / errors.expected).groupby([errors.table, errors.case]).median()
     assert medians.drop(("single_form", "B50")).between(1 / 1.5, 1.5).all(), medians
     assert medians["single_form", "B50"] < 2.5
     porosity = (rows.n - rows.expected_n).groupby([rows.table, rows.case]).mean()
     assert (porosity.abs() < 0.06).all(), porosity
+
+
+def test_the_predicted_error_of_mixed_forms_is_the_scatter_over_seeds():
+    """Over 64 degrees of freedom the ratio is known to 9 %."""
+    squares, freedom = 0.0, 0
+    for table, domain in (("form_mixture", BOX_OF_MIXTURES), ("scatter_forms", SMALL_BOX)):
+        rows = pd.read_csv(REFERENCE / f"{table}.csv")
+        for _, beds in rows[rows.case == "U1"].groupby(SETS):
+            expected = bed_of("U1", beds.grains.iloc[0], domain, one_form=False).sampling_error
+            squares += np.sum((beds.n - beds.n.mean()) ** 2) / expected**2
+            freedom += len(beds) - 1
+    assert freedom == 64
+    assert np.sqrt(squares / freedom) == pytest.approx(1.0, abs=0.05)
 
 
 def test_the_error_falls_with_the_root_of_the_volume_and_grows_with_large_grains():
