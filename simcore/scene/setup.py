@@ -31,6 +31,7 @@ class Setup(NamedTuple):
     grains: tuple = ()  # Grain of each base that is a polyhedron
     notes: tuple = ()  # sentences about the grains, such as concave grains and files that were left out
     size_note: str | None = None  # sentence about the use of the grains' own sizes
+    by_quota: bool = False  # whether sizes are drawn by quota
 
 
 def set_up(specification: dict, load_grains) -> Setup:
@@ -87,6 +88,7 @@ def set_up(specification: dict, load_grains) -> Setup:
         tuple(grains) if has_polyhedra else (),
         notes,
         size_note(grains, specification["sizes"]),
+        quota is not None,
     )
 
 

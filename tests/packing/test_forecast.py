@@ -12,6 +12,7 @@ import yaml
 
 from simcore.__main__ import main
 from simcore.campaign.plan import check_beds
+from simcore.campaign.studies import expand, merge
 from simcore.campaign.study_tables import tabulate
 from simcore.evaluation.evaluate import evaluate
 from simcore.evaluation.porosity import bulk_porosity
@@ -38,6 +39,7 @@ from simcore.packing.forecast_text import bed_lines, grain_lines, setup_warnings
 from simcore.paths import CONFIG, REFERENCE
 from simcore.report.sections import packing_warnings
 from simcore.scene.domain import Domain
+from simcore.scene.setup import set_up
 from simcore.scene.specification import express, resolve
 from tests.helpers.few_spheres import set_up_few_spheres, specify_few_spheres
 
@@ -148,6 +150,36 @@ def test_the_predicted_error_of_mixed_forms_is_the_scatter_over_seeds():
             freedom += len(beds) - 1
     assert freedom == 64
     assert np.sqrt(squares / freedom) == pytest.approx(1.0, abs=0.05)
+
+
+def test_the_predicted_error_of_sizes_by_quota_is_the_scatter_over_seeds():
+    """The scatter of three sets of beds by quota, of spheres, U5 and B50, is known to 14 %."""
+    files = [yaml.safe_load((CONFIG / name).read_text(encoding="utf-8")) for name in ("config.yaml", "wide.yaml")]
+    plan = expand(resolve(merge(*files), "config")).query("study in ['wide_spheres', 'wide_quota', 'wide_both']")
+    squares, freedom = 0.0, 0
+    for study, case in (("wide_spheres", "U5"), ("wide_quota", "U5"), ("wide_both", "B50")):
+        rows = pd.read_csv(REFERENCE / f"{study}.csv").query("case == @case")
+        rows = rows[rows.draw == "quota"] if "draw" in rows else rows
+        sizes = {"case": case, "draw": "quota"}
+        specification = next(s for s in plan[plan.study == study].specification if sizes.items() <= s["sizes"].items())
+        bed = forecast(Domain(**specification["domain"]), typical_grains(specification))
+        squares += np.sum((rows.n - rows.n.mean()) ** 2) / bed.sampling_error**2
+        freedom += len(rows) - 1
+    assert freedom >= 24
+    assert np.sqrt(squares / freedom) == pytest.approx(1.0, abs=0.28)
+
+
+def test_a_quota_matters_only_if_there_are_several_classes():
+    one = {"sizes": {"bounds": ["4 mm", "8 mm"], "mass_fractions": [1.0]}}
+    two = {"sizes": {"bounds": ["4 mm", "8 mm", "16 mm"], "mass_fractions": [0.5, 0.5], "allow_few_top_grains": True}}
+    for sizes, by_quota in ((one, False), (two, True)):
+        for draw in ("random", "quota"):
+            raw = specify_few_spheres(domain={"width": "60 mm"}, amount={"grains": 500}, **sizes)
+            raw["sizes"]["draw"] = draw
+            made = set_up(resolve(raw), lambda group: [])
+            assert grains_of(made).by_quota == typical_grains(resolve(raw)).by_quota == (by_quota and draw == "quota")
+    quota = grains(1e-3)._replace(by_quota=True)
+    assert sampling_error(BOX, quota, 0.64, 0.1) == 0.5 * sampling_error(BOX, grains(1e-3), 0.64, 0.1)
 
 
 def test_the_error_falls_with_the_root_of_the_volume_and_grows_with_large_grains():
