@@ -114,11 +114,16 @@ def test_scatter_over_seeds():
         begin, limits = f"| {row.draw} | ", f" ({row.std_lower:.4f} to {row.std_upper:.4f})"
         if row.case.startswith("B50"):
             begin, limits = f"{begin}{row.seeds} | {row.n:.4f} | ", ""
+            chi2 = f" {row.chi2:.1f}, {row.chi2_lower:.1f} and {row.chi2_upper:.1f} |"
+            assert any(text.startswith(begin) and text.endswith(chi2) for text in PAGE.splitlines()), chi2
         line = f"| {row.std:.4f}{limits} | {row.stated:.4f} |"
         assert any(text.startswith(begin) and line in text for text in PAGE.splitlines()), line
     ratio = table.set_index(["case", "draw"])["variance_ratio"].map("{:.2f}".format)
     assert f"the variance over the seeds is {ratio['U5', 'quota']} of that" in PAGE
     assert f"By quota the variance is {ratio['U5 spheres', 'quota']} of that" in PAGE
+    (coarse,) = table[(table["case"] == "B50, preset wide") & (table["draw"] == "quota")].itertuples()
+    side = "below" if coarse.variance_ratio < coarse.limit else "above"
+    assert f"is {coarse.variance_ratio:.2f} of that by random draws, {side} the limit of {coarse.limit:.3f}" in PAGE
 
 
 def test_scatter_of_small_beds_of_mixed_forms():
