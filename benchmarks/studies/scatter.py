@@ -44,10 +44,11 @@ STUDIES = {
 SPHERES = "wide_spheres.csv"  # contains both draws
 FORMS = "scatter_forms.csv"
 OF_FORMS = ", distributions of form"  # added to the name of their sieve curve
-# Columns that tell the sets of beds of one curve apart; each set has a mean porosity of its own.
-SETS = {f"U1{OF_FORMS}": [f"{kind}_{X}_nominal" for X in ("FL", "EL") for kind in ("mu", "sigma")]}
+# Columns that tell sets of beds with different distributions of form apart; each set has a mean porosity of its own.
+FORM = [f"{kind}_{X}_nominal" for X in ("FL", "EL") for kind in ("mu", "sigma")]
+SETS = {f"U1{OF_FORMS}": FORM}
 # First seed whose stated error was evaluated after the last correction of simcore.evaluation.sampling_error. The
-# errors of all polyhedra of U1, U5 and U7 are older.
+# errors of all other polyhedra are older, except those of scatter_forms.csv.
 CORRECTED_FROM = {"B50, preset wide": 4}
 
 

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 import yaml
 
+from benchmarks.studies.scatter import FORM
 from simcore.__main__ import main
 from simcore.campaign.plan import check_beds
 from simcore.campaign.studies import expand, merge
@@ -44,6 +45,16 @@ from simcore.scene.specification import express, resolve
 from tests.helpers.few_spheres import set_up_few_spheres, specify_few_spheres
 
 BOX, DENSITY = Domain("periodic", 0.2, 1.0), 2650.0
+BOX_OF_1200, BOX_OF_300 = Domain("periodic", 0.063, 0.6), Domain("periodic", 0.045, 0.6)
+CURVES = {name: case.curve for name, case in read_cases(CONFIG / "cases.tsv").items()}
+PAGE_ROWS = {
+    ("single_form", "U1"): "one form, U1, periodic box",
+    ("single_form", "U7"): "one form, U7, periodic box",
+    ("single_form", "B50"): "one form, B50, periodic box",
+    ("form_mixture", "U1"): "mixed forms, U1, periodic box, 1200 grains",
+    ("scatter_forms", "U1"): "mixed forms, U1, periodic box, 300 grains",
+}
+ACCURACY = (ROOT / "docs" / "explanation" / "accuracy.md").read_text(encoding="utf-8")
 # 5 kg of gravel up to 64 mm in a box of 200 mm.
 RIVER = specify_few_spheres(
     name="river",
@@ -87,14 +98,9 @@ def test_a_packed_bed_is_as_high_as_predicted(tmp_path):
     assert 0.25 < bed.sampling_error / float(found.n_std_error) < 4.0
 
 
-BOX_OF_MIXTURES = Domain("periodic", 0.063, 0.6)
-SMALL_BOX = Domain("periodic", 0.045, 0.6)
-SETS = [f"{kind}_{X}_nominal" for kind in ("mu", "sigma") for X in ("FL", "EL")]
-
-
 def bed_of(case, number, domain, one_form):
     """Return the Forecast of a bed of so many grains of a case."""
-    curve, rng = read_cases(CONFIG / "cases.tsv")[case].curve, np.random.default_rng(1)
+    curve, rng = CURVES[case], np.random.default_rng(1)
     sizes = curve.sizes(rng.uniform(size=(int(number), 2)))
     volume = 0.25 * np.pi * sizes**3  # 1.5 times spheres of that size
     total = float(volume.sum())
@@ -110,9 +116,9 @@ def committed_errors():
     wide = {"U7": Domain("periodic", 0.1, 1.0), "B50": Domain("periodic", 0.08, 1.0)}
     rows = []
     for table, domain_of, one_form in (
-        ("single_form", lambda case: wide.get(case, BOX_OF_MIXTURES), True),
-        ("form_mixture", lambda case: BOX_OF_MIXTURES, False),
-        ("scatter_forms", lambda case: SMALL_BOX, False),
+        ("single_form", lambda case: wide.get(case, BOX_OF_1200), True),
+        ("form_mixture", lambda case: BOX_OF_1200, False),
+        ("scatter_forms", lambda case: BOX_OF_300, False),
         ("validation", lambda case: cylinder, False),
     ):
         for row in pd.read_csv(REFERENCE / f"{table}.csv").itertuples():
@@ -137,14 +143,20 @@ def test_predictions_hold_for_committed_rows():
     assert medians["single_form", "B50"] < 2.5
     porosity = (rows.n - rows.expected_n).groupby([rows.table, rows.case]).mean()
     assert (porosity.abs() < 0.06).all(), porosity
+    for key, name in PAGE_ROWS.items():
+        (line,) = (line for line in ACCURACY.splitlines() if line.startswith(f"| {name} |"))
+        number, ratio, difference = (cell.strip() for cell in line.strip("|").split("|")[1:])
+        assert int(number) == len(rows[(rows.table == key[0]) & (rows.case == key[1])])
+        assert ratio == (f"{medians[key]:.2f}" if key in medians else "")
+        assert difference == f"{porosity[key]:+.3f}".replace("-", "−")
 
 
 def test_the_predicted_error_of_mixed_forms_is_the_scatter_over_seeds():
     """Over 64 degrees of freedom the ratio is known to 9 %."""
     squares, freedom = 0.0, 0
-    for table, domain in (("form_mixture", BOX_OF_MIXTURES), ("scatter_forms", SMALL_BOX)):
+    for table, domain in (("form_mixture", BOX_OF_1200), ("scatter_forms", BOX_OF_300)):
         rows = pd.read_csv(REFERENCE / f"{table}.csv")
-        for _, beds in rows[rows.case == "U1"].groupby(SETS):
+        for _, beds in rows[rows.case == "U1"].groupby(FORM):
             expected = bed_of("U1", beds.grains.iloc[0], domain, one_form=False).sampling_error
             squares += np.sum((beds.n - beds.n.mean()) ** 2) / expected**2
             freedom += len(beds) - 1
@@ -167,8 +179,7 @@ def test_the_predicted_error_of_sizes_by_quota_is_the_scatter_over_seeds():
         freedom += len(rows) - 1
     ratio = np.sqrt(squares / freedom)
     assert ratio == pytest.approx(1.0, abs=0.28)
-    page = (ROOT / "docs" / "explanation" / "accuracy.md").read_text(encoding="utf-8")
-    assert f"is {ratio:.2f} ± {ratio / np.sqrt(2 * freedom):.2f} of what is then" in page
+    assert f"is {ratio:.2f} ± {ratio / np.sqrt(2 * freedom):.2f} of what is then" in ACCURACY
 
 
 def test_a_quota_matters_only_if_there_are_several_classes():
