@@ -23,7 +23,10 @@ def add(commands) -> None:
         "side, or left whole at one side; default: cut for voxels, leave otherwise",
     )
     parser.add_argument(
-        "--voxel", metavar="LENGTH", help='edge of a voxel: "0.5 mm"; default: a twentieth of the median sieve size'
+        "--voxel",
+        metavar="LENGTH",
+        help='edge of a voxel: "0.5 mm"; default: a twentieth of the median sieve size by number, or a quarter of the '
+        "smallest axis of a grain",
     )
     parser.add_argument(
         "--divisions",

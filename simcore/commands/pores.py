@@ -19,7 +19,8 @@ def add(commands) -> None:
     parser.add_argument(
         "--voxel",
         metavar="LENGTH",
-        help='edge of the fine voxels: "0.2 mm"; default: a fortieth of the median sieve size, larger for large beds',
+        help='edge of the fine voxels: "0.2 mm"; default: a fortieth of the median sieve size by number, or an '
+        "eighth of the smallest axis of a grain; larger for large beds",
     )
     parser.add_argument(
         "--no-voxels", action="store_true", help="print only what follows from porosity and surface, in seconds"
@@ -34,6 +35,7 @@ def add(commands) -> None:
 def run(options) -> int:
     """Print the properties of the pore space, draw the pore sizes if asked for, and return 0."""
     from simcore.packing.file import read_packing
+    from simcore.pores.image import TooManyVoxels
     from simcore.pores.pores import bulk_pores, missing_libraries, voxel_pores
     from simcore.pores.pores_text import INSTALL, pores_json, pores_text
 
@@ -45,15 +47,23 @@ def run(options) -> int:
             raise ValueError(f"--plot: pore sizes need {' and '.join(missing)}; install the extra: {INSTALL}")
         check_figure("--plot", options.plot)
     packing = read_packing(options.packing)
-    results = bulk_pores(packing, cut)
+    results, sizes, reason = bulk_pores(packing, cut), None, ""
     if not options.no_voxels:
         low, high = results["z_lower"], results["z_upper"]
-        on_voxels, sizes = voxel_pores(packing, low, high, voxel, network=not missing)
-        results |= on_voxels
-        if options.plot is not None:
-            from simcore.report.figures.pores import pore_size_figure
-            from simcore.report.figures.saving import save_figure
+        try:
+            on_voxels, sizes = voxel_pores(packing, low, high, voxel, network=not missing)
+            results |= on_voxels
+        except TooManyVoxels as error:
+            reason = str(error)
+    if options.json:
+        print(pores_json(results))
+    else:
+        print(pores_text(results, () if options.no_voxels else missing, reason))
+    if reason and (options.json or options.plot is not None):
+        raise ValueError(f"{options.packing}: {reason}")
+    if options.plot is not None:
+        from simcore.report.figures.pores import pore_size_figure
+        from simcore.report.figures.saving import save_figure
 
-            save_figure(pore_size_figure(*sizes, results["voxel_fine"], options.packing.stem), options.plot)
-    print(pores_json(results) if options.json else pores_text(results, missing if not options.no_voxels else ()))
+        save_figure(pore_size_figure(*sizes, results["voxel_fine"], options.packing.stem), options.plot)
     return 0

@@ -94,6 +94,11 @@ def contact_lines(packing, periodic="leave"):
         # The same contact, seen from the place of the second grain in the box.
         through = np.flatnonzero(image.any(axis=1))
         rows, shift = np.append(rows, through), np.concatenate([shift, -image[through]])
+    if where.sides is not None:
+        # A line through an edge of the box may also have a piece that enters by one side and leaves by the other.
+        at_edge = np.flatnonzero(image[:, :2].all(axis=1))
+        rows = np.concatenate([rows, at_edge, at_edge])
+        shift = np.concatenate([shift, *(-image[at_edge] * axis for axis in np.eye(3)[:2])])
     lines = np.stack([starts[rows] + shift, ends[rows] + shift], axis=1).reshape(-1, 2, 3)
     if where.sides is not None:
         lines, kept = _cut_lines(lines, where.sides)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import trimesh
 from scipy.spatial import QhullError
+from scipy.special import elliprg
 
 from simcore.export.placement import is_polyhedron, places, rotations, shape_part
 
@@ -79,19 +80,22 @@ def cut_convex(vertices, faces, width):
     return vertices, faces
 
 
-def surface_areas(packing, divisions=4):
-    """Return the area of each grain's surface, (n,) [m²]: exact for polyhedra, to 0.2 % for spheres and ellipsoids."""
+def ellipsoid_areas(half_axes):
+    """Return the areas of ellipsoids, (n,) [m²]; half_axes: (n, 3) [m].
+
+    The area is 4 π R_G(a² b², a² c², b² c²) with Carlson's symmetric elliptic integral R_G of the second kind (DLMF
+    19.33.1).
+    """
+    a, b, c = np.square(np.asarray(half_axes, float)).T
+    return 4.0 * np.pi * elliprg(a * b, a * c, b * c)
+
+
+def surface_areas(packing):
+    """Return the area of each grain's surface, (n,) [m²]."""
     scale, shape = packing["scale"].values, packing["shape"].values
-    areas = np.empty(len(shape))
-    polyhedra = is_polyhedron(packing)
-    meshes = {int(s): base_mesh(packing, s, divisions) for s in np.unique(shape)}
-    for g in range(len(shape)):
-        vertices, faces = meshes[int(shape[g])]
-        if not polyhedra[g] and scale[g].min() == scale[g].max():
-            areas[g] = 4.0 * np.pi * scale[g, 0] ** 2
-            continue
-        corners = (vertices * scale[g])[faces]
-        areas[g] = (
-            0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
-        )
+    areas = ellipsoid_areas(scale)
+    for g in np.flatnonzero(is_polyhedron(packing)):
+        corners = (shape_part(packing, "vertex", shape[g]) * scale[g])[shape_part(packing, "face", shape[g])]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        areas[g] = 0.5 * np.linalg.norm(normals, axis=1).sum()
     return areas

@@ -20,7 +20,7 @@ from simcore.export.placement import is_polyhedron, places, rotations, shape_par
 from simcore.export.surfaces import surface_areas
 
 GRID_VARIANCE = 16.5323 / (8.0 * np.pi**3)
-VOXELS_PER_SIZE, VOXELS_PER_GRAIN = 20, 4  # default least number along the median sieve size, and any grain
+VOXELS_PER_SIZE, VOXELS_PER_GRAIN = 20, 4  # default least number along the median sieve size and the smallest axis
 MOST_VOXELS = 1_000_000_000
 PORE = 0
 
@@ -40,7 +40,10 @@ class Voxels(NamedTuple):
 
 
 def default_edge(packing) -> float:
-    """Return the edge of a voxel [m] where none is given: small enough for the median sieve size and every grain."""
+    """Return the edge of a voxel [m] where none is given: small enough for the median sieve size and every grain.
+
+    The median is that by number, which small grains determine, as they do the edge that is needed.
+    """
     smallest = float(packing["S"].values.min())
     return min(float(np.median(packing["D"].values)) / VOXELS_PER_SIZE, smallest / VOXELS_PER_GRAIN)
 
@@ -48,7 +51,7 @@ def default_edge(packing) -> float:
 def voxels(packing, size=None, periodic="cut"):
     """Return the Voxels of a packing.
 
-    size [m]: edge of a voxel; None: the median sieve size over VOXELS_PER_SIZE, or less for small grains. The grid
+    size [m]: edge of a voxel; None: default_edge. The grid
     reaches from the floor to the highest grain. With periodic="cut" it is exactly one period wide and continues on its
     opposite side; the spacing along x and y is then the width over a whole number, the nearest to `size`. Otherwise it
     contains all grains, with their images if periodic="copy". Where two grains overlap, the later one counts.

@@ -7,8 +7,12 @@ import numpy as np
 from simcore.evaluation.porosity import domain_area
 from simcore.export.voxels import PORE, default_edge, voxels
 
-# Largest number by default. PoreSpy and the diffusion take seconds per million voxels.
-MOST_VOXELS = 8_000_000
+# Largest number of fine voxels unless their edge is given; PoreSpy and the diffusion take seconds per million voxels.
+DEFAULT_MOST = 8_000_000
+
+
+class TooManyVoxels(ValueError):
+    """The smallest grain of a bed needs more voxels than are computed unless their edge is given."""
 
 
 class PoreImage(NamedTuple):
@@ -18,18 +22,18 @@ class PoreImage(NamedTuple):
     spacing: np.ndarray  # (3,) [m]; the spacing along z is that of the request
     periodic: bool  # along x and y
     area: float  # [m²], horizontal area of the domain
-    first: int  # number of the first layer that counts; layers below it only surround the others
-    last: int  # number after that of the last layer that counts
+    lowest: int  # number of the lowest layer that counts; layers below it only surround the others
+    end: int  # number after that of the highest layer that counts
 
     @property
     def inside(self) -> np.ndarray:
-        """The layers that count, (nx, ny, last - first) bool."""
-        return self.pores[:, :, self.first : self.last]
+        """The layers that count, (nx, ny, end - lowest) bool."""
+        return self.pores[:, :, self.lowest : self.end]
 
     @property
     def height(self) -> float:
         """Height of the layers that count [m]."""
-        return (self.last - self.first) * float(self.spacing[2])
+        return (self.end - self.lowest) * float(self.spacing[2])
 
     @property
     def porosity(self) -> float:
@@ -40,9 +44,9 @@ class PoreImage(NamedTuple):
 def voxel_sizes(packing, low, high, voxel=None):
     """Return the edges (coarse, fine) of the voxels of two images; the coarse is twice the fine [m].
 
-    voxel [m]: the fine edge. None: half of the default edge of an export, which is a twentieth of the median sieve
-    size or a quarter of the smallest axis; it is larger if the image would have more than MOST_VOXELS voxels.
-    ValueError if the coarse edge exceeds the smallest axis of a grain.
+    voxel [m]: the fine edge. None: half of the default edge of an export, see simcore.export.voxels.default_edge. It
+    is larger if the fine image would have more than DEFAULT_MOST voxels. The coarse edge must not exceed the smallest
+    axis of a grain: ValueError if `voxel` is too large for it, TooManyVoxels if DEFAULT_MOST voxels are.
     """
     smallest = float(packing["S"].values.min())
     if voxel is not None and 2.0 * voxel > smallest:
@@ -51,8 +55,21 @@ def voxel_sizes(packing, low, high, voxel=None):
             "voxels of twice this edge are used as well; choose another --voxel"
         )
     if voxel is None:
-        voxel = max(0.5 * default_edge(packing), float(np.cbrt(domain_area(packing) * (high - low) / MOST_VOXELS)))
+        volume = domain_area(packing) * (high - low)
+        voxel = max(0.5 * default_edge(packing), float(np.cbrt(volume / DEFAULT_MOST)))
+        if 2.0 * voxel > smallest:
+            largest = 1e-3 * _rounded_down(0.5e3 * smallest)
+            raise TooManyVoxels(
+                f"the smallest grain, {1e3 * smallest:.3g} mm thick, needs {1e-6 * volume / largest**3:.3g} million "
+                f"voxels, which take long; to compute them, give --voxel '{1e3 * largest:g} mm'"
+            )
     return 2.0 * voxel, voxel
+
+
+def _rounded_down(value):
+    """Return a number above 0 rounded down to two digits, so that the edge stays below its limit."""
+    unit = 10.0 ** (np.floor(np.log10(value)) - 1.0)
+    return float(np.floor(value / unit) * unit)
 
 
 def pore_image(packing, low, high, size, margin=0.0):
@@ -76,9 +93,21 @@ def pore_image(packing, low, high, size, margin=0.0):
     pores = grid.labels[:, :, start:stop] == PORE
     periodic = packing.attrs["domain_shape"] == "periodic"
     if not periodic:
-        x, y = (grid.origin[i] + (np.arange(pores.shape[i]) + 0.5) * grid.spacing[i] for i in (0, 1))
-        radius = 0.5 * float(packing.attrs["domain_width"])
-        pores &= (x[:, None] ** 2 + y**2 <= radius**2)[:, :, None]
+        pores = _inside_cylinder(pores, grid, 0.5 * float(packing.attrs["domain_width"]))
     return PoreImage(
         pores, grid.spacing, periodic, domain_area(packing), int(counted[0] - start), int(counted[-1] + 1 - start)
     )
+
+
+def _inside_cylinder(pores, grid, radius):
+    """Return the pore voxels of a grid around the grains, extended to a cylinder about x = y = 0, and none outside it.
+
+    pores: (nx, ny, nz) bool of the Voxels `grid`; radius [m].
+    """
+    spacing, start = grid.spacing[:2], grid.origin[:2]
+    stop = start + pores.shape[:2] * spacing
+    before, after = (np.ceil(np.maximum(gap, 0.0) / spacing).astype(int) for gap in (start + radius, radius - stop))
+    pores = np.pad(pores, (*zip(before, after, strict=True), (0, 0)), constant_values=True)
+    start = start - before * spacing
+    x, y = (start[i] + (np.arange(pores.shape[i]) + 0.5) * spacing[i] for i in (0, 1))
+    return pores & (x[:, None] ** 2 + y**2 <= radius**2)[:, :, None]

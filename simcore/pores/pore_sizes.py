@@ -24,7 +24,7 @@ def pore_sizes(image, margin):
     porespy.settings.tqdm["disable"] = True
     radius = porespy.filters.local_thickness(pores)
     nx, ny = image.pores.shape[:2]
-    radius = radius[pad : pad + nx, pad : pad + ny, image.first : image.last][image.inside]
+    radius = radius[pad : pad + nx, pad : pad + ny, image.lowest : image.end][image.inside]
     values, counts = np.unique(np.maximum(radius, 1.0), return_counts=True)
     return 2.0 * values * float(np.cbrt(image.spacing.prod())), counts / counts.sum()
 

@@ -51,7 +51,7 @@ def voxel_pores(packing, low, high, voxel=None, network=True):
     voxel [m]: edge of the fine voxels, see simcore.pores.image.voxel_sizes. network: whether to compute the pore sizes
     and the pore network, which need the extra `pores`. Each value is that on the fine voxels, and NAME_resolution its
     difference from that on voxels twice as large. The tortuosity is extrapolated from both, by this difference. sizes:
-    (diameters, shares) on the fine voxels, or None.
+    (diameters, shares) on the fine voxels, or None. TooManyVoxels as in voxel_sizes.
     """
     margin = median_size(packing["D"].values, packing["volume"].values)
     edges = voxel_sizes(packing, low, high, voxel)

@@ -5,7 +5,7 @@ import json
 import numpy as np
 from tabulate import tabulate
 
-from simcore.evaluation.rounding import error_decimals
+from simcore.evaluation.rounding import MAX_DECIMALS, error_decimals
 from simcore.pores.kozeny_carman import CONSTANT
 
 # Ratio to Zick and Homsy (1982) less 1, face-centred and simple cubic; docs/how_to/pores.md.
@@ -13,10 +13,11 @@ NETWORK_MISSES = "−16 to +69 % at d/40"
 INSTALL = "pip install '.[pores]' in the folder of Scree"
 
 
-def pores_text(results, missing=()) -> str:
+def pores_text(results, missing=(), reason="") -> str:
     """Return the results of simcore.pores.pores as text to read.
 
     results: dict of bulk_pores, with that of voxel_pores or without it; missing: libraries that are not installed.
+    reason: why nothing was computed on voxels although it was asked for, or empty.
     """
     lines = [_bulk_table(results)]
     if "voxel_fine" in results:
@@ -34,7 +35,9 @@ def pores_text(results, missing=()) -> str:
         )
     if "network_permeability" in results:
         lines.append(f"The pore network has a further error: it misses lattices of spheres by {NETWORK_MISSES}.")
-    if missing:
+    if reason:
+        lines.append(f"Nothing is computed on voxels: {reason}")
+    elif missing:
         lines.append(f"Pore sizes and pore network need {' and '.join(missing)}: {INSTALL}")
     return "\n".join(lines)
 
@@ -85,9 +88,11 @@ def _with_error(value, error):
         return "infinite: no path of pores"
     if value == 0.0:
         return "0: no path of pores"
+    if not np.isfinite(error):
+        return f"{value:.3g}, of unknown error: no path of pores on the coarse voxels"
     power = int(np.floor(np.log10(abs(value))))
-    scale, suffix = (10.0**power, f" e{power:d}") if power < -3 else (1.0, "")
-    value, error = value / scale, error / scale
-    decimals = error_decimals(error, digits=2)
-    text = f"{value:.{decimals}f} ± {error:.{decimals}f}"
-    return f"({text}){suffix.strip()}" if suffix else text
+    small = power < -3 or 0.0 < error < 10.0 ** (1 - MAX_DECIMALS) and power < 0
+    scale = 10.0**power if small else 1.0
+    decimals = error_decimals(error / scale, digits=2)
+    text = f"{value / scale:.{decimals}f} ± {error / scale:.{decimals}f}"
+    return f"({text})e{power:d}" if small else text

@@ -1,37 +1,28 @@
 """Area of the grains' own surfaces between two horizontal planes, without voxels.
 
 Facets of polyhedra are cut exactly. The zone of a sphere of radius R between planes at a distance h has the area
-2 π R h (Archimedes). A whole ellipsoid with half axes a, b, c has the area
-
-    4 π R_G(a² b², a² c², b² c²),
-
-R_G Carlson's symmetric elliptic integral of the second kind (DLMF 19.33.1). The zone of an ellipsoid between two planes
-has no closed form. Its area is integrated over the unit ball's zone: the ellipsoid is the image A u of the unit sphere,
-the area element is det(A) |A⁻ᵀ u| du, and the planes are perpendicular to the third row of A. The integrand
-is smooth, so that Gauss's rule over the height and equal steps around the axis converge exponentially.
+2 π R h (Archimedes). The area of a whole ellipsoid is that of simcore.export.surfaces.ellipsoid_areas. The zone of an
+ellipsoid between two planes has no closed form. Its area is integrated over the unit ball's zone: the ellipsoid is the
+image A u of the unit sphere, the area element is det(A) |A⁻ᵀ u| du, and the planes are perpendicular to the third row
+of A. The integrand is smooth, so that Gauss's rule over the height and equal steps around the axis converge
+exponentially.
 """
 
 import numpy as np
-from scipy.special import elliprg
 
 from simcore.evaluation.slicing import slab_volumes
 from simcore.export.placement import is_polyhedron, rotations, shape_part
+from simcore.export.surfaces import ellipsoid_areas
 
 # Nodes over the height and around the axis. For half axes 1 : 3 : 10 the whole area is right to round-off.
 HEIGHT_NODES, ANGLES = 96, 128
 
 
-def ellipsoid_areas(half_axes):
-    """Return the areas of ellipsoids with these half axes, (n,) [m²]; half_axes: (n, 3) [m]."""
-    a, b, c = np.square(np.asarray(half_axes, float)).T
-    return 4.0 * np.pi * elliprg(a * b, a * c, b * c)
-
-
 def areas_between(packing, low, high):
     """Return the area of each grain's surface between the planes z = low and z = high, (n,) [m²].
 
-    packing: Dataset of read_packing; low < high [m], ValueError otherwise. The planes themselves do not count, nor do
-    the contacts, whose area is below the resolution of the overlaps.
+    packing: Dataset of read_packing; low < high [m], ValueError otherwise. The planes themselves do not count.
+    The area of contacts is not subtracted, because contacts of hard grains are points.
     """
     if not low < high:
         raise ValueError(f"areas_between: the planes at {low:g} m and {high:g} m must be in this order; swap them")
@@ -68,13 +59,13 @@ def _zone_area(half_axes, to_world, ends):
         return 2.0 * np.pi * half_axes[0] ** 2 * (ends[1] - ends[0])
     axis = to_world[2] * half_axes
     axis = axis / np.linalg.norm(axis)
-    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    first /= np.linalg.norm(first)
-    second = np.cross(axis, first)
+    across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    across /= np.linalg.norm(across)
+    third = np.cross(axis, across)
     nodes, weights = np.polynomial.legendre.leggauss(HEIGHT_NODES)
     t = 0.5 * (ends[0] + ends[1]) + 0.5 * (ends[1] - ends[0]) * nodes[:, None, None]
     angle = 2.0 * np.pi * np.arange(ANGLES)[:, None] / ANGLES
-    u = t * axis + np.sqrt(1.0 - t * t) * (np.cos(angle) * first + np.sin(angle) * second)
+    u = t * axis + np.sqrt(1.0 - t * t) * (np.cos(angle) * across + np.sin(angle) * third)
     element = half_axes.prod() * np.linalg.norm(u / half_axes, axis=2).mean(axis=1)
     return np.pi * (ends[1] - ends[0]) * (weights @ element)
 

@@ -105,17 +105,23 @@ def test_contacts_through_a_side_are_left_copied_or_cut():
     width = packing.attrs["domain_width"]
     pieces, table, _ = contact_lines(packing, "cut")
     assert pieces[..., :2].min() >= -1e-15 and pieces[..., :2].max() <= width + 1e-15
-    # The pieces of a line through one side sum to the line. Lines through an edge of the box have a third piece in
-    # none of the two images that are drawn, so they are left out here.
+    # The pieces of a line sum to the line, also of one through an edge of the box.
     lengths = np.bincount(table.index, weights=np.linalg.norm(pieces[:, 1] - pieces[:, 0], axis=1))
     total = np.zeros(packing.sizes["contact"])
     keys = {tuple(row): k for k, row in enumerate(contact_keys(packing))}
     rows = [keys[tuple(row)] for row in table[["first", "second", "image_x", "image_y"]].to_numpy()]
     np.add.at(total, rows, lengths)
-    one_side = np.abs(packing["contact_image"].values).sum(axis=1) <= 1
-    whole = np.linalg.norm(left[:, 1] - left[:, 0], axis=1)
-    np.testing.assert_allclose(total[one_side], whole[one_side], rtol=1e-12)
-    assert one_side.sum() > through.sum()
+    np.testing.assert_allclose(total, np.linalg.norm(left[:, 1] - left[:, 0], axis=1), rtol=1e-12)
+
+
+def test_a_line_through_an_edge_of_the_box_has_three_pieces():
+    radius = 0.5 * np.linalg.norm([1.1e-2, 1.5e-2])
+    packing = make_packing(
+        [[0.098, 0.09, 0.05], [0.009, 0.005, 0.05]], radius, width=0.1, contacts=[(0, 1)], images=[(1, 1)]
+    )
+    pieces, _, _ = contact_lines(packing, "cut")
+    assert len(pieces) == 3
+    assert np.linalg.norm(pieces[:, 1] - pieces[:, 0], axis=1).sum() == pytest.approx(2.0 * radius)
 
 
 def contact_keys(packing):

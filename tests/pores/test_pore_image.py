@@ -5,7 +5,7 @@ import pytest
 
 from simcore.evaluation.porosity import bulk_porosity
 from simcore.pores import image
-from simcore.pores.image import pore_image, voxel_sizes
+from simcore.pores.image import TooManyVoxels, pore_image, voxel_sizes
 from tests.helpers.packings import make_packing, sphere_lattice
 
 
@@ -35,6 +35,13 @@ def test_outside_a_cylinder_there_are_no_pores():
     assert found.porosity == pytest.approx(exact, rel=0.005)
 
 
+def test_grains_in_the_middle_of_a_cylinder_leave_its_rim_to_the_pores():
+    centres = np.column_stack([np.full((4, 2), 1e-3), 0.005 + 0.01 * np.arange(4)])
+    bed = make_packing(centres, 0.005, width=0.03, domain="cylinder")
+    found = pore_image(bed, 0.01, 0.03, 0.25e-3)
+    assert found.porosity == pytest.approx(1.0 - np.pi / 6.0 / (np.pi * 1.5**2), abs=0.002)
+
+
 def test_a_margin_adds_layers_that_do_not_count():
     plain = pore_image(lattice(), 0.02, 0.03, 0.5e-3)
     wide = pore_image(lattice(), 0.02, 0.03, 0.5e-3, margin=0.01)
@@ -47,9 +54,18 @@ def test_sizes_are_a_fortieth_and_larger_for_large_beds(monkeypatch):
     bed = lattice()
     assert voxel_sizes(bed, 0.01, 0.03) == pytest.approx((0.01 / 20, 0.01 / 40))
     assert voxel_sizes(bed, 0.01, 0.03, 1e-4) == (2e-4, 1e-4)
-    monkeypatch.setattr(image, "MOST_VOXELS", 18_000)
+    monkeypatch.setattr(image, "DEFAULT_MOST", 18_000)
     coarse, fine = voxel_sizes(bed, 0.01, 0.03)
     assert fine == pytest.approx(1e-3) and coarse == 2.0 * fine
+
+
+def test_voxels_are_never_larger_than_the_smallest_grain(monkeypatch):
+    bed = make_packing([[0.01, 0.01, 0.01], [0.03, 0.03, 0.001]], [0.01, 0.001])
+    assert voxel_sizes(bed, 0.0, 0.02)[0] <= 2e-3
+    monkeypatch.setattr(image, "DEFAULT_MOST", 100_000)
+    with pytest.raises(TooManyVoxels, match="2 mm thick, needs 0.2 million voxels, .* give --voxel '1 mm'"):
+        voxel_sizes(bed, 0.0, 0.02)
+    assert voxel_sizes(bed, 0.0, 0.02, 1e-3) == (2e-3, 1e-3)
 
 
 def test_too_thin_slabs_are_refused():

@@ -6,7 +6,8 @@ import pytest
 
 from simcore.__main__ import main
 from simcore.packing.file import write_packing
-from simcore.pores import pores
+from simcore.pores import image, pores
+from simcore.pores.pores_text import _with_error
 from tests.helpers.packings import make_packing, sphere_lattice
 
 D = 0.01
@@ -54,6 +55,25 @@ def test_without_voxels_only_the_bulk_is_printed(bed, capsys):
     assert main(["pores", bed, "--no-voxels"]) == 0
     printed = capsys.readouterr().out
     assert "Kozeny–Carman" in printed and "tortuosity" not in printed and "pip install" not in printed
+
+
+def test_a_bed_that_needs_too_many_voxels_has_the_first_block(bed, without_extra, monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(image, "DEFAULT_MOST", 10)
+    assert main(["pores", bed, "--cut", "9 mm"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("porosity n") and not any(line.startswith("tortuosity") for line in lines)
+    assert lines[-1].startswith("Nothing is computed on voxels: the smallest grain, 10 mm thick, needs")
+    assert main(["pores", bed, "--cut", "9 mm", "--json"]) == 2
+    printed = capsys.readouterr()
+    assert "specific_surface" in json.loads(printed.out) and "give --voxel '5 mm'" in printed.err
+
+
+def test_numbers_and_errors_of_any_size():
+    assert _with_error(0.4537, 0.0016) == "0.4537 ± 0.0016"
+    assert _with_error(1e-3, 1e-5) == "(1.000 ± 0.010)e-3"
+    assert _with_error(6.044e-8, 2.2e-10) == "(6.044 ± 0.022)e-8"
+    assert _with_error(1.4, 1e-6) == "1.4000 ± 0.0000"
+    assert _with_error(1.4, float("inf")) == "1.4, of unknown error: no path of pores on the coarse voxels"
 
 
 def test_options_without_effect_and_bad_lengths_are_refused(bed, capsys):
