@@ -13,7 +13,7 @@ NEEDED = (
     "each sample)"
 )
 
-_NO_DEVIATIONS = (
+NO_DEVIATIONS = (
     "if they were not measured, give those of similar grains, such as 0.175 and 0.139 of the Rhine's gravel; 0 means "
     "that all grains have one form"
 )
@@ -126,13 +126,20 @@ def form_patterns():
 def all_patterns():
     """Return the regular expressions of the names of columns, for a reader in another language, as plain data.
 
-    forms: of each meaning; percent: of those of RATIOS and MEANS in percent, which are refused; minor, counts, running:
+    forms: of each meaning; axes: of those of AXES, without a unit; percent: of those of RATIOS and MEANS in percent, which are refused; minor, counts, running:
     of a minor axis, a number of grains, and a number that may also count the rows. Case does not matter, and a whole
     name must match. The groups of an axis are its units.
     """
     forms = form_patterns()
     percent = {meaning: _in_percent(pattern) for meaning, pattern in forms.items() if meaning not in AXES}
-    return {"forms": forms, "percent": percent, "minor": _MINOR, "counts": _COUNTS, "running": _RUNNING}
+    return {
+        "forms": forms,
+        "axes": _AXIS_NAMES,
+        "percent": percent,
+        "minor": _MINOR,
+        "counts": _COUNTS,
+        "running": _RUNNING,
+    }
 
 
 def _in_percent(pattern):
@@ -167,7 +174,7 @@ def _what_is_missing(header, names):
         if len(missing) < len(kind):
             verb = "column {} is" if len(missing) == 1 else "columns {} are"
             text = f"the {verb.format(', '.join(missing))} missing beside {columns}"
-            return f"{text} ({_NO_DEVIATIONS})" if set(missing) == {"std_FL", "std_EL"} else text
+            return f"{text} ({NO_DEVIATIONS})" if set(missing) == {"std_FL", "std_EL"} else text
     if named := [name for name in header if re.match("flatness|elongation", name, re.IGNORECASE)]:
         return (
             f"{' and '.join(named)} may be defined in several ways; if FL = S/I and EL = I/L are meant, name the "

@@ -12,7 +12,7 @@ FEWEST_IDS = 6  # so many whole numbers may number the rows with gaps, such as 1
 ROWS_BY_SAMPLE = 3  # least mean number of rows of a sample whose rows are numbered from 1
 # 1,234 may mean 1234 or 1.234.
 _AMBIGUOUS = re.compile(r"[1-9]\d{0,2}[.,]\d{3}")
-_PERCENT = re.compile("%|percent")
+_PERCENT = re.compile("%|percent", re.IGNORECASE)
 _WHOLE = re.compile(r"[1-9]\d{0,11}")  # a number of grains, at most about MAX_GRAINS
 
 

@@ -113,7 +113,7 @@ def _about(number):
 _NUMERICS = """# Contacts of so short a time are stiff enough that falling grains do not sink into the finest ones.
 numerics: {{contact_time: {:.3g} ms{}}}
 """
-_SYNTHETIC = """# A sieve curve says nothing about form: these are synthetic pebbles. If you have measured flatness
+SYNTHETIC = """# A sieve curve says nothing about form: these are synthetic pebbles. If you have measured flatness
 # S/I and elongation I/L, write their means and deviations here, as in examples/sieve_and_form.yaml.
 shapes: {kind: polyhedron, choice: random}"""
 
@@ -121,7 +121,7 @@ shapes: {kind: polyhedron, choice: random}"""
 def _shapes(sample):
     """Return the lines on the form of the grains."""
     if sample is None:
-        return _SYNTHETIC
+        return SYNTHETIC
     return f"""# Flatness S/I and elongation I/L as measured.
 shapes:
   kind: polyhedron

@@ -1,11 +1,10 @@
 """What the page needs from the fitted models and the published tables, as plain data for JSON."""
 
-import re
 from pathlib import Path
 
 from simcore.evaluation.confidence import student_quantile
 from simcore.grains import cell_numbers, form_notices, grain_counts, measured_forms, table_head
-from simcore.grains.form_columns import MEANS, NEEDED, SAMPLE_NAMES, all_patterns
+from simcore.grains.form_columns import MEANS, NEEDED, NO_DEVIATIONS, SAMPLE_NAMES, all_patterns
 from simcore.grains.sieve import read_cases
 from simcore.grains.statistics import STATISTICS
 from simcore.grains.summary_rows import label_patterns
@@ -17,7 +16,7 @@ from simcore.models.measured_file import MEASURED
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.prediction_text import FEW_GRAINS
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS
-from simcore.packing.sieve_specification import sieve_specification
+from simcore.packing.sieve_specification import SYNTHETIC, sieve_specification
 from simcore.page.curve_data import curve_data
 from simcore.paths import CONFIG, R22_TABLES
 from simcore.provenance.version import VERSION
@@ -94,6 +93,7 @@ def _reading():
         },
         "few_grains": FEW_GRAINS,
         "needed": NEEDED,
+        "no_deviations": NO_DEVIATIONS,
         "sample_names": list(SAMPLE_NAMES),
         "means": list(MEANS),
     }
@@ -138,9 +138,7 @@ def _case(name, case):
         return {"name": name, "bounds": [], "mass_fractions": [], "specification": "", "predictors": []}
     curve = case.curve.without_empty_ends()
     text, _ = sieve_specification(curve, Path(name), draw=False)
-    # The comment on synthetic pebbles has no place where the form is measured.
-    text = re.sub(r"(?m)^# A sieve curve says.*\n^# I/L, write.*\n", "", text)
-    text = re.sub(r"(?m)^shapes: .*$", SHAPES, text)
+    text = text.replace(SYNTHETIC, SHAPES)
     text = text.replace(
         f"# Packs the sieve curve of {name}.", f"# Packs the sieve curve {name} with the measured form."
     )

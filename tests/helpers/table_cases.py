@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import pytest
 
+from simcore.grains.form_columns import NEEDED
+
 
 def assert_words(case, notices_of, file):
     """Check a Case. notices_of(text): notices on a table that is read from the file with this name."""
@@ -487,6 +489,24 @@ GRAINS = [
         "sample;mean_FL;std_FL;mean_EL;std_EL\nA;.6;.7;.7;.1\nB;.6;.1;7;.1\n",
         error="row 2: std_FL = 0.7; with a mean of 0.6 it is between 0 and 0.49; give the standard deviation, not the "
         "variance or a percentage; row 3 has an error too",
+    ),
+    Case(
+        "mean_FL;mean_EL\n.6;.7\n",
+        error="the columns std_FL, std_EL are missing beside mean_FL, mean_EL (if they were not measured, give those of "
+        f"similar grains, such as 0.175 and 0.139 of the Rhine's gravel; 0 means that all grains have one form); {NEEDED}",
+    ),
+    Case(
+        "flatness;elongation\n.6;.7\n",
+        error="flatness and elongation may be defined in several ways; if FL = S/I and EL = I/L are meant, name the "
+        f"columns FL and EL; {NEEDED}",
+    ),
+    Case(
+        "L [ell];I [ell];S [ell]\n4;3;2\n",
+        error="the column L [ell] has the unknown unit 'ell'; axes are in m, cm, mm, µm, in, ft or pixels; " + NEEDED,
+    ),
+    Case(
+        "FL;EL;Count [Percent]\n.6;.7;40\n.5;.7;60\n",
+        notice="the column Count [Percent] is the weight of each row; the number of grains is unknown",
     ),
     Case("L;I;S\n40;30;10\n\n12;10;\n", error="row 4: S is empty; measure it, or remove the row"),
     Case("L;I;S;note\n40;;10;wet\n", error="row 2: I is empty; measure it, or remove the row"),

@@ -48,6 +48,20 @@ def test_the_link_keeps_the_curve(open_page):
     assert again.locator("#sieves").input_value() == page.locator("#sieves").input_value()
 
 
+def test_a_size_that_is_no_number_has_the_cure_of_a_field(open_page):
+    page = open_curve(open_page, finest="20 µm")
+    assert page.locator("#curve-error").inner_text() == "Finest grains is '20 µm'; give a size above 0, in mm."
+
+
+def test_a_faulty_curve_has_no_chart_to_edit(open_page):
+    page = open_curve(open_page)
+    assert page.locator("#curve-chart svg").count() == 1
+    page.get_by_label("Table of sieves").fill("opening [mm];mass [g]\n16;x\n")
+    assert page.locator("#curve-chart svg").count() == 0 and page.locator("#curve-error").inner_text()
+    page.get_by_label("Table of sieves").fill(SIEVES)
+    assert page.locator("#curve-chart svg").count() == 1
+
+
 def test_a_curve_is_drawn_by_keyboard(open_page):
     page = open_page("#case=own&mark=,")
     page.locator("#draw-curve").focus()

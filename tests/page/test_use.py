@@ -46,6 +46,24 @@ def test_it_states_the_error_of_few_grains_or_its_absence(open_page):
         assert text in page.locator("#caveats").inner_text()
 
 
+def test_grains_with_two_axes_have_no_advice_on_their_error(open_page):
+    page = open_page(fragment(table="L,I\n" + "".join(f"{L},10\n" for L in range(12, 20))))
+    caveats = page.locator("#caveats").inner_text()
+    assert "The intervals do not contain the error of measuring few grains." in caveats
+    assert "it is known if" not in caveats
+
+
+def test_another_table_without_the_chosen_column_is_read(open_page):
+    page = open_page(fragment(table="Site;FL;EL\na;0.6;0.7\na;0.5;0.6\nb;0.6;0.8\nb;0.7;0.8\n"))
+    page.get_by_label("Column that names the sample").select_option("Site")
+    assert page.locator("#rows tr").count() == 2
+    table = page.get_by_label("Table of grains")
+    table.fill(table.input_value().replace("0.8", "0.75"))
+    assert page.get_by_label("Column that names the sample").input_value() == "Site"
+    table.fill(GERMAN)
+    assert page.locator("#error").inner_text() == "" and "n = 0." in answer(page)
+
+
 def test_decimal_commas_are_read_and_written(open_page):
     points, commas = (open_page(fragment(table=text, mark=",")) for text in (GERMAN.replace(",", "."), GERMAN))
     assert answer(commas) == answer(points)

@@ -76,8 +76,8 @@ def by_command(path, entry, fitted):
             table = predict([sample], entry["choice"], fitted, entry["level"], **options)
         except ValueError as error:  # none can be evaluated
             assert "no model" in str(error)
-            table = None
-        if table is not None and "model" in table and (table.model == "").any():
+            table = str(error) if two_axes else None
+        if isinstance(table, pd.DataFrame) and "model" in table and (table.model == "").any():
             table = None  # the page has one sentence on such samples instead of a row
         rows.append((sample, table))
     return {"samples": rows, "notices": notices}
@@ -102,9 +102,12 @@ def assert_equal(page, command):
             assert float(ours[key]) == pytest.approx(getattr(sample, key), abs=TOLERANCE), key
         if table is None:
             assert not ours["rows"] and ours["range"] is None
+        elif isinstance(table, str):
+            assert f": {ours['range']['refused']}; " in table and np.isnan(ours["range"]["n_low"])
         elif ours["range"] is not None:
             row = table.iloc[0]
-            values = [np.nan if ours["range"][key] is None else ours["range"][key] for key in RANGE]
+            assert ours["range"]["refused"] == ""
+            values = [ours["range"][key] for key in RANGE]
             assert values == pytest.approx(row[RANGE].astype(float).tolist(), abs=TOLERANCE, nan_ok=True)
             compared += 1
         else:
@@ -161,6 +164,21 @@ def test_the_table_to_take_away_is_that_of_the_command(open_page, fitted):
             page.get_by_role("button", name="Table as CSV").click()
         got = pd.read_csv(download.value.path(), encoding="utf-8-sig", **options)
         pd.testing.assert_frame_equal(got, expected, rtol=0, atol=TOLERANCE)
+
+
+def test_samples_with_two_axes_that_are_refused_are_in_the_table_as_by_the_command(open_page, fitted, tmp_path):
+    path = tmp_path / "two.csv"
+    path.write_text("sample,L,I\nA,3,2\nA,4,2\nB,90,1\nB,95,1\n")
+    expected = pd.read_csv(io.StringIO(predict_file(path, "one-class", output="csv")))
+    assert expected["refused"].notna().tolist() == [False, True]
+    page = open_page()
+    page.get_by_label("Table of grains").fill(path.read_text())
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Table as CSV").click()
+    got = pd.read_csv(download.value.path(), encoding="utf-8-sig")
+    pd.testing.assert_frame_equal(got, expected, rtol=0, atol=TOLERANCE)
+    page.locator("#chosen").select_option("B")
+    assert f"at any flatness: {expected['refused'][1]}." in page.locator("#answer").inner_text()
 
 
 def test_a_sample_without_a_model_is_in_the_table_as_by_the_command(open_page, fitted, tmp_path):

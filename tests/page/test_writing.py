@@ -50,6 +50,7 @@ def test_each_case_that_is_offered_is_accepted_by_the_command(data, fitted):
     for case in data["cases"]:
         assert predict_samples([one_form], case["name"], fitted).n.notna().any()
         assert case["specification"].count(SHAPES) == 1
+        assert "synthetic" not in case["specification"] and "shapes:" not in case["specification"]
         assert case["predictors"]
 
 

@@ -5,10 +5,11 @@ const Columns = (() => {
   const RATIOS = ["FL", "EL"];
   const MEANS = ["mean_FL", "std_FL", "mean_EL", "std_EL"];
   const TWO_AXES = ["L", "I"];
-  const { patterns, needed, sample_names: sampleNames } = DATA.reading;
+  const { patterns, needed, no_deviations: noDeviations, sample_names: sampleNames } = DATA.reading;
   const whole = (pattern) => new RegExp(`^(?:${pattern})$`, "iu");
   const compiled = (table) => Object.entries(table).map(([name, pattern]) => [name, whole(pattern)]);
   const FORMS = compiled(patterns.forms);
+  const AXIS_NAMES = Object.values(patterns.axes).map(whole);
   const PERCENT = Object.fromEntries(compiled(patterns.percent));
   const [MINOR, COUNTS, RUNNING] = [whole(patterns.minor), whole(patterns.counts), whole(patterns.running)];
 
@@ -55,7 +56,24 @@ const Columns = (() => {
     const columns = header.map((text) => text || "(no name)").join(", ");
     for (const kind of [MEANS, RATIOS, AXES]) {
       const missing = kind.filter((meaning) => !names[meaning]);
-      if (missing.length < kind.length) return `the column ${missing.join(", ")} is missing beside ${columns}`;
+      if (missing.length < kind.length) {
+        const are = missing.length === 1 ? `column ${missing[0]} is` : `columns ${missing.join(", ")} are`;
+        const hint = missing.join() === "std_FL,std_EL" ? ` (${noDeviations})` : "";
+        return `the ${are} missing beside ${columns}${hint}`;
+      }
+    }
+    const named = header.filter((text) => /^(?:flatness|elongation)/i.test(text));
+    if (named.length) {
+      return (
+        `${named.join(" and ")} may be defined in several ways; if FL = S/I and EL = I/L are meant, name the columns ` +
+        "FL and EL"
+      );
+    }
+    for (const text of header) {
+      const [, axis, given] = /^(.*?)\s*[[(]\s*(.*?)\s*[\])]$/.exec(text) ?? [];
+      if (axis !== undefined && AXIS_NAMES.some((names) => names.test(axis))) {
+        return `the column ${text} has the unknown unit '${given}'; axes are in m, cm, mm, µm, in, ft or pixels`;
+      }
     }
     if (header.some((text) => /^[-+.]?\d/.test(text))) {
       return `the first row (${columns}) contains numbers where the names of the columns are needed`;

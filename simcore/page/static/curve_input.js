@@ -8,6 +8,7 @@ const CurveInput = (() => {
   const SHOWN = [16, 50, 84]; // percentiles
   let notes = [];
   let chart = null;
+  let isDragged = false; // whether the chart itself changes the curve
 
   const written = (value, digits = 6) => general(value, digits).replace(".", byId("mark").value);
   const asText = (header, rows) =>
@@ -19,6 +20,7 @@ const CurveInput = (() => {
     byId("curve-error").textContent = "";
     byId("curve-notices").replaceChildren();
     byId("percentiles").textContent = "";
+    let isShown = false;
     try {
       if (!text.trim()) {
         chart.hide();
@@ -29,6 +31,7 @@ const CurveInput = (() => {
       const table = SieveTable.read(name, text, coarsest, notes);
       const points = table.openings.map((size, i) => ({ size, passing: table.passing[i] }));
       chart.show(points);
+      isShown = true;
       const curve = SieveTable.curve(name, table, finest, coarsest);
       byId("curve-notices").replaceChildren(...[...table.notices, ...curve.notices].map((text) => node("li", text)));
       byId("percentiles").textContent = describe(curve);
@@ -36,6 +39,7 @@ const CurveInput = (() => {
     } catch (error) {
       if (!(error instanceof InputError)) throw error;
       byId("curve-error").textContent = `${error.message}.`;
+      if (!isShown && !isDragged) chart.hide();
       return null;
     }
   }
@@ -45,8 +49,10 @@ const CurveInput = (() => {
     const text = byId(id).value.trim().replace(/\s*mm$/i, "");
     if (!text) return null;
     const title = byId(id).labels[0].textContent;
-    const value = Numbers.read("Sieve curve", title, text);
-    if (!(value > 0)) throw new InputError(`${title} is ${byId(id).value}; give a size above 0, in mm`);
+    const value = Numbers.NUMBER.test(text) ? Number(text.replace(",", ".")) : NaN;
+    if (!(value > 0 && Number.isFinite(value))) {
+      throw new InputError(`${title} is '${byId(id).value}'; give a size above 0, in mm`);
+    }
     return value;
   }
 
@@ -73,7 +79,9 @@ const CurveInput = (() => {
       change: (points) => {
         const rows = points.map(({ size, passing }) => [size, 100 * passing]).reverse();
         set(asText(["opening [mm]", "passing [%]"], rows), byId("sieves-name").value);
+        isDragged = true;
         changed();
+        isDragged = false;
       },
     });
     byId("sieves").addEventListener("input", () => {

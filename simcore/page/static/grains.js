@@ -4,7 +4,7 @@ const Grains = (() => {
   const { AXES, RATIOS, MEANS, TWO_AXES } = Columns;
   const { longest, slip, small_deviation: smallDeviation, max_grains: maxGrains, alike, needed } = DATA.reading;
   const AMBIGUOUS = /^[1-9]\d{0,2}[.,]\d{3}$/;
-  const [PERCENT, WHOLE] = [/%|percent/, /^[1-9]\d{0,11}$/];
+  const [PERCENT, WHOLE] = [/%|percent/i, /^[1-9]\d{0,11}$/];
 
   const { CLASS_NAME, CLASS_LABEL } = SieveClasses;
   const { joinFirst } = Rows;

@@ -1,13 +1,11 @@
 // What one can take away: a CSV table, a specification, a link, and formulas as text.
 const Outputs = (() => {
   const { general } = Numbers;
+  const { kindOfBed } = Prediction;
   const STATISTICS = ["mu_FL", "sigma_FL", "mu_EL", "sigma_EL", "mu_EQ", "sigma_EQ"];
   const PREDICTION = ["by", "model", "preferred", "n", "lower", "upper", "few_grains_error", "outside", "distance", "refused"];
-  const RANGE = ["n_low", "n_high", "lower", "upper", "flatness_low", "flatness_high"];
+  const RANGE = ["n_low", "n_high", "lower", "upper", "flatness_low", "flatness_high", "refused"];
   const LONG_LINK = 8000; // characters; some programs cut longer links
-
-  // Returns which kind of bed the grains of a sample make, in the words of the command.
-  const kindOfBed = (sample) => DATA.kinds_of_bed[Grains.isOneForm(sample) ? 0 : 1];
 
   // Returns the table that the command prints with --csv, with all digits. results: [{sample, rows} or {sample, range}];
   // mark: of decimals; choice: of the case.
@@ -35,9 +33,7 @@ const Outputs = (() => {
 
   // Returns the row of a sample for which the case has no model.
   function withoutModel(sample, choice) {
-    const kind = kindOfBed(sample);
-    const other = DATA.kinds_of_bed.find((name) => name !== kind);
-    const refused = `${DATA.no_model} to beds of ${Prediction.modelCase(choice)} with ${kind}, only to beds with ${other}`;
+    const refused = Prediction.describeWithoutModel(sample, choice);
     const numbers = { n: NaN, lower: NaN, upper: NaN, few_grains_error: NaN, distance: NaN };
     return { by: "", model: "", preferred: false, outside: "", ...numbers, refused };
   }
@@ -88,5 +84,5 @@ const Outputs = (() => {
 
   const fromFragment = (hash) => Object.fromEntries(new URLSearchParams(hash.replace(/^#/, "")));
 
-  return { LONG_LINK, csv, specification, formula, fragment, fromFragment, kindOfBed };
+  return { LONG_LINK, csv, specification, formula, fragment, fromFragment };
 })();

@@ -72,6 +72,16 @@ const Page = (() => {
     byId("column").value = header.includes(chosen) ? chosen : "";
   }
 
+  // Returns whether the table in the field has a column of this name.
+  function hasColumn(name) {
+    try {
+      return Table.read(PASTED, byId("table").value).header.includes(name);
+    } catch (error) {
+      if (!(error instanceof Numbers.InputError)) throw error;
+      return false;
+    }
+  }
+
   function keepInAddress(state) {
     const kept = { ...state };
     const unused = [...(state.table.trim() ? [] : ["table", "name", "sample"]), ...(isOwn() ? [] : OF_CURVE)];
@@ -110,7 +120,7 @@ const Page = (() => {
       sample[`mu_${key}`] === undefined ? "–" : `${number(sample[`mu_${key}`])} ± ${number(sample[`sigma_${key}`])}`;
     let cells = ["not evaluated", "–"];
     if (best) cells = [number(best.n) + (best.outside ? "*" : ""), interval(best)];
-    if (range) cells = [`${number(range.n_low)} to ${number(range.n_high)}`, interval(range)];
+    if (range && !range.refused) cells = [`${number(range.n_low)} to ${number(range.n_high)}`, interval(range)];
     if (bed && !bed.refused) cells = [number(bed.n) + (bed.outside ? "*" : ""), interval(bed)];
     return Elements.row(sample.name, [...cells, sample.grains || "–", statistic("FL"), statistic("EL")]);
   }
@@ -121,14 +131,15 @@ const Page = (() => {
     byId("sizes-part").hidden = !bed || Boolean(bed.refused);
     if (bed) return showBed(sample, bed);
     const best = rows ? preferredOf(rows) : null;
-    byId("answer").replaceChildren(...(range === undefined ? answer(sample, best, rows) : answerRange(range)));
+    byId("answer").replaceChildren(...(range ? answerRange(range) : answer(sample, best, rows)));
     byId("predictions").replaceChildren(...drawPredictions(sample, rows ?? []));
     byId("zingg").replaceChildren(Drawings.zingg(sample, best, number));
     byId("place").replaceChildren(...(best ? placeInRange(best) : []));
     byId("place-part").hidden = !best;
     byId("formula").replaceChildren(...(rows ?? []).flatMap((row) => formulaOf(row)));
     byId("formula-part").hidden = !rows?.length;
-    byId("caveats").replaceChildren(...caveats(sample, range || best?.by === "ours" ? best?.few_grains_error ?? NaN : undefined).map((text) => node("li", text)));
+    const stated = range && !range.refused ? `${DATA.few_grains.without}.` : best?.by === "ours" ? describeError(best) : "";
+    byId("caveats").replaceChildren(...caveats(sample, stated).map((text) => node("li", text)));
     byId("specification").disabled = !Outputs.specification(sample, byId("case").value);
   }
 
@@ -146,7 +157,8 @@ const Page = (() => {
     byId("place").replaceChildren(...(known ? [...placeInRange(bed.oneClass), ...placeInRange({ quantities: [BedOutput.width(curve)] })] : []));
     byId("classes").replaceChildren(...(bed.refused ? [] : BedOutput.classRows(bed, curve)));
     byId("formula").replaceChildren(...(known ? [...(oneForm ? formulaOf(bed.oneClass, DATA.one_class.name) : []), ...formulaOfSizes()] : []));
-    byId("caveats").replaceChildren(...caveats(sample, bed.refused ? undefined : bed.one_class_few_grains_error, true).map((text) => node("li", text)));
+    const stated = bed.refused ? "" : Prediction.describeFewGrains(bed.one_class_few_grains_error, "the one-class porosity", number);
+    byId("caveats").replaceChildren(...caveats(sample, stated, true).map((text) => node("li", text)));
     byId("specification").disabled = sample.mu_EQ === undefined; // one form for all classes
   }
 
@@ -164,7 +176,7 @@ const Page = (() => {
     if (!Number.isNaN(best.lower)) {
       parts.push(node("p", `${100 * byId("level").value} % prediction interval: ${interval(best)}`, "interval"));
     }
-    parts.push(node("p", `Model: ${modelName(best)}. It predicts a bed with ${Outputs.kindOfBed(sample)}.`));
+    parts.push(node("p", `Model: ${modelName(best)}. It predicts a bed with ${Prediction.kindOfBed(sample)}.`));
     if (best.by === "r22") {
       parts.push(node("p", "None of our models is used: they were not fitted to such samples of this sieve curve, or not evaluated."));
     }
@@ -176,7 +188,7 @@ const Page = (() => {
   }
 
   function answerRange(range) {
-    if (!range) return [node("p", "No model can be evaluated at any flatness.", "refused")];
+    if (range.refused) return [node("p", `No model can be evaluated at any flatness: ${range.refused}.`, "refused")];
     const value = node("p", undefined, "value");
     value.append("n = ", node("strong", `${number(range.n_low)} to ${number(range.n_high)}`));
     const text =
@@ -256,7 +268,10 @@ const Page = (() => {
     return [node("dt", title), node("dd", text.replace(/(\d)\.(\d)/g, `$1${mark}$2`), "formula"), node("dd", source)];
   }
 
-  function caveats(sample, error, ofCurve = false) {
+  const describeError = (row) => Prediction.describeFewGrains(row.few_grains_error, "the porosity", number);
+
+  // stated: the sentence on the error of few grains, or "".
+  function caveats(sample, stated, ofCurve = false) {
     const few = DATA.reading.few_grains;
     const texts = [];
     if (ofCurve) {
@@ -267,9 +282,7 @@ const Page = (() => {
     if (sample.grains > 1 && sample.grains < few) {
       texts.push(`Fewer than ${few} grains do not determine the spread of form well.`);
     }
-    const what = ofCurve ? "the one-class porosity" : "the porosity";
-    const differ = sample !== Bed.RHINE && !Grains.isOneForm(sample);
-    if (error !== undefined && differ) texts.push(Prediction.describeFewGrains(error, what, number));
+    if (stated && sample !== Bed.RHINE && !Grains.isOneForm(sample)) texts.push(stated);
     texts.push("The interval is for a new sample, poured and shaken as those of the fit.");
     return texts;
   }
@@ -345,6 +358,7 @@ const Page = (() => {
     byId("table").addEventListener("input", () => {
       notesOnFile = [];
       byId("name").value = "";
+      if (!hasColumn(byId("column").value)) byId("column").value = "";
       evaluate();
     });
     for (const id of ["case", "level", "mark", "column"]) byId(id).addEventListener("change", evaluate);

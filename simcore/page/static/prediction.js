@@ -17,17 +17,36 @@ const Prediction = (() => {
     return PREDICTORS.flatMap((predictor) => predictor(sample, features, modelCase(choice), level));
   }
 
-  // Returns the range of the porosity over the flatness of published samples, for a sample with two axes only.
+  // Returns which kind of bed the grains of a sample make, in the words of the command.
+  const kindOfBed = (sample) => DATA.kinds_of_bed[Grains.isOneForm(sample) ? 0 : 1];
+
+  // Returns why a sample is not predicted for whose kind of bed the case has no model.
+  function describeWithoutModel(sample, choice) {
+    const kind = kindOfBed(sample);
+    const other = DATA.kinds_of_bed.find((name) => name !== kind);
+    return `${DATA.no_model} to beds of ${modelCase(choice)} with ${kind}, only to beds with ${other}`;
+  }
+
+  // Returns the range of the porosity over the flatness of published samples, for a sample with two axes only. If no
+  // model is evaluated at any flatness, its numbers are NaN, and `refused` has the reason; otherwise it is empty.
   function predictTwoAxes(sample, choice, level) {
-    const best = DATA.flatness.flatMap(([mu, sigma]) => {
-      const assumed = Grains.withEquancy(mu, sigma, sample.mu_EL, sample.sigma_EL);
-      const rows = predict({ ...sample, ...assumed }, choice, level).filter((row) => !Number.isNaN(row.n));
-      const chosen = rows.find((row) => row.preferred) ?? rows[0];
-      return chosen ? [{ ...chosen, flatness: mu }] : [];
-    });
-    if (!best.length) return null;
+    const best = [];
+    let refused = "";
+    for (const [mu, sigma] of DATA.flatness) {
+      const assumed = { ...sample, ...Grains.withEquancy(mu, sigma, sample.mu_EL, sample.sigma_EL) };
+      const rows = predict(assumed, choice, level);
+      if (!rows.length) refused ||= describeWithoutModel(assumed, choice);
+      rows.forEach((row) => (refused ||= row.refused));
+      const evaluated = rows.filter((row) => !Number.isNaN(row.n));
+      const chosen = evaluated.find((row) => row.preferred) ?? evaluated[0];
+      if (chosen) best.push({ ...chosen, flatness: mu });
+    }
+    if (!best.length) {
+      return { n_low: NaN, n_high: NaN, lower: NaN, upper: NaN, flatness_low: NaN, flatness_high: NaN, refused };
+    }
     const pick = (key) => best.map((row) => row[key]);
     return {
+      refused: "",
       n_low: Math.min(...pick("n")),
       n_high: Math.max(...pick("n")),
       lower: Math.min(...pick("lower")),
@@ -142,7 +161,7 @@ const Prediction = (() => {
     return beyond > slack ? beyond / (high - low) : 0;
   }
 
-  // numbers: porosity, lower and upper end of its interval, and its sampling error.
+  // numbers: porosity, lower and upper end of its interval, and its error of few grains.
   function row(by, model, numbers, quantities, digits, remarks = []) {
     let [n, lower, upper, few_grains_error] = numbers;
     const outside = quantities.filter((quantity) => quantity.distance > 0);
@@ -177,5 +196,7 @@ const Prediction = (() => {
   const isPorosity = (value) => value >= DATA.smallest_porosity && value <= 1 - DATA.smallest_porosity;
   const dot = (a, b) => a.reduce((total, value, i) => total + value * b[i], 0);
 
-  return { PREDICTORS, modelCase, predict, predictTwoAxes, fewGrainsHalf, describeFewGrains };
+  return {
+    PREDICTORS, modelCase, kindOfBed, describeWithoutModel, predict, predictTwoAxes, fewGrainsHalf, describeFewGrains,
+  };
 })();
