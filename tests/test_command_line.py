@@ -63,8 +63,8 @@ def test_pack_then_porosity(folder, capsys):
     for cut, reason in (
         ("-0.01", "'-0.01' is not a length above 0; give one such as '8 mm'"),
         ("0", "is not a length above 0"),
-        ("nan", "is not a length above 0"),
-        ("inf", "is not a length above 0"),
+        ("nan", "'nan' is not a number with a unit"),
+        ("inf", "'inf' is not a number with a unit"),
         ("-2 mm", "is not a length above 0"),
         ("8 kg", "'8 kg' is a mass; a length is needed"),
         ("much", "'much' is not a number with a unit"),

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from simcore.commands.options import check_writable
+from simcore.commands.options import check_writable, grain_size
 
 
 def add(commands) -> None:
@@ -37,7 +37,6 @@ def add(commands) -> None:
     )
     parser.add_argument(
         "--features",
-        default="single_form",
         metavar="SET",
         help="features of a model of your own: single_form (1/EQ and 1/EL, the default), single_form_EQ, form_mixture "
         "or unified",
@@ -62,19 +61,20 @@ def add(commands) -> None:
 
 def run(options) -> int:
     """Print the test of models, or the comparison and the fitted models, write their file, and return 0."""
-    from simcore.commands.sieve import read_size
     from simcore.models.measured_file import is_file_of_fit
 
     if options.out is not None:
-        check_writable(options.out, options.measured, options.sieve, endings=(".json",))
+        check_writable(options.out, options.measured, options.sieve, options.models, endings=(".json",))
     given = {
         "case": options.case,
         "sieve": options.sieve,
-        **{name: read_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")},
+        **{name: grain_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")},
         "source": options.source,
         "column": options.sample,
     }
     tested = options.out is None and options.models is not None and is_file_of_fit(options.models)
+    if tested and options.features is not None:
+        raise ValueError("--features: the models of --models are only tested; leave it out, or give --out")
     result, text = (_test if tested else _fit)(options, given)
     if not options.json:
         for notice in result.notices:
@@ -100,7 +100,8 @@ def _fit(options, given):
     from simcore.models.measured_fit_text import describe_fit, fit_as_json
 
     try:
-        result = fit(options.measured, **given, features=options.features, models=options.models, out=options.out)
+        features = options.features or "single_form"
+        result = fit(options.measured, **given, features=features, models=options.models, out=options.out)
     except TooFewBeds as error:
         if options.out is None:
             return _test(options, given, str(error).removeprefix(f"{options.measured}: "))

@@ -1,30 +1,54 @@
 """Reading of options and paths that several commands have."""
 
 import math
+import re
+import tempfile
 from pathlib import Path
 
 FIGURES = (".png", ".pdf", ".svg")  # suffixes of figures
+_DECIMAL_COMMA = re.compile(r"^(\s*(?:0|\d+(?!,\d{3}(?!\d)))),(?=\d)")  # not the comma of 1,000
 
 
-def length(option: str, text: str | None) -> float | None:
-    """Return the length [m] of an option, given as a number of metres or as a quantity such as "8 mm"; None if absent.
+def length(option: str, text: str | None, example: str = "8 mm", metres: bool = True) -> float | None:
+    """Return the length [m] of an option, given as a quantity such as "8 mm"; None if absent.
 
-    option: its name, for the message. ValueError unless the length is more than 0.
+    option: its name, and example: a quantity, for the message. metres: whether a number without a unit is in metres;
+    otherwise it is refused. The number may have a decimal comma; 1,000 is refused, because it may mean 1000. ValueError
+    unless the length is more than 0.
     """
-    from simcore.scene.quantity import parse_quantity
+    return _positive(option, text, "m", f"a length above 0; give one such as '{example}'", metres)
+
+
+def grain_size(option: str, text: str | None) -> float | None:
+    """Return the size [m] of an option for the ends of a sieve curve, as `length`, but only with a unit."""
+    return length(option, text, "90 mm", metres=False)
+
+
+def duration(option: str, text: str | None) -> float | None:
+    """Return the time [s] of an option, given as a quantity such as "0.1 s"; None if absent.
+
+    option: its name, for the message. ValueError unless the time is more than 0.
+    """
+    return _positive(option, text, "s", "a time above 0; give one such as '0.1 s'")
+
+
+def _positive(option, text, unit, needed, bare=False):
+    """Return the quantity of an option in the SI unit `unit`, or None if it is not given.
+
+    needed: what it is to be, for the message. bare: whether a number without a unit is in this unit.
+    """
+    from simcore.scene.quantity import NUMBER, parse_quantity
 
     if text is None:
         return None
+    plain = _DECIMAL_COMMA.sub(r"\1.", text)
     try:
-        metres = float(text)
-    except ValueError:
-        try:
-            metres = parse_quantity(text, "m")
-        except ValueError as error:
-            raise ValueError(f"{option}: {error}") from None
-    if not 0.0 < metres < math.inf:
-        raise ValueError(f"{option}: {text!r} is not a length above 0; give one such as '8 mm'")
-    return metres
+        value = float(plain) if bare and re.fullmatch(NUMBER, plain) else parse_quantity(plain, unit)
+    except ValueError as error:
+        raise ValueError(f"{option}: {str(error).replace(plain, text, 1)}") from None
+    if not 0.0 < value < math.inf:
+        raise ValueError(f"{option}: '{text}' is not {needed}")
+    return value
 
 
 def check_writable(output: Path, *inputs, endings=()) -> None:
@@ -40,11 +64,10 @@ def check_writable(output: Path, *inputs, endings=()) -> None:
         raise ValueError(f"{output} must end in {' or '.join(endings)}; give another name")
     if output.is_dir():
         raise ValueError(f"{output} is a folder; give the name of a file in it")
-    probe = output.with_name(output.name + ".part")
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
-        probe.touch()
-        probe.unlink()
+        with tempfile.NamedTemporaryFile(dir=output.parent, prefix=output.name):
+            pass
     except OSError as error:
         raise OSError(f"{output} cannot be written ({error.strerror}): {error.filename}; give another path") from None
 

@@ -4,7 +4,7 @@ import os
 import time
 from pathlib import Path
 
-from simcore.commands.options import check_writable, reporter
+from simcore.commands.options import check_writable, duration, reporter
 
 INTERRUPTED = 75  # EX_TEMPFAIL: the same command resumes the packing
 
@@ -92,14 +92,13 @@ def _prepare(ranks, options, report):
     from simcore.packing.file import code_version
     from simcore.packing.single import prepare
     from simcore.packing.terminal import expect
-    from simcore.scene.quantity import parse_quantity
     from simcore.scene.specification import read_specification
 
     code_version()
     code = checkpoint_code() if options.checkpoints else ""
     specification = read_specification(options.specification)
     expect(report, specification)
-    interval = parse_quantity(options.checkpoint_interval, "s")
+    interval = duration("--checkpoint-interval", options.checkpoint_interval)
     setup, warned = prepare(specification, options.threads, options.force)
     ranks.on_first(lambda: check_writable(options.output, options.specification))
     for text in warned:
@@ -107,9 +106,9 @@ def _prepare(ranks, options, report):
     key = packing_key(specification, setup) if options.checkpoints else ""
     keeper = CheckpointKeeper(options.checkpoints, key, code, interval, report, ranks)
     if options.frames is not None:
-        from simcore.export.frames import FramesKeeper, read_interval
+        from simcore.export.frames import FramesKeeper
 
-        frames = read_interval(options.frames)
+        frames = duration("--frames", options.frames)
         keeper = FramesKeeper(keeper, options.output, frames, setup, specification, report, ranks)
     return specification, setup, keeper, warned
 

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from simcore.commands.options import YAML, check_writable
+from simcore.commands.options import YAML, check_writable, grain_size
 
 
 def add(commands) -> None:
@@ -101,13 +101,12 @@ def run(options) -> int:
 
 
 def _of_curve(options, common):
-    from simcore.commands.sieve import read_size
     from simcore.models.size_and_form.bed_prediction_text import predict_curve_file
     from simcore.models.size_and_form.predicted_specification import write_specification
 
     if options.pack is not None:
         check_writable(options.pack, options.sieve, options.forms, endings=YAML)
-    ends = {name: read_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")}
+    ends = {name: grain_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")}
     text = predict_curve_file(options.sieve, options.forms, **ends, **common)
     if options.pack is not None:
         for notice in write_specification(options.pack, options.sieve, options.forms, options.sample, **ends):

@@ -1,12 +1,9 @@
 """`scree sieve CURVE.csv`: percentiles and statistics of a measured sieve curve, its plot, and a packing of it."""
 
-import re
 import sys
 from pathlib import Path
 
-from simcore.commands.options import YAML, check_figure, check_writable
-
-_DECIMAL_COMMA = re.compile(r"^(\s*(?:0|\d+(?!,\d{3}(?!\d)))),(?=\d)")  # not the comma of 1,000
+from simcore.commands.options import YAML, check_figure, check_writable, grain_size
 
 
 def add(commands) -> None:
@@ -46,7 +43,7 @@ def run(options) -> int:
         check_figure("--plot", options.plot)
     if options.specification is not None:
         check_writable(options.specification, options.curve, endings=YAML)
-    finest, coarsest = read_size("--finest", options.finest), read_size("--coarsest", options.coarsest)
+    finest, coarsest = grain_size("--finest", options.finest), grain_size("--coarsest", options.coarsest)
     table, notices = read_sieve_table(options.curve, coarsest)
     notices += [f"{options.curve}: {notice}" for notice in table.ends_without_effect(finest, coarsest)]
     try:
@@ -85,21 +82,3 @@ def _plot(options, table):
     from simcore.report.figures.sieve import sieve_figure
 
     save_figure(sieve_figure(table, options.curve.stem), options.plot)
-
-
-def read_size(option, text):
-    """Return the size [m] of an option, or None if it is not given; ValueError unless it is a length above 0.
-
-    The number may have a decimal comma. 1,000 is refused, because it may mean 1000.
-    """
-    from simcore.scene.quantity import parse_quantity
-
-    if text is None:
-        return None
-    try:
-        size = parse_quantity(_DECIMAL_COMMA.sub(r"\1.", text), "m")
-    except ValueError as error:
-        raise ValueError(f"{option}: {error}") from None
-    if not size > 0.0:
-        raise ValueError(f"{option}: {text!r} is not a length above 0; give one such as '90 mm'")
-    return size

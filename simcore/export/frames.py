@@ -16,18 +16,6 @@ from simcore.packing.heartbeat import beat
 from simcore.packing.keeping import KEEP, Keeper
 from simcore.packing.observation import observe
 from simcore.packing.packed import Packed
-from simcore.scene.quantity import parse_quantity
-
-
-def read_interval(text: str) -> float:
-    """Return the interval [s] of the option --frames, such as "0.1 s". ValueError unless it is a time above 0."""
-    try:
-        interval = parse_quantity(text, "s")
-    except ValueError as error:
-        raise ValueError(f"--frames: {error}") from None
-    if not interval > 0.0:
-        raise ValueError(f"--frames: {text!r} is not a time above 0; give one such as '0.1 s'")
-    return interval
 
 
 class FramesKeeper(Keeper):

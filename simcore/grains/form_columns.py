@@ -126,9 +126,9 @@ def form_patterns():
 def all_patterns():
     """Return the regular expressions of the names of columns, for a reader in another language, as plain data.
 
-    forms: of each meaning; axes: of those of AXES, without a unit; percent: of those of RATIOS and MEANS in percent, which are refused; minor, counts, running:
-    of a minor axis, a number of grains, and a number that may also count the rows. Case does not matter, and a whole
-    name must match. The groups of an axis are its units.
+    forms: of each meaning; axes: of those of AXES, without a unit; percent: of those of RATIOS and MEANS in percent,
+    which are refused; minor, counts, running: of a minor axis, a number of grains, and a number that may also count the
+    rows. Case does not matter, and a whole name must match. The groups of an axis are its units.
     """
     forms = form_patterns()
     percent = {meaning: _in_percent(pattern) for meaning, pattern in forms.items() if meaning not in AXES}

@@ -9,7 +9,7 @@ import pandas as pd
 from simcore.models.measured_file import MEASURED
 from simcore.models.measured_plausibility import question_beds
 from simcore.models.measured_prediction import models_for
-from simcore.models.measured_table import describe_models, read_beds, written_by_fit
+from simcore.models.measured_table import describe_models, given_case, read_beds, written_by_fit
 from simcore.models.prediction import kind_of_bed, model_case, predict_preferred, predict_sample, published_models
 from simcore.models.size_and_form.bed_prediction import predict_curve, sized_model
 from simcore.scene.sizes import all_cases
@@ -21,13 +21,15 @@ _COLUMNS = ["name", "n", "n_error", "predicted", "lower", "upper", "inside", "ou
 class ModelCheck:
     """The test of one model.
 
-    case: of the model, "" for beds with sieve curves. behind: description of the model and of the beds that it was
-    fitted to, with its file if there is one. beds: DataFrame with one row per row of the table: name, n, n_error (nan
-    if unknown), predicted with the ends `lower` and `upper` of its 95 % prediction interval, inside (whether n is in
-    it, None without a prediction), and outside and refused as in simcore.models.prediction.
+    case: of the model, "" for beds with sieve curves. given: name of this case in messages. behind: description of the
+    model and of the beds that it was fitted to, with its file if there is one. beds: DataFrame with one row per row of
+    the table: name, n, n_error (nan if unknown), predicted with the ends `lower` and `upper` of its 95 % prediction
+    interval, inside (whether n is in it, None without a prediction), and outside and refused as in
+    simcore.models.prediction.
     """
 
     case: str
+    given: str
     behind: str
     beds: pd.DataFrame
 
@@ -81,7 +83,8 @@ def check_models(
     checks, left_out = [], []
     of_fit = written_by_fit(fitted)
     for name, of_case in by_case.items():
-        if of_fit and fitted.curve is None if name == "" else name not in fitted.cases():
+        has_model = name in fitted.cases() if name else not of_fit or fitted.curve is not None
+        if not has_model:
             left_out.append(_describe_left_out(name, len(of_case), fitted, models))
             continue
         check = (_check_curves if name == "" else _check_case if of_fit else _check_preferred)(of_case, name, fitted)
@@ -108,8 +111,8 @@ def _describe_left_out(case, number, fitted, models):
 def _check_preferred(beds, case, fitted):
     """Return the ModelCheck of MeasuredBeds of one case by our models."""
     rows = [_row(bed, predict_preferred(bed.sample, case, fitted)) for bed in beds]
-    kinds = {kind_of_bed(bed.sample) for bed in beds}
-    return ModelCheck(case, f"ours for {' and for '.join(sorted(kinds))}", pd.DataFrame(rows, columns=_COLUMNS))
+    behind = f"ours for {' and for '.join(sorted({kind_of_bed(bed.sample) for bed in beds}))}"
+    return ModelCheck(case, given_case(beds, case), behind, pd.DataFrame(rows, columns=_COLUMNS))
 
 
 def _check_case(beds, case, fitted):
@@ -119,14 +122,14 @@ def _check_case(beds, case, fitted):
         predictions = predict_sample(bed.sample, case, fitted, published)
         (row,) = (row for row in predictions if row["model"] == MEASURED)
         rows.append(_row(bed, row))
-    return ModelCheck(case, fitted.behind[MEASURED, case], pd.DataFrame(rows, columns=_COLUMNS))
+    return ModelCheck(case, given_case(beds, case), fitted.behind[MEASURED, case], pd.DataFrame(rows, columns=_COLUMNS))
 
 
 def _check_curves(beds, case, fitted):
     """Return the ModelCheck of MeasuredBeds with sieve curves; case: ""."""
     rows = [_row(bed, predict_curve(bed.curve, [bed.sample], fitted).iloc[0]) for bed in beds]
     behind = fitted.curve.behind if fitted.curve else f"ours of size and form, {sized_model(fitted).behind}"
-    return ModelCheck(case, behind.removesuffix("."), pd.DataFrame(rows, columns=_COLUMNS))
+    return ModelCheck(case, case, behind.removesuffix("."), pd.DataFrame(rows, columns=_COLUMNS))
 
 
 def _row(bed, row):

@@ -24,7 +24,7 @@ def describe_check(result, path, models, reason=""):
 
 def _describe_model(check, path):
     beds, count = check.beds, len(check.beds)
-    what = f"case {check.case}" if check.case else "with sieve curves"
+    what = f"case {check.given}" if check.case else "with sieve curves"
     joint = ", " if check.case else " "
     lines = [f"Test on {path}: {count} {'bed' if count == 1 else 'beds'}{joint}{what}", ""]
     lines += [*wrap(f"Model: {check.behind}"), ""]

@@ -41,10 +41,9 @@ from simcore.models.measured_curves import CurveFit, fit_curves
 from simcore.models.measured_file import MEASURED, write_measured_models
 from simcore.models.measured_plausibility import question_repeats
 from simcore.models.measured_prediction import models_for
-from simcore.models.measured_table import read_beds
+from simcore.models.measured_table import given_case, read_beds
 from simcore.models.mixtures import MIXTURE
 from simcore.models.prediction import (
-    ONE_CLASS,
     describe_model,
     kind_of_bed,
     model_case,
@@ -105,8 +104,9 @@ class CaseFit:
 
     def describe(self):
         """Return what was fitted to which beds, for the file of the model."""
+        base = "an earlier fit" if self.base == MEASURED else self.base
         fitted = (
-            f"{self.chosen.kind} of {self.base}"
+            f"{self.chosen.kind} of {base}"
             if self.chosen.kind in CORRECTIONS
             else f"fit of {', '.join(self.model.features)}"
         )
@@ -235,11 +235,6 @@ def fit_case(measured, case, fitted, features="single_form"):
         chosen=choose(candidates),
         notices=tuple(question_repeats(group_repeats(measured), beds.predicted)),
     )
-
-
-def given_case(measured, case):
-    """Return the name of a case of the models in messages: ONE_CLASS if it was given so for all of the MeasuredBeds."""
-    return ONE_CLASS if all(bed.case == ONE_CLASS for bed in measured) else case
 
 
 def average_repeats(measured):

@@ -2,7 +2,7 @@
 
 from simcore.grains.measured_beds import CurveReader, read_measured_beds
 from simcore.models.measured_file import MEASURED
-from simcore.models.prediction import model_case
+from simcore.models.prediction import ONE_CLASS, model_case
 from simcore.scene.sizes import all_cases
 
 
@@ -25,6 +25,11 @@ def read_beds(path, fitted, models, case, sieve, column, finest, coarsest):
 def written_by_fit(fitted):
     """Return whether FittedModels are from a file that `fit` wrote."""
     return fitted.curve is not None or any(name == MEASURED for name, _ in fitted.models)
+
+
+def given_case(measured, case):
+    """Return the name of a case of the models in messages: ONE_CLASS if it was given so for all of the MeasuredBeds."""
+    return ONE_CLASS if all(bed.case == ONE_CLASS for bed in measured) else case
 
 
 def describe_models(fitted, models):

@@ -492,8 +492,9 @@ GRAINS = [
     ),
     Case(
         "mean_FL;mean_EL\n.6;.7\n",
-        error="the columns std_FL, std_EL are missing beside mean_FL, mean_EL (if they were not measured, give those of "
-        f"similar grains, such as 0.175 and 0.139 of the Rhine's gravel; 0 means that all grains have one form); {NEEDED}",
+        error="the columns std_FL, std_EL are missing beside mean_FL, mean_EL (if they were not measured, give those "
+        "of similar grains, such as 0.175 and 0.139 of the Rhine's gravel; 0 means that all grains have one form); "
+        + NEEDED,
     ),
     Case(
         "flatness;elongation\n.6;.7\n",

@@ -91,7 +91,11 @@ def test_with_out_the_model_is_corrected(write, model, tmp_path, capsys):
     path, out = write(f"A,0.35,{FORM}", f"B,0.36,{OTHER}", "C,0.345,0.66,0.12,0.74,0.11"), tmp_path / "new.json"
     assert main(["fit", str(path), "--models", str(model), "--out", str(out)]) == 0
     assert "The chosen model is the offset of your fit" in " ".join(capsys.readouterr().out.split())
-    assert out.exists()
+    assert check_models(path, out).checks[0].behind.startswith("offset of an earlier fit, 3 measured beds")
+    assert main(["fit", str(path), "--models", str(out), "--out", str(out)]) == 2
+    assert "is read by this command" in capsys.readouterr().err
+    assert main(["fit", str(path), "--models", str(out), "--features", "single_form"]) == 2
+    assert "--features: the models of --models are only tested" in capsys.readouterr().err
     out.unlink()
     assert main(["fit", str(write(f"A,0.35,{FORM}")), "--models", str(model), "--out", str(out)]) == 2
     assert "case U1: 1 row with 1 form; the simplest model" in capsys.readouterr().err and not out.exists()
@@ -117,6 +121,7 @@ def test_too_few_beds_for_a_fit_are_compared_with_our_models(write, tmp_path, ca
     write(f"A,0.35,{FORM}")
     assert main(["fit", str(path), *case]) == 0
     text = " ".join(capsys.readouterr().out.split())
+    assert "1 bed, case one-class " in text or case[0] == "--sieve"
     assert "Nothing is fitted." in text and "an offset, needs 3 beds" in text
 
 
