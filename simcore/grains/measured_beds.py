@@ -37,6 +37,12 @@ SIEVE_NAME = re.compile(_COLUMNS["sieve"], re.IGNORECASE)  # of the column with 
 MAX_ERROR = 0.05  # maximum of n_error as a fraction; a larger one is probably in percentage points
 LEAST_ERROR = 0.001  # minimum that a measurement can reach
 _MEANINGS = {"n": "the porosity", "n_error": "the error of n", "case": "the sieve curve", "sieve": "the sieve curve"}
+# Columns from which n follows, and how.
+_OTHER_MEASURES = {
+    re.compile(r"e$|void|porenzahl", re.IGNORECASE): "the porosity of a void ratio e is n = e/(1 + e); ",
+    re.compile(r"(?:dry|bulk).*density|.*dichte", re.IGNORECASE): "the porosity is n = 1 - dry density of the bed / "
+    "density of the grains; ",
+}
 NEEDED = (
     "give a row per bed with the column n, its measured porosity, and the form of its grains: mean_FL, std_FL, "
     "mean_EL, std_EL, or FL, EL, or L, I, S"
@@ -79,10 +85,16 @@ class CurveReader:
             )
 
     def read(self, where, text, folder=None):
-        """Return (SieveCurve, notices): a listed one, or that of a file in `folder`; where: file and row."""
-        if text in self.listed:
-            return replace(self.listed[text], name=text), []
+        """Return (SieveCurve, notices): a listed one, in any case of letters, or that of a file in `folder`.
+
+        where: file and row, for messages.
+        """
         path = Path(text) if folder is None else Path(folder) / text
+        listed = (
+            text if text in self.listed else next((name for name in self.listed if name.lower() == text.lower()), "")
+        )
+        if text in self.listed or listed and not path.is_file():
+            return replace(self.listed[listed], name=listed), []
         if not path.is_file():
             names = f", nor one of the listed curves {', '.join(self.listed)}" if self.listed else ""
             raise ValueError(
@@ -118,6 +130,11 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
     of_all = None if sieve is None else curves.read("--sieve", str(sieve))
     forms, names, given = _name_rows(table.without(*positions.values()), column)
     samples, notices = samples_of_table(forms, column, of_beds=True)
+    if any(sample.grains == 1 for sample in samples):
+        notices.append(
+            f"{table.path}: each row has one form; if that is a mean over the grains of the bed, the predicted "
+            "porosity is too low, by about 0.01 for gravel: give mean_FL, std_FL, mean_EL, std_EL"
+        )
     rows = {name: row for row, name in names.items()}
 
     def read_bed(row, sample):
@@ -164,7 +181,8 @@ def _recognise(path, header):
             positions[meaning], percent[meaning] = position, in_percent
     if "n" not in positions:
         columns = ", ".join(name or "(no name)" for name in header)
-        raise ValueError(f"{path}: the column n is missing beside {columns}; {NEEDED}")
+        other = next((hint for pattern, hint in _OTHER_MEASURES.items() if any(map(pattern.match, header))), "")
+        raise ValueError(f"{path}: the column n is missing beside {columns}; {other}{NEEDED}")
     if percent.get("n_error", percent["n"]) != percent["n"]:
         raise ValueError(
             f"{path}: one of the columns {header[positions['n']]} and {header[positions['n_error']]} is in %, the "

@@ -19,7 +19,11 @@ MASSES = {"mg": 1e-6, "g": 1e-3, "kg": 1.0, "t": 1000.0, "lb": 0.45359237}
 RETAINED, PASSING, CUMULATIVE = "retained", "passing", "cumulative retained"
 OPENING = "opening"
 # Cells of the column of openings that mean what passes the finest sieve.
-PAN = re.compile(r"pan|receiver|bottom|base|tray|boden|bodenschale|schale|fond|rest|< ?\S.*", re.IGNORECASE)
+PAN = re.compile(
+    r"pan|receiver|bottom|base|tray|fines|(?:sieb)?boden|(?:boden|auffang)?schale|auffangboden|pfanne|feinanteil|fond"
+    r"|plateau|r(?:é|e)sidu|rest(?:korn)?|< ?\S.*",
+    re.IGNORECASE,
+)
 
 _SPELLINGS = {
     "um": "µm", "μm": "µm", "micron": "µm", "microns": "µm", "micrometer": "µm", "micrometre": "µm",
@@ -31,11 +35,12 @@ _SPELLINGS = {
 }  # fmt: skip
 _OPENING_WORDS = {
     "opening", "openings", "aperture", "mesh", "size", "sieve", "sieves", "diameter", "d", "grainsize", "maschenweite",
-    "siebweite", "sieb", "siebe", "siebgröße", "sieböffnung", "maschenöffnung", "öffnung", "korngröße",
-    "korndurchmesser", "tamis", "ouverture", PHI,
+    "siebweite", "sieb", "siebe", "prüfsieb", "prüfsiebe", "siebgröße", "sieböffnung", "maschenöffnung", "öffnung",
+    "korngröße", "korndurchmesser", "tamis", "ouverture", "diamètre", "ø", PHI,
 }  # fmt: skip
 _PASSING_WORDS = {
-    "passing", "passes", "finer", "undersize", "durchgang", "siebdurchgang", "durchgangssumme", "unterkorn", "passant",
+    "passing", "passes", "finer", "undersize", "durchgang", "siebdurchgang", "durchgangssumme", "durchgänge",
+    "unterkorn", "passant", "passants", "tamisat", "tamisats",
 }  # fmt: skip
 _COARSER_WORDS = {"coarser", "oversize", "rückstandssumme", "summenrückstand"}
 _SUMMED_WORDS = {
@@ -46,6 +51,7 @@ _SUMMED_WORDS = {
     "cumulé",
     "cumulée",
     "cumulés",
+    "cumulées",
     "accumulated",
     "running",
     "kumuliert",
@@ -60,6 +66,13 @@ _RETAINED_WORDS = {
     "retained", "mass", "masses", "weight", "weights", "fraction", "fractions", "rückstand", "masse", "gewicht",
     "refus", "percent", "wt", "siebrückstand", "auswaage", "anteil", "anteile", "massenanteil", "gew",
 }  # fmt: skip
+# Words of a column with the masses of the sieves, with or without grains on them. Those of _SIEVE_WORDS mean it only if
+# they are joined with some of _GRAIN_WORDS, as in "sieve + sample", or stand alone, as in "mass of sieve".
+_GROSS_WORDS = {"gross", "brutto", "bruttomasse", "brut", "tare", "tara", "leer", "leermasse", "leergewicht", "empty"}
+_SIEVE_WORDS = {"sieve", "sieb", "siebs", "siebes", "tamis"}
+_GRAIN_WORDS = {"sample", "soil", "material", "grains", "probe", "rückstand", "échantillon", "sol"}
+_JOINING_WORDS = {"and", "with", "incl", "und", "mit", "inkl", "et", "avec"}
+_OF_WORDS = {"of", "the", "des", "du", "mass", "weight", "masse", "gewicht"}
 _COUNT_WORDS = {"count", "counts", "number", "numbers", "anzahl", "n"}
 _BRACKETS = re.compile(r"\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 # A unit without brackets: "opening_mm", "mass g", "size, mm".
@@ -103,6 +116,12 @@ def recognise_sieve_columns(path, table, classes=None):
     names = [name or "(no name)" for name in header]
     if not openings:
         raise ValueError(f"{path}: none of the columns ({', '.join(names)}) has sieve openings; {NEEDED}")
+    gross = [name for name in header if has_mass_of_sieve(name)]
+    if not amounts and gross:
+        raise ValueError(
+            f"{path}: the column {gross[0]} has the mass of the sieve in it; give the mass of the grains, which is the "
+            "difference, in a column `mass [g]`"
+        )
     if not amounts:
         raise ValueError(f"{path}: {_without_amounts(names, table.cells, openings[0][0])}")
     if len(openings) > 1:
@@ -121,7 +140,7 @@ def _without_amounts(names, cells, opening):
 
     names: of the columns of `cells`. opening: position of the column of openings.
     """
-    counts = [name for name in names if plain_words(name) & _COUNT_WORDS]
+    counts = list(filter(counts_grains, names))
     numeric = []
     for name, (position, texts) in zip(names, cells.items(), strict=True):
         filled = [text for text in texts if text]
@@ -134,8 +153,8 @@ def _without_amounts(names, cells, opening):
         )
     if counts:
         return (
-            f"the column {counts[0]} has counts of grains, which are shares by number; a sieve curve needs masses, "
-            "such as `mass [g]`"
+            f"the column {counts[0]} has counts of grains; a sieve curve needs masses, such as `mass [g]`. Counts on a "
+            "grid on the surface (Wolman) may be named `retained`"
         )
     return f"none of the columns ({', '.join(names)}) has amounts; {NEEDED}"
 
@@ -143,7 +162,22 @@ def _without_amounts(names, cells, opening):
 def column_meaning(path, name):
     """Return (OPENING, RETAINED, PASSING, CUMULATIVE or None, unit or None) of a column with this name."""
     words, unit = _split(path, name)
-    return _meaning(path, name, words, unit), unit
+    return None if has_mass_of_sieve(name) else _meaning(path, name, words, unit), unit
+
+
+def has_mass_of_sieve(name):
+    """Return whether a column of this name has masses of sieves, with or without the grains on them."""
+    text = split_unit(name)[0]
+    words = plain_words(text)
+    joined = "+" in text or bool(words & _JOINING_WORDS)
+    both = joined and bool(words & _SIEVE_WORDS) and bool(words & _GRAIN_WORDS)
+    alone = words <= _SIEVE_WORDS | _OF_WORDS and bool(words & _SIEVE_WORDS) and bool(words & {"of", "des", "du"})
+    return bool(words & _GROSS_WORDS) or both or alone
+
+
+def counts_grains(name):
+    """Return whether a column of this name has counts of grains."""
+    return bool(plain_words(name) & _COUNT_WORDS)
 
 
 def unit_in_name(name):
@@ -167,7 +201,8 @@ def reading_rules():
     """Return the words, units and patterns by which columns are recognised, as plain values for another language."""
     words = {
         "opening": _OPENING_WORDS, "passing": _PASSING_WORDS, "coarser": _COARSER_WORDS, "summed": _SUMMED_WORDS,
-        "retained": _RETAINED_WORDS, "count": _COUNT_WORDS,
+        "retained": _RETAINED_WORDS, "count": _COUNT_WORDS, "gross": _GROSS_WORDS, "sieve": _SIEVE_WORDS,
+        "grains": _GRAIN_WORDS, "joining": _JOINING_WORDS, "of": _OF_WORDS,
     }  # fmt: skip
     return {
         "words": {key: sorted(values) for key, values in words.items()},

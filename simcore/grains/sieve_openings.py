@@ -88,6 +88,12 @@ def _fault_of_order(path, rows, values, unit):
 def _opening(where, name, text, unit):
     """Return the opening in a cell [m]; 0 only for a length of 0, which is the pan."""
     check_sheet_error(where, name, text)
+    if not re.search(r"\d", text):
+        is_text = f"{name} is '{text}', which is no size" if text else f"{name} is empty"
+        raise ValueError(
+            f"{where}: {is_text}; if the row has what passes the finest sieve, name it `pan`; if it is no sieve, "
+            "remove the row"
+        )
     if unit is None:
         match = WITH_UNIT.fullmatch(text)
         unit = known_unit(match[2]) if match else None

@@ -83,12 +83,12 @@ def sieve_statistics(table):
             f"{_describe_ends(table)}; what needs these sizes is not given. {_REMEDY}"
         )
     closed, assumed = table.with_small_ends_closed()
-    notices += [f"the moments assume that {text}" for text in assumed]
     if closed.below > 0.0 or closed.above > 0.0:
-        notices.append(f"the moments are not given, because {_describe_ends(table)}. {_REMEDY}")
+        notices.append(f"the moments are not given, because {_describe_ends(closed)}. {_REMEDY}")
         empty = Moments(*4 * [np.nan])
         phi_moments, mm_moments = empty, empty
     else:
+        notices += [f"the moments assume that {text}" for text in assumed]
         phi_moments, mm_moments = _moments(closed.openings, np.diff(closed.passing))
     return SieveStatistics(
         percentiles=D,

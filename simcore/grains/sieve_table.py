@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from simcore.grains.cell_numbers import check_decimal_marks, read_number
+from simcore.grains.form_columns import SAMPLE_NAMES
+from simcore.grains.form_notices import SHOWN
 from simcore.grains.row_errors import read_each
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_classes import NEARLY, SAME_SIEVE, retained_only, with_joined_bounds, with_lower_sieves
@@ -22,6 +24,7 @@ from simcore.grains.sieve_columns import (
     PASSING,
     PERCENT,
     RETAINED,
+    counts_grains,
     reading_rules,
     recognise_sieve_columns,
 )
@@ -36,6 +39,7 @@ from simcore.grains.sieve_openings import (
 from simcore.grains.sieve_sums import FEWEST_SUMS, LOSS, SMALL_STEP, notices_of_sums, notices_of_total
 from simcore.grains.summary_rows import find_summary_rows, is_total
 from simcore.grains.table_file import read_table
+from simcore.grains.text_lists import join_first
 
 SMALL_END = 0.01  # open ends with at most this share of the mass get a bound by assumption
 ROUNDING = 0.005  # deviation of a sum from 1 that rounded percentages explain; it is removed, with a notice
@@ -46,12 +50,14 @@ AGREEMENT = 0.01  # two columns of one table agree if their shares passing diffe
 class SieveTable:
     """A measured sieve curve.
 
-    openings: ascending (k,) [m]. passing: share of the mass that passes each (k,). mass: total [kg], or None.
+    openings: ascending (k,) [m]. passing: share of the mass that passes each (k,). mass: total [kg], or None. doubts:
+    notices that another reading of the table is possible.
     """
 
     openings: np.ndarray
     passing: np.ndarray
     mass: float | None = None
+    doubts: tuple = ()
 
     @property
     def below(self):
@@ -99,18 +105,16 @@ class SieveTable:
         return notices
 
     def with_small_ends_closed(self):
-        """Return (SieveTable with bounds at both ends, notices); the same table if an open end has over SMALL_END.
+        """Return (SieveTable with bounds at the ends with at most SMALL_END of the mass, notices).
 
         Each notice is a clause, such as "the 0.4% in the pan are coarser than 2 mm".
         # ASSUME: an open class with little mass is as wide, in phi, as its neighbour.
         """
         openings, passing, notices = self.openings, self.passing, []
-        if max(self.below, self.above) > SMALL_END:
-            return self, []
-        if self.below > 0.0:
+        if 0.0 < self.below <= SMALL_END:
             openings, passing = np.r_[openings[0] ** 2 / openings[1], openings], np.r_[0.0, passing]
             notices.append(f"the {self.below:.1%} in the pan are coarser than {openings[0] * 1e3:.3g} mm")
-        if self.above > 0.0:
+        if 0.0 < self.above <= SMALL_END:
             openings, passing = np.r_[openings, openings[-1] ** 2 / openings[-2]], np.r_[passing, 1.0]
             notices.append(f"the {self.above:.1%} on the coarsest sieve are finer than {openings[-1] * 1e3:.3g} mm")
         return replace(self, openings=openings, passing=passing), notices
@@ -120,16 +124,19 @@ class SieveTable:
 
         ValueError if an end is open, that is, has mass but no bound.
         """
+        faults = []
         if self.below > 0.0:
-            raise ValueError(
+            faults.append(
                 f"{self.below:.1%} of the mass pass the finest sieve, {self.openings[0] * 1e3:g} mm; give the size of "
                 "the finest of these grains with --finest"
             )
         if self.above > 0.0:
-            raise ValueError(
+            faults.append(
                 f"{self.above:.1%} of the mass stay on the coarsest sieve, {self.openings[-1] * 1e3:g} mm; give the "
                 "size of the coarsest of these grains with --coarsest"
             )
+        if faults:
+            raise ValueError("; ".join([*faults, *(f"before that, check: {doubt}" for doubt in self.doubts)]))
         shares = np.diff(self.passing)
         used = np.flatnonzero(shares > 0.0)
         first, last = used[0], used[-1] + 1
@@ -172,7 +179,8 @@ def read_sieve_table(path, coarsest=None):
     written = given.cells.loc[given.cells.index.isin(cells.index)]  # classes as they were before with_lower_sieves
     check_decimal_marks(path, {position: given.header[position] for position in used}, written)
     rows, openings, pan = read_openings(path, text.header, cells, columns)
-    results = []
+    results, doubts = [], []
+    _check_samples(path, text, used)
     for column in columns.amounts:
         name = text.header[column.position]
         read = read_each(
@@ -189,7 +197,8 @@ def read_sieve_table(path, coarsest=None):
         if len(columns.amounts) == 1 and _is_mass_retained(column):
             listed = [row for row in rows[::-1] if row in given.cells.index]  # without the sieve above all classes
             in_pan = None if pan is None else np.nan_to_num(values[pan])
-            notices += notices_of_sums(name, column.unit, np.array([values[row] for row in listed]), in_pan)
+            doubts = notices_of_sums(name, column.unit, np.array([values[row] for row in listed]), in_pan)
+            notices += doubts
     if pan is None and all(_is_mass_retained(column) for column in columns.amounts):
         notices.append(
             f"there is no row `pan`: nothing is taken to pass {openings[0] * 1e3:g} mm; if finer grains were weighed, "
@@ -205,11 +214,30 @@ def read_sieve_table(path, coarsest=None):
             )
         notices.append(f"the columns {name} and {other} agree; {name} is used")
     _check_classes(path, table)
-    notices += notices_of_size(text.header[columns.opening], openings, table.passing)
+    of_size = notices_of_size(text.header[columns.opening], openings, table.passing)
+    notices += of_size
     unused = [text.header[i] or f"(column {i + 1}, no name)" for i in cells if i not in used]
     if unused:
         notices.append(f"columns that are not used: {', '.join(unused)}")
+    counts = next(filter(counts_grains, unused), None)
+    if counts and all(column.unit in (PERCENT, FRACTION) for column in columns.amounts):
+        notices.append(
+            f"the column {counts} has counts of grains; {name} must be shares of the mass, or of counts on a grid "
+            "(Wolman), not of the number of all grains"
+        )
+    table = replace(table, doubts=(*doubts, *of_size))
     return table, [f"{path}: {notice}" for notice in notices]
+
+
+def _check_samples(path, table, used):
+    """Raise ValueError if a column of a TextTable names several samples; used: positions of those that are read."""
+    for position, name in enumerate(table.header):
+        names = list(dict.fromkeys(text for text in table.cells[position] if text))
+        if position not in used and name.lower() in SAMPLE_NAMES and len(names) > 1:
+            raise ValueError(
+                f"{path}: the column {name} has several samples ({join_first(names, SHOWN)}); a table has one sieve "
+                "curve, so that each sample needs its own file"
+            )
 
 
 def table_rules():
@@ -261,7 +289,7 @@ def _leave_out_totals(cells, columns, notices):
     labels = find_summary_rows(cells[[columns.opening]])
     if labels:
         rows = ", ".join(f"row {row} ({label})" for row, label in labels.items())
-        verb = "summarise others and are" if len(labels) > 1 else "summarises others and is"
+        verb = "are no sieves and are" if len(labels) > 1 else "is no sieve and is"
         notices.append(f"{rows} {verb} left out")
     return cells.drop(index=list(labels)), labels, notices
 
@@ -288,6 +316,12 @@ def _passing(path, name, column, sieves, values, coarsest, notices):
         raise ValueError(
             f"{path}: {name} has no value above 1, so that its values look like fractions; write percent, such as 85 "
             "instead of 0.85, or leave the % out of the name"
+        )
+    largest = np.sort(amounts)[::-1]
+    if column.unit == PERCENT and column.meaning != RETAINED and len(amounts) > 3 and largest[1] <= 1 < largest[0]:
+        raise ValueError(
+            f"{path}: {name} has one value above 1, {largest[0]:g}, and the others look like fractions; write percent, "
+            "such as 85 instead of 0.85"
         )
     if column.meaning == RETAINED:
         return _from_retained(path, name, openings, (amounts, None if pan is None else in_pan), column.unit, notices)

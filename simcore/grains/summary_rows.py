@@ -1,4 +1,4 @@
-"""Finds the rows of a table that summarise others, such as Mean, Max or Total, by their labels."""
+"""Finds the rows of a table that summarise others, such as Mean, Max or Total, or have a loss, by their labels."""
 
 import re
 
@@ -7,7 +7,8 @@ _STRONG = (
     r"|maximalwert|min|minimum|minima|minimalwert|std|stdev|stddev|st\.?\s?dev|std\.?\s?dev|std\.?\s?deviation"
     r"|standard[\s-]?deviation|standard[\s-]?error|std\.?\s?err(?:or)?|standardabweichung|stabw|écart[\s-]type|variance"
     r"|varianz|coefficient of variation|skewness|kurtosis|sums?|summe|somme|totals?|gesamt|insgesamt|subtotal"
-    r"|zwischensumme|percentile|quartile|quantile"
+    r"|zwischensumme|percentile|quartile|quantile|loss(?:es)?|siebverluste?|verluste?|pertes?|einwaage"
+    r"|(?:dry[\s_]+)?(?:mass|weight|total)[\s_]+before[\s_]+sieving"
 )
 # These may also be names of grains or places, so they count only next to another label.
 _WEAK = r"sd|se|sem|cv|var|n|count|counts|number|anzahl|range|mode|q[1-4]|[dp]\d{1,2}|\d{1,2}(?:[.,]\d+)?\s?%"
@@ -16,7 +17,10 @@ _AFTER = (
     r"(?:\s*[.:=])?(?:[\s_]*[(\[].*[)\]])?(?:[\s_]+(?:values?|wert|of\b.*|all|all grains|grains|dev\.?))?(?:\s*[.:=])?"
 )
 
-_ALL = r"(?:grand[\s_]+)?(?:sums?|summe|somme|totals?|gesamt|insgesamt)(?:\s*[.:=])?(?:\s*[(\[].*[)\]])?"
+_ALL = (
+    r"(?:grand[\s_]+)?(?:sums?|summe|somme|totals?|gesamt|insgesamt|einwaage|(?:dry[\s_]+)?(?:mass|weight|total)[\s_]+before"
+    r"[\s_]+sieving)(?:\s*[.:=])?(?:\s*[(\[].*[)\]])?"
+)
 
 
 def find_summary_rows(cells):

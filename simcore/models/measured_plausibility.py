@@ -1,4 +1,4 @@
-"""Notices on measured porosities that are probably not porosities, such as a solid fraction in the column n."""
+"""Notices on measured porosities that are probably something else, such as a solid fraction in the column n."""
 
 import numpy as np
 
@@ -29,8 +29,12 @@ def _question(bed, predicted):
         f"{bed.where or name_bed(bed.sample.name)}: n = {scale * bed.n:.4g}{unit} is far from the predicted "
         f"{scale * predicted:.{digits}f}{unit}."
     )
-    if abs(1.0 - bed.n - predicted) <= DIFFERENT:
-        return f"{far} If it is the solid fraction, write {scale * (1.0 - bed.n):.4g}."
+    readings = {"the solid fraction": 1.0 - bed.n, "the void ratio e": bed.n / (1.0 + bed.n)}
+    likely = [
+        f"if it is {name}, write {scale * n:.4g}" for name, n in readings.items() if abs(n - predicted) <= DIFFERENT
+    ]
+    if likely:
+        return f"{far} I{'; '.join(likely)[1:]}."
     return f"{far} Check that it is the volume of the pores over the volume of the bed."
 
 

@@ -88,7 +88,7 @@ def test_harmless_faults_are_corrected_with_a_notice(read):
             "opening [mm],retained\n16,0\n8,2\n4,4\n2,3\npan,1\n",
             "no unit; its values are taken relative to their sum, 10",
         ),
-        (MASSES + "Sum,100\n", r"row 7 (Sum) summarises others and is left out"),
+        (MASSES + "Sum,100\n", r"row 7 (Sum) is no sieve and is left out"),
         (
             "opening [mm],mass [g],passing [%]\n16,0,100\n8,20,80\n4,40,40\n2,30,10\npan,10,0\n",
             "agree; mass [g] is used",

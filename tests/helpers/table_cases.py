@@ -28,7 +28,51 @@ class Case(NamedTuple):
     notice: str = ""
 
 
+COUNTS = (
+    "a sieve curve needs masses, such as `mass [g]`. Counts on a grid on the surface (Wolman) may be named `retained`"
+)
+NO_PAN = "; if the row has what passes the finest sieve, name it `pan`; if it is no sieve, remove the row"
+GROSS = "has the mass of the sieve in it; give the mass of the grains, which is the difference, in a column `mass [g]`"
 SIEVES = [
+    Case(
+        "Sieve (mm),Mass of sieve + sample (g)\n16,450\n8,800\n4,700\npan,410\n",
+        error=f"the column Mass of sieve + sample (g) {GROSS}",
+    ),
+    Case("Sieb [mm];Masse brutto [g]\n16;450\n8;800\n", error=f"the column Masse brutto [g] {GROSS}"),
+    Case(
+        "Sieve (mm),Mass of sieve (g),Mass of sieve and soil (g),Retained (g)\n16,450,450,0\n8,400,800,400\n"
+        "4,390,700,310\npan,400,410,10\n",
+        notice="columns that are not used: Mass of sieve (g), Mass of sieve and soil (g)",
+    ),
+    Case(
+        "Probe;Siebweite [mm];Masse [g]\nA;16;0\nA;8;400\nB;4;300\nB;2;10\n",
+        error="the column Probe has several samples (A, B); a table has one sieve curve, so that each sample needs its "
+        "own file",
+    ),
+    Case(
+        "opening [mm],passing [%]\n16,100\n8,0.836\n4,0.464\n2,0.1\n",
+        error="passing [%] has one value above 1, 100, and the others look like fractions; write percent, such as 85 "
+        "instead of 0.85",
+    ),
+    Case(
+        "opening [mm],mass [g]\n16,0\n8,400\n4,300\nfine part,10\n",
+        error=f"row 5: opening [mm] is 'fine part', which is no size{NO_PAN}",
+    ),
+    Case("opening [mm],mass [g]\n16,0\n8,400\n4,300\n,10\n", error=f"row 5: opening [mm] is empty{NO_PAN}"),
+    Case(
+        "Sieb [mm];Masse [g]\n16;0\n8;400\n4;300\nAuffangschale;10\nSiebverlust;3\n",
+        notice="row 6 (Siebverlust) is no sieve and is left out",
+    ),
+    Case(
+        "Sieb [mm];Masse [g]\n16;0\n8;400\n4;300\nSiebboden;10\nEinwaage;800\n",
+        notice="row 6 (Einwaage): Masse [g] is 800, but the other rows sum to 710",
+    ),
+    Case("Tamis (mm);Passants cumulés (%);b\n16;100;\n8;60;\n4;20;\n2;0;\n", notice="columns that are not used: b"),
+    Case(
+        "opening [mm],count,passing [%]\n16,0,100\n8,40,60\n4,50,10\n2,10,0\n",
+        notice="the column count has counts of grains; passing [%] must be shares of the mass, or of counts on a grid "
+        "(Wolman), not of the number of all grains",
+    ),
     Case(
         "opening [mm],passing [g]\n16,950\n8,400\n4,50\npan,0\ntotal,1000\n",
         notice="passing [g]: all grains are taken to pass the coarsest sieve",
@@ -355,8 +399,7 @@ SIEVES = [
     *[
         Case(
             f"class [mm];{name};note\n16-32;12;5\n8-16;30;\n4-8;40;\n",
-            error=f"the column {name} has counts of grains, which are shares by number; a sieve curve needs masses, "
-            "such as `mass [g]`",
+            error=f"the column {name} has counts of grains; {COUNTS}",
         )
         for name in ("count", "Counts", "Anzahl", "number of grains", "n [-]")
     ],

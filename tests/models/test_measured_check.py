@@ -149,7 +149,7 @@ def test_beds_outside_the_range_and_unlikely_porosities_are_named(write, model, 
         printed.err.startswith(f"scree fit: {path}, row 2: n = 0.62 is far from the predicted 0.3")
         and printed.err.count("\n") == 1
     )
-    assert "If it is the solid fraction, write 0.38." in printed.err
+    assert "If it is the solid fraction, write 0.38; if it is the void ratio e, write 0.3827." in printed.err
     assert "- Bed flat is not predicted: mu_EQ_inv = " in printed.out and "0 of 1 (0 %)" in printed.out
     with pytest.raises(ValueError, match="the model is evaluated for none of the beds; flat: mu_EQ_inv = "):
         check_models(write("flat,0.5,0.12,0.06,0.3,0.06"), model)

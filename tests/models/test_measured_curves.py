@@ -101,7 +101,7 @@ def test_a_solid_fraction_of_a_bed_with_a_sieve_curve_is_questioned(fitted):
     beds = beds_of(lambda n: n + 0.01, 4, fitted)
     result = fit_curves([*beds[:3], replace(beds[3], n=1 - beds[3].n)], fitted)
     (notice,) = result.notices
-    assert notice.startswith("bed 3: n = 0.") and f". If it is the solid fraction, write {beds[3].n:.4g}." in notice
+    assert notice.startswith("bed 3: n = 0.") and f". If it is the solid fraction, write {beds[3].n:.4g}" in notice
     text = describe_fit(MeasuredFit([], [], [], result), "beds.csv")
     assert "Measured porosity and the prediction of our model of size and form as it is" in text
     assert f"{1 - beds[3].n:.4f}" in text

@@ -291,11 +291,19 @@ def test_several_cases_are_fitted_and_small_ones_left_out(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("n", "question"),
     [
-        (0.62, "n = 0.62 is far from the predicted 0.35. If it is the solid fraction, write 0.38."),
-        (0.51, "n = 0.51 is far from the predicted 0.35. If it is the solid fraction, write 0.49."),
+        (
+            0.62,
+            "n = 0.62 is far from the predicted 0.35. If it is the solid fraction, write 0.38; if it is the void ratio "
+            "e, write 0.3827.",
+        ),
+        (
+            0.51,
+            "n = 0.51 is far from the predicted 0.35. If it is the solid fraction, write 0.49; if it is the void ratio "
+            "e, write 0.3377.",
+        ),
         (
             0.95,
-            "n = 0.95 is far from the predicted 0.35. Check that it is the volume of the pores over the volume of the",
+            "n = 0.95 is far from the predicted 0.35. If it is the void ratio e, write 0.4872.",
         ),
         (
             0.15,
@@ -319,7 +327,10 @@ def test_fit_names_the_bed_whose_column_n_has_the_solid_fraction(tmp_path, capsy
     path.write_text(f"{head}A,0.62,{form}\n{rest}")
     assert main(["fit", str(path), "--case", "one-class"]) == 0
     printed = capsys.readouterr()
-    far = "n = 0.62 is far from the predicted 0.35. If it is the solid fraction, write 0.38.\n"
+    far = (
+        "n = 0.62 is far from the predicted 0.35. If it is the solid fraction, write 0.38; if it is the void ratio e, "
+        "write 0.3827.\n"
+    )
     assert printed.err == f"scree fit: {path}, row 2: {far}"
     assert re.search(r"^A +0.6200 +0.3498 +-0.2702$", printed.out, re.MULTILINE)
     path.write_text(f"{head}A,0.36,{form}\nA,0.62,{form}\nA,0.36,{form}\n{rest}")
@@ -331,7 +342,10 @@ def test_fit_names_the_bed_whose_column_n_has_the_solid_fraction(tmp_path, capsy
         f"{head}A,62,{form}\n{rest}".replace(",n,", ",n [%],").replace(",0.36,", ",36,").replace(",0.345,", ",34.5,")
     )
     (notice,) = simcore.fit(path, case="U1").notices
-    assert notice.endswith("row 2: n = 62 % is far from the predicted 35 %. If it is the solid fraction, write 38.")
+    assert notice.endswith(
+        "row 2: n = 62 % is far from the predicted 35 %. If it is the solid fraction, write 38; if it is the void "
+        "ratio e, write 38.27."
+    )
 
 
 @pytest.mark.parametrize("number", [10, 11])

@@ -70,7 +70,7 @@ def describe(beds, table, forms=None, level=0.95, fitted=NO_MODELS) -> str:
         "",
         *_samples(table),
         "",
-        *_state(fitted.curve),
+        *_state(fitted.curve, all_outside=bool((table.loc[table["refused"] == "", "outside"] != "").all())),
         *few_grains_caveats(table["sample"], table["grains"]),
         *_few_grains(table[table["refused"] == ""]),
     ]
@@ -119,8 +119,8 @@ def _describe_curve(bed, row, fitted):
     ]
 
 
-def _state(correction):
-    """Return the lines on the state of the packing."""
+def _state(correction, all_outside):
+    """Return the lines on the state of the packing; all_outside: whether all samples are outside the fitted range."""
     if correction is not None:
         return [
             "The porosity is that of beds that are made and measured like those to which the model was corrected; the",
@@ -129,7 +129,7 @@ def _state(correction):
     return [
         STATE,
         "The state of packing ranges from a bed that is shaken for eight seconds to one that is placed and not shaken.",
-        OTHER_BEDS,
+        *([] if all_outside else [OTHER_BEDS]),
     ]
 
 
@@ -150,7 +150,7 @@ def _require_one(table, path):
         row = table.iloc[0]
         raise ValueError(
             f"{path}: the porosity cannot be predicted for any sample; {row['sample']}: {row['refused']}. Correct the "
-            "sieve curve or the table of grains, or pack a bed of them (scree pack)"
+            "sieve curve or the table of grains; if both are right, no model is for this bed"
         )
 
 

@@ -27,6 +27,13 @@ const SieveColumns = (() => {
     });
     const titles = header.map((title) => title || "(no name)");
     if (!openings.length) throw new InputError(`${name}: none of the columns (${titles.join(", ")}) has sieve openings; ${needed}`);
+    const gross = header.find(hasMassOfSieve);
+    if (!amounts.length && gross !== undefined) {
+      throw new InputError(
+        `${name}: the column ${gross} has the mass of the sieve in it; give the mass of the grains, which is the ` +
+          "difference, in a column `mass [g]`"
+      );
+    }
     if (!amounts.length) throw new InputError(`${name}: ${withoutAmounts(titles, rows, openings[0].position)}`);
     if (openings.length > 1) {
       const both = openings.slice(0, 2).map(({ position }) => header[position]).join(" and ");
@@ -44,7 +51,7 @@ const SieveColumns = (() => {
 
   // Returns what is wrong with a table without amounts: a column for each of several samples, counts of grains, or no numbers.
   function withoutAmounts(titles, rows, opening) {
-    const counts = titles.filter((title) => have(plainWords(title), "count"));
+    const counts = titles.filter(countsGrains);
     const numeric = titles.filter((title, i) => {
       const texts = rows.map(({ cells }) => cells[i]).filter((text) => text);
       return i !== opening && !counts.includes(title) && texts.length && texts.every((text) => Numbers.NUMBER.test(text));
@@ -54,8 +61,20 @@ const SieveColumns = (() => {
         "needs its own file with a column such as `mass [g]`";
     }
     if (!counts.length) return `none of the columns (${titles.join(", ")}) has amounts; ${needed}`;
-    return `the column ${counts[0]} has counts of grains, which are shares by number; a sieve curve needs masses, such as ` +
-      "`mass [g]`";
+    return `the column ${counts[0]} has counts of grains; a sieve curve needs masses, such as \`mass [g]\`. Counts on a ` +
+      "grid on the surface (Wolman) may be named `retained`";
+  }
+
+  const countsGrains = (title) => have(plainWords(title), "count");
+
+  // Returns whether a column with this title has masses of sieves, with or without the grains on them.
+  function hasMassOfSieve(title) {
+    const [text] = splitUnit(title);
+    const words = plainWords(text);
+    const both = (text.includes("+") || have(words, "joining")) && have(words, "sieve") && have(words, "grains");
+    const only = [...words].every((word) => WORDS.sieve.has(word) || WORDS.of.has(word));
+    const alone = only && have(words, "sieve") && ["of", "des", "du"].some((word) => words.has(word));
+    return have(words, "gross") || both || alone;
   }
 
   // Returns the title without its unit, and the text of the unit or undefined.
@@ -101,6 +120,7 @@ const SieveColumns = (() => {
     const summed = have(words, "summed");
     const retained = have(words, "retained");
     let meaning;
+    if (hasMassOfSieve(title)) return { meaning: null, unit };
     if (have(words, "passing")) meaning = PASSING;
     else if (have(words, "coarser")) meaning = CUMULATIVE;
     else if (summed && have([...words].filter((word) => word !== "percent"), "retained")) meaning = CUMULATIVE;
@@ -127,6 +147,6 @@ const SieveColumns = (() => {
 
   return {
     PHI, PERCENT, FRACTION, OPENING, RETAINED, PASSING, CUMULATIVE, OPENING_UNITS,
-    isLength, isMass, knownUnit, meaningOf, recognise, splitUnit, unitInName,
+    countsGrains, isLength, isMass, knownUnit, meaningOf, recognise, splitUnit, unitInName,
   };
 })();

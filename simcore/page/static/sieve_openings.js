@@ -75,6 +75,12 @@ const SieveOpenings = (() => {
   // Returns the opening in a cell [mm]; 0 only for a length of 0, which is the pan.
   function opening(where, title, text, unitOfColumn) {
     Numbers.checkSheetError(where, title, text);
+    if (!/\d/.test(text)) {
+      const is = text ? `${title} is '${text}', which is no size` : `${title} is empty`;
+      throw new InputError(
+        `${where}: ${is}; if the row has what passes the finest sieve, name it \`pan\`; if it is no sieve, remove the row`
+      );
+    }
     let unit = unitOfColumn;
     if (unit === null) {
       const match = WITH_UNIT.exec(text);

@@ -25,6 +25,8 @@ const SieveTable = (() => {
     const written = given.rows.filter(({ row }) => kept.has(row)); // classes as they were before withLowerSieves
     Numbers.checkDecimalMarks(name, used.map((position) => [position, given.header[position]]), written);
     const sieves = SieveOpenings.read(name, table.header, rows, columns);
+    checkSamples(name, table, used);
+    let doubts = [];
     const results = columns.amounts.map((column) => {
       const title = table.header[column.position];
       const values = Rows.readEach(rows, ({ row, cells }) =>
@@ -38,7 +40,8 @@ const SieveTable = (() => {
       if (columns.amounts.length === 1 && isMassRetained(column)) {
         const listed = sieves.rows.filter((row) => row !== table.added).reverse(); // without the sieve above all classes
         const inPan = sieves.pan === null ? null : values.get(sieves.pan) || 0;
-        notices.push(...noticesOfSums(title, column.unit ?? "g", listed.map((row) => values.get(row)), inPan));
+        doubts = noticesOfSums(title, column.unit ?? "g", listed.map((row) => values.get(row)), inPan);
+        notices.push(...doubts);
       }
       return { title, passing };
     });
@@ -60,10 +63,32 @@ const SieveTable = (() => {
       notices.push(`the columns ${title} and ${other.title} agree; ${title} is used`);
     }
     checkClasses(name, sieves.openings, passing);
-    notices.push(...SieveOpenings.noticesOfSize(table.header[columns.opening], sieves.openings, passing));
+    const ofSize = SieveOpenings.noticesOfSize(table.header[columns.opening], sieves.openings, passing);
+    notices.push(...ofSize);
     const unused = table.header.flatMap((t, i) => (used.includes(i) ? [] : [t || `(column ${i + 1}, no name)`]));
     if (unused.length) notices.push(`columns that are not used: ${unused.join(", ")}`);
-    return { openings: sieves.openings, passing, notices: notices.map((notice) => `${name}: ${notice}`) };
+    const counts = unused.find(SieveColumns.countsGrains);
+    if (counts && columns.amounts.every(({ unit }) => [PERCENT, FRACTION].includes(unit))) {
+      notices.push(
+        `the column ${counts} has counts of grains; ${title} must be shares of the mass, or of counts on a grid ` +
+          "(Wolman), not of the number of all grains"
+      );
+    }
+    const all = notices.map((notice) => `${name}: ${notice}`);
+    return { openings: sieves.openings, passing, doubts: [...doubts, ...ofSize], notices: all };
+  }
+
+  // Refuses a column with the names of several samples. used: positions of the columns that are read.
+  function checkSamples(name, { header, rows }, used) {
+    header.forEach((title, i) => {
+      if (used.includes(i) || !DATA.reading.sample_names.includes(title.toLowerCase())) return;
+      const names = [...new Set(rows.map(({ cells }) => cells[i]).filter((text) => text))];
+      if (names.length < 2) return;
+      throw new InputError(
+        `${name}: the column ${title} has several samples (${Rows.joinFirst(names)}); a table has one sieve curve, so ` +
+          "that each sample needs its own file"
+      );
+    });
   }
 
   // A column without a unit is taken as masses.
@@ -123,7 +148,7 @@ const SieveTable = (() => {
     const found = Summaries.find(rows, [columns.opening]);
     if (!found.length) return [rows, found];
     const listed = found.map(([i, label]) => `row ${rows[i].row} (${label})`).join(", ");
-    const verb = found.length > 1 ? "summarise others and are" : "summarises others and is";
+    const verb = found.length > 1 ? "are no sieves and are" : "is no sieve and is";
     notices.push(`${listed} ${verb} left out`);
     const places = new Set(found.map(([i]) => i));
     return [rows.filter((_, i) => !places.has(i)), found];
@@ -153,6 +178,13 @@ const SieveTable = (() => {
       throw new InputError(
         `${name}: ${title} has no value above 1, so that its values look like fractions; write percent, such as 85 ` +
           "instead of 0.85, or leave the % out of the name"
+      );
+    }
+    const [first, second] = [...amounts].sort((a, b) => b - a);
+    if (column.unit === PERCENT && column.meaning !== RETAINED && amounts.length > 3 && second <= 1 && first > 1) {
+      throw new InputError(
+        `${name}: ${title} has one value above 1, ${general(first)}, and the others look like fractions; write percent, ` +
+          "such as 85 instead of 0.85"
       );
     }
     if (column.meaning === RETAINED) return fromRetained(input, amounts, Number.isNaN(inPan) ? 0 : inPan);
@@ -294,18 +326,22 @@ const SieveTable = (() => {
     const closed = close(name, table, finest, coarsest);
     const { openings, passing, notices: assumed } = closeSmallEnds(name, closed);
     const notices = [...endsWithoutEffect(name, table, finest, coarsest), ...assumed];
-    const [below, above] = [passing[0], 1 - passing.at(-1)];
+    const [below, above, faults] = [passing[0], 1 - passing.at(-1), []];
     if (below > 0) {
-      throw new InputError(
-        `${name}: ${percent(below)} of the mass pass the finest sieve, ${general(openings[0])} mm; give the size of ` +
-          "the finest of these grains in the field Finest grains"
+      faults.push(
+        `${percent(below)} of the mass pass the finest sieve, ${general(openings[0])} mm; give the size of the finest of ` +
+          "these grains in the field Finest grains"
       );
     }
     if (above > 0) {
-      throw new InputError(
-        `${name}: ${percent(above)} of the mass stay on the coarsest sieve, ${general(openings.at(-1))} mm; give the ` +
-          "size of the coarsest of these grains in the field Coarsest grains"
+      faults.push(
+        `${percent(above)} of the mass stay on the coarsest sieve, ${general(openings.at(-1))} mm; give the size of the ` +
+          "coarsest of these grains in the field Coarsest grains"
       );
+    }
+    if (faults.length) {
+      const doubts = table.doubts.map((doubt) => `before that, check: ${doubt}`);
+      throw new InputError(`${name}: ${[...faults, ...doubts].join("; ")}`);
     }
     const shares = passing.slice(1).map((share, i) => share - passing[i]);
     const used = shares.flatMap((share, i) => (share > 0 ? [i] : []));
@@ -354,13 +390,12 @@ const SieveTable = (() => {
   // An open class with little mass is as wide, in phi, as its neighbour.
   function closeSmallEnds(name, { openings, passing }) {
     const [below, above, notices] = [passing[0], 1 - passing.at(-1), []];
-    if (Math.max(below, above) > rules.small_end) return { openings, passing, notices };
     const assume = (text) => notices.push(`${name}: it is assumed that ${text}`);
-    if (below > 0) {
+    if (below > 0 && below <= rules.small_end) {
       [openings, passing] = [[openings[0] ** 2 / openings[1], ...openings], [0, ...passing]];
       assume(`the ${percent(below)} in the pan are coarser than ${general(openings[0], 3)} mm`);
     }
-    if (above > 0) {
+    if (above > 0 && above <= rules.small_end) {
       [openings, passing] = [[...openings, openings.at(-1) ** 2 / openings.at(-2)], [...passing, 1]];
       assume(`the ${percent(above)} on the coarsest sieve are finer than ${general(openings.at(-1), 3)} mm`);
     }

@@ -78,8 +78,14 @@ def test_a_size_of_the_finest_grains_needs_a_file_of_a_curve(write, tmp_path, ca
     path = write(f"sample,sieve,{MEANS}", f"a,U7,{A}", f"b,own.csv,{B}")
     assert main(["predict", str(path), "--finest", "1 mm"]) == 0
     forms = str(write(MEANS, A))
-    assert main(["predict", forms, "--sieve", "u7"]) == 2
-    assert "the sieve curve u7 is no file (u7), nor one of the listed curves U1, U3" in capsys.readouterr().err
+    capsys.readouterr()
+    printed = []
+    for name in ("U7", "u7"):
+        assert main(["predict", forms, "--sieve", name, "--json"]) == 0
+        printed.append(json.loads(capsys.readouterr().out)["samples"])
+    assert printed[0] == printed[1]
+    assert main(["predict", forms, "--sieve", "u8"]) == 2
+    assert "the sieve curve u8 is no file (u8), nor one of the listed curves U1, U3" in capsys.readouterr().err
     beds = tmp_path / "beds.csv"
     beds.write_text(f"n,{MEANS}\n0.36,{A}\n")
     assert main(["fit", str(beds), "--case", "one-class", "--finest", "1 mm"]) == 2
