@@ -4,7 +4,10 @@ import re
 from dataclasses import dataclass
 
 from simcore.grains.cell_numbers import NUMBER
+from simcore.grains.form_columns import SAMPLE_NAMES
+from simcore.grains.form_notices import SHOWN
 from simcore.grains.table_file import plain_words
+from simcore.grains.text_lists import join_first
 
 NEEDED = (
     "give a column of sieve openings, such as `opening [mm]` or `phi`, or of classes, such as `class [mm]` with "
@@ -133,6 +136,31 @@ def recognise_sieve_columns(path, table, classes=None):
             names = f"{header[amounts[kinds.index(kind)].position]} and {header[amounts[i].position]}"
             raise ValueError(f"{path}: the columns {names} are both the amount {amounts[i].meaning}; remove one")
     return SieveColumns(*openings[0], amounts)
+
+
+def check_one_sample(path, table, used):
+    """Raise ValueError if a column of a TextTable names several samples; used: positions of those that are read."""
+    for position, name in enumerate(table.header):
+        names = list(dict.fromkeys(text for text in table.cells[position] if text))
+        if position not in used and name.lower() in SAMPLE_NAMES and len(names) > 1:
+            raise ValueError(
+                f"{path}: the column {name} has several samples ({join_first(names, SHOWN)}); a table has one sieve "
+                "curve, so that each sample needs its own file"
+            )
+
+
+def notices_of_counts(name, unused, amounts):
+    """Return a notice if counts of grains stand beside shares in percent, which may then be by number.
+
+    name: of the column with the shares. unused: names of the columns that are not read. amounts: AmountColumns.
+    """
+    counts = next(filter(counts_grains, unused), None)
+    if counts is None or any(column.unit not in (PERCENT, FRACTION) for column in amounts):
+        return []
+    return [
+        f"the column {counts} has counts of grains; {name} must be shares of the mass, or of counts on a grid (Wolman)"
+        ", not of the number of all grains"
+    ]
 
 
 def _without_amounts(names, cells, opening):

@@ -11,8 +11,6 @@ from pathlib import Path
 import numpy as np
 
 from simcore.grains.cell_numbers import check_decimal_marks, read_number
-from simcore.grains.form_columns import SAMPLE_NAMES
-from simcore.grains.form_notices import SHOWN
 from simcore.grains.row_errors import read_each
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_classes import NEARLY, SAME_SIEVE, retained_only, with_joined_bounds, with_lower_sieves
@@ -24,7 +22,8 @@ from simcore.grains.sieve_columns import (
     PASSING,
     PERCENT,
     RETAINED,
-    counts_grains,
+    check_one_sample,
+    notices_of_counts,
     reading_rules,
     recognise_sieve_columns,
 )
@@ -39,7 +38,6 @@ from simcore.grains.sieve_openings import (
 from simcore.grains.sieve_sums import FEWEST_SUMS, LOSS, SMALL_STEP, notices_of_sums, notices_of_total
 from simcore.grains.summary_rows import find_summary_rows, is_total
 from simcore.grains.table_file import read_table
-from simcore.grains.text_lists import join_first
 
 SMALL_END = 0.01  # open ends with at most this share of the mass get a bound by assumption
 ROUNDING = 0.005  # deviation of a sum from 1 that rounded percentages explain; it is removed, with a notice
@@ -180,7 +178,7 @@ def read_sieve_table(path, coarsest=None):
     check_decimal_marks(path, {position: given.header[position] for position in used}, written)
     rows, openings, pan = read_openings(path, text.header, cells, columns)
     results, doubts = [], []
-    _check_samples(path, text, used)
+    check_one_sample(path, text, used)
     for column in columns.amounts:
         name = text.header[column.position]
         read = read_each(
@@ -219,25 +217,9 @@ def read_sieve_table(path, coarsest=None):
     unused = [text.header[i] or f"(column {i + 1}, no name)" for i in cells if i not in used]
     if unused:
         notices.append(f"columns that are not used: {', '.join(unused)}")
-    counts = next(filter(counts_grains, unused), None)
-    if counts and all(column.unit in (PERCENT, FRACTION) for column in columns.amounts):
-        notices.append(
-            f"the column {counts} has counts of grains; {name} must be shares of the mass, or of counts on a grid "
-            "(Wolman), not of the number of all grains"
-        )
+    notices += notices_of_counts(name, unused, columns.amounts)
     table = replace(table, doubts=(*doubts, *of_size))
     return table, [f"{path}: {notice}" for notice in notices]
-
-
-def _check_samples(path, table, used):
-    """Raise ValueError if a column of a TextTable names several samples; used: positions of those that are read."""
-    for position, name in enumerate(table.header):
-        names = list(dict.fromkeys(text for text in table.cells[position] if text))
-        if position not in used and name.lower() in SAMPLE_NAMES and len(names) > 1:
-            raise ValueError(
-                f"{path}: the column {name} has several samples ({join_first(names, SHOWN)}); a table has one sieve "
-                "curve, so that each sample needs its own file"
-            )
 
 
 def table_rules():
