@@ -51,11 +51,11 @@ def default_edge(packing) -> float:
 def voxels(packing, size=None, periodic="cut"):
     """Return the Voxels of a packing.
 
-    size [m]: edge of a voxel; None: default_edge. The grid
-    reaches from the floor to the highest grain. With periodic="cut" it is exactly one period wide and continues on its
-    opposite side; the spacing along x and y is then the width over a whole number, the nearest to `size`. Otherwise it
-    contains all grains, with their images if periodic="copy". Where two grains overlap, the later one counts.
-    ValueError if the size is not positive, exceeds the smallest grain, or makes more than MOST_VOXELS.
+    size [m]: edge of a voxel; None: default_edge. The grid reaches from the floor to the highest grain. With
+    periodic="cut" it is exactly one period wide and continues on its opposite side; the spacing along x and y is then
+    the width over a whole number, the nearest to `size`. Otherwise it contains all grains, with their images if
+    periodic="copy". Where two grains overlap, the later one counts. ValueError if the size is not positive, exceeds the
+    smallest grain, or makes more than MOST_VOXELS.
     """
     smallest = float(packing["S"].values.min())
     if size is None:
