@@ -153,7 +153,8 @@ def test_the_range_of_validity_is_that_of_the_packed_beds():
         f"| ratio of the sizes of packed binary curves | {min(ratios):.1f} to {max(ratios):.1f} |",
         f"| share of coarse grains in packed binary curves | {min(shares):.0f} to {max(shares):.0f} % |",
         f"| width of the sieve curve: 98 % of the mass | within {current_model().widest:.1f} : 1 |",
-        f"| gap of the sieve curve: the widest range of sizes with at most 1 % of the mass | within {current_model().gap:.1f} : 1 |",
+        "| gap of the sieve curve: the widest range of sizes with at most 1 % of the mass | within "
+        f"{current_model().gap:.1f} : 1 |",
     )
     model = fit_reference_models().models["unified", "U1"]
     for symbol, feature in (("1/µ_EQ", "mu_EQ_inv"), ("1/µ_EL", "mu_EL_inv")):
