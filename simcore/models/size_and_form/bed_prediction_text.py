@@ -150,7 +150,7 @@ def _require_one(table, path):
         row = table.iloc[0]
         raise ValueError(
             f"{path}: the porosity cannot be predicted for any sample; {row['sample']}: {row['refused']}. Correct the "
-            "sieve curve or the table of grains; if both are right, no model is for this bed"
+            "sieve curve or the table of grains; if both are right, none of the models covers this bed"
         )
 
 
