@@ -1,5 +1,7 @@
 """A small campaign, run: its results, and what runs again after a change."""
 
+import re
+
 import pandas as pd
 import pytest
 import xarray as xr
@@ -32,6 +34,13 @@ def test_every_table_and_the_report_are_marked_as_tests(finished):
     # Chromium shows a page as a base64 data URL up to 2 MB.
     assert "Test only" in (results / "tables.html").read_text()
     assert (results / "tables.html").stat().st_size < 1.4e6
+
+
+def test_each_job_wrote_the_log_that_snakemake_names(finished):
+    workplace, _ = finished
+    logs = re.findall(r"^ +log: (\S+)$", (workplace.folder / "said.txt").read_text(), re.MULTILINE)
+    assert len(logs) > 20
+    assert [log for log in logs if not (workplace.folder / log).is_file()] == []
 
 
 def test_each_column_of_each_table_is_described(finished):

@@ -1,11 +1,10 @@
 """Write rows of the finished packings to the committed tables, with their provenance."""
 
-import logging
-
 from simcore.campaign.gathering import check_gathered, finished, gather, record, rows_of, table_of, trends_of
+from simcore.campaign.job_log import log_to
 from simcore.provenance.machine import describe_host
 
-logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
+log_to(snakemake.log[0])
 p = snakemake.params
 check_gathered(p.folder, p.test_only, "config/workstation.yaml")
 machine = describe_host()

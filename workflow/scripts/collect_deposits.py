@@ -1,14 +1,14 @@
 """Write rows of the finished deposits to the committed tables, with their provenance."""
 
-import logging
 from pathlib import Path
 
 from simcore.campaign.deposit_findings import crossings
 from simcore.campaign.deposits import SOURCE, TABLE, deposit_rows, family
 from simcore.campaign.gathering import check_gathered, finished, gather, record
+from simcore.campaign.job_log import log_to
 from simcore.provenance.machine import describe_host
 
-logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
+log_to(snakemake.log[0])
 p = snakemake.params
 check_gathered(p.folder, p.test_only, "config/deposits.yaml")
 machine = describe_host()

@@ -1,14 +1,14 @@
 """Write tables, figures and a page of the studies with committed rows; no packing is made."""
 
-import logging
 from pathlib import Path
 
+from simcore.campaign.job_log import log_to
 from simcore.report.committed import findings, gathered_packings, notes_of_rows
 from simcore.report.findings import Findings
 from simcore.report.making import describe_making
 from simcore.report.sections import committed_page
 
-logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
+log_to(snakemake.log[0])
 p, folder = snakemake.params, Path(snakemake.output.folder)
 tables, figures = findings(p.folder, p.seed, p.folds, list(p.titles))
 gathered = gathered_packings(p.folder, list(p.titles))

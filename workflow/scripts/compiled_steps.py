@@ -5,11 +5,12 @@ import os
 # Numba reads its number of threads when it is imported.
 os.environ["NUMBA_NUM_THREADS"] = str(snakemake.params.threads)
 
-from simcore.compilation import set_threads  # noqa: E402
-from simcore.packing.compiling import compile_steps  # noqa: E402
+from simcore.campaign.job_log import log_to
+from simcore.compilation import set_threads
+from simcore.packing.compiling import compile_steps
 
+log = log_to(snakemake.log[0])
 set_threads(snakemake.params.threads)
-with open(snakemake.log[0], "w", encoding="utf-8") as log:
-    count = compile_steps(snakemake.params.specifications, lambda text: print(text, file=log, flush=True))
+count = compile_steps(snakemake.params.specifications, log.info)
 with open(snakemake.output.steps, "w", encoding="utf-8") as file:
     print(f"Compiled steps: {count}", file=file)

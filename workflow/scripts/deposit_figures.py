@@ -4,12 +4,14 @@ import pandas as pd
 import xarray as xr
 
 from simcore.campaign.deposit_findings import diagonal_fabrics, spread_fabrics
+from simcore.campaign.job_log import log_to
 from simcore.packing.file import read_packing
 from simcore.report.figures.deposits import figures_of_rows
 from simcore.report.figures.fabric import fabric_figure
 from simcore.report.figures.packings import packing_figure
 from simcore.report.figures.saving import save_figure
 
+log_to(snakemake.log[0])
 files, p = snakemake.input, snakemake.params
 packings = pd.read_csv(files.packings, keep_default_na=False, na_values=["", "nan"])
 maxima, crossings = (pd.read_csv(path).dropna(how="all") for path in (files.maxima, files.crossings))

@@ -4,8 +4,10 @@ import xarray as xr
 
 from simcore.campaign.deposit_findings import crossings, findings
 from simcore.campaign.deposits import tabulate_deposits
+from simcore.campaign.job_log import log_to
 from simcore.report.findings import Findings
 
+log_to(snakemake.log[0])
 p = snakemake.params
 fabrics = [xr.load_dataset(path) for path in snakemake.input.fabrics]
 packings = tabulate_deposits(p.studies, p.rows, fabrics)

@@ -1,12 +1,12 @@
 """Copy the tables of a finished default campaign to the committed ones; those of models to a folder of their own."""
 
-import logging
 import shutil
 from pathlib import Path
 
 from simcore.campaign.gathering import check_gathered
+from simcore.campaign.job_log import log_to
 
-logging.basicConfig(filename=snakemake.log[0], level=logging.INFO, format="%(message)s")
+log = log_to(snakemake.log[0])
 folder = Path(snakemake.params.folder)
 check_gathered(str(folder), snakemake.params.test_only, "config/config.yaml")
 for paths, place in (
@@ -16,4 +16,4 @@ for paths, place in (
     place.mkdir(parents=True, exist_ok=True)
     for path in paths:
         shutil.copy(path, place)
-        logging.info("%s", place / Path(path).name)
+        log.info("%s", place / Path(path).name)

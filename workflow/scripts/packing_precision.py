@@ -2,11 +2,13 @@
 
 import pandas as pd
 
+from simcore.campaign.job_log import log_to
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import work_precision_figure
 from simcore.verification.machine import describe_machine
 from simcore.verification.packings import cheapest_settings, study_errors, work_precision_of_studies
 
+log_to(snakemake.log[0])
 p, output, machine = snakemake.params, snakemake.output, describe_machine()
 tables = list(map(pd.read_csv, snakemake.input.tables))
 columns = ["study", "packing", "seed", "grains", "n", "n_std_error", "cpu_s"]

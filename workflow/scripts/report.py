@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
+from simcore.campaign.job_log import log_to
 from simcore.report.campaign_page import campaign_page
 from simcore.report.making import describe_making
 
+log_to(snakemake.log[0])
 p, output = snakemake.params, snakemake.output
 captions = Path(snakemake.scriptdir).parent / "report"
 whole, tables_alone = campaign_page(

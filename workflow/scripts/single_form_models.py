@@ -1,13 +1,12 @@
 """Fit models of beds of one form, per sieve curve, and write their tables and figures."""
 
-import logging
-
 import pandas as pd
 
+from simcore.campaign.job_log import log_to
 from simcore.reference.committed_rows import read_cases_of_single_forms
 from simcore.report.models import single_form_findings
 
-logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
+log_to(snakemake.log[0])
 p = snakemake.params
 committed = read_cases_of_single_forms(snakemake.input.committed, p.committed)
 findings = single_form_findings(list(map(pd.read_csv, snakemake.input.packings)), committed, p.seed, p.folds)

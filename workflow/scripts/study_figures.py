@@ -3,11 +3,13 @@
 import pandas as pd
 import xarray as xr
 
+from simcore.campaign.job_log import log_to
 from simcore.packing.file import read_packing
 from simcore.report.figures.packings import packing_figure, profile_figure
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.studies import porosities_figure
 
+log_to(snakemake.log[0])
 files, test_only = snakemake.input, snakemake.params.test_only
 table = pd.read_csv(files.table)
 save_figure(porosities_figure(table, snakemake.params.rows[0]["varied"]), snakemake.output.porosities, test_only)

@@ -2,10 +2,12 @@
 
 import xarray as xr
 
+from simcore.campaign.job_log import log_to
 from simcore.campaign.study_tables import mark, summarise, tabulate, tabulate_features
 from simcore.campaign.trend_tables import tabulate_trends
 from simcore.reference.r22_comparison import add_reference
 
+log_to(snakemake.log[0])
 rows, study = snakemake.params.rows, snakemake.wildcards.study
 evaluations = [xr.load_dataset(path) for path in snakemake.input.evaluations]
 packings = tabulate(study, rows, evaluations)

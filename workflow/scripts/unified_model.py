@@ -1,12 +1,11 @@
 """Fit one model for single forms and mixtures, and compare it with the separate models, per sieve curve."""
 
-import logging
-
 import pandas as pd
 
+from simcore.campaign.job_log import log_to
 from simcore.report.models import unified_findings
 
-logging.basicConfig(filename=snakemake.log[0], level=logging.INFO)
+log_to(snakemake.log[0])
 p = snakemake.params
 tables = [pd.read_csv(snakemake.input[name]) for name in ("single_forms", "mixtures", "features")]
 findings = unified_findings(*tables, p.seed, p.folds)
