@@ -60,7 +60,7 @@ ORDER = {
     "accuracy": [*COLUMNS["accuracy"][0], "grains", "n", "cpu_s"],
     "form_mixture": [*COLUMNS["form_mixture"][0][:-1], *COLUMNS["form_mixture"][1], "seed", *RESULT],
 }
-LEDGER = ["study", "source", "packing", "settings", "cpu_s", "grain_steps", "code"]
+LEDGER = ["study", "source", "packing", "settings", "cpu_s", "grain_steps", "code", "evaluation"]
 # Tables whose rows also have the columns of simcore.campaign.composition_columns.
 COMPOSED = {
     "size_and_form", "lattice_beds", "form_by_size",
@@ -112,6 +112,8 @@ def finished(folder, study, packings):
                 "cpu_s": round(float(attrs["cpu_seconds"]), 1),
                 "grain_steps": int(attrs["n_grains"]) * int(attrs["steps"]),
                 "code": attrs["code_version"],
+                # Evaluations of earlier versions do not name their code.
+                "evaluation": attrs.get("evaluation_code", ""),
             }
         )
     return rows, datasets, pd.DataFrame(made, columns=LEDGER[2:])

@@ -2,6 +2,7 @@
 
 from simcore.evaluation.fabric import fabric
 from simcore.grains.form import equal_volume_diameter
+from simcore.provenance.code_name import name_of_sources
 
 
 def deposit(packing):
@@ -9,7 +10,7 @@ def deposit(packing):
 
     packing: Dataset of read_packing. mean_overlap: of contacts between grains, divided by the diameter of the sphere
     of the mean grain volume; the overlap increases the solid fraction by about three times this share. The attributes
-    include the scene.
+    include the scene, and evaluation_code, the name of this code.
     """
     evaluation = fabric(packing)
     overlap = packing["contact_overlap"].values
@@ -18,4 +19,5 @@ def deposit(packing):
     share = overlap[between].mean() / diameter if between.any() else 0.0
     evaluation["mean_overlap"] = ((), share, {"units": "1", "long_name": "mean overlap over the grains' diameter"})
     run = {name: packing.attrs[name] for name in ("steps", "time", "last_insertion", "cpu_seconds")}
-    return evaluation.assign_attrs(run, n_grains=packing.sizes["grain"])
+    run |= {"n_grains": packing.sizes["grain"], "evaluation_code": name_of_sources("simcore/evaluation/deposit.py")}
+    return evaluation.assign_attrs(run)

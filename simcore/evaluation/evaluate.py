@@ -7,6 +7,7 @@ from simcore.evaluation.coordination import coordination_number
 from simcore.evaluation.height_trends import height_trends
 from simcore.evaluation.porosity import bulk_porosity, porosity_profile
 from simcore.grains.statistics import mixture_features
+from simcore.provenance.code_name import name_of_sources
 
 
 def evaluate(packing, slice_height=1e-3, cut=None):
@@ -18,7 +19,8 @@ def evaluate(packing, slice_height=1e-3, cut=None):
     simcore.grains.statistics; axes are the means of L, I, S. The trends have the dimensions layer and quantity; if the
     bed is too low for them, the attribute height_trends gives the reason. The sieve curve and the forms of the whole
     bed and of its evaluated part are those of simcore.evaluation.composition. Where sizes separate, the attribute
-    warnings has one more line.
+    warnings has one more line. The attribute evaluation_code is the name of the code of the evaluation, beside
+    code_version of the code that packed.
     """
     bulk = bulk_porosity(packing, "spheres", cut, slice_height)
     exact = bulk_porosity(packing, "exact", cut, slice_height)[["n", "n_std_error"]]
@@ -32,7 +34,11 @@ def evaluate(packing, slice_height=1e-3, cut=None):
         _form(packing),
         composed,
     ]
-    notes = {"slice_height": slice_height, "n_grains": packing.sizes["grain"]}
+    notes = {
+        "slice_height": slice_height,
+        "n_grains": packing.sizes["grain"],
+        "evaluation_code": name_of_sources("simcore/evaluation/evaluate.py"),
+    }
     warnings = [*filter(None, packing.attrs.get("warnings", "").split("\n")), *separation_warnings(composed)]
     notes |= {"warnings": "\n".join(warnings)} if warnings else {}
     try:

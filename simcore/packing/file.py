@@ -3,7 +3,6 @@
 import functools
 import json
 import os
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,7 @@ from simcore.dem.state.touching_contacts import touching_contacts
 from simcore.grains.sieve import SieveCurve, class_fractions
 from simcore.packing.file_content import check_content
 from simcore.packing.packed import DAMPING, GENERATING, SHAKING, Packed
-from simcore.paths import ROOT
+from simcore.provenance.code_name import code_name
 from simcore.provenance.version import VERSION
 from simcore.scene.scene import Scene
 from simcore.scene.shapes import Base
@@ -168,16 +167,7 @@ def code_version() -> str:
     The first call fixes the result. It is made before a run starts, so that the result names the code that ran even if
     files are changed in the meantime.
     """
-    version = f"{VERSION}+{source_digest()}"
-    if not (ROOT / ".git").exists():
-        return version
-    try:
-        described = subprocess.run(
-            ["git", "describe", "--always", "--dirty=+"], cwd=ROOT, capture_output=True, text=True, check=True
-        )
-    except (OSError, subprocess.CalledProcessError):
-        return version
-    return f"{version} ({described.stdout.strip()})"
+    return code_name(source_digest())
 
 
 def _m(long_name):

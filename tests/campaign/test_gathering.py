@@ -197,7 +197,7 @@ def test_the_summary_remains_when_the_packings_are_deleted(tmp_path):
     plan = [{"row": {"packing": f"p{seed}"}, "specification": specify(seed), "cpu_h": 0.5} for seed in (1, 2, 3)]
 
     def made(*numbers):
-        rows = [(f"p{i}", result_digest(specify(i)), 360.0 * i, 10**9 * i, f"v{i}") for i in numbers]
+        rows = [(f"p{i}", result_digest(specify(i)), 360.0 * i, 10**9 * i, f"v{i}", "e") for i in numbers]
         return pd.DataFrame(rows, columns=LEDGER[2:])
 
     record(tmp_path, "single_form", "single_form", "synthetic", plan, made(1), "a", "one")
@@ -214,15 +214,17 @@ def test_the_summary_remains_when_the_packings_are_deleted(tmp_path):
     assert found.cpu_h_estimated == 1.0 and written.cpu_h_estimated[0] == 0.0
     assert pd.isna(written.machine[0]), "nothing was packed"
     assert found.r22_cpu_h == round(4e9 * 230 / (20_000 * 1.5e6), 2)
-    older = pd.read_csv(tmp_path / "gathered.csv").drop(columns="grain_steps")
+    older = pd.read_csv(tmp_path / "gathered.csv").drop(columns=["grain_steps", "evaluation"])
     older.to_csv(tmp_path / "gathered.csv", index=False)
     record(tmp_path, "single_form", "single_form", "synthetic", plan, made(2), "a", "two")
-    assert pd.read_csv(tmp_path / "gathered.csv").grain_steps.fillna(0).tolist() == [0, 2e9, 0]
+    ledger = pd.read_csv(tmp_path / "gathered.csv")
+    assert ledger.grain_steps.fillna(0).tolist() == [0, 2e9, 0]
+    assert ledger.evaluation.fillna("").tolist() == ["", "e", ""]
 
 
 def test_a_row_of_other_settings_is_no_row_of_a_packing(tmp_path):
     plan = [{"row": {"packing": "p"}, "specification": specify(1), "cpu_h": 0.5}]
-    made = pd.DataFrame([("p", result_digest(specify(2)), 9.0, 30_000, "v")], columns=LEDGER[2:])
+    made = pd.DataFrame([("p", result_digest(specify(2)), 9.0, 30_000, "v", "e")], columns=LEDGER[2:])
     record(tmp_path, "single_form", "single_form", "synthetic", plan, made, "a", "one")
     assert not_gathered(tmp_path, "single_form", "synthetic", plan) == plan
     assert pd.read_csv(tmp_path / "collected.csv").packings[0] == 0
@@ -233,7 +235,7 @@ def test_a_campaign_keeps_the_entry_of_another_for_a_study(tmp_path):
 
     def tell(seed, command, *made, source="synthetic"):
         plan = [{"row": {"packing": "p"}, "specification": specify(seed), "cpu_h": 0.5 * seed}]
-        rows = [("p", result_digest(specify(seed)), 9.0, 30_000, "v")] if made else []
+        rows = [("p", result_digest(specify(seed)), 9.0, 30_000, "v", "e")] if made else []
         record(tmp_path, "t", "t", source, plan, pd.DataFrame(rows, columns=LEDGER[2:]), command, "one")
         return pd.read_csv(tmp_path / "collected.csv").set_index("source").loc[source]
 

@@ -13,8 +13,13 @@ SCRIPTS = sorted((Path(__file__).parents[2] / "workflow" / "scripts").glob("*.py
 def outcome(folder, line):
     """Return what a job of this one line left in its log, and what the terminal showed of it."""
     path = folder / "job.log"
-    script = f"import logging, warnings\nfrom simcore.campaign.job_log import log_to\nlog = log_to({str(path)!r})\n{line}"
-    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    lines = (
+        "import logging, warnings",
+        "from simcore.campaign.job_log import log_to",
+        f"log = log_to({str(path)!r})",
+        line,
+    )
+    said = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=False)
     return path.read_text(encoding="utf-8"), said.stderr, said.returncode
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from simcore.evaluation.composition import composition, separation_warnings
 from simcore.evaluation.evaluate import evaluate
+from simcore.provenance.code_name import name_of_sources
 from tests.helpers.packings import make_packing, sphere_lattice
 
 
@@ -106,6 +107,7 @@ def test_the_evaluation_of_a_packing_has_its_composition_and_its_warning():
     packing["sieve_bounds"] = (("sieve_class", "bound"), np.array([[5e-3, 7e-3], [7e-3, 9e-3]]), {"units": "m"})
     packing.attrs["warnings"] = "Another warning."
     result = evaluate(packing, cut=1e-2)
+    assert result.attrs["evaluation_code"] == name_of_sources("simcore/evaluation/evaluate.py")
     lines = result.attrs["warnings"].split("\n")
     assert lines[0] == "Another warning." and lines[1].startswith("Sizes separate: ") and len(lines) == 2
     assert result["sieve_fraction"].sel(part="bed", weight="number").sum() == pytest.approx(1.0)

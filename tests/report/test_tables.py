@@ -14,6 +14,7 @@ from simcore.report.words import feature_in_words, formula_markup, value_in_word
 NOT_SHOWN = {
     "note",
     "code",
+    "evaluation",
     "table",
     "command",
     "machine",
