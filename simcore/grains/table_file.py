@@ -220,8 +220,27 @@ def _read_workbook(path, data, kind, library, engine):
     name, *others = filled
     notices = [f"only the sheet {name} is read, not {', '.join(map(str, others))}"] if others else []
     if engine == _EXCEL[2] and filled[name].isna().any(axis=None):
+        _check_formulas(path, filled[name], name, data)
         _put_errors(filled[name], name, data)
     return filled[name].map(_cell_text).astype(str), notices
+
+
+def _check_formulas(path, sheet, name, data):
+    """Raise ValueError if no formula of the sheet has a stored result, as in a workbook that a program has written.
+
+    Formulas that can result in an empty text do not count, since their results look like missing ones.
+    """
+    from openpyxl import load_workbook
+
+    rows = load_workbook(io.BytesIO(data), read_only=True, keep_links=False)[name].iter_rows()
+    formulas = [cell for cells in rows for cell in cells if cell.data_type == "f" and '""' not in str(cell.value)]
+    inside = [cell for cell in formulas if cell.row <= sheet.shape[0] and cell.column <= sheet.shape[1]]
+    if formulas and all(pd.isna(sheet.iat[cell.row - 1, cell.column - 1]) for cell in inside):
+        first = formulas[0]
+        raise ValueError(
+            f"{path}, row {first.row}: column {first.column} has a formula without its result, as have all formulas of "
+            f"the sheet {name}; open the file in a spreadsheet, save it there, and give it again"
+        )
 
 
 def _put_errors(sheet, name, data):

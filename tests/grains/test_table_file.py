@@ -156,6 +156,17 @@ def test_an_error_of_a_formula_in_a_workbook_is_named(tmp_path):
     assert read_samples(tmp_path / "bed.xlsx")[0].grains == 2
 
 
+def test_formulas_that_no_spreadsheet_has_computed_are_an_error(tmp_path):
+    """A file of a program has formulas without results, which pandas reads as empty cells."""
+    pytest.importorskip("openpyxl")
+    rows = [["L", "I", "S"], [4, 2, 1], ["=A2+1", 2, 1]]
+    path = workbook(tmp_path / "bed.xlsx", grains=rows)
+    with pytest.raises(ValueError, match="bed.xlsx, row 3: column 1 has a formula without its result.*save it there"):
+        read_samples(path)
+    path = workbook(tmp_path / "bed.xlsx", grains=[[*rows[0], "note"], [*rows[1], '=IF(A2>5,"long","")']])
+    assert read_samples(path)[0].grains == 1
+
+
 def test_without_openpyxl_it_is_said_how_to_install_it(tmp_path, monkeypatch):
     pytest.importorskip("openpyxl")
     path = workbook(tmp_path / "bed.xlsx", grains=[["L", "I", "S"], [4, 2, 1]])
