@@ -22,6 +22,13 @@ BELOW = ("<", "<=", "≤", "-", "−", "unter", "kleiner", "below", "under", "fi
 # Names, without a unit, of a column of the lower and of one of the upper sieves of classes.
 LOWER_NAME = re.compile(r"from|von|lower|low|d?[ _]?min|untergrenze|unten|de", re.IGNORECASE)
 UPPER_NAME = re.compile(r"to|bis|upper|high|d?[ _]?max|obergrenze|oben|à", re.IGNORECASE)
+# The same of columns of a length, whose names would mean an amount otherwise, such as `passing [mm]`.
+LOWER_SIEVE = re.compile(
+    r"(?:sieve |size )?retain(?:ed|ing)(?: on)?(?: sieve| size)?|refus|(?:sieb)?rückstand", re.IGNORECASE
+)
+UPPER_SIEVE = re.compile(
+    r"(?:sieve |size )?pass(?:ing|ed)(?: through)?(?: sieve| size)?|passant|(?:sieb)?durchgang", re.IGNORECASE
+)
 SIZE = re.compile(r"[\d.,]+\s*[a-zµμ]*", re.IGNORECASE)
 IN_PHI = re.compile(r"(?<![a-z])phi(?![a-z])|[φϕ]", re.IGNORECASE)  # anywhere in the name of a column, or in a cell
 NO_PHI = "classes in phi are not read; give the classes in mm, or the openings in a column `phi`"
@@ -32,6 +39,7 @@ def class_patterns():
     """Return the regular expressions, in any case, dict by what they recognise; whole texts match, except for phi."""
     patterns = {"name": CLASS_NAME, "label": CLASS_LABEL, "end": OPEN_END, "date": DATE}
     patterns |= {"lower": LOWER_NAME, "upper": UPPER_NAME, "size": SIZE, "no_size": NO_SIZE}
+    patterns |= {"lower_sieve": LOWER_SIEVE, "upper_sieve": UPPER_SIEVE}
     patterns["phi"] = IN_PHI
     return {key: pattern.pattern for key, pattern in patterns.items()}
 

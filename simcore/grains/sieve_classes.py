@@ -10,11 +10,13 @@ from simcore.grains.class_labels import (
     CLASS_NAME,
     IN_PHI,
     LOWER_NAME,
+    LOWER_SIEVE,
     NO_PHI,
     NO_SIZE,
     OPEN_END,
     SIZE,
     UPPER_NAME,
+    UPPER_SIEVE,
     class_bounds,
     class_text,
 )
@@ -39,12 +41,12 @@ NEARLY = 0.01  # relative deviation of two sizes that may be meant as the same s
 def with_joined_bounds(path, table):
     """Return the TextTable with a column of the lower and one of the upper sieves as one column of classes.
 
-    The names are those of LOWER_NAME and UPPER_NAME with the same unit of length, such as `von [mm]` and `bis [mm]`. A
-    class without a lower sieve is "< 2", one without an upper sieve "> 63". Other tables are returned as they are, also
+    The names are those of LOWER_NAME and UPPER_NAME with the same unit of length, such as `von [mm]` and `bis [mm]`, or
+    those of LOWER_SIEVE and UPPER_SIEVE, such as `retained on [mm]` and `passing [mm]`. A class without a lower sieve is "< 2", one without an upper sieve "> 63". Other tables are returned as they are, also
     if a third column has the classes or the openings. ValueError if the units are missing, differ or are phi, or if a
     size has a separator of thousands.
     """
-    parts = [split_unit(name) for name in table.header]
+    parts = [_as_bound(*split_unit(name)) for name in table.header]
     lower, upper = (_position_of_bounds(parts, pattern) for pattern in (LOWER_NAME, UPPER_NAME))
     if lower is None or upper is None:
         return table
@@ -60,6 +62,15 @@ def with_joined_bounds(path, table):
     cells = cells.drop(columns=upper).rename(columns=lambda i: i - (i > upper))
     header[lower - (lower > upper)] = f"{low_name} and {high_name} [{unit}]"
     return replace(table, header=header, cells=cells)
+
+
+def _as_bound(name, unit):
+    """Return the name and unit of a column; the name is that of a bound if the column has the lower or upper sieves."""
+    if known_unit(unit or "") in LENGTHS:
+        for pattern, bound in ((LOWER_SIEVE, "from"), (UPPER_SIEVE, "to")):
+            if pattern.fullmatch(name):
+                return bound, unit
+    return name, unit
 
 
 def _position_of_bounds(parts, pattern):

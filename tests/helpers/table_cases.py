@@ -442,6 +442,14 @@ SIEVES = [
 # Tables of classes, and the same table of sieves.
 SAME_SIEVES = [
     (
+        "Passing (mm),Retained on (mm),Mass (g)\n16,11.2,70\n11.2,8,1930\n8,4,300\n4,-,10.5\n",
+        "opening [mm];mass [g]\n16;0\n11,2;70\n8;1930\n4;300\npan;10,5\n",
+    ),
+    (
+        "Sieve retained [cm];Sieve passed [cm];% of mass\n0.8;1.6;60\n0.4;0.8;40\n",
+        "opening [mm];retained [%]\n16;0\n8;60\n4;40\n",
+    ),
+    (
         "class [mm];mass [g]\n8-16;930\n4-8;300\n0-4;10\n",
         "opening [mm];mass [g]\n16;0\n8;930\n4;300\npan;10\n",
     ),

@@ -7,8 +7,8 @@ const SieveClasses = (() => {
   const { no_phi: NO_PHI, phi } = DATA.curve.classes;
   const IN_PHI = new RegExp(phi, "iu");
   const isPhi = (unit) => SieveColumns.knownUnit(unit ?? "") === PHI;
-  const [CLASS_NAME, CLASS_LABEL, OPEN_END, DATE, LOWER_NAME, UPPER_NAME, SIZE, NO_SIZE] = [
-    "name", "label", "end", "date", "lower", "upper", "size", "no_size",
+  const [CLASS_NAME, CLASS_LABEL, OPEN_END, DATE, LOWER_NAME, UPPER_NAME, LOWER_SIEVE, UPPER_SIEVE, SIZE, NO_SIZE] = [
+    "name", "label", "end", "date", "lower", "upper", "lower_sieve", "upper_sieve", "size", "no_size",
   ].map((key) => whole(DATA.curve.classes[key]));
   const PAN = whole(rules.patterns.pan);
 
@@ -61,10 +61,17 @@ const SieveClasses = (() => {
     return high < Infinity ? `${general(low)} to ${general(high)} mm` : `above ${general(low)} mm`;
   }
 
+  // The name and unit of a column; the name is that of a bound if the column has the lower or upper sieves, such as
+  // `passing [mm]`.
+  function asBound([title, unit]) {
+    if (!SieveColumns.isLength(SieveColumns.knownUnit(unit ?? ""))) return [title, unit];
+    return [LOWER_SIEVE.test(title) ? "from" : UPPER_SIEVE.test(title) ? "to" : title, unit];
+  }
+
   // Returns the table with a column of the lower and one of the upper sieves, such as `von [mm]` and `bis [mm]`, as one
   // column of classes; other tables as they are, also if a third column has the classes or the openings.
   function withJoinedBounds(name, table) {
-    const parts = table.header.map(SieveColumns.splitUnit);
+    const parts = table.header.map(SieveColumns.splitUnit).map(asBound);
     const used = [LOWER_NAME, UPPER_NAME].flatMap((pattern) => {
       const named = parts.flatMap(([title], i) => (pattern.test(title) ? [i] : []));
       const withUnit = named.filter((i) => parts[i][1]);
