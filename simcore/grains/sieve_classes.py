@@ -42,8 +42,8 @@ def with_joined_bounds(path, table):
     """Return the TextTable with a column of the lower and one of the upper sieves as one column of classes.
 
     The names are those of LOWER_NAME and UPPER_NAME with the same unit of length, such as `von [mm]` and `bis [mm]`, or
-    those of LOWER_SIEVE and UPPER_SIEVE, such as `retained on [mm]` and `passing [mm]`. A class without a lower sieve is
-    "< 2", one without an upper sieve "> 63". Other tables are returned as they are, also if a third column has the
+    those of LOWER_SIEVE and UPPER_SIEVE, such as `retained on [mm]` and `passing [mm]`. A class without a lower sieve
+    is "< 2", one without an upper sieve "> 63". Other tables are returned as they are, also if a third column has the
     classes or the openings. ValueError if the units are missing, differ or are phi, or if a size has a separator of
     thousands.
     """
