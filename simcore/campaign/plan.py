@@ -21,9 +21,11 @@ from simcore.packing.cost import estimate
 from simcore.packing.forecast import check_bed, typical_grains
 from simcore.paths import REFERENCE, ROOT
 from simcore.scene.domain import Domain
+from simcore.scene.height import check_height
 
 # simcore.models.regression.fewest_samples of the features of mixtures, without importing it for each job
 SMALLEST_MIXTURE_STUDY = 7
+LEAST_MASS = 0.7  # of a number of grains, over the mass of as many typical ones
 
 
 def number_pieces(cpu_hours, seeds, max_hours):
@@ -85,7 +87,7 @@ def describe_studies(table, piece_hours):
 
 
 def check_beds(packings, cut=None):
-    """Raise ValueError if the bed of a packing will be too low for its porosity to be evaluated with this cut.
+    """Raise ValueError if a bed will be too low for its porosity to be evaluated with this cut, or has no space.
 
     packings: one row per packing, columns study, packing and specification. cut: from the campaign's group `porosity`.
     """
@@ -93,7 +95,11 @@ def check_beds(packings, cut=None):
         specification = row.specification
         try:
             density, domain = specification["material"]["density"], Domain(**specification["domain"])
-            check_bed(domain, typical_grains(specification), density, campaign_cut(cut, domain.periodic))
+            grains = typical_grains(specification)
+            # The mass of a number of grains is not known well before they are drawn.
+            known = 1.0 if specification["amount"]["mass"] is not None else LEAST_MASS
+            check_height(domain, known * density * grains.total, density)
+            check_bed(domain, grains, density, campaign_cut(cut, domain.periodic))
         except ValueError as error:
             raise ValueError(
                 f"studies.{row.study}, packing {row.packing}: {error} To evaluate a lower bed, set porosity.cut."
@@ -138,7 +144,9 @@ class Plan:
         """
         rules = _rule_names()
         for study in self.all_studies:
-            if study in rules:
+            # `<study>_piece_1` and `<study>_left` are targets of a study.
+            of_study = re.fullmatch(r"(.+)_(?:piece_\d+|left)", study)
+            if study in rules or (of_study and of_study[1] in self.all_studies):
                 raise ValueError(f"studies.{study}: a rule of the workflow has this name; choose another name")
             if study.startswith(deposits.PREFIX):
                 deposits.family(study)
@@ -339,7 +347,7 @@ def is_dry_run(words) -> bool:
 def _rule_names():
     """Return the names of the rules that are the same in each campaign, as a set."""
     files = [file for file in (ROOT / "workflow").rglob("*") if file.suffix == ".smk" or file.name == "Snakefile"]
-    return {name for file in files for name in re.findall(r"(?m)^rule (\w+):", file.read_text(encoding="utf-8"))}
+    return {name for file in files for name in re.findall(r"(?m)^ *rule (\w+):", file.read_text(encoding="utf-8"))}
 
 
 def _cost(row):

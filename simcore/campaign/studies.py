@@ -9,7 +9,8 @@ import re
 import pandas as pd
 import yaml
 
-from simcore.grains.sources import check_source, needs_grains, set_name
+from simcore.grains.sources import check_source, known_names, needs_grains, set_name
+from simcore.grains.text_lists import join_first
 from simcore.reference.columns import COLUMN_OF_KEY
 from simcore.scene.identity import deciding_but_seed
 from simcore.scene.sizes import check_top_class
@@ -56,6 +57,7 @@ def expand_study(name, study, config):
     # All keys that any group of an axis sets, since a group may differ from another only by a key that it does not set.
     columns = [key for axis in axes for part in axis if not part.get("is_form") for key in part["settings"]]
     columns = list(dict.fromkeys(columns))
+    _check_apart(axes, f"{where}.varies")
     rows, resolved, varied = [], [], {}
     for combination in itertools.product(*axes):
         packing = "-".join(part["label"] for part in combination if part["label"]) or name
@@ -92,12 +94,35 @@ def expand_study(name, study, config):
     repeated = table.packing[table.packing.duplicated()]
     if len(repeated):
         raise ValueError(f"{where}.varies: the packing {repeated.iloc[0]} is listed twice; remove one")
+    _check_different(table, where)
     # Studies that are not part of `all` are defined in every campaign, so they may have keys that its settings exclude.
     campaign_keys = set() if study["in_all"] else set(given_keys(config["packing"]))
     _check_used({key: resolved for key in given_keys(study["fixes"])}, f"{where}.fixes", campaign_keys=campaign_keys)
     for (key, at), given in varied.items():
         _check_used({key: given}, at, may_share=False, campaign_keys=campaign_keys)
     return table
+
+
+def _check_apart(axes, where):
+    """Raise ValueError if two axes set the same key, since one would replace the values of the other."""
+    seen = set()
+    for axis in axes:
+        keys = {key for part in axis for key in part["settings"]}
+        if shared := sorted(seen & keys):
+            raise ValueError(f"{where}: two lists set {shared[0]}; set it in one of them, or make two studies")
+        seen |= keys
+
+
+def _check_different(table, where):
+    """Raise ValueError if two packings of a study differ only in their name: they would count as two beds."""
+    names = {}
+    for row in table.itertuples():
+        key = json.dumps({**row.specification, "name": ""}, sort_keys=True), row.form
+        if key in names:
+            raise ValueError(
+                f"{where}: the packings {names[key]} and {row.packing} have the same settings; remove one of them"
+            )
+        names[key] = row.packing
 
 
 def _lay_over(fixed, combination, where):
@@ -160,12 +185,22 @@ def _axis(key, values, where):
     parts = []
     for value in values:
         if isinstance(value, dict):
-            settings = dict(_flatten(value))
+            settings = {_whole_key(key, inner): setting for inner, setting in _flatten(value)}
             words = settings.values()
         else:
             settings, words = {key: value}, [name, value]
         parts.append({"settings": settings, "label": "_".join(filter(None, map(_slug, words)))})
     return parts
+
+
+def _whole_key(axis, key):
+    """Return the key of a setting in a group: below the key of its axis if the schema has it there."""
+    node = read_schema("packing")
+    for part in (*axis.split("."), *key.split(".")):
+        node = node.get("properties", {}).get(part)
+        if node is None:
+            return key
+    return f"{axis}.{key}"
 
 
 def _flatten(group, prefix=""):
@@ -227,10 +262,17 @@ def _grain_set(spec, form, where):
         return None, ""
     try:
         check_source(grains)
+        names = known_names(grains)
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from None
-    if grains["source"] == "synthetic" and form > grains["number"]:
-        raise ValueError(f"{where}.forms.spread: there is no form {form} of a set of {grains['number']} grains")
+    if names is not None and form > len(names):
+        raise ValueError(f"{where}.forms.spread: there is no form {form} of a set of {len(names)} grains")
+    grain = spec["shapes"]["grain"]
+    if names is not None and not form and spec["shapes"]["choice"] == "one" and grain not in names:
+        raise ValueError(
+            f"{where}, packing {spec['name']}: shapes.grain: no grain is called {grain!r}; the {len(names)} grains are "
+            f"{join_first(names, 10)}"
+        )
     faces = "original" if spec["faces"] == "original" else f"faces_{spec['faces']}"
     return grains, f"{set_name(grains)}/{faces}"
 

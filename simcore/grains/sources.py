@@ -63,6 +63,36 @@ def check_source(grains):
             raise ValueError("grains.unit is missing; give the unit of the files of grains, m or mm")
 
 
+def synthetic_names(n):
+    """Return the names of n synthetic grains, list of str."""
+    width = max(2, len(str(n)))
+    return [f"G{i + 1:0{width}}" for i in range(n)]
+
+
+def known_names(grains):
+    """Return the names of the grains of the resolved group `grains`, or None if only reading them would tell.
+
+    Images, and files whose bodies are split, may have several grains; a prepared set has names of its own.
+    """
+    return _known_names(json.dumps(grains, sort_keys=True))
+
+
+@functools.cache
+def _known_names(text):
+    grains = json.loads(text)
+    sources = source_files(grains)
+    if not sources:
+        return synthetic_names(grains["number"])
+    if grains["bodies"] == "split":
+        return None
+    from simcore.grains.readers import file_name, grain_files, select_files
+
+    files = select_files(grain_files(sources)[0], grains["names"])
+    if any(file.suffix.lower() in (".nc", ".npy", ".npz") for file in files):
+        return None
+    return [file_name(file) for file in files]
+
+
 def needs_grains(shapes):
     """Return whether the resolved group `shapes` needs grains: polyhedra, and ellipsoids with the forms of grains."""
     return shapes["kind"] in ("polyhedron", "mixed") or (

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from simcore.grains.form import axes_from_form, ellipsoid_sphericity
 from simcore.grains.mesh import make_grain
 from simcore.grains.scan_shapes import scan_ranges, shape_measures
+from simcore.grains.sources import synthetic_names
 from simcore.grains.spiral import spiral_directions
 
 # Rettinger et al. (2022), Table 2 and text. ASSUME: the standard deviations are those of a sample (n - 1, ddof 1).
@@ -45,11 +46,10 @@ def synthetic_grains(seed=1, n=63):
     rng = np.random.default_rng([seed, n])
     D, flatness, elongation = _draw_forms(rng, n)
     faces = 2 * np.round(np.geomspace(*FACE_RANGE, n)[rng.permutation(n)] / 2).astype(int)
-    width = max(2, len(str(n)))
     ranges = scan_ranges()
     return [
-        _draw_pebble(np.random.default_rng([seed, n, i]), f"G{i + 1:0{width}}", *row, ranges)
-        for i, row in enumerate(zip(faces, D, flatness, elongation, strict=True))
+        _draw_pebble(np.random.default_rng([seed, n, i]), name, *row, ranges)
+        for i, (name, *row) in enumerate(zip(synthetic_names(n), faces, D, flatness, elongation, strict=True))
     ]
 
 

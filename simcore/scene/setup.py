@@ -11,6 +11,7 @@ from simcore.grains.sampling import FormsBelow, ShapeChoice, grain_uniforms, quo
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sources import grain_warnings, needs_grains, size_note
 from simcore.scene.domain import Domain
+from simcore.scene.height import check_height
 from simcore.scene.impact import derive_hertzian, fall_speed
 from simcore.scene.scene import GRAINS, Convergence, Damping, Generation, Material, Numerics, Scene, Shaking
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, Draw, unit_sphere
@@ -164,14 +165,7 @@ def _check_height(scene, sample):
     if mass is None:
         volume = sample(np.arange(min(GRAINS, scene.amount_grains))).volume
         mass = scene.material.density * scene.amount_grains * float(volume.mean())
-    domain = scene.domain
-    solid = mass / (scene.material.density * domain.area)
-    if solid > domain.height:
-        raise ValueError(
-            f"domain.height: {mass:.3g} kg of grains would fill a {domain.type} domain {domain.width * 1e3:g} mm wide "
-            f"to {solid * 1e3:.0f} mm without a pore, above its {domain.height * 1e3:g} mm; make it higher or "
-            f"wider, or pour less"
-        )
+    check_height(scene.domain, mass, scene.material.density)
 
 
 def _select_grains(grains, choice):

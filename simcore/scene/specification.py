@@ -80,7 +80,7 @@ def read_specification(path, schema="packing"):
     path = Path(path)
     if not path.is_file():
         raise ValueError(f"{path}: there is no such file; correct the path")
-    raw = _read_yaml(path)
+    raw = read_yaml(path)
     if schema == "packing" and isinstance(raw, dict) and "studies" in raw:
         raise ValueError(
             f"{path} is the file of a campaign, as it has the key `studies`; give the file of one packing, with the "
@@ -92,7 +92,7 @@ def read_specification(path, schema="packing"):
         raise ValueError(f"{path}: {error}") from None
 
 
-def _read_yaml(path):
+def read_yaml(path):
     """Return the content of the YAML file at `path`, in UTF-8, or UTF-16 with a byte order mark.
 
     ValueError if it is not valid YAML, or if a key occurs twice in a group.

@@ -232,6 +232,9 @@ def test_a_bed_too_low_is_refused_with_its_name():
     [
         ("report", "studies.report: a rule of the workflow has this name; choose another name"),
         ("all", "studies.all: a rule of the workflow has this name"),
+        ("shape_kinds", "studies.shape_kinds: a rule of the workflow has this name"),
+        ("mine_piece_1", "studies.mine_piece_1: a rule of the workflow has this name"),
+        ("mine_left", "studies.mine_left: a rule of the workflow has this name"),
         (
             "deposit_mine",
             "studies.deposit_mine: the name has no known family; names of deposits begin with deposit_map",
@@ -241,7 +244,7 @@ def test_a_bed_too_low_is_refused_with_its_name():
 )
 def test_a_name_that_the_workflow_cannot_have_is_refused(name, message):
     with pytest.raises(ValueError, match=message):
-        plan_of(studies={name: {"fixes": {"shapes": {"kind": "sphere"}}}}).check()
+        plan_of(studies=dict.fromkeys(("mine", name), {"fixes": {"shapes": {"kind": "sphere"}}})).check()
 
 
 def test_an_error_of_one_packing_names_its_study():
@@ -271,6 +274,14 @@ def test_a_dry_run_is_recognised(words, dry):
 
 def test_the_command_of_a_campaign_can_be_run():
     assert plan_of().command == "snakemake" and plan_of(overlays=["a.yaml"]).command == "snakemake --configfile a.yaml"
+
+
+@pytest.mark.parametrize("amount", [{"grains": 300}, {"grains": None, "mass": "0.1 kg"}])
+def test_a_bed_without_space_is_refused_before_the_first_job(amount):
+    packing = {**CAMPAIGN["packing"], "domain": {"width": "20 mm", "height": "20 mm"}, "amount": amount}
+    studies = {"single_form": CAMPAIGN["studies"]["single_form"]}
+    with pytest.raises(ValueError, match=r"domain\.height: .* kg of grains would fill .* above its 20 mm"):
+        plan_of(packing=packing, studies=studies).check()
 
 
 @pytest.mark.parametrize(("domain", "refused"), [("periodic", True), ("cylinder", False)])

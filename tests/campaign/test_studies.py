@@ -1,16 +1,18 @@
 """A study expands to the product of its varied settings; a wrong one is refused before the first job."""
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 
-from simcore.campaign.studies import choose_form, expand, specification_text
+from simcore.campaign.studies import _column, choose_form, expand, specification_text
 from simcore.grains.sources import set_name
 from simcore.grains.spread import read_spread, spread_order, spread_table
 from simcore.grains.synthetic import synthetic_grains
+from simcore.reference.columns.studies import COLUMN_OF_KEY, COLUMNS
 from simcore.scene.identity import result_digest
 from simcore.scene.setup import set_up
-from simcore.scene.specification import CONFIG, read_presets, resolve
+from simcore.scene.specification import CONFIG, read_presets, read_schema, resolve
 
 SYNTHETIC = set_name(resolve({"studies": {}}, "config")["grains"])
 FORMS = {"mean": 0.4, "std": 0.1}
@@ -141,10 +143,57 @@ def test_the_text_of_a_packing_names_its_grain_and_reads_as_the_same_packing(tmp
     assert read == choose_form(specification, 1, names) and read["shapes"]["grain"] == names[0]
 
 
-def test_named_forms():
-    table = expand(campaign(varies={"sizes.case": ["U1"]}, forms=["pebble a", "b"]))
+def test_named_forms(tmp_path):
+    for name in ("pebble a", "b"):
+        (tmp_path / f"{name}.xyz").write_text("0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
+    grains = {"source": str(tmp_path), "unit": "mm"}
+    table = expand(campaign(varies={"sizes.case": ["U1"]}, forms=["pebble a", "b"], grains=grains))
     assert list(table.packing) == ["U1-pebblea", "U1-b"]
     assert [spec["shapes"]["grain"] for spec in table.specification] == ["pebble a", "b"]
+
+
+def test_forms_that_do_not_exist_are_refused_before_grains_are_read(scans):
+    grains = {"source": scans[0], "unit": "mm"}
+    for forms, message in (
+        ({"spread": 3}, r"studies\.s\.forms\.spread: there is no form 3 of a set of 2 grains"),
+        (
+            ["three"],
+            r"packing U1-three: shapes\.grain: no grain is called 'three'; the 2 grains are one, two",
+        ),
+    ):
+        with pytest.raises(ValueError, match=message):
+            expand(campaign(varies={"sizes.case": ["U1"]}, forms=forms, grains=grains))
+    # Several bodies of a file become grains whose number is not known before they are read.
+    expand(campaign(varies={"sizes.case": ["U1"]}, forms=["one_3"], grains={**grains, "bodies": "split"}))
+
+
+def test_keys_of_a_group_may_be_those_below_its_name(scans):
+    """`grains: [{source: ..., seed: 1}]` sets the keys of the grains, not those of the packing."""
+    groups = [{"source": "synthetic", "seed": 7}, {"source": scans[0], "unit": "mm"}]
+    table = expand(campaign(varies={"sizes": [{"case": "U1"}], "grains": groups}))
+    assert [(group["source"], group["seed"]) for group in table.grains] == [("synthetic", 7), (scans[0], 1)]
+    assert [spec["seed"] for spec in table.specification] == [1, 1]
+    assert [row["varied"]["grains_seed"] for row in table.row] == [7, 1]
+    fixes = {**STUDY["fixes"], "sizes": {"case": "U1"}, "shapes": {"choice": "form_distribution", "elongation": FORMS}}
+    table = expand(campaign(fixes=fixes, varies={"shapes.flatness": [{"mean": 0.5, "std": 0.1}]}))
+    assert table.row[0]["varied"] == {"mean_FL": 0.5, "std_FL": 0.1}
+
+
+def test_each_key_has_a_column_of_its_own():
+    """Settings with the same column would be averaged as if they were seeds, or be lost behind a result."""
+
+    def keys(node, path=""):
+        for key, child in node.get("properties", {}).items():
+            yield from [f"{path}{key}"] if "properties" not in child else keys(child, f"{path}{key}.")
+            if "properties" in child and "number" in child["type"]:  # a number, or a group
+                yield f"{path}{key}"
+
+    columns = pd.Series({key: _column(key) for key in keys(read_schema("packing"))})
+    assert len(columns) > 80
+    assert columns[columns.duplicated(keep=False)].to_dict() == {}
+    results = {column.name for column in COLUMNS} - {*COLUMN_OF_KEY.values()}
+    described = {"flatness", "elongation", "choice", "faces", "accuracy", "grain", "seed"}  # the settings themselves
+    assert set(columns) & results == described
 
 
 @pytest.mark.parametrize(
@@ -156,6 +205,14 @@ def test_named_forms():
         ({"varies": {"sizes.case": ["U1"], "seed": [1, 1]}}, r"studies\.s\.varies: the packing U1-seed_1 .* twice"),
         ({"varies": {"sizes.case": ["U1"], "seed": 0}}, r"studies\.s\.varies\.seed: 0 is not a list"),
         ({"varies": {"sizes.case": ["U1"], "seed": []}}, r"studies\.s\.varies\.seed: the list is empty"),
+        (
+            {"varies": {"sizes.case": ["U1"], "seed": [1], "change": [{"seed": 2}]}},
+            r"studies\.s\.varies: two lists set seed; set it in one of them",
+        ),
+        (
+            {"varies": {"sizes.case": ["U1"], "shaking.duration": ["0.5 s", "500 ms"]}},
+            r"studies\.s: the packings U1-duration_0\.5s and U1-duration_500ms have the same settings",
+        ),
         ({"varies": {"name": ["a", "b"]}}, r"studies\.s\.varies\.name: packings are named by what varies"),
         ({"packing": {"faces": "few"}}, r"studies\.s\.faces: 'few' is wrong"),
         ({"fixes": {"domain": {"width": "3 kg", "height": "1 m"}}}, r"studies\.s\.domain\.width: '3 kg' is a mass"),
@@ -225,7 +282,8 @@ def scans(tmp_path):
     for name in ("a", "b"):
         folder = tmp_path / f"scans_{name}"
         folder.mkdir()
-        (folder / "one.xyz").write_text(f"0 0 0\n1 0 0\n0 1 0\n0 0 {name == 'a'}.5\n")
+        for grain in ("one", "two"):
+            (folder / f"{grain}.xyz").write_text(f"0 0 0\n1 0 0\n0 1 0\n0 0 {name == 'a'}.5\n")
     return [str(tmp_path / f"scans_{name}") for name in ("a", "b")]
 
 
@@ -262,7 +320,8 @@ def test_the_content_of_files_makes_the_name_of_a_set(scans, tmp_path):
     assert first != set_name({**group, "unit": "m"}) and first == set_name({**group, "seed": 7})
     elsewhere = tmp_path / "copy" / "scans_a"
     elsewhere.mkdir(parents=True)
-    (elsewhere / "one.xyz").write_text((tmp_path / "scans_a" / "one.xyz").read_text())
+    for grain in ("one.xyz", "two.xyz"):
+        (elsewhere / grain).write_text((tmp_path / "scans_a" / grain).read_text())
     (elsewhere / "._one.xyz").write_text("hidden")
     assert set_name({**group, "source": str(elsewhere)}) == first
     (elsewhere / "one.xyz").write_text("0 0 0\n1 0 0\n0 1 0\n0 0 2\n")

@@ -85,6 +85,14 @@ def test_a_campaign_of_beds_too_low_to_be_evaluated_is_refused(workplace):
     assert workplace.run("--dry-run", "--configfile", "low.yaml", "--", "spheres")[0] == 0
 
 
+def test_a_key_that_an_overlay_has_twice_is_refused(workplace):
+    """Snakemake would take the last one, and the first study of this name would be missing without a message."""
+    (workplace.folder / "twice.yaml").write_text(NO_MESHES + "  spheres: {fixes: {shapes: {kind: sphere}}}\n")
+    status, said = workplace.run("--dry-run", "--configfile", "twice.yaml", "--", "spheres")
+    assert status != 0 and "Traceback" not in said
+    assert "twice.yaml, line 8: spheres is given in line 4 already; remove one of them" in said
+
+
 def test_a_target_asks_only_for_its_own_inputs(workplace):
     """Each file needs the rules listed beside it, and no other."""
     packing = {"grain_set", "decimated_grain_set", "packing_specification", "packing"}
@@ -229,6 +237,7 @@ def test_a_page_shows_a_config_with_own_grains_and_sieve_curve(workplace):
     assert len(example.splitlines()) <= 10
     (workplace.folder / "mine.yaml").write_text(example)
     (workplace.folder / "my_scans").mkdir()
+    (workplace.folder / "my_scans" / "pebble.xyz").write_text("0 0 0\n4 0 0\n0 4 0\n0 0 4\n")
     jobs = workplace.plan("mine", "--configfile", "mine.yaml")
     assert [job for job in jobs if job[0] == "packing"] == [("packing", "mine")]
 

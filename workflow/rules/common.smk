@@ -13,13 +13,17 @@ from simcore.campaign.plan import Plan, is_dry_run
 from simcore.grains.sources import source_files
 from simcore.paths import REFERENCE, ROOT, find_this_python_first
 from simcore.provenance.digest import digest
-from simcore.scene.specification import resolve
+from simcore.scene.specification import read_yaml, resolve
 from simcore.verification.outside import packings as outside_packings
 
 # Jobs use the Python that runs Snakemake.
 find_this_python_first()
 
 try:
+    # Snakemake would use the last one of two equal keys without a message.
+    if workflow.is_main_process:
+        for path in workflow.overwrite_configfiles:
+            read_yaml(Path(path))
     campaign = resolve(config, "config", unused="refuse")
     plan = Plan(
         campaign, [os.path.relpath(path) for path in workflow.overwrite_configfiles]

@@ -51,7 +51,7 @@ GRAINS = (
     Column("volume_mm3", "mm³", "volume"),
     Column("faces", "", "number of faces"),
     Column("sphericity", "", "surface of the sphere of the same volume over the surface of the grain"),
-    Column("hull_ratio", "", "volume of the grain over that of its convex hull"),
+    Column("hull_ratio", "", "volume of the grain's convex hull over that of the grain"),
     *(Column(name, "", "form factor, defined in form_factors.csv of results/reference/r22") for name in FORM_FACTORS),
     # Decimation
     Column("target", "", "maximum number of faces"),
