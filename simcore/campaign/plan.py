@@ -199,8 +199,11 @@ class Plan:
         return self.of(*self.studies)
 
     def value(self, study, packing, column):
-        """Return the value of one packing in a column of `packings`."""
-        return getattr(self._rows[study, packing], column)
+        """Return the value of one packing in a column of `packings`. ValueError if the grain does not exist."""
+        row = self._rows[study, packing]
+        if row.fault:
+            raise ValueError(row.fault)
+        return getattr(row, column)
 
     def pieces(self):
         """Return the pieces of all studies, a list of (study, number from 1, names of the packings)."""

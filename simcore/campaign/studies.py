@@ -27,6 +27,8 @@ def expand(config):
     grains: the resolved group `grains` for its shapes; None if they need no grain
     grain_set: the set of these grains, such as "synthetic_1b2c3d4e/faces_100", or empty
     form: the rank of its grain in the spread of forms, or 0
+    fault: why its grain does not exist, or empty; studies that are not made may have faults, since the grains of a
+    campaign are those of all studies
     specification: resolved, with the grain set as its source
     row: dict of packing (its name), varied (the varied settings by column), and is_base (whether the packing is what
     the fixed settings alone would give, for any seed)
@@ -69,7 +71,7 @@ def expand_study(name, study, config):
             )
         check_top_class(spec, f"{where}, packing {packing}")
         form = next((part["form"] for part in combination if "form" in part), 0)
-        grains, grain_set = _grain_set(spec, form, where)
+        grains, grain_set = _grain_set(spec, where)
         rows.append(
             {
                 "study": name,
@@ -77,6 +79,7 @@ def expand_study(name, study, config):
                 "grains": grains,
                 "grain_set": grain_set,
                 "form": form,
+                "fault": _fault(grains, spec, form, where),
                 "specification": _with_grain_set(spec, f"{folder}/grains/{grain_set}.nc") if grain_set else spec,
                 "row": {
                     "packing": packing,
@@ -255,26 +258,38 @@ def _slug(value):
     return re.sub(r"[^A-Za-z0-9_.+-]", "", str(value))
 
 
-def _grain_set(spec, form, where):
+def _grain_set(spec, where):
     """Return the group `grains` of a specification and the name of its grain set; None and "" without grains."""
     grains = spec["grains"]
     if not needs_grains(spec["shapes"]):
         return None, ""
     try:
         check_source(grains)
-        names = known_names(grains)
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from None
-    if names is not None and form > len(names):
-        raise ValueError(f"{where}.forms.spread: there is no form {form} of a set of {len(names)} grains")
-    grain = spec["shapes"]["grain"]
-    if names is not None and not form and spec["shapes"]["choice"] == "one" and grain not in names:
-        raise ValueError(
-            f"{where}, packing {spec['name']}: shapes.grain: no grain is called {grain!r}; the {len(names)} grains are "
-            f"{join_first(names, 10)}"
-        )
     faces = "original" if spec["faces"] == "original" else f"faces_{spec['faces']}"
     return grains, f"{set_name(grains)}/{faces}"
+
+
+def _fault(grains, spec, form, where):
+    """Return why the grain of a packing does not exist, or "" if it does or if only reading the grains would tell."""
+    if grains is None or spec["shapes"]["choice"] != "one":
+        return ""
+    try:
+        names = known_names(grains)
+    except ValueError as error:
+        return f"{where}: {error}"
+    if names is None:
+        return ""
+    if form > len(names):
+        return f"{where}.forms.spread: there is no form {form} of a set of {len(names)} grains"
+    grain = spec["shapes"]["grain"]
+    if form or grain in names:
+        return ""
+    return (
+        f"{where}, packing {spec['name']}: shapes.grain: no grain is called {grain!r}; the {len(names)} grains are "
+        f"{join_first(names, 10)}"
+    )
 
 
 def _with_grain_set(spec, path):

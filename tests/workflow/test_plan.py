@@ -240,6 +240,10 @@ def test_a_page_shows_a_config_with_own_grains_and_sieve_curve(workplace):
     (workplace.folder / "my_scans" / "pebble.xyz").write_text("0 0 0\n4 0 0\n0 4 0\n0 0 4\n")
     jobs = workplace.plan("mine", "--configfile", "mine.yaml")
     assert [job for job in jobs if job[0] == "packing"] == [("packing", "mine")]
+    # The studies of config.yaml have the same grains, but more forms.
+    status, said = workplace.run("--dry-run", "--configfile", "mine.yaml", "--", "single_form")
+    assert status != 0
+    assert "config: studies.single_form.forms.spread: there is no form 12 of a set of 1 grains" in said
 
 
 def test_packings_with_known_outcomes_are_a_target_of_their_own(workplace):

@@ -56,14 +56,19 @@ def group_of_set(wildcards):
 # campaign has hundreds of packings.
 def value_of(column):
     def values(wildcards):
-        return [plan.value(wildcards.study, wildcards.packing, column)]
+        try:
+            return [plan.value(wildcards.study, wildcards.packing, column)]
+        except ValueError as error:
+            raise WorkflowError(f"config: {error}") from None
 
     return values
 
 
 def has_value(column):
+    values = value_of(column)
+
     def is_given(wildcards):
-        return bool(plan.value(wildcards.study, wildcards.packing, column))
+        return bool(*values(wildcards))
 
     return is_given
 
