@@ -1,5 +1,7 @@
 """What Snakemake plans, and refuses, before the first job."""
 
+import re
+
 import pytest
 
 from simcore.grains.sources import set_name
@@ -243,7 +245,7 @@ def test_a_page_shows_a_config_with_own_grains_and_sieve_curve(workplace):
     # The studies of config.yaml have the same grains, but more forms.
     status, said = workplace.run("--dry-run", "--configfile", "mine.yaml", "--", "single_form")
     assert status != 0
-    assert "config: studies.single_form.forms.spread: there is no form 12 of a set of 1 grains" in said
+    assert re.search(r"config: studies.single_form.forms.spread: there is no form \d+ of a set of 1 grains", said)
 
 
 def test_packings_with_known_outcomes_are_a_target_of_their_own(workplace):
