@@ -69,6 +69,18 @@ COMPOSED = {
 # Studies whose name begins with a key share that table; any other study has its own table.
 TABLES = {"single_form": "single_form", "equivalent_ellipsoids": "single_form", "form_mixtures": "form_mixture"}
 TABLES |= {"flat_coarse_grains": "form_by_size", "flat_fine_grains": "form_by_size", "base_forms": "base_forms"}
+# Studies whose means are compared with a table of Rettinger et al. (2022), or shown alone if there is none.
+PLAIN_STUDIES = (
+    "mesh_resolution",
+    "shaking_cylinder",
+    "validation",
+    "domain_size",
+    "shaking_periodic",
+    "near_spheres",
+    "application",
+)
+# Tables of packings that the report shows from committed rows.
+SHOWN_TABLES = ("single_form", "form_mixture", *PLAIN_STUDIES)
 DECIMALS = {"n": 6, "n_error": 6, "cpu_s": 1} | dict.fromkeys("LIS", 7)
 DECIMALS |= dict.fromkeys(["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"], 6)
 

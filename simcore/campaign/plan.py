@@ -3,6 +3,7 @@
 This module needs no numba, because Snakemake reads the rules again for every job that it starts.
 """
 
+import functools
 import json
 import os
 import re
@@ -13,7 +14,7 @@ import pandas as pd
 
 from simcore.campaign import deposits
 from simcore.campaign.biases import bias_effects, measured_biases
-from simcore.campaign.gathering import not_gathered, table_of
+from simcore.campaign.gathering import SHOWN_TABLES, not_gathered, table_of
 from simcore.campaign.studies import expand
 from simcore.evaluation.interval import campaign_cut
 from simcore.grains.sources import set_name, source_name
@@ -22,6 +23,7 @@ from simcore.packing.forecast import check_bed, typical_grains
 from simcore.paths import REFERENCE, ROOT
 from simcore.scene.domain import Domain
 from simcore.scene.height import check_height
+from simcore.scene.specification import resolve
 
 # simcore.models.regression.fewest_samples of the features of mixtures, without importing it for each job
 SMALLEST_MIXTURE_STUDY = 7
@@ -179,11 +181,25 @@ class Plan:
     def committed_rows(self):
         """Folder of the committed rows with which the report begins, or None.
 
-        It begins with them if they have a study of this campaign, and the campaign is no test.
+        It begins with them if they have a study of this campaign, and the campaign is no test. The rows of
+        results/reference are of the default grains and material, so that a campaign of others does not repeat them.
         """
-        folder = Path(os.path.relpath(REFERENCE))
-        has_rows = any((folder / f"{table_of(study)}.csv").exists() for study in self.studies)
-        return folder if has_rows and not self.campaign["test_only"] else None
+        folder = Path(self.campaign["reference"] or os.path.relpath(REFERENCE))
+        tables = {table_of(study) for study in self.studies} & set(SHOWN_TABLES)
+        has_rows = any((folder / f"{table}.csv").exists() for table in tables)
+        of_project = folder.resolve() == REFERENCE
+        is_shown = not self.campaign["test_only"] and (self.has_default_grains or not of_project)
+        return folder if has_rows and is_shown else None
+
+    @functools.cached_property
+    def has_default_grains(self):
+        """Whether the studies of `all` have the default material, and grains of the default source if they need any."""
+        scene = resolve({"domain": {"width": "1 m", "height": "1 m"}, "amount": {"grains": 1}, "sizes": {"case": "U1"}})
+        of_default = resolve({"studies": {}}, "config")["grains"]
+        specifications = self.in_report.specification
+        return self.campaign["grains"] == of_default and any(
+            specification["material"] == scene["material"] for specification in specifications
+        )
 
     def studies_named(self, prefix):
         """Return the names of all studies that begin with a prefix."""
@@ -325,7 +341,12 @@ class Plan:
 
     @property
     def cases_committed(self):
-        """Cases whose models are fitted to committed rows of single forms, because this campaign packs none of them."""
+        """Cases whose models are fitted to committed rows of single forms, because this campaign packs none of them.
+
+        There are none if its grains or its material are not those of the committed rows.
+        """
+        if not self.has_default_grains:
+            return []
         single_forms = self.of(*self.studies_named("single_form"))
         packed = {specification["sizes"]["case"] for specification in single_forms.specification}
         return sorted(set(self.campaign["models"]["committed"]) - packed)

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from simcore.campaign.biases import measured_biases
+from simcore.campaign.gathering import PLAIN_STUDIES, SHOWN_TABLES
 from simcore.campaign.study_tables import summarise
 from simcore.campaign.trend_tables import summarise_trends
 from simcore.grains.form import features as form_features
@@ -30,16 +31,6 @@ from simcore.report.figures.studies import porosities_figure, trends_figure
 from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
 from simcore.report.findings import Findings
 
-# Studies whose means are compared with a table of Rettinger et al. (2022), or shown alone if there is none.
-PLAIN_STUDIES = (
-    "mesh_resolution",
-    "shaking_cylinder",
-    "validation",
-    "domain_size",
-    "shaking_periodic",
-    "near_spheres",
-    "application",
-)
 EARLIER = "These packings were simulated with earlier settings of the campaign; their bias is not given here."
 _RESULT = ("n", "n_std_error", "grains", "cpu_s")
 
@@ -52,11 +43,7 @@ def findings(folder, seed=0, folds=FOLDS, studies=None):
     packings.
     """
     folder = Path(folder)
-    rows = {
-        name: read_rows(folder / f"{name}.csv")
-        for name in ("single_form", "form_mixture", *PLAIN_STUDIES)
-        if (folder / f"{name}.csv").exists()
-    }
+    rows = {name: read_rows(folder / f"{name}.csv") for name in SHOWN_TABLES if (folder / f"{name}.csv").exists()}
     if not rows:
         raise ValueError(f"{folder}: there is no table of packings; gather some first with: snakemake collect")
     results = Findings()

@@ -220,6 +220,29 @@ def test_the_report_begins_with_committed_rows_if_they_have_a_study_of_the_campa
     assert plan_of(studies=studies).committed_rows is None
 
 
+def test_other_grains_or_material_are_no_repetition_of_the_committed_rows():
+    """Their report does not begin with those rows, and no model of such rows stands beside their own."""
+    changed = (
+        {"packing": CAMPAIGN["packing"] | {"material": {"friction": 0.3}}},
+        {"grains": {"seed": 2}},
+        {"grains": {"number": 40}},
+    )
+    models = {"committed": ["U7"]}
+    assert plan_of(models=models).cases_committed == ["U7"]
+    for change in changed:
+        plan = plan_of(models=models, **change)
+        assert plan.committed_rows is None and plan.cases_committed == []
+
+
+def test_rows_of_a_campaign_of_ones_own_are_shown_if_the_report_has_their_table(tmp_path):
+    rows = {"reference": str(tmp_path), "packing": CAMPAIGN["packing"] | {"material": {"friction": 0.3}}}
+    assert plan_of(**rows).committed_rows is None
+    (tmp_path / "spheres.csv").touch()
+    assert plan_of(**rows).committed_rows is None
+    (tmp_path / "single_form.csv").touch()
+    assert plan_of(**rows).committed_rows == tmp_path
+
+
 def test_a_bed_too_low_is_refused_with_its_name():
     study = {"low": {"fixes": {"shapes": {"kind": "sphere"}, "amount": {"grains": 8}}}}
     with pytest.raises(ValueError, match="studies.low, packing low"):
