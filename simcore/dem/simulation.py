@@ -146,7 +146,7 @@ class Simulation:
             features=self._features,
         )
         self._table = collect_shapes(bases)
-        self._workspace = make_workspace(self._table, numba.get_num_threads())
+        self._workspace = make_workspace(self._table, numba.config.NUMBA_NUM_THREADS)
         self._clock = np.zeros(len(STAGES), np.int64)
         self._advance = make_advance(self._features)
         self._candidates = None
@@ -188,7 +188,10 @@ class Simulation:
 
     @property
     def orientation(self) -> np.ndarray:
-        """Orientations (n, 4) of these frames, quaternions (w, x, y, z)."""
+        """Orientations (n, 4) of these frames, quaternions (w, x, y, z).
+
+        If all bodies are spheres, their orientations are not followed, and all are (1, 0, 0, 0).
+        """
         return self._rotation().as_quat(scalar_first=True)
 
     @property

@@ -9,8 +9,8 @@ contact is its part of that matrix: for one direction m_eff (h² k + 2 h d).
 For a body between fixed neighbours the matrix has six rows, and its largest eigenvalue is at most that of the whole bed
 (interlacing). Beyond the limit of such a body the bed is certainly unstable while its contacts stick. For all bodies
 together, |u_a − u_b|² <= (1 + t) |u_a|² + (1 + 1/t) |u_b|² divides each contact between its two bodies; with
-t = √(m_a / m_b) this is exact for two bodies, and for the densest packing of equal spheres. Below the limit of every
-body with such shares, the bed is certainly stable.
+t = √(m_a / m_b) this is exact for two equal bodies and for the densest packing of equal spheres, and at most 1.21 times
+too large for two others. Below the limit of every body with such shares, the bed is certainly stable.
 
 The contacts of a bed are those of one moment. Slipping contacts are treated as if their springs still acted, and the
 effect of the rotation of a patch on its depth is left out.

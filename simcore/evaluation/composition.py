@@ -41,6 +41,9 @@ def composition(packing, z_lower, z_upper, method="spheres"):
     middle = 0.5 * (z_lower + z_upper)
     bottom = min(float(low.min()), z_lower) - 1e-6 * (z_upper - z_lower)
     below, lower, upper = slab_volumes(packing, [bottom, z_lower, middle, z_upper], method, per_grain=True).T
+    if not z_lower > 0.0:
+        # Only overlaps with the floor are below it, and light grains have the largest.
+        below = np.zeros(len(below))
     volume, size = packing["volume"].values, packing["D"].values
     evaluated = lower + upper
     if not evaluated.sum() > 0.0:

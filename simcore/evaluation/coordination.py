@@ -14,8 +14,7 @@ def coordination_number(packing, grains=None, bearing_contacts=BEARING_CONTACTS)
     """Return the mean number of grain-grain contacts per grain, with and without rattlers, with errors, Dataset.
 
     packing: Dataset of read_packing; grains: (n,) bool, the grains to average over, whose contacts with all others
-    count; None means all. Contacts with an overlap of zero or less are not counted; the packing stores them as
-    remembered contacts. A pair that touches through two periodic images has two contacts. Rattlers are those of
+    count; None means all. A pair that touches through two periodic images has two contacts. Rattlers are those of
     `grains` with fewer than bearing_contacts contacts that carry force (whose two bodies push each other apart). They
     are removed with their contacts until none is left. Grains outside `grains` are never removed; otherwise a whole bed
     could be removed grain by grain from its free surface. Standard errors assume independent grains;

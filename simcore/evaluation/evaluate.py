@@ -10,7 +10,7 @@ from simcore.grains.statistics import mixture_features
 from simcore.provenance.code_name import name_of_sources
 
 
-def evaluate(packing, slice_height=1e-3, cut=None):
+def evaluate(packing, slice_height=None, cut=None):
     """Return porosity, its profile, coordination, trends over height and form of a packing in one Dataset.
 
     packing: Dataset as from simcore.packing.file.read_packing; slice_height, cut [m]: see simcore.evaluation.porosity.
@@ -35,7 +35,7 @@ def evaluate(packing, slice_height=1e-3, cut=None):
         composed,
     ]
     notes = {
-        "slice_height": slice_height,
+        "slice_height": bulk.slice_height,
         "n_grains": packing.sizes["grain"],
         "evaluation_code": name_of_sources("simcore/evaluation/evaluate.py"),
     }

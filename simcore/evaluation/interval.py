@@ -10,6 +10,17 @@ import numpy as np
 SURFACE_GRAINS, SURFACE_SHARE = 5.0, 1.0 / 3.0
 
 
+SLICE, GRAINS_OF_A_SLICE = (
+    1e-3,
+    0.5,
+)  # largest height of a slice: [m], as in Rettinger et al. (2022), and in median grains
+
+
+def slice_height(median):
+    """Return the height [m] of the slices of a bed that is not given: SLICE, less for a median grain [m] below 2 mm."""
+    return min(SLICE, GRAINS_OF_A_SLICE * median)
+
+
 def end_cuts(periodic, top, largest, median, cut=None):
     """Return the heights (at the floor, at the surface) [m] that are left out of a bed whose surface is at `top` [m].
 

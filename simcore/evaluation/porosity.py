@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from simcore.evaluation.interval import end_cuts, median_size
+from simcore.evaluation import interval
 from simcore.evaluation.sampling_error import sampling_error
 from simcore.evaluation.slicing import slab_volumes, vertical_extent
 from simcore.scene.domain import Domain
@@ -17,18 +17,21 @@ def domain_area(packing):
     return Domain(packing.attrs["domain_shape"], packing.attrs["domain_width"], height=np.inf).area
 
 
-def porosity_profile(packing, slice_height=1e-3, method="spheres"):
+def porosity_profile(packing, slice_height=None, method="spheres"):
     """Return n(z) in horizontal slices from the floor to above the bed, Dataset over `z`, the slices' middles [m].
 
-    packing: Dataset of read_packing; slice_height [m]; method: "spheres" slices volume-equivalent spheres, in exact
-    segments (Rettinger et al. 2022), "exact" the polyhedra and ellipsoids themselves. The equivalent sphere of a flat
-    grain on the floor extends below the floor; the volume there is in no slice and given as solid_volume_below_floor.
+    packing: Dataset of read_packing; slice_height [m]: None for that of simcore.evaluation.interval; method: "spheres"
+    slices volume-equivalent spheres, in exact segments (Rettinger et al. 2022), "exact" the polyhedra and ellipsoids
+    themselves. The equivalent sphere of a flat grain on the floor extends below the floor; the volume there is in no
+    slice and given as solid_volume_below_floor.
     ValueError if slice_height is not positive, or if there is no grain.
     """
-    if not slice_height > 0.0:
-        raise ValueError(f"porosity_profile: slice_height is {slice_height} m; it must be positive")
     if packing.sizes["grain"] == 0:
         raise ValueError("porosity_profile: the packing contains no grain; check its amount and its log")
+    if slice_height is None:
+        slice_height = interval.slice_height(_median_of(packing))
+    if not slice_height > 0.0:
+        raise ValueError(f"porosity_profile: slice_height is {slice_height} m; it must be positive")
     low, high = vertical_extent(packing, method)
     n_slices = int(np.ceil(max(high.max(), slice_height) / slice_height)) + 1  # the topmost slice is empty
     edges = np.arange(n_slices + 1) * slice_height
@@ -88,8 +91,7 @@ def evaluation_interval(packing, profile, cut=None):
     top = bed_top(profile)
     periodic = packing.attrs["domain_shape"] == "periodic"
     largest = largest_sieve_size(packing) if cut is None and periodic else np.nan
-    median = median_size(packing["D"].values, packing["volume"].values)
-    at_floor, at_surface = end_cuts(periodic, top, largest, median, cut)
+    at_floor, at_surface = interval.end_cuts(periodic, top, largest, _median_of(packing), cut)
     if top - at_floor - at_surface < profile.attrs["slice_height"]:
         raise ValueError(
             f"the bed is {1e3 * top:.1f} mm high, too low to cut {1e3 * at_floor:.1f} mm from its "
@@ -99,7 +101,11 @@ def evaluation_interval(packing, profile, cut=None):
     return at_floor, top - at_surface
 
 
-def bulk_porosity(packing, method="spheres", cut=None, slice_height=1e-3):
+def _median_of(packing):
+    return interval.median_size(packing["D"].values, packing["volume"].values)
+
+
+def bulk_porosity(packing, method="spheres", cut=None, slice_height=None):
     """Return the mean porosity over the evaluation interval with its sampling error, Dataset of scalars.
 
     packing: Dataset of read_packing; method, slice_height [m] as in porosity_profile; cut [m]: height that is left out
@@ -123,7 +129,10 @@ def bulk_porosity(packing, method="spheres", cut=None, slice_height=1e-3):
     }
     data = {name: ((), value, {"units": units, "long_name": text}) for name, (value, units, text) in values.items()}
     data["n"][2]["ancillary_variables"] = "n_std_error"
-    attrs = describe(packing, "Bulk porosity of a grain packing") | {"slice_height": slice_height, "method": method}
+    attrs = describe(packing, "Bulk porosity of a grain packing") | {
+        "slice_height": profile.slice_height,
+        "method": method,
+    }
     return xr.Dataset(data, attrs=attrs)
 
 

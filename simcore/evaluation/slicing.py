@@ -36,7 +36,7 @@ def slab_volumes(packing, edges, method="spheres", per_grain=False):
 
     packing: Dataset of read_packing; edges: (k + 1,), increasing heights of the planes [m], ValueError otherwise;
     method: "spheres" slices the volume-equivalent spheres (Rettinger et al. 2022), "exact" the grains themselves. The
-    overlap of two grains counts twice, as in Rettinger et al. (overlaps are below 1e-6 of a grain's size).
+    overlap of two grains counts twice, as in Rettinger et al.; its volume grows with the square of its depth.
     """
     edges = np.ascontiguousarray(edges, dtype=np.float64)
     if edges.ndim != 1 or len(edges) < 2 or not np.all(np.diff(edges) > 0.0):

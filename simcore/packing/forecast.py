@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from simcore.evaluation.interval import end_cuts, median_size
+from simcore.evaluation.interval import end_cuts, median_size, slice_height
 from simcore.grains.sampling import GrainSample, sample_sizes
 from simcore.grains.sieve import SieveCurve
 from simcore.packing.cost import typical_pour
@@ -29,7 +29,6 @@ ONE_CLASS, BY_SPREAD, LARGEST_SOLID, SOLID_RANGE = 0.64, 0.085, 0.8, 0.12
 ONE_FORM, MIXED_FORMS = 0.16, 0.23
 BY_QUOTA = 0.5  # factor of the sampling error if the sizes of several sieve classes are drawn by quota
 ERROR_FACTOR = 1.6  # nine of ten committed beds of mixed forms are within this factor of the predicted error
-SLICE = 1e-3  # [m], smallest height that is evaluated
 LARGE_ERROR, GOOD_ERROR = 0.015, 0.01  # predicted sampling error that causes a warning, and target of its advice
 NARROW = 4.0  # width of a box in largest grains; no narrower box is advised
 DRAWN_AT_ONCE, ENOUGH = 10_000, 100_000  # grains drawn at once, and grains that represent a larger packing
@@ -64,6 +63,7 @@ class Forecast(NamedTuple):
     at_floor: float  # [m], height left out of the evaluation at the floor
     at_surface: float  # [m], height left out at the surface
     highest: float  # [m], evaluated height of the loosest bed that is expected
+    smallest: float  # [m], smallest height that is evaluated: a slice
     sampling_error: float  # of the porosity; nan if nothing is left to evaluate
 
     @property
@@ -74,7 +74,7 @@ class Forecast(NamedTuple):
     @property
     def too_low(self) -> bool:
         """Return whether even the loosest bed of these grains is too low to be evaluated."""
-        return self.highest < SLICE
+        return self.highest < self.smallest
 
 
 def draw_packing(setup: Setup, max_grains: int | None = None) -> GrainSample:
@@ -157,11 +157,11 @@ def forecast(domain: Domain, grains: Grains, cut=None) -> Forecast:
         return height, *end_cuts(domain.periodic, height, grains.largest, median, cut)
 
     height, at_floor, at_surface = bed(solid)
-    evaluated, error = height - at_floor - at_surface, float("nan")
-    if evaluated >= SLICE:
+    evaluated, error, smallest = height - at_floor - at_surface, float("nan"), slice_height(median)
+    if evaluated >= smallest:
         error = sampling_error(domain, grains, solid, evaluated)
     loosest, *cuts = bed(solid - SOLID_RANGE)
-    return Forecast(solid, height, at_floor, at_surface, loosest - sum(cuts), error)
+    return Forecast(solid, height, at_floor, at_surface, loosest - sum(cuts), smallest, error)
 
 
 def expected_solid_fraction(sizes: np.ndarray, share: np.ndarray) -> float:
@@ -197,7 +197,7 @@ def bed_warnings(domain: Domain, grains: Grains, density: float, cut=None) -> li
             f"; its porosity leaves out {bed.at_floor * 1e3:.0f} mm at the floor and {bed.at_surface * 1e3:.0f} mm "
             f"below the surface"
         )
-    if bed.evaluated < SLICE:
+    if bed.evaluated < bed.smallest:
         certainty = "" if bed.too_low else "probably "
         return [f"{text}, so {certainty}nothing is left to evaluate. {_remedy(domain, grains, density, bed, cut)}"]
     if bed.sampling_error > LARGE_ERROR or (bed.at_floor > 0.0 and bed.evaluated < grains.largest):
@@ -234,7 +234,7 @@ def _needed_height(domain, grains, bed, cut):
     If a part of the bed is evaluated already, the sampling error at this height is also at most GOOD_ERROR.
     """
     median, evaluated = median_size(grains.sieve_size, grains.share), grains.largest
-    if bed.evaluated >= SLICE:
+    if bed.evaluated >= bed.smallest:
         needed = (sampling_error(domain, grains, bed.solid_fraction, 1.0) / GOOD_ERROR) ** 2
         evaluated = max(evaluated, needed)
     height = bed.height

@@ -157,7 +157,7 @@ class Process:
         """Damp until the packing is at rest and return its Observation; PackingError after damping.max_time."""
         scene, state = self.scene, self.state
         if state.phase != DAMPING:
-            state.phase, state.phase_end = DAMPING, state.step + round(scene.damping.max_time / self.dt)
+            state.phase, state.phase_end = DAMPING, state.step + max(round(scene.damping.max_time / self.dt), 1)
             state.mean_height = observe(self.bodies, self.candidates, self.ranks).mean_height
         while state.in_stretch or state.step < state.phase_end:
             observed = self.advance(self.interval_steps, DAMPING, state.phase_end)

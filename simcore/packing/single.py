@@ -27,8 +27,9 @@ def pack(
     """Pack grains in this process and return the packing, the Dataset that `read_packing` returns too.
 
     specification: a nested dict with the keys of config/packing.schema.yaml, in which a quantity is text with its unit,
-    such as "8 mm"; or the path of a YAML file with them. threads: they do not change the result. force: also pack a bed
-    that is too low for its porosity to be evaluated. report(line): called with each line on the progress.
+    such as "8 mm"; or the path of a YAML file with them. threads: of the process, also afterwards; they change no
+    result. force: also pack a bed that is too low for its porosity to be evaluated. report(line): called with each line
+    on the progress.
 
     The Dataset has one row per grain: position (n, 3) [m], orientation (n, 4), L, I, S and D [m], volume [m³]; and one
     row per contact: contact_body (c, 2), contact_point (c, 3) [m], contact_force (c, 3) [N]. `write_packing` writes it

@@ -3,7 +3,7 @@
 import time
 
 import numpy as np
-from numba import get_num_threads
+from numba import config
 
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.from_scene import compose
@@ -26,7 +26,7 @@ class Stepper:
         self.law = composition.law
         self.features = composition.features._replace(**changes)
         self.advance_steps = make_advance(self.features)
-        self.workspace = make_workspace(self.shapes, get_num_threads())
+        self.workspace = make_workspace(self.shapes, config.NUMBA_NUM_THREADS)
         self.clock = np.zeros(len(STAGES), np.int64)
         self.seconds = dict.fromkeys(("neighbour search", *STAGES), 0.0)
 

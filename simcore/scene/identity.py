@@ -2,7 +2,7 @@
 
 same_bits      the same bits of positions and contacts, with any threads and ranks: they share checkpoints
 same_result    the same porosity, of packings of one name: a committed row of one is a row of the other
-same_but_seed  the same scene with different random numbers: their scatter gives a standard error over seeds
+same_but_seed  the same bits, but for different random numbers: their scatter gives a standard error over seeds
 """
 
 import hashlib
@@ -21,7 +21,7 @@ WITHOUT_EFFECT = (
 # Keys that do not change the porosity of a committed row: the name; the grain, because rows of a spread are identified
 # by its rank; the interval of reports; the maximum time of damping, because a packing in a row has come to rest.
 WITHOUT_RESULT = (("name",), ("shapes", "grain"), ("numerics", "progress_interval"), ("damping", "max_time"))
-BY_CHANCE = (("name",), ("seed",))
+BY_CHANCE = (*WITHOUT_EFFECT, ("seed",))
 # Keys that were added after rows had been committed, with the value that corresponds to earlier packings. A
 # specification with this value is the same as one without the key.
 ADDED = {
@@ -58,7 +58,7 @@ def same_result(first: dict, second: dict) -> bool:
 
 
 def same_but_seed(first: dict, second: dict) -> bool:
-    """Return whether two resolved specifications differ only in seed and name."""
+    """Return whether two resolved specifications differ only in their seed and in what changes no bit."""
     return deciding_but_seed(first) == deciding_but_seed(second)
 
 

@@ -2,6 +2,7 @@
 
 import inspect
 
+import numba
 import numpy as np
 import pytest
 import trimesh
@@ -158,6 +159,13 @@ def test_the_defaults_are_those_of_a_packing():
         assert defaults[name] == material[name], name
     assert defaults["steps_per_contact_time"] == STEPS_FOR_REST["explicit"]
     assert defaults["polyhedron_contact"] == specification["numerics"]["polyhedron_contact"]
+
+
+def test_more_threads_than_at_its_start_have_working_memory(monkeypatch):
+    """`pack` sets the number of threads of the whole process."""
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 3)
+    simulation = simcore.Simulation([TETRAHEDRON], [0], [[0.0, 0.0, 0.1]])
+    assert simulation._workspace.mark.shape[0] == 3
 
 
 def test_advance_takes_a_duration_or_steps():

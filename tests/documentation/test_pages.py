@@ -72,7 +72,7 @@ def test_a_function_without_a_docstring_is_reported():
 def test_the_page_of_the_python_functions_has_every_public_name():
     text = PAGES["reference/python.md"]
     assert [name for name in simcore._PUBLIC if f"## simcore.{name} " not in text] == []
-    assert "simcore.porosity(packing, method='spheres', cut=None, slice_height=0.001)" in text
+    assert "simcore.porosity(packing, method='spheres', cut=None, slice_height=None)" in text
     assert "bearing_contacts=" in text and "=BEARING_CONTACTS" not in text
 
 

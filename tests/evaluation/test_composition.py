@@ -80,6 +80,15 @@ def test_fine_grains_on_the_floor_are_warned_of():
     assert any(line.startswith("Fine grains gather on the floor: they are ") for line in lines)
 
 
+def test_overlaps_with_the_floor_are_no_layer_below_the_evaluated_part():
+    """Light grains sink deepest into the floor, which is no separation of sizes."""
+    rng = np.random.default_rng(2)
+    radius = np.concatenate([np.full(300, 0.02), np.full(300, 0.01)])
+    z = np.concatenate([rng.uniform(0.02, 1.0, 300), rng.uniform(0.009, 1.0, 300)])
+    result = composition(bed(radius, z), 0.0, 0.9)
+    assert np.isnan(result["fine_share"][0]) and separation_warnings(result) == []
+
+
 def test_shares_of_coarse_grains_of_the_bed_and_of_its_evaluated_part():
     """Large spheres are above small ones, so the share in the evaluated part follows from the volumes it contains."""
     radius, z = np.r_[np.full(10, 0.02), np.full(80, 0.01)], np.r_[np.full(10, 0.5), np.full(80, 0.1)]

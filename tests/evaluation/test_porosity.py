@@ -124,3 +124,15 @@ def test_a_loose_cloud_has_no_surface():
 def test_an_empty_packing_is_refused():
     with pytest.raises(ValueError, match="no grain"):
         porosity_profile(make_packing(np.zeros((0, 3)), np.zeros((0, 3))))
+
+
+def test_a_bed_of_small_grains_has_thinner_slices():
+    """The porosity of a bed does not depend on the unit of length; beds of at least 2 mm have slices of 1 mm."""
+    found = []
+    for diameter in (0.0002, 0.002, 0.02):
+        centres, width = sphere_lattice("fcc", 3, 14)
+        packing = make_packing(diameter * centres, 0.5 * diameter, width=diameter * width, largest=diameter)
+        found.append(bulk_porosity(packing))
+    assert [bulk.slice_height for bulk in found] == [0.0001, 0.001, 0.001]
+    assert float(found[0].n) == pytest.approx(float(found[1].n), rel=1e-9)
+    assert float(found[0].z_upper) == pytest.approx(0.1 * float(found[1].z_upper), rel=1e-9)
