@@ -66,9 +66,9 @@ def _log_quantiles(curve, shares):
 
 
 def passing(curve, size):
-    """Return the share of the mass finer than a size [m], with mass uniform in log D within a class."""
+    """Return the share of the mass finer than a size [m], or each of several, with mass uniform in log D in a class."""
     cumulative = np.concatenate([[0.0], np.cumsum(curve.mass_fractions)])
-    return float(np.interp(np.log(size), np.log(curve.bounds), cumulative))
+    return np.interp(np.log(size), np.log(curve.bounds), cumulative)
 
 
 def span(curve):

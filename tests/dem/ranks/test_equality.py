@@ -6,10 +6,12 @@ import pytest
 from benchmarks.correctness.equality import DISTURBED, RUNS, SCENES, launch
 from simcore.packing.file import differences, read_packing
 
-# Three and four ranks on two cores are slow, so they pack fewer scenes, together all; two ranks pack all. The parallel
-# loops of two threads take minutes to compile. Those of mixed grains find contacts of ellipsoids and of polyhedra; the
-# loops over one of these kinds, over potentials and over the wall of a cylinder are compared by the benchmark only.
+# Three and four ranks on two cores are slow, so they pack fewer scenes, together all; two ranks in rows pack all, and a
+# few without a given layout. The parallel loops of two threads take minutes to compile. Those of mixed grains find
+# contacts of ellipsoids and of polyhedra; the loops over one of these kinds, over potentials and over the wall of a
+# cylinder are compared by the benchmark only.
 FEWER = {
+    "ranks_2": ["spheres", "ellipsoids_cylinder", "ellipsoids_potential"],
     "threads_2": ["spheres", "mixed", "filled", "deposit"],
     "ranks_3": ["ellipsoids_cylinder", "ellipsoids_potential", "filled", "deposit"],
     "ranks_4": ["spheres", "polyhedra", "mixed"],

@@ -164,8 +164,8 @@ def least_by_hand(curve, one_class):
     """Return `least_porosity` by a fine search over the upper ends of the part that forms the bed."""
     V, width = 1 / (1 - one_class), 8 / 5.6
     tops = np.geomspace(curve.least, curve.largest * width, 20001)
-    volumes = [1 - passing(curve, top) + V * (passing(curve, top) - passing(curve, top / width)) for top in tops]
-    return 1 - 1 / max(volumes)
+    below, far_below = passing(curve, tops), passing(curve, tops / width)
+    return 1 - 1 / np.max(1 - below + V * (below - far_below))
 
 
 def test_full_pores_leave_the_porosity_of_the_coarse_grains():
