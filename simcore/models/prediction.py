@@ -12,6 +12,7 @@ import pandas as pd
 
 from simcore.grains.statistics import STATISTICS, equancy_statistics
 from simcore.grains.text_lists import join_first
+from simcore.models.feature_words import feature_in_words
 from simcore.models.few_grains import few_grains_errors, few_grains_half
 from simcore.models.fitted_range import FAR, RangedValue
 from simcore.models.measured_file import MEASURED
@@ -288,7 +289,8 @@ def _row(by, model, numbers, outside, digits, remark=""):
     distance = max((quantity.distance for quantity in outside), default=0.0)
     remarks = [remark] if remark else []
     remarks += [
-        f"{name} = {value:.4g}, fitted from {low:.{digits}g} to {high:.{digits}g}" for name, value, low, high in outside
+        f"{feature_in_words(name)} = {value:.4g}, fitted from {low:.{digits}g} to {high:.{digits}g}"
+        for name, value, low, high in outside
     ]
     refused = ""
     if distance > FAR:
@@ -308,7 +310,7 @@ def _describe_farthest(quantity, digits):
     name, value, low, high = quantity
     least, largest = quantity.limits
     limit = f"above {largest:.{digits}g}" if value > high else f"below {least:.{digits}g}"
-    return f"{name} = {value:.4g} is {limit}, fitted from {low:.{digits}g} to {high:.{digits}g}"
+    return f"{feature_in_words(name)} = {value:.4g} is {limit}, fitted from {low:.{digits}g} to {high:.{digits}g}"
 
 
 def _is_porosity(value):

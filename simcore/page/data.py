@@ -9,6 +9,7 @@ from simcore.grains.sieve import read_cases
 from simcore.grains.statistics import STATISTICS
 from simcore.grains.summary_rows import label_patterns
 from simcore.models import prediction
+from simcore.models.feature_words import feature_in_words
 from simcore.models.few_grains import MOST_FREEDOM, RELATIVE_STEP
 from simcore.models.fitted_range import FAR, NEAR, WIDENING
 from simcore.models.formulas import SYMBOLS
@@ -51,6 +52,7 @@ def page_data(fitted, r22_tables=R22_TABLES):
         "models": [_model(name, model, fitted.behind[name, case]) for (name, case), model in fitted.models.items()],
         "r22": published,
         "symbols": SYMBOLS,
+        "words": {name: feature_in_words(name) for name in _quantities(fitted, published)},
         "shapes": SHAPES,
         "few_grains": {
             "statistics": STATISTICS,
@@ -109,6 +111,13 @@ def _model(name, model, behind):
         "behind": behind,
         "quantiles": {f"{level:g}": student_quantile(level, model.freedom) for level in LEVELS},
     }
+
+
+def _quantities(fitted, published):
+    """Return the names of all quantities that have a range in a model, sorted."""
+    of_ours = (name for model in fitted.models.values() for name in model.features)
+    of_theirs = (key for models in published.values() for model in models for key, _, _ in model["ranges"])
+    return sorted({*of_ours, *of_theirs})
 
 
 def _published(folder):

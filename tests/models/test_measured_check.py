@@ -150,8 +150,8 @@ def test_beds_outside_the_range_and_unlikely_porosities_are_named(write, model, 
         and printed.err.count("\n") == 1
     )
     assert "If it is the solid fraction, write 0.38; if it is the void ratio e, write 0.3827." in printed.err
-    assert "- Bed flat is not predicted: mu_EQ_inv = " in printed.out and "0 of 1 (0 %)" in printed.out
-    with pytest.raises(ValueError, match="the model is evaluated for none of the beds; flat: mu_EQ_inv = "):
+    assert "- Bed flat is not predicted: 1/mean EQ = " in printed.out and "0 of 1 (0 %)" in printed.out
+    with pytest.raises(ValueError, match="the model is evaluated for none of the beds; flat: 1/mean EQ = "):
         check_models(write("flat,0.5,0.12,0.06,0.3,0.06"), model)
     path = write("A,0.35,0.62,0.72", head="sample,n,FL,EL\n")
     text = describe_check(check_models(path, model), path, model)

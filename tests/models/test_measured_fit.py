@@ -173,7 +173,7 @@ def test_a_bed_far_outside_our_range_leaves_the_features_with_the_reason(fitted)
     beds = [*beds_of_one_form(9, ours, scatter=0.004), MeasuredBed(sample_of_one_form(0.2, 0.3), 0.6, np.nan, "U1")]
     result = fit_case(beds, "U1", fitted)
     assert result.chosen.kind == "features" and result.base == ""
-    assert "ours single_form is not evaluated for one: EQ_inv = 16.67 is above" in result.base_reason
+    assert "ours single_form is not evaluated for one: L/S = 16.67 is above" in result.base_reason
     assert result.agreement.query("model == 'single_form' and by == 'ours'").beds.item() == 9
 
 

@@ -33,7 +33,7 @@ def test_one_form_and_a_distribution_take_their_own_models(reference):
     assert ours.n["one"] == pytest.approx(porosity_of_form(0.6, 0.7), rel=1e-9)
     assert ours.n["wide"] == pytest.approx(0.31 + 0.03 / 0.42 - 0.003 / 0.12 + 0.02 / 0.7 - 0.002 / 0.15, rel=1e-8)
     mixture = table.query("name == 'narrow' and by == 'ours' and model == 'form_mixture'").iloc[0]
-    assert "sigma_EQ_inv = 100, fitted from" in mixture.outside
+    assert "1/std. dev. EQ = 100, fitted from" in mixture.outside
     # The unified model is continuous where the model of Rettinger et al. diverges.
     unified = table.query("model == 'unified'").set_index("name").n
     assert unified["narrow"] == pytest.approx(unified["one"], abs=1e-3)
@@ -89,8 +89,8 @@ def test_what_lies_outside_is_said_of_ours_and_of_r22(reference):
     )
     assert (inside.outside == "").all() and (inside.distance == 0).all()
     single, unified, study = outside.outside
-    assert "EQ_inv = 7.143, fitted from" in single and "mu_EQ_inv = 7.143" in unified
-    assert study == "mu_FL = 0.28, fitted from 0.297 to 0.997"
+    assert "L/S = 7.143, fitted from" in single and "1/mean EQ = 7.143" in unified
+    assert study == "mean FL = 0.28, fitted from 0.297 to 0.997"
     width = outside.upper - outside.lower
     assert width[0] > 1.1 * (inside.upper - inside.lower)[0]
     with pytest.raises(ValueError, match=r"case U1: the porosity of sample one cannot be predicted. For one no model"):
@@ -171,16 +171,18 @@ def test_the_models_of_r22_follow_the_same_rule(reference):
         return predict_samples([sample], "U1", fitted).set_index("by").loc["r22", "refused"]
 
     assert refused(0.6, 0.15, 0.6, 0.15) == ""
-    assert refused(0.6, 0.051, 0.6, 0.15) == "" and "sigma_FL = 0.049 is below 0.05" in refused(0.6, 0.049, 0.6, 0.15)
-    assert refused(0.6, 0.15, 0.6, 0.249) == "" and "sigma_EL = 0.251 is above 0.25" in refused(0.6, 0.15, 0.6, 0.251)
+    assert refused(0.6, 0.051, 0.6, 0.15) == ""
+    assert "std. dev. FL = 0.049 is below 0.05" in refused(0.6, 0.049, 0.6, 0.15)
+    assert refused(0.6, 0.15, 0.6, 0.249) == ""
+    assert "std. dev. EL = 0.251 is above 0.25" in refused(0.6, 0.15, 0.6, 0.251)
     assert refused(0.3, 0.15, 0.6, 0.15) == ""
     # The means of FL and EL are within reach of their ranges, but their product is not; ours have no answer either.
-    with pytest.raises(ValueError, match="Rettinger et al. form_mixture: mu_EQ_inv = 12.5 is above 8.59, fitted from"):
+    with pytest.raises(ValueError, match="Rettinger et al. form_mixture: 1/mean EQ = 12.5 is above 8.59, fitted from"):
         refused(0.25, 0.1, 0.32, 0.1)
     # All grains have the same EQ, although FL and EL differ.
     sample = Sample("s", 2, 0.65, 0.15, 0.65, 0.15, 0.4, 0.0)
     table = predict_samples([sample], "U1", fitted).set_index(["by", "model"])
-    assert "sigma_EQ_inv = inf is above" in table.loc[("r22", "form_mixture"), "refused"]
+    assert "1/std. dev. EQ = inf is above" in table.loc[("r22", "form_mixture"), "refused"]
     assert table.preferred.sum() == table.preferred[("ours", "unified")] == 1
 
 

@@ -120,7 +120,7 @@ def test_samples_far_outside_are_listed_beside_those_that_are_predicted(capsys, 
     assert "the sample slate has one row, so that" in err
     assert "No model is evaluated for: needles, slate. The reasons are listed below" in text
     assert "only that of Rettinger et al., for" not in text
-    assert "needles, ours unified: mu_EQ_inv = 59 is above" in text and "slate, Rettinger et al. single_form" in text
+    assert "needles, ours unified: 1/mean EQ = 59 is above" in text and "slate, Rettinger et al. single_form" in text
     rows = {line.split("  ")[0]: line for line in text.splitlines()}
     assert "0." in rows["good"][40:] and rows["slate"].count("  -") >= 3
     table = pd.read_csv(io.StringIO(run(capsys, path, "--csv")[1])).groupby("sample", sort=False)
@@ -138,7 +138,7 @@ def test_it_is_an_error_if_no_sample_can_be_predicted(capsys, tmp_path):
         status, out, err = run(capsys, path, *form)
         assert (status, out, err.count("\n")) == (2, "", 1)
         assert "the porosity of samples needles, slate cannot be predicted. For needles no model is evaluated" in err
-        assert "ours unified: mu_EQ_inv = 59 is above" in err and "Rettinger et al. single_form: EQ_inv" in err
+        assert "ours unified: 1/mean EQ = 59 is above" in err and "Rettinger et al. single_form: L/S" in err
 
 
 def test_no_number_is_printed_for_a_model_near_sigma_0(capsys, tmp_path):
@@ -149,7 +149,7 @@ def test_no_number_is_printed_for_a_model_near_sigma_0(capsys, tmp_path):
     assert (status, err) == (0, "")
     row = next(line.split("  ") for line in text.splitlines() if line.startswith("two"))
     assert "unified" in row and "-" in row
-    assert "two, ours form_mixture: sigma_EL_inv = 1230 is above" in text
+    assert "two, ours form_mixture: 1/std. dev. EL = 1230 is above" in text
     _, text, _ = run(capsys, path, "--csv")
     rows = list(csv.DictReader(io.StringIO(text)))
     assert [(row["model"], bool(row["n"]), bool(row["lower"]), bool(row["refused"])) for row in rows] == [

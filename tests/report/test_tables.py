@@ -5,10 +5,11 @@ import pandas as pd
 import pytest
 
 from simcore.grains.form import FORM_FACTORS
+from simcore.models.feature_words import feature_in_words
 from simcore.reference.columns import campaign, models, page, studies
 from simcore.reference.columns.headings import ERRORS, HEADINGS
 from simcore.report.tables import show_table
-from simcore.report.words import feature_in_words, formula_markup, value_in_words
+from simcore.report.words import formula_markup, value_in_words
 
 # No table of the page has these columns, or a pattern describes their names.
 NOT_SHOWN = {

@@ -161,6 +161,8 @@ const Prediction = (() => {
     return beyond > slack ? beyond / (high - low) : 0;
   }
 
+  const inWords = (name) => DATA.words[name] ?? name;
+
   // numbers: porosity, lower and upper end of its interval, and its error of few grains.
   function row(by, model, numbers, quantities, digits, remarks = []) {
     let [n, lower, upper, few_grains_error] = numbers;
@@ -168,7 +170,7 @@ const Prediction = (() => {
     const distance = Math.max(0, ...outside.map((quantity) => quantity.distance));
     const texts = outside.map(
       ({ name, value, low, high }) =>
-        `${name} = ${general(value, 4)}, fitted from ${general(low, digits)} to ${general(high, digits)}`
+        `${inWords(name)} = ${general(value, 4)}, fitted from ${general(low, digits)} to ${general(high, digits)}`
     );
     let refused = "";
     if (distance > far) refused = describeFarthest(outside, digits);
@@ -189,7 +191,7 @@ const Prediction = (() => {
     const reach = far * (high - low);
     const limit = value > high ? `above ${general(high + reach, digits)}` : `below ${general(low - reach, digits)}`;
     return (
-      `${name} = ${general(value, 4)} is ${limit}, fitted from ${general(low, digits)} to ${general(high, digits)}`
+      `${inWords(name)} = ${general(value, 4)} is ${limit}, fitted from ${general(low, digits)} to ${general(high, digits)}`
     );
   }
 

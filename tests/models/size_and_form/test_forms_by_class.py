@@ -164,7 +164,7 @@ def test_a_class_without_forms_is_refused(fitted, table):
 
 def test_a_form_far_outside_is_a_refusal_that_names_its_class(fitted, table):
     row = predict_by_class(CURVE, classes_of(table(f"2-4 mm,{FLAT}", "4-16 mm,0.05,0.01,0.6,0.1")), fitted).iloc[0]
-    assert row.refused.startswith("4-16 mm: ") and "mu_EQ_inv = " in row.refused and np.isnan(row.n)
+    assert row.refused.startswith("4-16 mm: ") and "1/mean EQ = " in row.refused and np.isnan(row.n)
 
 
 def test_a_one_class_porosity_outside_the_range_is_a_refusal(fitted, table, monkeypatch):
