@@ -111,7 +111,7 @@ def test_a_fault_is_announced_and_no_porosity_is_shown(open_page):
 def test_without_an_interval_none_is_called_wider(open_page):
     page = open_page(fragment(table="mean_FL,std_FL,mean_EL,std_EL\n0.65,0.12,0.7,0.095\n", case="U7"))
     assert "None of our models is used" in answer(page)
-    assert "* Outside the fitted range: sigma_EL = 0.095" in answer(page)
+    assert "* Outside the fitted range: std. dev. EL = 0.095" in answer(page)
 
 
 def test_a_sample_far_outside_is_refused(open_page):
