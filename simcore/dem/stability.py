@@ -193,19 +193,21 @@ def body_steps(
     body: int,
     *,
     certain: bool = True,
-    effective_contacts: float | None = None,
+    implicit: bool = False,
     ranks=ONE_RANK,
     stiffness_factor=None,
     time: float | None = None,
 ) -> float:
     """Return the minimum steps per contact time of one body (its id) in its present contacts; see `stiffest_body`.
 
-    law, effective_contacts: as in contact_load. time: as in steps_needed.
+    law: as in contact_load. implicit: whether dashpots are implicit; the bodies then have their effective contacts.
+    time: as in steps_needed.
     """
     rows = np.flatnonzero(bodies.id[bodies.own] == body)
     needed = []
     for row in bodies.own[rows]:
         grips = _grips(bodies, candidates, width, certain, stiffness_factor)
+        effective_contacts = bodies.effective_contacts[row] if implicit else None
         needed.append(_steps_of_row(bodies, grips, law, friction, row, effective_contacts, time))
     return float(ranks.maximum([max(needed, default=0.0)])[0])
 

@@ -124,12 +124,11 @@ class Watch:
         if stiffest.load <= watch_state.load:
             return
         watch_state.load, watch_state.stiffest, watch_state.contacts = stiffest.load, stiffest.body, stiffest.contacts
-        effective_contacts = stiffest.contacts if implicit else None
         # The linear law derived from law hertz may be overdamped and then has no contact time.
         time = None if stiffness_factor is None else scene.numerics.contact_time
         watch_state.needed = body_steps(
             bodies, candidates, self.width, law, friction, stiffest.body,
-            effective_contacts=effective_contacts, ranks=self.ranks, stiffness_factor=stiffness_factor, time=time,
+            implicit=implicit, ranks=self.ranks, stiffness_factor=stiffness_factor, time=time,
         )  # fmt: skip
         if watch_state.needed > scene.numerics.steps_per_contact_time and not watch_state.warned_of_steps:
             watch_state.warned_of_steps = True

@@ -175,6 +175,11 @@ def test_a_light_sphere_among_heavy_ones(z):
     s = steps_needed(law, False, lambda load: z / 3.0 * load.normal)
     assert body_steps(bodies, near, 0.0, law, False, 0) == pytest.approx(s, rel=1e-9)
     assert s < translation < rotation
+    # An implicit dashpot is weaker for a body of more effective contacts, which weigh heavy neighbours more.
+    bodies = bodies._replace(effective_contacts=np.full(z + 1, 1.9 * z))
+    s = steps_needed(law, False, lambda load: z / 3.0 * load.normal, 1.9 * z)
+    assert body_steps(bodies, near, 0.0, law, False, 0, implicit=True) == pytest.approx(s, rel=1e-9)
+    assert s < 0.99 * steps_needed(law, False, lambda load: z / 3.0 * load.normal, z)
 
 
 def test_an_estimate_of_spheres_and_of_longer_grains():
