@@ -38,6 +38,18 @@ def test_pairs_of_U7():
     assert text in " ".join(PAGE.split())
 
 
+def test_pairs_of_B50():
+    (row,) = paired(COST).query("settings == 'wide_both' and case == 'B50'").itertuples()
+    pairs = COST.query("case == 'B50'").pivot_table(index="seed", columns="settings", values=["n", "grains"]).dropna()
+    first, second = pairs[("n", "wide_both")] - pairs[("n", "wide_quota")]
+    mean = f"{row.difference:+.4f} ± {row.error:.4f}, at {row.cost:.2f} of the CPU time".replace("-", "−")
+    each = f"one pair differs by {first:+.4f} and the other by {second:+.4f}".replace("-", "−")
+    assert row.pairs == 2 and row.verdict.startswith("open")
+    text = " ".join(PAGE.split())
+    assert f"Their mean difference is {mean}" in text and each in text
+    assert "of {:.0f} and {:.0f} grains".format(*pairs[("grains", "wide_quota")]) in text
+
+
 def test_filled_beds_of_one_class():
     (row,) = paired(COST).query("settings == 'wide_filled' and case == 'U1'").itertuples()
     assert f"and those of U1 by {row.difference:.4f} ± {row.error:.4f}" in PAGE
