@@ -2,9 +2,9 @@
 
     python -m benchmarks.studies.thrown_beds U5 --seed 2 3 --steps 10 11 > results/reference/thrown_beds.csv
 
-SCENES has the three specifications: U7 of the form G26, 4 kg in a box of 0.1 m with patch contacts; a mixture of 1200
-flat grains with point contacts; and U5, 1.4 kg in a box of 70 mm, with point contacts. It prints one CSV row per
-packing: scene, seed, steps per contact time, the expected number of steps, outcome (rest, or stopped with the message),
+SCENES has the four specifications: U7 of the form G26, 4 kg in a box of 0.1 m with patch contacts; a mixture of 1200
+flat grains with point contacts; U5, 1.4 kg in a box of 70 mm, with point contacts; and U7, 1.5 kg of grains of 50 faces
+in a cylinder of 104 mm, with patch contacts. It prints one CSV row per packing: scene, seed, steps per contact time, the expected number of steps, outcome (rest, or stopped with the message),
 simulated time and CPU time. A packing takes from minutes (mixture, U5) to an hour (U7) of CPU time.
 """
 
@@ -53,6 +53,16 @@ SCENES = {
         "shaking": {"duration": "1 s"},
         "convergence": {"max_unbalanced_force": 0.5},
         "numerics": {"contact_time": "0.2 ms", "polyhedron_contact": "point"},
+    },
+    "cylinder": {
+        **CAMPAIGN,
+        "name": "cylinder",
+        "faces": 50,
+        "domain": {"type": "cylinder", "width": "0.104 m", "height": "1 m"},
+        "amount": {"mass": "1.5 kg"},
+        "sizes": {"case": "U7", "allow_few_top_grains": True},
+        "shaking": {"duration": "2 s"},
+        "numerics": {"contact_time": "0.2 ms", "polyhedron_contact": "patch"},
     },
 }
 

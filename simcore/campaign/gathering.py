@@ -32,6 +32,7 @@ COLUMNS = {
         ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"],
     ),
     "validation": (["case", "run"], []),
+    "mesh_resolution": (["case", "faces", "seed"], []),
     "application": (["case", "choice", "seed"], ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]),
     "deposits": (["study", "packing"], []),
     "accuracy": (["accuracy", "case", "seed"], []),

@@ -1,4 +1,4 @@
-"""Scenes of three campaigns that stopped with ten steps per contact time: a warning names a number that suffices."""
+"""Scenes of campaigns that stopped with ten steps per contact time: a warning names a number that suffices."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ def expected_steps(scene, **options):
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_ten_steps_are_warned_of_and_fourteen_are_not(scene):
-    """Beds of all three came to rest with 14 steps. Without a number that suffices, a warning would not help."""
+    """Beds of all of them came to rest with 14 steps. Without a number that suffices, a warning would not help."""
     expected, texts = expected_steps(scene)
     assert 10.0 < expected <= 14.0
     assert len(texts) == 1 and f"to at least {np.ceil(expected):.0f}" in texts[0]
