@@ -4,8 +4,8 @@
 
 SCENES has the four specifications: U7 of the form G26, 4 kg in a box of 0.1 m with patch contacts; a mixture of 1200
 flat grains with point contacts; U5, 1.4 kg in a box of 70 mm, with point contacts; and U7, 1.5 kg of grains of 50 faces
-in a cylinder of 104 mm, with patch contacts. It prints one CSV row per packing: scene, seed, steps per contact time, number
-of expected steps, outcome (rest, or stopped with the message), simulated time and CPU time. A packing takes from
+in a cylinder of 104 mm, with patch contacts. It prints one CSV row per packing: scene, seed, steps per contact time,
+number of expected steps, outcome (rest, or stopped with the message), simulated time and CPU time. A packing takes from
 minutes (mixture, U5) to an hour (U7 in a box) of CPU time.
 """
 
