@@ -196,7 +196,7 @@ def test_splitting_a_class_changes_next_to_nothing(fitted):
 
 def test_a_form_far_outside_is_refused_and_the_others_stay(fitted):
     table = predict_curve(all_cases()["U5"].curve, [sample(), sample("thin", mu_FL=0.05, sigma_FL=0.01)], fitted)
-    assert table.refused[0] == "" and "mu_EQ_inv" in table.refused[1]
+    assert table.refused[0] == "" and "1/mean EQ" in table.refused[1]
     assert table.loc[1, ["n", "lower", "upper", "n_long_shaken", "n_not_shaken"]].isna().all()
 
 
