@@ -215,7 +215,7 @@ class Plan:
         return self.of(*self.studies)
 
     def value(self, study, packing, column):
-        """Return the value of one packing in a column of `packings`. ValueError if the grain does not exist."""
+        """Return the value of one packing in a column of `packings`. ValueError if it has a fault."""
         row = self._rows[study, packing]
         if row.fault:
             raise ValueError(row.fault)

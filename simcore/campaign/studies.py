@@ -27,8 +27,8 @@ def expand(config):
     grains: the resolved group `grains` for its shapes; None if they need no grain
     grain_set: the set of these grains, such as "synthetic_1b2c3d4e/faces_100", or empty
     form: the rank of its grain in the spread of forms, or 0
-    fault: why its grain does not exist, or empty; studies that are not made may have faults, since the grains of a
-    campaign are those of all studies
+    fault: why it cannot be packed, or empty: its grain does not exist, or an earlier packing of the study is the same.
+    Studies that are not made may have faults, since the settings of a campaign are those of all its studies
     specification: resolved, with the grain set as its source
     row: dict of packing (its name), varied (the varied settings by column), and is_base (whether the packing is what
     the fixed settings alone would give, for any seed)
@@ -97,7 +97,7 @@ def expand_study(name, study, config):
     repeated = table.packing[table.packing.duplicated()]
     if len(repeated):
         raise ValueError(f"{where}.varies: the packing {repeated.iloc[0]} is listed twice; remove one")
-    _check_different(table, where)
+    _note_equal(table, where)
     # Studies that are not part of `all` are defined in every campaign, so they may have keys that its settings exclude.
     campaign_keys = set() if study["in_all"] else set(given_keys(config["packing"]))
     _check_used({key: resolved for key in given_keys(study["fixes"])}, f"{where}.fixes", campaign_keys=campaign_keys)
@@ -116,16 +116,16 @@ def _check_apart(axes, where):
         seen |= keys
 
 
-def _check_different(table, where):
-    """Raise ValueError if two packings of a study differ only in their name: they would count as two beds."""
+def _note_equal(table, where):
+    """Give a packing a fault if it differs from an earlier one of its study only in its name: both would count."""
     names = {}
     for row in table.itertuples():
         key = json.dumps({**row.specification, "name": ""}, sort_keys=True), row.form
-        if key in names:
-            raise ValueError(
+        if key in names and not row.fault:
+            table.loc[row.Index, "fault"] = (
                 f"{where}: the packings {names[key]} and {row.packing} have the same settings; remove one of them"
             )
-        names[key] = row.packing
+        names.setdefault(key, row.packing)
 
 
 def _lay_over(fixed, combination, where):

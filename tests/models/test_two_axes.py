@@ -105,15 +105,15 @@ def test_a_case_without_our_mixtures_has_the_model_of_the_paper_without_interval
 
 def test_a_sample_without_a_model_is_listed_beside_the_others(write, fitted):
     narrow, _ = read_two_axes(write("a,b\n200,130\n250,163\n"))
-    with pytest.raises(ValueError, match="sample photo: no model can be evaluated at any flatness: sigma_EL_inv"):
+    with pytest.raises(ValueError, match="sample photo: no model can be evaluated at any flatness: 1/std. dev. EL"):
         predict_two_axes(narrow, "U7", fitted)
     both, _ = read_two_axes(write("sample,a,b\nnarrow,200,130\nnarrow,250,163\nwide,40,24\nwide,30,24\n"))
     table = predict_two_axes(both, "U7", fitted)
-    assert table.refused[0].startswith("sigma_EL_inv") and table.refused[1] == ""
+    assert table.refused[0].startswith("1/std. dev. EL") and table.refused[1] == ""
     assert table[["n_low", "n_high", "flatness_low"]].isna().all(axis=1).tolist() == [True, False]
     lines = two_axes_text(table, "U7").splitlines()
     assert next(line for line in lines if line.startswith("narrow")).count("  -") == 3
-    assert any(line.startswith("  narrow: sigma_EL_inv") for line in lines)
+    assert any(line.startswith("  narrow: 1/std. dev. EL") for line in lines)
     assert json.loads(two_axes_text(table, "U7", output="json"))["samples"][0]["n_low"] is None
 
 
