@@ -27,7 +27,7 @@ from simcore.scene.specification import resolve
 
 # simcore.models.regression.fewest_samples of the features of mixtures, without importing it for each job
 SMALLEST_MIXTURE_STUDY = 7
-LEAST_MASS = 0.7  # of a number of grains, over the mass of as many typical ones
+LEAST_MASS = 0.7  # smallest mass that a number of grains may have, over that of as many typical grains
 
 
 def number_pieces(cpu_hours, seeds, max_hours):
@@ -193,7 +193,7 @@ class Plan:
 
     @functools.cached_property
     def has_default_grains(self):
-        """Whether the studies of `all` have the default material, and grains of the default source if they need any."""
+        """Whether the campaign has the default grains, and a study of `all` the default material."""
         scene = resolve({"domain": {"width": "1 m", "height": "1 m"}, "amount": {"grains": 1}, "sizes": {"case": "U1"}})
         of_default = resolve({"studies": {}}, "config")["grains"]
         specifications = self.in_report.specification

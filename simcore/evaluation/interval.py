@@ -10,14 +10,12 @@ import numpy as np
 SURFACE_GRAINS, SURFACE_SHARE = 5.0, 1.0 / 3.0
 
 
-SLICE, GRAINS_OF_A_SLICE = (
-    1e-3,
-    0.5,
-)  # largest height of a slice: [m], as in Rettinger et al. (2022), and in median grains
+SLICE = 1e-3  # [m], largest height of a slice, as in Rettinger et al. (2022)
+GRAINS_OF_A_SLICE = 0.5  # largest height of a slice, in median grains
 
 
 def slice_height(median):
-    """Return the height [m] of the slices of a bed that is not given: SLICE, less for a median grain [m] below 2 mm."""
+    """Return the height [m] of the slices of a bed whose median grain is `median` [m]; it is used if none is given."""
     return min(SLICE, GRAINS_OF_A_SLICE * median)
 
 
