@@ -3,9 +3,10 @@
     python -m benchmarks.speed.patches [--grains 1000] [--set numerics.contact_time=0.5ms]
 
 In the shaken bed of benchmarks.speed.throughput it prints the CPU time of the patches of all contacts, per grain and
-step; the share of them that have a closed form; and, for several tolerances, the share of patches that a step could
-keep. A patch can be kept if the bodies have moved relative to each other, since it was measured, by less than the
-tolerance times the overlap. A rotation counts with the sum of the bounding radii as its lever.
+step; the share of them that have a closed form, and what a patch with and without it costs; and, for several
+tolerances, the share of patches that a step could keep. A patch can be kept if the bodies have moved relative to each
+other, since it was measured, by less than the tolerance times the overlap. A rotation counts with the sum of the
+bounding radii as its lever.
 """
 
 import sys
@@ -18,7 +19,7 @@ from benchmarks.speed.throughput import parse, use_threads
 TOLERANCES = (0.05, 0.1, 0.2, 0.5)
 WARM_UP = 0.02  # [s]
 STEPS = 60  # over which patches are followed
-REPETITIONS = 7
+REPETITIONS = 25
 
 
 def kept_shares(snapshots, tolerances=TOLERANCES) -> dict[float, float]:
@@ -73,10 +74,12 @@ def main(arguments=None):
     process = start(setup, bed)
     process.advance(round(WARM_UP / process.dt), SHAKING)
     process.evaluate()  # a step moves the bodies after it has found the contacts, which belong to the former positions
-    cost, closed = patch_cost(process)
-    contacts = int(process.contacts.touching.sum())
-    print(f"{contacts / options.grains:.2f} contacts per grain, {closed:.0%} of the patches in closed form")
-    print(f"patches: {1e6 * cost / options.grains:.2f} µs CPU per grain and step, {1e9 * cost / contacts:.0f} ns each")
+    closed, costs = patch_costs(process)
+    share, contacts = np.mean(closed), len(closed)
+    cost = costs["all"] * contacts / options.grains
+    print(f"{contacts / options.grains:.2f} contacts per grain, {share:.0%} of the patches in closed form")
+    print(f"patches: {1e6 * cost:.2f} µs CPU per grain and step, {1e9 * costs['all']:.0f} ns each")
+    print(f"in closed form {1e9 * costs['closed']:.0f} ns each, cut from both bodies {1e9 * costs['cut']:.0f} ns each")
     snapshots = []
     for _ in range(STEPS):
         process.advance(1, SHAKING)
@@ -85,8 +88,11 @@ def main(arguments=None):
         print(f"motion below {tolerance:g} of the overlap: {share:.1%} of the patches could be kept")
 
 
-def patch_cost(process):
-    """Return the CPU time [s] of the patches of all touching contacts, and the share with a closed form."""
+def patch_costs(process):
+    """Return which touching contacts have a patch in closed form, and the CPU times [s] of a patch (dict).
+
+    The times are those of all patches, of those in closed form and of those cut from both bodies; nan for none.
+    """
     from numba import njit
 
     from simcore.dem.contact.pair import pair_of
@@ -101,9 +107,8 @@ def patch_cost(process):
             find_patch(shapes, bodies, contacts, p, partner_offset(bodies, contacts, p, width, True), workspace, 0)
 
     @njit
-    def count_closed(shapes, bodies, contacts, rows, width, workspace):
-        closed = 0
-        for p in rows:
+    def find_closed(shapes, bodies, contacts, rows, width, workspace, closed):
+        for k, p in enumerate(rows):
             i, j, overlap = contacts.body_a[p], contacts.body_b[p], contacts.overlap[p]
             axes = axes_about(read(contacts.direction, p))
             depth = min(overlap, PATCH_DEPTH * (bodies.radius[i] + bodies.radius[j]))
@@ -111,19 +116,25 @@ def patch_cost(process):
             pair = pair_of(bodies, i, j, plus_scaled(offset, overlap - depth, axes.n))
             facet = read_facet(contacts.facet, p)
             shape, _ = closed_overlap(shapes, bodies, pair, View(axes, depth, 1.0), facet, workspace, 0)
-            closed += shape.exact
-        return closed
+            closed[k] = shape.exact
 
     stepper, rows = process.stepper, np.flatnonzero(process.contacts.touching)
-    scene = (stepper.shapes, process.bodies, process.contacts, rows, stepper.box.width, stepper.workspace)
-    patches(*scene)
-    times = []
+
+    def scene(rows):
+        return stepper.shapes, process.bodies, process.contacts, rows, stepper.box.width, stepper.workspace
+
+    closed = np.empty(len(rows), bool)
+    find_closed(*scene(rows), closed)
+    kinds = {"all": rows, "closed": rows[closed], "cut": rows[~closed]}
+    patches(*scene(rows))
+    times = {name: [] for name, rows in kinds.items() if len(rows)}
     for _ in range(REPETITIONS):
-        began = time.process_time()
-        for _ in range(5):
-            patches(*scene)
-        times.append((time.process_time() - began) / 5)
-    return min(times), count_closed(*scene) / len(rows)
+        for name in times:
+            began = time.process_time()
+            for _ in range(5):
+                patches(*scene(kinds[name]))
+            times[name].append((time.process_time() - began) / 5 / len(kinds[name]))
+    return closed, {name: min(times.get(name, [np.nan])) for name in kinds}
 
 
 if __name__ == "__main__":
