@@ -17,6 +17,7 @@ from simcore.dem.state.contacts import Box
 
 FINEST = 4.0  # largest factor by which the cells of a crowded level are made smaller
 SLACK = 1e-6  # share of their range by which the quick test keeps spheres that do not quite meet; far above round-off
+CELLS_OF_A_FEW, CELLS_PER_SPHERE = 4096, 64  # limit of the number of cells; a dense bed has about one for each sphere
 PAIRS_PER_SPHERE = 32  # memory for pairs at first; the search is repeated if they are more
 BLOCK = 64  # number of spheres that a thread takes at a time; the threads take turns, as blocks are unequally costly
 
@@ -85,8 +86,7 @@ def _sort_into_cells(spheres, members, cell_width, box: Box) -> _Grid:
     crowd = len(members) / np.prod(np.maximum(extent / cell_width, 1.0))
     cell_width /= np.clip(np.floor(np.cbrt(crowd)), 1.0, FINEST)
     counts = np.maximum(np.floor(extent / cell_width), 1).astype(np.int64)
-    # A few grains far above the bed must not make the grid larger than the bed requires.
-    counts = np.minimum(counts, 4 + 2 * len(members))
+    counts = _limit_cells(counts, len(members))
     widths = np.where(extent > 0.0, extent / counts, cell_width)
     cell = np.clip(((wrapped - low) / widths).astype(np.int64), 0, counts - 1)
     flat = (cell[:, 0] * counts[1] + cell[:, 1]) * counts[2] + cell[:, 2]
@@ -95,6 +95,18 @@ def _sort_into_cells(spheres, members, cell_width, box: Box) -> _Grid:
     reach = spheres.reach[members]
     places = np.column_stack([wrapped, reach])[order]
     return _Grid(members[order], places, float(reach.max()), start, counts, low, widths)
+
+
+def _limit_cells(counts, n) -> np.ndarray:
+    """Return the numbers of cells along the axes (3,), reduced until memory for the cells of n spheres is bounded.
+
+    Grains far above the bed, or far apart in open space, would otherwise need a grid of nearly empty cells.
+    """
+    counts = np.minimum(counts, 4 + 2 * n)
+    while np.prod(counts, dtype=float) > CELLS_OF_A_FEW + CELLS_PER_SPHERE * n:
+        longest = counts.argmax()
+        counts[longest] = (counts[longest] + 1) // 2
+    return counts
 
 
 def _search(spheres, fine, coarse, same_level) -> list[np.ndarray]:

@@ -1,5 +1,7 @@
 """The search for spheres that meet, compared with all pairs in all images."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -82,6 +84,17 @@ def test_crowded_spheres_are_searched_in_finer_cells(width):
     radius = np.full(300, 0.05)
     found = found_pairs(position, radius, width)
     assert found == all_pairs(position, radius, width) and len(found) > 5 * 300
+
+
+def test_spheres_far_apart_in_open_space_need_little_memory():
+    n = 500  # a cell for each width of a sphere would take 16 GB
+    position = np.random.default_rng(3).uniform(0.0, 100.0, (n, 3))
+    position[7] = position[3] + [0.0015, 0.0, 0.0]
+    tracemalloc.start()
+    found = found_pairs(position, np.full(n, 1e-3), 0.0)
+    assert found == {(3, 7, 0, 0)}
+    assert tracemalloc.get_traced_memory()[1] < 20e6
+    tracemalloc.stop()
 
 
 @pytest.mark.parametrize("threads", [1, 3])
