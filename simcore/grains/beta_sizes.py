@@ -98,7 +98,7 @@ class BetaSizes:
         """Draw diameters (n,) [m] by number, from the first of each grain's uniform random numbers (n, k).
 
         Within a panel the inverse of the distribution is interpolated linearly. A panel spans at most 0.002 of the
-        range and its probability is exact, so the relative error of moments is less than 2e-6.
+        range and its probability is exact, so the relative error of moments is less than 5e-6.
         """
         edges, below = self._table
         return self.least + (self.largest - self.least) * np.interp(np.asarray(uniforms)[:, 0], below, edges)

@@ -15,7 +15,7 @@ _NOISE = 0.01
 class Body:
     """A body in a file of grains.
 
-    points: (n, 3), their hull is the body's hull; volume: nan if the file contains only points; notes: as in Grain.
+    points: (n, 3), their hull is the body's hull; volume: nan if it is unknown, as of points; notes: as in Grain.
     """
 
     points: np.ndarray
@@ -27,7 +27,8 @@ def select_bodies(bodies, choice, unit):
     """Return the bodies of one file or label that become grains, largest first.
 
     bodies: list of Body, not empty, lengths in `unit`. choice: "one" refuses several bodies with a ValueError that
-    names their number and volumes; "split" returns all, "largest" the largest one, "joined" one body of all points.
+    names their number and volumes; "split" returns all, "largest" the largest one, "joined" one body of all points. Its
+    volume is unknown if bodies may overlap.
     """
     if len(bodies) == 1:
         return bodies
@@ -43,13 +44,22 @@ def select_bodies(bodies, choice, unit):
     if choice == "joined":
         notes = tuple(dict.fromkeys(note for body in bodies for note in body.notes))
         joined = f"is the hull of {len(bodies)} bodies, of {volumes_text}"
-        return [Body(np.concatenate([body.points for body in bodies]), sum(volumes), (joined, *notes))]
+        volume = np.nan if _may_overlap(bodies) else sum(volumes)
+        return [Body(np.concatenate([body.points for body in bodies]), volume, (joined, *notes))]
     if choice == "largest":
         note = f"is the largest of {len(bodies)} bodies in its file, of {volumes_text}; the others were left out"
         return [Body(bodies[0].points, volumes[0], (note, *bodies[0].notes))]
     return [
         body if body.volume >= _NOISE * volumes[0] else _with_note(body, body.volume / volumes[0]) for body in bodies
     ]
+
+
+def _may_overlap(bodies):
+    """Return whether the bounding boxes of two bodies overlap."""
+    low = np.array([body.points.min(axis=0) for body in bodies])
+    high = np.array([body.points.max(axis=0) for body in bodies])
+    meet = np.all((low[:, None] < high[None]) & (low[None] < high[:, None]), axis=-1)
+    return bool(meet.sum() > len(bodies))
 
 
 def _with_note(body, share):

@@ -18,6 +18,7 @@ CHOICES = ("one", "random", "form", "form_distribution", "form_by_size", "ratios
 # This stream decides which grains of kind "mixed" are ellipsoids. As it is separate, the sizes and forms are those that
 # polyhedra alone would get.
 _KIND_STREAM = 2
+LARGEST_UNIFORM = 1.0 - 2.0**-53  # the largest number below 1
 _QUOTA_STREAM = 4  # of the numbers that shuffle the strata of a draw by quota; 3 is that of random places
 
 
@@ -153,7 +154,8 @@ def grain_uniforms(grain_ids, seed, stream=0):
     generator = np.random.Philox(key=[seed, stream])
     generator.advance(lowest_id * NUMBERS_PER_GRAIN // 4)  # one step of the counter makes four numbers
     words = generator.random_raw((highest_id - lowest_id + 1) * NUMBERS_PER_GRAIN).reshape(-1, NUMBERS_PER_GRAIN)
-    return ((words[grain_ids - lowest_id] >> np.uint64(11)) + 0.5) * 2.0**-53
+    # The largest word would be rounded to 1.
+    return np.minimum(((words[grain_ids - lowest_id] >> np.uint64(11)) + 0.5) * 2.0**-53, LARGEST_UNIFORM)
 
 
 def quota_uniforms(curve, number, seed):

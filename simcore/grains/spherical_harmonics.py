@@ -75,6 +75,7 @@ def sampled_directions(coefficients):
     """Return evenly spread directions (k, 3) that sample the surface densely enough for its hull.
 
     There are 16 (n_max + 1)² directions, about eight per wavelength of the highest degree, and at least 4000. Compared
-    with far more points, the hull then loses at most 0.3 % of its volume.
+    with far more points, the hull then loses at most 0.3 % of its volume, or 1 % if a smooth grain is five times as
+    long as wide.
     """
     return spiral_directions(max(4000, 16 * (int(coefficients[0].max()) + 1) ** 2))

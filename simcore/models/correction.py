@@ -13,7 +13,7 @@ model's design, and A is the least-squares projection of the design on these reg
 import numpy as np
 
 from simcore.evaluation.confidence import student_quantile
-from simcore.models.regression import PorosityModel
+from simcore.models.regression import PorosityModel, varies
 
 CORRECTIONS = {"offset": 1, "rescaling": 2}  # number of fitted coefficients
 
@@ -51,7 +51,6 @@ def correct_model(base, kind, features, porosity, name, case):
     errors = np.sqrt(np.diag(covariance))
     half = student_quantile(0.95, result.df_resid) * errors
     unknown = (np.nan,) * len(own)
-    total = np.sum((y - y.mean()) ** 2)
     model = PorosityModel(
         name=name,
         case=case,
@@ -66,7 +65,7 @@ def correct_model(base, kind, features, porosity, name, case):
         scatter=float(np.sqrt(result.mse_resid)),
         minimum=base.minimum,
         maximum=base.maximum,
-        r_squared=float(1.0 - result.ssr / total) if total > 0 else np.nan,
+        r_squared=float(1.0 - result.ssr / np.sum((y - y.mean()) ** 2)) if varies(y) else np.nan,
         rmse=float(np.sqrt(np.mean(result.resid**2))),
         n_samples=len(y),
         degrees_of_freedom=int(result.df_resid),

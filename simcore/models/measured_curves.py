@@ -31,13 +31,13 @@ from simcore.models.measured_candidates import (
 )
 from simcore.models.measured_plausibility import question_repeats
 from simcore.models.packing_models.curves import span
-from simcore.models.prediction import ONE_CLASS, kind_of_bed, model_case, predict_preferred
+from simcore.models.prediction import ONE_CLASS, kind_of_bed, model_case
 from simcore.models.size_and_form.bed_prediction import (
     error_parts,
     one_class_models,
     other_predictors,
     predict_curve,
-    rhine_sample,
+    rhine_one_class,
     sized_model,
 )
 from simcore.models.size_and_form.curve_correction import correct_curves, describe_forms
@@ -92,15 +92,15 @@ def fit_curves(measured, fitted):
             f"needs {BEDS_NEEDED['offset']} beds of different form or sieve curve; measure more beds"
         )
     plain = replace(one_class_models(fitted), curve=None)
-    rows = _predict(first_of, plain)
+    model = sized_model(fitted)
+    rows = _predict(first_of, plain, model)
     beds = beds.assign(
         curve=[bed.curve.name for bed in first_of],
         ratio=[span(bed.curve) for bed in first_of],
         n_one_class=rows.n_one_class,
         predicted=rows.n,
     )
-    model = sized_model(fitted)
-    of_rhine = predict_preferred(rhine_sample(), ONE_CLASS, plain)["n"]
+    of_rhine = rhine_one_class(plain)
     parts = [
         np.ravel(error_parts(bed.curve, np.array([row.n]), np.array([row.n_one_class]), of_rhine, model))
         for bed, row in zip(first_of, rows.itertuples(), strict=True)
@@ -125,9 +125,10 @@ def fit_curves(measured, fitted):
     )
 
 
-def _predict(beds, fitted):
+def _predict(beds, fitted, model=None):
     """Return the rows of predict_curve, one per MeasuredBed; ValueError for a bed that is not evaluated."""
-    rows = pd.concat([predict_curve(bed.curve, [bed.sample], fitted) for bed in beds], ignore_index=True)
+    rows = [predict_curve(bed.curve, [bed.sample], fitted, model=model) for bed in beds]
+    rows = pd.concat(rows, ignore_index=True)
     for bed, refused in zip(beds, rows.refused, strict=True):
         if refused:
             raise ValueError(

@@ -9,6 +9,7 @@ from simcore.models.regression import (
     FOLDS,
     correlate,
     cross_validate,
+    dependent,
     fewest_samples,
     fit_and_validate,
     usable_features,
@@ -60,6 +61,9 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
                 )
                 continue
             chosen = features[list(columns)]
+            if dependent(chosen):
+                log.warning("case %s: feature set %s is left out: its features depend on each other", case, columns)
+                continue
             flags = {name: int(name in columns) for name in MIXTURE}
             model = fit_and_validate(chosen, n, "form_mixture", case, seed, folds=folds)
             result = cross_validate(chosen, n, folds, seed=seed)

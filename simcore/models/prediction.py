@@ -297,7 +297,7 @@ def _row(by, model, numbers, outside, digits, remark=""):
         refused = _describe_farthest(max(outside, key=lambda quantity: quantity.distance), digits)
     elif not _is_porosity(n):
         refused = "its formula gives a porosity outside (0, 1)"
-    elif not all(_is_porosity(value) for value in (lower, upper) if not np.isnan(value)):
+    elif not all(_is_porosity(value) for value in (lower, upper) if by == "ours" or not np.isnan(value)):
         refused = "its prediction interval reaches outside (0, 1)"
     if refused:
         numbers = (np.nan,) * len(numbers)

@@ -15,6 +15,7 @@ log = logging.getLogger(__name__)
 
 FOLDS, REPEATS = 10, 10
 RESAMPLES = 2000  # of the bootstrap; the ends of its 95 % intervals then vary by 4 % of a standard error
+DEPENDENT = 1e-7  # sine of the angle between a feature and the others, below which only round-off tells them apart
 CORRELATED = 0.8  # a second feature with |r| above this to the first is dropped (Rettinger et al. 2022)
 
 
@@ -32,11 +33,26 @@ def usable_features(features):
     values = features.to_numpy(float)
     finite = np.isfinite(values).all(axis=0)
     with np.errstate(invalid="ignore"):
-        varying = np.ptp(values, axis=0) > 1e-12 * np.abs(values).max(axis=0)
+        varying = varies(values)
     for reason, columns in (("not finite for every row", ~finite), ("the same for all rows", finite & ~varying)):
         if columns.any():
             log.warning("left out, %s: %s", reason, ", ".join(features.columns[columns]))
     return features.loc[:, finite & varying]
+
+
+def varies(values):
+    """Return whether values (n,), or each column of values (n, m), differ by more than round-off."""
+    return np.ptp(values, axis=0) > 1e-12 * np.abs(values).max(axis=0)
+
+
+def dependent(features) -> bool:
+    """Return whether columns of a feature table (n, m) depend linearly on each other or on the intercept."""
+    X = features.to_numpy(float)
+    centred = X - X.mean(axis=0)
+    scale = np.linalg.norm(centred, axis=0)
+    if not np.all(scale > DEPENDENT * np.linalg.norm(X, axis=0)):
+        return True
+    return bool(np.linalg.svd(centred / scale, compute_uv=False)[-1] < DEPENDENT)
 
 
 def correlate(features, porosity):
@@ -277,6 +293,11 @@ def fit(features, porosity, name="porosity", case="", seed=0):
         raise ValueError(
             f"fit of model {name}, case {case or '-'}: a value is not finite; select the columns with usable_features"
         )
+    if dependent(features):
+        raise ValueError(
+            f"fit of model {name}, case {case or '-'}: {' and '.join(features.columns)} depend linearly on each other "
+            f"in all {len(y)} samples, so that their effects cannot be told apart; choose forms in which they differ"
+        )
     result = OLS(y, add_constant(X, has_constant="add")).fit()
     lower, upper = result.conf_int(alpha=0.05).T
     drawn_lower, drawn_upper = np.percentile(bootstrap(features, y, seed=seed), [2.5, 97.5], axis=0)
@@ -294,7 +315,7 @@ def fit(features, porosity, name="porosity", case="", seed=0):
         scatter=float(np.sqrt(result.mse_resid)),
         minimum=tuple(X.min(axis=0).tolist()),
         maximum=tuple(X.max(axis=0).tolist()),
-        r_squared=float(result.rsquared),
+        r_squared=float(result.rsquared) if varies(y) else np.nan,
         rmse=float(np.sqrt(np.mean(result.resid**2))),
         n_samples=len(y),
     )

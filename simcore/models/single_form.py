@@ -10,6 +10,7 @@ from simcore.models.regression import (
     FOLDS,
     correlate,
     cross_validate,
+    dependent,
     fewest_samples,
     fit_and_validate,
     screen,
@@ -39,6 +40,11 @@ def single_form_models(packings, r22_correlations=None, r22_errors=None, r22_mod
         n = rows["n"].to_numpy()
         features = usable_features(form_features(*(rows[axis].to_numpy() for axis in "LIS")))
         _require(features, SINGLE_FORM, case)
+        if dependent(features[list(SINGLE_FORM)]):
+            raise ValueError(
+                f"case {case}: no model can be fitted, because L/S and L/I differ in the same way in all {len(n)} "
+                "packings, as for rods or discs. Choose forms that differ in flatness and elongation"
+            )
         kept = screen(features)
         correlations.append(
             pd.DataFrame({"r": correlate(features, n), "r_first": correlate(features, features["EQ_inv"])})

@@ -11,7 +11,7 @@ def over_seeds(packings, key):
     """
     if key not in packings:
         return packings
-    return packings.groupby(["case", key], sort=False).mean(numeric_only=True).copy().reset_index()
+    return packings.groupby(["case", key], sort=False, dropna=False).mean(numeric_only=True).copy().reset_index()
 
 
 def compare_predictions(models, name, table):

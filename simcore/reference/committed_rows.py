@@ -53,7 +53,7 @@ def read_single_forms(path, source=None, cases=None):
     Columns: case, source ("" if the file has none), grain (with its source), L, I, S (full axes, any one unit) and n,
     the porosity. The file is one of the committed tables or the table of a study. source, cases: as in `fitted_forms`.
     """
-    table = pd.read_csv(path)
+    table = pd.read_csv(path, keep_default_na=False, na_values="")  # a grain may be named NA
     if "source" not in table:
         table = table.assign(source="")
     table = fitted_forms(table, source, cases)

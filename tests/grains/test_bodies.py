@@ -81,6 +81,12 @@ def test_joined_takes_the_hull_of_all_with_a_note(tmp_path):
     assert "hull of 2 bodies" in grain.notes[0]
 
 
+def test_bodies_that_overlap_have_no_known_volume_together(tmp_path):
+    mesh = together(ball(), ball(5, (4.3, 0.2, 0.1)))
+    (grain,) = read_grains_of(write(tmp_path / "a.stl", mesh), "mm", bodies="joined")
+    assert grain.volume == pytest.approx(mesh.convex_hull.volume * 1e-9, rel=1e-5) and np.isnan(grain.hull_ratio)
+
+
 def test_an_unknown_choice_is_refused(tmp_path):
     with pytest.raises(ValueError, match="split"):
         read_grains_of(write(tmp_path / "a.stl", ball()), "mm", bodies="all")

@@ -14,6 +14,7 @@ from simcore.grains.measured_beds import CurveReader, MeasuredBed, read_measured
 from simcore.grains.measured_forms import Sample
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.fitting import fit_reference_models, read_campaign_models
+from simcore.models.measured_check import check_models
 from simcore.models.measured_curves import CORRECTED, OURS, fit_curves
 from simcore.models.measured_fit import MeasuredFit
 from simcore.models.measured_fit_text import describe_fit
@@ -167,6 +168,18 @@ def test_predict_takes_the_file_that_fit_wrote(tmp_path, capsys):
     assert "ours, size and form, corrected" in describe_fit(result._replace(curves=again), EXAMPLE)
     assert main(["fit", str(EXAMPLE), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["curves"]["candidates"][0]["chosen"]
+
+
+def test_the_offset_belongs_to_the_model_of_the_file(tmp_path):
+    """A file of another version has other parameters; its own beds have no mean residual after a new fit either."""
+    path, again = tmp_path / "model.json", tmp_path / "again.json"
+    simcore.fit(EXAMPLE, out=path)
+    content = json.loads(path.read_text())
+    content["curve"]["correction"]["sized"] |= {"candidate": "H", "parameters": {"K": 4.1, "m0": 1.0, "kappa": 0.0}}
+    path.write_text(json.dumps(content))
+    result = simcore.fit(EXAMPLE, models=path, out=again).curves
+    assert result.model.sized.candidate == "H"
+    assert check_models(EXAMPLE, models=again).checks[0].bias == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("by_class", [False, True])

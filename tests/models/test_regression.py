@@ -14,6 +14,7 @@ from simcore.models.regression import (
     bootstrap,
     correlate,
     cross_validate,
+    dependent,
     fit,
     fit_and_validate,
     predict_unseen,
@@ -127,6 +128,23 @@ def test_too_few_samples_are_refused(function):
     features = pd.DataFrame({"a": [1.0, 2.0, 3.0], "b": [1.0, 0.0, 2.0]})
     with pytest.raises(ValueError, match="3 samples are too few"):
         function(features, [0.1, 0.2, 0.3])
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-9])
+def test_features_whose_effects_cannot_be_told_apart_are_refused(noise):
+    x = np.random.default_rng(0).uniform(1.0, 3.0, 20)
+    of_rods = pd.DataFrame({"EQ_inv": x, "EL_inv": x * (1.0 + noise * np.random.default_rng(1).normal(size=20))})
+    with pytest.raises(ValueError, match="EQ_inv and EL_inv depend linearly on each other in all 20 samples"):
+        fit(of_rods, 0.3 + 0.02 * x)
+    assert dependent(pd.DataFrame({"x": x, "constant": np.full(20, 2.0)}))
+    alike = pd.DataFrame({"EQ_inv": x, "EL_inv": x + 1e-3 * np.sin(100 * x)})
+    assert not dependent(alike)
+    assert fit(alike, alike @ [0.5, -0.3]).coefficients == pytest.approx([0.0, 0.5, -0.3], abs=1e-6)
+
+
+def test_equal_porosities_have_no_share_that_is_explained():
+    features = pd.DataFrame({"x": np.arange(8.0)})
+    assert np.isnan(fit(features, np.full(8, 0.1 + 0.2)).r_squared)
 
 
 def test_a_prediction_interval_holds_a_new_form_as_often_as_it_says():

@@ -4,6 +4,7 @@ import pandas as pd
 import pytest
 
 from simcore.models.fitting import fit_reference_models
+from simcore.models.tables import over_seeds
 from simcore.paths import REFERENCE
 from simcore.reference.committed_rows import (
     SOURCE_OF_MIXTURES,
@@ -34,6 +35,13 @@ def test_only_polyhedra_of_the_chosen_source_and_cases_are_fitted(name):
     assert fitted_forms(rows, "scans").n.tolist() == [0.42, 0.43]
     assert fitted_forms(rows, "scans", cases=["U7"]).n.tolist() == [0.43]
     assert fitted_forms(rows.drop(columns=name), "synthetic").n.tolist() == [0.40, 0.41]
+
+
+def test_a_grain_may_have_the_name_of_a_missing_value(tmp_path):
+    rows = pd.DataFrame({"case": "U1", "grain": ["NA", "None", "B"], "EL": 0.7, "FL": [0.5, 0.6, 0.7], "n": 0.35})
+    rows.to_csv(tmp_path / "single_form.csv", index=False)
+    table = over_seeds(read_single_forms(tmp_path / "single_form.csv"), "grain")
+    assert [name.strip() for name in table.grain] == ["NA", "None", "B"]
 
 
 def test_reading_follows_the_rule_and_separates_grains_of_one_name(tmp_path):

@@ -11,7 +11,6 @@ The equations were read in public source code that implements the publications n
     linear_mixture.py   linear-mixture packing model (Yu and Standish 1991)
     compressible.py     compressible packing model (de Larrard 1999)
     rods.py             rods on a line (Farr and Groot 2009)
-    equivalent_size.py  packing size and one-class porosity of nonspherical grains (Yu, Zou and Standish 1996)
     empirical.py        river predictors that take a sieve curve alone
     curves.py           from a SieveCurve to size classes; statistics of a curve
     classes.py          checks, size ratios, and the sum that linear and compressible models share

@@ -71,6 +71,7 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
     correction = fitted.curve if model is None else None
     model, fitted = model or sized_model(fitted), one_class_models(fitted)
     *rows, of_rhine = predict_all_preferred([*samples, rhine_sample()], ONE_CLASS, fitted, level)
+    _require_rhine(of_rhine)
     of_class = np.array([row[key] for row in rows for key in ONE_CLASS_NUMBERS], float).reshape(len(rows), -1)
     n1 = of_class[:, :3]
     usable = np.isfinite(n1[:, 0]) & (n1[:, 0] >= LEAST) & (n1[:, 0] <= LARGEST)
@@ -99,7 +100,18 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
 
 def rhine_one_class(fitted, level=0.95) -> float:
     """Return the one-class porosity of the Rhine's grains by FittedModels, with which the stretch by form compares."""
-    return predict_preferred(rhine_sample(), ONE_CLASS, one_class_models(fitted), level)["n"]
+    return _require_rhine(predict_preferred(rhine_sample(), ONE_CLASS, one_class_models(fitted), level))["n"]
+
+
+def _require_rhine(row):
+    """Return the row of the Rhine's grains; ValueError if it has no porosity."""
+    if not np.isfinite(row["n"]):
+        raise ValueError(
+            "predictions from sieve curves compare with the one-class porosity of the Rhine's gravel, which these "
+            f"models do not give: {row['refused']}; add packings with a distribution of form to their campaign, or "
+            "leave out --models to use the committed ones"
+        )
+    return row
 
 
 def one_class_models(fitted):

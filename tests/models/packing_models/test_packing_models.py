@@ -9,7 +9,6 @@ import pytest
 
 from simcore.grains.sieve import read_cases
 from simcore.models.packing_models.compressible import compressible
-from simcore.models.packing_models.equivalent_size import cylinder_porosity, disc_porosity, packing_size
 from simcore.models.packing_models.linear import filling, linear, occupying
 from simcore.models.packing_models.linear_mixture import linear_mixture
 from simcore.models.packing_models.rods import rod_lengths, rods, solid_fraction
@@ -245,16 +244,6 @@ def test_functions_of_the_ratio_at_their_ends():
         assert function(0.0) == 1.0 and function(1.0) == 0.0
         assert abs(function(1.0 - 1e-6)) < 1e-9  # flat at equal sizes
         assert np.all(np.diff(function(np.linspace(0, 1, 101))) <= 0)
-
-
-def test_equivalent_size_of_spheres():
-    assert packing_size(2.0, 1.0) == 2.0
-    assert cylinder_porosity(1.0) == disc_porosity(1.0) == pytest.approx(0.40)
-    psi = np.array([0.95, 0.8, 0.6])
-    assert np.all(packing_size(1.0, psi) > 1.0) and np.all(np.diff(packing_size(1.0, psi)) > 0)
-    assert cylinder_porosity(0.6) > disc_porosity(0.6) > 0.40
-    with pytest.raises(ValueError, match="sphericity"):
-        packing_size(1.0, 1.2)
 
 
 @pytest.mark.parametrize(

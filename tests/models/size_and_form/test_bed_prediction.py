@@ -14,7 +14,7 @@ from simcore.grains.measured_forms import Sample
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sieve_table import read_curve
 from simcore.grains.statistics import equancy_statistics
-from simcore.models.fitting import fit_reference_models
+from simcore.models.fitting import FittedModels, fit_reference_models
 from simcore.models.packing_models.curves import gap, passing, span, split
 from simcore.models.prediction import ONE_CLASS, predict_samples
 from simcore.models.size_and_form.bed_prediction import (
@@ -198,6 +198,15 @@ def test_a_form_far_outside_is_refused_and_the_others_stay(fitted):
     table = predict_curve(all_cases()["U5"].curve, [sample(), sample("thin", mu_FL=0.05, sigma_FL=0.01)], fitted)
     assert table.refused[0] == "" and "1/mean EQ" in table.refused[1]
     assert table.loc[1, ["n", "lower", "upper", "n_long_shaken", "n_not_shaken"]].isna().all()
+
+
+def test_models_without_the_form_of_the_rhine_are_named(fitted):
+    forms = FittedModels({key: model for key, model in fitted.models.items() if key[0] == "single_form"}, {})
+    of_one_form = Sample("s", 40, 0.6, 0.0, 0.7, 0.0, 0.42, 0.0)
+    assert np.isfinite(predict_samples([of_one_form], "U1", forms).n).all()
+    for predictor in (predict_curve, lambda curve, samples, models: rhine_one_class(models)):
+        with pytest.raises(ValueError, match="the Rhine's gravel, which these models do not give: no model was fitted"):
+            predictor(all_cases()["U7"].curve, [of_one_form], forms)
 
 
 def test_sensitivity_is_the_change_by_one_percent_more_of_a_class(fitted):
