@@ -5,6 +5,7 @@ import pandas as pd
 import xarray as xr
 
 from simcore.models.regression import PorosityModel
+from simcore.models.scatter import line_of_row
 
 
 def models_dataset(models, table, title):
@@ -68,6 +69,7 @@ def read_models(path):
             minimum=column["feature_min"][1:],
             maximum=column["feature_max"][1:],
             n_samples=int(first_row["samples"]),
+            scatter_line=line_of_row(first_row),
             **{
                 key: float(first_row[key])
                 for key in ("scatter", "r_squared", "rmse", "mean_absolute_error", "median_absolute_error")

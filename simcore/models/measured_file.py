@@ -102,11 +102,16 @@ def _read_models(entries, describe, name=None):
 
 def _read_model(entry):
     """Return the PorosityModel of an entry of the file."""
+    entry = {"scatter_line": None} | entry  # which files of earlier versions lack
     values = {field.name: _with_nan(entry[field.name]) for field in fields(PorosityModel)}
     values |= {name: tuple(values[name]) for name in (*_TUPLES, "minimum", "maximum")}
     values["covariance"] = tuple(map(tuple, values["covariance"]))
-    if entry["degrees_of_freedom"] is None:
-        values["degrees_of_freedom"] = None
+    for name in ("degrees_of_freedom", "scatter_line"):
+        if entry[name] is None:
+            values[name] = None
+    if values["scatter_line"] is not None:
+        intercept, slope = map(float, values["scatter_line"])
+        values["scatter_line"] = (intercept, slope)
     size = len(values["features"]) + 1
     if not (size == len(values["coefficients"]) == len(values["covariance"]) and math.isfinite(values["scatter"])):
         raise ValueError

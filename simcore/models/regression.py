@@ -10,6 +10,7 @@ import pandas as pd
 from simcore.evaluation.confidence import student_quantile
 from simcore.grains.form import features as form_features
 from simcore.models.fitted_range import RangedValue, distance_outside, widening
+from simcore.models.scatter import covariance_of, scatter_line, scatter_of
 
 log = logging.getLogger(__name__)
 
@@ -140,8 +141,9 @@ class PorosityModel:
 
     lower, upper: 95 % confidence intervals by least squares; bootstrap_lower, bootstrap_upper: the same by the
     bootstrap. covariance (m+1, m+1): of the coefficients. scatter: standard deviation of the samples about the model,
-    corrected for the degrees of freedom of the model; rmse: root mean square residual over the samples of the fit.
-    minimum, maximum (m,): of each feature over these samples. mean_absolute_error, median_absolute_error:
+    corrected for the degrees of freedom of the model; scatter_line: intercept and slope of the scatter over the first
+    feature, if it grows with it, else None (simcore.models.scatter); rmse: root mean square residual over the samples
+    of the fit. minimum, maximum (m,): of each feature over these samples. mean_absolute_error, median_absolute_error:
     cross-validated errors, nan without cross-validation. degrees_of_freedom: of the scatter, if some coefficients were
     not fitted to the samples (simcore.models.correction); None: n_samples minus the number of coefficients.
     """
@@ -165,6 +167,7 @@ class PorosityModel:
     mean_absolute_error: float = np.nan
     median_absolute_error: float = np.nan
     degrees_of_freedom: int | None = None
+    scatter_line: tuple | None = None
 
     @property
     def terms(self):
@@ -189,8 +192,8 @@ class PorosityModel:
 
         The interval is for a new sample like those of the fit: a new form, whose porosity is measured as precisely. By
         least squares and Student's t it combines the uncertainty of the coefficients, which grows with the distance
-        from the samples of the fit, and the scatter about the model. Farther outside the fitted range it is widened by
-        the rule of simcore.models.fitted_range.
+        from the samples of the fit, and the scatter about the model, which may grow with the first feature. Farther
+        outside the fitted range it is widened by the rule of simcore.models.fitted_range.
         """
         return self._interval(self.design(features), level)
 
@@ -207,7 +210,8 @@ class PorosityModel:
 
     def _interval(self, design, level):
         porosity = design @ np.array(self.coefficients)
-        variance = self.scatter**2 + np.einsum("ni,ij,nj->n", design, np.array(self.covariance), design)
+        scatter = scatter_of(design, self.scatter, self.scatter_line)
+        variance = scatter**2 + np.einsum("ni,ij,nj->n", design, np.array(self.covariance), design)
         half = student_quantile(level, self.freedom) * np.sqrt(variance)
         half = half * widening(self._distances(design).max(axis=1, initial=0.0))
         return porosity, porosity - half, porosity + half
@@ -264,6 +268,8 @@ class PorosityModel:
             r_squared=self.r_squared,
             rmse=self.rmse,
             scatter=self.scatter,
+            scatter_intercept=np.nan if self.scatter_line is None else self.scatter_line[0],
+            scatter_slope=np.nan if self.scatter_line is None else self.scatter_line[1],
             mean_absolute_error=self.mean_absolute_error,
             median_absolute_error=self.median_absolute_error,
             samples=self.n_samples,
@@ -277,7 +283,9 @@ class PorosityModel:
 def fit(features, porosity, name="porosity", case="", seed=0):
     """Fit porosity (n,) to all columns of `features` (n, m) and an intercept by ordinary least squares: PorosityModel.
 
-    seed: of the bootstrap. ValueError if there are too few samples or a value is not finite.
+    If the scatter about the model grows with the first feature, the errors of the coefficients are for this scatter.
+    seed: of the bootstrap. ValueError if there are too few samples, a value is not finite or features depend on each
+    other.
     """
     # Imported here because it loads slowly and a prediction needs no fit.
     from statsmodels.regression.linear_model import OLS
@@ -298,21 +306,26 @@ def fit(features, porosity, name="porosity", case="", seed=0):
             f"fit of model {name}, case {case or '-'}: {' and '.join(features.columns)} depend linearly on each other "
             f"in all {len(y)} samples, so that their effects cannot be told apart; choose forms in which they differ"
         )
-    result = OLS(y, add_constant(X, has_constant="add")).fit()
-    lower, upper = result.conf_int(alpha=0.05).T
+    design = add_constant(X, has_constant="add")
+    result = OLS(y, design).fit()
+    scatter, line = float(np.sqrt(result.mse_resid)), scatter_line(design, result.resid)
+    covariance = result.cov_params() if line is None else covariance_of(design, scatter_of(design, scatter, line))
+    errors = np.sqrt(np.diag(covariance))
+    half = student_quantile(0.95, result.df_resid) * errors
     drawn_lower, drawn_upper = np.percentile(bootstrap(features, y, seed=seed), [2.5, 97.5], axis=0)
     return PorosityModel(
         name=name,
         case=case,
         features=tuple(features.columns),
         coefficients=tuple(result.params.tolist()),
-        std_errors=tuple(result.bse.tolist()),
-        lower=tuple(lower.tolist()),
-        upper=tuple(upper.tolist()),
+        std_errors=tuple(errors.tolist()),
+        lower=tuple((result.params - half).tolist()),
+        upper=tuple((result.params + half).tolist()),
         bootstrap_lower=tuple(drawn_lower.tolist()),
         bootstrap_upper=tuple(drawn_upper.tolist()),
-        covariance=tuple(map(tuple, result.cov_params().tolist())),
-        scatter=float(np.sqrt(result.mse_resid)),
+        covariance=tuple(map(tuple, covariance.tolist())),
+        scatter=scatter,
+        scatter_line=line,
         minimum=tuple(X.min(axis=0).tolist()),
         maximum=tuple(X.max(axis=0).tolist()),
         r_squared=float(result.rsquared) if varies(y) else np.nan,

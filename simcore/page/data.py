@@ -16,6 +16,7 @@ from simcore.models.formulas import SYMBOLS
 from simcore.models.measured_file import MEASURED
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.prediction_text import FEW_GRAINS
+from simcore.models.scatter import LEAST
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS
 from simcore.packing.sieve_specification import SYNTHETIC, sieve_specification
 from simcore.page.curve_data import curve_data
@@ -103,10 +104,12 @@ def _reading():
 
 def _model(name, model, behind):
     """Return a PorosityModel with Student's t at each of LEVELS."""
-    keys = ("case", "features", "coefficients", "covariance", "scatter", "minimum", "maximum", "n_samples")
+    keys = ("case", "features", "coefficients", "covariance", "minimum", "maximum", "n_samples")
     return {
         "model": name,
         **{key: getattr(model, key) for key in keys},
+        "scatter_line": model.scatter_line or (model.scatter, 0.0),
+        "least_scatter": LEAST * model.scatter,
         "error": model.mean_absolute_error,
         "behind": behind,
         "quantiles": {f"{level:g}": student_quantile(level, model.freedom) for level in LEVELS},

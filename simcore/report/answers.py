@@ -9,6 +9,7 @@ from simcore.campaign.biases import SIZE
 from simcore.evaluation.rounding import rounded
 from simcore.grains.sieve import read_cases
 from simcore.models.formulas import BEDS, formulas
+from simcore.models.scatter import line_of_row, scatter_of
 from simcore.paths import CONFIG
 from simcore.reference.r22_tables import rhine_statistics
 from simcore.report.page import bullets, folded, paragraph, rows_table
@@ -86,8 +87,9 @@ def predict_form(terms, flatness, elongation):
     values = pd.Series(features)[fitted.index]
     if ((values < fitted["feature_min"]) | (values > fitted["feature_max"])).any():
         return np.nan, np.nan
-    scatter = terms["scatter"].iloc[0] if "scatter" in terms else np.nan
-    return float(terms.loc["intercept", "coefficient"] + (fitted["coefficient"] * values).sum()), float(scatter)
+    scatter = float(terms["scatter"].iloc[0]) if "scatter" in terms else np.nan
+    scatter = scatter_of(np.array([[1.0, *values]]), scatter, line_of_row(terms.iloc[0]))[0]
+    return float(terms.loc["intercept", "coefficient"] + (fitted["coefficient"] * values).sum()), scatter
 
 
 def _example_forms():
@@ -163,10 +165,12 @@ def _in_short(tables):
     sentences = []
     if "single_form" in tables:
         for case, terms in list(one_form_models(tables).items())[:1]:
-            if "scatter" in terms and np.isfinite(terms["scatter"].iloc[0]):
+            rhine = rhine_statistics()
+            scatter = predict_form(terms, rhine["mu_FL"], rhine["mu_EL"])[1]
+            if np.isfinite(scatter):
                 sentences.append(
-                    f"About 95 % of new beds of one form and of the sieve curve {case}, poured and shaken in the same "
-                    f"way, have a porosity within {2.0 * terms['scatter'].iloc[0]:.3f} of the model."
+                    f"About 95 % of new beds of one form, the mean one, and of the sieve curve {case}, poured and "
+                    f"shaken in the same way, have a porosity within {2.0 * scatter:.3f} of the model."
                 )
     if "validation" in tables:
         rows = pd.read_csv(tables["validation"])

@@ -41,6 +41,8 @@ DETAILS = (
     "r_squared",
     "rmse",
     "scatter",
+    "scatter_intercept",
+    "scatter_slope",
     "median_absolute_error",
     "folds",
     "repeats",

@@ -9,6 +9,7 @@ from simcore.grains.table_file import TextTable
 from simcore.models.few_grains import few_grains_errors, few_grains_half
 from simcore.models.fitting import fit_reference_models
 from simcore.models.prediction import sample_features
+from simcore.models.scatter import scatter_of
 from simcore.models.unified import unified_features
 from simcore.paths import ROOT
 
@@ -64,8 +65,9 @@ def test_intervals_of_few_grains_contain_the_porosity_of_all_grains(model, numbe
     samples, _ = samples_of_table(
         TextTable(GRAINS, list(table.columns), table.astype(str).set_axis(range(4), axis=1), [])
     )
-    (true,), _, _ = model.predict_interval(sample_features(read_measured(GRAINS)[0]))
-    beds = true + model.scatter * np.random.default_rng(1).normal(size=len(samples))
+    of_all = model.design(sample_features(read_measured(GRAINS)[0]))
+    scatter = scatter_of(of_all, model.scatter, model.scatter_line)
+    beds = of_all @ model.coefficients + scatter * np.random.default_rng(1).normal(size=len(samples))
     n, lower, upper, _ = model.predict_interval_and_outside(
         sample_features(samples), 0.95, few_grains_half(samples, few_grains_errors(model, samples), 0.95)
     )

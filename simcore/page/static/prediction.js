@@ -89,7 +89,8 @@ const Prediction = (() => {
   function evaluate(model, features, level) {
     const design = [1, ...model.features.map((feature) => features[feature])];
     const n = dot(design, model.coefficients);
-    const variance = model.scatter ** 2 + dot(design, model.covariance.map((line) => dot(line, design)));
+    const scatter = Math.max(dot(design.slice(0, 2), model.scatter_line), model.least_scatter);
+    const variance = scatter ** 2 + dot(design, model.covariance.map((line) => dot(line, design)));
     return [n, model.quantiles[general(level)] * Math.sqrt(variance)];
   }
 

@@ -154,6 +154,8 @@ HEADINGS = {
     "r_squared": Heading("R²", 3),
     "rmse": Heading("root mean square residual", 4),
     "scatter": Heading("std. dev. about the model", 4),
+    "scatter_intercept": Heading("std. dev. about the model at 0", 4),
+    "scatter_slope": Heading("its growth with the first feature", 4),
     "mean_absolute_error": Heading(f"{_ERROR}, cross-validated", 4),
     "median_absolute_error": Heading("median error of porosity, cross-validated", 4),
     "samples": Heading("samples", 0),

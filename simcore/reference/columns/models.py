@@ -17,6 +17,8 @@ MODELS = (
     Column("r_squared", "", "coefficient of determination"),
     Column("rmse", "", "root mean square residual of porosity over the samples of the fit"),
     Column("scatter", "", "standard deviation of porosity about the model, for its degrees of freedom"),
+    Column("scatter_intercept", "", "scatter at 0 of its line over the first feature; empty: it is constant"),
+    Column("scatter_slope", "", "slope of the scatter over the first feature; empty: it is constant"),
     Column("mean_absolute_error", "", "mean cross-validated error of porosity"),
     Column("median_absolute_error", "", "median cross-validated error of porosity"),
     Column("samples", "", "number of samples of the fit; packings that differ only in their seed are one"),
