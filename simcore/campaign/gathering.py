@@ -207,7 +207,11 @@ def gather(folder, name, rows):
 
 
 def _sortable(column):
-    return column if pd.api.types.is_numeric_dtype(column) else column.astype(str)
+    """Return a column as a key for sorting: numbers by size, and before words, such as 50, 300 and "original"."""
+    if pd.api.types.is_numeric_dtype(column):
+        return column
+    numbers, words = pd.to_numeric(column, errors="coerce"), column.astype(str)
+    return words.where(numbers.isna(), numbers.rank(method="dense").map("{:012.0f}".format))
 
 
 def record(folder, table, study, source, packings, made, command, machine):

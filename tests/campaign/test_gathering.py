@@ -187,6 +187,12 @@ def test_rows_stay_until_the_same_packing_comes_again(tmp_path):
         gather(tmp_path, "validation", rows.drop(columns="n_error"))
 
 
+def test_rows_are_sorted_by_numbers_and_then_words(tmp_path):
+    for faces in ([300, 50], ["original"], [2000]):
+        gather(tmp_path, "numbers", pd.DataFrame({"faces": faces, "n": 0.4}))
+    assert pd.read_csv(tmp_path / "numbers.csv")["faces"].tolist() == ["50", "300", "2000", "original"]
+
+
 def test_a_key_that_is_left_open_is_the_same_in_a_file(tmp_path):
     rows = pd.DataFrame({"case": "U1", "spacing": [None, None], "seed": [1, 2], "n": [0.3, 0.4], "grains": 9})
     assert [gather(tmp_path, "difference_x", rows) for _ in range(2)] == [2, 2]
