@@ -70,12 +70,18 @@ def read_models(path):
             maximum=column["feature_max"][1:],
             n_samples=int(first_row["samples"]),
             scatter_line=line_of_row(first_row),
+            form_mixture_error=_finite_or_none(first_row.get("form_mixture_error", np.nan)),
             **{
                 key: float(first_row[key])
                 for key in ("scatter", "r_squared", "rmse", "mean_absolute_error", "median_absolute_error")
             },
         )
     return models
+
+
+def _finite_or_none(value):
+    """Return a number that a file may lack, as those of earlier versions do."""
+    return float(value) if np.isfinite(value) else None
 
 
 def table_dataset(table, title):

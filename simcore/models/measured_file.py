@@ -102,11 +102,11 @@ def _read_models(entries, describe, name=None):
 
 def _read_model(entry):
     """Return the PorosityModel of an entry of the file."""
-    entry = {"scatter_line": None} | entry  # which files of earlier versions lack
+    entry = {"scatter_line": None, "form_mixture_error": None} | entry  # which files of earlier versions lack
     values = {field.name: _with_nan(entry[field.name]) for field in fields(PorosityModel)}
     values |= {name: tuple(values[name]) for name in (*_TUPLES, "minimum", "maximum")}
     values["covariance"] = tuple(map(tuple, values["covariance"]))
-    for name in ("degrees_of_freedom", "scatter_line"):
+    for name in ("degrees_of_freedom", "scatter_line", "form_mixture_error"):
         if entry[name] is None:
             values[name] = None
     if values["scatter_line"] is not None:

@@ -57,9 +57,10 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
     interval leaves (0, 1), then n, lower and upper are nan and `refused` gives the reason; `refused` is empty
     otherwise. A sample of a kind for which the case has no model has one row, with empty `by` and `model`.
 
-    For a distribution, the preferred model is the one with the smaller cross-validated error among our models whose
-    fitted range contains the sample; if there is none, it is the unified model, which is also valid for narrow
-    distributions. ValueError if there is no model for the case, or if no model can be evaluated for any of the samples.
+    For a distribution, the preferred model is the one with the smaller cross-validated error of distributions among our
+    models whose fitted range contains the sample; if there is none, it is the unified model, which is also valid for
+    narrow distributions. ValueError if there is no model for the case, or if no model can be evaluated for any of the
+    samples.
     """
     case = model_case(case)
     published = published_models(case, r22_tables)
@@ -209,7 +210,7 @@ def _prefer(sample, rows, case, fitted):
         chosen = evaluated[0]
         if not sample.one_form:
             inside = [row for row in evaluated if not row["outside"]] or evaluated[-1:]
-            chosen = min(inside, key=lambda row: fitted.models[row["model"], case].mean_absolute_error)
+            chosen = min(inside, key=lambda row: fitted.models[row["model"], case].error_of_mixtures)
         chosen["preferred"] = True
     return rows
 

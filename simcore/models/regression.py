@@ -144,8 +144,9 @@ class PorosityModel:
     corrected for the degrees of freedom of the model; scatter_line: intercept and slope of the scatter over the first
     feature, if it grows with it, else None (simcore.models.scatter); rmse: root mean square residual over the samples
     of the fit. minimum, maximum (m,): of each feature over these samples. mean_absolute_error, median_absolute_error:
-    cross-validated errors, nan without cross-validation. degrees_of_freedom: of the scatter, if some coefficients were
-    not fitted to the samples (simcore.models.correction); None: n_samples minus the number of coefficients.
+    cross-validated errors, nan without cross-validation; form_mixture_error: the mean one over the beds with a
+    distribution of form, if there are others too, else None. degrees_of_freedom: of the scatter, if some coefficients
+    were not fitted to the samples (simcore.models.correction); None: n_samples minus the number of coefficients.
     """
 
     name: str
@@ -168,6 +169,7 @@ class PorosityModel:
     median_absolute_error: float = np.nan
     degrees_of_freedom: int | None = None
     scatter_line: tuple | None = None
+    form_mixture_error: float | None = None
 
     @property
     def terms(self):
@@ -178,6 +180,11 @@ class PorosityModel:
     def freedom(self):
         """Degrees of freedom of the scatter, which Student's t of an interval has."""
         return self.degrees_of_freedom or self.n_samples - len(self.coefficients)
+
+    @property
+    def error_of_mixtures(self):
+        """Mean cross-validated error of beds with a distribution of form, or of all beds if they are of one kind."""
+        return self.mean_absolute_error if self.form_mixture_error is None else self.form_mixture_error
 
     def predict(self, features):
         """Return the porosity (n,) for a feature table (n, m) with at least this model's features.
@@ -272,6 +279,7 @@ class PorosityModel:
             scatter_slope=np.nan if self.scatter_line is None else self.scatter_line[1],
             mean_absolute_error=self.mean_absolute_error,
             median_absolute_error=self.median_absolute_error,
+            form_mixture_error=np.nan if self.form_mixture_error is None else self.form_mixture_error,
             samples=self.n_samples,
         )
 
@@ -334,8 +342,16 @@ def fit(features, porosity, name="porosity", case="", seed=0):
     )
 
 
-def fit_and_validate(features, porosity, name="porosity", case="", seed=0, groups=None, folds=FOLDS):
-    """Fit as `fit` does, and add the cross-validated errors; groups, folds: as in predict_unseen."""
-    errors = cross_validate(features, porosity, folds, seed=seed, groups=groups)
-    chosen = {key: float(errors[key]) for key in ("mean_absolute_error", "median_absolute_error")}
-    return replace(fit(features, porosity, name, case, seed), **chosen)
+def fit_and_validate(features, porosity, name="porosity", case="", seed=0, groups=None, folds=FOLDS, mixed=None):
+    """Fit as `fit` does, and add the cross-validated errors; groups, folds: as in predict_unseen.
+
+    mixed (n,): whether a bed has a distribution of form, if the beds are of both kinds.
+    """
+    predictions, _ = predict_unseen(features, porosity, folds, seed=seed, groups=groups)
+    errors = np.abs(predictions - np.asarray(porosity, float))
+    return replace(
+        fit(features, porosity, name, case, seed),
+        mean_absolute_error=float(errors.mean()),
+        median_absolute_error=float(np.median(errors)),
+        form_mixture_error=None if mixed is None else float(errors[:, mixed].mean()),
+    )

@@ -82,8 +82,8 @@ def single_form_statistics(L, I, S):  # noqa: E741
 def fit_unified(single_forms, mixtures, seed=0, folds=FOLDS):
     """Fit the unified model per case of both tables: dict by ("unified", case); arguments as in unified_models."""
     return {
-        ("unified", case): fit_and_validate(features[list(UNIFIED)], n, "unified", case, seed, groups, folds)
-        for case, (features, n, groups, _) in _beds(single_forms, mixtures).items()
+        ("unified", case): fit_and_validate(features[list(UNIFIED)], n, "unified", case, seed, groups, folds, mixed)
+        for case, (features, n, groups, mixed) in _beds(single_forms, mixtures).items()
     }
 
 

@@ -111,6 +111,7 @@ def _model(name, model, behind):
         "scatter_line": model.scatter_line or (model.scatter, 0.0),
         "least_scatter": LEAST * model.scatter,
         "error": model.mean_absolute_error,
+        "error_of_mixtures": model.error_of_mixtures,
         "behind": behind,
         "quantiles": {f"{level:g}": student_quantile(level, model.freedom) for level in LEVELS},
     }

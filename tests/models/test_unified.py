@@ -88,6 +88,7 @@ def test_the_set_that_holds_the_truth_has_the_least_error(beds):
     separate = table[table.model == "separate"].iloc[0]
     assert separate.form_mixture_error > 3 * best.form_mixture_error  # 1/sigma is not in the truth
     assert models["unified", "U1"].mean_absolute_error == best.mean_absolute_error
+    assert models["unified", "U1"].error_of_mixtures == best.form_mixture_error != best.mean_absolute_error
     assert tables["models"].term.tolist() == ["intercept", *UNIFIED]
 
 

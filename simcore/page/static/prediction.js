@@ -80,7 +80,7 @@ const Prediction = (() => {
       const ofModel = half * (1 + widening * Math.max(Math.min(distance, 1e300) - near, 0));
       const widened = Math.hypot(ofModel, fewGrainsHalf(sample, error, level));
       const numbers = [n, n - widened, n + widened, error];
-      return { ...row("ours", model.model, numbers, quantities, 4), error: model.error };
+      return { ...row("ours", model.model, numbers, quantities, 4), error: model.error_of_mixtures };
     });
     return prefer(sample, rows);
   }
