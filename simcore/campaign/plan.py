@@ -19,7 +19,7 @@ from simcore.campaign.studies import expand
 from simcore.evaluation.interval import campaign_cut
 from simcore.grains.sources import set_name, source_name
 from simcore.packing.cost import estimate
-from simcore.packing.forecast import check_bed, typical_grains
+from simcore.packing.forecast import check_bed, typical_grains, with_last_batch
 from simcore.paths import REFERENCE, ROOT
 from simcore.scene.domain import Domain
 from simcore.scene.height import check_height
@@ -101,7 +101,7 @@ def check_beds(packings, cut=None):
             # The mass of a number of grains is not known well before they are drawn.
             known = 1.0 if specification["amount"]["mass"] is not None else LEAST_MASS
             check_height(domain, known * density * grains.total, density)
-            check_bed(domain, grains, density, campaign_cut(cut, domain.periodic))
+            check_bed(domain, with_last_batch(grains, specification), density, campaign_cut(cut, domain.periodic))
         except ValueError as error:
             raise ValueError(
                 f"studies.{row.study}, packing {row.packing}: {error} To evaluate a lower bed, set porosity.cut."

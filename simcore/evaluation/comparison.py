@@ -15,7 +15,7 @@ from simcore.evaluation.confidence import student_quantile
 from simcore.evaluation.coordination import coordination_number
 from simcore.evaluation.interval import median_size
 from simcore.evaluation.porosity import bulk_porosity
-from simcore.scene.identity import deciding_but_seed, differing_keys
+from simcore.scene.identity import deciding_but_seed, differing_keys, shown_but_seed
 
 QUANTITIES = ("n", "n_exact", "coordination")
 CODE = "(version of the code)"
@@ -147,7 +147,7 @@ def _combine(a, b):
 def _settings(specifications, codes):
     """Return the keys in which the groups' specifications differ, with their values; arguments: dicts by group."""
     groups = list(specifications)
-    parts = {group: deciding_but_seed(specification) for group, specification in specifications.items()}
+    parts = {group: shown_but_seed(specification) for group, specification in specifications.items()}
     keys = sorted({key for group in groups[1:] for key in differing_keys(parts[groups[0]], parts[group])})
     rows = {key: [_value(parts[group], key) for group in groups] for key in keys}
     if len(set(codes.values())) > 1:

@@ -46,6 +46,8 @@ def evaluate(packing, slice_height=None, cut=None):
     except ValueError as error:
         notes["height_trends"] = f"left out: {error}"
     merged = xr.merge(parts, join="outer", compat="override", combine_attrs="override")
+    for name in ("profile", "profile_exact"):
+        merged[name] = merged[name].fillna(1.0)  # above the last slice of the shorter one there are only pores
     title = {"Conventions": "CF-1.11", "title": "Evaluation of a grain packing"}
     return merged.assign_attrs(packing.attrs | title | notes)
 

@@ -28,7 +28,7 @@ from simcore.evaluation.bulk_region import bulk
 from simcore.evaluation.contact_radius import contact_radii, largest_radius, radius_bins, surface_radii
 from simcore.evaluation.coordination import BEARING_CONTACTS, coordination_number
 from simcore.evaluation.porosity import describe
-from simcore.scene.identity import deciding_but_seed, differing_keys
+from simcore.scene.identity import differing_keys, shown_but_seed
 
 N_BINS = 20
 DIRECTIONS = ("contact_normal", "long_axis", "short_axis")
@@ -253,7 +253,7 @@ def _check_scenes(fabrics):
     for data, seed in zip(fabrics[1:], seeds[1:], strict=True):
         differing = [name for name in ("bearing_contacts", "cut") if data.attrs[name] != reference.attrs[name]]
         differing += differing_keys(
-            *(deciding_but_seed(json.loads(one.attrs.get("scene", "{}"))) for one in (reference, data))
+            *(shown_but_seed(json.loads(one.attrs.get("scene", "{}"))) for one in (reference, data))
         )
         differing += ["n_bins"] if data.sizes["angle"] != reference.sizes["angle"] else []
         if differing:

@@ -4,9 +4,11 @@ import numpy as np
 import xarray as xr
 from scipy.stats import linregress, spearmanr
 
+from simcore.evaluation.axis_statistics import grain_axes
 from simcore.evaluation.porosity import describe, evaluation_interval, largest_sieve_size, porosity_profile
 from simcore.evaluation.slicing import vertical_axes
 
+FEWEST = 4  # grains, of which a trend is tested
 # name: (units, long_name)
 QUANTITIES = {
     "D": ("m", "sieve size"),
@@ -27,7 +29,8 @@ def height_trends(packing, interval=None, n_layers=5):
     The test is Spearman's rank correlation of the quantity with height over single grains: spearman_r and p_value (two
     sided; four quantities are tested, so compare p with 0.05/4). relative_change is the change from the lower to the
     upper end of the interval by linear regression, divided by the mean. These are nan for a quantity that is the same
-    for all grains. Isotropic long axes have a mean angle of 1 rad. ValueError if there are too few grains.
+    for all grains. Isotropic long axes have a mean angle of 1 rad; grains without a long axis, such as spheres, do not
+    count in it. ValueError if there are too few grains.
     """
     if interval is None:
         profile = porosity_profile(packing)
@@ -35,7 +38,7 @@ def height_trends(packing, interval=None, n_layers=5):
     low, high = interval
     z = packing["position"].values[:, 2]
     inside = (z >= low) & (z <= high)
-    if inside.sum() < 4:
+    if inside.sum() < FEWEST:
         raise ValueError(
             f"height_trends: only {inside.sum()} grains have their centre between {low:.4g} m and {high:.4g} m, too "
             "few for a trend; widen the interval or use more grains"
@@ -52,11 +55,13 @@ def height_trends(packing, interval=None, n_layers=5):
     trends = []
     for name, values in _grain_quantities(packing).items():
         values = values[inside]
+        known = np.isfinite(values)
+        values, of_layer = values[known], layer[known]
         units, text = QUANTITIES[name]
-        mean, error = _layer_means(values, layer, count)
+        mean, error = _layer_means(values, of_layer, np.bincount(of_layer, minlength=n_layers))
         data[f"{name}_mean"] = ("z", mean, {"units": units, "long_name": f"mean {text}"})
         data[f"{name}_std_error"] = ("z", error, {"units": units, "long_name": f"standard error of the mean {text}"})
-        trends.append(_trend(z, values, high - low))
+        trends.append(_trend(z[known], values, high - low))
     columns = zip(
         ("spearman_r", "p_value", "relative_change", "relative_change_std_error"),
         (
@@ -94,8 +99,16 @@ def _grain_quantities(packing):
         "D": packing["D"].values,
         "FL": short / middle,
         "EL": middle / long_axis,
-        "angle": long_axis_angle(packing["orientation"].values),
+        "angle": _angles(packing),
     }
+
+
+def _angles(packing):
+    """Return the angle of each grain's long axis with the vertical (n,) [rad]; nan for a grain that has none."""
+    angles = np.full(packing.sizes["grain"], np.nan)
+    _, has_one = grain_axes(packing)["long_axis"]
+    angles[has_one] = long_axis_angle(packing["orientation"].values[has_one])
+    return angles
 
 
 def _layer_means(values, layer, count):
@@ -108,6 +121,8 @@ def _layer_means(values, layer, count):
 
 def _trend(z, values, height):
     """Return Spearman's r, its p-value, the relative change by linear regression, and its standard error."""
+    if len(values) < FEWEST:
+        return np.full(4, np.nan)
     if np.ptp(values) <= 1e-9 * np.abs(values).max():  # all grains have the same value, up to round-off
         return np.full(4, np.nan)
     rank = spearmanr(z, values)

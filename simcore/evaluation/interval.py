@@ -30,6 +30,8 @@ def end_cuts(periodic, top, largest, median, cut=None):
     if cut is None and periodic:
         cut = (largest, max(largest, min(SURFACE_GRAINS * median, SURFACE_SHARE * top)))
     at_floor, at_surface = (float(height) for height in np.broadcast_to(0.0 if cut is None else cut, 2))
+    if not (0.0 <= at_floor < np.inf and 0.0 <= at_surface < np.inf):
+        raise ValueError(f"cut: {cut} is no height to leave out; give lengths [m] of at least 0, or None")
     return at_floor, at_surface
 
 

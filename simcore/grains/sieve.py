@@ -122,14 +122,21 @@ class SieveCurve:
         """Return the expected number of spheres in each class (k,); mass of the packing [kg], solid density [kg/m³]."""
         return self.number_fractions() * mass / (density * np.pi / 6 * self.mean(3))
 
-    def check_top_class(self, mass, density, minimum=5):
-        """Raise ValueError if fewer than `minimum` grains are expected in the coarsest class that has mass."""
+    def check_top_class(self, mass, density, minimum=5, grains=None):
+        """Raise ValueError if fewer than `minimum` grains are expected in the coarsest class that has mass.
+
+        grains: the number of grains with this mass, if the number was specified and not the mass.
+        """
         expected = self.expected_numbers(mass, density)[self.mass_fractions > 0][-1]
         if expected < minimum:
+            few, factor = f"{expected:.2g}", minimum / expected
+            if grains is None:
+                contained, needed = f"{mass:g} kg contain {few} grains", f"{mass * factor:.3g} kg"
+            else:
+                contained, needed = f"of {grains} grains, {few} are", f"{int(np.ceil(grains * factor))} grains"
             self._refuse(
-                f"{mass:g} kg contain {expected:.2g} grains of the coarsest class (up to {self.largest * 1e3:g} mm), "
-                f"but at least {minimum} grains are needed; give at least {mass * minimum / expected:.3g} kg, or allow "
-                "fewer grains with `allow_few_top_grains: true`"
+                f"{contained} of the coarsest class (up to {self.largest * 1e3:g} mm), but at least {minimum} grains "
+                f"are needed; give at least {needed}, or allow fewer grains with `allow_few_top_grains: true`"
             )
 
 

@@ -28,7 +28,7 @@ def compile_steps(specifications, report) -> int:
 def compile_step(setup, report) -> None:
     """Compile all functions that the steps of a packing call, by stepping two grains that touch nothing."""
     process = Process(setup.scene, setup.bases, setup.draw, report)
-    drawn = setup.draw(np.arange(2))
+    drawn = setup.draw(np.zeros(2, np.int64))
     position = np.zeros((2, 3))
     position[:, 2] = 10.0 * drawn.sieve_size.max() * np.arange(1, 3)
     upright, still = np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros((2, 3))

@@ -243,6 +243,7 @@ def _lattice_batches(scene, pour):
     """
     generation, domain = scene.generation, scene.domain
     height, spacing, r22 = domain.height, generation.spacing, generation.fill == "r22"
+    whole = last_batch_is_whole(scene)
     stretch = generation.stretch_x, generation.stretch_z
     stride = int(np.ceil(pour.height / (generation.stretch_z * spacing * np.sqrt(6.0) / 3.0)))
     wait = round(
@@ -261,7 +262,7 @@ def _lattice_batches(scene, pour):
         has_space = done == 0 or low <= REFILL_HEIGHT * height or (not r22 and low < height)
         high = max(height - spacing, low if r22 or done == 0 else low + 0.5 * spacing)
         sites = len(lattice_sites(domain, spacing, low, high, *stretch)) // stride if has_space else 0
-        count = sites if r22 and scene.amount_grains is None else min(sites, pour.grains - done)
+        count = sites if whole else min(sites, pour.grains - done)
         if count == 0:  # `pack` reports that the domain is too small, or fits the rest in
             return inserted + [pour.grains], steps + [0]
         done += count
@@ -269,6 +270,12 @@ def _lattice_batches(scene, pour):
         if done >= pour.grains:
             return inserted, steps + [0]
         steps.append(wait)
+
+
+def last_batch_is_whole(scene) -> bool:
+    """Return whether the last batch is inserted whole, as in Rettinger et al. (2022), also beyond the mass."""
+    generation = scene.generation
+    return generation.placement == "lattice" and generation.fill == "r22" and scene.amount_grains is None
 
 
 def _fall_time(scene, height):

@@ -38,6 +38,10 @@ def packing_dataset(
         shift[:] = np.floor(bodies.position[:, :2] / width)
     position = bodies.position.copy()
     position[:, :2] -= shift * width
+    # A centre just below 0 is rounded to the width.
+    beyond = scene.domain.periodic & (position[:, :2] >= width)
+    position[:, :2][beyond] = 0.0
+    shift += beyond
     # Spheres have no orientation.
     orientation = bodies.orientation if len(bodies.orientation) else np.tile([1.0, 0.0, 0.0, 0.0], (len(shift), 1))
     grain, xyz = "grain", ("grain", "xyz")

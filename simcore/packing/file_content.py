@@ -1,6 +1,7 @@
 """Checks that a file of a packing has all that its evaluation needs, with values that a packing can have."""
 
 import json
+from numbers import Real
 
 import numpy as np
 
@@ -12,6 +13,8 @@ VARIABLES = (
 )  # fmt: skip
 ATTRIBUTES = ("domain_shape", "domain_width")
 POSITIVE = ("L", "I", "S", "D", "volume")
+OF_CONTACTS = ("contact_normal", "contact_point", "contact_overlap", "contact_force")
+DOMAINS = ("periodic", "cylinder")
 UNIT = 1e-6  # largest deviation of the norm of an orientation from 1
 FARTHEST = 1e4  # maximum distance of a grain from the origin, in widths of the domain
 
@@ -28,9 +31,15 @@ def check_content(path, packing) -> None:
         raise _damaged(path, "the attribute scene is not JSON") from None
     if not isinstance(scene, dict):
         raise _damaged(path, "the attribute scene is not a specification")
-    farthest = FARTHEST * float(packing.attrs["domain_width"])
+    shape, width = packing.attrs["domain_shape"], packing.attrs["domain_width"]
+    if shape not in DOMAINS:
+        raise _damaged(path, f"the attribute domain_shape is {shape!r} and not one of {', '.join(DOMAINS)}")
+    if not (isinstance(width, Real) and 0.0 < width < np.inf):
+        raise _damaged(path, f"the attribute domain_width is {width!r} and not a width")
+    farthest = FARTHEST * float(width)
     wrong = {name: ~(packing[name].values > 0.0) | np.isinf(packing[name].values) for name in POSITIVE}
     wrong["position"] = ~(np.abs(packing["position"].values) <= farthest).all(axis=1)
+    wrong["scale"] = ~np.isfinite(packing["scale"].values).all(axis=1)
     wrong["orientation"] = ~(np.abs(np.linalg.norm(packing["orientation"].values, axis=1) - 1.0) <= UNIT)
     shapes = packing["shape"].values
     wrong["shape"] = (shapes < 0) | (shapes >= packing.sizes["shape"])
@@ -40,6 +49,12 @@ def check_content(path, packing) -> None:
             raise _damaged(path, f"{name} of grain {grain} is {packing[name].values[grain]}")
     if (packing["contact_body"].values >= packing.sizes["grain"]).any():
         raise _damaged(path, "a contact is of a grain that does not exist")
+    for name in OF_CONTACTS:
+        contacts = ~np.isfinite(packing[name].values)
+        contacts = contacts.any(axis=tuple(range(1, contacts.ndim)))
+        if contacts.any():
+            contact = int(np.argmax(contacts))
+            raise _damaged(path, f"{name} of contact {contact} is {packing[name].values[contact]}")
 
 
 def _damaged(path, what):

@@ -6,6 +6,7 @@ docs/explanation/accuracy.md compares the predictions with packings. This module
 """
 
 from dataclasses import fields as fields_of
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from simcore.evaluation.interval import end_cuts, median_size, slice_height
 from simcore.grains.sampling import GrainSample, sample_sizes
 from simcore.grains.sieve import SieveCurve
-from simcore.packing.cost import typical_pour
+from simcore.packing.cost import estimate, typical_pour
 from simcore.scene.domain import Domain
 from simcore.scene.scene import GRAINS
 from simcore.scene.setup import Setup
@@ -126,6 +127,13 @@ def typical_grains(specification: dict) -> Grains:
     return Grains(sizes, volume, share, total, curve.largest, one_form, by_quota)
 
 
+def with_last_batch(grains: Grains, specification: dict) -> Grains:
+    """Return typical Grains of a resolved specification with those of its last batch beyond the specified mass."""
+    inserted = estimate(specification).grains
+    expected = typical_pour(specification, size_curve(specification["sizes"])).grains
+    return grains._replace(total=grains.total * max(inserted / expected, 1.0))
+
+
 def _has_classes(curve):
     """Return whether grains of a curve may differ much in size: it has several sieve classes with mass, or none."""
     return not isinstance(curve, SieveCurve) or np.count_nonzero(curve.mass_fractions) > 1
@@ -222,7 +230,7 @@ def _remedy(domain, grains, density, bed, cut):
         f"A bed {height * 1e3:.0f} mm high is needed: set amount to at least "
         f"{_round_up(density * grains.total * factor):g} kg (now {density * grains.total:.3g} kg)"
     )
-    width = domain.width / np.sqrt(factor)
+    width = _needed_width(domain, grains, cut)
     if width >= NARROW * grains.largest:
         return f"{text}, or set domain.width to at most {np.floor(width * 1e3):g} mm (now {domain.width * 1e3:g} mm)."
     return f"{text}. A narrower domain would be less than {NARROW:g} of the largest grains wide."
@@ -241,6 +249,18 @@ def _needed_height(domain, grains, bed, cut):
     while height - sum(end_cuts(domain.periodic, height, grains.largest, median, cut)) < evaluated:
         height += 0.02 * evaluated
     return height
+
+
+def _needed_width(domain, grains, cut):
+    """Return the largest width [m] at which a bed of these grains is as high as needed and evaluated as precisely."""
+    width = domain.width
+    while width >= NARROW * grains.largest:
+        narrower = replace(domain, width=width)
+        bed = forecast(narrower, grains, cut)
+        if bed.evaluated >= bed.smallest and bed.height >= _needed_height(narrower, grains, bed, cut):
+            break
+        width *= 0.99
+    return width
 
 
 def _round_up(value):

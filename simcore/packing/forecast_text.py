@@ -59,10 +59,13 @@ def setup_warnings(setup: Setup, sample=None, low_bed: bool = True) -> list[str]
     return [*lines, *setup.notes, *_class_warnings(setup, grains)]
 
 
-def check_setup(setup: Setup) -> None:
-    """Raise ValueError if the bed of a packing will be too low for its porosity to be evaluated."""
+def check_setup(setup: Setup, sample=None) -> None:
+    """Raise ValueError if the bed of a packing will be too low for its porosity to be evaluated.
+
+    sample: all grains of the packing, if they have been drawn already.
+    """
     try:
-        check_bed(setup.scene.domain, grains_of(setup), setup.scene.material.density)
+        check_bed(setup.scene.domain, grains_of(setup, sample), setup.scene.material.density)
     except ValueError as error:
         raise ValueError(
             f"{error} To pack it anyway, and to evaluate it with a smaller `porosity --cut`, add --force."

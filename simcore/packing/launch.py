@@ -87,7 +87,7 @@ def launch(
     if silent:
         _report(f"{output}: {silent}. All its processes were ended; {go_on}")
         return 1
-    return _judge(child.returncode, output, received, go_on)
+    return _judge(child.returncode, words != command, output, received, go_on)
 
 
 def launch_packing(options, program: list[str]) -> int:
@@ -249,21 +249,23 @@ def _marked(token):
     return processes
 
 
-def _judge(status, output, received, go_on):
+def _judge(status, by_mpiexec, output, received, go_on):
     if status in (0, 1, 2, INTERRUPTED):  # the packing has reported the reason
         return status
     if received:  # before it could write a checkpoint
         _report(f"{output}: interrupted ({signal.Signals(received[0]).name}); {go_on}")
         return INTERRUPTED
-    _report(f"{output}: {_cause(status)}; {go_on}")
+    _report(f"{output}: {_cause(status, by_mpiexec)}; {go_on}")
     return 1
 
 
-def _cause(status):
+def _cause(status, by_mpiexec):
     """Return what ended the ranks, in words.
 
     A signal n has status -n from Popen, and n or 128 + n from mpiexec; a packing ends with 0, 1, 2 or 75.
     """
+    if status >= 0 and not by_mpiexec:
+        return f"the packing ended with status {status}"
     number = -status if status < 0 else status - 128 if status > 128 else status
     try:
         name = signal.Signals(number).name

@@ -9,6 +9,8 @@ import xarray as xr
 from simcore.compilation import set_threads
 from simcore.dem.from_scene import compose
 from simcore.grains.sources import load_grains
+from simcore.packing.cost import last_batch_is_whole
+from simcore.packing.explanation import draw_batches
 from simcore.packing.file import code_version, packing_dataset
 from simcore.packing.forecast_text import check_setup, setup_warnings
 from simcore.packing.process import pack as run_packing
@@ -60,9 +62,10 @@ def prepare(specification: dict, threads: int, force: bool) -> tuple[Setup, list
     set_threads(threads)
     setup = set_up(specification, load_grains)
     compose(setup.scene)  # ValueError if its time step is too long for any bed
+    sample = draw_batches(setup)[0] if last_batch_is_whole(setup.scene) else None
     if not force:
-        check_setup(setup)
-    return setup, setup_warnings(setup, low_bed=not force)
+        check_setup(setup, sample)
+    return setup, setup_warnings(setup, sample, low_bed=not force)
 
 
 def dataset_of(packed, specification: dict, setup: Setup, warned: list[str], **run) -> xr.Dataset:

@@ -88,6 +88,11 @@ def deciding_but_seed(specification: dict) -> dict:
     return _without_added(with_former_names(without(specification, BY_CHANCE)))
 
 
+def shown_but_seed(specification: dict) -> dict:
+    """Return deciding_but_seed with the present names of keys and values, to be shown to people."""
+    return with_present_names(deciding_but_seed(specification))
+
+
 def result_digest(specification: dict) -> str:
     """Return the digest (12 hex digits) of deciding_result; it identifies committed rows."""
     text = json.dumps(deciding_result(specification), sort_keys=True)
@@ -126,6 +131,20 @@ def with_former_names(group, above=()):
             value = FORMER_VALUES[path].get(value, value)
         renamed[FORMER_KEYS.get(path, key)] = value
     return renamed
+
+
+def with_present_names(group, above=()):
+    """Return a nested dict from with_former_names with the present names of renamed keys and values."""
+    present = {}
+    for key, value in group.items():
+        key = next((path[-1] for path, former in FORMER_KEYS.items() if (*path[:-1], former) == (*above, key)), key)
+        path = (*above, key)
+        if isinstance(value, dict):
+            value = with_present_names(value, path)
+        elif path in FORMER_VALUES:
+            value = {former: name for name, former in FORMER_VALUES[path].items()}.get(value, value)
+        present[key] = value
+    return present
 
 
 def _get(group, path):

@@ -85,11 +85,11 @@ def check_top_class(spec, where=""):
         curve = size_curve(spec["sizes"])
         if curve.of_volume:
             return
-        density, mass = spec["material"]["density"], spec["amount"]["mass"]
+        density, mass, grains = spec["material"]["density"], spec["amount"]["mass"], spec["amount"]["grains"]
         if mass is None:
-            mass = spec["amount"]["grains"] * density * np.pi / 6 * curve.mean(3)
+            mass = grains * density * np.pi / 6 * curve.mean(3)
         if not spec["sizes"]["allow_few_top_grains"]:
-            curve.check_top_class(mass, density, MINIMUM_OF_TOP_CLASS)
+            curve.check_top_class(mass, density, MINIMUM_OF_TOP_CLASS, grains)
     except ValueError as error:
         raise ValueError(f"{where}: {error}" if where else str(error)) from None
 

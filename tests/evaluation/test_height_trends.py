@@ -55,6 +55,17 @@ def test_one_form_for_all_has_no_trend():
     assert np.isfinite(trends["p_value"].sel(quantity="angle"))
 
 
+def test_grains_without_a_long_axis_have_no_angle():
+    position = np.column_stack([np.zeros((50, 2)), np.linspace(0, 1, 50)])
+    spheres = height_trends(make_packing(position, [[1e-2] * 3] * 50), (0.0, 1.0))
+    assert spheres["angle_mean"].isnull().all() and spheres["p_value"].sel(quantity="angle").isnull()
+    half = height_trends(
+        make_packing(position, [[1e-2, 1e-2, 2e-2], [1e-2, 2e-2, 2e-2]] * 25, random_orientations(50, 1)), (0.0, 1.0)
+    )
+    long_ones = long_axis_angle(random_orientations(50, 1)[::2])
+    assert half["angle_mean"].values @ [5, 5, 5, 5, 5] / 25 == pytest.approx(long_ones.mean(), rel=0.05)
+
+
 def test_random_long_axes_have_a_mean_angle_of_one_radian():
     angle = long_axis_angle(random_orientations(20000, 5))
     assert angle.mean() == pytest.approx(1.0, abs=4 * angle.std() / np.sqrt(20000))

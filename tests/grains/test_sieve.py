@@ -173,6 +173,8 @@ def test_top_class_needs_five_grains():
     curve.check_top_class(needed * 1.001, 2650)
     with pytest.raises(ValueError, match=r"^two: .* 5 grains.*4 mm.*0\.000374 kg.*allow_few_top_grains"):
         curve.check_top_class(needed * 0.999, 2650)
+    with pytest.raises(ValueError, match=r"^two: of 30 grains, 2\.5 are .*give at least 60 grains, or allow"):
+        curve.check_top_class(needed * 0.5, 2650, grains=30)
 
 
 def test_cases_are_table_3():

@@ -109,6 +109,17 @@ def test_files_that_cannot_be_read_give_an_error_of_one_line(made, tmp_path):
             lambda packing: packing.attrs.update(scene="{"),
             "the attribute scene is not JSON, so that the file is damaged",
         ),
+        (lambda packing: packing.attrs.update(domain_shape="Periodic"), "the attribute domain_shape is 'Periodic' and"),
+        (
+            lambda packing: packing.attrs.update(domain_width=0.0),
+            "the attribute domain_width is .* and not a width",
+        ),
+        (lambda packing: packing.attrs.update(domain_width="25 mm"), "the attribute domain_width is '25 mm' and not a"),
+        (lambda packing: packing["scale"].values.__setitem__((5, 0), np.nan), "scale of grain 5 is"),
+        (
+            lambda packing: packing["contact_overlap"].values.__setitem__(2, np.nan),
+            "contact_overlap of contact 2",
+        ),
         (lambda packing: packing["shape"].values.__setitem__(5, 7), "shape of grain 5 is 7"),
         (lambda packing: packing["position"].values.__setitem__((5, 0), np.nan), "position of grain 5 is"),
         (lambda packing: packing["position"].values.__setitem__((5, 2), 1e300), "position of grain 5 is"),

@@ -20,13 +20,17 @@ from simcore.evaluation.porosity import bulk_porosity
 from simcore.grains.mesh import make_grain
 from simcore.grains.sieve import SieveCurve, class_fractions, read_cases
 from simcore.grains.sources import grain_warnings
+from simcore.packing.cost import last_batch_is_whole
+from simcore.packing.explanation import draw_batches
 from simcore.packing.file import read_packing
 from simcore.packing.forecast import (
     ERROR_FACTOR,
+    GOOD_ERROR,
     LARGE_ERROR,
     LARGEST_SOLID,
     ONE_CLASS,
     Grains,
+    _needed_width,
     bed_warnings,
     check_bed,
     draw_packing,
@@ -35,8 +39,10 @@ from simcore.packing.forecast import (
     grains_of,
     sampling_error,
     typical_grains,
+    with_last_batch,
 )
-from simcore.packing.forecast_text import bed_lines, grain_lines, setup_warnings
+from simcore.packing.forecast_text import bed_lines, check_setup, grain_lines, setup_warnings
+from simcore.packing.single import prepare
 from simcore.paths import CONFIG, REFERENCE, ROOT
 from simcore.report.sections import packing_warnings
 from simcore.scene.domain import Domain
@@ -316,6 +322,32 @@ def test_no_bed_is_expected_denser_than_the_largest_solid_fraction():
     sizes = np.array([1e-3, 64e-3])
     assert expected_solid_fraction(sizes, np.array([0.5, 0.5])) == LARGEST_SOLID
     assert expected_solid_fraction(sizes, np.array([1.0, 0.0])) == ONE_CLASS
+
+
+def test_the_last_batch_of_r22_counts_in_the_bed():
+    """A mass of 5 g is too low a bed of its own, but the first batch is inserted whole."""
+    changes = {"amount": {"grains": None, "mass": "5 g"}, "domain": {"height": "1 m"}, "generation": {"fill": "r22"}}
+    specification = resolve(specify_few_spheres(**changes))
+    setup, warned = prepare(specification, threads=1, force=False)
+    with pytest.raises(ValueError, match="nothing is left to evaluate"):
+        check_setup(setup)
+    sample, packing = draw_batches(setup)
+    assert last_batch_is_whole(setup.scene) and len(sample.D) == packing.grains > 100
+    assert not [text for text in warned if "nothing is left" in text]
+    whole = with_last_batch(typical_grains(specification), specification)
+    assert whole.total == pytest.approx(sample.volume.sum(), rel=0.1)
+    assert not last_batch_is_whole(set_up_few_spheres(generation={"fill": "r22"}).scene)  # a number of grains
+
+
+def test_the_width_that_is_advised_reaches_the_error():
+    sizes = {"bounds": ["2 mm", "4 mm", "8 mm", "16 mm"], "mass_fractions": [0.2, 0.4, 0.4]}
+    grains = typical_grains(resolve(specify_few_spheres(sizes=sizes, amount={"grains": 6500})))
+    grains, wide = grains._replace(one_form=False), Domain("periodic", 0.12, 1.0)
+    assert forecast(wide, grains).sampling_error > GOOD_ERROR
+    width = _needed_width(wide, grains, None)
+    assert width > 4.0 * grains.largest and forecast(replace(wide, width=width), grains).sampling_error <= GOOD_ERROR
+    (text,) = bed_warnings(wide, grains, DENSITY)
+    assert f"or set domain.width to at most {np.floor(1e3 * width):g} mm (now 120 mm)" in text
 
 
 def test_all_grains_of_a_packing_are_drawn_and_no_more():

@@ -226,6 +226,17 @@ def test_what_cannot_be_started_is_one_clear_line(tmp_path, arguments, message):
     assert not list(tmp_path.rglob("*.nc"))
 
 
+def test_an_exit_status_is_no_signal_on_one_rank(tmp_path):
+    run = "import sys; from pathlib import Path; from simcore.packing.launch import launch; "
+    run += (
+        f"command = [sys.executable, '-c', 'raise SystemExit(3)']; launch(command, Path({str(tmp_path / 'bed.nc')!r}))"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", run], env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True
+    )
+    assert ended.stderr.endswith("bed.nc: the packing ended with status 3; run the same command again\n")
+
+
 def test_the_command_of_srun(tmp_path):
     """A script instead of srun prints what it is given: the number of ranks and the threads of each."""
     srun = tmp_path / "srun"

@@ -6,11 +6,14 @@ import pytest
 
 from simcore.scene.identity import (
     ADDED,
+    deciding_but_seed,
     differing_keys,
     result_digest,
     same_bits,
     same_but_seed,
     same_result,
+    shown_but_seed,
+    with_former_names,
 )
 from simcore.scene.specification import resolve
 
@@ -96,6 +99,17 @@ def test_a_renamed_choice_is_the_same_packing(path, present, former):
         group[key] = value
     assert same_result(new, old) and result_digest(new) == result_digest(old)
     assert not same_result(new, changed("seed", 7))
+
+
+def test_settings_are_shown_by_their_present_names():
+    old = copy.deepcopy(SPECIFICATION)
+    old["numerics"]["contact_region"] = old["numerics"].pop("polyhedron_contact")
+    old["shapes"]["kind"] = "mesh"
+    for specification in (old, SPECIFICATION):
+        shown = shown_but_seed(specification)
+        assert shown["numerics"]["polyhedron_contact"] == SPECIFICATION["numerics"]["polyhedron_contact"]
+        assert shown["shapes"]["kind"] == "polyhedron" and "contact_region" not in shown["numerics"]
+        assert with_former_names(shown) == deciding_but_seed(specification)
 
 
 def test_a_renamed_key_is_the_same_packing():

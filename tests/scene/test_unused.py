@@ -35,6 +35,7 @@ SETTLED = {"convergence": {"rule": "settled"}}
 CASES = {
     "grains": ({"grains": {"source": "synthetic"}}, SPHERES, ELLIPSOIDS),
     "grains.unit": ({"grains": {"unit": "mm"}}, {}, FILES),
+    "grains.bodies": ({"grains": {"bodies": "split"}}, {}, FILES),
     "grains.voxel_spacing": (
         {"grains": {"voxel_spacing": "0.1 mm"}},
         {"grains": {**FILES["grains"], "source": "a.stl"}},
@@ -131,7 +132,7 @@ def test_keys_of_a_specification_that_was_written_out_are_no_choices():
     assert resolve(express(resolved), unused="refuse") == resolved
     written = express(resolved)
     del written["damping"]["factor"]
-    with pytest.raises(ValueError, match=r"^faces: it has no effect"):
+    with pytest.raises(ValueError, match=r"^grains\.bodies: it has no effect"):
         resolve(written, unused="refuse")
 
 
