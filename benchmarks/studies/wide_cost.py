@@ -23,8 +23,8 @@ BASE = "wide_quota"
 UNPAIRED = {"wide_random": BASE, "wide_both_random": "wide_both"}
 NO_COST = {"wide_cost", "wide_spheres"}  # the table itself, and the check of the sampling error on spheres
 LARGEST_DIFFERENCE, LARGEST_ERROR = 0.003, 0.0015
-# Seeds over which the rule judges a study; three if it is not listed.
-SEEDS = {"wide_soft": 8}
+# Seeds over which the rule judges a study of a sieve curve; three if it is not listed.
+SEEDS = {("wide_soft", "U5"): 8, ("wide_both", "B50"): 6}
 COLUMNS = ["settings", "case", "seed", "shapes", "mass_kg", "n", "n_error", "grains", "grain_steps", "cpu_s"]
 
 
@@ -68,7 +68,8 @@ def paired(table: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
         count, mean = len(difference), float(difference.mean())
         error = float(difference.std(ddof=1) / np.sqrt(count)) if count > 1 else np.nan
         cost = float(group["cpu_s"].sum() / of_base["cpu_s"].sum())
-        rows.append((settings, case, count, mean, error, cost, verdict(mean, error, count, SEEDS.get(settings, 3))))
+        judged = verdict(mean, error, count, SEEDS.get((settings, case), 3))
+        rows.append((settings, case, count, mean, error, cost, judged))
     return pd.DataFrame(rows, columns=["settings", "case", "pairs", "difference", "error", "cost", "verdict"])
 
 

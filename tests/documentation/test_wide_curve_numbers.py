@@ -40,14 +40,20 @@ def test_pairs_of_U7():
 
 def test_pairs_of_B50():
     (row,) = paired(COST).query("settings == 'wide_both' and case == 'B50'").itertuples()
-    pairs = COST.query("case == 'B50'").pivot_table(index="seed", columns="settings", values=["n", "grains"]).dropna()
-    first, second = pairs[("n", "wide_both")] - pairs[("n", "wide_quota")]
+    beds = COST.query("case == 'B50' and settings in ('wide_both', 'wide_quota')")
+    pairs = beds.pivot_table(index="seed", columns="settings", values=["n", "grains"]).dropna()
+    differences = pairs[("n", "wide_both")] - pairs[("n", "wide_quota")]
     mean = f"{row.difference:+.4f} ± {row.error:.4f}, at {row.cost:.2f} of the CPU time".replace("-", "−")
-    each = f"one pair differs by {first:+.4f} and the other by {second:+.4f}".replace("-", "−")
-    assert row.pairs == 2 and row.verdict.startswith("open")
+    each = "the pairs differ by {:+.4f}, {:+.4f} and {:+.4f}".format(*differences).replace("-", "−")
+    assert row.pairs == 3 and row.verdict == "open: 3 of 6 pairs"
     text = " ".join(PAGE.split())
     assert f"Their mean difference is {mean}" in text and each in text
-    assert "of {:.0f} and {:.0f} grains".format(*pairs[("grains", "wide_quota")]) in text
+    assert "of {:.0f}, {:.0f} and {:.0f} grains".format(*pairs[("grains", "wide_quota")]) in text
+
+
+def test_the_filled_bed_of_B50():
+    (row,) = paired(COST).query("settings == 'wide_filled' and case == 'B50'").itertuples()
+    assert row.pairs == 1 and f"One bed of B50 is packed so, of seed 1, and is looser by {row.difference:.4f}." in PAGE
 
 
 def test_filled_beds_of_one_class():
