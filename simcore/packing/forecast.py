@@ -129,6 +129,9 @@ def typical_grains(specification: dict) -> Grains:
 
 def with_last_batch(grains: Grains, specification: dict) -> Grains:
     """Return typical Grains of a resolved specification with those of its last batch beyond the specified mass."""
+    generation = specification["generation"]
+    if specification["amount"]["mass"] is None or generation["placement"] != "lattice" or generation["fill"] != "r22":
+        return grains
     inserted = estimate(specification).grains
     expected = typical_pour(specification, size_curve(specification["sizes"])).grains
     return grains._replace(total=grains.total * max(inserted / expected, 1.0))
