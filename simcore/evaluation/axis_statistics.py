@@ -14,7 +14,7 @@ ORDERS = (2, 4, 6)  # of Legendre polynomials
 FOLDS = (2, 4)
 MAGIC_ANGLE = float(np.arccos(1.0 / np.sqrt(3.0)))  # 54.7°, where P2 vanishes
 # Minimum relative difference of two axes of a grain above which their directions are defined, above round-off.
-_DISTINCT = 1e-6
+DISTINCT = 1e-6
 
 
 def equal_solid_angles(n_bins):
@@ -104,7 +104,7 @@ def grain_axes(packing):
     """
     scale = packing["scale"].values
     is_ellipsoid = packing["shape_kind"].values.astype(str)[packing["shape"].values] == "sphere"
-    disordered = np.flatnonzero(is_ellipsoid & (np.diff(scale, axis=1) < -_DISTINCT * scale[:, :1]).any(axis=1))
+    disordered = np.flatnonzero(is_ellipsoid & (np.diff(scale, axis=1) < -DISTINCT * scale[:, :1]).any(axis=1))
     if len(disordered):
         raise ValueError(
             f"grain_axes: grain {disordered[0]} has the semi-axes {scale[disordered[0]]} m along its x, y, z; they "
@@ -112,8 +112,8 @@ def grain_axes(packing):
         )
     longest, middle, shortest = (packing[name].values for name in "LIS")
     axes = Rotation.from_quat(packing["orientation"].values, scalar_first=True).as_matrix()
-    long_ones = np.flatnonzero(longest > (1.0 + _DISTINCT) * middle)
-    short_ones = np.flatnonzero(middle > (1.0 + _DISTINCT) * shortest)
+    long_ones = np.flatnonzero(longest > (1.0 + DISTINCT) * middle)
+    short_ones = np.flatnonzero(middle > (1.0 + DISTINCT) * shortest)
     return {"long_axis": (axes[long_ones, :, 2], long_ones), "short_axis": (axes[short_ones, :, 0], short_ones)}
 
 
