@@ -7,11 +7,12 @@ import pytest
 from benchmarks.studies.base_forms import compare_beds, rain_bases, rain_model
 from benchmarks.studies.insertion_rate import bases_as_rain, form_slopes, measured_steps, paired_beds
 from benchmarks.studies.scatter import read_tables, scatter_table
-from benchmarks.studies.wide_cost import compare_means, paired
+from benchmarks.studies.wide_cost import compare_means, compare_r22, paired
 from simcore.models.fitting import fit_reference_models
 from simcore.paths import REFERENCE, ROOT
 
 PAGE = (ROOT / "docs" / "explanation" / "wide_sieve_curves.md").read_text(encoding="utf-8")
+CYLINDER = (ROOT / "docs" / "appendices" / "cylinder.md").read_text(encoding="utf-8")
 COST = pd.read_csv(REFERENCE / "wide_cost.csv")
 
 
@@ -49,6 +50,18 @@ def test_pairs_of_B50():
     text = " ".join(PAGE.split())
     assert f"Their mean difference is {mean}" in text and each in text
     assert "of {:.0f}, {:.0f} and {:.0f} grains".format(*pairs[("grains", "wide_quota")]) in text
+
+
+def test_beds_with_the_settings_of_r22():
+    rows = pd.read_csv(REFERENCE / "difference_wide.csv")
+    compared = compare_r22(COST, rows)
+    differences = "by {:.4f}, {:.4f} and {:.4f}".format(*-compared["difference"])
+    assert f"looser than `wide_random` with the same grains, {differences}." in " ".join(PAGE.split())
+    n = rows.pivot_table(index="seed", columns=["polyhedron_contact", "steps_per_contact_time"], values="n")
+    change = n["point", 40] - n["patch", 10]
+    assert f"| +{change.mean():.4f} ± {change.sem():.4f} | {len(change)} |" in CYLINDER
+    for parts in (n["point", 10] - n["patch", 10], n["point", 40] - n["point", 10]):
+        assert "| {} | 2 |".format(", ".join(f"{part:+.4f}" for part in parts.dropna())) in CYLINDER
 
 
 def test_the_filled_bed_of_B50():
