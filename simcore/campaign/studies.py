@@ -27,8 +27,8 @@ def expand(config):
     grains: the resolved group `grains` for its shapes; None if they need no grain
     grain_set: the set of these grains, such as "synthetic_1b2c3d4e/faces_100", or empty
     form: the rank of its grain in the spread of forms, or 0
-    fault: the reason if it cannot be packed, otherwise empty. Either its grain does not exist, or an earlier packing of
-    the study has the same settings. It is an error only if the packing is requested
+    fault: the reason if it cannot be packed, otherwise empty. Either its grain does not exist, or an earlier packing in
+    the same table has its settings. It is an error only if the packing is requested
     specification: resolved, with the grain set as its source
     row: dict of packing (its name), varied (the varied settings by column), and is_base (whether the packing is what
     the fixed settings alone would give, for any seed)

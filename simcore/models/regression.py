@@ -16,7 +16,7 @@ log = logging.getLogger(__name__)
 
 FOLDS, REPEATS = 10, 10
 RESAMPLES = 2000  # of the bootstrap; the ends of its 95 % intervals then vary by 4 % of a standard error
-DEPENDENT = 1e-7  # sine of the angle between a feature and the others, below which only round-off tells them apart
+DEPENDENT = 1e-7  # sine of the angle between a feature and the others, below which it may be only round-off
 CORRELATED = 0.8  # a second feature with |r| above this to the first is dropped (Rettinger et al. 2022)
 
 
@@ -312,7 +312,8 @@ def fit(features, porosity, name="porosity", case="", seed=0):
     if dependent(features):
         raise ValueError(
             f"fit of model {name}, case {case or '-'}: {' and '.join(features.columns)} depend linearly on each other "
-            f"in all {len(y)} samples, so that their effects cannot be told apart; choose forms in which they differ"
+            f"in all {len(y)} samples, so that a fit cannot separate their effects; choose forms in which they vary "
+            "independently"
         )
     design = add_constant(X, has_constant="add")
     result = OLS(y, design).fit()

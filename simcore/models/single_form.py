@@ -42,8 +42,8 @@ def single_form_models(packings, r22_correlations=None, r22_errors=None, r22_mod
         _require(features, SINGLE_FORM, case)
         if dependent(features[list(SINGLE_FORM)]):
             raise ValueError(
-                f"case {case}: no model can be fitted, because L/S and L/I differ in the same way in all {len(n)} "
-                "packings, as for rods or discs. Choose forms that differ in flatness and elongation"
+                f"case {case}: no model can be fitted, because L/S depends linearly on L/I in all {len(n)} "
+                "packings, as for rods. Choose forms that differ in flatness and elongation"
             )
         kept = screen(features)
         correlations.append(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from simcore.evaluation.interval import end_cuts
 from simcore.evaluation.porosity import bed_top, bulk_porosity, evaluation_interval, porosity_profile
 from tests.helpers.packings import make_packing, sphere_lattice
 from tests.helpers.polyhedra import CUBE
@@ -69,6 +70,12 @@ def test_cylinder_is_measured_from_the_floor_on_its_own_area():
     bulk = bulk_porosity(cube, "exact")
     assert (float(bulk["z_lower"]), float(bulk["z_upper"])) == (0.0, pytest.approx(20e-3))
     assert float(bulk["n"]) == pytest.approx(1 - 64e-6 / (np.pi / 4 * 1e-4), rel=1e-12)
+
+
+@pytest.mark.parametrize("cut", [-0.01, (0.0, -1e-3), np.nan, np.inf])
+def test_a_cut_is_a_height(cut):
+    with pytest.raises(ValueError, match="is no height to leave out; give lengths"):
+        end_cuts(True, 0.1, 8e-3, 7e-3, cut)
 
 
 def test_surface_is_the_uppermost_crossing_and_ends_are_cut():

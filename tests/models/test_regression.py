@@ -21,6 +21,7 @@ from simcore.models.regression import (
     screen,
     usable_features,
 )
+from simcore.models.single_form import single_form_models
 
 
 def forms(n, seed=0):
@@ -140,6 +141,13 @@ def test_features_whose_effects_cannot_be_told_apart_are_refused(noise):
     alike = pd.DataFrame({"EQ_inv": x, "EL_inv": x + 1e-3 * np.sin(100 * x)})
     assert not dependent(alike)
     assert fit(alike, alike @ [0.5, -0.3]).coefficients == pytest.approx([0.0, 0.5, -0.3], abs=1e-6)
+
+
+def test_a_campaign_of_rods_alone_has_no_model_of_single_forms():
+    long_axis = np.linspace(1.2, 3.0, 12)
+    rods = pd.DataFrame({"case": "U1", "L": long_axis, "I": 1.0, "S": 1.0, "n": 0.3 + 0.02 * long_axis})
+    with pytest.raises(ValueError, match="L/S depends linearly on L/I in all 12 packings, as for rods"):
+        single_form_models(rods)
 
 
 def test_equal_porosities_have_no_share_that_is_explained():
