@@ -9,131 +9,19 @@ r"""The overlap of two polyhedra in general: the faces of each body, cut by the 
       |    /       a       \               a, which point up, and of faces of b, which point down.
 
 The moments are integrals of the height of these parts over their projections, positive if a face points up along n and
-negative if it points down. Most faces in the slab do not reach the overlap. If `corner` or `crossing` has stored the
-corners of a polytope that contains the overlap (the bound), a plane that has all of them behind it cuts nothing, and
-its face is left out.
+negative if it points down. If a corner and a face meet, or two edges, polytope.py is faster.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact.patch.axes import Axes, axes_in_base, coordinates
+from simcore.dem.contact.patch.faces import ALL_FACES, gather_both
 from simcore.dem.contact.patch.moments import NO_MOMENTS, add_moments, triangle_moments
-from simcore.dem.contact.patch.workspace import (
-    read_bound,
-    read_face,
-    read_polygon,
-    start_walk,
-    write_face,
-    write_polygon,
-)
-from simcore.dem.vectors import Vec, cross, dot, minus, over, plus, read, scaled, squared
+from simcore.dem.contact.patch.workspace import read_face, read_polygon, write_polygon
+from simcore.dem.vectors import Vec, cross, dot, length, minus, over, plus, scaled
 
-# Shares of the pair's size; docs/explanation/constants.md gives the reasons.
-TIE = 1e-14  # planes that cut a are moved out by it, those that cut b in
-BOUND_SLACK = 1e-10  # planes within it beyond the bound are kept
-
-
-class Side(NamedTuple):
-    """One of the two bodies, for the walk over its faces."""
-
-    number: int  # 0: a, whose faces reach up; 1: b
-    first: int  # first vertex of its base
-    top: int  # its vertex farthest toward the other body
-    base: Axes  # of the patch, in its base
-    centre: Vec  # [m], along the axes, from the centre of a
-
-
-class Face(NamedTuple):
-    """A triangle of a polyhedron, counterclockwise from outside [m]."""
-
-    first: Vec
-    second: Vec
-    third: Vec
-
-
-class Slab(NamedTuple):
-    """Lowest and highest height of the overlap along n [m], relative to the centre of a."""
-
-    low: float  # of the lowest point of b
-    high: float  # of the highest point of a
-
-
-@leaf
-def side_of(shapes, bodies, number, i, top, base, centre):
-    """Return side `number` of the pair: body i with its vertex farthest toward the other."""
-    return Side(number, shapes.vertex_start[bodies.shape[i]], top, base, centre)
-
-
-@leaf
-def place_vertex(shapes, side, v):
-    """Return the coordinates of a vertex along the axes, relative to the centre of a."""
-    return plus(side.centre, coordinates(side.base, read(shapes.vertices, v)))
-
-
-@leaf
-def is_in_slab(side, slab, height):
-    """Return whether a height [m] of this side is in the slab."""
-    return (height >= slab.low) if side.number == 0 else (height <= slab.high)
-
-
-@leaf
-def gather_faces(shapes, side, slab, n_bound, slack, workspace, thread):
-    """Store the faces of one side that may bound the overlap, with their planes; return their number.
-
-    These have a vertex in the slab, and a corner of the bound is less than `slack` [m] below their plane. Because the
-    body is convex, edges connect the vertices in the slab with each other, and a walk from the top visits all.
-    """
-    ring_start, ring = shapes.neighbor_start, shapes.neighbors
-    stamp = start_walk(workspace, thread, side.top, side.first)
-    mark, stack = workspace.mark, workspace.stack
-    n_stack, n_faces = 1, 0
-    while n_stack > 0:
-        n_stack -= 1
-        v = stack[thread, n_stack]
-        corner = place_vertex(shapes, side, v)
-        last = ring[ring_start[v + 1] - 1]
-        last_corner = place_vertex(shapes, side, last)
-        last_inside = is_in_slab(side, slab, last_corner.z)
-        for k in range(ring_start[v], ring_start[v + 1]):
-            u = ring[k]
-            next_corner = place_vertex(shapes, side, u)
-            inside = is_in_slab(side, slab, next_corner.z)
-            if inside and mark[thread, u - side.first] != stamp:
-                mark[thread, u - side.first] = stamp
-                stack[thread, n_stack] = u
-                n_stack += 1
-            # To be stored once, the face v, last, u is assigned to the smallest index of its vertices in the slab.
-            if not ((inside and u < v) or (last_inside and last < v)):
-                face = Face(corner, last_corner, next_corner)
-                n_faces += store_face(face, side.number, n_faces, n_bound, slack, workspace, thread)
-            last, last_corner, last_inside = u, next_corner, inside
-    return n_faces
-
-
-@leaf
-def store_face(face, side, k, n_bound, slack, workspace, thread):
-    """Store face k of a side with its plane and return True, unless its plane leaves the whole bound behind."""
-    area = cross(minus(face.second, face.first), minus(face.third, face.first))
-    area_squared = squared(area)
-    if not area_squared > 0.0:
-        return False
-    if n_bound > 0:
-        highest = dot(area, read_bound(workspace, thread, 0))
-        for m in range(1, n_bound):
-            highest = max(highest, dot(area, read_bound(workspace, thread, m)))
-        highest -= dot(area, face.first)
-        if highest < 0.0 and highest * highest > slack * slack * area_squared:
-            return False
-    normal, planes = over(area, np.sqrt(area_squared)), workspace.planes
-    planes[thread, side, k, 0], planes[thread, side, k, 1], planes[thread, side, k, 2] = normal.x, normal.y, normal.z
-    planes[thread, side, k, 3] = -dot(normal, face.first)
-    write_face(workspace, thread, side, k, 0, face.first)
-    write_face(workspace, thread, side, k, 1, face.second)
-    write_face(workspace, thread, side, k, 2, face.third)
-    return True
+# Of the pair's size: planes that cut a are moved out by it, those that cut b in. Why: docs/explanation/constants.md#tie
+TIE = 1e-14
 
 
 @leaf
@@ -214,18 +102,27 @@ def face_moments(workspace, thread, n_a, n_b, origin, tie):
     return sums
 
 
-@routine
-def clipped_moments(shapes, bodies, pair, axes, tops, n_bound, workspace, thread):
-    """Return the moments of the overlap of a pair about the first vertex of `tops`.
+@leaf
+def write_planes(workspace, thread, side, n_faces):
+    """Store the planes of the gathered faces of a side. The plane of a face without area is above everything."""
+    planes = workspace.planes
+    for k in range(n_faces):
+        first = read_face(workspace, thread, side, k, 0)
+        to_second = minus(read_face(workspace, thread, side, k, 1), first)
+        area = cross(to_second, minus(read_face(workspace, thread, side, k, 2), first))
+        size = length(area)
+        n, d = Vec(0.0, 0.0, 0.0), -np.inf
+        if size > 0.0:
+            n = over(area, size)
+            d = -dot(n, first)
+        planes[thread, side, k, 0], planes[thread, side, k, 1], planes[thread, side, k, 2] = n.x, n.y, n.z
+        planes[thread, side, k, 3] = d
 
-    tops: the vertex of pair.a farthest along n, and that of pair.b farthest against it. n_bound: number of corners of
-    the bound in the workspace; 0: there is none.
-    """
-    base_a, base_b = axes_in_base(bodies, pair.a, axes), axes_in_base(bodies, pair.b, axes)
-    top, offset = coordinates(base_a, read(shapes.vertices, tops[0])), coordinates(axes, pair.offset)
-    slab = Slab(offset.z + dot(read(shapes.vertices, tops[1]), base_b.n), top.z)
-    a = side_of(shapes, bodies, 0, pair.a, tops[0], base_a, Vec(0.0, 0.0, 0.0))
-    b = side_of(shapes, bodies, 1, pair.b, tops[1], base_b, offset)
-    n_a = gather_faces(shapes, a, slab, n_bound, BOUND_SLACK * pair.size, workspace, thread)
-    n_b = gather_faces(shapes, b, slab, n_bound, BOUND_SLACK * pair.size, workspace, thread)
+
+@routine
+def clipped_moments(shapes, bodies, pair, axes, tops, workspace, thread):
+    """Return the moments of the overlap of a pair about the first vertex of `tops`; `tops`: as in gather_both."""
+    n_a, n_b, top, slab = gather_both(shapes, bodies, pair, axes, tops, ALL_FACES, ALL_FACES, workspace, thread)
+    write_planes(workspace, thread, 0, n_a)
+    write_planes(workspace, thread, 1, n_b)
     return face_moments(workspace, thread, n_a, n_b, Vec(top.x, top.y, slab.low), TIE * pair.size)

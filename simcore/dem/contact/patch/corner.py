@@ -17,10 +17,10 @@ from typing import NamedTuple
 from simcore.compilation import leaf
 from simcore.dem.contact.patch.axes import axes_in_base, coordinates, toward_other
 from simcore.dem.contact.patch.moments import NO_MOMENTS, Point, cone, cone_side, shortcut, turn
-from simcore.dem.contact.patch.workspace import write_bound
-from simcore.dem.vectors import dot, minus, read
+from simcore.dem.contact.patch.workspace import write_corner
+from simcore.dem.vectors import Vec, dot, minus, read
 
-# Maximum distance of a bound, in lengths of an edge or of a face beside it. Why: docs/explanation/constants.md#farthest
+# Maximum distance of a foot, in lengths of an edge or of a face beside it. Why: docs/explanation/constants.md#farthest
 FARTHEST = 1e3
 
 
@@ -78,7 +78,8 @@ def face_lines(vertices, face, base, shift):
 def corner_overlap(shapes, bodies, pair, view, apex, face, workspace, thread):
     """Return the Shortcut of vertex `apex` of pair.a and a face (three vertices) of pair.b; moments are about the apex.
 
-    view: from pair.a. If the moments are not exact, apex and feet bound the overlap.
+    view: from pair.a. If the moments are not exact, apex and feet are stored as corners of a pyramid that contains the
+    overlap.
     """
     vertices, ring_start, ring = shapes.vertices, shapes.neighbor_start, shapes.neighbors
     depth, sign = view.depth, view.sign
@@ -92,8 +93,8 @@ def corner_overlap(shapes, bodies, pair, view, apex, face, workspace, thread):
     x, y, z = at_tip.x, at_tip.y, sign * at_tip.z
     if sign < 0.0:
         x, y, z = x - offset.x, y - offset.y, z - offset.z
-    write_bound(workspace, thread, 0, x, y, z)
-    n_bound, exact, bounded = 1, True, True
+    write_corner(workspace, thread, 0, 0, Vec(x, y, z))
+    n_corners, exact, bounded = 1, True, True
     sums = NO_MOMENTS
     start = foot_of(vertices, tip, ring[ring_start[apex + 1] - 1], base, depth)
     for k in range(ring_start[apex], ring_start[apex + 1]):
@@ -101,8 +102,8 @@ def corner_overlap(shapes, bodies, pair, view, apex, face, workspace, thread):
         bounded = bounded and FARTHEST * foot.fall > depth
         if not foot.fall > depth or is_outside(line0, foot) or is_outside(line1, foot) or is_outside(line2, foot):
             exact = False
-        write_bound(workspace, thread, n_bound, x + foot.x, y + foot.y, z - sign * depth)
-        n_bound += 1
+        write_corner(workspace, thread, 0, n_corners, Vec(x + foot.x, y + foot.y, z - sign * depth))
+        n_corners += 1
         sums = cone_side(sums, turn(start, foot) * sign, start, foot)
         start = foot
-    return shortcut(exact, Point(0.0, 0.0), cone(sums, depth), n_bound if bounded else 0)
+    return shortcut(exact, Point(0.0, 0.0), cone(sums, depth), n_corners if bounded else 0)

@@ -36,9 +36,9 @@ from simcore.dem.contact.patch.moments import (
     shortcut,
     turn,
 )
-from simcore.dem.contact.patch.workspace import write_bound
+from simcore.dem.contact.patch.workspace import write_corner
 from simcore.dem.shapes.polyhedra import vertex_of
-from simcore.dem.vectors import dot, negative, read
+from simcore.dem.vectors import Vec, dot, negative, read
 
 NO_SHIFT = Point(-0.0, -0.0)  # adding −0 leaves every number unchanged, including the sign of zero
 
@@ -117,7 +117,7 @@ def crossing_overlap(shapes, bodies, pair, view, ends_a, ends_b, workspace, thre
     """Return the Shortcut of an edge of pair.a and one of pair.b (two vertices each); moments are about the crossing.
 
     The origin is the crossing, relative to the first vertex of the edge of a. If the moments are not exact, the four
-    ends bound the overlap, unless they are too far away.
+    ends are stored as corners of a pyramid that contains the overlap, unless they are too far away.
     """
     nothing = shortcut(False, Point(0.0, 0.0), NO_MOMENTS, 0)
     depth, vertices = view.depth, shapes.vertices
@@ -158,10 +158,15 @@ def crossing_overlap(shapes, bodies, pair, view, ends_a, ends_b, workspace, thre
         and is_on_face(end_k1, a, a.left) and is_on_face(end_k2, a, a.right)
         and is_on_face(end_l1, b, b.left) and is_on_face(end_l2, b, b.right)
     ):  # fmt: skip
-        write_bound(workspace, thread, 0, end_k1.x, end_k1.y, a.level - depth)
-        write_bound(workspace, thread, 1, end_k2.x, end_k2.y, a.level - depth)
-        write_bound(workspace, thread, 2, end_l1.x, end_l1.y, a.level)
-        write_bound(workspace, thread, 3, end_l2.x, end_l2.y, a.level)
+        if not max(max(abs(t1), abs(t2)), max(abs(s1), abs(s2))) < FARTHEST:
+            return nothing
+        # A pyramid with the apex k1; the order of the others depends on the side on which it is.
+        if (s2 - s1) * (t2 - t1) * area > 0.0:
+            end_l1, end_l2 = end_l2, end_l1
+        write_corner(workspace, thread, 0, 0, Vec(end_k1.x, end_k1.y, a.level - depth))
+        write_corner(workspace, thread, 0, 1, Vec(end_k2.x, end_k2.y, a.level - depth))
+        write_corner(workspace, thread, 0, 2, Vec(end_l1.x, end_l1.y, a.level))
+        write_corner(workspace, thread, 0, 3, Vec(end_l2.x, end_l2.y, a.level))
         return shortcut(False, Point(0.0, 0.0), NO_MOMENTS, 4)
     sums = NO_MOMENTS
     for k in (k1, k2):

@@ -14,6 +14,7 @@ zero at the ends s and e of each side. Its moments follow from sums of `cone_sid
 from typing import NamedTuple
 
 from simcore.compilation import leaf
+from simcore.dem.vectors import cross, dot
 
 
 class Point(NamedTuple):
@@ -40,16 +41,16 @@ class Shortcut(NamedTuple):
     exact: bool  # whether the moments are those of the overlap: no other part of the bodies reaches into it
     origin: Point  # reference point of the moments, relative to the vertex that `find_patch` uses
     moments: Moments
-    n_bound: int  # number of corners in the workspace of a polytope that contains the overlap; 0: there is none
+    n_corners: int  # of a pyramid in the workspace that contains the overlap (polytope.py); 0: there is none
 
 
 NO_MOMENTS = Moments(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @leaf
-def shortcut(exact, origin, moments, n_bound):
+def shortcut(exact, origin, moments, n_corners):
     """Return a Shortcut whose fields always have the same types, as compiled code requires."""
-    return Shortcut(bool(exact), origin, moments, int(n_bound))
+    return Shortcut(bool(exact), origin, moments, int(n_corners))
 
 
 @leaf
@@ -106,6 +107,23 @@ def triangle_moments(a, b, c):
                   + b12 * (a.x * b.y + b.x * a.y) + b23 * (b.x * c.y + c.x * b.y) + b31 * (c.x * a.y + a.x * c.y)),
         second * (a1 * a.y * a.y + a2 * b.y * b.y + a3 * c.y * c.y
                   + 2.0 * (b12 * a.y * b.y + b23 * b.y * c.y + b31 * c.y * a.y)),
+    )  # fmt: skip
+
+
+@leaf
+def tetrahedron_moments(a, b, c):
+    """Return the moments of the tetrahedron of the origin and a, b, c, counterclockwise from outside; else minus those.
+
+    Products of powers a, b, c of the barycentric coordinates integrate to 6 V a! b! c! / (a + b + c + 3)!.
+    """
+    six_volumes = dot(a, cross(b, c))
+    x, y = a.x + b.x + c.x, a.y + b.y + c.y
+    first, second = six_volumes / 24.0, six_volumes / 120.0
+    return Moments(
+        six_volumes / 6.0, first * x, first * y,
+        second * (a.x * a.x + b.x * b.x + c.x * c.x + x * x),
+        second * (a.x * a.y + b.x * b.y + c.x * c.y + x * y),
+        second * (a.y * a.y + b.y * b.y + c.y * c.y + y * y),
     )  # fmt: skip
 
 

@@ -12,10 +12,12 @@ the first moment of the depth, and the second moments resist rocking and twistin
 also where a face comes to rest on a face or an edge.
 
 The facet of the Minkowski difference shows whether a corner and a face meet (corner.py) or two edges (crossing.py). The
-overlap then has a closed form if no other part of the bodies reaches into it. Otherwise, and where two faces meet, it
-is clipped (clipping.py). At rest overlaps are about 1e-5 of the size, with the contact time of Rettinger et al. (2022).
-Deeper overlaps reflect the softness of the springs rather than the form of the grains, and extend over many faces. The
-bodies are then treated as if they were moved apart to PATCH_DEPTH.
+overlap then has a closed form if no other part of the bodies reaches into it. Otherwise the planes of the other faces
+cut this closed form (polytope.py). If two faces meet, the faces of both bodies are clipped (clipping.py).
+
+At rest overlaps are about 1e-5 of the size, with the contact time of Rettinger et al. (2022). Deeper overlaps reflect
+the softness of the springs rather than the form of the grains, and extend over many faces. The bodies are then treated
+as if they were moved apart to PATCH_DEPTH.
 """
 
 from simcore.compilation import leaf
@@ -25,6 +27,7 @@ from simcore.dem.contact.patch.clipping import clipped_moments
 from simcore.dem.contact.patch.corner import corner_overlap
 from simcore.dem.contact.patch.crossing import crossing_overlap
 from simcore.dem.contact.patch.moments import NO_MOMENTS, Point, shortcut, write_spread
+from simcore.dem.contact.patch.polytope import cut_moments
 from simcore.dem.shapes.polyhedra import vertex_of
 from simcore.dem.vectors import plus, plus_scaled, read, write
 
@@ -87,9 +90,12 @@ def find_patch(shapes, bodies, contacts, p, offset, workspace, thread):
     on_a, on_b = read_facet(contacts.facet, p)
     view = View(axes, depth, 1.0)
     shape, about_b = closed_overlap(shapes, bodies, pair, view, (on_a, on_b), workspace, thread)
-    m = shape.moments
+    m, origin = shape.moments, shape.origin
     if not shape.exact:
-        m = clipped_moments(shapes, bodies, pair, axes, (on_a[0], on_b[0]), shape.n_bound, workspace, thread)
+        if shape.n_corners > 0:
+            m, origin = cut_moments(shapes, bodies, pair, axes, (on_a, on_b), shape.n_corners, workspace, thread)
+        else:
+            m = clipped_moments(shapes, bodies, pair, axes, (on_a[0], on_b[0]), workspace, thread)
     if not m.d > 0.0:
         for k in range(6):
             contacts.spread[p, k] = 0.0
@@ -101,5 +107,5 @@ def find_patch(shapes, bodies, contacts, p, offset, workspace, thread):
         about, half = plus(vertex_of(shapes, bodies, j, on_b[0]), offset), 0.5 * overlap
     else:
         about, half = vertex_of(shapes, bodies, i, on_a[0]), -0.5 * overlap
-        x, y = x + shape.origin.x, y + shape.origin.y
+        x, y = x + origin.x, y + origin.y
     write(contacts.point, p, plus_scaled(plus_scaled(plus_scaled(about, x, axes.p), y, axes.q), half, axes.n))

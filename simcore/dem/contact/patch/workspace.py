@@ -2,13 +2,13 @@ r"""Workspace of patches: working memory for each thread, so that a step allocat
 
       o---o            mark, stamp   the current walk over a polyhedron has visited vertex v if mark[v] == stamp
      /|\ / \           stack         vertices whose neighbours the walk has yet to visit
-    o-o-*---o          faces         triangles of a and of b that take part, with their planes
-     \|/ \ /           polygon       two polygons: a face before and after a cut by a plane
-      o---o            height        heights of the corners of a polygon above that plane
-                       bound         corners of a small polytope that contains the overlap
-    o visited  * top
+    o-o-*---o          faces         triangles of a and of b that take part
+     \|/ \ /           planes        of these triangles
+      o---o            polygon       two polygons: a face before and after a cut by a plane
+                       corner, edge  a polytope that planes cut (polytope.py): its corners before and after a cut
+    o visited  * top   height        heights of the corners of a polygon or polytope above a plane
 
-Lengths are in metres. Coordinates of faces, planes, polygons and bounds are along the axes of the patch (axes.py),
+Lengths are in metres. Coordinates of faces, planes, polygons and polytopes are along the axes of the patch (axes.py),
 relative to the centre of body a.
 """
 
@@ -30,8 +30,13 @@ class Workspace(NamedTuple):
     faces: np.ndarray  # (threads, 2, faces, 3, 3): corners, of a and of b
     planes: np.ndarray  # (threads, 2, faces, 4): of these faces; n · x + d > 0 outside the body
     polygon: np.ndarray  # (threads, 2, faces + 3, 3)
-    height: np.ndarray  # (threads, faces + 3)
-    bound: np.ndarray  # (threads, vertices + 1, 3)
+    height: np.ndarray  # (threads, corners)
+    corner: np.ndarray  # (threads, 2, corners, 3)
+    renumbered: np.ndarray  # (threads, corners) int64: number of a corner after a cut, -1 if it is cut off
+    edge: np.ndarray  # (threads, edges, 4) int64: first and second corner, left and right face
+    way_out: np.ndarray  # (threads, faces of a polytope) int64: corner where a cut leaves a face; -1 between two cuts
+    way_in: np.ndarray  # the same: corner where it comes back
+    reference: np.ndarray  # the same: corner from which the face is divided into triangles, -1 if there is none yet
 
 
 def make_workspace(shapes: Shapes, n_threads: int) -> Workspace:
@@ -39,6 +44,9 @@ def make_workspace(shapes: Shapes, n_threads: int) -> Workspace:
     counts = np.diff(shapes.vertex_start)
     n = int(counts.max(initial=0))
     threads = n_threads if n else 0
+    m = (
+        5 * n + 4
+    )  # faces of a polytope: those of both bodies and of the pyramid; it has at most 3 m edges, and m new ones
     return Workspace(
         mark=np.zeros((threads, n), np.int64),
         stamp=np.zeros(threads, np.int64),
@@ -46,8 +54,13 @@ def make_workspace(shapes: Shapes, n_threads: int) -> Workspace:
         faces=np.zeros((threads, 2, 2 * n, 3, 3)),
         planes=np.zeros((threads, 2, 2 * n, 4)),
         polygon=np.zeros((threads, 2, 2 * n + 3, 3)),
-        height=np.zeros((threads, 2 * n + 3)),
-        bound=np.zeros((threads, n + 1, 3)),
+        height=np.zeros((threads, 2 * m)),
+        corner=np.zeros((threads, 2, 2 * m, 3)),
+        renumbered=np.zeros((threads, 2 * m), np.int64),
+        edge=np.zeros((threads, 4 * m, 4), np.int64),
+        way_out=np.full((threads, m), -1, np.int64),
+        way_in=np.full((threads, m), -1, np.int64),
+        reference=np.zeros((threads, m), np.int64),
     )
 
 
@@ -90,14 +103,14 @@ def write_polygon(workspace, t, number, corner, v):
 
 
 @leaf
-def read_bound(workspace, t, corner):
-    """Return a corner of the bound of thread t."""
-    bound = workspace.bound
-    return Vec(bound[t, corner, 0], bound[t, corner, 1], bound[t, corner, 2])
+def read_corner(workspace, t, number, k):
+    """Return corner k of a polytope of thread t; number: of the array."""
+    corner = workspace.corner
+    return Vec(corner[t, number, k, 0], corner[t, number, k, 1], corner[t, number, k, 2])
 
 
 @leaf
-def write_bound(workspace, t, corner, x, y, z):
-    """Store a corner of the bound of thread t."""
-    bound = workspace.bound
-    bound[t, corner, 0], bound[t, corner, 1], bound[t, corner, 2] = x, y, z
+def write_corner(workspace, t, number, k, v):
+    """Store corner k of a polytope of thread t."""
+    corner = workspace.corner
+    corner[t, number, k, 0], corner[t, number, k, 1], corner[t, number, k, 2] = v.x, v.y, v.z

@@ -8,9 +8,10 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact.pair import pair_of
-from simcore.dem.contact.patch.axes import axes_about
+from simcore.dem.contact.patch.axes import View, axes_about
 from simcore.dem.contact.patch.clipping import clipped_moments
-from simcore.dem.contact.patch.patch import PATCH_DEPTH, find_patch
+from simcore.dem.contact.patch.patch import PATCH_DEPTH, closed_overlap, find_patch, read_facet
+from simcore.dem.contact.patch.polytope import cut_moments
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.coulomb_friction import tangent_of
 from simcore.dem.forces.patch_torque import patch_torque
@@ -37,7 +38,7 @@ def slow_moments(shapes, bodies, contacts, workspace, p):
     pair = pair_of(bodies, contacts.body_a[p], contacts.body_b[p], offset)
     axes = axes_about(read(contacts.direction, p))
     tops = (contacts.facet[p, 0], contacts.facet[p, 3])
-    return clipped_moments(shapes, bodies, pair, axes, tops, 0, workspace, 0)
+    return clipped_moments(shapes, bodies, pair, axes, tops, workspace, 0)
 
 
 def press_pairs(bases, scale, orientation, offsets):
@@ -81,10 +82,10 @@ def intersection_moments(planes):
     return middle + off, second - np.outer(off, off)
 
 
-def shallow_pairs(n, seed, depth):
-    """Return pairs of pebbles whose overlap is about `depth` times the pair's size."""
+def shallow_pairs(n, seed, depth, vertices=12):
+    """Return pairs of pebbles whose overlap is about `depth` times the pair's size; vertices: the least number."""
     rng = np.random.default_rng(seed)
-    bases = [make_pebble(k, 12 + 7 * (k % 5)) for k in range(10)]
+    bases = [make_pebble(k, vertices + 7 * (k % 5)) for k in range(10)]
     bases = [bases[k % 10] for k in rng.permutation(2 * n)]
     scale, orientation = np.ones((2 * n, 3)), random_orientations(2 * n, rng)
     offsets = rng.standard_normal((n, 3))
@@ -174,6 +175,48 @@ def test_the_short_cut_for_corners_is_the_general_way():
         assert abs(trace - contacts.spread[p, :3].sum()) <= 1e-6 * trace + 1e-13 * size**2
         seen += 1
     assert seen > 150
+
+
+@numba.njit(error_model="numpy")
+def cut_and_clipped(shapes, bodies, contacts, workspace, p):
+    """Return (moments of pair p by cuts through the pyramid, their reference point, moments of the general method).
+
+    The moments are None if the pair has no such pyramid or a closed form.
+    """
+    offset = partner_offset(bodies, contacts, p, 0.0, False)
+    pair = pair_of(bodies, contacts.body_a[p], contacts.body_b[p], offset)
+    axes, facet = axes_about(read(contacts.direction, p)), read_facet(contacts.facet, p)
+    view = View(axes, contacts.overlap[p], 1.0)
+    shape, _ = closed_overlap(shapes, bodies, pair, view, facet, workspace, 0)
+    if shape.exact or shape.n_corners == 0:
+        return None
+    moments, origin = cut_moments(shapes, bodies, pair, axes, facet, shape.n_corners, workspace, 0)
+    return moments, origin, clipped_moments(shapes, bodies, pair, axes, (facet[0][0], facet[1][0]), workspace, 0)
+
+
+@pytest.mark.parametrize(("depth", "vertices"), [(1e-5, 600), (1e-4, 300), (1e-3, 100), (1e-2, 20)])
+def test_cuts_through_the_pyramid_are_the_general_way(depth, vertices):
+    """All six moments agree, and after each cut the polytope is closed: no boundary of a face leaves and stays away."""
+    bases, scale, orientation, offsets = shallow_pairs(300, 7, depth, vertices)
+    bodies, shapes, contacts = place_pairs(bases, scale, orientation, offsets)
+    update_polyhedra(shapes, bodies, contacts, 0.0)
+    workspace, seen = make_workspace(shapes, 1), 0
+    for p in np.flatnonzero(contacts.touching):
+        result = cut_and_clipped(shapes, bodies, contacts, workspace, p)
+        if result is None:
+            continue
+        (d, dx, dy, dxx, dxy, dyy), (x, y), (m0, mx, my, mxx, mxy, myy) = result
+        extent = np.sqrt((mxx + myy) / m0 - (mx**2 + my**2) / m0**2)
+        size = bodies.radius[2 * p] + bodies.radius[2 * p + 1]
+        assert d == pytest.approx(m0, rel=1e-6)
+        slack = 1e-6 * extent + 1e-13 * size
+        np.testing.assert_allclose([dx / d + x, dy / d + y], [mx / m0, my / m0], rtol=0, atol=slack)
+        second = [dxx / d - (dx / d) ** 2, dxy / d - dx * dy / d**2, dyy / d - (dy / d) ** 2]
+        expected = [mxx / m0 - (mx / m0) ** 2, mxy / m0 - mx * my / m0**2, myy / m0 - (my / m0) ** 2]
+        np.testing.assert_allclose(second, expected, rtol=0, atol=1e-6 * extent**2 + 1e-13 * size**2)
+        seen += 1
+    assert seen > 10
+    assert (workspace.way_out == -1).all() and (workspace.way_in == -1).all()
 
 
 @pytest.mark.parametrize("way", ["tilt", "slide", "turn"])
