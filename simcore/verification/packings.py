@@ -11,6 +11,8 @@ import numpy as np
 import pandas as pd
 
 WISHED = (0.01, 0.005, 0.002)  # allowed errors of porosity
+# Columns that tell beds apart whose porosities differ by themselves: they are no settings that a study changes.
+OF_BED = ("grain", "case", "mean_FL", "std_FL", "mean_EL", "std_EL")
 
 
 def porosity_errors(packings: pd.DataFrame, varied: list[str]) -> pd.DataFrame:
@@ -18,8 +20,8 @@ def porosity_errors(packings: pd.DataFrame, varied: list[str]) -> pd.DataFrame:
 
     packings: one row per packing, with the columns study, seed, n, cpu_s and those of `varied`; the first setting is
     the reference. Columns: study, varied, setting (text), seeds, n, n_std_error (over seeds), difference (mean n minus
-    that of the reference), difference_std_error, cpu_s (median), cpu_ratio (to the reference).
-    ValueError if a setting has fewer than two packings.
+    that of the reference), difference_std_error, cpu_s (median), cpu_ratio (to the reference). The standard errors of
+    settings with one packing are nan.
     """
     keys = [key for key in varied if key != "seed"]
     table = packings.assign(setting=[_label(row, keys) for _, row in packings.iterrows()])
@@ -28,8 +30,6 @@ def porosity_errors(packings: pd.DataFrame, varied: list[str]) -> pd.DataFrame:
     rows = []
     for setting in order:
         runs = table[table.setting == setting].set_index("seed")
-        if len(runs) < 2:
-            raise ValueError(f"study {table.study.iloc[0]}: {setting} has one seed; an error needs two or more seeds")
         difference, error = compare(runs.n, reference.n)
         rows.append(
             {
@@ -62,25 +62,38 @@ def name_changes(packings: pd.DataFrame, varied: list[str]) -> pd.Series:
 
 
 def change_errors(tables: list[pd.DataFrame], varied: list[list[str]]) -> pd.DataFrame:
-    """Return the effect of each change on porosity: rows of `porosity_errors` with a column grain, for all studies.
+    """Return the effect of each change on porosity: rows of `porosity_errors` with the columns OF_BED, for all studies.
 
-    tables: packings of each study; varied: names of the keys that each study varies. Each grain has its own reference.
+    tables: packings of each study; varied: names of the keys that each study varies. Beds that differ in a column of
+    OF_BED each have their own reference; beds of which there is one setting are left out. ValueError if none are left.
     """
     parts = []
     for packings, names in zip(tables, varied, strict=True):
-        packings = packings.assign(change=name_changes(packings, names))
-        groups = packings.groupby("grain", sort=False) if "grain" in packings else [("", packings)]
-        parts += [porosity_errors(rows, ["change"]).assign(grain=grain) for grain, rows in groups]
+        kinds = [column for column in OF_BED if column in packings and (column in ("grain", "case") or column in names)]
+        changed = [name for name in names if name not in kinds]
+        groups = packings.groupby(kinds, sort=False, dropna=False) if kinds else [((), packings)]
+        for values, rows in groups:
+            errors = porosity_errors(rows.assign(change=name_changes(rows, changed)), ["change"])
+            if len(errors) > 1:
+                parts.append(errors.assign(**dict(zip(kinds, values, strict=True))))
+    if not parts:
+        raise ValueError(
+            f"the studies {', '.join(sorted({table.study.iloc[0] for table in tables}))} have one setting of each bed, so "
+            "that there is no difference; vary a setting under `varies`"
+        )
     return pd.concat(parts, ignore_index=True)
 
 
 def study_errors(tables: list[pd.DataFrame], rows: list[list[dict]]) -> pd.DataFrame:
-    """Return the rows of `porosity_errors` of several studies.
+    """Return the rows of `porosity_errors` of several studies; ValueError if a setting has one packing.
 
     tables: packings of each study; rows: for each study, the rows of its packings from simcore.campaign.studies.
     """
     parts = [porosity_errors(table, own[0]["varied"]) for table, own in zip(tables, rows, strict=True)]
-    return pd.concat(parts, ignore_index=True)
+    errors = pd.concat(parts, ignore_index=True)
+    for row in errors[errors.seeds < 2].itertuples():
+        raise ValueError(f"study {row.study}: {row.setting} has one seed; an error needs two or more seeds")
+    return errors
 
 
 def work_precision_of_studies(errors, studies, titles, rows) -> pd.DataFrame:

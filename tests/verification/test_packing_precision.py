@@ -48,7 +48,7 @@ def test_without_common_seeds_both_scatter():
 
 def test_a_single_seed_is_no_study():
     with pytest.raises(ValueError, match="study made: 40 has one seed"):
-        porosity_errors(packings({40: 0.0, 20: 0.003}, (10.0, 5.0), seeds=(1,)), ["seed", "step"])
+        study_errors([packings({40: 0.0, 20: 0.003}, (10.0, 5.0), seeds=(1,))], [[{"varied": ["seed", "step"]}]])
 
 
 def test_as_a_table_of_work_precision_the_noise_is_the_reference_s_error():
@@ -100,9 +100,22 @@ def test_each_grain_has_its_own_reference():
     parts[1]["n"] += 0.2
     whole = packings({"x": 0.0, "y": -0.004}, (10.0, 5.0), study="other")
     table = change_errors([pd.concat(parts, ignore_index=True), whole], [["seed", "step"], ["step", "seed"]])
-    assert list(table.grain) == ["a", "a", "b", "b", "", ""]
+    assert list(table.grain.fillna("")) == ["a", "a", "b", "b", "", ""]
     assert table.difference.to_numpy() == pytest.approx([0.0, 0.01, 0.0, 0.02, 0.0, -0.004])
     assert list(table.setting) == ["ours", "step 20", "ours", "step 20", "ours", "step y"]
+
+
+def test_beds_of_other_sieve_curves_and_forms_are_no_changes():
+    """A bed of one seed has a difference without an error, and a bed with one setting has nothing to compare."""
+    u1 = packings({40: 0.0, 20: 0.003}, (10.0, 5.0), seeds=(1,)).assign(case="U1", mean_FL=0.5)
+    u7 = packings({40: -0.08, 20: -0.07}, (10.0, 5.0)).assign(case="U7", mean_FL=0.5)
+    flat = packings({40: 0.05}, (10.0,)).assign(case="U7", mean_FL=0.3)
+    table = change_errors([pd.concat([u1, u7, flat], ignore_index=True)], [["seed", "mean_FL", "step"]])
+    assert list(table.case) == ["U1", "U1", "U7", "U7"] and list(table.setting) == ["ours", "step 20"] * 2
+    assert table.difference.to_numpy() == pytest.approx([0.0, 0.003, 0.0, 0.01])
+    assert table.difference_std_error.isna().tolist() == [True, True, False, False]
+    with pytest.raises(ValueError, match="made have one setting of each bed, so that there is no difference"):
+        change_errors([flat], [["seed", "mean_FL", "step"]])
 
 
 def test_the_errors_of_several_studies_have_their_own_defaults():
