@@ -1,5 +1,6 @@
 """Steps common to the tables of all models: means over seeds, and columns with values of Rettinger et al. (2022)."""
 
+import numpy as np
 import pandas as pd
 
 
@@ -7,11 +8,15 @@ def over_seeds(packings, key):
     """Return means of all numbers over the packings of one case that agree in `key`; unchanged without this column.
 
     Packings of one form with different seeds are not independent samples: the error of a fit would be too small, and
-    cross-validation would train on the form that it predicts.
+    cross-validation would train on the form that it predicts. n_std_error is that of the mean.
     """
     if key not in packings:
         return packings
-    return packings.groupby(["case", key], sort=False, dropna=False).mean(numeric_only=True).copy().reset_index()
+    groups = packings.groupby(["case", key], sort=False, dropna=False)
+    means = groups.mean(numeric_only=True).copy()
+    if "n_std_error" in packings:
+        means["n_std_error"] = groups["n_std_error"].agg(lambda errors: np.sqrt(np.sum(errors**2)) / len(errors))
+    return means.reset_index()
 
 
 def compare_predictions(models, name, table):

@@ -20,7 +20,7 @@ MEAN_FORM = "mean form of the Rhine gravel of Rettinger et al."
 LIMITS = (
     "The numbers are for clean gravel that is poured into a box and shaken. A river bed may be imbricated, looser or "
     "denser, and may have sand in its pores; its porosity can differ by more than the errors given here.",
-    "Grains are convex, and their size does not depend on their form.",
+    "Grains are convex. Their size does not depend on their form, unless a study gives each size its own forms.",
     "A model is valid for forms inside its fitted range, and for its own sieve curve: the wider the curve, the lower "
     "the porosity.",
 )
@@ -118,13 +118,14 @@ def _examples(models):
     named = {words: n for (case, words), n in numbers.items() if case == example_case and np.isfinite(n)}
     if not named:
         return []
+    densest, loosest = min(named, key=named.get), max(named, key=named.get)
     ends = " and ".join(
-        f"{n:.2f} if the grains are {words}" if words != MEAN_FORM else f"{n:.2f} at the {words}"
-        for words, n in (min(named.items(), key=lambda pair: pair[1]), max(named.items(), key=lambda pair: pair[1]))
-    )
+        f"{named[words]:.2f} if the grains are {words}" if words != MEAN_FORM else f"{named[words]:.2f} at the {words}"
+        for words in dict.fromkeys((densest, loosest))
+    ).removesuffix(".")
     sentence = f"Gravel of the sieve curve {describe_case(example_case)}, poured and shaken, has a porosity of {ends}."
     ratios = {words: 1.0 / (flatness * elongation) for words, flatness, elongation in forms}
-    if ratios[min(named, key=named.get)] < ratios[max(named, key=named.get)]:
+    if ratios[densest] < ratios[loosest]:
         sentence += " The flatter and longer the grains, the looser the bed."
     caption = (
         "Porosity of beds whose grains all have one form. After ± is the standard deviation of beds about the model. "
@@ -219,7 +220,7 @@ def unseen(tables):
         return []
     model = "unified model" if name.startswith("unified") else "model of mixtures"
     return [
-        f"A gravel that no model was fitted to, with the forms of the Rhine gravel: the {model} errs by at most "
+        f"Beds of the study `application`, to which no model was fitted: the {model} errs by at most "
         f"{rows[name].max():.4f}."
     ]
 
@@ -256,13 +257,15 @@ def check(own, committed, titles, committed_biases=None):
     own, committed: dicts from names of studies to the paths of their tables. titles: titles of the studies by name.
     committed_biases: path of the table of biases, for the effect of the size of the bed, or None.
     """
-    rows = []
+    rows, sizes = [], []
     for study, path in own.items():
         if study in committed:
             compared = _same_settings(pd.read_csv(path), pd.read_csv(committed[study]))
             if len(compared):
                 errors = np.hypot(compared["n_std_error_own"], compared["n_std_error_committed"])
-                error = np.sqrt((errors**2).sum()) / len(compared)
+                error = np.sqrt((errors**2).sum(skipna=False)) / len(compared)
+                if "grains_own" in compared:
+                    sizes += list(compared["grains_own"] / compared["grains_committed"])
                 difference = (compared["n_own"] - compared["n_committed"]).mean()
                 row = {"study_title": titles[study], "compared": len(compared), "own_n": compared["n_own"].mean()}
                 row |= {"committed_n": compared["n_committed"].mean(), "difference": difference}
@@ -270,8 +273,8 @@ def check(own, committed, titles, committed_biases=None):
     if not rows:
         return []
     caption = (
-        "Mean porosity of the settings that this campaign has in common with the committed one. Its beds are smaller, "
-        "so differences contain the effect of the size of the bed."
+        "Mean porosity of the settings that this campaign has in common with the committed one. Settings that the "
+        f"tables do not list, such as the material and the preset, may differ.{_sizes_in_words(sizes)}"
     )
     clear = sum(abs(row["z"]) > 3.0 for row in rows)
     sentence = (
@@ -280,6 +283,17 @@ def check(own, committed, titles, committed_biases=None):
     )
     parts = [paragraph(sentence, "outcome"), rows_table(pd.DataFrame(rows), caption, "report/check")]
     return [*parts, *_effect_of_size(committed_biases)]
+
+
+def _sizes_in_words(ratios):
+    """Return a sentence on beds with fewer or more grains than the committed ones, "" if all have about as many."""
+    if not ratios or 0.9 < min(ratios) and max(ratios) < 1.1:
+        return ""
+    ends = " to ".join(dict.fromkeys(f"{ratio:.2g}" for ratio in (min(ratios), max(ratios))))
+    return (
+        f" The beds of this campaign have {ends} times as many grains, so differences contain the effect of the size "
+        "of the bed."
+    )
 
 
 def _effect_of_size(path):
@@ -297,15 +311,20 @@ def _effect_of_size(path):
 
 
 def _same_settings(own, committed):
-    """Return the rows of both tables with equal settings, their porosities with the suffixes _own and _committed."""
+    """Return the rows of both tables with equal settings, their porosities with the suffixes _own and _committed.
+
+    Rows of one table that differ in another setting are not compared, nor are the committed packings with themselves.
+    """
     if "source" in committed:
         committed = committed[committed["source"] == "synthetic"]
     keys = [name for name in _KEYS if name in own and name in committed]
     if not keys or "n" not in own or "n" not in committed:
         return pd.DataFrame()
-    columns = ["n", "n_std_error"]
+    columns = [name for name in ("n", "n_std_error", "grains") if name in own and name in committed]
     parts = [part[columns].assign(key=[_key(row) for row in part[keys].to_numpy()]) for part in (own, committed)]
-    return parts[0].merge(parts[1], on="key", suffixes=("_own", "_committed"))
+    parts = [part.drop_duplicates("key", keep=False) for part in parts]
+    compared = parts[0].merge(parts[1], on="key", suffixes=("_own", "_committed"))
+    return compared[:0] if (compared["n_own"] == compared["n_committed"]).all() else compared
 
 
 def _key(values):

@@ -35,7 +35,7 @@ FIRST_PACKING = "First packing: picture, and porosity over the height"
 CHECK_HEADING, OWN_STUDIES = "Check: what this campaign packed itself", "This campaign: "
 LARGEST = (
     "This page begins with the largest committed campaign, from its tables in results/reference. Below it are the "
-    "packings of this campaign, which repeat a part with smaller beds, as a check."
+    "packings of this campaign, as a check: settings that both have are compared."
 )
 
 

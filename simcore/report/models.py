@@ -2,13 +2,15 @@
 
 import pandas as pd
 
+from simcore.campaign.study_tables import NAMES
 from simcore.grains.form import features as form_features
 from simcore.models.mixtures import application_table, mixture_models
 from simcore.models.shape_kinds import pair_shape_kinds, shape_kind_table
 from simcore.models.single_form import single_form_models
-from simcore.models.tables import compare_predictions
+from simcore.models.tables import compare_predictions, over_seeds
 from simcore.models.unified import unified_models
 from simcore.reference.columns import SPECIFIED_MEANS
+from simcore.reference.columns.headings import find_heading
 from simcore.reference.r22_comparison import add_reference
 from simcore.reference.r22_tables import read_r22_table, rhine_statistics
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
@@ -23,6 +25,7 @@ def single_form_findings(packings, committed, seed, folds) -> Findings:
     from read_single_forms; models are fitted to them too. The column packed_by distinguishes both. seed, folds: of the
     cross-validation.
     """
+    require_one_setting(packings)
     packings = add_reference(pd.concat(packings, ignore_index=True), "single_form")
     correlations, r22_models = read_r22_table("correlations"), read_r22_table("models")
     tables, models = single_form_models(
@@ -37,15 +40,35 @@ def single_form_findings(packings, committed, seed, folds) -> Findings:
     for table in tables.values():
         table["packed_by"] = ["this campaign" if case in own else "committed rows" for case in table.case]
     shown = {case: model for (name, case), model in models.items() if name == "single_form" and case in own}
-    columns = packings[["case", "n", "n_std_error", "r22_n"]]
-    compared = pd.concat([columns, form_features(packings.L, packings.I, packings.S)], axis=1)
+    beds = over_seeds(packings, "grain")
+    compared = pd.concat([beds[["case", "n", "n_std_error", "r22_n"]], form_features(beds.L, beds.I, beds.S)], axis=1)
     predictions = compare_predictions(models, "single_form", compared)
     figures = {
-        "features": form_figure(packings, r22_correlations=correlations, r22_models=r22_models),
-        "zingg": porosity_zingg_figure(packings, shown),
+        "features": form_figure(beds, r22_correlations=correlations, r22_models=r22_models),
+        "zingg": porosity_zingg_figure(beds, shown),
         "prediction": prediction_figure(predictions, list(shown.values())),
     }
     return Findings(tables, figures, models)
+
+
+def require_one_setting(tables):
+    """Raise a ValueError if packings of one grain and sieve curve differ in another setting than the seed.
+
+    tables: of studies, as from simcore.campaign.study_tables.tabulate, whose settings are before `kind`.
+    """
+    packings = pd.concat(tables, ignore_index=True)
+    settings = dict.fromkeys(name for table in tables for name in list(table)[: list(table).index("kind")])
+    for name in (*NAMES, "seed"):
+        settings.pop(name, None)
+    for (case, grain), rows in packings.groupby(["case", "grain"], sort=False):
+        for name in settings:
+            if rows[name].nunique(dropna=False) > 1:
+                studies = " and ".join(dict.fromkeys(rows["study"]))
+                raise ValueError(
+                    f"study {studies}: packings of grain {grain} in {case} differ in {find_heading(name).words} "
+                    f"({name}), and a model of beds of one form would mix them; pack the others in a study whose name "
+                    "does not begin with single_form"
+                )
 
 
 def form_mixture_findings(features, packings, application, seed, folds) -> Findings:

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pandas as pd
+from scipy.special import chdtrc  # scipy.stats has the same values but loads slowly
 
 from simcore.evaluation.rounding import rounded
 from simcore.reference.columns.headings import find_heading
 from simcore.report.words import value_in_words
 
-CLEAR = 2.0  # a difference of more standard errors is not explained by the scatter of packings
+CLEAR = 2.0  # a difference of two packings by more standard errors is not explained by their scatter
+CHANCE = 0.05  # probability, below which the differences of several settings are not explained by their scatter
 FEW = 3  # with fewer rows a figure shows less than the sentence
 _SWEEPS = ("shaking_s", "width_m", "faces", "contact_time_s", "steps_per_contact_time", "mass_kg", "drop_height")
 # Columns of a study's table that it does not vary.
@@ -29,13 +31,18 @@ def outcome(table, missing="The table has no porosities."):
     if "experiment_n" in table and table["experiment_n"].notna().any():
         return [*_experiment(table), *_published(table)]
     sweep = next((name for name in _SWEEPS if name in table and table[name].nunique() > 1), None)
-    if sweep and not {"grain", "mean_FL"} & set(table):
+    if sweep and not differ_in_form(table):
         return [*_sweep(table, sweep), *_published(table)]
     if {"flatness", "elongation"} <= set(table) and "grain" not in table:
         return _round_ones(table)
-    if "EQ" in table and table["EQ"].nunique() > 1 and {"grain", "mean_FL"} & set(table):
+    if differ_in_form(table) and {"grain", "mean_FL"} & set(table):
         return [*_forms(table), *_published(table)]
     return [*_range(table), *_published(table)]
+
+
+def differ_in_form(table):
+    """Return whether the rows of a study's table are beds of grains of different mean form."""
+    return "EQ" in table and bool(table["EQ"].max() - table["EQ"].min() > 1e-6)
 
 
 def shows_more(table):
@@ -67,24 +74,40 @@ def _experiment(table):
 
 
 def _sweep(table, name):
-    """Return the change between the ends of the varied setting, for each sieve curve."""
+    """Return the change between the ends of the varied setting, for each sieve curve.
+
+    If other settings vary too, it is the mean of the changes at each of them.
+    """
     heading, sentences = find_heading(name), []
+    others = [column for column in varied_columns(table) if column not in ("case", name)]
     for case, rows in table.groupby("case", sort=False) if "case" in table else [("", table)]:
-        if len(rows) < 2:
-            continue
         numbers = pd.to_numeric(rows[name], errors="coerce")
         rows = rows.assign(order=numbers.fillna(np.inf)).sort_values("order", kind="stable")
-        lowest, highest = rows.iloc[0], rows.iloc[-1]
-        error = np.hypot(lowest["n_std_error"], highest["n_std_error"])
-        change = highest["n"] - lowest["n"]
-        ends = " to ".join(_setting(row[name], name, heading) for row in (lowest, highest))
-        verdict = "more than" if abs(change) > CLEAR * error else "not more than"
-        start = f"{case}: from" if case else "From"
-        sentences.append(
-            f"{start} {ends} the porosity changes by {rounded(change, error, sign='+')}, {verdict} twice its standard "
-            "error."
-        )
+        lowest, highest = rows[name].iloc[0], rows[name].iloc[-1]
+        changes, squares = [], []
+        for _, alike in rows.groupby(others, sort=False, dropna=False) if others else [((), rows)]:
+            low, high = alike[alike[name] == lowest], alike[alike[name] == highest]
+            if lowest != highest and len(low) and len(high):
+                changes.append(high["n"].iloc[0] - low["n"].iloc[0])
+                squares.append(low["n_std_error"].iloc[0] ** 2 + high["n_std_error"].iloc[0] ** 2)
+        if not changes:
+            continue
+        change, error = np.mean(changes), np.sqrt(np.sum(squares)) / len(changes)
+        ends = " to ".join(_setting(value, name, heading) for value in (lowest, highest))
+        text = f"{case}: from" if case else "From"
+        text = f"{text} {ends} the porosity changes by {rounded(change, error, sign='+')}"
+        if others:
+            words = " and ".join(find_heading(column).words for column in others)
+            text += f" on average over {len(changes)} settings of {words}"
+        sentences.append(f"{text}{_verdict(change, error, ', ')}.")
     return sentences or _range(table)
+
+
+def _verdict(difference, error, before):
+    """Return whether a difference of two porosities is clear, in words after `before`; "" if its error is unknown."""
+    if not np.isfinite(error):
+        return ""
+    return f"{before}{'more' if abs(difference) > CLEAR * error else 'not more'} than twice its standard error"
 
 
 def _setting(value, name, heading):
@@ -97,23 +120,26 @@ def _setting(value, name, heading):
 
 
 def _round_ones(table):
-    """Return the porosity of spheres and the lowest one of ellipsoids near them."""
-    rows = table.assign(ratio=1.0 / (table["flatness"].fillna(1.0) * table["elongation"].fillna(1.0)))
-    lowest = rows.loc[rows["n"].idxmin()]
-    sentences = [
-        f"The porosity is lowest for {_ratio(lowest)}: {rounded(lowest['n'], lowest['n_std_error'])}."
-        if len(rows) > 1
-        else f"The porosity for {_ratio(lowest)} is {rounded(lowest['n'], lowest['n_std_error'])}."
-    ]
-    spheres = rows[np.isclose(rows["ratio"], 1.0)]
-    if len(spheres) and not np.isclose(lowest["ratio"], 1.0):
-        sphere = spheres.iloc[0]
-        error = np.hypot(sphere["n_std_error"], lowest["n_std_error"])
-        more = rounded(sphere["n"] - lowest["n"], error)
-        sentences.append(
-            f"Spheres have {rounded(sphere['n'], sphere['n_std_error'])}, which is {more} more: slightly flattened "
-            "grains pack more densely than spheres."
-        )
+    """Return the porosity of spheres and the lowest one of ellipsoids near them, for each sieve curve."""
+    table = table.assign(ratio=1.0 / (table["flatness"].fillna(1.0) * table["elongation"].fillna(1.0)))
+    sentences = []
+    for case, rows in table.groupby("case", sort=False) if "case" in table else [("", table)]:
+        lowest = rows.loc[rows["n"].idxmin()]
+        start = f"{case}: the" if case and table["case"].nunique() > 1 else "The"
+        value = rounded(lowest["n"], lowest["n_std_error"])
+        if len(rows) == 1:
+            sentences.append(f"{start} porosity for {_ratio(lowest)} is {value}.")
+            continue
+        sentences.append(f"{start} porosity is lowest for {_ratio(lowest)}: {value}.")
+        spheres = rows[np.isclose(rows["ratio"], 1.0)]
+        if len(spheres) and not np.isclose(lowest["ratio"], 1.0):
+            sphere = spheres.iloc[0]
+            error = np.hypot(sphere["n_std_error"], lowest["n_std_error"])
+            more = sphere["n"] - lowest["n"]
+            sentences.append(
+                f"Spheres have {rounded(sphere['n'], sphere['n_std_error'])}, which is {rounded(more, error)} more"
+                f"{_verdict(more, error, ', ')}."
+            )
     return sentences
 
 
@@ -128,10 +154,12 @@ def _forms(table):
     for values, rows in table.groupby(keys, sort=False) if keys else [((), table)]:
         low, high = rows.loc[rows["n"].idxmin()], rows.loc[rows["n"].idxmax()]
         names = ", ".join(value_in_words(name, value) for name, value in zip(keys, values, strict=True))
-        ratio, what = ("L/S", "forms") if "grain" in table else ("mean L/S", "distributions of form")
+        ratio, what = ("L/S", "forms") if "grain" in table else ("1/mean S/L", "distributions of form")
+        form = [name for name in ("grain", "mean_FL", "std_FL", "mean_EL", "std_EL") if name in rows]
+        count = len(rows[form].drop_duplicates())
         text = (
             f"the porosity rises from {rounded(low['n'], low['n_std_error'])} ({ratio} = {1.0 / low['EQ']:.1f}) to "
-            f"{rounded(high['n'], high['n_std_error'])} ({ratio} = {1.0 / high['EQ']:.1f}) over {len(rows)} {what}."
+            f"{rounded(high['n'], high['n_std_error'])} ({ratio} = {1.0 / high['EQ']:.1f}) over {count} {what}."
         )
         text = f"{names}: {text}" if names else text
         sentences.append(text[0].upper() + text[1:])
@@ -143,14 +171,23 @@ def _range(table):
     low, high = table.loc[table["n"].idxmin()], table.loc[table["n"].idxmax()]
     if len(table) == 1:
         return [f"The porosity is {rounded(low['n'], low['n_std_error'])}."]
-    error = np.hypot(low["n_std_error"], high["n_std_error"])
-    difference = high["n"] - low["n"]
-    verdict = "more than" if difference > CLEAR * error else "not more than"
-    return [
+    ends = (
         f"The porosity is between {rounded(low['n'], low['n_std_error'])} ({_label(table, low)}) and "
-        f"{rounded(high['n'], high['n_std_error'])} ({_label(table, high)}); the difference of "
-        f"{rounded(difference, error)} is {verdict} twice its standard error."
-    ]
+        f"{rounded(high['n'], high['n_std_error'])} ({_label(table, high)})"
+    )
+    if len(table) == 2:
+        error = np.hypot(low["n_std_error"], high["n_std_error"])
+        difference = high["n"] - low["n"]
+        return [f"{ends}; the difference is {rounded(difference, error)}{_verdict(difference, error, ', ')}."]
+    rows = table[table["n_std_error"] > 0.0]
+    if len(rows) < len(table):
+        return [f"{ends}."]
+    weights = rows["n_std_error"] ** -2.0
+    squares = float(np.sum(weights * (rows["n"] - np.average(rows["n"], weights=weights)) ** 2))
+    # The greatest difference of many settings is often more than twice its error by chance; hence a test of all.
+    explained = chdtrc(len(rows) - 1, squares) > CHANCE
+    what = "the standard errors explain the differences" if explained else "they differ by more than chance"
+    return [f"{ends}; among the {len(rows)} settings {what}."]
 
 
 def _label(table, row):

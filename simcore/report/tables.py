@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from markupsafe import Markup
 
+from simcore.campaign.study_tables import NAMES, read_study_table
 from simcore.evaluation.rounding import error_decimals, rounded
 from simcore.grains.form import FORM_FACTORS
 from simcore.reference.columns import find_column
@@ -63,6 +64,8 @@ _RESULTS = {"n", "n_exact", "r22_n", "difference", "z", "experiment_n", "coeffic
 # Of these only in tables of porosities; they are the results of others.
 _DETAILS_OF_POROSITY = {"sigma_FL", "sigma_EL", "sigma_EQ", "grains", "cpu_h"}
 _COUNTS = ("grains", "samples")
+# Units of the quantities whose trends over height have a unit: factor from SI, and unit.
+TREND_UNITS = {"D": (1e3, "mm"), "angle": (57.29577951308232, "°")}
 _SMALLEST_SHARE = 5e-4  # components that explain less of the variance are rounding errors
 
 
@@ -95,7 +98,7 @@ class ShownTable(NamedTuple):
 
 def read_table(path):
     """Read a CSV file without the column `note`, because the banner of the page has the same text."""
-    return pd.read_csv(path).drop(columns="note", errors="ignore")
+    return read_study_table(path).drop(columns="note", errors="ignore")
 
 
 def show_table(rows, name, details=DETAILS):
@@ -108,6 +111,8 @@ def show_table(rows, name, details=DETAILS):
     rows = rows.drop(columns=[column for column in rows if rows[column].isna().all()] if len(rows) else [])
     if {"component", "explained"} <= set(rows):
         rows = rows[rows["explained"] >= _SMALLEST_SHARE]
+    if {"quantity", "mean", "mean_std_error"} <= set(rows):
+        rows = _with_units(rows)
     errors = _errors(rows)
     names = [column for column in rows if column not in set(ERRORS.values()) & _used(rows)]
     if "study" in names and rows["study"].nunique() == 1:
@@ -146,6 +151,16 @@ def table_name(path):
 def _used(rows):
     """Return the columns of errors whose values have a column in the table."""
     return {error for value, error in ERRORS.items() if value in rows and error in rows}
+
+
+def _with_units(trends):
+    """Return trends over height in the units of TREND_UNITS, which the names of the quantities then have."""
+    trends = trends.copy()
+    for quantity, (factor, unit) in TREND_UNITS.items():
+        of_it = trends["quantity"] == quantity
+        trends.loc[of_it, ["mean", "mean_std_error"]] *= factor
+        trends.loc[of_it, "quantity"] = f"{value_in_words('quantity', quantity)} [{unit}]"
+    return trends
 
 
 def _errors(rows):
@@ -207,7 +222,7 @@ def _text_cell(name, value):
     if isinstance(value, Markup):
         return Cell(value, value.striptags())
     try:
-        number = float(value)  # settings such as the number of faces, among words
+        number = float("name" if name in NAMES else value)  # settings such as the number of faces, among words
     except (TypeError, ValueError):
         return Cell(value_in_words(name, value), value_in_words(name, value))
     return Cell(_number(number, find_heading(name)) if not isinstance(value, bool) else value_in_words(name, value))

@@ -77,9 +77,10 @@ def change_errors(tables: list[pd.DataFrame], varied: list[list[str]]) -> pd.Dat
             if len(errors) > 1:
                 parts.append(errors.assign(**dict(zip(kinds, values, strict=True))))
     if not parts:
+        studies = ", ".join(sorted({table.study.iloc[0] for table in tables}))
         raise ValueError(
-            f"the studies {', '.join(sorted({table.study.iloc[0] for table in tables}))} have one setting of each bed, so "
-            "that there is no difference; vary a setting under `varies`"
+            f"the studies {studies} have one setting of each bed, so that there is no difference; vary a setting under "
+            "`varies`"
         )
     return pd.concat(parts, ignore_index=True)
 

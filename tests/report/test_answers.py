@@ -51,6 +51,15 @@ def test_the_answer_is_a_sentence_and_a_table_of_typical_forms(tables):
     assert answer({}) == []
 
 
+def test_the_only_form_inside_the_fit_is_named_once(tables):
+    rows = pd.read_csv(tables["single_form"]).assign(feature_max=1.9, feature_min=1.6)
+    rows.loc[rows.term == "intercept", "feature_min"] = np.nan
+    rows.loc[rows.term == "EL_inv", "feature_min"] = 1.0
+    rows.loc[rows.term == "EQ_inv", "feature_max"] = 2.5
+    sentence, *_ = answer({"single_form": tables["write"]("narrow", rows)})
+    assert sentence["text"].endswith("a porosity of 0.34 at the mean form of the Rhine gravel of Rettinger et al.")
+
+
 def test_a_form_outside_the_fit_has_no_porosity(tables):
     (terms,) = one_form_models(tables).values()
     assert predict_form(terms, 0.5, 0.8) == (pytest.approx(0.28 + 0.02 / 0.4 + 0.01 / 0.8), 0.006)
@@ -87,6 +96,17 @@ def test_own_packings_are_compared_with_committed_ones_of_the_same_settings(tabl
     assert [cell.text for cell in row] == ["Forms", "2", "0.350", "0.360", "−0.010 ± 0.004", "−2.8"]
     assert "settings in common with the committed campaign: 1. The mean" in sentence["text"]
     assert check({"forms": paths[0]}, {}, {"forms": "Forms"}) == []
+    assert "grains" not in compared["caption"]
+    # One packing of the campaign for each friction, of which the committed rows have one
+    rough = own | {"grain": ["G1", "G1", "G2"], "friction": [0.1, 0.9, 0.5], "grains": 300}
+    paths = (
+        tables["write"]("rough", rough),
+        tables["write"]("large", committed | {"n_std_error": 0.004, "grains": 1200}),
+    )
+    _, compared = check({"forms": paths[0]}, {"forms": paths[1]}, {"forms": "Forms"})
+    assert compared["table"].rows[0][1].text == "1"
+    assert "have 0.25 times as many grains" in compared["caption"]
+    assert check({"forms": paths[1]}, {"forms": paths[1]}, {"forms": "Forms"}) == []
     sizes = {"of": "size of the bed", "setting": "300 grains in 45 mm", "against": "1200 grains in 63 mm"}
     biases = tables["write"]("biases", [sizes | {"difference": -0.0126, "difference_std_error": 0.0017}])
     *_, effect = check({"forms": paths[0]}, {"forms": paths[1]}, {"forms": "Forms"}, biases)

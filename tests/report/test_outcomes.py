@@ -40,11 +40,42 @@ def test_words_among_numbers_come_last_and_widths_are_in_millimetres():
     assert "from 36 mm to 60 mm" in sentence
 
 
+def test_a_sweep_over_which_another_setting_varies_is_the_mean_of_its_changes():
+    """Shaking has no effect; the rows with the least and the greatest friction differ by 0.07."""
+    rows = table(shaking_s=[1.0, 6.0, 1.0, 6.0], friction=[0.1, 0.1, 0.9, 0.9], n=[0.33, 0.33, 0.40, 0.40])
+    (sentence,) = outcome(rows[["case", "shaking_s", "friction", "runs", "n", "n_std_error"]])
+    assert "the porosity changes by 0.000 ± 0.004 on average over 2 settings of" in sentence
+    assert sentence.endswith("not more than twice its standard error.")
+
+
+def test_without_standard_errors_there_is_no_verdict():
+    (sentence,) = outcome(table(shaking_s=[1.0, 6.0], n=[0.36, 0.32], n_std_error=np.nan))
+    assert sentence.endswith("the porosity changes by −0.040.")
+    rows = table(friction_law=["a", "b"], n=[0.35, 0.38], n_std_error=np.nan)
+    assert "twice" not in outcome(rows[["case", "friction_law", "runs", "n", "n_std_error"]])[0]
+
+
+@pytest.mark.parametrize(("last", "verdict"), [(0.349, "errors explain the"), (0.38, "differ by more than chance")])
+def test_many_settings_are_tested_together(last, verdict):
+    """The greatest of many differences is often more than twice its error."""
+    rows = table(friction_law=list("abcdefgh"), n=[0.34, 0.351, 0.345, 0.344, 0.346, 0.347, 0.343, last])
+    (sentence,) = outcome(rows[["case", "friction_law", "runs", "n", "n_std_error"]])
+    assert "among the 8 settings" in sentence and verdict in sentence
+
+
+def test_sieve_curves_are_not_compared_with_spheres_of_another_one():
+    rows = table(case=["U1", "U1", "U7", "U7"], n=[0.36, 0.3599, 0.30, 0.31])
+    rows = rows.assign(flatness=[1.0, 0.5, 0.8, 0.9], elongation=[1.0, 1.0, 0.8, 0.9])
+    lowest, spheres, other = outcome(rows)
+    assert lowest.startswith("U1: the porosity is lowest for L/S = 2.0") and other.startswith("U7: the porosity is")
+    assert spheres.endswith("which is 0.000 ± 0.006 more, not more than twice its standard error.")
+
+
 def test_the_densest_form_near_the_sphere_is_named():
     rows = table(shape_kind=["sphere", "ellipsoid", "ellipsoid"], n=[0.36, 0.32, 0.33])
     rows = rows.assign(flatness=[1.0, 0.8, 0.7], elongation=[1.0, 0.8, 0.7])
     lowest, spheres = outcome(rows)
-    assert "lowest for L/S = 1.6: 0.320 ± 0.004" in lowest and "which is 0.040 ± 0.006 more" in spheres
+    assert "lowest for L/S = 1.6: 0.320 ± 0.004" in lowest and "0.040 ± 0.006 more, more than twice its" in spheres
     (alone,) = outcome(rows[1:2])
     assert alone == "The porosity for L/S = 1.6 is 0.320 ± 0.004."
 
@@ -67,7 +98,7 @@ def test_any_other_study_has_its_range_with_its_settings_and_one_setting_its_val
     rows = table(friction_law=["a", "b"], n=[0.35, 0.38])[["case", "friction_law", "runs", "n", "n_std_error"]]
     (sentence,) = outcome(rows)
     assert "between 0.350 ± 0.004 (law of friction a) and 0.380 ± 0.004 (law of friction b)" in sentence
-    assert "0.030 ± 0.006 is more than twice" in sentence
+    assert "the difference is 0.030 ± 0.006, more than twice its standard error." in sentence
     assert outcome(rows[:1]) == ["The porosity is 0.350 ± 0.004."]
     assert outcome(rows.assign(n=np.nan)) == ["The table has no porosities."]
     assert not shows_more(rows) and shows_more(pd.concat([rows, rows]))

@@ -3,6 +3,8 @@
 The processes are the deposit and that of Rettinger et al. (2022).
 """
 
+from itertools import cycle
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -107,7 +109,7 @@ def sizes_figure(rows):
     grid = figure.subplots(2, 2, sharex=True)
     for axes, name in zip(grid.flat, LABELS, strict=True):
         groups = table.groupby(["eta", "zeta"], sort=True)
-        for ((eta, zeta), form), (color, marker, line) in zip(groups, SIZE_STYLES, strict=False):
+        for ((eta, zeta), form), (color, marker, line) in zip(groups, cycle(SIZE_STYLES), strict=False):
             form = form.sort_values("spread")
             axes.errorbar(
                 form["spread"], form[name], form[f"{name}_error"], color=color, marker=marker, ls=line, ms=5, capsize=2,
@@ -132,7 +134,7 @@ def size_distributions_figure(spreads, alpha=3.0, beta=3.0):
     """
     figure = Figure(figsize=(9.0, 4.0), layout="constrained")
     panels = figure.subplots(1, 2, sharex=True)
-    for spread, (color, _, line) in zip(spreads, SIZE_STYLES, strict=False):
+    for spread, (color, _, line) in zip(spreads, cycle(SIZE_STYLES), strict=False):
         sizes = BetaSizes(1.0, spread, alpha, beta)
         radius = np.linspace(1.0 - spread, 1.0 + spread, 401)
         volume = (radius - 1.0 + spread) ** alpha * (1.0 + spread - radius) ** beta

@@ -1,5 +1,7 @@
 """Figures of models: porosity against form, predicted against simulated, polyhedra against ellipsoids."""
 
+from itertools import cycle
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -8,7 +10,10 @@ from simcore.grains.form import features as form_features
 from simcore.reference.r22_tables import parse_r22_models
 
 # Markers and lightness distinguish the cases without colour.
-STYLES = [("o", "#20313b"), ("s", "#b3541e"), ("^", "#7f9aa0"), ("D", "#c9a227"), ("v", "#6b4c7a"), ("P", "#4f7a4f")]
+STYLES = [
+    ("o", "#20313b"), ("s", "#b3541e"), ("^", "#7f9aa0"), ("D", "#c9a227"), ("v", "#6b4c7a"), ("P", "#4f7a4f"),
+    ("X", "#2f6f9f"), ("<", "#8a6d3b"), (">", "#a34a6b"),
+]  # fmt: skip
 LINES = ["-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1))]
 FEATURE_LABELS = {
     "EQ_inv": "longest over shortest axis L/S [-]",
@@ -29,7 +34,7 @@ def form_figure(packings, features=("EQ_inv", "JFF_inv", "WFI"), r22_correlation
     cases = list(packings.groupby("case", sort=False))
     figure = Figure(figsize=(3.4 * len(features), 0.6 + 2.9 * len(cases)), layout="constrained")
     grid = figure.subplots(len(cases), len(features), sharey="row", sharex="col", squeeze=False)
-    for row, (case, rows), style in zip(grid, cases, STYLES, strict=False):
+    for row, (case, rows), style in zip(grid, cases, cycle(STYLES), strict=False):
         values = form_features(*(rows[axis].to_numpy() for axis in "LIS"))
         for axes, feature in zip(row, features, strict=True):
             _draw_feature(axes, case, values[feature], rows, feature, style, r22_correlations)
@@ -86,7 +91,7 @@ def prediction_figure(predictions, models=()):
     for axes, (column, title) in zip(grid, panels.items(), strict=True):
         axes.plot(ends, ends, color="0.3", lw=0.8, zorder=0)
         axes.fill_between(ends, ends - 0.01, ends + 0.01, color="0.92", zorder=-1, label="within 0.01")
-        for (case, rows), (marker, color) in zip(predictions.groupby("case", sort=False), STYLES, strict=False):
+        for (case, rows), (marker, color) in zip(predictions.groupby("case", sort=False), cycle(STYLES), strict=False):
             axes.errorbar(
                 rows["simulated"], rows[column], xerr=rows.get("n_std_error"), fmt=marker, color=color, ms=5,
                 elinewidth=0.8, mec="white", mew=0.4, label=case + _quality(rows, column, by_case.get(case)),

@@ -1,11 +1,14 @@
 """Figures of a study's porosities, compared with Rettinger et al. (2022), and of the trends over height."""
 
+from itertools import cycle
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from simcore.reference.columns.headings import find_heading
 from simcore.report.figures.models import LINES, STYLES
+from simcore.report.outcomes import differ_in_form
 from simcore.report.words import value_in_words
 
 R22 = "Rettinger et al."  # in legends
@@ -31,13 +34,13 @@ def porosities_figure(table, varied):
 
     table: as from r22_tables.add_reference; varied: the columns that the study varies.
     """
-    sweep = [name for name in SWEEPS if name in varied]
-    if any(name in table for name in FORM_COLUMNS) and len(table) > 1:
+    if any(name in table for name in FORM_COLUMNS) and differ_in_form(table):
         return equancy_figure(table)
-    if len(sweep) == 1 and table[sweep[0]].nunique() > 1:
-        return sweep_figure(table, sweep[0])
-    settings = dict.fromkeys(["case", *varied])
-    return study_figure(table, [name for name in settings if name in table and name != "seed"])
+    settings = [name for name in dict.fromkeys(["case", *varied]) if name in table and name != "seed"]
+    for name in SWEEPS:
+        if name in varied and table[name].nunique() > 1 and not table.duplicated(["case", name]).any():
+            return sweep_figure(table, name)
+    return study_figure(table, settings)
 
 
 def study_figure(table, label):
@@ -83,7 +86,9 @@ def sweep_figure(table, column):
     position = {str(value): k if factor is None else factor * float(value) for k, value in enumerate(settings)}
     figure = Figure(figsize=(5.0, 4.2), layout="constrained")
     axes = figure.subplots()
-    for (case, rows), (marker, color), line in zip(table.groupby("case", sort=False), STYLES, LINES, strict=False):
+    for (case, rows), (marker, color), line in zip(
+        table.groupby("case", sort=False), cycle(STYLES), cycle(LINES), strict=False
+    ):
         x = rows[column].map(lambda value: position[str(value)])
         order = np.argsort(x.to_numpy(), kind="stable")
         rows, x = rows.iloc[order], x.to_numpy()[order]
