@@ -220,10 +220,10 @@ def _forms(forms):
         return [
             {
                 "settings": {"shapes.choice": "one", "shapes.grain": name},
-                "label": _slug(name),
+                "label": label,
                 "is_form": True,
             }
-            for name in forms
+            for name, label in zip(forms, _grain_labels(forms), strict=True)
         ]
     # The name is set when the grains are read (choose_form); until then this text replaces it.
     return [
@@ -249,6 +249,19 @@ def choose_form(specification, form, names):
 def specification_text(specification, form, names):
     """Return the specification of a packing as YAML with units and the grain of rank `form`; see `choose_form`."""
     return yaml.safe_dump(express(choose_form(specification, form, names)), sort_keys=False, allow_unicode=True)
+
+
+def _grain_labels(names):
+    """Return the names of grains as parts of file names.
+
+    If leaving out characters makes names equal or empty, these names have a digest (6 hex digits).
+    """
+    labels = [_slug(name) for name in names]
+    digests = [hashlib.sha256(str(name).encode()).hexdigest()[:6] for name in names]
+    return [
+        f"{label}-{end}".lstrip("-") if label != name and (not label or labels.count(label) > 1) else label
+        for name, label, end in zip(names, labels, digests, strict=True)
+    ]
 
 
 def _slug(value):

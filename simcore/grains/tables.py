@@ -34,39 +34,46 @@ def form_table(grains):
     return table.set_index(pd.Index([grain.name for grain in grains], name="grain"))
 
 
+FEWEST_GRAINS = 3  # for correlations and tests of a distribution
+
+
 def form_statistics(table):
     """Return the statistics of form of a set, DataFrame with one row; they include those of Table 2 of Rettinger et al.
 
-    table: from form_table, with at least three grains. Standard deviations are those of a sample (n - 1). shapiro_*: W
-    and p of the Shapiro-Wilk test; Rettinger et al. (2022) regard a factor as normal if p > 0.05. r_*: Pearson
-    correlations; those with size use its logarithm.
+    table: from form_table. Standard deviations are those of a sample (n - 1). shapiro_*: W and p of the Shapiro-Wilk
+    test; Rettinger et al. (2022) regard a factor as normal if p > 0.05. r_*: Pearson correlations; those with size use
+    its logarithm. What needs three grains is nan for a smaller set.
     """
-    if len(table) < 3:
-        raise ValueError(f"form statistics need at least three grains, but the set has {len(table)}; add grains")
+    enough = len(table) >= FEWEST_GRAINS
     row = {"size_min_mm": table.D_mm.min(), "size_max_mm": table.D_mm.max(), "n_samples": len(table)}
     for factor in ("FL", "EL"):
         row |= {f"mu_{factor}": table[factor].mean(), f"sigma_{factor}": table[factor].std(ddof=1)}
     for factor in ("FL", "EL"):
-        test = shapiro(table[factor])
-        row |= {f"shapiro_W_{factor}": test.statistic, f"shapiro_p_{factor}": test.pvalue}
-    columns = table[["FL", "EL"]].assign(size=np.log(table.D_mm)).corr()
+        W, p = shapiro(table[factor]) if enough else (np.nan, np.nan)
+        row |= {f"shapiro_W_{factor}": W, f"shapiro_p_{factor}": p}
+    columns = table[["FL", "EL"]].assign(size=np.log(table.D_mm)).corr(min_periods=FEWEST_GRAINS)
     row |= {"r_FL_EL": columns.loc["FL", "EL"]}
     row |= {f"r_size_{factor}": columns.loc["size", factor] for factor in ("FL", "EL")}
     return pd.DataFrame([row])
 
 
 def factor_correlations(table):
-    """Return the Pearson correlations of the 13 form factors, DataFrame (13, 13), over grains with finite factors."""
-    return _finite_factors(table).corr()
+    """Return the Pearson correlations of the 13 form factors, DataFrame (13, 13), over grains with finite factors.
+
+    They are nan for fewer than three such grains.
+    """
+    return _finite_factors(table).corr(min_periods=FEWEST_GRAINS)
 
 
 def principal_components(table):
     """Return the principal components of the standardised form factors, DataFrame with one row per component.
 
     Columns: explained (share of the variance), cumulative, then the 13 loadings, of which the largest is positive. Only
-    grains with finite factors are used.
+    grains with finite factors are used; with fewer than three, there are no rows.
     """
     factors = _finite_factors(table)
+    if len(factors) < FEWEST_GRAINS:
+        return pd.DataFrame(columns=["explained", "cumulative", *factors.columns]).rename_axis("component")
     pca = PCA().fit(StandardScaler().fit_transform(factors))
     loadings = pca.components_
     largest = loadings[np.arange(len(loadings)), np.abs(loadings).argmax(axis=1)]
@@ -78,10 +85,7 @@ def principal_components(table):
 
 
 def _finite_factors(table):
-    factors = table[list(FORM_FACTORS)].replace([np.inf, -np.inf], np.nan).dropna()
-    if len(factors) < 3:
-        raise ValueError(f"only {len(factors)} grains have 13 finite form factors; at least three are needed")
-    return factors
+    return table[list(FORM_FACTORS)].replace([np.inf, -np.inf], np.nan).dropna()
 
 
 def decimation_table(grains, targets=FACE_TARGETS):

@@ -390,3 +390,14 @@ def test_names_and_degree_of_the_files_do_not_change_the_digest_of_a_row(scans):
     cut = expand(campaign(grains={"source": scans[0], "unit": "mm", "degree": 10, "names": ["one"]}))
     assert set(plain.grain_set) != set(cut.grain_set)
     assert [*map(result_digest, plain.specification)] == [*map(result_digest, cut.specification)]
+
+
+def test_names_of_grains_that_a_file_name_cannot_have_stay_apart(tmp_path):
+    """If names are equal or empty without some characters, a digest is added to them."""
+    for name in ("石", "岩", "a,b", "ab", "a b"):
+        (tmp_path / f"{name}.xyz").write_text("\n".join(f"{x} {y} {z}" for x in (0, 3) for y in (0, 2) for z in (0, 1)))
+    grains = {"source": str(tmp_path), "unit": "mm"}
+    table = expand(campaign(varies={"sizes.case": ["U1"]}, forms=["石", "岩", "a,b", "ab", "a b"], grains=grains))
+    names = table.packing.tolist()
+    assert len(set(names)) == 5 and names[3] == "U1-ab" and "ab-" in names[2] and "ab-" in names[4]
+    assert all(name.isascii() for name in names)

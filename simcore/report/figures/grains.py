@@ -24,7 +24,7 @@ def zingg_diagram(tables, r22=None):
     """
     figure = Figure(figsize=(5.6, 4.9) if len(tables) == 1 else (4.8, 4.9), layout="constrained")
     axes = figure.subplots()
-    draw_fields(axes)
+    draw_fields(axes, lowest_of(*tables.values()))
     for (label, table), (marker, colour) in zip(tables.items(), _STYLES, strict=False):
         label = f"{label} (n = {len(table)})"
         if len(tables) > 1:
@@ -48,6 +48,12 @@ def zingg_diagram(tables, r22=None):
     return figure
 
 
+def lowest_of(*tables):
+    """Return where the axes of flatness and elongation begin: at 0.2, or below all grains of the tables."""
+    least = min(table[["FL", "EL"]].min().min() for table in tables)
+    return min(0.2, 0.05 * np.floor(0.95 * least / 0.05))
+
+
 def sieve_class_bounds(sizes):
     """Return the openings [mm] of the standard sieves that divide sizes (n,) [mm] into classes, ascending, two or more.
 
@@ -68,25 +74,25 @@ def form_histograms(table, r22=None):
     of grains.
     """
     figure = Figure(figsize=(7, 3.4), layout="constrained")
+    lowest = lowest_of(table)
     for axes, factor, name in zip(
         figure.subplots(1, 2, sharey=True), ("FL", "EL"), ("flatness", "elongation"), strict=True
     ):
-        values, edges = table[factor], np.linspace(0.2, 1, 17)
+        values, edges = table[factor], np.linspace(lowest, 1, 1 + round((1 - lowest) / 0.05))
         axes.hist(values, edges, color="0.85", edgecolor="0.4", lw=0.6, label="grains of this set")
-        x = np.linspace(0.2, 1, 200)
+        x = np.linspace(lowest, 1, 200)
         grains = len(values) * (edges[1] - edges[0])
-        axes.plot(
-            x,
-            grains * norm.pdf(x, values.mean(), values.std(ddof=1)),
-            "k",
-            lw=1.2,
-            label="normal distribution, this set",
-        )
+        spread = values.std(ddof=1)
+        if spread > 0.0:  # nan for one grain
+            axes.plot(
+                x, grains * norm.pdf(x, values.mean(), spread), "k", lw=1.2, label="normal distribution, this set"
+            )
         if r22 is not None:
             density = norm.pdf(x, r22[f"mu_{factor}"], r22[f"sigma_{factor}"])
             axes.plot(x, grains * density, "--", color="#b3541e", lw=1.6, label="normal distribution, Rettinger et al.")
-        axes.set_title(f"mean {values.mean():.3f}, std {values.std(ddof=1):.3f}", fontsize="medium")
-        axes.set(xlabel=f"{name} {factor} [-]", xlim=(0.2, 1))
+        title = f"mean {values.mean():.3f}" + (f", std {spread:.3f}" if np.isfinite(spread) else "")
+        axes.set_title(title, fontsize="medium")
+        axes.set(xlabel=f"{name} {factor} [-]", xlim=(lowest, 1))
     figure.axes[0].set_ylabel("number of grains [-]")
     handles = figure.axes[0].get_legend_handles_labels()
     figure.legend(*handles, loc="outside lower center", ncols=3, frameon=False, fontsize="small")
@@ -101,7 +107,8 @@ def correlation_matrix(correlations):
     image = axes.imshow(correlations, cmap="RdBu", vmin=-1, vmax=1)
     for (row, column), value in np.ndenumerate(correlations.to_numpy()):
         colour = "white" if abs(value) > 0.6 else "black"
-        axes.text(column, row, f"{value:.2f}".replace("-", "−"), ha="center", va="center", color=colour, fontsize=7)
+        text = f"{value:.2f}".replace("-", "−") if np.isfinite(value) else ""
+        axes.text(column, row, text, ha="center", va="center", color=colour, fontsize=7)
     axes.set_xticks(range(len(names)), names, rotation=60)
     axes.set_yticks(range(len(names)), names)
     axes.set(xlabel="form factor", ylabel="form factor")
