@@ -4,11 +4,12 @@
 
 It prints the bases of lattice_beds.csv, base_time.csv, base_rate.csv and base_size.csv in results/reference with their
 rates of insertion, and the slopes of the one-class porosity on the logarithms of the three quantities. A second table
-has the same bases as a rain (size_and_form.csv), and the part of the difference that the slopes explain. A third one
-compares all beds that were packed on a lattice and as a rain: porosity and rate by both, and the step from one class of
-the same form to the sieve curve. A fourth one lists these steps beside those of measured gravels. A fifth one has the
-share of the effect of form that remains in the beds of a curve: the slope of their porosity against that of one class,
-over the forms that were packed. It takes seconds.
+has the same bases as a rain (size_and_form.csv), and the part of the difference that the slopes explain. Below it are
+the coefficients of 1/EL over the single forms of this table, in fits with 1/EQ. A third one compares all beds that were
+packed on a lattice and as a rain: porosity and rate by both, and the step from one class of the same form to the sieve
+curve. A fourth one lists these steps beside those of measured gravels. A fifth one has the share of the effect of form
+that remains in the beds of a curve: the slope of their porosity against that of one class, over the forms that were
+packed. It takes seconds.
 """
 
 import numpy as np
@@ -16,7 +17,7 @@ import pandas as pd
 
 from benchmarks.studies.size_and_form_fit import describe_bases, read_rows
 from simcore.models.size_and_form.bases import RATE, fit_bases, process_logs
-from simcore.models.size_and_form.beds import ALL_FORMS, BASE, form_labels
+from simcore.models.size_and_form.beds import ALL_FORMS, BASE, SPHERE, form_labels
 from simcore.paths import CONFIG, REFERENCE
 from simcore.reference.r22_tables import read_r22_table
 
@@ -62,6 +63,23 @@ def bases_as_rain():
         explained=explained,
         rest=difference - explained,
     )
+
+
+def elongation_coefficients(pairs):
+    """Return the coefficients of 1/EL and their standard errors, DataFrame (2, columns), in fits of columns of `pairs`.
+
+    pairs: of bases_as_rain. Each column is fitted by least squares on 1/EQ and 1/EL over the single forms.
+    """
+    from statsmodels.api import OLS, add_constant
+
+    beds = read_rows()
+    beds = beds.assign(form=form_labels(beds)).query("case == @BASE and seed == 1").set_index("form")
+    pairs = pairs[~pairs["form"].isin([ALL_FORMS, SPHERE])]
+    means = beds.loc[pairs["form"], ["mu_EQ_evaluated", "mu_EL_evaluated"]]
+    design = add_constant(1.0 / means.to_numpy())
+    fits = {name: OLS(pairs[name].to_numpy(), design).fit() for name in list(pairs) if name not in ("form", "error")}
+    values = {name: [fit.params[2], fit.bse[2]] for name, fit in fits.items()}
+    return pd.DataFrame(values, index=["coefficient of 1/EL", "its error"])
 
 
 def paired_beds():
@@ -124,7 +142,9 @@ def main() -> None:
     """Print the tables."""
     print(bases_table().to_string(index=False, float_format="%.4g"))
     print(describe_bases(bases()))
-    print(bases_as_rain().to_string(index=False, float_format="%.4f"))
+    rain = bases_as_rain()
+    print(rain.to_string(index=False, float_format="%.4f"))
+    print(elongation_coefficients(rain).to_string(float_format="%.4f"))
     pairs = paired_beds()
     print(pairs.to_string(index=False, float_format="%.4f"))
     print(measured_steps().to_string(index=False, float_format="%.4f"))

@@ -168,12 +168,16 @@ def known_errors(fits) -> pd.DataFrame:
 def describe_halves(rows) -> str:
     """Return one line on the shares of coarse grains in the halves of the beds, in standard errors of their difference.
 
-    By chance the mean is 0 and the root mean square 1.
+    Beds of one class, whose halves have about the same sizes, do not count. By chance the mean is 0 ± 1/√beds and the
+    root mean square 1.
     """
+    rows = rows[rows["case"] != BASE]
     errors = np.hypot(rows["coarse_upper_error"], rows["coarse_lower_error"])
-    z = (rows["coarse_upper"] - rows["coarse_lower"]) / errors
+    share = rows["coarse_upper"] - rows["coarse_lower"]
+    z = share / errors
     return (
-        f"coarse grains, upper less lower half: mean {z.mean():+.2f} standard errors, rms {np.sqrt((z**2).mean()):.2f}"
+        f"coarse grains of {len(z)} wide beds, upper less lower half: mean {z.mean():+.2f} ± {1 / np.sqrt(len(z)):.2f} "
+        f"standard errors, rms {np.sqrt((z**2).mean()):.2f}; of the volume {share.mean():+.3f} ± {share.sem():.3f}"
     )
 
 

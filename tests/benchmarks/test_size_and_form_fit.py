@@ -23,5 +23,7 @@ def test_errors_on_known_beds_are_those_of_the_committed_table():
 
 def test_halves_are_compared_in_standard_errors():
     rows = pd.DataFrame({"coarse_upper": [0.56, 0.44], "coarse_lower": [0.5, 0.5]})
-    rows = rows.assign(coarse_upper_error=0.03, coarse_lower_error=0.04)
-    assert describe_halves(rows) == "coarse grains, upper less lower half: mean +0.00 standard errors, rms 1.20"
+    rows = rows.assign(coarse_upper_error=0.03, coarse_lower_error=0.04, case="U5")
+    one_class = rows[:1].assign(case="U1", coarse_upper=1.0)
+    text = "coarse grains of 2 wide beds, upper less lower half: mean +0.00 ± 0.71 standard errors, rms 1.20; "
+    assert describe_halves(pd.concat([rows, one_class])) == text + "of the volume +0.000 ± 0.060"

@@ -5,7 +5,14 @@ import pandas as pd
 import pytest
 
 from benchmarks.studies.base_forms import compare_beds, rain_bases, rain_model
-from benchmarks.studies.insertion_rate import bases_as_rain, form_slopes, measured_steps, paired_beds
+from benchmarks.studies.insertion_rate import (
+    bases_as_rain,
+    bases_table,
+    elongation_coefficients,
+    form_slopes,
+    measured_steps,
+    paired_beds,
+)
 from benchmarks.studies.scatter import read_tables, scatter_table
 from benchmarks.studies.wide_cost import compare_means, compare_r22, paired
 from simcore.models.fitting import fit_reference_models
@@ -193,4 +200,47 @@ def test_beds_that_a_rain_makes_denser_and_looser_than_the_model_of_lattices():
         PAGE.split()
     )
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    assert f"long grains are up to {most} denser, and beds of flat grains up to {least} looser" in readme
+    assert f"long grains up to {most} denser, and of flat grains up to {least} looser" in readme
+
+
+def test_rate_explains_most_of_what_elongation_does_on_lattices():
+    words, pairs = " ".join(PAGE.split()), bases_as_rain()
+    table = elongation_coefficients(pairs)
+    value, error = table.loc["coefficient of 1/EL"], table.loc["its error"]
+    difference = f"{value.difference:.3f} ± {error.difference:.3f}".replace("-", "−")
+    assert f"the coefficients of 1/EL differ by {difference}" in words
+    assert f"time of shaking explain {value.explained:.3f} of it, and ".replace("-", "−") in words
+    assert f"and {value.rest:.3f} ± {error.rest:.4f} remains for the way".replace("-", "−") in words
+    rates = bases_table().query("case == 'U1' and spacing.isna() and time_s < 4").set_index("form")["rate"]
+    assert f"from {rates['G59']:.0f} kg/(m² s) for G59 to {rates['G08']:.0f} for G08" in words
+    single = [name for name in rates.index if name.startswith("G")]
+    assert rates[single].idxmin() == "G59" and rates[single].idxmax() == "G08"
+
+
+def test_walls_change_the_differences_between_curves():
+    """Porosity in the cylinder minus that on lattices in periodic boxes, from the steps of both."""
+    steps = measured_steps().set_index("case")
+    cylinder = pd.read_csv(REFERENCE / "validation.csv").groupby("case")["n"].mean()
+    (base,) = (row.n_lattice for row in bases_as_rain().itertuples() if row.form == "all")
+    wall = (cylinder - base - steps["lattice"]).dropna()
+    of_base, words = cylinder["U1"] - base, " ".join(PAGE.split())
+    assert set(wall.index) == {"U3", "U5", "U7", "B50"}
+    assert f"by {of_base:.3f} for U1, and by {wall.min():.3f} to {wall.max():.3f} for U3, U5, U7 and B50" in words
+    without = (steps["measured"] - wall + of_base).map(lambda step: f"{step:.3f}".replace("-", "−"))
+    listed = f"{without['U3']} for U3, {without['U5']} for U5, {without['U7']} for U7 and {without['B50']} for B50"
+    assert f"the measured ones would be {listed}" in words
+    assert (steps["rain"] - steps["measured"]).abs().max().round(3) == 0.012
+
+
+def test_variance_by_quota_over_all_sets_and_the_independent_seeds():
+    table = scatter_table(read_tables()).dropna(subset="variance_ratio")
+    freedom = table["seeds"] - 1
+    weight = freedom / 4  # the variance of the logarithm of a ratio is about 2/ν + 2/ν
+    mean, error = np.average(np.log(table["variance_ratio"]), weights=weight), 1 / np.sqrt(weight.sum())
+    ratio, low, high = np.exp([mean, mean - 1.96 * error, mean + 1.96 * error])
+    words = " ".join(PAGE.split())
+    assert len(table) == 3 and f"the ratio is {ratio:.2f} ({low:.2f} to {high:.2f})" in words
+    assert f"{1 / high:.0f} {1 / low:.0f}" == "2 9" and "worth two to nine by random draws" in words
+    later = COST.query("case == 'B50' and seed >= 5").groupby("settings")
+    chi2 = {name: (rows.n.var() * (len(rows) - 1)) / (rows.n_error**2).mean() for name, rows in later}
+    assert f"{chi2['wide_both_random']:.1f} at random and {chi2['wide_both']:.1f} by quota" in words
