@@ -79,7 +79,7 @@ def main(arguments=None):
     cost = costs["all"] * contacts / options.grains
     print(f"{contacts / options.grains:.2f} contacts per grain, {share:.0%} of the patches in closed form")
     print(f"patches: {1e6 * cost:.2f} µs CPU per grain and step, {1e9 * costs['all']:.0f} ns each")
-    print(f"in closed form {1e9 * costs['closed']:.0f} ns each, cut from both bodies {1e9 * costs['cut']:.0f} ns each")
+    print(f"in closed form {1e9 * costs['closed']:.0f} ns each, cut by planes {1e9 * costs['cut']:.0f} ns each")
     snapshots = []
     for _ in range(STEPS):
         process.advance(1, SHAKING)
@@ -91,7 +91,7 @@ def main(arguments=None):
 def patch_costs(process):
     """Return which touching contacts have a patch in closed form, and the CPU times [s] of a patch (dict).
 
-    The times are those of all patches, of those in closed form and of those cut from both bodies; nan for none.
+    The times are those of all patches, of those in closed form and of those that planes cut; nan for none.
     """
     from numba import njit
 

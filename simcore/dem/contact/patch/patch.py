@@ -65,13 +65,13 @@ def closed_overlap(shapes, bodies, pair, view, facet, workspace, thread):
     view: from a. The moments are exact only if a corner and a face, or two edges, meet.
     """
     on_a, on_b = facet
-    if is_corner(on_a):
+    if is_corner(on_a) and not is_edge(on_b):
         return corner_overlap(shapes, bodies, pair, view, on_a[0], on_b, workspace, thread), False
-    if is_corner(on_b):
+    if is_corner(on_b) and not is_edge(on_a):
         from_b = View(view.axes, view.depth, -1.0)
         shape = corner_overlap(shapes, bodies, exchanged(pair), from_b, on_b[0], on_a, workspace, thread)
         return shape, shape.exact
-    if is_edge(on_a) and is_edge(on_b):
+    if is_edge(on_a) and is_edge(on_b) and not is_corner(on_a) and not is_corner(on_b):
         ends_a, ends_b = edge_ends(on_a), edge_ends(on_b)
         return crossing_overlap(shapes, bodies, pair, view, ends_a, ends_b, workspace, thread), False
     return shortcut(False, Point(0.0, 0.0), NO_MOMENTS, 0), False
