@@ -240,6 +240,19 @@ def test_the_table_has_means_standard_errors_and_marks_misses(monkeypatch):
     assert markers["o"].get_color() != markers["D"].get_color(), "values outside have a colour of their own"
 
 
+def test_deviations_of_energy_of_either_sign_do_not_cancel(monkeypatch):
+    monkeypatch.setitem(packings.PACKINGS, "jump", packings.Seeds({}, (1, 2)))
+    case = Case("energy", ("jump",), "energy", "energy_ratio", {}, 0.995, 1.005, "theory", "conserved")
+
+    def read(run, deviation):
+        sign = 1 if run.endswith("seed1") else -1
+        return xr.Dataset({"energy": ("t", [2.0, 2.0 * (1.0 + sign * deviation)])}, attrs={"cpu_seconds": 1.0})
+
+    for deviation, inside in ((0.006, False), (0.004, True)):
+        table = case_table(lambda run, deviation=deviation: read(run, deviation), [case])
+        assert table.measured[0] == pytest.approx(1.0) and bool(table.inside[0]) is inside
+
+
 # -- the real way -------------------------------------------------------------------------------------------------
 
 
