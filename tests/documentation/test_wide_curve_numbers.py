@@ -50,13 +50,13 @@ def test_pairs_of_B50():
     (row,) = paired(COST).query("settings == 'wide_both' and case == 'B50'").itertuples()
     beds = COST.query("case == 'B50' and settings in ('wide_both', 'wide_quota')")
     pairs = beds.pivot_table(index="seed", columns="settings", values=["n", "grains"]).dropna()
-    differences = pairs[("n", "wide_both")] - pairs[("n", "wide_quota")]
+    *first, last = (pairs[("n", "wide_both")] - pairs[("n", "wide_quota")]).map(lambda n: f"{n:+.4f}".replace("-", "−"))
     mean = f"{row.difference:+.4f} ± {row.error:.4f}, at {row.cost:.2f} of the CPU time".replace("-", "−")
-    each = "the pairs differ by {:+.4f}, {:+.4f} and {:+.4f}".format(*differences).replace("-", "−")
-    assert row.pairs == 3 and row.verdict == "open: 3 of 6 pairs"
-    text = " ".join(PAGE.split())
-    assert f"Their mean difference is {mean}" in text and each in text
-    assert "of {:.0f}, {:.0f} and {:.0f} grains".format(*pairs[("grains", "wide_quota")]) in text
+    assert row.pairs == len(pairs) == 4 and row.verdict == "open: 4 of 6 pairs"
+    text, grains = " ".join(PAGE.split()), pairs[("grains", "wide_quota")]
+    assert f"four of six pairs are packed, of {grains.min():.0f} to {grains.max():.0f} grains." in text
+    assert f"Their mean difference is {mean}" in text
+    assert f"the pairs differ by {', '.join(first)} and {last}." in text
 
 
 def test_beds_with_the_settings_of_r22():
@@ -72,10 +72,9 @@ def test_beds_with_the_settings_of_r22():
 
 
 def test_filled_beds_of_B50():
-    n = COST.query("case == 'B50'").pivot_table(index="seed", columns="settings", values="n")
-    differences = (n.wide_filled - n.wide_quota).dropna()
-    text = "Two beds of B50 are packed so, and are looser by {:.4f} and {:.4f}.".format(*differences)
-    assert len(differences) == 2 and text in PAGE
+    (row,) = paired(COST).query("settings == 'wide_filled' and case == 'B50'").itertuples()
+    assert row.pairs == 3
+    assert f"Those of B50 are looser by {row.difference:.4f} ± {row.error:.4f} over three seeds." in PAGE
 
 
 def test_filled_beds_of_one_class():

@@ -122,7 +122,7 @@ def write_planes(workspace, thread, side, n_faces):
 @routine
 def clipped_moments(shapes, bodies, pair, axes, tops, workspace, thread):
     """Return the moments of the overlap of a pair about the first vertex of `tops`; `tops`: as in gather_both."""
-    n_a, n_b, top, slab = gather_both(shapes, bodies, pair, axes, tops, ALL_FACES, ALL_FACES, workspace, thread)
+    n_a, n_b, top, slab = gather_both(shapes, bodies, pair, axes, tops, ALL_FACES, workspace, thread)
     write_planes(workspace, thread, 0, n_a)
     write_planes(workspace, thread, 1, n_b)
     return face_moments(workspace, thread, n_a, n_b, Vec(top.x, top.y, slab.low), TIE * pair.size)

@@ -16,7 +16,7 @@ from simcore.dem.contact.patch.axes import Axes, axes_in_base, coordinates
 from simcore.dem.contact.patch.workspace import start_walk, write_face
 from simcore.dem.vectors import Vec, dot, plus, read
 
-ALL_FACES = (-1, -1, -1)  # no face has these vertices
+ALL_FACES = (-1, -1, -1), (-1, -1, -1)  # `but` of both bodies: no face has these vertices
 
 
 class Side(NamedTuple):
@@ -99,16 +99,17 @@ def gather_faces(shapes, side, slab, but, workspace, thread):
 
 
 @leaf
-def gather_both(shapes, bodies, pair, axes, tops, but_a, but_b, workspace, thread):
+def gather_both(shapes, bodies, pair, axes, tops, but, workspace, thread):
     """Store the faces of both bodies that may bound the overlap: (numbers of those of a and of b, top of a, Slab).
 
-    tops: the vertex of pair.a farthest along n, and that of pair.b farthest against it. but_a, but_b: see gather_faces.
+    tops: the vertex of pair.a farthest along n, and that of pair.b farthest against it. but: of a and of b, as in
+    gather_faces.
     """
     base_a, base_b = axes_in_base(bodies, pair.a, axes), axes_in_base(bodies, pair.b, axes)
     top, offset = coordinates(base_a, read(shapes.vertices, tops[0])), coordinates(axes, pair.offset)
     slab = Slab(offset.z + dot(read(shapes.vertices, tops[1]), base_b.n), top.z)
     a = side_of(shapes, bodies, 0, pair.a, tops[0], base_a, Vec(0.0, 0.0, 0.0))
     b = side_of(shapes, bodies, 1, pair.b, tops[1], base_b, offset)
-    n_a = gather_faces(shapes, a, slab, but_a, workspace, thread)
-    n_b = gather_faces(shapes, b, slab, but_b, workspace, thread)
+    n_a = gather_faces(shapes, a, slab, but[0], workspace, thread)
+    n_b = gather_faces(shapes, b, slab, but[1], workspace, thread)
     return n_a, n_b, top, slab

@@ -187,7 +187,7 @@ def cut_moments(shapes, bodies, pair, axes, facet, n_corners, workspace, thread)
     """
     on_a, on_b = facet
     tops = on_a[0], on_b[0]
-    n_a, n_b, top, _ = gather_both(shapes, bodies, pair, axes, tops, on_a, on_b, workspace, thread)
+    n_a, n_b, top, _ = gather_both(shapes, bodies, pair, axes, tops, facet, workspace, thread)
     polytope, tie = pyramid(workspace, thread, n_corners - 1), TIE * pair.size
     polytope = cut_by_faces(workspace, thread, polytope, 0, n_a, tie)
     polytope = cut_by_faces(workspace, thread, polytope, 1, n_b, tie)
