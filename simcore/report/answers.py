@@ -220,7 +220,7 @@ def unseen(tables):
         return []
     model = "unified model" if name.startswith("unified") else "model of mixtures"
     return [
-        f"Beds of the study `application`, to which no model was fitted: the {model} errs by at most "
+        f"Beds of the study `application`, to which no model was fitted: the largest error of the {model} is "
         f"{rows[name].max():.4f}."
     ]
 

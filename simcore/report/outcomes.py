@@ -76,10 +76,12 @@ def _experiment(table):
 def _sweep(table, name):
     """Return the change between the ends of the varied setting, for each sieve curve.
 
-    If other settings vary too, it is the mean of the changes at each of them.
+    If other settings vary independently of it, it is the mean of the changes at each of them. Settings that vary
+    together with it, such as the mass with the width of a box, belong to it.
     """
     heading, sentences = find_heading(name), []
-    others = [column for column in varied_columns(table) if column not in ("case", name)]
+    alone = not table.duplicated([column for column in ("case", name) if column in table]).any()
+    others = [] if alone else [column for column in varied_columns(table) if column not in ("case", name)]
     for case, rows in table.groupby("case", sort=False) if "case" in table else [("", table)]:
         numbers = pd.to_numeric(rows[name], errors="coerce")
         rows = rows.assign(order=numbers.fillna(np.inf)).sort_values("order", kind="stable")
@@ -99,15 +101,15 @@ def _sweep(table, name):
         if others:
             words = " and ".join(find_heading(column).words for column in others)
             text += f" on average over {len(changes)} settings of {words}"
-        sentences.append(f"{text}{_verdict(change, error, ', ')}.")
+        sentences.append(f"{text}{_verdict(change, error)}.")
     return sentences or _range(table)
 
 
-def _verdict(difference, error, before):
-    """Return whether a difference of two porosities is clear, in words after `before`; "" if its error is unknown."""
+def _verdict(difference, error):
+    """Return whether a difference of two porosities is clear, in words after a comma; "" if its error is unknown."""
     if not np.isfinite(error):
         return ""
-    return f"{before}{'more' if abs(difference) > CLEAR * error else 'not more'} than twice its standard error"
+    return f", {'more' if abs(difference) > CLEAR * error else 'not more'} than twice its standard error"
 
 
 def _setting(value, name, heading):
@@ -138,7 +140,7 @@ def _round_ones(table):
             more = sphere["n"] - lowest["n"]
             sentences.append(
                 f"Spheres have {rounded(sphere['n'], sphere['n_std_error'])}, which is {rounded(more, error)} more"
-                f"{_verdict(more, error, ', ')}."
+                f"{_verdict(more, error)}."
             )
     return sentences
 
@@ -178,7 +180,7 @@ def _range(table):
     if len(table) == 2:
         error = np.hypot(low["n_std_error"], high["n_std_error"])
         difference = high["n"] - low["n"]
-        return [f"{ends}; the difference is {rounded(difference, error)}{_verdict(difference, error, ', ')}."]
+        return [f"{ends}; the difference is {rounded(difference, error)}{_verdict(difference, error)}."]
     rows = table[table["n_std_error"] > 0.0]
     if len(rows) < len(table):
         return [f"{ends}."]
