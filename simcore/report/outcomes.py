@@ -31,11 +31,12 @@ def outcome(table, missing="The table has no porosities."):
     if "experiment_n" in table and table["experiment_n"].notna().any():
         return [*_experiment(table), *_published(table)]
     sweep = next((name for name in _SWEEPS if name in table and table[name].nunique() > 1), None)
-    if sweep and not differ_in_form(table):
+    of_forms = bool({"grain", "mean_FL"} & set(table)) and differ_in_form(table)
+    if sweep and not of_forms:
         return [*_sweep(table, sweep), *_published(table)]
     if {"flatness", "elongation"} <= set(table) and "grain" not in table:
         return _round_ones(table)
-    if differ_in_form(table) and {"grain", "mean_FL"} & set(table):
+    if of_forms:
         return [*_forms(table), *_published(table)]
     return [*_range(table), *_published(table)]
 
