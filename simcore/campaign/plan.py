@@ -15,7 +15,7 @@ import pandas as pd
 from simcore.campaign import deposits
 from simcore.campaign.biases import bias_effects, measured_biases
 from simcore.campaign.gathering import SHOWN_TABLES, not_gathered, table_of
-from simcore.campaign.studies import expand
+from simcore.campaign.studies import expand, study_title
 from simcore.evaluation.interval import campaign_cut
 from simcore.grains.sources import set_name, source_name
 from simcore.packing.cost import estimate
@@ -164,8 +164,8 @@ class Plan:
     # Studies
 
     def title(self, study):
-        """Return the title of a study, or its name if it has no title."""
-        return self.campaign["studies"][study]["title"] or study
+        """Return the title of a study for a page; see `study_title`."""
+        return study_title(study, self.campaign["studies"][study])
 
     @property
     def titles(self):

@@ -97,12 +97,32 @@ def expand_study(name, study, config):
     repeated = table.packing[table.packing.duplicated()]
     if len(repeated):
         raise ValueError(f"{where}.varies: the packing {repeated.iloc[0]} is listed twice; remove one")
+    table = _without(table, study["leaves_out"], where)
     _note_equal(table, where)
     # Studies that are not part of `all` are defined in every campaign, so they may have keys that its settings exclude.
     campaign_keys = set() if study["in_all"] else set(given_keys(config["packing"]))
     _check_used({key: resolved for key in given_keys(study["fixes"])}, f"{where}.fixes", campaign_keys=campaign_keys)
     for (key, at), given in varied.items():
         _check_used({key: given}, at, may_share=False, campaign_keys=campaign_keys)
+    return table
+
+
+def study_title(name, study):
+    """Return the title of a study, or its name without one, and the packings that it leaves out."""
+    title, left_out = study["title"] or name, study["leaves_out"]
+    return f"{title} (without {join_first(left_out, 3)})" if left_out else title
+
+
+def _without(table, names, where):
+    """Return the rows of a study except those with these names of packings."""
+    for name in names:
+        if name not in set(table.packing):
+            raise ValueError(
+                f"{where}.leaves_out: there is no packing {name!r}; the packings are {join_first(list(table.packing), 10)}"
+            )
+    table = table[~table.packing.isin(names)].reset_index(drop=True)
+    if table.empty:
+        raise ValueError(f"{where}.leaves_out: no packing remains; name fewer, or remove the study with {where}: null")
     return table
 
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from simcore.campaign.studies import _column, choose_form, expand, specification_text
+from simcore.campaign.studies import _column, choose_form, expand, specification_text, study_title
 from simcore.grains.sources import set_name
 from simcore.grains.spread import read_spread, spread_order, spread_table
 from simcore.grains.synthetic import synthetic_grains
@@ -26,7 +26,7 @@ STUDY = {
 
 def campaign(**changes):
     """Return the resolved campaign of one study `s`, with changed keys of the study or of the campaign."""
-    study = {**STUDY, **{key: changes.pop(key) for key in ("fixes", "varies", "forms") if key in changes}}
+    study = {**STUDY, **{key: changes.pop(key) for key in ("fixes", "varies", "forms", "leaves_out") if key in changes}}
     return resolve({"studies": {"s": study}, **changes}, "config")
 
 
@@ -39,6 +39,29 @@ def test_packings_are_the_product_of_all_axes():
     assert last.row["varied"] == {"case": "U7", "shaking_s": 2.0, "seed": 3}
     spec = last.specification
     assert (spec["sizes"]["case"], spec["shaking"]["duration"], spec["seed"]) == ("U7", 2.0, 3)
+
+
+def test_a_study_leaves_out_packings_by_name():
+    varies = {"sizes.case": ["U1", "U7"], "seed": [1, 2]}
+    whole = expand(campaign(varies=varies))
+    rest = expand(campaign(varies=varies, leaves_out=["U7-seed_1"]))
+    assert list(rest.packing) == ["U1-seed_1", "U1-seed_2", "U7-seed_2"]
+    kept = whole[whole.packing != "U7-seed_1"].reset_index(drop=True)
+    pd.testing.assert_frame_equal(rest, kept)
+    title = study_title("s", {"title": "Sieve curves", "leaves_out": ["U7-seed_1"]})
+    assert title == "Sieve curves (without U7-seed_1)"
+
+
+@pytest.mark.parametrize(
+    "names, message",
+    [
+        (["U7-seed_1"], "studies.s.leaves_out: there is no packing 'U7-seed_1'; the packings are U1, U7"),
+        (["U1", "U7"], "no packing remains; name fewer, or remove the study with studies.s: null"),
+    ],
+)
+def test_packings_left_out_must_exist_and_others_remain(names, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        expand(campaign(leaves_out=names))
 
 
 def test_settings_of_a_group_vary_together():
