@@ -115,10 +115,11 @@ def study_title(name, study):
 
 def _without(table, names, where):
     """Return the rows of a study except those with these names of packings."""
+    packings = list(table.packing)
     for name in names:
-        if name not in set(table.packing):
+        if name not in packings:
             raise ValueError(
-                f"{where}.leaves_out: there is no packing {name!r}; the packings are {join_first(list(table.packing), 10)}"
+                f"{where}.leaves_out: there is no packing {name!r}; the packings are {join_first(packings, 10)}"
             )
     table = table[~table.packing.isin(names)].reset_index(drop=True)
     if table.empty:

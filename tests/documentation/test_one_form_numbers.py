@@ -30,6 +30,20 @@ def test_correlations(correlations, name, feature):
     assert cells(f"r of n with {name}, {R22}") == [f"{row.r:.3f}, {row.r22_r:.3f}" for row in rows.itertuples()]
 
 
+def test_correlations_in_one_sieve_class(correlations):
+    """The first table of the page: inverse equancy and the inverse of Krumbein's sphericity are the two highest."""
+    rows = correlations.query("case == 'U1'").set_index("feature")
+    assert set(rows.index[rows["rank"] <= 2]) == {"EQ_inv", "KIS_inv"}
+    for start, feature in (
+        ("r of n with EQ⁻¹, one of the two highest of 26 form factors", "EQ_inv"),
+        ("with the inverse of Krumbein's sphericity", "KIS_inv"),
+        ("with the inverse of Janke's form factor JFF", "JFF_inv"),
+        ("with the Wentworth flatness index WFI", "WFI"),
+    ):
+        row = rows.loc[feature]
+        assert cells(start) == [f"{row.r:.3f}", f"{row.r22_r:.3f}" if np.isfinite(row.r22_r) else ""]
+
+
 def test_rank_of_the_inverse_equancy(correlations):
     rows = correlations[correlations["feature"] == "EQ_inv"].set_index("case").loc[CASES]
     assert (correlations.groupby("case").size() == 26).all()

@@ -7,12 +7,14 @@ import pandas as pd
 import pytest
 import yaml
 
+from benchmarks.studies.size_and_form_fit import describe_halves, read_rows
 from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS, OURS, R22
 from benchmarks.studies.sorted_sands import TABLE as SANDS
 from simcore.evaluation.confidence import student_quantile
 from simcore.models.fitting import fit_reference_models
 from simcore.models.prediction import predict_preferred
 from simcore.models.size_and_form.bed_prediction import rhine_one_class, rhine_sample
+from simcore.models.size_and_form.beds import BASE, flags
 from simcore.models.size_and_form.choice import Score, choose
 from simcore.models.size_and_form.known_beds import MEASURED, PUBLISHED
 from simcore.models.size_and_form.sized_model import NOT_FITTED, current_model
@@ -47,6 +49,24 @@ def test_errors_of_left_out_beds(chosen):
     assert states(
         FINDINGS, f"one formula, {len(beds)} beds", f"error {errors[0]} for a family", f"{errors[1]} for a form"
     )
+
+
+def test_coarse_grains_in_the_halves_of_the_beds():
+    rows = read_rows()
+    rows = rows[rows["case"] != BASE]
+    beds, _, shares = describe_halves(rows).partition(" wide beds, upper less lower half: ")
+    of_errors, of_volume = shares.split("; of the volume +")
+    mean, rms = of_errors.split(" standard errors, rms ")
+    assert beds.endswith(" 61") and len(rows) == 61
+    assert states(
+        PLAN,
+        f"61 wide beds coarse grains are slightly more frequent in the upper half, by {of_volume} of the volume.",
+        f"mean of {mean.removeprefix('mean ')} standard errors and a root mean square of {rms}",
+    )
+    unflagged = rows[flags(rows) == ""]
+    assert len(rows) - len(unflagged) == 9
+    share = describe_halves(unflagged).rpartition("+")[2]
+    assert states(PLAN, f"Without the nine flagged beds it is {share}.")
 
 
 def test_the_rule_that_keeps_no_model_chooses_the_same(chosen):

@@ -6,6 +6,9 @@ import pytest
 
 from benchmarks.studies.base_forms import compare_beds, rain_bases, rain_model
 from benchmarks.studies.insertion_rate import (
+    CONFIGURATION,
+    LATTICE,
+    bases,
     bases_as_rain,
     bases_table,
     elongation_coefficients,
@@ -14,9 +17,14 @@ from benchmarks.studies.insertion_rate import (
     paired_beds,
 )
 from benchmarks.studies.scatter import read_tables, scatter_table
+from benchmarks.studies.size_and_form_fit import read_rows
 from benchmarks.studies.wide_cost import compare_means, compare_r22, paired
 from simcore.models.fitting import fit_reference_models
+from simcore.models.size_and_form.bases import RATE, fit_bases
+from simcore.models.size_and_form.beds import form_labels
 from simcore.paths import REFERENCE, ROOT
+from simcore.scene.domain import Domain, lattice_sites
+from simcore.scene.sizes import all_cases
 
 PAGE = (ROOT / "docs" / "explanation" / "wide_sieve_curves.md").read_text(encoding="utf-8")
 CYLINDER = (ROOT / "docs" / "appendices" / "cylinder.md").read_text(encoding="utf-8")
@@ -214,6 +222,31 @@ def test_rate_explains_most_of_what_elongation_does_on_lattices():
     assert f"from {rates['G59']:.0f} kg/(m² s) for G59 to {rates['G08']:.0f} for G08" in words
     single = [name for name in rates.index if name.startswith("G")]
     assert rates[single].idxmin() == "G59" and rates[single].idxmax() == "G08"
+
+
+def area_of_a_site(width, spacing):
+    """Return the area of a site of the lattice in a periodic box of this width, over that without stretching."""
+    sites = lattice_sites(Domain("periodic", width, 1.0), spacing, 0.0, 1e-6)
+    return width**2 / len(sites) / (np.sqrt(0.75) * spacing**2)
+
+
+def test_stretching_of_the_lattice_changes_the_rate_of_insertion():
+    """A site takes one grain, so that the rate is proportional to the sites per area."""
+    rate = paired_beds().query("form == 'all'").set_index("case")["rate_lattice"]
+    beds = read_rows(LATTICE, CONFIGURATION).drop_duplicates("case").set_index("case")
+    spacing = {case: all_cases()[case].generation_spacing for case in ("U1", "U5")}
+    stretched = {case: area_of_a_site(beds.loc[case, "width_m"], spacing[case]) for case in spacing}
+    unstretched = rate["U1"] * stretched["U1"] / (rate["U5"] * stretched["U5"])
+    in_a_wide_box = unstretched * area_of_a_site(0.2, spacing["U5"]) / area_of_a_site(0.2, spacing["U1"])
+    words = " ".join(PAGE.split())
+    assert round(rate["U1"] / rate["U5"]) == 4 and "U5 is inserted about four times more slowly" in words
+    assert (
+        f"in a box of 200 mm the ratio would be {in_a_wide_box:.1f}, without any stretching {unstretched:.1f}." in words
+    )
+    assert f"stretched to {stretched['U1']:.1f} times the area of a site" in words
+    findings = (ROOT / "docs" / "reference" / "findings.md").read_text(encoding="utf-8")
+    denser = fit_bases(bases().assign(form=form_labels(bases()))).slopes[RATE] * np.log(stretched["U1"])
+    assert f"{stretched['U1']:.1f} times the area of a site for U1 | about −{denser:.3f}, by the slope" in findings
 
 
 def test_walls_change_the_differences_between_curves():
