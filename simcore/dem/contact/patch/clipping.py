@@ -20,7 +20,8 @@ from simcore.dem.contact.patch.moments import NO_MOMENTS, add_moments, triangle_
 from simcore.dem.contact.patch.workspace import read_face, read_polygon, write_polygon
 from simcore.dem.vectors import Vec, cross, dot, length, minus, over, plus, scaled
 
-# Of the pair's size: planes that cut a are moved out by it, those that cut b in. Why: docs/explanation/constants.md#tie
+# Of the pair's size: planes that cut faces of a are moved out by it, those that cut faces of b in, and those that cut a
+# polytope (polytope.py) out. Why: docs/explanation/constants.md#tie
 TIE = 1e-14
 
 

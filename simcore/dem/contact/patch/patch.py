@@ -12,8 +12,9 @@ the first moment of the depth, and the second moments resist rocking and twistin
 also where a face comes to rest on a face or an edge.
 
 The facet of the Minkowski difference shows whether a corner and a face meet (corner.py) or two edges (crossing.py). The
-overlap then has a closed form if no other part of the bodies reaches into it. Otherwise the planes of the other faces
-cut this closed form (polytope.py). If two faces meet, the faces of both bodies are clipped (clipping.py).
+overlap then has a closed form if no other part of the bodies reaches into it. If other parts do, the planes of their
+faces cut this closed form (polytope.py). In all other cases, mostly where two faces meet, the faces of both bodies are
+clipped (clipping.py).
 
 At rest overlaps are about 1e-5 of the size, with the contact time of Rettinger et al. (2022). Deeper overlaps reflect
 the softness of the springs rather than the form of the grains, and extend over many faces. The bodies are then treated
@@ -81,7 +82,8 @@ def closed_overlap(shapes, bodies, pair, view, facet, workspace, thread):
 def find_patch(shapes, bodies, contacts, p, offset, workspace, thread):
     """Move the point of touching contact p to the centroid of its patch, and store the patch's second moments.
 
-    offset [m]: from the centre of body a to that of its partner.
+    The point remains and the moments are zero if by rounding the overlap has no volume. offset [m]: from the centre of
+    body a to that of its partner.
     """
     i, j, overlap = contacts.body_a[p], contacts.body_b[p], contacts.overlap[p]
     axes = axes_about(read(contacts.direction, p))

@@ -9,6 +9,9 @@ r"""The overlap of a corner with a face, or of two edges, if other faces bound i
      second                from outside. The corners of a face are therefore counterclockwise from outside. Corners
   left | right             are in the axes of the patch, relative to the centre of a.
      first
+
+By rounding, corners of one face that lie in the plane of a cut may be above and below it in turn. The edges of the cap
+then do not close, and the faces of both bodies are clipped instead (clipping.py).
 """
 
 from typing import NamedTuple
@@ -16,18 +19,20 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.compilation import leaf, routine
-from simcore.dem.contact.patch.clipping import TIE
+from simcore.dem.contact.patch.clipping import TIE, clipped_moments
 from simcore.dem.contact.patch.faces import gather_both
 from simcore.dem.contact.patch.moments import NO_MOMENTS, Point, add_moments, tetrahedron_moments
 from simcore.dem.contact.patch.workspace import read_corner, read_face, write_corner
 from simcore.dem.vectors import cross, dot, minus, plus, scaled, squared
+
+OPEN = -1  # instead of a number of corners
 
 
 class Polytope(NamedTuple):
     """What of the workspace is the polytope."""
 
     current: int  # which of the two arrays of corners
-    corners: int  # number of corners
+    corners: int  # number of corners; OPEN after a cut whose cap does not close
     edges: int
     faces: int  # number of faces that it has had
 
@@ -41,9 +46,10 @@ def write_edge(workspace, thread, k, first, second, left, right):
 
 @leaf
 def pyramid(workspace, thread, n):
-    """Return the Polytope of corner 0, the apex, and the corners 1 to n of the base, counterclockwise from outside.
+    """Return the Polytope of corner 0, the apex, and the corners 1 to n of the base, counterclockwise from the apex.
 
-    Its corners are stored by `write_corner`. Face k − 1 is beside the apex and the corners k − 1 and k of the base.
+    Its corners are stored by `write_corner`. Face k − 1 is beside the apex and the corners k − 1 and k of the base,
+    face 0 beside the corners n and 1, and face n is the base.
     """
     last = n
     for k in range(1, n + 1):
@@ -106,10 +112,13 @@ def join(workspace, thread, face, corner, leaves, cap, edges):
 
 @leaf
 def cut(workspace, thread, polytope):
-    """Remove what is above a plane, and return what is left; `measure_heights` has stored the heights."""
+    """Remove what is above a plane, and return what is left; `measure_heights` has stored the heights.
+
+    A closed cap has as many edges as corners. If it has not, the result is OPEN.
+    """
     height, edge, renumbered, current = workspace.height, workspace.edge, workspace.renumbered, polytope.current
-    corners, edges, end = keep_corners(workspace, thread, polytope), 0, polytope.edges
-    cap = polytope.faces
+    kept = keep_corners(workspace, thread, polytope)
+    corners, edges, end, cap = kept, 0, polytope.edges, polytope.faces
     for k in range(polytope.edges):
         first, second, left, right = edge[thread, k, 0], edge[thread, k, 1], edge[thread, k, 2], edge[thread, k, 3]
         new_first, new_second = renumbered[thread, first], renumbered[thread, second]
@@ -129,6 +138,10 @@ def cut(workspace, thread, polytope):
             corners += 1
         write_edge(workspace, thread, edges, new_first, new_second, left, right)
         edges += 1
+    if end - polytope.edges != corners - kept:
+        for face in range(cap):
+            workspace.way_out[thread, face], workspace.way_in[thread, face] = -1, -1
+        return Polytope(current, OPEN, 0, 0)
     for k in range(polytope.edges, end):
         first, second, left, right = edge[thread, k, 0], edge[thread, k, 1], edge[thread, k, 2], edge[thread, k, 3]
         write_edge(workspace, thread, edges, first, second, left, right)
@@ -138,15 +151,21 @@ def cut(workspace, thread, polytope):
 
 @leaf
 def cut_by_faces(workspace, thread, polytope, side, n_faces, tie):
-    """Cut a polytope by the planes of all gathered faces of a side, moved out by `tie` [m]: Polytope."""
+    """Cut a polytope by the planes of all gathered faces of a side, moved out by `tie` [m]: Polytope.
+
+    Corners at `tie` above a plane may come from the cut by another triangle in the same plane, so that corners up to
+    twice as high are not cut off.
+    """
     for face in range(n_faces):
         highest, area = measure_heights(workspace, thread, polytope, side, face)
         if highest > 0.0:
             moved = tie * np.sqrt(squared(area))
-            if highest > moved:
+            if highest > 2.0 * moved:
                 for k in range(polytope.corners):
                     workspace.height[thread, k] -= moved
                 polytope = cut(workspace, thread, polytope)
+                if polytope.corners == OPEN:
+                    break
     return polytope
 
 
@@ -190,7 +209,10 @@ def cut_moments(shapes, bodies, pair, axes, facet, n_corners, workspace, thread)
     n_a, n_b, top, _ = gather_both(shapes, bodies, pair, axes, tops, facet, workspace, thread)
     polytope, tie = pyramid(workspace, thread, n_corners - 1), TIE * pair.size
     polytope = cut_by_faces(workspace, thread, polytope, 0, n_a, tie)
-    polytope = cut_by_faces(workspace, thread, polytope, 1, n_b, tie)
+    if polytope.corners != OPEN:
+        polytope = cut_by_faces(workspace, thread, polytope, 1, n_b, tie)
+    if polytope.corners == OPEN:
+        return clipped_moments(shapes, bodies, pair, axes, tops, workspace, thread), Point(0.0, 0.0)
     if polytope.corners == 0:
         return NO_MOMENTS, Point(0.0, 0.0)
     moments, origin = polytope_moments(workspace, thread, polytope)

@@ -44,9 +44,8 @@ def make_workspace(shapes: Shapes, n_threads: int) -> Workspace:
     counts = np.diff(shapes.vertex_start)
     n = int(counts.max(initial=0))
     threads = n_threads if n else 0
-    m = (
-        5 * n + 4
-    )  # faces of a polytope: those of both bodies and of the pyramid; it has at most 3 m edges, and m new ones
+    # Faces of a polytope: those of both bodies and of the pyramid. It has at most 3 m edges, and m new ones in a cut.
+    m = 5 * n + 4
     return Workspace(
         mark=np.zeros((threads, n), np.int64),
         stamp=np.zeros(threads, np.int64),

@@ -20,7 +20,7 @@ from simcore.dem.state.touches import partner_offset
 from simcore.dem.vectors import Vec, read
 from tests.helpers.contact_pairs import place_pairs, update_polyhedra
 from tests.helpers.patch import Patch
-from tests.helpers.polyhedra import CUBE, make_pebble, make_polyhedron
+from tests.helpers.polyhedra import CUBE, make_box, make_pebble, make_polyhedron
 from tests.helpers.rotations import IDENTITY, random_orientations
 
 
@@ -216,6 +216,84 @@ def test_cuts_through_the_pyramid_are_the_general_way(depth, vertices):
         np.testing.assert_allclose(second, expected, rtol=0, atol=1e-6 * extent**2 + 1e-13 * size**2)
         seen += 1
     assert seen > 10
+    assert (workspace.way_out == -1).all() and (workspace.way_in == -1).all()
+
+
+def aimed_pairs(base_a, base_b, n, seed, depth):
+    """Return orientations and offsets of pairs whose corners and faces meet at a side of a triangle of b.
+
+    In half of them a face of a is nearly parallel to the triangle, and in half of them the side includes its ends.
+    depth: of the overlap before other parts of the bodies meet, over the pair's size.
+    """
+    rng = np.random.default_rng(seed)
+    normals = [np.cross(*(c[:, k] - c[:, 0] for k in (1, 2))) for c in (b.vertices[b.faces] for b in (base_a, base_b))]
+    normals = [normal / np.linalg.norm(normal, axis=1, keepdims=True) for normal in normals]
+    deep = depth * sum(np.linalg.norm(base.vertices, axis=1).max() for base in (base_a, base_b))
+    orientation, offsets = np.empty((2 * n, 4)), np.empty((n, 3))
+    for k in range(n):
+        turn_b, f = Rotation.random(random_state=rng), rng.integers(len(base_b.faces))
+        down = -turn_b.apply(normals[1][f])
+        turn_a = Rotation.random(random_state=rng)
+        if k % 2:
+            up = turn_a.apply(normals[0][rng.integers(len(base_a.faces))])
+            turn_a = Rotation.align_vectors([down], [up])[0] * turn_a
+            turn_a = Rotation.from_rotvec(10.0 ** rng.uniform(-6, -0.5) * rng.standard_normal(3)) * turn_a
+        start, end = turn_b.apply(base_b.vertices[base_b.faces[f, :2]])
+        aside = rng.standard_normal(3)
+        at = start + rng.choice([0.0, rng.random()]) * (end - start) + 3.0 * deep * (aside - (aside @ down) * down)
+        corners = turn_a.apply(base_a.vertices)
+        tip = corners[np.argmax(corners @ down)]
+        orientation[[2 * k, 2 * k + 1]] = [turn.as_quat(scalar_first=True) for turn in (turn_a, turn_b)]
+        offsets[k] = tip - at - deep * down
+    return orientation, offsets
+
+
+def make_prism(sides, height):
+    """Return a prism over a regular polygon of radius 1, whose top and bottom are many coplanar triangles."""
+    angle = 2.0 * np.pi * np.arange(sides) / sides
+    ring = np.column_stack([np.cos(angle), np.sin(angle)])
+    return make_polyhedron(np.vstack([np.insert(ring, 2, z, axis=1) for z in (-height / 2, height / 2)]))
+
+
+# A corner of one cube presses into the other near a corner. The planes of both triangles of a face cut the overlap.
+TWO_CUBES = (
+    np.array(
+        [
+            [0.8320134664133487, -0.016726044638309085, 0.21615540191604238, -0.510637516600685],
+            [0.308160025219673, 0.39806442590849683, 0.6825232651304483, 0.5298529081154707],
+        ]
+    ),
+    np.array([[-1.0028678435199558, -0.1727014217493918, 0.2914403940705041]]),
+)
+
+
+@pytest.mark.parametrize(
+    ("base_a", "base_b", "poses"),
+    [
+        (make_box(), make_box(), TWO_CUBES),
+        (make_box(), make_box((1.0, 1.0, 0.05)), 1e-5),
+        (make_box(), make_box((1.0, 0.1, 0.1)), 1e-4),
+        (make_prism(6, 1.0), make_prism(30, 0.3), 1e-4),
+        (make_pebble(5, 200), make_prism(30, 0.3), 1e-4),
+        (make_pebble(5, 1300), make_pebble(6, 1300), 1e-4),
+    ],
+    ids=["two_cubes", "cube_plate", "cube_needle", "prisms", "pebble_prism", "pebbles"],
+)
+def test_triangles_in_one_plane_and_borders_of_faces(base_a, base_b, poses):
+    """The cuts agree with the general way, and the order of the contacts, which share a workspace, is irrelevant."""
+    orientation, offsets = poses if isinstance(poses, tuple) else aimed_pairs(base_a, base_b, 1500, 1, poses)
+    n = len(offsets)
+    bodies, shapes, contacts = place_pairs([base_a, base_b] * n, np.ones((2 * n, 3)), orientation, offsets)
+    update_polyhedra(shapes, bodies, contacts, 0.0)
+    workspace, results = make_workspace(shapes, 1), {}
+    for order in (range(n), reversed(range(n))):
+        for p in (p for p in order if contacts.touching[p]):
+            result = cut_and_clipped(shapes, bodies, contacts, workspace, p)
+            if result is None:
+                continue
+            assert results.setdefault(p, result) == result
+            assert result[0][0] == pytest.approx(result[2][0], rel=1e-5, abs=1e-18)
+    assert len(results) > n / 10
     assert (workspace.way_out == -1).all() and (workspace.way_in == -1).all()
 
 
