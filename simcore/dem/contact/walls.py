@@ -200,7 +200,9 @@ def cylinder_patch(shapes, bodies, walls, w, wall_radius):
     cx, cy, cz = mx / m0, my / m0, mz / m0
     length = np.sqrt(nx * nx + ny * ny)
     if not length > ALIKE * m0:
-        return  # both ends are equally deep: the contact stays at the deepest vertex
+        for k in range(6):  # both ends are equally deep: the contact stays at the deepest vertex, as a point
+            walls.spread[w, k] = 0.0
+        return
     write(walls.normal, w, Vec(nx / length, ny / length, 0.0))
     write(walls.point, w, Vec(cx, cy, cz))
     walls.spread[w, 0], walls.spread[w, 1], walls.spread[w, 2] = (

@@ -28,6 +28,7 @@ def tangential_force(tangent, dt, normal, velocity, spring):
 
     velocity: of b relative to a at the contact point. The spring is turned into the new tangent plane at constant
     length and extended by the tangential velocity. If the contact slips, it is shortened to the limit of friction.
+    # ASSUME: it is not turned if both bodies spin about the normal together.
     """
     velocity = across(velocity, normal)
     length2 = squared(spring)

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from simcore.dem.contact.walls import (
     cylinder_convex,
     cylinder_ellipsoid,
+    cylinder_patch,
     cylinder_sphere,
     floor_convex,
     floor_ellipsoid,
@@ -20,7 +21,7 @@ from simcore.dem.state.contacts import Box
 from simcore.dem.state.features import Features
 from simcore.dem.step.candidate_pairs import list_candidates
 from tests.helpers.contact_pairs import UNIT_SPHERE
-from tests.helpers.polyhedra import make_pebble
+from tests.helpers.polyhedra import make_box, make_pebble
 
 WALL = 1.5  # radius of the cylinder
 
@@ -188,3 +189,30 @@ def test_a_tilted_needle_touches_with_its_end():
         deepest_in_cylinder(np.array([0.05, 0.05, 1.5]), bodies.rotation[0], np.array([0.3, 0.6, 5.0])), abs=1e-9
     )
     assert nearer_met.overlap[0, CYLINDER] > 0.0
+
+
+@numba.njit(error_model="numpy")
+def patch_at_cylinder(shapes, bodies, walls):
+    for w in range(len(walls.body)):
+        if walls.wall[w] == CYLINDER:
+            cylinder_convex(shapes, bodies, walls, w, WALL)
+            cylinder_patch(shapes, bodies, walls, w, WALL)
+
+
+def test_a_bar_across_the_cylinder_has_a_patch_without_leftovers():
+    """With both ends equally deep it touches at a point; moments of the step before, along the bar, must not remain."""
+    base, still = make_box((2.0 * WALL + 0.02, 0.1, 0.1)), np.zeros((1, 3))
+    bodies = make_bodies(
+        [base], [0], np.ones((1, 3)), [[0.0, 0.0, 5.0]], [[1.0, 0.0, 0.0, 0.0]], still, still, density=1.0
+    )
+    shapes = collect_shapes([base])
+    features = Features(POLYHEDRON, True, cylinder=True, periodic=False, patch=True)
+    walls = list_candidates(bodies, shapes, Box(0.0, WALL), 100.0, features).walls
+    (row,) = np.flatnonzero(walls.wall == CYLINDER)
+    bodies.position[0, 0] = 1e-3
+    patch_at_cylinder(shapes, bodies, walls)
+    assert walls.spread[row, 0] > 1.0
+    bodies.position[0, 0] = 0.0
+    patch_at_cylinder(shapes, bodies, walls)
+    assert (walls.spread[row] == 0.0).all()
+    assert abs(walls.point[row, 0]) > WALL

@@ -3,8 +3,8 @@
 f(n) = n·r − h_A(n) − h_B(n) with h(n) = √(nᵀ M n), M = R diag(s²) Rᵀ, is stationary where the surfaces have parallel
 tangent planes and the line between the two surface points is normal to both. Newton's iteration on the unit sphere
 converges from the normal of the last step in one or two steps. A gap is concave in n and has one maximum. An overlap
-may have several local minima, so that a pair without a remembered contact is searched for the least one
-(`deep_overlap`).
+may have several local minima, so that a pair without a remembered contact, or with a deep one, is searched for the
+least one (`deep_overlap`).
 """
 
 import numpy as np
@@ -39,8 +39,8 @@ def search_normal(shapes, bodies, pair, enough):
 def recheck(shapes, bodies, contacts, p, pair):
     """Check candidate pair p from its remembered normal: (whether the result is certain, Contact).
 
-    The pair is apart if the overlap is not positive. The result is not certain if there is no remembered normal or the
-    iteration did not converge; the pair must then be searched.
+    The pair is apart if the overlap is not positive. The result is not certain if there is no remembered normal, the
+    overlap may not be the least one, or the iteration did not converge; the pair must then be searched.
     """
     normal = read(contacts.direction, p)
     if normal.x == 0.0 and normal.y == 0.0 and normal.z == 0.0:
@@ -52,7 +52,11 @@ def recheck(shapes, bodies, contacts, p, pair):
     overlap = contact.overlap
     if contacts.touching[p] == 0 and overlap <= 0.0:
         overlap = min(overlap, contacts.overlap[p])
-    return top.converged or top.value > enough, Contact(overlap, contact.normal, contact.point)
+    certain = top.converged or top.value > enough
+    if certain and top.value < 0.0:
+        m, rotation = bodies.form_matrix, bodies.rotation
+        certain = top.value >= -(rolling_radius(m, rotation, pair.a) + rolling_radius(m, rotation, pair.b))
+    return certain, Contact(overlap, contact.normal, contact.point)
 
 
 @routine

@@ -2,10 +2,10 @@
 
 In one step a grain moves about 1e-4 of its size. The remembered contact of an overlapping pair is the three support
 pairs of its facet of the Minkowski difference. The check computes the plane of the facet again and climbs the edge
-graphs from its vertices. If no support point is beyond the plane and the projection of the origin is well inside, the
-facet is still the minimum of the overlap. Otherwise the pair is searched anew. For a pair apart the simplex nearest to
-the origin is remembered. The pair is not checked before the bodies can have closed the gap; the same simplex then
-mostly still shows a gap.
+graphs from its vertices. If no support point is beyond the plane, the projection of the origin is well inside and the
+overlap is not so deep that the far side may be nearer, the facet is still the minimum of the overlap. Otherwise the
+pair is searched anew. For a pair apart the simplex nearest to the origin is remembered. The pair is not checked before
+the bodies can have closed the gap; the same simplex then mostly still shows a gap.
 """
 
 from typing import NamedTuple
@@ -24,6 +24,7 @@ from simcore.dem.vectors import (
     ZERO,
     Contact,
     Vec,
+    across,
     cross,
     direction_of,
     dot,
@@ -45,8 +46,8 @@ _take_points = scratch(types.float64, 4, 3)
 CHECK_TOLERANCE = 1e-11  # of the pair's size; wider than that of the search, so that results of the search pass
 INSIDE_TOLERANCE = 1e-9  # barycentric
 GAP_SLACK = 0.1  # a step needs a certain gap only; its last tenth is not worth further iterations
-# Distance in units of the overlap: if the projection of the origin is farther from the sides, the facet is the nearest
-# one (docs/explanation/constants_contact.md).
+# Distance in units of the overlap: if the projection of the origin is farther from the sides, no facet on this side of
+# the difference is nearer (docs/explanation/constants_contact.md).
 CERTAIN_REACH = 2.0
 
 INVALID, APART, OVERLAPPING, UNCERTAIN = 0, 1, 2, 3
@@ -71,8 +72,9 @@ class SimplexGap(NamedTuple):
 def facet_contact(shapes, bodies, pair, facet):
     """Check a remembered facet: Judgement.
 
-    UNCERTAIN: the facet is a local minimum of the overlap, but another facet may show less, because the projection of
-    the origin is nearer to a side of the facet than CERTAIN_REACH times the overlap.
+    UNCERTAIN: the facet is a local minimum of the overlap, but another facet may show less. Either the projection of
+    the origin is nearer to a side of the facet than CERTAIN_REACH times the overlap, or the centres of the bodies are
+    nearer to each other along the normal than the overlap, so that the far side may be the nearest one.
     """
     at_0, at_1, at_2 = (
         vertex_of(shapes, bodies, pair.a, facet.a0),
@@ -102,6 +104,8 @@ def facet_contact(shapes, bodies, pair, facet):
         return Judgement(INVALID, Contact(reach, normal, ZERO))
     far = CERTAIN_REACH * reach
     verdict = OVERLAPPING
+    if dot(pair.offset, normal) < reach:
+        verdict = UNCERTAIN
     if _too_near(w0 * area, far, minus(s, q)) or _too_near(w1 * area, far, f) or _too_near(w2 * area, far, e):
         verdict = UNCERTAIN
     point = plus_scaled(plus_scaled(scaled(w0, at_0), w1, at_1), w2, at_2)
@@ -214,18 +218,13 @@ def facet_point(shapes, bodies, pair, overlap, normal, facet):
     verdict, contact = facet_contact(shapes, bodies, pair, facet)
     if verdict == OVERLAPPING or verdict == UNCERTAIN:
         return contact.point
-    # By rounding the projection is outside a thin facet; the corner nearest to it is used instead.
-    least = _aside2(world_difference(shapes, bodies, pair, facet.a0, facet.b0), normal)
-    corner = facet.a0
-    for a, b in ((facet.a1, facet.b1), (facet.a2, facet.b2)):
-        distance2 = _aside2(world_difference(shapes, bodies, pair, a, b), normal)
-        if distance2 < least:
-            least, corner = distance2, a
-    return minus_scaled(vertex_of(shapes, bodies, pair.a, corner), 0.5 * overlap, normal)
-
-
-@leaf
-def _aside2(point, normal):
-    """Return the squared distance of a point from the line through the origin along the unit vector n."""
-    along = dot(point, normal)
-    return squared(point) - along * along
+    # By rounding the projection is outside a thin facet, or corners are equal; the nearest point is used instead.
+    points, k = _take_points(), 0
+    for a, b in ((facet.a0, facet.b0), (facet.a1, facet.b1), (facet.a2, facet.b2)):
+        write(points, k, across(world_difference(shapes, bodies, pair, a, b), normal))
+        k += 1
+    w0, w1, w2 = triangle_weights(points, 0, 1, 2)
+    point = scaled(w0, vertex_of(shapes, bodies, pair.a, facet.a0))
+    point = plus_scaled(point, w1, vertex_of(shapes, bodies, pair.a, facet.a1))
+    point = plus_scaled(point, w2, vertex_of(shapes, bodies, pair.a, facet.a2))
+    return minus_scaled(point, 0.5 * overlap, normal)

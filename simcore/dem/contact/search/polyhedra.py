@@ -24,7 +24,7 @@ from simcore.dem.contact.search.gjk import walk_to_origin
 from simcore.dem.contact.search.pair_frame import Facet, Support, frame_of
 from simcore.dem.contact.search.simplex import take_simplex
 from simcore.dem.shapes.polyhedra import support_vertex_along, vertex_of
-from simcore.dem.vectors import Vec, into_axes, minus, negative, out_of_axes
+from simcore.dem.vectors import Vec, into_axes, minus, negative, out_of_axes, read, triple
 
 
 class Separation(NamedTuple):
@@ -86,5 +86,9 @@ def facet_distance(shapes, f, a, b, normal, simplex, n):
     deepest = least_depth(shapes, f, normal)
     n = facet_at(shapes, f, deepest.a, deepest.b, deepest.normal, simplex)
     k, m, v = min(1, n - 1), min(2, n - 1), simplex.vertices
+    if n == 3:  # counterclockwise from outside, as the check of a remembered facet expects it
+        p, q, s = read(simplex.points, 0), read(simplex.points, 1), read(simplex.points, 2)
+        if triple(minus(q, p), minus(s, p), deepest.normal) < 0.0:
+            k, m = 2, 1
     facet = Facet(v[0, 0], v[k, 0], v[m, 0], v[0, 1], v[k, 1], v[m, 1])
     return FacetDistance(deepest.overlap, deepest.normal, facet, 0.0)

@@ -5,9 +5,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.dem.contact.pairs.ellipsoids import TOLERANCE
+from simcore.dem.contact.query import query
+from simcore.dem.shapes.polyhedra import ellipsoid
 from tests.helpers.contact_pairs import UNIT_SPHERE, certain_gap, place_pairs, update_ellipsoids
 from tests.helpers.ellipsoid_pairs import KNOWN_PAIRS, random_pairs, search_pairs
 from tests.helpers.rotations import IDENTITY
+
+PLACED = (0.0, 0.0, 0.0), IDENTITY
 
 
 def support_points(bodies, rows, normals):
@@ -148,3 +152,20 @@ def test_the_last_normal_answers_as_a_search_does():
         compared += rows.sum()
     assert compared > 50 * n
     assert searched < 2 * n
+
+
+@pytest.mark.parametrize("other", [(1.0, 1.0, 0.05), (0.1, 0.1, 0.1)], ids=["its twin", "a sphere"])
+def test_a_body_that_is_pressed_through_a_plate_leaves_it_on_the_far_side(other):
+    """A remembered normal must not outlive the contact: past the middle the far side shows less overlap."""
+    plate = (1.0, 1.0, 0.05)
+    bodies, shapes, contacts = place_pairs([UNIT_SPHERE] * 2, [plate, other], [IDENTITY] * 2, [(0.1, 0.0, 3.0)])
+    thickness, touched = plate[2] + other[2], 0
+    for z in np.linspace(1.01, -3.0, 2001) * thickness:
+        bodies.position[1] = bodies.position[0] + [0.1, 0.0, z]
+        update_ellipsoids(shapes, bodies, contacts, 0.0)
+        exact = query(ellipsoid(*plate), PLACED, ellipsoid(*other), ((0.1, 0.0, z), IDENTITY)).signed_distance
+        assert contacts.touching[0] == (exact < 0.0) or abs(exact) < 1e-9
+        if contacts.touching[0]:
+            assert contacts.overlap[0] == pytest.approx(-exact, abs=1e-8)
+            touched += 1
+    assert touched > 500 and not contacts.touching[0]

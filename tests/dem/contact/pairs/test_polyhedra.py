@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from simcore.dem.contact.pairs.polyhedra import GAP_SLACK
 from simcore.dem.shapes.polyhedra import climb, collect_shapes, hint
 from tests.helpers.contact_pairs import certain_gap, place_pairs, signed_distance, update_polyhedra
-from tests.helpers.polyhedra import CUBE, TETRAHEDRON, make_polyhedron
+from tests.helpers.polyhedra import CUBE, TETRAHEDRON, make_box, make_polyhedron
 from tests.helpers.rotations import IDENTITY, X45, Y45, Z45, random_orientations
 
 EPS = np.finfo(float).eps
@@ -303,3 +303,41 @@ def test_a_corner_that_slides_over_an_edge_keeps_the_least_overlap():
         assert contacts.overlap[0] * contacts.touching[0] == pytest.approx(overlap, abs=ROUNDING)
     # Farther from the edge than CERTAIN_REACH times the depth, the remembered facet is used after the first search.
     assert not any(searched[1:20])
+
+
+def test_a_plate_that_is_pressed_through_its_twin_leaves_it_on_the_far_side():
+    """A remembered facet must not outlive the contact: past the middle the far side shows less overlap."""
+    plate = make_box((1.0, 1.0, 0.05))
+    bodies, shapes, contacts = place_pairs([plate] * 2, np.ones((2, 3)), [IDENTITY] * 2, [(0.05, 0.02, 3.0)])
+    touched = 0
+    for z in np.linspace(0.051, -0.15, 2001):
+        bodies.position[1] = bodies.position[0] + [0.05, 0.02, z]
+        update_polyhedra(shapes, bodies, contacts, 0.0)
+        ((points, size),) = differences([plate] * 2, bodies)
+        overlap = max(-signed_distance(points), 0.0)
+        assert abs(max(contacts.overlap[0], 0.0) - overlap) <= ROUNDING * size
+        touched += int(contacts.touching[0])
+    assert touched > 500 and not contacts.touching[0]
+
+
+def test_the_point_of_nearly_concentric_hulls_is_inside_both():
+    """EPA fails at such depths, and the search over all facets gives the facet. The point was a corner of it."""
+    rng = np.random.default_rng(6)
+    n, bases = 12, []
+    for k in range(2):
+        points = np.random.default_rng(k).standard_normal((1300, 3))
+        bases.append(make_polyhedron(points / np.linalg.norm(points, axis=1, keepdims=True)))
+    bases = bases * n
+    orientation = random_orientations(2 * n, rng)
+    bodies, shapes, contacts = place_pairs(bases, np.ones((2 * n, 3)), orientation, 0.1 * directions(n, rng))
+    update_polyhedra(shapes, bodies, contacts, 0.0)
+    assert contacts.touching.all() and contacts.overlap.min() > 1.85
+    for k, point in enumerate(contacts.point):
+        for i, sign in ((2 * k, 1.0), (2 * k + 1, -1.0)):
+            at = point - (bodies.position[i] - bodies.position[2 * k])
+            surface = at + sign * 0.5 * contacts.overlap[k] * contacts.direction[k]
+            corners = (bases[i].vertices @ bodies.rotation[i].T)[bases[i].faces]
+            normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+            beyond = ((surface - corners[:, 0]) * normals).sum(axis=1).max()
+            assert abs(beyond) < 1e-12  # on the surface of each body, half of the overlap away
