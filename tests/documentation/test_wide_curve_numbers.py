@@ -19,6 +19,7 @@ from benchmarks.studies.insertion_rate import (
 from benchmarks.studies.scatter import read_tables, scatter_table
 from benchmarks.studies.size_and_form_fit import read_rows
 from benchmarks.studies.wide_cost import compare_means, compare_r22, paired
+from simcore.evaluation.confidence import student_quantile
 from simcore.models.fitting import fit_reference_models
 from simcore.models.size_and_form.bases import RATE, fit_bases
 from simcore.models.size_and_form.beds import form_labels
@@ -60,11 +61,15 @@ def test_pairs_of_B50():
     pairs = beds.pivot_table(index="seed", columns="settings", values=["n", "grains"]).dropna()
     *first, last = (pairs[("n", "wide_both")] - pairs[("n", "wide_quota")]).map(lambda n: f"{n:+.4f}".replace("-", "−"))
     mean = f"{row.difference:+.4f} ± {row.error:.4f}, at {row.cost:.2f} of the CPU time".replace("-", "−")
-    assert row.pairs == len(pairs) == 5 and row.verdict == "open: 5 of 6 pairs"
+    assert row.pairs == len(pairs) == 6 and row.verdict == "not accepted"
     text, grains = " ".join(PAGE.split()), pairs[("grains", "wide_quota")]
-    assert f"five of six pairs are packed, of {grains.min():.0f} to {grains.max():.0f} grains." in text
+    assert f"For B50 six pairs are packed, of {grains.min():.0f} to {grains.max():.0f} grains." in text
     assert f"Their mean difference is {mean}" in text
     assert f"the pairs differ by {', '.join(first)} and {last}." in text
+    half = student_quantile(0.95, len(pairs) - 1) * row.error
+    assert f"with 95 % confidence it is at most {max(half - row.difference, half + row.difference):.3f}." in text
+    needed = len(pairs) * (row.error / 0.0015) ** 2
+    assert 8 < needed <= 9 and "about nine pairs would be needed" in text
 
 
 def test_beds_with_the_settings_of_r22():
