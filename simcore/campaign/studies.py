@@ -123,7 +123,9 @@ def _without(table, names, where):
             )
     table = table[~table.packing.isin(names)].reset_index(drop=True)
     if table.empty:
-        raise ValueError(f"{where}.leaves_out: no packing remains; name fewer, or remove the study with {where}: null")
+        raise ValueError(
+            f"{where}.leaves_out: it names all packings; name fewer, or remove the study with {where}: null"
+        )
     return table
 
 
