@@ -3,7 +3,7 @@
 An implicit dashpot is divided by the effective contacts of its grains, so that many contacts add little load. The limit
 of such a bed is set by where the contacts are: a contact at the end of a long or flat grain also turns the grain, which
 makes its load larger by a factor of 1 + m r² / I, up to five. The mean over the surface, which serves for explicit
-dashpots (simcore.dem.stability.estimate_steps), hides this. Here grains of the scene have random sets of contacts, and
+dashpots (simcore.dem.spread_contacts), hides this. Here grains of the scene have random sets of contacts, and
 the estimate is the number of steps that the stiffest grain of a bed needs.
 
 The mass of the neighbour enters twice. A light grain bears the whole stiffness of a contact with a heavy one, which
@@ -19,17 +19,15 @@ import numpy as np
 
 from simcore.dem.forces.spring_dashpot import ContactLaw
 from simcore.dem.shapes.polyhedra import Base
-from simcore.dem.stability import (
+from simcore.dem.spread_contacts import (
     AT_CORNERS,
     SAMPLE,
     Estimate,
-    contact_load,
     contact_motion,
-    contact_time,
     ellipsoid_surface,
     pointedness,
-    steps_needed,
 )
+from simcore.dem.stability import contact_load, contact_time, steps_needed
 
 # Twelve equal spheres fit around a sphere. ASSUME: a neighbour of any size takes the room of the solid angle that it
 # covers, and each place is taken with the probability TAKEN, which gives five contacts among equal grains. Settled beds

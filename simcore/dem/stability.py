@@ -1,4 +1,4 @@
-"""Stability limits of the time step: for a grain in its contacts, for a whole bed, and an estimate for a scene.
+"""Stability limits of the time step: for a grain in its contacts, and for a whole bed.
 
 Semi-implicit Euler, v' = v − h (K x + D v), x' = x + h v', per unit of mass, is central differences with the mass
 I − h D / 2 and a dashpot in the middle of the step. It loses energy in every mode as long as 4 − (h² K + 2 h D) is
@@ -16,28 +16,18 @@ The contacts of a bed are those of one moment. Slipping contacts are treated as 
 effect of the rotation of a patch on its depth is left out.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from simcore.dem.forces.spring_dashpot import ContactLaw, explicit_dashpot, implicit_dashpot, implicit_law
 from simcore.dem.ranks.one_rank import ONE_RANK
-from simcore.dem.shapes.polyhedra import Base
 from simcore.dem.state.bodies import Bodies
 from simcore.dem.state.contacts import CandidatePairs
 
 LARGEST_LOAD = 4.0  # eigenvalue at which a mode alternates undamped
 BODIES_EXAMINED = 32  # number of bodies whose eigenvalues are computed; they are selected by the sums of eigenvalues
-# Number of contacts, each as stiff as one with a wall, spread over the surface of the stiffest grain: at most about six
-# among fixed neighbours. ASSUME: 1.5 times as many in a bed, where neighbours move too, and at most twice as many.
-# Measurements: docs/explanation/stability.md, "Contacts of the stiffest grain".
-EXPECTED_CONTACTS, CAUTIOUS_CONTACTS = 9, 12
-# With the probability AT_CORNERS a contact of a polyhedron with at most POINTED corners is at a corner, otherwise
-# anywhere on its faces. From BLUNT corners on, all contacts are spread over the faces. Measurements:
-# docs/explanation/stability.md, "Grains of few corners".
-AT_CORNERS, POINTED, BLUNT = 0.5, 8, 24
-SAMPLE = 200  # maximum number of grains whose form enters the estimate
-DIRECTIONS = 256  # points on the surface of an ellipsoid
 
 
 class Load(NamedTuple):
@@ -55,20 +45,6 @@ class Stiffest(NamedTuple):
     body: int
     contacts: int
     load: float  # its largest eigenvalue; stable below LARGEST_LOAD
-
-
-class Estimate(NamedTuple):
-    """Minimum steps per contact time of a scene, from the form of its grains and the contact law.
-
-    With fewer steps than `expected`, the stiffest grains are likely to vibrate: they gain energy until contacts slip or
-    open, and the bed may not come to rest. Between the two values, which include the 40 explicit steps of Rettinger et
-    al. (2022), a mode may be unstable if a small grain is held by many neighbours that are heavier or move against it.
-    Such modes are rare and short, because few grains fit so well; friction and damping remove the energy that they
-    gain.
-    """
-
-    expected: float
-    cautious: float
 
 
 def contact_load(law: ContactLaw, dt: float, friction: bool = True, effective_contacts: float | None = None) -> Load:
@@ -158,20 +134,23 @@ def stiffest_body(
     bodies: Bodies,
     candidates: CandidatePairs,
     width: float,
-    load: Load,
+    load: Load | Callable[[np.ndarray], Load],
     certain: bool = True,
     ranks=ONE_RANK,
     stiffness_factor=None,
 ) -> Stiffest:
     """Find the body (its id) with the largest load in its present contacts; body −1 if nothing touches.
 
-    width [m]: of the periodic box. certain: True: neighbours are fixed, and the load is a lower bound for that of the
-    whole bed; False: shares of the contacts make it an upper bound. Only the BODIES_EXAMINED bodies with the largest
-    sums of eigenvalues, that is with many contacts or long lever arms, are evaluated.
+    width [m]: of the periodic box. load: of every contact; with an implicit dashpot a function of the effective
+    contacts (k,) of each contact, which returns a Load of arrays (k,). certain: True: neighbours are fixed, and the
+    load is a lower bound for that of the whole bed; False: shares of the contacts make it an upper bound. Only the
+    BODIES_EXAMINED bodies with the largest sums of eigenvalues, that is with many contacts or long lever arms, are
+    evaluated.
     stiffness_factor(mass, mass of the partner, overlap), each (k,) -> (k,): factor on the springs and dashpots of
     contacts relative to `load`; the mass of a wall is inf. None: the factor is 1.
     """
     grips = _grips(bodies, candidates, width, certain, stiffness_factor)
+    load = load(grips.effective_contacts) if callable(load) else load
     traces, contacts = _traces(bodies, grips, load), np.bincount(grips.body, minlength=len(bodies.mass))
     touching = bodies.own[contacts[bodies.own] > 0]
     rows = touching[np.argsort(-traces[touching], kind="stable")[:BODIES_EXAMINED]]
@@ -203,113 +182,22 @@ def body_steps(
     law: as in contact_load. implicit: whether dashpots are implicit; the bodies then have their effective contacts.
     time: as in steps_needed.
     """
-    rows = np.flatnonzero(bodies.id[bodies.own] == body)
-    needed = []
-    for row in bodies.own[rows]:
+    needed = 0.0
+    for row in bodies.own[bodies.id[bodies.own] == body]:
         grips = _grips(bodies, candidates, width, certain, stiffness_factor)
-        effective_contacts = bodies.effective_contacts[row] if implicit else None
-        needed.append(_steps_of_row(bodies, grips, law, friction, row, effective_contacts, time))
-    return float(ranks.maximum([max(needed, default=0.0)])[0])
+        kept = grips.body == row
+        grips = _Grips(*(values[kept] if len(values) else values for values in grips))
+        needed = _steps_of_row(bodies, grips, law, friction, row, implicit, time)
+    return float(ranks.maximum([needed])[0])
 
 
-def _steps_of_row(bodies, grips, law, friction, row, effective_contacts, time):
-    """Return the minimum steps per contact time of the body in this row."""
-    # The matrix is linear in the load.
-    parts = [_matrices(bodies, grips, Load(*unit), np.array([row]))[0] for unit in np.eye(len(Load._fields))]
-
-    def load_at(load):
-        return np.linalg.eigvalsh(sum(value * part for value, part in zip(load, parts, strict=True)))[-1]
-
-    return steps_needed(law, friction, load_at, effective_contacts, time)
-
-
-def estimate_steps(
-    law: ContactLaw, friction: bool, bases: list[Base], shape, scale, time: float | None = None
-) -> Estimate:
-    """Estimate the minimum steps per contact time of a bed of grains of shape (n,) and scale (n, 3).
-
-    With explicit dashpots; simcore.dem.random_contacts is for implicit ones. The estimate is the largest over the forms
-    of the grains, with EXPECTED_CONTACTS and CAUTIOUS_CONTACTS, which are more than fit around a grain. Contacts are
-    equally probable on every part of the surface of a grain. time: as in steps_needed.
-    """
-    sample = np.unique(np.linspace(0, len(shape) - 1, min(SAMPLE, len(shape))).astype(int))
-    parts = [_mean_over_surface(bases[shape[i]], scale[i]) for i in sample]
-    normal, tangential = (np.array([part[k] for part in parts]) for k in range(2))
+def _steps_of_row(bodies, grips, law, friction, row, implicit, time):
+    """Return the minimum steps per contact time of the body in this row. grips: its own."""
 
     def load_at(load):
-        across = load.tangential + load.sliding
-        return np.linalg.eigvalsh(load.normal * normal + across * tangential)[:, -1].max()
+        return np.linalg.eigvalsh(_matrices(bodies, grips, load, np.array([row]))[0])[-1]
 
-    return Estimate(
-        *(
-            steps_needed(law, friction, lambda load, count=count: count * load_at(load), time=time)
-            for count in (EXPECTED_CONTACTS, CAUTIOUS_CONTACTS)
-        )
-    )
-
-
-def _mean_over_surface(base, scale):
-    """Return the mean normal and tangential part (6, 6) of a contact over the surface of a grain, per unit of load.
-
-    Contacts of a polyhedron with few corners are mostly at its corners: each contact of two polyhedra is at a corner,
-    or at an edge, of one of them.
-    """
-    moments = base.second_moments * scale**2
-    if not len(base.vertices):
-        return _mean_contact(*ellipsoid_surface(scale), moments)
-    corners = (base.vertices * scale)[base.faces]
-    n = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(n, axis=1)
-    n = n / area[:, None]
-    at_faces = _mean_contact(corners.mean(axis=1), n, area, moments)
-    pointed = pointedness(base)
-    if pointed == 0.0:
-        return at_faces
-    normals, areas = np.tile(n, (3, 1)), np.tile(area, 3)
-    at_corners = _mean_contact(np.concatenate(np.moveaxis(corners, 1, 0)), normals, areas, moments)
-    # The midpoints of the edges integrate a quadratic function over a triangle exactly.
-    middles = 0.5 * (corners + np.roll(corners, 1, axis=1))
-    on_faces = _mean_contact(np.concatenate(np.moveaxis(middles, 1, 0)), normals, areas, moments)
-    return tuple(
-        (1.0 - pointed) * blunt + pointed * (AT_CORNERS * sharp + (1.0 - AT_CORNERS) * flat)
-        for blunt, sharp, flat in zip(at_faces, at_corners, on_faces, strict=True)
-    )
-
-
-def pointedness(base: Base) -> float:
-    """Return the weight of contacts at corners: 1 for a polyhedron of at most POINTED corners, 0 from BLUNT corners."""
-    return float(np.clip((BLUNT - len(base.vertices)) / (BLUNT - POINTED), 0.0, 1.0))
-
-
-def ellipsoid_surface(scale):
-    """Return points (n, 3), normals (n, 3) and weights (n,) on the surface of an ellipsoid."""
-    k = np.arange(DIRECTIONS) + 0.5
-    z, angle = 1.0 - 2.0 * k / DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * k
-    n = np.column_stack([np.sqrt(1.0 - z**2) * np.cos(angle), np.sqrt(1.0 - z**2) * np.sin(angle), z])
-    height = np.linalg.norm(scale * n, axis=1)
-    # The weight is the area per solid angle of normals, the inverse Gaussian curvature, up to a constant factor.
-    return scale**2 * n / height[:, None], n, height**-4.0
-
-
-def _mean_contact(point, n, weight, moments):
-    """Return the weighted mean of the normal and tangential parts (6, 6) of contacts at points (k, 3) with normals n.
-
-    n (k, 3), weight (k,); moments (3,): mean second moments of the grain.
-    """
-    weight, rows = weight / weight.sum(), contact_motion(point, moments)
-    along = np.einsum("nk,nkj->nj", n, rows)
-    normal = np.einsum("n,ni,nj->ij", weight, along, along)
-    return normal, np.einsum("n,nki,nkj->ij", weight, rows, rows) - normal
-
-
-def contact_motion(point, moments):
-    """Return the motion (k, 3, 6) of points (k, 3) by each of the six motions of a grain, in units of its mass.
-
-    moments (3,): mean second moments of the grain.
-    """
-    arm = 1.0 / np.sqrt(moments.sum() - moments)  # inverse root of the inertia per mass
-    eye = np.broadcast_to(np.eye(3), (len(point), 3, 3))
-    return np.concatenate([eye, np.cross(point[:, None, :], eye) * arm], axis=2)
+    return steps_needed(law, friction, load_at, grips.effective_contacts if implicit else None, time)
 
 
 class _Grips(NamedTuple):
@@ -322,6 +210,7 @@ class _Grips(NamedTuple):
     stiffness_factor: (
         np.ndarray
     )  # (k,) factor on springs and dashpots relative to the load; not on the viscous friction
+    effective_contacts: np.ndarray  # (k,) the larger value of the two bodies; or (0,) with an explicit dashpot
     spread: np.ndarray  # (k, 6) [m²], or (0, 6)
 
 
@@ -342,22 +231,31 @@ def _grips(bodies, candidates, width, certain, stiffness_factor=None):
         factor = stiffness_factor(bodies.mass[a], bodies.mass[b], contacts.overlap[p])
         wall_factor = stiffness_factor(bodies.mass[walls.body[w]], np.full(len(w), np.inf), walls.overlap[w])
     patches = len(contacts.spread) > 0 or len(walls.spread) > 0
+    effective = bodies.effective_contacts
+    if len(effective):
+        of_pair = np.maximum(effective[a], effective[b])
+        effective = np.concatenate([of_pair, of_pair, effective[walls.body[w]]])
     return _Grips(
         np.concatenate([a, b, walls.body[w]]),
         np.concatenate([share_a, share_b, np.ones(len(w))]),
         np.concatenate([contacts.direction[p], contacts.direction[p], walls.normal[w]]),
         np.concatenate([contacts.point[p], contacts.point[p] - offset, walls.point[w]]),
         np.concatenate([factor, factor, wall_factor]),
+        effective,
         np.concatenate([contacts.spread[p], contacts.spread[p], walls.spread[w]]) if patches else np.zeros((0, 6)),
     )
 
 
 def _matrices(bodies, grips, load, selected):
-    """Return the matrices (k, 6, 6) of the bodies in `selected` (k,), in their own axes and in units of their mass."""
+    """Return the matrices (k, 6, 6) of the bodies in `selected` (k,), in their own axes and in units of their mass.
+
+    load: a Load of numbers, or of arrays with a value for each grip.
+    """
     place = np.full(len(bodies.mass), -1)
     place[selected] = np.arange(len(selected))
     kept = np.flatnonzero(place[grips.body] >= 0)
     body = grips.body[kept]
+    load = Load(*(np.broadcast_to(value, len(grips.body))[kept, None, None] for value in load))
     rows = np.zeros((len(kept), 3, 6))  # motion of the contact point along x, y, z by each of the six motions
     rows[:, :, :3] = np.eye(3)
     rows[:, :, 3:] = np.cross(grips.arm[kept, None, :], np.eye(3))

@@ -9,7 +9,8 @@ from simcore.dem.forces.hertz import linear_law
 from simcore.dem.forces.spring_dashpot import ContactLaw
 from simcore.dem.from_scene import compose, stiffening_advice
 from simcore.dem.random_contacts import estimate_implicit_steps
-from simcore.dem.stability import Estimate, contact_time, estimate_steps
+from simcore.dem.spread_contacts import Estimate, estimate_steps
+from simcore.dem.stability import contact_time
 from simcore.scene.impact import fall_speed as speed_after
 from simcore.scene.impact import impact_depth, sphere_radius
 from simcore.scene.scene import GRAINS, Scene

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from simcore.dem.stability import Estimate
+from simcore.dem.spread_contacts import Estimate
 from simcore.dem.state.bodies import Bodies
 from simcore.dem.state.contacts import CandidatePairs
 from simcore.packing.observation import Observation

@@ -1,8 +1,11 @@
 """Runs the checks at the end of each stretch, and stops a packing that has failed, with a message."""
 
+from functools import partial
+
 from simcore.dem.from_scene import compose
 from simcore.dem.ranks.one_rank import ONE_RANK
-from simcore.dem.stability import Estimate, body_steps, contact_load, stiffest_body
+from simcore.dem.spread_contacts import Estimate
+from simcore.dem.stability import body_steps, contact_load, stiffest_body
 from simcore.dem.state.bodies import Bodies
 from simcore.dem.state.contacts import CandidatePairs
 from simcore.dem.step.step import Drive
@@ -116,8 +119,7 @@ class Watch:
         """Store the grain whose contacts need the shortest time step; warn once if the time step is longer."""
         scene, law, stiffness_factor = self.scene, self.composition.continuous_law, self.composition.stiffness_factor
         friction, implicit = self.composition.features.friction, self.composition.features.implicit
-        # With an implicit dashpot, bodies are ranked as if each had one contact.
-        load = contact_load(law, dt, friction, 1.0 if implicit else None)
+        load = partial(contact_load, law, dt, friction) if implicit else contact_load(law, dt, friction)
         stiffest = stiffest_body(
             bodies, candidates, self.width, load, ranks=self.ranks, stiffness_factor=stiffness_factor
         )

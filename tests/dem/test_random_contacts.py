@@ -6,7 +6,8 @@ import pytest
 from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.random_contacts import _contacts, _covered, _random_sets, estimate_implicit_steps
 from simcore.dem.shapes.polyhedra import unit_sphere
-from simcore.dem.stability import _mean_over_surface, contact_load
+from simcore.dem.spread_contacts import _mean_over_surface
+from simcore.dem.stability import contact_load
 from tests.helpers.polyhedra import make_box
 
 LAW = contact_law(0.1, 2e-4, 0.22, 0.5)

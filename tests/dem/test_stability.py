@@ -8,13 +8,12 @@ from scipy.spatial.transform import Rotation
 
 from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.shapes.polyhedra import ELLIPSOID, SPHERE, Base, unit_sphere
+from simcore.dem.spread_contacts import _mean_over_surface, estimate_steps
 from simcore.dem.stability import (
     Load,
-    _mean_over_surface,
     body_steps,
     contact_load,
     contact_time,
-    estimate_steps,
     minimum_steps_per_contact_time,
     steps_needed,
     stiffest_body,
@@ -101,7 +100,10 @@ def touching_spheres(position, radius, reach=1.0, width=None):
 
 
 def whole_system(bodies, near, load, images=None, width=0.0):
-    """Return the matrix (6n, 6n) of all bodies, M^-1/2 (h² K + 2 h D) M^-1/2; each contact couples two bodies."""
+    """Return the matrix (6n, 6n) of all bodies, M^-1/2 (h² K + 2 h D) M^-1/2; each contact couples two bodies.
+
+    load: Load, or a function that returns the Load of the contact of bodies a and b.
+    """
     n = len(bodies.mass)
     contacts, walls = near
     matrix = np.zeros((6 * n, 6 * n))
@@ -119,8 +121,8 @@ def whole_system(bodies, near, load, images=None, width=0.0):
         offset = bodies.position[b] - bodies.position[a] + (0.0 if images is None else images[k] * width)
         rows = feel(b, contacts.point[k] - offset) - feel(a, contacts.point[k])
         mass = bodies.mass[a] * bodies.mass[b] / (bodies.mass[a] + bodies.mass[b])
-        along = np.outer(normal, normal)
-        matrix += mass * rows.T @ (load.normal * along + load.tangential * (np.eye(3) - along)) @ rows
+        along, of_pair = np.outer(normal, normal), load(a, b) if callable(load) else load
+        matrix += mass * rows.T @ (of_pair.normal * along + of_pair.tangential * (np.eye(3) - along)) @ rows
     for i, normal, arm in zip(walls.body, walls.normal, walls.point, strict=True):
         rows, along = feel(i, arm), np.outer(normal, normal)
         matrix += bodies.mass[i] * rows.T @ (load.normal * along + load.tangential * (np.eye(3) - along)) @ rows
@@ -268,6 +270,26 @@ def test_bodies_alone_bound_the_whole_heap(seed, certain):
         assert 0.5 * whole <= alone * (1.0 + 1e-12) and alone <= whole * (1.0 + 1e-12)
     else:
         assert whole <= alone * (1.0 + 1e-12) and alone <= 2.0 * whole
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_stiffest_body_with_implicit_dashpots_has_those_of_its_own_contacts(seed):
+    """The dashpot of a pair follows from the effective contacts of both; a diagonal block has its neighbours fixed."""
+    position, radius = random_heap(seed)
+    number = np.random.default_rng(seed).uniform(0.5, 9.0, len(radius))
+    bodies = spheres(position, radius)._replace(effective_contacts=number)
+    near, _ = touching_spheres(position, radius, reach=1.1)
+
+    def loads(dt):
+        whole = whole_system(bodies, near, lambda a, b: contact_load(STUDY, dt, True, max(1.0, number[a], number[b])))
+        return [np.linalg.eigvalsh(whole[k : k + 6, k : k + 6])[-1] for k in range(0, len(whole), 6)]
+
+    dt = T_C / 10
+    found = stiffest_body(bodies, near, 0.0, lambda effective: contact_load(STUDY, dt, True, effective))
+    assert (found.body, found.load) == (np.argmax(loads(dt)), pytest.approx(max(loads(dt)), rel=1e-12))
+    for body in range(len(radius)):
+        steps = body_steps(bodies, near, 0.0, STUDY, True, body, implicit=True)
+        assert loads(T_C / steps)[body] == pytest.approx(4.0, rel=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(3))
