@@ -30,18 +30,20 @@ def tabulate_trends(study, rows, evaluations):
     """Return a DataFrame with one row per packing and quantity (see simcore.evaluation.height_trends.QUANTITIES).
 
     study: its name. rows: dicts {packing, varied} as in simcore.campaign.studies. evaluations: their datasets from
-    simcore.evaluation.evaluate. Columns: study, packing, seed, case, kind, quantity, grains (in the evaluated height),
-    mean and its standard error in the quantity's unit, spearman_r, p_value, relative_change over the height and its
-    standard error. A packing that is too low for trends has no row. A quantity equal for all grains has no trend (nan).
+    simcore.evaluation.evaluate. Columns: study, packing, seed, case, kind, quantity, grains (that have it, in the
+    evaluated height), mean and its standard error in the quantity's unit, spearman_r, p_value, relative_change over the
+    height and its standard error. A packing that is too low for trends has no row. A quantity equal for all grains has
+    no trend (nan).
     """
     table = []
     for row, data in zip(rows, evaluations, strict=True):
         if "spearman_r" not in data:
             continue
         scene = json.loads(data.attrs["scene"])
-        count = data["grain_count"].values
         for quantity in data["quantity"].values:
             layers, errors = (data[f"{quantity}_{name}"].values for name in ("mean", "std_error"))
+            # Evaluations of before 2026-11-29 have one number for all quantities.
+            count = data.get(f"{quantity}_count", data["grain_count"]).values
             usable = count > 1  # one grain has no standard error
             share = count[usable] / count[usable].sum()
             trend = data.sel(quantity=quantity)

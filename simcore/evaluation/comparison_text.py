@@ -102,7 +102,7 @@ def _settings(settings):
 
 def _source(pairs):
     if pairs == 0:
-        return "means of the groups; no seed is in both"
+        return "means of the groups, which share no two seeds"
     return f"{pairs} pairs of equal seed" if pairs > 1 else "1 pair of equal seed, errors within the packings"
 
 

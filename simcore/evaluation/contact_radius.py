@@ -14,7 +14,8 @@ from simcore.grains.form import equal_volume_diameter
 # All packings share one grid of bins, so that their densities can be averaged; 1, the value of spheres, is the middle
 # of a bin.
 BIN_WIDTH = 0.05
-_QUADRATURE = 64  # points along each angle of an octant
+_QUADRATURE = 4096  # points on an octant
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 _SUBDIVISION = 4  # parts of each edge of a polyhedron's triangles
 
 
@@ -73,15 +74,13 @@ def surface_radii(packing, grains, weights, edges):
 
 def _ellipsoid(semi_axes):
     """Return points (m, 3) on an octant of an ellipsoid's surface, and the area that each represents, (m,)."""
-    nodes, weights = np.polynomial.legendre.leggauss(_QUADRATURE)
-    height = 0.5 * (nodes + 1.0)
-    phi = 0.5 * np.pi * (np.arange(_QUADRATURE) + 0.5) / _QUADRATURE
+    # All points have different heights: on a spheroid points of one height have one distance from the centre.
+    k = np.arange(_QUADRATURE)
+    height, phi = (k + 0.5) / _QUADRATURE, 0.5 * np.pi * (k * _GOLDEN % 1.0)
     across = np.sqrt(1.0 - height**2)
-    unit = np.stack(
-        [np.outer(across, np.cos(phi)), np.outer(across, np.sin(phi)), np.repeat(height[:, None], _QUADRATURE, 1)], -1
-    ).reshape(-1, 3)
+    unit = np.stack([across * np.cos(phi), across * np.sin(phi), height], axis=-1)
     # The map to the ellipsoid multiplies an area element of the unit sphere with normal u by (a b c) |u / (a, b, c)|.
-    return unit * semi_axes, np.repeat(weights, _QUADRATURE) * np.linalg.norm(unit / semi_axes, axis=1)
+    return unit * semi_axes, np.linalg.norm(unit / semi_axes, axis=1)
 
 
 def _polyhedron(packing, shape, scale):

@@ -58,7 +58,9 @@ def height_trends(packing, interval=None, n_layers=5):
         known = np.isfinite(values)
         values, of_layer = values[known], layer[known]
         units, text = QUANTITIES[name]
-        mean, error = _layer_means(values, of_layer, np.bincount(of_layer, minlength=n_layers))
+        of_quantity = np.bincount(of_layer, minlength=n_layers)
+        mean, error = _layer_means(values, of_layer, of_quantity)
+        data[f"{name}_count"] = ("z", of_quantity, {"units": "1", "long_name": f"number of grains in the mean {text}"})
         data[f"{name}_mean"] = ("z", mean, {"units": units, "long_name": f"mean {text}"})
         data[f"{name}_std_error"] = ("z", error, {"units": units, "long_name": f"standard error of the mean {text}"})
         trends.append(_trend(z[known], values, high - low))

@@ -86,9 +86,11 @@ def evaluation_interval(packing, profile, cut=None):
     """Return the heights (z-, z+) [m] between which bulk porosity is evaluated.
 
     They follow from the surface in the profile and the cut at both ends; cut: as in
-    simcore.evaluation.interval.end_cuts. ValueError if less than one slice is left.
+    simcore.evaluation.interval.end_cuts. ValueError if less than one slice is left, or if much of the bed is above its
+    surface.
     """
     top = bed_top(profile)
+    _check_surface(packing, profile, top)
     periodic = packing.attrs["domain_shape"] == "periodic"
     largest = largest_sieve_size(packing) if cut is None and periodic else np.nan
     at_floor, at_surface = interval.end_cuts(periodic, top, largest, _median_of(packing), cut)
@@ -99,6 +101,21 @@ def evaluation_interval(packing, profile, cut=None):
             "smaller cut"
         )
     return at_floor, top - at_surface
+
+
+def _check_surface(packing, profile, top):
+    """Raise ValueError if the volume above the surface would be a layer thicker than the largest grain size.
+
+    That is a bed less than half solid, of which only the ordered grains on the floor are half solid.
+    """
+    solid = profile["solid_volume"].values
+    above = solid[profile["z"].values > top].sum()
+    if above > packing["D"].values.max() * domain_area(packing):
+        raise ValueError(
+            f"the bed is less than half solid above a height of {1e3 * top:.1f} mm, where "
+            f"{100 * above / solid.sum():.0f} % of its volume is. Its surface, where the porosity is {CUT_OFF:g}, "
+            "cannot be found. Check that the bed has settled, or shake it; beds looser than that cannot be evaluated"
+        )
 
 
 def _median_of(packing):

@@ -1,7 +1,7 @@
 # ruff: noqa: E741  L, I, S are the field's names of the axes
 """Draws the size, form and shape of every grain of a packing from random numbers that depend on the grain's id."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ CHOICES = ("one", "random", "form", "form_distribution", "form_by_size", "ratios
 # polyhedra alone would get.
 _KIND_STREAM = 2
 LARGEST_UNIFORM = 1.0 - 2.0**-53  # the largest number below 1
+_QUANTILES = 1000  # of a distribution of flatness or elongation, for the mean volume of its grains
 _QUOTA_STREAM = 4  # of the numbers that shuffle the strata of a draw by quota; 3 is that of random places
 
 
@@ -255,6 +256,35 @@ def _forms(shapes, grains, uniforms, D):
     flatness = np.array([grain.flatness for grain in grains])
     elongation = np.array([grain.elongation for grain in grains])
     return flatness[index], elongation[index], index
+
+
+def with_volume_factors(curve, shapes):
+    """Return the SieveCurve with the volume_factors of its classes if forms depend on size, otherwise unchanged.
+
+    shapes: ShapeChoice. With by_size the mean volume of grains of one sieve size changes from range to range. Within a
+    range, flatness and elongation are independent, so that the mean of V / D³ is a product of two means.
+    """
+    if shapes.choice != "form_by_size" or shapes.kind == "sphere":
+        return curve
+    quantiles = (np.arange(_QUANTILES) + 0.5) / _QUANTILES
+    low, high = curve.bounds[:-1], curve.bounds[1:]
+    factors, below = np.zeros(len(low)), 0.0
+    for forms in shapes.by_size:
+        flatness = _truncated_normal(quantiles, forms.flatness, forms.flatness_std)
+        elongation = _truncated_normal(quantiles, forms.elongation, forms.elongation_std)
+        # Volume of a grain of sieve size 1 over that of a sphere; S/L = FL EL and I/L = EL
+        unit = np.mean(_relative_volume(flatness, 1.0)) * np.mean(_relative_volume(1.0, elongation))
+        # Share of the range in the mean D³ of a class, whose sizes are uniform in log D
+        range_low, range_high = np.clip(below, low, high), np.clip(forms.below, low, high)
+        factors += unit * (range_high**3 - range_low**3) / (high**3 - low**3)
+        below = forms.below
+    return replace(curve, volume_factors=factors)
+
+
+def _relative_volume(flatness, elongation):
+    """Return the volume of a grain over that of a sphere of the same sieve size; the two ratios enter as factors."""
+    L, I, S = axes_from_form(1.0, flatness, elongation)
+    return L * I * S
 
 
 def _truncated_normals(uniforms, mean, std):

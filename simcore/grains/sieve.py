@@ -2,10 +2,11 @@
 
 Within a class of bounds a < b, sizes are drawn uniformly in log D. The mean of D^p over the class then has the closed
 form (b^p - a^p) / (p ln(b / a)). With p = 3 it gives the mean volume of a class. Numbers of grains computed with it
-reproduce the given mass fractions, whatever the widths of the classes. Rettinger et al. (2022) divide by the cube of
-the geometric mean instead, which is smaller than the mean of D³ by the factor (r³ - 1) / (3 r^1.5 ln r) for a class of
-ratio r = b / a. The factor cancels if all classes have the same ratio. The classes of Table 3 of Rettinger et al. have
-ratios of 1.40 to 1.43, so the expected share of the mass in a class differs from the given one by at most
+reproduce the given mass fractions, whatever the widths of the classes, if the grains of all classes have the same
+distribution of form; otherwise volume_factors of the classes correct them. Rettinger et al. (2022) divide by the cube
+of the geometric mean instead, which is smaller than the mean of D³ by the factor (r³ - 1) / (3 r^1.5 ln r) for a class
+of ratio r = b / a. The factor cancels if all classes have the same ratio. The classes of Table 3 of Rettinger et al.
+have ratios of 1.40 to 1.43, so the expected share of the mass in a class differs from the given one by at most
 
     case        U1      U3      U5      U7      B30     B50     B70
     difference  0       0.0013  0.0010  0.0007  0.0006  0.0005  0.0007
@@ -13,7 +14,7 @@ ratios of 1.40 to 1.43, so the expected share of the mass in a class differs fro
 
 import csv
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +26,8 @@ class SieveCurve:
 
     name: the curve's name in messages. numbers_by: the volume by which the mass of a class is divided to get its
     number of grains: "mean_volume" of the sizes drawn in it, or the cube of the "geometric_mean" of its bounds, which
-    Rettinger et al. (2022) use for their cases.
+    Rettinger et al. (2022) use for their cases. volume_factors (k,): mean volume of the grains of each class relative
+    to that of spheres of their sieve sizes; None: it is equal in all classes.
     """
 
     of_volume = False  # the sizes are sieve sizes, not diameters of spheres of equal volume
@@ -34,6 +36,7 @@ class SieveCurve:
     mass_fractions: np.ndarray
     name: str = "sieve curve"
     numbers_by: str = "mean_volume"
+    volume_factors: np.ndarray | None = None
 
     def __post_init__(self):
         for field in ("bounds", "mass_fractions"):
@@ -68,8 +71,10 @@ class SieveCurve:
     def without_empty_ends(self):
         """Return the SieveCurve of these bounds and mass fractions from the finest to the coarsest class with mass."""
         filled = np.flatnonzero(self.mass_fractions > 0.0)
-        first, end = filled[0], filled[-1] + 1
-        return SieveCurve(self.bounds[first : end + 1], self.mass_fractions[first:end], self.name)
+        kept = slice(filled[0], filled[-1] + 1)
+        factors = None if self.volume_factors is None else self.volume_factors[kept]
+        bounds = self.bounds[kept.start : kept.stop + 1]
+        return replace(self, bounds=bounds, mass_fractions=self.mass_fractions[kept], volume_factors=factors)
 
     def class_means(self, power):
         """Return the mean of D^power over the sizes drawn in each class (k,) [m^power]; power must not be 0."""
@@ -85,20 +90,24 @@ class SieveCurve:
     def number_fractions(self):
         """Return the share of the grains, by number, in each class (k,): M_i / v_i, normalised.
 
-        M_i is the mass fraction of the class and v_i the volume that `numbers_by` selects.
+        M_i is the mass fraction of the class and v_i the volume that `numbers_by` selects, times the volume factor.
         """
         if self.numbers_by == "mean_volume":
-            numbers = self.mass_fractions / self.class_means(3)
+            volumes = self.class_means(3)
         else:
-            numbers = self.mass_fractions / np.sqrt(self.bounds[:-1] * self.bounds[1:]) ** 3
+            volumes = np.sqrt(self.bounds[:-1] * self.bounds[1:]) ** 3
+        numbers = self.mass_fractions / self._with_forms(volumes)
         return numbers / numbers.sum()
+
+    def _with_forms(self, volumes):
+        return volumes if self.volume_factors is None else volumes * self.volume_factors
 
     def expected_fractions(self):
         """Return the expected share of the drawn mass in each class (k,).
 
         With numbers_by "mean_volume" these are the mass fractions.
         """
-        masses = self.number_fractions() * self.class_means(3)
+        masses = self.number_fractions() * self._with_forms(self.class_means(3))
         return masses / masses.sum()
 
     def class_of(self, D):

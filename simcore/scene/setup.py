@@ -7,7 +7,14 @@ import numpy as np
 from simcore.grains.beta_sizes import BetaSizes
 from simcore.grains.mesh import decimate
 from simcore.grains.own_sizes import OwnSizes
-from simcore.grains.sampling import FormsBelow, ShapeChoice, grain_uniforms, quota_uniforms, sample_grains
+from simcore.grains.sampling import (
+    FormsBelow,
+    ShapeChoice,
+    grain_uniforms,
+    quota_uniforms,
+    sample_grains,
+    with_volume_factors,
+)
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.sources import grain_warnings, needs_grains, size_note
 from simcore.scene.domain import Domain
@@ -59,6 +66,7 @@ def set_up(specification: dict, load_grains) -> Setup:
             "shapes.choice: form_by_size needs sieve sizes; give a sieve curve in `sizes`, by `case`, or by `bounds` "
             "and `mass_fractions`"
         )
+    curve = with_volume_factors(curve, choice)
     check_amount(specification, curve)
     seed, quota, number = specification["seed"], None, specification["amount"]["grains"]
     if specification["sizes"]["draw"] == "quota":

@@ -14,16 +14,17 @@ from tests.helpers.rotations import random_orientations
 ROW = {"packing": "p", "varied": {}}
 
 
-def evaluation(seed, sorted_by_height=False, n=4000, turned=0):
+def evaluation(seed, sorted_by_height=False, n=4000, turned=0, discs_above=1.0):
     """Return the trends over height that are stored for n grains of two sizes, isotropic, at random heights.
 
-    turned: another seed of the orientations.
+    turned: another seed of the orientations. discs_above: height above which the grains have no long axis.
     """
     rng = np.random.default_rng(seed)
     height = np.sort(rng.uniform(0.0, 1.0, n))
     scale = np.outer(rng.choice([0.004, 0.006], n), [0.5, 0.8, 1.0])
     if sorted_by_height:
         scale = scale[np.argsort(scale[:, 0])]
+    scale[height > discs_above, 1] = scale[height > discs_above, 2]
     position = np.column_stack([rng.uniform(0.0, 0.1, (n, 2)), height])
     scene = json.dumps({"seed": seed, "sizes": {"case": "U3"}, "shapes": {"kind": "ellipsoid"}})
     packing = make_packing(position, scale, orientation=random_orientations(n, 10 * turned + seed), scene=scene)
@@ -45,6 +46,16 @@ def test_mixed_grains_have_no_trend_and_point_anywhere():
     assert abs(angle["mean"] - 1.0) < 4.0 * angle.mean_std_error
     # The angle of random lines has the variance pi - 3.
     assert angle.mean_std_error == pytest.approx(np.sqrt((np.pi - 3.0) / 8000), rel=0.05)
+
+
+def test_the_mean_angle_is_that_of_grains_with_a_long_axis():
+    """Layers of discs alone have no mean angle, and discs do not add to the weight of the layer that they share."""
+    data = evaluation(1, discs_above=0.35)
+    trends = tabulate_trends("s", [ROW], [data]).set_index("quantity")
+    counts, means = data.angle_count.values, data.angle_mean.values
+    assert counts[0] > counts[1] > 0 == counts[2:].sum()
+    assert trends.grains["angle"] == counts.sum() < trends.grains["D"] == 4000
+    assert trends["mean"]["angle"] == pytest.approx((counts[:2] @ means[:2]) / counts.sum())
 
 
 def test_grains_sorted_by_size_show():

@@ -68,6 +68,16 @@ def test_one_pair_has_the_errors_within_its_packings(stand_in):
     assert row.high - row.low == pytest.approx(2 * 1.959963985 * row.std_error)
 
 
+def test_one_common_seed_of_several_is_no_pair(stand_in):
+    """The means of all seeds have their scatter; a single pair would leave the others out."""
+    a, b = (0.40, 0.42), (0.36, 0.38)
+    beds = {f"a{seed}": bed(seed=seed, n=n) for seed, n in zip((1, 2), a, strict=True)}
+    beds |= {f"b{seed}": bed(seed=seed, friction=0.3, n=n) for seed, n in zip((2, 3), b, strict=True)}
+    row = difference(compare(beds))
+    assert row.pairs == 0 and row.difference == pytest.approx(-0.04)
+    assert row.std_error == pytest.approx(0.01 * np.sqrt(2.0))
+
+
 def test_groups_without_a_common_seed_are_compared_by_their_means(stand_in):
     a = {f"a{seed}": bed(seed=seed, n=n) for seed, n in ((1, 0.40), (2, 0.42))}
     row = difference(compare(a | {"b": bed(seed=9, friction=0.3, n=0.38)}))

@@ -97,6 +97,30 @@ def test_surface_is_the_uppermost_crossing_and_ends_are_cut():
     assert n == pytest.approx(1 - ((20 - 7.3) * 0.64 + 10 * 0.16 + (10 - 7.3) * 0.64) / (40 - 14.6), rel=1e-12)
 
 
+@pytest.mark.parametrize("layers, refused", [(8, True), (2, False)])
+def test_a_bed_less_than_half_solid_above_its_floor_is_refused(layers, refused):
+    """The solid fraction is 0.64 in the floor layer and 0.45 above: the surface would be that of the floor layer.
+
+    Two layers are less than one grain size thick, as the half-empty layer at the surface of a bed may be.
+    """
+    sides = np.array([8e-3] + [np.sqrt(0.45) * 1e-2] * layers)
+    heights = 8e-3 * (np.arange(layers + 1) + 0.5)
+    bed = make_packing(
+        np.column_stack([0 * heights, 0 * heights, heights]),
+        np.column_stack([sides, sides, np.full(layers + 1, 8e-3)]),
+        vertices=CUBE,
+        width=1e-2,
+        largest=8e-3,
+    )
+    bed["D"] = bed["D"] * 0 + 8e-3
+    profile = porosity_profile(bed, method="exact")
+    if refused:
+        with pytest.raises(ValueError, match=r"less than half solid above a height of 8.0 mm, where 85 % .* settled"):
+            evaluation_interval(bed, profile, cut=1e-3)
+    else:
+        assert evaluation_interval(bed, profile, cut=1e-3) == (1e-3, pytest.approx(7e-3))
+
+
 @pytest.mark.parametrize(
     ("layers", "at_surface"),
     [(20, 25.0), (10, 50.0 / 3.0), (4, 8.0)],

@@ -5,7 +5,16 @@ import pytest
 from scipy import stats
 
 from simcore.grains.mesh import make_grain
-from simcore.grains.sampling import FORM_RANGE, FormsBelow, ShapeChoice, grain_uniforms, sample_grains, sample_sizes
+from simcore.grains.sampling import (
+    FORM_RANGE,
+    FormsBelow,
+    ShapeChoice,
+    grain_uniforms,
+    quota_uniforms,
+    sample_grains,
+    sample_sizes,
+    with_volume_factors,
+)
 from simcore.grains.sieve import SieveCurve
 
 CURVE = SieveCurve([4e-3, 8e-3, 11.2e-3, 16e-3], [0.2, 0.5, 0.3])
@@ -158,6 +167,25 @@ def test_forms_by_size_are_the_distributions_of_each_range_of_size(grains):
         values = dict(zip(("flatness", "flatness_std", "elongation", "elongation_std"), forms[1:], strict=True))
         alone = sample_grains(IDS, 3, CURVE, ShapeChoice("polyhedron", "form_distribution", **values), grains)
         np.testing.assert_array_equal(by_size.scale[chosen], alone.scale[chosen])
+
+
+@pytest.mark.parametrize("kind", ["polyhedron", "ellipsoid"])
+def test_forms_by_size_have_the_sieve_curve_that_is_specified(grains, kind):
+    """Long grains have more volume at one sieve size. One limit is inside a class, where it divides the mean of D³."""
+    fine, coarse = FormsBelow(10e-3, 0.8, 0.05, 0.9, 0.1), FormsBelow(np.inf, 0.4, 0.15, 0.5, 0.1)
+    shapes = ShapeChoice(kind, "form_by_size", by_size=(fine, coarse))
+
+    def shares(curve):
+        drawn = sample_grains(IDS, 3, curve, shapes, grains, quota_uniforms(curve, len(IDS), 3))
+        mass = np.bincount(curve.class_of(drawn.D), drawn.volume, minlength=3)
+        return mass / mass.sum()
+
+    corrected = with_volume_factors(CURVE, shapes)
+    assert np.abs(shares(CURVE) - CURVE.mass_fractions).max() > 0.05
+    # Shapes and forms are random within their strata, and the volume is a product of them.
+    np.testing.assert_allclose(shares(corrected), CURVE.mass_fractions, atol=2e-3)
+    np.testing.assert_allclose(corrected.expected_fractions(), CURVE.mass_fractions, rtol=1e-12)
+    assert with_volume_factors(CURVE, ShapeChoice()) is CURVE
 
 
 @pytest.mark.parametrize(

@@ -166,6 +166,13 @@ def test_largest_is_that_of_the_largest_class_with_mass():
     assert SieveCurve([1e-3, 2e-3, 4e-3], [1.0, 0.0]).largest == 2e-3
 
 
+def test_a_curve_without_empty_ends_keeps_its_rules():
+    curve = SieveCurve([1, 2, 4, 8, 16], [0, 0.4, 0.6, 0], "mine", "geometric_mean", np.array([1.0, 1.1, 0.9, 1.0]))
+    kept = curve.without_empty_ends()
+    assert (kept.bounds.tolist(), kept.name, kept.numbers_by) == ([2, 4, 8], "mine", "geometric_mean")
+    np.testing.assert_array_equal(kept.number_fractions(), curve.number_fractions()[1:3])
+
+
 def test_top_class_needs_five_grains():
     curve = SieveCurve([1e-3, 2e-3, 4e-3, 8e-3], [0.5, 0.5, 0.0], "two")
     # ∫ D³ dlnD over the class, over ln 2: (64 - 8) / (3 ln 2) mm³
