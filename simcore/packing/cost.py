@@ -210,7 +210,10 @@ def _random_batches(scene, pour):
         zone = zone_height(pour.reach, np.full(min(batch, pour.grains), volume), area)
         interval = _fall_time(scene, generation.drop_height + zone)
     inserted = [*range(batch, pour.grains, batch), pour.grains]
-    return inserted, [round(interval / scene.numerics.time_step)] * (len(inserted) - 1) + [0]
+    # A batch is inserted at a check of the packing.
+    check = max(round(scene.convergence.interval / scene.numerics.time_step), 1)
+    wait = max(-(-round(interval / scene.numerics.time_step) // check), 1) * check
+    return inserted, [wait] * (len(inserted) - 1) + [0]
 
 
 def _filled_batches(scene, pour):

@@ -71,6 +71,7 @@ class Process:
         self.state = PackingState()
         self.bodies = None
         self.candidates = None
+        self.outputs_are_current = True  # the last call of the step did all its steps; only then it stores all outputs
 
     @property
     def contacts(self):
@@ -212,12 +213,15 @@ class Process:
         state, drive = self.state, self.stepper.drive(phase, self.dt)
         if not state.in_stretch:
             state.stretch_start, state.stretch_end, state.in_stretch = state.step, state.step + n_steps, True
+        deferred = 0  # a wish of the keeper: a frame shows forces, so it waits until they are those of the last step
         while state.step < state.stretch_end:
-            stale, wish = self._advance(drive, state.stretch_end - state.step)
+            stale, wish = self._advance(drive, 1 if deferred else state.stretch_end - state.step)
             if stale:
                 self.watch.check_finite(self.bodies, state.step)
                 self.list_candidates()
-            if wish:
+            wish = max(wish, deferred)
+            deferred = 0 if self.outputs_are_current else wish
+            if wish and self.outputs_are_current:
                 self.keep()
                 if wish == KEEP_AND_STOP:
                     raise Interrupted(
@@ -246,6 +250,7 @@ class Process:
     def _step(self, drive, n_steps):
         done, stale = self.stepper.step(self.bodies, self.candidates, drive, self.state.step, n_steps)
         self.state.step += done
+        self.outputs_are_current = done == n_steps
         return done, stale
 
     def list_candidates(self):

@@ -46,7 +46,9 @@ def judge_settled(goal: Convergence, material: Material, observed: Observation, 
     share = observed.kinetic_energy / (mass * material.effective_gravity * size)
     begin = now - goal.window
     # Half an interval is added because the times of checks are rounded to whole steps.
-    earlier = [check.mean_height for time, _, check in checks if since <= time <= begin + 0.5 * goal.interval]
+    # If the interval is longer than the window, the previous check is the latest that is earlier.
+    limit = begin + 0.5 * goal.interval
+    earlier = [check.mean_height for time, _, check in checks[:-1] if since <= time <= limit]
     compaction = abs(earlier[-1] / observed.mean_height - 1.0) if earlier else np.inf
     return Verdict(
         share < goal.kinetic_energy and compaction < goal.compaction,

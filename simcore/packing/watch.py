@@ -45,7 +45,10 @@ class Watch:
         self.backing = backing(scene)
 
     def begin_anew(self, state: PackingState, bodies: Bodies) -> None:
-        """Discard the stored energy, because bodies were added or changed. PackingError as in `check`."""
+        """Discard the stored energy, because bodies were added or changed. PackingError as in `check`.
+
+        The energy is compared from the second check on, so that batches at every check leave nothing to compare.
+        """
         state.watch.energy = None
         self._check_speeds(state, bodies, half_thickness(bodies))
 

@@ -149,12 +149,12 @@ def test_grains_that_fill_the_domain_without_a_pore_are_refused():
         set_up_few_spheres(amount={"grains": 400}, domain={"height": "60 mm"})
 
 
-def thrown(speed):
+def thrown(speed, **changes):
     """Return a process that throws up the highest grain of its first batch [m/s], and the size of this batch.
 
     A fall through the domain takes 0.14 s.
     """
-    made = set_up_few_spheres(amount={"grains": 120})
+    made = set_up_few_spheres(amount={"grains": 120}, **changes)
     running = Process(made.scene, made.bases, made.draw, lambda line: None)
     first = []
 
@@ -170,16 +170,25 @@ def thrown(speed):
     return running, first
 
 
-def test_a_batch_waits_for_a_grain_in_flight(monkeypatch):
-    """At 3 m/s the grain is in flight for 0.98 s, while a batch usually waits for space for at most 0.28 s."""
-    running, first = thrown(3.0)
+CYLINDER = {"domain": {"type": "cylinder", "width": "28 mm", "height": "0.2 m"}}
+
+
+@pytest.mark.parametrize("fill", ["bed", "r22"])
+@pytest.mark.parametrize("changes, speed", [({}, 3.0), (CYLINDER, 2.0)], ids=["periodic", "cylinder"])
+def test_a_batch_waits_for_a_grain_in_flight(monkeypatch, fill, changes, speed):
+    """At 3 m/s the grain is in flight for 0.98 s, while a batch usually waits for space for at most 0.28 s.
+
+    In the cylinder it flies along the wall.
+    """
+    changes = {"generation": {"fill": fill}, **changes}
+    running, first = thrown(speed, **changes)
     running.generate()
     assert first[0] < running.state.inserted == 120
     monkeypatch.setattr("simcore.packing.insertion.insertion.LONG_FLIGHT", 0.0)
     with pytest.raises(
         PackingError, match=r"one is \d{3} mm above the floor, .*it was thrown.*raise numerics.steps_per_contact_time"
     ):
-        thrown(3.0)[0].generate()
+        thrown(speed, **changes)[0].generate()
 
 
 def test_a_bed_that_lies_too_high_is_not_waited_for():

@@ -1,5 +1,7 @@
 """Rules of rest: each measure alone can reject a bed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -48,6 +50,15 @@ def test_settled_waits_for_its_window():
     assert not judge(looks(0.0, seconds=0.09)).at_rest
     assert judge(looks(0.0, seconds=0.10)).at_rest
     assert not judge(looks(0.0), since=1.45).at_rest
+
+
+@pytest.mark.parametrize("interval", [0.05, 0.15, 0.2, 0.5])
+def test_settled_compares_with_an_earlier_check_for_any_interval(interval):
+    """With an interval of two windows the current check is within half an interval of the window's begin."""
+    checks = looks(0.1, seconds=2.0)[:: round(100 * interval)]
+    goal = replace(GOAL, interval=interval)
+    verdict = judge_settled(goal, MATERIAL, checks[-1][2], checks, 1.0, mass=0.02, grains=40)
+    assert not verdict.at_rest
 
 
 def test_settled_asks_for_kinetic_energy_as_a_share_of_m_g_d():

@@ -15,7 +15,8 @@ force is known. The order is that of (partner, image) here as well, because the 
 The exception is a pair that is listed through several images, whose order for b is the reverse; with such pairs a
 single thread stores the forces as several do. After each block it moves the bodies whose contacts are done: those
 below body a of the next row, because all later rows have higher bodies. It stores forces, net forces and, of spheres,
-overlaps and points only in the last of the steps, because nothing reads them before.
+overlaps and points only in the last of the requested steps. A call that ends early, because the neighbour list is no
+longer valid, leaves those of a former call; Process does not pass them on.
 """
 
 from functools import cache

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from simcore.dem.state.bodies import make_bodies
+from simcore.dem.state.bodies import FLOOR, make_bodies
 from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.packing.insertion.batches import Pouring
 from simcore.packing.insertion.initial_states import initial_states
@@ -34,13 +34,14 @@ class Insertion:
             return False
         # A heavy grain can throw a light one above the insertion height. Insertion waits for it, but not for ever.
         may_wait = (state.step - state.space_deadline) * self.dt < LONG_FLIGHT * self.fall_time()
-        bed_top = self._top(bodies, _touches(bodies, candidates))
-        if may_wait and self._has_space(state, bodies, bed_top):
+        bed = _touches(bodies, candidates)
+        bed_top = self._top(bodies, bed)
+        if may_wait and self._has_space(state, bodies, bed_top, among=bed):
             return False
         # The bed itself has reached the height where batches begin: the next fills the rest of the domain.
         if self._has_space(state, bodies, top, last=True):
             return True
-        if may_wait and self._has_space(state, bodies, bed_top, last=True):
+        if may_wait and self._has_space(state, bodies, bed_top, last=True, among=bed):
             return False
         _, radius = self._highest(bodies)
         raise PackingError(no_space(self.scene, state.inserted, top, 2.0 * float(radius)))
@@ -90,24 +91,28 @@ class Insertion:
         candidates = list_candidates(bodies, self.stepper.shapes, self.stepper.box, 0.0, self.stepper.features)
         return self.stepper.touching_pairs(bodies, candidates, self.stepper.drive(GENERATING, 0.0))
 
-    def _has_space(self, state, bodies, top, last=False):
-        return self.pouring.has_space(state.inserted, top, lambda: self._highest(bodies), last)
+    def _has_space(self, state, bodies, top, last=False, among=None):
+        return self.pouring.has_space(state.inserted, top, lambda: self._highest(bodies, among), last)
 
     def _top(self, bodies, among=None):
         """Return the height [m] below which all grains are, or all bodies of the mask `among` (n,)."""
         if bodies is None:
             return 0.0
-        counted = np.zeros(len(bodies.id), bool)
-        counted[bodies.own] = True
-        if among is not None:
-            counted &= among
+        counted = _counted(bodies, among)
         tops = bodies.position[counted, 2] + bodies.radius[counted]
         return float(self.ranks.maximum([tops.max(initial=-np.inf)])[0])
 
-    def _highest(self, bodies):
-        """Return the height of the highest centre and the largest bounding radius [m]."""
-        own = bodies.own
-        return self.ranks.maximum([bodies.position[own, 2].max(initial=-np.inf), bodies.radius[own].max(initial=0.0)])
+    def _highest(self, bodies, among=None):
+        """Return the height of the highest centre and the largest bounding radius [m]; among: as in _top."""
+        counted = _counted(bodies, among)
+        return self.ranks.maximum(
+            [bodies.position[counted, 2].max(initial=-np.inf), bodies.radius[bodies.own].max(initial=0.0)]
+        )
+
+
+def _counted(bodies, among):
+    """Return a mask (n,) of the bodies that this rank moves, or of those among them that the mask `among` marks."""
+    return bodies.moves_here if among is None else bodies.moves_here & among
 
 
 def _touches(bodies, candidates):
@@ -117,7 +122,7 @@ def _touches(bodies, candidates):
     for rows, touch in (
         (contacts.body_a, contacts.touching),
         (contacts.body_b, contacts.touching),
-        (walls.body, walls.touching),
+        (walls.body, walls.touching & (walls.wall == FLOOR)),  # a grain in flight may touch the cylinder
     ):
         touching[rows[touch != 0]] = True
     return touching
